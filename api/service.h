@@ -1,0 +1,72 @@
+/// The operations of the contract as plain functions: bytes and strings in, bytes and strings out. No HTTP library, no
+/// sockets, no logging; the daemon and the command line both call these.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/run_control.h"
+#include "core/io/formats.h"
+
+namespace remesh::api {
+
+using Fields = std::vector<std::pair<std::string, std::string>>;
+
+/// Bounds that a server sets; also what /v1/capabilities tells.
+struct Limits {
+  std::uint64_t max_body = 256ull << 20;          ///< bytes
+  std::uint64_t max_vertices = 10'000'000;
+  std::uint64_t max_faces = 20'000'000;
+  std::uint64_t max_output_faces = 50'000'000;
+  int workers = 1;                                ///< threads one request may use
+  double request_timeout_s = 300;
+};
+
+/// One request, after HTTP: `query` in the order given, decoded.
+struct Request {
+  std::string_view body;
+  std::string content_type;   ///< as sent, may be empty
+  std::string accept;         ///< as sent, may be empty
+  Fields query;
+  std::string file_name;      ///< of the upload, if it had one; not trusted
+};
+
+/// What goes back: `headers` beyond Content-Type (Remesh-Summary, Server-Timing, Content-Disposition).
+struct Response {
+  int status = 200;
+  std::string content_type;
+  std::string body;
+  Fields headers;
+};
+
+/// POST /v1/remesh and POST /v1/analyze, whole: options, reading, the pipeline, writing.
+/// Errors: remesh::Error, of any code.
+Response run_remesh(const Request& request, const Limits& limits, RunControl& control);
+Response run_analyze(const Request& request, const Limits& limits, RunControl& control);
+
+/// GET /v1/capabilities and GET /openapi.json.
+Response capabilities(const Limits& limits);
+Response openapi();
+
+/// An error of the contract (RFC 9457). Codes that only HTTP knows (`not_found`, `overloaded`, ...) use this directly.
+struct Problem {
+  int status = 500;
+  std::string code = "internal";
+  std::string detail;
+  std::optional<std::uint64_t> line, element, limit;
+  std::string option;
+};
+
+/// The one table from core codes to HTTP.
+Problem to_problem(const Error& error);
+/// The title of a status, as in RFC 9110: "Not Found".
+std::string_view status_title(int status);
+/// application/problem+json with type, title, status, detail, code, request_id and what else is set.
+Response to_response(const Problem& problem, std::string_view request_id);
+
+}  // namespace remesh::api

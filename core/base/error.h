@@ -1,0 +1,85 @@
+/// The one exception type: what ends a request.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace remesh {
+
+/// What went wrong, by its stable name in the contract (`code_name`).
+enum class Code {
+  kInvalidMesh,
+  kIndexOutOfRange,
+  kNonfiniteCoordinate,
+  kEmptyMesh,
+  kMeshTooLarge,
+  kOutputTooLarge,
+  kMalformedJson,
+  kInvalidOption,
+  kUnknownOption,
+  kUnsupportedMediaType,
+  kNotAcceptable,
+  kNotImplemented,
+  kCancelled,
+  kTimeout,
+  kVerificationFailed,
+  kInternal,
+};
+
+/// A stage of the pipeline, in the order in which they run; its name is in progress, timings and errors.
+enum class Stage {
+  kQueued,
+  kRead,
+  kWeld,
+  kRegions,
+  kPatches,
+  kLoops,
+  kEssentialVertices,
+  kTriangulation,
+  kRefinement,
+  kAssembly,
+  kVerify,
+  kQuality,
+  kWrite,
+};
+inline constexpr int kStageCount = static_cast<int>(Stage::kWrite) + 1;
+
+/// The stable name of a code, as in the contract: `invalid_mesh`.
+std::string_view code_name(Code code);
+/// The stable name of a stage: `read`, `weld`, ...
+std::string_view stage_name(Stage stage);
+
+/// Ends a request. Everything that locates the fault is in the caller's numbering.
+class Error : public std::runtime_error {
+ public:
+  Error(Code code, Stage stage, const std::string& message) : std::runtime_error(message), code(code), stage(stage) {}
+
+  Error& at_line(std::uint64_t l) {
+    line = l;
+    return *this;
+  }
+  Error& at_element(std::uint64_t e) {
+    element = e;
+    return *this;
+  }
+  Error& for_option(std::string name) {
+    option = std::move(name);
+    return *this;
+  }
+  Error& with_limit(std::uint64_t l) {
+    limit = l;
+    return *this;
+  }
+
+  Code code;
+  Stage stage;
+  std::optional<std::uint64_t> line;     ///< from 1, in the text that was read
+  std::optional<std::uint64_t> element;  ///< face or vertex, counted as the input's format counts
+  std::optional<std::uint64_t> limit;    ///< the bound that was passed
+  std::string option;                    ///< the option at fault, by its name in the contract
+};
+
+}  // namespace remesh

@@ -1,0 +1,87 @@
+/// Ids that cannot be mixed up: a VertexId is no FaceId, and neither is a number.
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <ostream>
+#include <utility>
+#include <vector>
+
+namespace remesh {
+
+/// A 32-bit index with a kind. Invalid by default; printable as its prefix and number (`v12`).
+template <class Tag>
+struct Id {
+  static constexpr std::uint32_t kInvalid = std::numeric_limits<std::uint32_t>::max();
+
+  std::uint32_t value = kInvalid;
+
+  constexpr Id() = default;
+  constexpr explicit Id(std::uint32_t v) : value(v) {}
+  constexpr explicit Id(std::size_t v) : value(static_cast<std::uint32_t>(v)) {}
+  constexpr explicit Id(int v) : value(static_cast<std::uint32_t>(v)) {}
+
+  constexpr bool is_valid() const { return value != kInvalid; }
+  friend constexpr auto operator<=>(Id, Id) = default;
+  friend std::ostream& operator<<(std::ostream& out, Id id) {
+    return id.is_valid() ? out << Tag::kPrefix << id.value : out << Tag::kPrefix << '-';
+  }
+};
+
+struct VertexTag {
+  static constexpr char kPrefix = 'v';
+};
+struct FaceTag {
+  static constexpr char kPrefix = 'f';
+};
+struct PatchTag {
+  static constexpr char kPrefix = 'p';
+};
+
+using VertexId = Id<VertexTag>;
+using FaceId = Id<FaceTag>;
+using PatchId = Id<PatchTag>;
+
+/// A vector that is indexed by one kind of id only.
+template <class I, class T>
+class IdVector {
+ public:
+  using value_type = T;
+
+  IdVector() = default;
+  explicit IdVector(std::size_t n, const T& value = T()) : items_(n, value) {}
+
+  typename std::vector<T>::reference operator[](I id) { return items_[id.value]; }
+  typename std::vector<T>::const_reference operator[](I id) const { return items_[id.value]; }
+
+  std::size_t size() const { return items_.size(); }
+  bool empty() const { return items_.empty(); }
+  void reserve(std::size_t n) { items_.reserve(n); }
+  void resize(std::size_t n, const T& value = T()) { items_.resize(n, value); }
+  void assign(std::size_t n, const T& value) { items_.assign(n, value); }
+  void clear() { items_.clear(); }
+
+  /// Appends and returns the id of what was appended.
+  I push_back(T item) {
+    items_.push_back(std::move(item));
+    return I(items_.size() - 1);
+  }
+
+  auto begin() { return items_.begin(); }
+  auto end() { return items_.end(); }
+  auto begin() const { return items_.begin(); }
+  auto end() const { return items_.end(); }
+
+  /// The items as a plain vector, for code that loops over all of them or moves them out.
+  std::vector<T>& items() { return items_; }
+  const std::vector<T>& items() const { return items_; }
+
+  friend bool operator==(const IdVector&, const IdVector&) = default;
+
+ private:
+  std::vector<T> items_;
+};
+
+}  // namespace remesh

@@ -1,0 +1,68 @@
+/// Points and vectors in the plane and in space, in doubles.
+#pragma once
+
+#include <cmath>
+#include <compare>
+
+namespace remesh {
+
+struct Vec2 {
+  double x = 0;
+  double y = 0;
+
+  /// Lexicographic, x first: the order of the sweep and of all ties in a patch.
+  friend constexpr auto operator<=>(const Vec2&, const Vec2&) = default;
+  friend constexpr Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
+  friend constexpr Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
+  friend constexpr Vec2 operator*(double s, Vec2 a) { return {s * a.x, s * a.y}; }
+};
+
+struct Vec3 {
+  double x = 0;
+  double y = 0;
+  double z = 0;
+
+  /// Lexicographic: the order of ties in space.
+  friend constexpr auto operator<=>(const Vec3&, const Vec3&) = default;
+  friend constexpr Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend constexpr Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend constexpr Vec3 operator-(const Vec3& a) { return {-a.x, -a.y, -a.z}; }
+  friend constexpr Vec3 operator*(double s, const Vec3& a) { return {s * a.x, s * a.y, s * a.z}; }
+  Vec3& operator+=(const Vec3& b) { return *this = *this + b; }
+
+  double& operator[](int axis) { return axis == 0 ? x : axis == 1 ? y : z; }
+  double operator[](int axis) const { return axis == 0 ? x : axis == 1 ? y : z; }
+};
+
+constexpr double dot(Vec2 a, Vec2 b) { return a.x * b.x + a.y * b.y; }
+constexpr double cross(Vec2 a, Vec2 b) { return a.x * b.y - a.y * b.x; }
+constexpr double dot(const Vec3& a, const Vec3& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+constexpr double norm_squared(const Vec3& a) { return dot(a, a); }
+/// Length without overflow or underflow of the squares.
+inline double norm(const Vec3& a) { return std::hypot(a.x, a.y, a.z); }
+inline double norm(Vec2 a) { return std::hypot(a.x, a.y); }
+/// The unit vector of `a`; the null vector stays null.
+inline Vec3 normalized(const Vec3& a) {
+  const double n = norm(a);
+  return n > 0 ? Vec3{a.x / n, a.y / n, a.z / n} : Vec3{};
+}
+inline bool is_finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
+
+/// Axis-aligned box; empty until something is added.
+struct Box3 {
+  Vec3 min{HUGE_VAL, HUGE_VAL, HUGE_VAL};
+  Vec3 max{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
+
+  void add(const Vec3& p) {
+    min = {std::fmin(min.x, p.x), std::fmin(min.y, p.y), std::fmin(min.z, p.z)};
+    max = {std::fmax(max.x, p.x), std::fmax(max.y, p.y), std::fmax(max.z, p.z)};
+  }
+  bool is_empty() const { return !(min.x <= max.x); }
+  double diagonal() const { return is_empty() ? 0 : norm(max - min); }
+};
+
+}  // namespace remesh

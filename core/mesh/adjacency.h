@@ -1,0 +1,58 @@
+/// Which faces share which edges; edges may have one, two or more faces.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/ids.h"
+
+namespace remesh {
+
+struct EdgeTag {
+  static constexpr char kPrefix = 'e';
+};
+using EdgeId = Id<EdgeTag>;
+
+/// Edges of a polygon mesh, grouped from its half-edges. A half-edge is a corner: it runs from that corner to the next
+/// one of its face, and its number is the corner's index in `corners`.
+class Adjacency {
+ public:
+  /// Output: edges ordered by (smaller vertex, larger vertex); the half-edges of an edge ascending.
+  /// Cost:   O(n) for vertices of bounded degree, O(n log n) at worst.
+  Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin, std::span<const VertexId> corners);
+
+  std::size_t edge_count() const { return edge_begin_.size() - 1; }
+  /// The corners that run along edge e, in either direction: one a face (two where a polygon meets itself).
+  std::span<const std::uint32_t> half_edges(EdgeId e) const {
+    return std::span(half_edges_).subspan(edge_begin_[e.value], edge_begin_[e.value + 1] - edge_begin_[e.value]);
+  }
+  EdgeId edge_of(std::uint32_t half_edge) const { return edge_of_[half_edge]; }
+  FaceId face_of(std::uint32_t half_edge) const { return face_of_[half_edge]; }
+  VertexId from(std::uint32_t half_edge) const { return corners_[half_edge]; }
+  VertexId to(std::uint32_t half_edge) const { return corners_[next(half_edge)]; }
+  /// The following corner in the same face.
+  std::uint32_t next(std::uint32_t half_edge) const {
+    const std::uint32_t f = face_of_[half_edge].value;
+    return half_edge + 1 == face_begin_[f + 1] ? face_begin_[f] : half_edge + 1;
+  }
+  /// The other half-edge where the edge has exactly two that run in opposite directions; else kNone.
+  std::uint32_t twin(std::uint32_t half_edge) const {
+    const auto around = half_edges(edge_of_[half_edge]);
+    if (around.size() != 2) return kNone;
+    const std::uint32_t other = around[0] == half_edge ? around[1] : around[0];
+    return corners_[other] == corners_[half_edge] ? kNone : other;
+  }
+
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+ private:
+  std::span<const std::uint32_t> face_begin_;
+  std::span<const VertexId> corners_;
+  std::vector<std::uint32_t> half_edges_;
+  std::vector<std::uint32_t> edge_begin_;
+  std::vector<EdgeId> edge_of_;
+  std::vector<FaceId> face_of_;
+};
+
+}  // namespace remesh

@@ -1,0 +1,30 @@
+/// The working surface: what the stages after `weld` see.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/vec.h"
+
+namespace remesh {
+
+/// Polygons over welded vertices, degenerate faces dropped, non-planar polygons triangulated.
+/// Holds: positions are pairwise different; every vertex is used; no face has a repeated consecutive corner or zero area.
+struct Surface {
+  IdVector<VertexId, Vec3> positions;
+  std::vector<std::uint32_t> face_begin{0};
+  std::vector<VertexId> corners;
+  IdVector<VertexId, VertexId> vertex_source;     ///< the first input vertex with these coordinates
+  IdVector<FaceId, FaceId> face_source;           ///< the input face this one came from
+  IdVector<FaceId, std::uint32_t> face_label;     ///< equal numbers: no barrier between the faces
+
+  std::size_t vertex_count() const { return positions.size(); }
+  std::size_t face_count() const { return face_begin.size() - 1; }
+  std::span<const VertexId> face(FaceId f) const {
+    return std::span(corners).subspan(face_begin[f.value], face_begin[f.value + 1] - face_begin[f.value]);
+  }
+};
+
+}  // namespace remesh

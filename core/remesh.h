@@ -1,0 +1,41 @@
+/// The pipeline's entry: a surface in, the same surface re-triangulated out, with its report.
+#pragma once
+
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/mesh/mesh.h"
+#include "core/options.h"
+#include "core/report.h"
+
+namespace remesh {
+
+struct Result {
+  TriangleMesh mesh;
+  IdVector<FaceId, PatchId> face_patch;   ///< one per output face; indexes report.patches
+  IdVector<FaceId, FaceId> face_source;   ///< the input face under each face's centroid; empty unless asked for
+  Report report;
+};
+
+/// The version of the project, as in the report and in `--version`.
+const char* version();
+
+/// Errors: Code::kNotImplemented - an option asks for what does not exist yet (`option` is set);
+///         Code::kInvalidOption - a value out of its range, or two options that exclude each other.
+void check_options(const Options& options);
+
+/// Re-triangulates a surface: coplanar faces become patches, patches are triangulated from their essential vertices.
+/// Input:   a mesh that holds what PolygonMesh promises; `diagnostics` of its reader, passed on into the report.
+/// Output:  vertices with their input coordinates, bit for bit; triangles by patch; the report with a verdict all true.
+/// Holds:   the promises 1 to 7 of the design; the same bytes for any number of workers.
+/// Errors:  kEmptyMesh - no face; kNotImplemented, kInvalidOption - see check_options; kCancelled, kTimeout - asked to
+///          stop through `control`; kVerificationFailed - even the last rung of the ladder failed the check.
+/// Cost:    O(n log n) in the input's corners.
+Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
+                      RunControl& control, std::vector<Diagnostic> diagnostics = {});
+
+/// The report of `input` alone: statistics, patches, diagnostics, prediction; remeshes nothing, verifies nothing.
+Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
+                       RunControl& control, std::vector<Diagnostic> diagnostics = {});
+
+}  // namespace remesh

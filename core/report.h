@@ -1,0 +1,149 @@
+/// What a run tells about itself, as plain values. Field names are those of the contract's JSON report.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/error.h"
+#include "core/base/ids.h"
+#include "core/base/vec.h"
+#include "core/options.h"
+
+namespace remesh {
+
+struct Range {
+  double min = 0;
+  double mean = 0;
+  double max = 0;
+};
+
+/// `edges` has one entry more than `counts`; the first and last bins take what lies beyond.
+struct Histogram {
+  std::vector<double> edges;
+  std::vector<std::uint64_t> counts;
+};
+
+/// Quality of a set of triangles, Verdict's definitions (Knupp et al., The Verdict Geometric Quality Library, 2007).
+struct Quality {
+  double min_angle_deg = 0;
+  double max_angle_deg = 0;
+  Range radius_edge_ratio;  ///< circumradius / shortest edge; 1/sqrt(3) for the equilateral triangle
+  Range aspect_ratio;       ///< longest edge * perimeter / (4 sqrt(3) area); 1 for the equilateral triangle
+  Range edge_length;
+  Range area;
+  Histogram angle_histogram_deg;
+  Histogram radius_edge_histogram;
+};
+
+/// Counts and measures of a surface; `volume` is empty if it is open.
+struct MeshStatistics {
+  std::uint64_t vertices = 0;
+  std::uint64_t faces = 0;
+  std::uint64_t components = 0;
+  std::uint64_t boundary_edges = 0;
+  std::uint64_t non_manifold_edges = 0;
+  bool closed = false;
+  std::int64_t euler = 0;
+  double area = 0;
+  std::optional<double> volume;
+  Box3 bounding_box;
+  Quality quality;
+};
+
+enum class PatchStatus { kRemeshed, kReduced, kKept };
+enum class PatchReason { kNone, kSelfIntersectingLoop, kOverlappingFaces, kNotPlanar, kBudget, kVerificationFailed };
+
+struct PatchSummary {
+  Vec3 normal;            ///< unit
+  double offset = 0;      ///< normal . x = offset on the plane
+  double area = 0;
+  std::uint64_t input_faces = 0;
+  std::uint64_t output_faces = 0;
+  std::uint32_t loops = 0;
+  std::uint32_t essential_vertices = 0;
+  PatchStatus status = PatchStatus::kRemeshed;
+  PatchReason reason = PatchReason::kNone;
+  double deviation = 0;   ///< largest distance of an input vertex of the patch to its plane
+};
+
+enum class DiagnosticCode {
+  kDuplicateVertex,
+  kDuplicateFace,
+  kZeroAreaFace,
+  kTJunction,
+  kInconsistentWinding,
+  kInsideOut,
+  kNonManifoldEdge,
+  kNonManifoldVertex,
+  kOpenBoundary,
+  kSelfIntersection,
+  kOverlappingFaces,
+  kUnusedVertex,
+  kNonplanarPolygon,
+  kAttributeDropped,
+  kTrailingBytes,
+  kCurvedSurface,
+};
+
+/// Something that was found, dropped, merged or split. `elements` holds the first 100, in the input's numbering from 0.
+struct Diagnostic {
+  static constexpr std::size_t kMaxElements = 100;
+
+  DiagnosticCode code = DiagnosticCode::kDuplicateVertex;
+  std::uint64_t count = 0;
+  std::vector<std::uint64_t> elements;
+  std::string message;
+
+  void add(std::uint64_t element) {
+    ++count;
+    if (elements.size() < kMaxElements) elements.push_back(element);
+  }
+};
+
+/// What the independent checker found. `quality` is empty without refinement.
+struct Verdict {
+  bool surface = false;
+  bool conforming = false;
+  bool delaunay = false;
+  std::optional<bool> quality;
+  double deviation = 0;  ///< largest distance found between input and output
+  /// Patches on which a test failed, ascending; empty if only a property of the whole failed.
+  std::vector<PatchId> failed_patches;
+  /// The first failures in words, for logs and tests.
+  std::vector<std::string> failures;
+
+  bool all_true() const { return surface && conforming && delaunay && quality.value_or(true); }
+};
+
+struct StageTime {
+  Stage stage;
+  double ms;
+};
+
+struct Report {
+  Options options;              ///< as used
+  double plane_tolerance = 0;   ///< as used, model units
+  bool plane_tolerance_is_automatic = true;
+  double rounding_step = 0;     ///< read from the coordinates; 0 if they are full doubles
+  double volume_bound = 0;      ///< largest change of volume that the patches' deviations explain
+  MeshStatistics input;
+  MeshStatistics output;
+  std::vector<PatchSummary> patches;
+  std::vector<Diagnostic> diagnostics;
+  std::uint64_t predicted_faces = 0;
+  std::optional<double> smallest_gap;
+  Verdict verified;
+  std::vector<StageTime> timing_ms;
+};
+
+std::string_view status_name(PatchStatus status);
+/// The stable name; empty for kNone.
+std::string_view reason_name(PatchReason reason);
+std::string_view diagnostic_name(DiagnosticCode code);
+
+}  // namespace remesh
