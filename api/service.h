@@ -19,21 +19,21 @@ using Fields = std::vector<std::pair<std::string, std::string>>;
 
 /// Bounds that a server sets; also what /v1/capabilities tells.
 struct Limits {
-  std::uint64_t max_body = 256ull << 20;          ///< bytes
+  std::uint64_t max_body = 256ull << 20;  ///< bytes
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;
   std::uint64_t max_output_faces = 50'000'000;
-  int workers = 1;                                ///< threads one request may use
+  int workers = 1;  ///< threads one request may use
   double request_timeout_s = 300;
 };
 
 /// One request, after HTTP: `query` in the order given, decoded.
 struct Request {
   std::string_view body;
-  std::string content_type;   ///< as sent, may be empty
-  std::string accept;         ///< as sent, may be empty
+  std::string content_type;  ///< as sent, may be empty
+  std::string accept;        ///< as sent, may be empty
   Fields query;
-  std::string file_name;      ///< of the upload, if it had one; not trusted
+  std::string file_name;  ///< of the upload, if it had one; not trusted
 };
 
 /// What goes back: `headers` beyond Content-Type (Remesh-Summary, Server-Timing, Content-Disposition).

@@ -4,6 +4,8 @@
 /// Source: Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997.
 #pragma once
 
+#include <cmath>
+
 #include "core/base/vec.h"
 
 namespace remesh {
@@ -15,9 +17,54 @@ int orient2d(Vec2 a, Vec2 b, Vec2 c);
 /// It turns with the orientation of abc.
 int in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d);
 
-/// in_circle with ties broken: never 0 for four distinct points of which a, b, c are counter-clockwise.
+/// in_circle with ties broken: never 0 for four distinct points of which a, b, c are not collinear.
 /// Of four cocircular points the lexicographically smallest is moved inwards by an infinitesimal, so that the
 /// Delaunay diagonal is the one at that point: one answer for any order of input, and no cycling of flips.
 int in_circle_perturbed(Vec2 a, Vec2 b, Vec2 c, Vec2 d);
+
+/// The part of a predicate that the filter cannot decide. Call the predicate, not these.
+namespace exact {
+
+int orient2d(Vec2 a, Vec2 b, Vec2 c);
+int in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d);
+int in_circle_tie(Vec2 a, Vec2 b, Vec2 c, Vec2 d);
+
+}  // namespace exact
+
+inline int orient2d(Vec2 a, Vec2 b, Vec2 c) {
+  // Half an ulp of 1, and Shewchuk's bound on the relative error of the determinant (ccwerrboundA).
+  constexpr double kEpsilon = 0x1p-53;
+  constexpr double kErrorBound = (3 + 16 * kEpsilon) * kEpsilon;
+  const double left = (a.x - c.x) * (b.y - c.y);
+  const double right = (a.y - c.y) * (b.x - c.x);
+  const double determinant = left - right;
+  const double error = kErrorBound * (std::fabs(left) + std::fabs(right));
+  if (determinant > error) return 1;
+  if (determinant < -error) return -1;
+  return exact::orient2d(a, b, c);
+}
+
+inline int in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+  // As above (iccerrboundA).
+  constexpr double kEpsilon = 0x1p-53;
+  constexpr double kErrorBound = (10 + 96 * kEpsilon) * kEpsilon;
+  const Vec2 ad = a - d, bd = b - d, cd = c - d;
+  const double bc = bd.x * cd.y, cb = cd.x * bd.y;
+  const double ca = cd.x * ad.y, ac = ad.x * cd.y;
+  const double ab = ad.x * bd.y, ba = bd.x * ad.y;
+  const double a_lift = dot(ad, ad), b_lift = dot(bd, bd), c_lift = dot(cd, cd);
+  const double determinant = a_lift * (bc - cb) + b_lift * (ca - ac) + c_lift * (ab - ba);
+  const double error =
+      kErrorBound * (a_lift * (std::fabs(bc) + std::fabs(cb)) + b_lift * (std::fabs(ca) + std::fabs(ac)) +
+                     c_lift * (std::fabs(ab) + std::fabs(ba)));
+  if (determinant > error) return 1;
+  if (determinant < -error) return -1;
+  return exact::in_circle(a, b, c, d);
+}
+
+inline int in_circle_perturbed(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+  const int sign = in_circle(a, b, c, d);
+  return sign != 0 ? sign : exact::in_circle_tie(a, b, c, d);
+}
 
 }  // namespace remesh

@@ -1,6 +1,7 @@
 /// Mesh formats: their names, telling them apart, reading and writing.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -13,7 +14,25 @@
 
 namespace remesh {
 
+/// Every format of the contract, those not read or written yet included.
 enum class Format { kObj, kJson, kStl, kPly, kOff, kVtu, kMsh };
+
+inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kStl, Format::kPly,
+                                        Format::kOff, Format::kVtu,  Format::kMsh};
+
+/// The stable name, which is the usual file ending too: `obj`, `json`, ...
+std::string_view format_name(Format format);
+/// The format of that very name.
+std::optional<Format> format_from_name(std::string_view name);
+/// By the ending of a file's name, in upper or lower case: `part.STL`. The directory does not count.
+std::optional<Format> format_from_file_name(std::string_view file_name);
+/// The media type that answers carry, without parameters: `model/obj`.
+std::string_view media_type(Format format);
+
+/// The format that the content looks like, one of those that are read; OBJ if it looks like nothing else.
+/// Input: the content, or its beginning; binary STL, which has no mark, is known by the length of the whole.
+/// Cost:  O(length).
+Format sniff_format(std::string_view content);
 
 /// Bounds on what a reader may build; passing one ends the read with Code::kMeshTooLarge.
 struct ReadLimits {

@@ -14,6 +14,10 @@ namespace remesh {
 /// Holds: positions are pairwise different; every vertex is used; no face has a repeated consecutive corner or zero area.
 struct Surface {
   IdVector<VertexId, Vec3> positions;
+  /// The positions less the box's centre, over `unit`, a power of two: within [-1, 1]. The stages compute in these, so
+  /// that nothing overflows and scaling by powers of two changes nothing.
+  IdVector<VertexId, Vec3> local;
+  double unit = 1;                                ///< model units per local unit
   std::vector<std::uint32_t> face_begin{0};
   std::vector<VertexId> corners;
   IdVector<VertexId, VertexId> vertex_source;     ///< the first input vertex with these coordinates

@@ -1,0 +1,134 @@
+// GET /v1/capabilities and GET /openapi.json.
+#include "api/json_writer.h"
+#include "api/negotiation.h"
+#include "api/options.h"
+#include "api/report_json.h"
+#include "api/service.h"
+#include "core/remesh.h"
+
+namespace remesh::api {
+
+/// Generated from openapi.yaml while building.
+extern const char* const kOpenapiJson;
+
+namespace {
+
+std::string_view type_name(OptionType type) {
+  switch (type) {
+    case OptionType::kBoolean: return "boolean";
+    case OptionType::kNumber: return "number";
+    case OptionType::kInteger: return "integer";
+    case OptionType::kWords:
+    case OptionType::kAxis:
+    case OptionType::kFormat: return "string";
+  }
+  return "string";
+}
+
+void write_option(JsonWriter& json, const OptionSpec& spec) {
+  json.begin_object();
+  json.key("name");
+  json.string(spec.name);
+  json.key("type");
+  json.string(type_name(spec.type));
+  json.key("default");
+  write_option_value(json, option_value(spec, RequestOptions{}));
+  if (!spec.unset.empty()) {
+    json.key("unset");
+    json.string(spec.unset);
+  }
+  if (spec.minimum) {
+    json.key(spec.above_minimum ? "exclusive_minimum" : "minimum");
+    json.number(*spec.minimum);
+  }
+  if (spec.maximum) {
+    json.key("maximum");
+    json.number(*spec.maximum);
+  }
+  if (const std::vector<std::string_view> words = option_words(spec); !words.empty()) {
+    json.key("values");
+    json.begin_array();
+    for (const std::string_view word : words) json.string(word);
+    json.end_array();
+  }
+  if (!spec.excludes.empty()) {
+    json.key("excludes");
+    json.string(spec.excludes);
+  }
+  json.key("implemented");
+  json.boolean(is_implemented(spec));
+  json.key("description");
+  json.string(spec.help);
+  json.end_object();
+}
+
+void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(Format)) {
+  json.key(name);
+  json.begin_array();
+  for (const Format format : kFormats) {
+    if (!is_known(format)) continue;
+    json.begin_object();
+    json.key("name");
+    json.string(format_name(format));
+    json.key("media_type");
+    json.string(media_type(format));
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_limits(JsonWriter& json, const Limits& limits) {
+  const auto integer = [&](std::string_view name, std::uint64_t value) {
+    json.key(name);
+    json.integer(value);
+  };
+  json.begin_object();
+  integer("max_body", limits.max_body);
+  integer("max_vertices", limits.max_vertices);
+  integer("max_faces", limits.max_faces);
+  integer("max_output_faces", limits.max_output_faces);
+  integer("workers", static_cast<std::uint64_t>(limits.workers));
+  json.key("request_timeout_s");
+  json.number(limits.request_timeout_s);
+  json.end_object();
+}
+
+Response json_response(std::string body) {
+  Response response;
+  response.content_type = media_type(Format::kJson);
+  response.body = std::move(body);
+  return response;
+}
+
+}  // namespace
+
+Response capabilities(const Limits& limits) {
+  JsonWriter json;
+  json.begin_object();
+  json.key("name");
+  json.string("remeshd");
+  json.key("versions");
+  json.begin_object();
+  json.key("remeshd");
+  json.string(version());
+  json.key("api");
+  json.string("v1");
+  json.end_object();
+  json.key("formats");
+  json.begin_object();
+  write_formats(json, "input", can_read);
+  write_formats(json, "output", can_write);
+  json.end_object();
+  json.key("options");
+  json.begin_array();
+  for (const OptionSpec& spec : option_table()) write_option(json, spec);
+  json.end_array();
+  json.key("limits");
+  write_limits(json, limits);
+  json.end_object();
+  return json_response(json.take());
+}
+
+Response openapi() { return json_response(kOpenapiJson); }
+
+}  // namespace remesh::api

@@ -1,0 +1,118 @@
+#include "api/cli/files.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <optional>
+
+namespace remesh::cli {
+namespace {
+
+[[noreturn]] void fail(const std::string& path) { throw FileError(path + ": " + std::strerror(errno)); }
+
+/// An open file that closes itself.
+class Descriptor {
+ public:
+  explicit Descriptor(int fd) : fd_(fd) {}
+  ~Descriptor() {
+    if (fd_ >= 0) ::close(fd_);
+  }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+
+  int get() const { return fd_; }
+  /// Some file systems tell only here that the disk is full.
+  bool close() {
+    const int status = ::close(fd_);
+    fd_ = -1;
+    return status == 0;
+  }
+
+ private:
+  int fd_;
+};
+
+bool write_all(int fd, std::string_view content) {
+  while (!content.empty()) {
+    const ssize_t written = ::write(fd, content.data(), content.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) return false;
+    content.remove_prefix(static_cast<std::size_t>(written));
+  }
+  return true;
+}
+
+std::string read_all(int fd, const std::string& path) {
+  constexpr std::size_t kChunk = std::size_t{1} << 20;
+  struct stat status {};
+  const bool has_size = ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
+  std::string content;
+  std::size_t used = 0;
+  for (;;) {
+    // One byte more than the file has, so that its end is seen without another chunk.
+    const std::size_t wanted = has_size && used == 0 ? static_cast<std::size_t>(status.st_size) + 1 : kChunk;
+    if (content.size() < used + wanted) content.resize(std::max(used + wanted, used * 2));
+    const ssize_t got = ::read(fd, content.data() + used, content.size() - used);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail(path);
+    if (got == 0) break;
+    used += static_cast<std::size_t>(got);
+  }
+  content.resize(used);
+  return content;
+}
+
+/// What a new file made by an ordinary program would get.
+mode_t default_mode() {
+  const mode_t mask = ::umask(0);
+  ::umask(mask);
+  return 0666 & ~mask;
+}
+
+void replace_file(const std::string& target, std::string_view content, mode_t mode) {
+  std::string temporary = target + ".XXXXXX";
+  Descriptor file(::mkstemp(temporary.data()));
+  if (file.get() < 0) fail(target);
+  const bool is_written = write_all(file.get(), content) && ::fchmod(file.get(), mode) == 0 && file.close() &&
+                          std::rename(temporary.c_str(), target.c_str()) == 0;
+  if (is_written) return;
+  const int error = errno;
+  ::unlink(temporary.c_str());
+  errno = error;
+  fail(target);
+}
+
+}  // namespace
+
+std::string read_file(const std::string& path) {
+  if (path == "-") return read_all(STDIN_FILENO, "standard input");
+  const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  if (file.get() < 0) fail(path);
+  return read_all(file.get(), path);
+}
+
+void write_file(const std::string& path, std::string_view content) {
+  if (path == "-") {
+    if (!write_all(STDOUT_FILENO, content)) fail("standard output");
+    return;
+  }
+  struct stat status {};
+  const bool exists = ::stat(path.c_str(), &status) == 0;
+  if (exists && !S_ISREG(status.st_mode)) {
+    Descriptor file(::open(path.c_str(), O_WRONLY | O_CLOEXEC));
+    if (file.get() < 0 || !write_all(file.get(), content) || !file.close()) fail(path);
+    return;
+  }
+  // A link stays a link: what it points to is replaced.
+  std::error_code no_link;
+  const std::filesystem::path target = exists ? std::filesystem::canonical(path, no_link) : path;
+  replace_file(no_link ? path : target.string(), content, exists ? status.st_mode & 07777 : default_mode());
+}
+
+}  // namespace remesh::cli

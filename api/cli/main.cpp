@@ -1,0 +1,193 @@
+// The command-line twin of the daemon: remesh part.obj -o out.obj --plane-tolerance 1e-5 --report report.json
+#include <csignal>
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <atomic>
+#include <exception>
+#include <iostream>
+#include <limits>
+#include <map>
+#include <new>
+#include <string>
+#include <string_view>
+#include <thread>
+#include <vector>
+
+#include "api/cli/files.h"
+#include "api/cli/progress_bar.h"
+#include "api/job.h"
+#include "api/options.h"
+#include "core/io/formats.h"
+#include "core/remesh.h"
+
+namespace remesh::cli {
+namespace {
+
+constexpr int kDone = 0;
+constexpr int kFailed = 1;
+constexpr int kMisused = 2;
+
+struct Arguments {
+  std::string input;
+  std::string output;
+  std::string report;
+  int workers = 1;
+  std::vector<std::pair<std::string_view, std::string>> options;  // by the contract's names
+};
+
+/// The command line does not say what to do.
+class UsageError : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+std::string with_hyphens(std::string_view name) {
+  std::string flag(name);
+  std::replace(flag.begin(), flag.end(), '_', '-');
+  return flag;
+}
+
+std::string with_underscores(std::string_view flag) {
+  std::string name(flag);
+  std::replace(name.begin(), name.end(), '-', '_');
+  return name;
+}
+
+// "help text [default]"
+std::string option_help(const api::OptionSpec& spec) {
+  return std::string(spec.help) + " [" + api::option_text(spec, api::RequestOptions{}) + "]" +
+         (api::is_implemented(spec) ? "" : " (not implemented yet)");
+}
+
+std::string unknown_argument(const std::string& argument) {
+  if (!argument.starts_with("--")) return "unexpected argument " + argument;
+  const std::string_view name = std::string_view(argument).substr(2, argument.find('=') - 2);
+  return "there is no option --" + std::string(name) + "; the nearest is --" +
+         with_hyphens(api::nearest_option(with_underscores(name)).name);
+}
+
+/// Fills `arguments`. Errors: CLI::ParseError, also for --help and --version; UsageError.
+void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
+  arguments.workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  app.set_version_flag("--version", std::string("remesh ") + version());
+  app.add_option("input", arguments.input, "the mesh to read; - for standard input")->required();
+  app.add_option("-o,--output", arguments.output, "the mesh to write; - for standard output")->required();
+  app.add_option("--report", arguments.report, "also write the report, as JSON");
+  app.add_option("--workers", arguments.workers, "threads that compute; the result does not depend on it")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+
+  std::map<std::string_view, std::string> values;
+  std::map<std::string_view, CLI::Option*> flags;
+  for (const api::OptionSpec& spec : api::option_table()) {
+    flags[spec.name] = app.add_option("--" + with_hyphens(spec.name), values[spec.name], option_help(spec))
+                           ->type_name("VALUE")
+                           ->group("Remeshing (as the service's options)");
+  }
+  app.allow_extras();
+  app.parse(argc, argv);
+  if (const auto extras = app.remaining(); !extras.empty()) throw UsageError(unknown_argument(extras.front()));
+  if (arguments.output == "-" && arguments.report == "-") {
+    throw UsageError("the mesh and the report cannot both go to standard output");
+  }
+  for (const api::OptionSpec& spec : api::option_table()) {
+    if (flags[spec.name]->count() > 0) arguments.options.emplace_back(spec.name, values[spec.name]);
+  }
+}
+
+/// No server, no limits but what the ids can count.
+api::Limits limits_for(int workers) {
+  api::Limits limits;
+  limits.max_vertices = VertexId::kInvalid;
+  limits.max_faces = FaceId::kInvalid;
+  limits.max_output_faces = std::numeric_limits<std::uint64_t>::max();
+  limits.workers = workers;
+  return limits;
+}
+
+/// `part.obj:12: index_out_of_range: face 3 ...`
+std::string describe(const Error& error, const std::string& input) {
+  std::string text;
+  if (error.option.empty() && error.stage == Stage::kRead) {
+    text = input == "-" ? "standard input" : input;
+    if (error.line) text += ":" + std::to_string(*error.line);
+    text += ": ";
+  }
+  return text + std::string(code_name(error.code)) + ": " + error.what();
+}
+
+/// What the command line alone decides is misuse; what the mesh decides is a failure.
+int exit_code(const Error& error) {
+  return error.option.empty() && error.code != Code::kNotAcceptable ? kFailed : kMisused;
+}
+
+// Set before the handlers are installed, and outlives them.
+std::atomic<RunControl*> g_interrupted_run{nullptr};
+static_assert(std::atomic<RunControl*>::is_always_lock_free);
+
+void interrupt(int) {
+  if (RunControl* const run = g_interrupted_run.load()) run->cancel();
+}
+
+int run(const Arguments& arguments) {
+  static RunControl control;
+  g_interrupted_run = &control;
+  std::signal(SIGINT, interrupt);
+  std::signal(SIGTERM, interrupt);
+  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error of writing
+
+  try {
+    api::Job job;
+    for (const auto& [name, value] : arguments.options) job.options.add(name, value);
+    job.options.check();
+    job.input_format = format_from_file_name(arguments.input);
+    if (const auto format = format_from_file_name(arguments.output)) job.accept = media_type(*format);
+    const std::string mesh = read_file(arguments.input);
+    job.mesh = mesh;
+
+    api::RemeshAnswer answer;
+    std::string report;
+    {
+      const ProgressBar progress(control);
+      answer = api::run_remesh_job(std::move(job), limits_for(arguments.workers), control);
+      if (!arguments.report.empty()) report = api::report_document(answer, control);
+      control.check();
+    }
+    write_file(arguments.output, answer.body);
+    if (!arguments.report.empty()) write_file(arguments.report, report);
+    return kDone;
+  } catch (const Error& error) {
+    std::cerr << "remesh: " << describe(error, arguments.input) << "\n";
+    return exit_code(error);
+  } catch (const FileError& error) {
+    std::cerr << "remesh: " << error.what() << "\n";
+  } catch (const std::bad_alloc&) {
+    std::cerr << "remesh: out_of_memory: the mesh needs more memory than there is\n";
+  } catch (const std::exception& error) {
+    std::cerr << "remesh: internal: " << error.what() << "\n";
+  }
+  return kFailed;
+}
+
+}  // namespace
+}  // namespace remesh::cli
+
+int main(int argc, char** argv) {
+  using namespace remesh::cli;
+  CLI::App app{"Re-triangulates a surface mesh: the same surface, planar faces in patches, each one Delaunay.",
+               "remesh"};
+  Arguments arguments;
+  try {
+    parse(app, argc, argv, arguments);
+  } catch (const CLI::Success& help_or_version) {
+    return app.exit(help_or_version);
+  } catch (const CLI::ParseError& error) {
+    std::cerr << "remesh: " << error.what() << "; remesh --help tells more\n";
+    return kMisused;
+  } catch (const UsageError& error) {
+    std::cerr << "remesh: " << error.what() << "; remesh --help tells more\n";
+    return kMisused;
+  }
+  return run(arguments);
+}

@@ -1,0 +1,123 @@
+// The one table from the core's codes to HTTP, and problem+json.
+#include "api/json_writer.h"
+#include "api/service.h"
+
+namespace remesh::api {
+namespace {
+
+int status_of(Code code) {
+  switch (code) {
+    case Code::kMalformedRequest:
+    case Code::kMalformedJson:
+    case Code::kMalformedMultipart:
+    case Code::kInvalidOption:
+    case Code::kUnknownOption: return 400;
+    case Code::kNotAcceptable: return 406;
+    case Code::kBodyTooLarge:
+    case Code::kMeshTooLarge: return 413;
+    case Code::kUnsupportedMediaType: return 415;
+    case Code::kInvalidMesh:
+    case Code::kIndexOutOfRange:
+    case Code::kNonfiniteCoordinate:
+    case Code::kEmptyMesh:
+    case Code::kOutputTooLarge: return 422;
+    case Code::kCancelled: return 499;
+    case Code::kVerificationFailed:
+    case Code::kInternal: return 500;
+    case Code::kNotImplemented: return 501;
+    case Code::kTimeout: return 504;
+  }
+  return 500;
+}
+
+/// "index_out_of_range" -> "Index out of range"
+std::string title_of(std::string_view code) {
+  std::string title(code);
+  for (char& c : title) {
+    if (c == '_') c = ' ';
+  }
+  if (!title.empty() && title[0] >= 'a' && title[0] <= 'z') title[0] = static_cast<char>(title[0] - 'a' + 'A');
+  return title;
+}
+
+}  // namespace
+
+Problem to_problem(const Error& error) {
+  Problem problem;
+  problem.status = status_of(error.code);
+  problem.code = code_name(error.code);
+  problem.detail = error.what();
+  problem.line = error.line;
+  problem.element = error.element;
+  problem.limit = error.limit;
+  problem.option = error.option;
+  if (error.code == Code::kInternal)
+    problem.detail = "something went wrong here; the log says more under this request id";
+  return problem;
+}
+
+std::string_view status_title(int status) {
+  switch (status) {
+    case 100: return "Continue";
+    case 200: return "OK";
+    case 202: return "Accepted";
+    case 204: return "No Content";
+    case 304: return "Not Modified";
+    case 400: return "Bad Request";
+    case 401: return "Unauthorized";
+    case 403: return "Forbidden";
+    case 404: return "Not Found";
+    case 405: return "Method Not Allowed";
+    case 406: return "Not Acceptable";
+    case 408: return "Request Timeout";
+    case 409: return "Conflict";
+    case 411: return "Length Required";
+    case 413: return "Content Too Large";
+    case 414: return "URI Too Long";
+    case 415: return "Unsupported Media Type";
+    case 417: return "Expectation Failed";
+    case 422: return "Unprocessable Content";
+    case 429: return "Too Many Requests";
+    case 431: return "Request Header Fields Too Large";
+    case 499: return "Client Closed Request";
+    case 500: return "Internal Server Error";
+    case 501: return "Not Implemented";
+    case 503: return "Service Unavailable";
+    case 504: return "Gateway Timeout";
+    case 505: return "HTTP Version Not Supported";
+    default: return "Unknown";
+  }
+}
+
+Response to_response(const Problem& problem, std::string_view request_id) {
+  JsonWriter json;
+  const auto text = [&](std::string_view name, std::string_view value) {
+    json.key(name);
+    json.string(value);
+  };
+  const auto number = [&](std::string_view name, const std::optional<std::uint64_t>& value) {
+    if (!value) return;
+    json.key(name);
+    json.integer(*value);
+  };
+  json.begin_object();
+  text("type", "urn:remeshd:problem:" + problem.code);
+  text("title", title_of(problem.code));
+  number("status", static_cast<std::uint64_t>(problem.status));
+  text("detail", problem.detail);
+  text("code", problem.code);
+  if (!request_id.empty()) text("request_id", request_id);
+  number("line", problem.line);
+  number("element", problem.element);
+  if (!problem.option.empty()) text("option", problem.option);
+  number("limit", problem.limit);
+  json.end_object();
+
+  Response response;
+  response.status = problem.status;
+  response.content_type = "application/problem+json";
+  response.body = json.take() + "\n";
+  return response;
+}
+
+}  // namespace remesh::api

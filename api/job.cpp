@@ -1,0 +1,166 @@
+#include "api/job.h"
+
+#include <algorithm>
+#include <chrono>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "api/json_reader.h"
+#include "api/negotiation.h"
+#include "api/text.h"
+#include "core/base/error.h"
+#include "core/io/obj.h"
+
+namespace remesh::api {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double ms_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+/// What reading gave, and the options with those that the mesh brought.
+struct Input {
+  Format format = Format::kObj;
+  ReadResult read;
+  RequestOptions options;
+  double read_ms = 0;
+};
+
+/// The options as they will be used under a server's bound.
+RequestOptions bounded(RequestOptions options, const Limits& limits) {
+  std::optional<std::uint64_t>& faces = options.core.max_output_faces;
+  if (faces && *faces > limits.max_output_faces) {
+    throw Error(Code::kInvalidOption, Stage::kRead,
+                "max_output_faces is above the limit of " + number_text(limits.max_output_faces))
+        .for_option("max_output_faces")
+        .with_limit(limits.max_output_faces);
+  }
+  const bool is_limited = limits.max_output_faces != std::numeric_limits<std::uint64_t>::max();
+  if (!faces && is_limited) faces = limits.max_output_faces;
+  return options;
+}
+
+Input read_input(Job& job, const Limits& limits, RunControl& control) {
+  const Clock::time_point start = Clock::now();
+  control.enter(Stage::kRead);
+  job.options.check();
+  Input input;
+  input.format = choose_input_format(job.input_format, job.mesh);
+  const ReadLimits read_limits{limits.max_vertices, limits.max_faces};
+  if (input.format == Format::kJson) {
+    input.read = read_json(job.mesh, read_limits, control, job.options);
+    job.options.check();
+  } else {
+    input.read = read_obj(job.mesh, read_limits, control);
+  }
+  input.options = bounded(job.options.options(), limits);
+  input.read_ms = ms_since(start);
+  return input;
+}
+
+StageTimes stage_times(const Input& input, const Report& report) {
+  StageTimes times;
+  times.add(Stage::kRead, input.read_ms);
+  for (const StageTime& time : report.timing_ms) times.add(time.stage, time.ms);
+  return times;
+}
+
+/// A message within one line, for a comment.
+std::string in_one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+  return text;
+}
+
+/// The summary as comments. No times and no id: the bytes are the same in every run.
+std::vector<std::string> summary_comments(const Report& report) {
+  std::vector<std::string> comments{"remeshd " + std::string(version()), remesh_summary(report)};
+  for (const Diagnostic& diagnostic : report.diagnostics) {
+    comments.push_back(in_one_line("warning: " + std::string(diagnostic_name(diagnostic.code)) + ": " +
+                                   number_text(diagnostic.count) + ": " + diagnostic.message));
+  }
+  return comments;
+}
+
+/// {"mesh": ..., "report": ...}; the mesh first, so that the report can say how long it took to write.
+std::string write_json_answer(const Result& result, const RequestOptions& options, StageTimes& times,
+                              RunControl& control) {
+  constexpr std::size_t kBytesPerVertex = 60;
+  constexpr std::size_t kBytesPerFace = 40;
+  const Clock::time_point start = Clock::now();
+  JsonWriter json;
+  json.reserve(result.mesh.positions.size() * kBytesPerVertex + result.mesh.faces.size() * kBytesPerFace);
+  json.begin_object();
+  json.key("mesh");
+  write_mesh(json, result, control);
+  times.add(Stage::kWrite, ms_since(start));
+  json.key("report");
+  write_report(json, result.report, options, ReportKind::kRemesh, times, control);
+  json.end_object();
+  return json.take();
+}
+
+std::string write_mesh_answer(const Result& result, StageTimes& times, RunControl& control) {
+  const Clock::time_point start = Clock::now();
+  std::string body = write_obj(result.mesh, summary_comments(result.report), control);
+  times.add(Stage::kWrite, ms_since(start));
+  return body;
+}
+
+}  // namespace
+
+RemeshAnswer run_remesh_job(Job job, const Limits& limits, RunControl& control) {
+  Input input = read_input(job, limits, control);
+  RemeshAnswer answer;
+  answer.format = choose_output_format(input.options.format, job.accept, input.format);
+  answer.options = input.options;
+  answer.options.format = answer.format;
+
+  const bool is_json = answer.format == Format::kJson;
+  Result result = remesh_surface(input.read.mesh, input.options.core, {limits.workers, /*want_face_source=*/is_json},
+                                 control, std::move(input.read.diagnostics));
+  input.read.mesh = {};  // the answer needs the room
+  answer.times = stage_times(input, result.report);
+
+  control.enter(Stage::kWrite);
+  answer.body = is_json ? write_json_answer(result, answer.options, answer.times, control)
+                        : write_mesh_answer(result, answer.times, control);
+  answer.report = std::move(result.report);
+  return answer;
+}
+
+AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& control) {
+  Input input = read_input(job, limits, control);
+  AnalysisAnswer answer;
+  answer.options = input.options;
+  answer.options.format = choose_output_format(input.options.format, job.accept, Format::kJson);
+  if (answer.options.format != Format::kJson) {
+    throw Error(Code::kNotAcceptable, Stage::kRead, "an analysis is written as json only");
+  }
+  answer.report = analyze_surface(input.read.mesh, input.options.core, {limits.workers, false}, control,
+                                  std::move(input.read.diagnostics));
+  answer.times = stage_times(input, answer.report);
+  return answer;
+}
+
+std::string remesh_summary(const Report& report) {
+  const auto kept = std::count_if(report.patches.begin(), report.patches.end(),
+                                  [](const PatchSummary& patch) { return patch.status == PatchStatus::kKept; });
+  return "input_faces=" + number_text(report.input.faces) + ", output_faces=" + number_text(report.output.faces) +
+         ", patches=" + number_text(std::uint64_t{report.patches.size()}) +
+         ", kept=" + number_text(static_cast<std::uint64_t>(kept)) +
+         ", min_angle_deg=" + number_text(report.output.quality.min_angle_deg) +
+         ", verified=" + (report.verified.all_true() ? "1" : "0") +
+         ", warnings=" + number_text(std::uint64_t{report.diagnostics.size()});
+}
+
+std::string report_document(const RemeshAnswer& answer, RunControl& control) {
+  JsonWriter json;
+  write_report(json, answer.report, answer.options, ReportKind::kRemesh, answer.times, control);
+  return json.take() + "\n";
+}
+
+}  // namespace remesh::api

@@ -1,0 +1,458 @@
+#include "api/json_reader.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <iterator>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <unordered_map>
+#include <vector>
+
+#include "api/text.h"
+#include "core/base/error.h"
+
+namespace remesh::api {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr std::size_t kMaxDepth = 64;
+constexpr std::size_t kMaxNamedKeys = 8;
+constexpr std::uint64_t kMaxIndex = VertexId::kInvalid - 1;
+
+/// Walks over the text for the parser and tells all along how far it is.
+class TrackedIterator {
+ public:
+  using iterator_category = std::input_iterator_tag;
+  using value_type = char;
+  using difference_type = std::ptrdiff_t;
+  using pointer = const char*;
+  using reference = const char&;
+
+  TrackedIterator(const char* at, const char** shared_at) : at_(at), shared_at_(shared_at) {}
+  reference operator*() const { return *at_; }
+  TrackedIterator& operator++() {
+    *shared_at_ = ++at_;
+    return *this;
+  }
+  friend bool operator==(const TrackedIterator& a, const TrackedIterator& b) { return a.at_ == b.at_; }
+
+ private:
+  const char* at_;
+  const char** shared_at_;
+};
+
+enum class Place { kRoot, kMesh, kVertices, kVertex, kFaces, kFace, kFaceGroups, kOptions, kOptionList };
+
+enum class Key { kMesh, kOptions, kVertices, kFaces, kFaceGroups, kUnknown };
+constexpr std::array<std::string_view, 5> kKeyNames{"mesh", "options", "vertices", "faces", "face_groups"};
+
+/// A number as the parser hands it on; `token` is empty for integers.
+struct Number {
+  double value;
+  bool is_integer;
+  bool is_negative;
+  std::uint64_t magnitude;
+  std::string_view token;
+
+  std::string text() const {
+    return is_integer ? (is_negative ? "-" : "") + number_text(magnitude) : std::string(token);
+  }
+};
+
+/// Receives the parser's events; `stack_` says in which part of the document they fall.
+class Handler final : public nlohmann::json_sax<Json> {
+ public:
+  Handler(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options, Place root)
+      : text_(text), at_(text.data()), limits_(limits), control_(control), options_(options), root_(root) {}
+
+  void run() {
+    const char* const end = text_.data() + text_.size();
+    Json::sax_parse(TrackedIterator(text_.data(), &at_), TrackedIterator(end, &at_), this);
+  }
+
+  ReadResult take_mesh();
+
+  // The events.
+  bool null() override { return scalar(ValueKind::kNull, "null"); }
+  bool boolean(bool value) override { return scalar(ValueKind::kBoolean, value ? "true" : "false"); }
+  bool string(std::string& value) override { return scalar(ValueKind::kString, value); }
+  bool binary(Json::binary_t&) override { return false; }  // JSON text has none
+  bool number_unsigned(std::uint64_t value) override {
+    return number({static_cast<double>(value), true, false, value, {}});
+  }
+  bool number_integer(std::int64_t value) override {
+    const auto bits = static_cast<std::uint64_t>(value);
+    return number({static_cast<double>(value), true, value < 0, value < 0 ? 0 - bits : bits, {}});
+  }
+  bool number_float(double value, const std::string& token) override { return number({value, false, false, 0, token}); }
+  bool start_object(std::size_t) override { return start(/*is_object=*/true); }
+  bool start_array(std::size_t) override { return start(/*is_object=*/false); }
+  bool end_object() override { return end(); }
+  bool end_array() override { return end(); }
+  bool key(std::string& name) override;
+  bool parse_error(std::size_t position, const std::string& token, const Json::exception& error) override;
+
+ private:
+  bool scalar(ValueKind kind, std::string_view text);
+  bool number(const Number& number);
+  bool start(bool is_object);
+  bool end();
+
+  void enter_child(bool is_object);
+  void open_vertex();
+  void close_vertex();
+  void open_face();
+  void close_face();
+  void add_corner(const Number& number);
+  void add_face_group(const Number& number);
+  void add_list_item(std::string_view text);
+  void check_indices() const;
+  void tick();
+
+  std::uint64_t vertex_count() const { return mesh_.positions.size(); }
+  std::uint64_t face_count() const { return mesh_.face_count(); }
+  std::string_view expected_of_key() const;
+
+  std::uint64_t line() const;
+  [[noreturn]] void fail(Code code, const std::string& message) const;
+  [[noreturn]] void fail_shape(const std::string& message) const { fail(Code::kInvalidMesh, message); }
+  [[noreturn]] void fail_at(Code code, std::uint64_t element, const std::string& message) const;
+  /// A value of a wrong kind came in the place where the document is now.
+  [[noreturn]] void fail_value() const;
+
+  std::string_view text_;
+  const char* at_;
+  ReadLimits limits_;
+  RunControl& control_;
+  OptionReader& options_;
+  Place root_;
+
+  std::vector<Place> stack_;
+  std::size_t skipped_depth_ = 0;  // levels below a key that is not understood
+  Key key_ = Key::kUnknown;
+  std::array<bool, kKeyNames.size()> seen_{};
+  std::string option_name_;
+  std::string option_list_;
+  bool option_list_is_empty_ = true;
+
+  PolygonMesh mesh_;
+  std::array<double, 3> coordinates_{};
+  std::size_t coordinate_count_ = 0;
+  std::unordered_map<std::string, std::uint32_t> group_index_;
+  std::vector<std::string> unknown_keys_;  // the first few
+  std::uint64_t unknown_key_count_ = 0;
+  std::uint32_t ticks_ = 0;
+};
+
+std::uint64_t Handler::line() const {
+  // The parser has looked at one byte more than the value it hands on.
+  const char* const end = at_ == text_.data() ? at_ : at_ - 1;
+  return 1 + static_cast<std::uint64_t>(std::count(text_.data(), end, '\n'));
+}
+
+void Handler::fail(Code code, const std::string& message) const {
+  throw Error(code, Stage::kRead, message).at_line(line());
+}
+
+void Handler::fail_at(Code code, std::uint64_t element, const std::string& message) const {
+  throw Error(code, Stage::kRead, message).at_line(line()).at_element(element);
+}
+
+void Handler::fail_value() const {
+  if (stack_.empty()) {
+    fail(root_ == Place::kOptions ? Code::kInvalidOption : Code::kInvalidMesh, "the document must be an object");
+  }
+  switch (stack_.back()) {
+    case Place::kRoot:
+    case Place::kMesh:
+      fail_shape(std::string(kKeyNames[static_cast<std::size_t>(key_)]) + " must be " + std::string(expected_of_key()));
+    case Place::kVertices:
+    case Place::kVertex:
+      fail_at(Code::kInvalidMesh, vertex_count(),
+              "vertex " + number_text(vertex_count()) + " must be an array of three numbers");
+    case Place::kFaces:
+    case Place::kFace:
+      fail_at(Code::kInvalidMesh, face_count(),
+              "face " + number_text(face_count()) + " must be an array of vertex numbers");
+    case Place::kFaceGroups: fail_shape("face_groups must be an array of whole numbers");
+    case Place::kOptions:
+    case Place::kOptionList: break;
+  }
+  options_.add(option_name_, "a nested value", ValueKind::kObject);
+  fail_shape("an option must be a single value");
+}
+
+std::string_view Handler::expected_of_key() const {
+  return key_ == Key::kMesh || key_ == Key::kOptions ? "an object" : "an array";
+}
+
+// A stop is obeyed and progress shown every few thousand events.
+void Handler::tick() {
+  constexpr std::uint32_t kTicks = 4096;
+  if (++ticks_ % kTicks != 0) return;
+  control_.progress(static_cast<double>(at_ - text_.data()) / static_cast<double>(text_.size()));
+}
+
+bool Handler::key(std::string& name) {
+  tick();
+  if (skipped_depth_ > 0) return true;
+  if (stack_.back() == Place::kOptions) {
+    option_name_ = name;
+    return true;
+  }
+  const auto* known = std::find(kKeyNames.begin(), kKeyNames.end(), name);
+  key_ = static_cast<Key>(known - kKeyNames.begin());
+  if (stack_.back() == Place::kMesh && (key_ == Key::kMesh || key_ == Key::kOptions)) key_ = Key::kUnknown;
+  if (key_ == Key::kUnknown) {
+    ++unknown_key_count_;
+    if (unknown_keys_.size() < kMaxNamedKeys) unknown_keys_.push_back(shortened(name));
+    return true;
+  }
+  if (seen_[static_cast<std::size_t>(key_)]) {
+    fail(Code::kMalformedJson, "the key " + in_quotes(name) + " stands twice, or both in \"mesh\" and outside of it");
+  }
+  seen_[static_cast<std::size_t>(key_)] = true;
+  return true;
+}
+
+bool Handler::scalar(ValueKind kind, std::string_view text) {
+  tick();
+  if (skipped_depth_ > 0) return true;
+  if (!stack_.empty()) {
+    const Place place = stack_.back();
+    if (place == Place::kOptions) {
+      options_.add(option_name_, text, kind);
+      return true;
+    }
+    if (place == Place::kOptionList && kind == ValueKind::kString) {
+      add_list_item(text);
+      return true;
+    }
+    if ((place == Place::kRoot || place == Place::kMesh) && key_ == Key::kUnknown) return true;
+  }
+  fail_value();
+}
+
+bool Handler::number(const Number& number) {
+  if (skipped_depth_ == 0 && !stack_.empty()) {
+    switch (stack_.back()) {
+      case Place::kVertex:
+        if (coordinate_count_ == 3) fail_value();
+        coordinates_[coordinate_count_++] = number.value;
+        return true;
+      case Place::kFace: add_corner(number); return true;
+      case Place::kFaceGroups: add_face_group(number); return true;
+      case Place::kOptionList: add_list_item(number.text()); return true;
+      default: break;
+    }
+  }
+  return scalar(ValueKind::kNumber, number.text());
+}
+
+bool Handler::start(bool is_object) {
+  tick();
+  if (stack_.size() + skipped_depth_ >= kMaxDepth) {
+    fail(Code::kMalformedJson, "nested deeper than " + number_text(std::uint64_t{kMaxDepth}) + " levels");
+  }
+  if (skipped_depth_ > 0) {
+    ++skipped_depth_;
+  } else if (stack_.empty()) {
+    if (!is_object) fail_value();
+    stack_.push_back(root_);
+  } else {
+    enter_child(is_object);
+  }
+  return true;
+}
+
+void Handler::enter_child(bool is_object) {
+  switch (stack_.back()) {
+    case Place::kRoot:
+    case Place::kMesh: {
+      if (key_ == Key::kUnknown) {
+        skipped_depth_ = 1;
+        return;
+      }
+      if (is_object != (key_ == Key::kMesh || key_ == Key::kOptions)) fail_value();
+      constexpr std::array kPlaceOfKey{Place::kMesh, Place::kOptions, Place::kVertices, Place::kFaces,
+                                       Place::kFaceGroups};
+      stack_.push_back(kPlaceOfKey[static_cast<std::size_t>(key_)]);
+      return;
+    }
+    case Place::kVertices:
+      if (is_object) fail_value();
+      open_vertex();
+      return;
+    case Place::kFaces:
+      if (is_object) fail_value();
+      open_face();
+      return;
+    case Place::kOptions:
+      if (is_object) fail_value();
+      option_list_.clear();
+      option_list_is_empty_ = true;
+      stack_.push_back(Place::kOptionList);
+      return;
+    case Place::kVertex:
+    case Place::kFace:
+    case Place::kFaceGroups:
+    case Place::kOptionList: fail_value();
+  }
+}
+
+bool Handler::end() {
+  if (skipped_depth_ > 0) {
+    --skipped_depth_;
+    return true;
+  }
+  if (stack_.back() == Place::kVertex) close_vertex();
+  if (stack_.back() == Place::kFace) close_face();
+  if (stack_.back() == Place::kOptionList) {
+    options_.add(option_name_, option_list_is_empty_ ? "none" : option_list_, ValueKind::kList);
+  }
+  stack_.pop_back();
+  return true;
+}
+
+void Handler::open_vertex() {
+  if (vertex_count() >= limits_.max_vertices) {
+    throw Error(Code::kMeshTooLarge, Stage::kRead, "more than " + number_text(limits_.max_vertices) + " vertices")
+        .with_limit(limits_.max_vertices);
+  }
+  coordinate_count_ = 0;
+  stack_.push_back(Place::kVertex);
+}
+
+void Handler::close_vertex() {
+  if (coordinate_count_ != 3) fail_value();
+  mesh_.positions.push_back({coordinates_[0], coordinates_[1], coordinates_[2]});
+}
+
+void Handler::open_face() {
+  if (face_count() >= limits_.max_faces) {
+    throw Error(Code::kMeshTooLarge, Stage::kRead, "more than " + number_text(limits_.max_faces) + " faces")
+        .with_limit(limits_.max_faces);
+  }
+  stack_.push_back(Place::kFace);
+}
+
+void Handler::add_corner(const Number& number) {
+  tick();
+  if (!number.is_integer) {
+    const bool is_only_large = number.token.find_first_not_of("-0123456789") == std::string_view::npos;
+    if (!is_only_large) fail_value();
+  }
+  if (!number.is_integer || number.is_negative || number.magnitude > kMaxIndex) {
+    fail_at(Code::kIndexOutOfRange, face_count(),
+            "face " + number_text(face_count()) + " names vertex " + shortened(number.text()));
+  }
+  constexpr std::size_t kMaxCorners = std::numeric_limits<std::uint32_t>::max();
+  if (mesh_.corners.size() >= kMaxCorners) {
+    throw Error(Code::kMeshTooLarge, Stage::kRead, "the faces have too many corners").with_limit(kMaxCorners);
+  }
+  mesh_.corners.push_back(VertexId(static_cast<std::uint32_t>(number.magnitude)));
+}
+
+void Handler::close_face() {
+  const std::size_t corners = mesh_.corners.size() - mesh_.face_begin.back();
+  if (corners < 3) {
+    fail_at(Code::kInvalidMesh, face_count(),
+            "face " + number_text(face_count()) + " has " + number_text(std::uint64_t{corners}) +
+                " corners; it takes at least 3");
+  }
+  mesh_.face_begin.push_back(static_cast<std::uint32_t>(mesh_.corners.size()));
+}
+
+void Handler::add_face_group(const Number& number) {
+  tick();
+  if (!number.is_integer) fail_value();
+  LabelSet& groups = mesh_.labels.group;
+  if (groups.of_face.size() >= limits_.max_faces) fail_shape("face_groups has more entries than a mesh may have faces");
+  std::string name = number.text();
+  const auto [group, is_new] = group_index_.try_emplace(name, static_cast<std::uint32_t>(groups.names.size()));
+  if (is_new) groups.names.push_back(std::move(name));
+  groups.of_face.push_back(group->second);
+}
+
+void Handler::add_list_item(std::string_view text) {
+  if (!option_list_is_empty_) option_list_ += ',';
+  option_list_ += text;
+  option_list_is_empty_ = false;
+}
+
+bool Handler::parse_error(std::size_t, const std::string& token, const Json::exception& error) {
+  constexpr int kNumberOverflow = 406;
+  const bool is_overflow = error.id == kNumberOverflow;
+  const bool is_named = token.starts_with("N") || token.starts_with("I") || token.starts_with("-I");  // NaN, -Infinity
+  if (skipped_depth_ == 0 && !stack_.empty() && (is_overflow || is_named)) {
+    const Place place = stack_.back();
+    if (place == Place::kVertex) {
+      fail_at(Code::kNonfiniteCoordinate, vertex_count(),
+              "vertex " + number_text(vertex_count()) + " has a coordinate that is not a finite number");
+    }
+    if (is_overflow && place == Place::kFace) fail_value();
+    if (is_overflow && place == Place::kOptions) options_.add(option_name_, token, ValueKind::kNumber);
+  }
+  // The parser's own words, without its prefix "[json.exception....] "; they quote what was read, of any length.
+  constexpr std::size_t kLongest = 300;
+  const std::string_view what = error.what();
+  const std::size_t prefix = what.find("] ");
+  const std::string words = shortened(prefix == std::string_view::npos ? what : what.substr(prefix + 2), kLongest);
+  fail(Code::kMalformedJson, words + " (byte " + number_text(static_cast<std::uint64_t>(at_ - text_.data())) + ")");
+}
+
+void Handler::check_indices() const {
+  for (std::size_t f = 0; f < mesh_.face_count(); ++f) {
+    for (const VertexId v : mesh_.face(FaceId(f))) {
+      if (v.value < mesh_.positions.size()) continue;
+      throw Error(Code::kIndexOutOfRange, Stage::kRead,
+                  "face " + number_text(std::uint64_t{f}) + " names vertex " + number_text(std::uint64_t{v.value}) +
+                      "; there are " + number_text(vertex_count()) + ", counted from 0")
+          .at_element(f);
+    }
+  }
+}
+
+ReadResult Handler::take_mesh() {
+  const auto has = [&](Key key) { return seen_[static_cast<std::size_t>(key)]; };
+  if (!has(Key::kVertices)) throw Error(Code::kInvalidMesh, Stage::kRead, "the mesh has no \"vertices\"");
+  if (!has(Key::kFaces)) throw Error(Code::kInvalidMesh, Stage::kRead, "the mesh has no \"faces\"");
+  if (face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kRead, "the mesh has no face");
+  if (has(Key::kFaceGroups) && mesh_.labels.group.of_face.size() != face_count()) {
+    throw Error(Code::kInvalidMesh, Stage::kRead,
+                "face_groups has " + number_text(std::uint64_t{mesh_.labels.group.of_face.size()}) + " entries for " +
+                    number_text(face_count()) + " faces");
+  }
+  check_indices();
+
+  ReadResult result;
+  result.mesh = std::move(mesh_);
+  if (unknown_key_count_ > 0) {
+    Diagnostic dropped;
+    dropped.code = DiagnosticCode::kAttributeDropped;
+    dropped.count = unknown_key_count_;
+    dropped.message = "keys that are not understood were skipped:";
+    for (const std::string& name : unknown_keys_) dropped.message += " " + in_quotes(name);
+    if (unknown_key_count_ > unknown_keys_.size()) dropped.message += " ...";
+    result.diagnostics.push_back(std::move(dropped));
+  }
+  return result;
+}
+
+}  // namespace
+
+ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options) {
+  Handler handler(text, limits, control, options, Place::kRoot);
+  handler.run();
+  return handler.take_mesh();
+}
+
+void read_json_options(std::string_view text, RunControl& control, OptionReader& options) {
+  Handler handler(text, ReadLimits{}, control, options, Place::kOptions);
+  handler.run();
+}
+
+}  // namespace remesh::api

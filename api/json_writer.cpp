@@ -1,0 +1,111 @@
+#include "api/json_writer.h"
+
+#include <cmath>
+
+#include "core/io/text.h"
+
+namespace remesh::api {
+namespace {
+
+/// The length of the UTF-8 sequence that `text` begins with; 0 if it begins with none.
+std::size_t utf8_length(std::string_view text) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const auto is_tail = [&](std::size_t i) { return (byte(i) & 0xC0u) == 0x80u; };
+  const unsigned lead = byte(0);
+  if (lead < 0x80) return 1;
+  if (lead >= 0xC2 && lead <= 0xDF) return is_tail(1) ? 2 : 0;
+  if (lead >= 0xE0 && lead <= 0xEF) {
+    const bool is_overlong = lead == 0xE0 && byte(1) < 0xA0;
+    const bool is_surrogate = lead == 0xED && byte(1) >= 0xA0;
+    return is_tail(1) && is_tail(2) && !is_overlong && !is_surrogate ? 3 : 0;
+  }
+  if (lead >= 0xF0 && lead <= 0xF4) {
+    const bool is_overlong = lead == 0xF0 && byte(1) < 0x90;
+    const bool is_too_large = lead == 0xF4 && byte(1) >= 0x90;
+    return is_tail(1) && is_tail(2) && is_tail(3) && !is_overlong && !is_too_large ? 4 : 0;
+  }
+  return 0;
+}
+
+}  // namespace
+
+void JsonWriter::separate() {
+  if (needs_comma_) out_ += ',';
+  needs_comma_ = true;
+}
+
+void JsonWriter::open(char bracket) {
+  separate();
+  out_ += bracket;
+  needs_comma_ = false;
+}
+
+void JsonWriter::close(char bracket) {
+  out_ += bracket;
+  needs_comma_ = true;
+}
+
+void JsonWriter::literal(std::string_view text) {
+  separate();
+  out_ += text;
+}
+
+void JsonWriter::key(std::string_view name) {
+  separate();
+  quote(name);
+  out_ += ':';
+  needs_comma_ = false;
+}
+
+void JsonWriter::number(double value) {
+  if (!std::isfinite(value)) return null();
+  // Most readers take "-0" for an integer and lose its sign.
+  if (value == 0 && std::signbit(value)) return literal("-0.0");
+  separate();
+  append_real(out_, value);
+}
+
+void JsonWriter::integer(std::uint64_t value) {
+  separate();
+  append_integer(out_, value);
+}
+
+void JsonWriter::signed_integer(std::int64_t value) {
+  separate();
+  const auto bits = static_cast<std::uint64_t>(value);
+  if (value < 0) out_ += '-';
+  append_integer(out_, value < 0 ? 0 - bits : bits);
+}
+
+void JsonWriter::string(std::string_view value) {
+  separate();
+  quote(value);
+}
+
+void JsonWriter::quote(std::string_view text) {
+  constexpr std::string_view kHex = "0123456789abcdef";
+  constexpr std::string_view kReplacement = "\xEF\xBF\xBD";  // U+FFFD
+  out_ += '"';
+  while (!text.empty()) {
+    const char c = text.front();
+    const std::size_t length = utf8_length(text);
+    if (length == 0) {
+      out_ += kReplacement;
+    } else if (c == '"' || c == '\\') {
+      out_ += '\\';
+      out_ += c;
+    } else if (c == '\n') {
+      out_ += "\\n";
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7F) {
+      out_ += "\\u00";
+      out_ += kHex[static_cast<unsigned char>(c) >> 4];
+      out_ += kHex[static_cast<unsigned char>(c) & 15];
+    } else {
+      out_ += text.substr(0, length);
+    }
+    text.remove_prefix(length == 0 ? 1 : length);
+  }
+  out_ += '"';
+}
+
+}  // namespace remesh::api

@@ -1,0 +1,119 @@
+#include "api/negotiation.h"
+
+#include <algorithm>
+#include <string>
+#include <vector>
+
+#include "api/text.h"
+#include "core/base/error.h"
+
+namespace remesh::api {
+namespace {
+
+struct MediaRange {
+  std::string range;  ///< `model/obj`, `model/*`, `*/*`
+  double weight = 1;  ///< q
+};
+
+/// A `q` that is none counts as 1: a header that is a little wrong still says what is wanted.
+double weight_of(std::string_view parameters) {
+  while (!parameters.empty()) {
+    const auto [parameter, rest] = cut(parameters, ';');
+    const auto [name, value] = cut(parameter, '=');
+    if (ascii_lower(trim(name)) == "q") {
+      const Real weight = parse_real(trim(value));
+      return weight.fault == RealFault::kNone ? std::clamp(weight.value, 0.0, 1.0) : 1;
+    }
+    parameters = rest;
+  }
+  return 1;
+}
+
+std::vector<MediaRange> parse_accept(std::string_view accept) {
+  std::vector<MediaRange> ranges;
+  while (!accept.empty()) {
+    const auto [item, rest] = cut(accept, ',');
+    const auto [range, parameters] = cut(item, ';');
+    if (!trim(range).empty()) ranges.push_back({ascii_lower(trim(range)), weight_of(parameters)});
+    accept = rest;
+  }
+  return ranges;
+}
+
+const MediaRange* find_range(const std::vector<MediaRange>& ranges, std::string_view name) {
+  const auto range = std::find_if(ranges.begin(), ranges.end(), [&](const MediaRange& r) { return r.range == name; });
+  return range == ranges.end() ? nullptr : &*range;
+}
+
+/// The weight that Accept gives a format by name or by type, `*/*` aside; nothing if neither occurs.
+std::optional<double> weight_for(const std::vector<MediaRange>& ranges, Format format) {
+  const std::string_view type = media_type(format);
+  const MediaRange* range = find_range(ranges, type);
+  if (range == nullptr) range = find_range(ranges, std::string(cut(type, '/').first) + "/*");
+  return range == nullptr ? std::nullopt : std::optional(range->weight);
+}
+
+std::string written_formats() {
+  std::string names;
+  for (const Format format : kFormats) {
+    if (can_write(format)) names.append(names.empty() ? "" : ", ").append(format_name(format));
+  }
+  return names;
+}
+
+[[noreturn]] void fail_output(const std::string& asked) {
+  throw Error(Code::kNotAcceptable, Stage::kRead, asked + " cannot be written; what can be: " + written_formats());
+}
+
+}  // namespace
+
+bool can_read(Format format) { return format == Format::kObj || format == Format::kJson; }
+bool can_write(Format format) { return format == Format::kObj || format == Format::kJson; }
+
+std::string media_type_of(std::string_view content_type) { return ascii_lower(trim(cut(content_type, ';').first)); }
+
+std::optional<Format> format_of_content_type(std::string_view content_type) {
+  const std::string type = media_type_of(content_type);
+  const auto* format = std::find_if(kFormats.begin(), kFormats.end(), [&](Format f) { return media_type(f) == type; });
+  return format == kFormats.end() ? std::nullopt : std::optional(*format);
+}
+
+Format choose_input_format(std::optional<Format> named, std::string_view content) {
+  const Format format = named ? *named : sniff_format(content);
+  if (can_read(format)) return format;
+  throw Error(Code::kUnsupportedMediaType, Stage::kRead,
+              "the format " + std::string(format_name(format)) + " cannot be read yet");
+}
+
+Format choose_output_format(std::optional<Format> option, std::string_view accept, Format input) {
+  if (option) {
+    if (!can_write(*option)) fail_output("the format " + std::string(format_name(*option)));
+    return *option;
+  }
+  const std::vector<MediaRange> ranges = parse_accept(accept);
+  // The input's format first, so that it wins among equals.
+  std::vector<Format> candidates{input};
+  for (const Format format : kFormats) {
+    if (format != input && can_write(format)) candidates.push_back(format);
+  }
+  std::optional<Format> best;
+  double best_weight = 0;
+  for (const Format format : candidates) {
+    const double weight = weight_for(ranges, format).value_or(0);
+    if (weight > best_weight) {
+      best = format;
+      best_weight = weight;
+    }
+  }
+  if (best) return *best;
+
+  const MediaRange* anything = find_range(ranges, "*/*");
+  if (ranges.empty() || (anything != nullptr && anything->weight > 0)) {
+    for (const Format format : candidates) {
+      if (!weight_for(ranges, format)) return format;  // what has a weight here has it 0: refused
+    }
+  }
+  fail_output("none of " + shortened(accept, 200));
+}
+
+}  // namespace remesh::api

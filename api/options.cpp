@@ -1,0 +1,457 @@
+#include "api/options.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <numeric>
+#include <system_error>
+#include <type_traits>
+#include <utility>
+
+#include "api/text.h"
+#include "core/base/error.h"
+#include "core/remesh.h"
+
+namespace remesh::api {
+namespace {
+
+template <class T>
+using Word = std::pair<std::string_view, bool T::*>;
+
+constexpr std::array<Word<Repair>, 5> kRepairWords{{{"duplicates", &Repair::duplicates},
+                                                    {"degenerate", &Repair::degenerate},
+                                                    {"t_junctions", &Repair::t_junctions},
+                                                    {"winding", &Repair::winding},
+                                                    {"inside_out", &Repair::inside_out}}};
+constexpr std::array<Word<Barriers>, 3> kBarrierWords{
+    {{"object", &Barriers::object}, {"group", &Barriers::group}, {"material", &Barriers::material}}};
+
+constexpr double kLargestMinAngleDeg = 33;
+// 1 / (2 sin 33 degrees), cut after three decimals.
+constexpr double kSmallestRadiusEdgeRatio = 0.918;
+
+const std::array<OptionSpec, 19> kTable{{
+    {.name = "refine",
+     .type = OptionType::kBoolean,
+     .field = &Options::refine,
+     .help = "insert points until angles and sizes hold; false: only the triangulation of essential vertices",
+     .example = "true"},
+    {.name = "min_angle_deg",
+     .type = OptionType::kNumber,
+     .field = &Options::min_angle_deg,
+     .help = "no angle below this, except where the input's own sharp corners forbid it",
+     .unset = "none",
+     .minimum = 0,
+     .maximum = kLargestMinAngleDeg,
+     .excludes = "max_radius_edge_ratio",
+     .example = "30"},
+    {.name = "max_radius_edge_ratio",
+     .type = OptionType::kNumber,
+     .field = &Options::max_radius_edge_ratio,
+     .help = "the same bound as a ratio, 1/(2 sin angle)",
+     .unset = "none",
+     .minimum = kSmallestRadiusEdgeRatio,
+     .excludes = "min_angle_deg",
+     .example = "1.2"},
+    {.name = "max_edge_length",
+     .type = OptionType::kNumber,
+     .field = &Options::max_edge_length,
+     .help = "no edge longer than this, in model units",
+     .unset = "none",
+     .minimum = 0,
+     .above_minimum = true,
+     .excludes = "max_edge_fraction",
+     .example = "0.5"},
+    {.name = "max_edge_fraction",
+     .type = OptionType::kNumber,
+     .field = &Options::max_edge_fraction,
+     .help = "no edge longer than this part of the bounding box's diagonal",
+     .unset = "none",
+     .minimum = 0,
+     .above_minimum = true,
+     .excludes = "max_edge_length",
+     .example = "0.02"},
+    {.name = "max_area",
+     .type = OptionType::kNumber,
+     .field = &Options::max_area,
+     .help = "no triangle larger than this, in model units squared",
+     .unset = "none",
+     .minimum = 0,
+     .above_minimum = true,
+     .example = "0.25"},
+    {.name = "min_edge_length",
+     .type = OptionType::kNumber,
+     .field = &Options::min_edge_length,
+     .help = "refinement makes nothing shorter than this, in model units",
+     .unset = "none",
+     .minimum = 0,
+     .above_minimum = true,
+     .example = "0.001"},
+    {.name = "proximity",
+     .type = OptionType::kNumber,
+     .field = &Options::proximity,
+     .help = "edges to fit across the gap to the nearest facet that is not a neighbour; 0: off",
+     .minimum = 0,
+     .example = "1"},
+    {.name = "gradation",
+     .type = OptionType::kNumber,
+     .field = &Options::gradation,
+     .help = "largest factor by which the sizes of neighbouring edges may grow",
+     .unset = "none",
+     .minimum = 1,
+     .above_minimum = true,
+     .example = "1.5"},
+    {.name = "max_output_faces",
+     .type = OptionType::kInteger,
+     .field = &Options::max_output_faces,
+     .help = "the most faces that the answer may have; at most, and if left out, the server's limit",
+     .unset = "none",
+     .minimum = 1,
+     .example = "100000"},
+    {.name = "split_boundaries",
+     .type = OptionType::kBoolean,
+     .field = &Options::split_boundaries,
+     .help = "false: no new vertex on any patch boundary",
+     .example = "false"},
+    {.name = "keep_boundary_vertices",
+     .type = OptionType::kBoolean,
+     .field = &Options::keep_boundary_vertices,
+     .help = "true: collinear boundary vertices stay",
+     .example = "true"},
+    {.name = "plane_tolerance",
+     .type = OptionType::kNumber,
+     .field = &Options::plane_tolerance,
+     .help = "how far a patch's vertices may lie from its plane, in model units; auto: from the input's rounding noise",
+     .unset = "auto",
+     .minimum = 0,
+     .above_minimum = true,
+     .example = "1e-5"},
+    {.name = "normal_tolerance",
+     .type = OptionType::kNumber,
+     .field = &Options::normal_tolerance,
+     .help = "how far unit normals in a patch may differ per component, at least",
+     .minimum = 0,
+     .maximum = 1,
+     .example = "1e-5"},
+    {.name = "weld_tolerance",
+     .type = OptionType::kNumber,
+     .field = &Options::weld_tolerance,
+     .help = "vertices this near are one, in model units; 0: those with equal coordinates",
+     .minimum = 0,
+     .example = "1e-6"},
+    {.name = "repair",
+     .type = OptionType::kWords,
+     .field = &Options::repair,
+     .help = "what is mended on the way in, each counted in the report",
+     .example = "duplicates,degenerate"},
+    {.name = "barriers",
+     .type = OptionType::kWords,
+     .field = &Options::barriers,
+     .help = "the labels that bound patches even inside a plane",
+     .example = "none"},
+    {.name = "reference_axis",
+     .type = OptionType::kAxis,
+     .field = AxisField{},
+     .help = "the in-plane axis of the projection: x, dominant_edge, or a direction dx,dy,dz",
+     .example = "0,1,0"},
+    {.name = "format",
+     .type = OptionType::kFormat,
+     .field = FormatField{},
+     .help = "the format of the answer; auto: as Accept says, else as the input",
+     .unset = "auto",
+     .example = "json"},
+}};
+
+[[noreturn]] void fail(const OptionSpec& spec, const std::string& message) {
+  throw Error(Code::kInvalidOption, Stage::kRead, std::string(spec.name) + " " + message)
+      .for_option(std::string(spec.name));
+}
+
+// "a number from 0 to 33", "a number above 0"
+std::string describe_range(const OptionSpec& spec) {
+  std::string text = spec.type == OptionType::kInteger ? "a whole number" : "a number";
+  if (spec.minimum && spec.maximum && !spec.above_minimum) {
+    return text + " from " + number_text(*spec.minimum) + " to " + number_text(*spec.maximum);
+  }
+  if (spec.minimum) text += (spec.above_minimum ? " above " : " of at least ") + number_text(*spec.minimum);
+  if (spec.maximum) text += " and at most " + number_text(*spec.maximum);
+  return text;
+}
+
+std::string describe_words(const OptionSpec& spec) {
+  std::string text;
+  for (const std::string_view word : option_words(spec)) text.append(text.empty() ? "" : ", ").append(word);
+  return text;
+}
+
+[[noreturn]] void fail_value(const OptionSpec& spec, std::string_view text) {
+  std::string expected;
+  switch (spec.type) {
+    case OptionType::kBoolean: expected = "true or false"; break;
+    case OptionType::kNumber:
+    case OptionType::kInteger: expected = describe_range(spec); break;
+    case OptionType::kWords: expected = "none or some of " + describe_words(spec) + ", each once"; break;
+    case OptionType::kAxis: expected = "x, dominant_edge, or three numbers dx,dy,dz that are not all 0"; break;
+    case OptionType::kFormat: expected = "one of " + describe_words(spec); break;
+  }
+  if (!spec.unset.empty()) expected += ", or " + std::string(spec.unset);
+  fail(spec, "must be " + expected + ", not " + in_quotes(text));
+}
+
+std::optional<double> parse_finite(std::string_view text) {
+  const Real real = parse_real(text);
+  return real.fault == RealFault::kNone ? std::optional(real.value) : std::nullopt;
+}
+
+std::vector<std::string_view> split(std::string_view text, char separator) {
+  std::vector<std::string_view> parts;
+  for (;;) {
+    const std::size_t end = text.find(separator);
+    parts.push_back(text.substr(0, end));
+    if (end == std::string_view::npos) return parts;
+    text.remove_prefix(end + 1);
+  }
+}
+
+bool parse_boolean(const OptionSpec& spec, std::string_view text) {
+  if (text != "true" && text != "false") fail_value(spec, text);
+  return text == "true";
+}
+
+void check_range(const OptionSpec& spec, double value, std::string_view text) {
+  const bool too_small = spec.minimum && (spec.above_minimum ? !(value > *spec.minimum) : !(value >= *spec.minimum));
+  if (too_small || (spec.maximum && value > *spec.maximum)) fail_value(spec, text);
+}
+
+double parse_number(const OptionSpec& spec, std::string_view text) {
+  const std::optional<double> value = parse_finite(text);
+  if (!value) fail_value(spec, text);
+  check_range(spec, *value, text);
+  return *value;
+}
+
+std::uint64_t parse_integer(const OptionSpec& spec, std::string_view text) {
+  std::uint64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size()) fail_value(spec, text);
+  check_range(spec, static_cast<double>(value), text);
+  return value;
+}
+
+template <class T, std::size_t N>
+T parse_words(const OptionSpec& spec, const std::array<Word<T>, N>& words, std::string_view text) {
+  T set;
+  for (const auto& [name, member] : words) set.*member = false;
+  if (text == "none") return set;
+  for (const std::string_view part : split(text, ',')) {
+    const auto word = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == part; });
+    if (word == words.end() || set.*(word->second)) fail_value(spec, text);
+    set.*(word->second) = true;
+  }
+  return set;
+}
+
+template <class T, std::size_t N>
+std::string words_text(const std::array<Word<T>, N>& words, const T& set) {
+  std::string text;
+  for (const auto& [name, member] : words) {
+    if (set.*member) text.append(text.empty() ? "" : ",").append(name);
+  }
+  return text.empty() ? "none" : text;
+}
+
+void parse_axis(const OptionSpec& spec, std::string_view text, Options& options) {
+  if (text == "x" || text == "dominant_edge") {
+    options.reference_axis = text == "x" ? ReferenceAxis::kX : ReferenceAxis::kDominantEdge;
+    return;
+  }
+  const std::vector<std::string_view> parts = split(text, ',');
+  if (parts.size() != 3) fail_value(spec, text);
+  Vec3 direction;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::optional<double> value = parse_finite(parts[static_cast<std::size_t>(axis)]);
+    if (!value) fail_value(spec, text);
+    direction[axis] = *value;
+  }
+  if (direction == Vec3{}) fail_value(spec, text);
+  options.reference_axis = ReferenceAxis::kGiven;
+  options.reference_direction = direction;
+}
+
+std::string axis_text(const Options& options) {
+  switch (options.reference_axis) {
+    case ReferenceAxis::kX: return "x";
+    case ReferenceAxis::kDominantEdge: return "dominant_edge";
+    case ReferenceAxis::kGiven: break;
+  }
+  const Vec3& d = options.reference_direction;
+  return number_text(d.x) + "," + number_text(d.y) + "," + number_text(d.z);
+}
+
+Format parse_format(const OptionSpec& spec, std::string_view text) {
+  const std::optional<Format> format = format_from_name(text);
+  if (!format) fail_value(spec, text);
+  return *format;
+}
+
+void set_value(const OptionSpec& spec, std::string_view text, RequestOptions& options) {
+  Options& core = options.core;
+  std::visit(
+      [&](auto field) {
+        using F = decltype(field);
+        if constexpr (std::is_same_v<F, bool Options::*>) {
+          core.*field = parse_boolean(spec, text);
+        } else if constexpr (std::is_same_v<F, double Options::*>) {
+          core.*field = parse_number(spec, text);
+        } else if constexpr (std::is_same_v<F, std::optional<double> Options::*>) {
+          core.*field = text == spec.unset ? std::nullopt : std::optional(parse_number(spec, text));
+        } else if constexpr (std::is_same_v<F, std::optional<std::uint64_t> Options::*>) {
+          core.*field = text == spec.unset ? std::nullopt : std::optional(parse_integer(spec, text));
+        } else if constexpr (std::is_same_v<F, Repair Options::*>) {
+          core.*field = parse_words(spec, kRepairWords, text);
+        } else if constexpr (std::is_same_v<F, Barriers Options::*>) {
+          core.*field = parse_words(spec, kBarrierWords, text);
+        } else if constexpr (std::is_same_v<F, AxisField>) {
+          parse_axis(spec, text, core);
+        } else {
+          options.format = text == spec.unset ? std::nullopt : std::optional(parse_format(spec, text));
+        }
+      },
+      spec.field);
+}
+
+// JSON knows types, so a string is no number there; what may be unset takes null or its word.
+void check_kind(const OptionSpec& spec, std::string_view text, ValueKind kind) {
+  bool fits = true;
+  switch (kind) {
+    case ValueKind::kUntyped: break;
+    case ValueKind::kBoolean: fits = spec.type == OptionType::kBoolean; break;
+    case ValueKind::kNumber: fits = spec.type == OptionType::kNumber || spec.type == OptionType::kInteger; break;
+    case ValueKind::kList: fits = spec.type == OptionType::kWords || spec.type == OptionType::kAxis; break;
+    case ValueKind::kNull: fits = !spec.unset.empty(); break;
+    case ValueKind::kObject: fits = false; break;
+    case ValueKind::kString:
+      fits = (!spec.unset.empty() && text == spec.unset) || spec.type == OptionType::kWords ||
+             spec.type == OptionType::kAxis || spec.type == OptionType::kFormat;
+      break;
+  }
+  if (!fits) fail_value(spec, kind == ValueKind::kNull ? "null" : text);
+}
+
+// Levenshtein's distance, row by row.
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = std::exchange(row[0], i);
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+      diagonal = std::exchange(row[j], std::min({replaced, row[j] + 1, row[j - 1] + 1}));
+    }
+  }
+  return row.back();
+}
+
+}  // namespace
+
+std::span<const OptionSpec> option_table() { return kTable; }
+
+const OptionSpec* find_option(std::string_view name) {
+  const auto spec = std::find_if(kTable.begin(), kTable.end(), [&](const OptionSpec& s) { return s.name == name; });
+  return spec == kTable.end() ? nullptr : &*spec;
+}
+
+const OptionSpec& nearest_option(std::string_view name) {
+  constexpr std::size_t kLongestCompared = 64;  // the caller chooses the name's length
+  const std::string_view start = name.substr(0, kLongestCompared);
+  const auto distance = [&](const OptionSpec& spec) { return edit_distance(start, spec.name); };
+  return *std::min_element(kTable.begin(), kTable.end(),
+                           [&](const auto& a, const auto& b) { return distance(a) < distance(b); });
+}
+
+std::vector<std::string_view> option_words(const OptionSpec& spec) {
+  std::vector<std::string_view> words;
+  if (std::holds_alternative<Repair Options::*>(spec.field)) {
+    for (const auto& word : kRepairWords) words.push_back(word.first);
+  } else if (std::holds_alternative<Barriers Options::*>(spec.field)) {
+    for (const auto& word : kBarrierWords) words.push_back(word.first);
+  } else if (std::holds_alternative<FormatField>(spec.field)) {
+    for (const Format format : kFormats) words.push_back(format_name(format));
+  }
+  return words;
+}
+
+OptionValue option_value(const OptionSpec& spec, const RequestOptions& options) {
+  const Options& core = options.core;
+  return std::visit(
+      [&](auto field) -> OptionValue {
+        using F = decltype(field);
+        if constexpr (std::is_same_v<F, bool Options::*> || std::is_same_v<F, double Options::*>) {
+          return core.*field;
+        } else if constexpr (std::is_same_v<F, std::optional<double> Options::*> ||
+                             std::is_same_v<F, std::optional<std::uint64_t> Options::*>) {
+          return core.*field ? OptionValue(*(core.*field)) : OptionValue();
+        } else if constexpr (std::is_same_v<F, Repair Options::*>) {
+          return words_text(kRepairWords, core.*field);
+        } else if constexpr (std::is_same_v<F, Barriers Options::*>) {
+          return words_text(kBarrierWords, core.*field);
+        } else if constexpr (std::is_same_v<F, AxisField>) {
+          return axis_text(core);
+        } else {
+          return options.format ? OptionValue(std::string(format_name(*options.format))) : OptionValue();
+        }
+      },
+      spec.field);
+}
+
+std::string option_text(const OptionSpec& spec, const RequestOptions& options) {
+  return std::visit(
+      [&](const auto& value) -> std::string {
+        using V = std::decay_t<decltype(value)>;
+        if constexpr (std::is_same_v<V, std::monostate>) {
+          return std::string(spec.unset);
+        } else if constexpr (std::is_same_v<V, bool>) {
+          return value ? "true" : "false";
+        } else if constexpr (std::is_same_v<V, std::string>) {
+          return value;
+        } else {
+          return number_text(value);
+        }
+      },
+      option_value(spec, options));
+}
+
+bool is_implemented(const OptionSpec& spec) {
+  RequestOptions options;
+  set_value(spec, spec.example, options);
+  try {
+    check_options(options.core);
+  } catch (const Error& error) {
+    if (error.code == Code::kNotImplemented) return false;
+    throw;
+  }
+  return true;
+}
+
+void OptionReader::add(std::string_view name, std::string_view text, ValueKind kind) {
+  const OptionSpec* spec = find_option(name);
+  if (spec == nullptr) {
+    const std::string_view nearest = nearest_option(name).name;
+    throw Error(Code::kUnknownOption, Stage::kRead,
+                "there is no option " + in_quotes(name) + "; the nearest is \"" + std::string(nearest) + "\"")
+        .for_option(shortened(name));
+  }
+  if (is_given(name)) fail(*spec, "is given twice");
+  if (is_given(spec->excludes)) fail(*spec, "and " + std::string(spec->excludes) + " exclude each other");
+  check_kind(*spec, text, kind);
+  set_value(*spec, kind == ValueKind::kNull ? spec->unset : text, options_);
+  given_.push_back(spec->name);
+}
+
+void OptionReader::check() const { check_options(options_.core); }
+
+bool OptionReader::is_given(std::string_view name) const {
+  return std::find(given_.begin(), given_.end(), name) != given_.end();
+}
+
+}  // namespace remesh::api

@@ -1,0 +1,374 @@
+#include "api/report_json.h"
+
+#include <algorithm>
+#include <type_traits>
+
+#include "core/base/error.h"
+
+namespace remesh::api {
+namespace {
+
+/// Looks after a stop every few thousand elements of a long list.
+class Pace {
+ public:
+  explicit Pace(RunControl& control) : control_(control) {}
+  void operator()() {
+    if ((++count_ & 4095u) == 0) control_.check();
+  }
+
+ private:
+  RunControl& control_;
+  std::uint32_t count_ = 0;
+};
+
+void member(JsonWriter& json, std::string_view name, std::uint64_t value) {
+  json.key(name);
+  json.integer(value);
+}
+void member(JsonWriter& json, std::string_view name, double value) {
+  json.key(name);
+  json.number(value);
+}
+void member(JsonWriter& json, std::string_view name, bool value) {
+  json.key(name);
+  json.boolean(value);
+}
+void member(JsonWriter& json, std::string_view name, std::string_view value) {
+  json.key(name);
+  json.string(value);
+}
+template <class T>
+void member(JsonWriter& json, std::string_view name, const std::optional<T>& value) {
+  if (value) return member(json, name, *value);
+  json.key(name);
+  json.null();
+}
+
+void write_point(JsonWriter& json, const Vec3& p) {
+  json.begin_array();
+  json.number(p.x);
+  json.number(p.y);
+  json.number(p.z);
+  json.end_array();
+}
+
+void write_range(JsonWriter& json, std::string_view name, const Range& range) {
+  json.key(name);
+  json.begin_object();
+  member(json, "min", range.min);
+  member(json, "mean", range.mean);
+  member(json, "max", range.max);
+  json.end_object();
+}
+
+void write_histogram(JsonWriter& json, std::string_view name, const Histogram& histogram) {
+  json.key(name);
+  json.begin_object();
+  json.key("edges");
+  json.begin_array();
+  for (const double edge : histogram.edges) json.number(edge);
+  json.end_array();
+  json.key("counts");
+  json.begin_array();
+  for (const std::uint64_t count : histogram.counts) json.integer(count);
+  json.end_array();
+  json.end_object();
+}
+
+void write_quality(JsonWriter& json, const Quality& quality) {
+  json.begin_object();
+  member(json, "min_angle_deg", quality.min_angle_deg);
+  member(json, "max_angle_deg", quality.max_angle_deg);
+  write_range(json, "radius_edge_ratio", quality.radius_edge_ratio);
+  write_range(json, "aspect_ratio", quality.aspect_ratio);
+  write_range(json, "edge_length", quality.edge_length);
+  write_range(json, "area", quality.area);
+  write_histogram(json, "angle_histogram_deg", quality.angle_histogram_deg);
+  write_histogram(json, "radius_edge_histogram", quality.radius_edge_histogram);
+  json.end_object();
+}
+
+void write_statistics(JsonWriter& json, const MeshStatistics& mesh) {
+  json.begin_object();
+  member(json, "vertices", mesh.vertices);
+  member(json, "faces", mesh.faces);
+  member(json, "components", mesh.components);
+  member(json, "boundary_edges", mesh.boundary_edges);
+  member(json, "non_manifold_edges", mesh.non_manifold_edges);
+  member(json, "closed", mesh.closed);
+  json.key("euler");
+  json.signed_integer(mesh.euler);
+  member(json, "area", mesh.area);
+  member(json, "volume", mesh.volume);
+  json.key("bounding_box");
+  if (mesh.bounding_box.is_empty()) {
+    json.null();
+  } else {
+    json.begin_object();
+    json.key("min");
+    write_point(json, mesh.bounding_box.min);
+    json.key("max");
+    write_point(json, mesh.bounding_box.max);
+    json.end_object();
+  }
+  json.key("quality");
+  write_quality(json, mesh.quality);
+  json.end_object();
+}
+
+void write_options(JsonWriter& json, const RequestOptions& options) {
+  json.begin_object();
+  for (const OptionSpec& spec : option_table()) {
+    json.key(spec.name);
+    write_option_value(json, option_value(spec, options));
+  }
+  json.end_object();
+}
+
+void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, RunControl& control) {
+  Pace pace(control);
+  json.begin_array();
+  for (std::size_t id = 0; id < patches.size(); ++id) {
+    pace();
+    const PatchSummary& patch = patches[id];
+    json.begin_object();
+    member(json, "id", std::uint64_t{id});
+    json.key("normal");
+    write_point(json, patch.normal);
+    member(json, "offset", patch.offset);
+    member(json, "area", patch.area);
+    member(json, "input_faces", patch.input_faces);
+    member(json, "output_faces", patch.output_faces);
+    member(json, "loops", std::uint64_t{patch.loops});
+    member(json, "essential_vertices", std::uint64_t{patch.essential_vertices});
+    member(json, "status", status_name(patch.status));
+    const std::string_view reason = reason_name(patch.reason);
+    member(json, "reason", reason.empty() ? std::nullopt : std::optional(reason));
+    member(json, "deviation", patch.deviation);
+    json.end_object();
+  }
+  json.end_array();
+}
+
+void write_diagnostics(JsonWriter& json, const std::vector<Diagnostic>& diagnostics) {
+  json.begin_array();
+  for (const Diagnostic& diagnostic : diagnostics) {
+    json.begin_object();
+    member(json, "code", diagnostic_name(diagnostic.code));
+    member(json, "count", diagnostic.count);
+    json.key("elements");
+    json.begin_array();
+    for (const std::uint64_t element : diagnostic.elements) json.integer(element);
+    json.end_array();
+    member(json, "message", std::string_view(diagnostic.message));
+    json.end_object();
+  }
+  json.end_array();
+}
+
+/// What a volume mesher would stumble over, as far as it is examined: holes, edges with three faces, winding.
+void write_volume_ready(JsonWriter& json, const MeshStatistics& mesh) {
+  struct Reason {
+    DiagnosticCode code;
+    std::uint64_t count;
+  };
+  const bool is_badly_wound = mesh.closed && mesh.non_manifold_edges == 0 && !mesh.volume;
+  const bool is_inside_out = mesh.volume && *mesh.volume < 0;
+  const std::array reasons{Reason{DiagnosticCode::kOpenBoundary, mesh.boundary_edges},
+                           Reason{DiagnosticCode::kNonManifoldEdge, mesh.non_manifold_edges},
+                           Reason{DiagnosticCode::kInconsistentWinding, is_badly_wound ? 1u : 0u},
+                           Reason{DiagnosticCode::kInsideOut, is_inside_out ? 1u : 0u}};
+
+  json.begin_object();
+  member(json, "ready", std::all_of(reasons.begin(), reasons.end(), [](const Reason& r) { return r.count == 0; }));
+  json.key("reasons");
+  json.begin_array();
+  for (const Reason& reason : reasons) {
+    if (reason.count == 0) continue;
+    json.begin_object();
+    member(json, "code", diagnostic_name(reason.code));
+    member(json, "count", reason.count);
+    json.key("places");
+    json.begin_array();
+    json.end_array();
+    json.end_object();
+  }
+  json.end_array();
+  json.end_object();
+}
+
+void write_verdict(JsonWriter& json, const Verdict& verdict) {
+  json.begin_object();
+  member(json, "surface", verdict.surface);
+  member(json, "conforming", verdict.conforming);
+  member(json, "delaunay", verdict.delaunay);
+  member(json, "quality", verdict.quality);
+  member(json, "deviation", verdict.deviation);
+  json.end_object();
+}
+
+void write_times(JsonWriter& json, const StageTimes& times) {
+  json.begin_object();
+  for (int s = 0; s < kStageCount; ++s) {
+    const Stage stage = static_cast<Stage>(s);
+    if (times.ran(stage)) member(json, stage_name(stage), times.of(stage));
+  }
+  member(json, "total", times.total());
+  json.end_object();
+}
+
+/// {"names": [...], "of_face": [...]}
+void write_labels(JsonWriter& json, std::string_view kind, const LabelSet& labels, Pace& pace) {
+  if (!labels.is_used()) return;
+  json.key(kind);
+  json.begin_object();
+  json.key("names");
+  json.begin_array();
+  for (const std::string& name : labels.names) json.string(name);
+  json.end_array();
+  json.key("of_face");
+  json.begin_array();
+  for (const std::uint32_t label : labels.of_face) {
+    pace();
+    json.integer(label);
+  }
+  json.end_array();
+  json.end_object();
+}
+
+bool is_integer_text(std::string_view text) {
+  if (text.starts_with('-')) text.remove_prefix(1);
+  return !text.empty() && text.find_first_not_of("0123456789") == std::string_view::npos &&
+         (text == "0" || text.front() != '0');
+}
+
+/// The labels come back: groups whose names are numbers as `face_groups`, as JSON takes them; others by name.
+void write_face_labels(JsonWriter& json, const FaceLabels& labels, Pace& pace) {
+  const LabelSet& group = labels.group;
+  const bool are_numbers = group.is_used() && std::all_of(group.names.begin(), group.names.end(), is_integer_text);
+  if (are_numbers) {
+    json.key("face_groups");
+    json.begin_array();
+    for (const std::uint32_t label : group.of_face) {
+      pace();
+      json.raw(group.names[label]);
+    }
+    json.end_array();
+  }
+  const bool has_named_groups = group.is_used() && !are_numbers;
+  if (!labels.object.is_used() && !has_named_groups && !labels.material.is_used()) return;
+  json.key("labels");
+  json.begin_object();
+  write_labels(json, "object", labels.object, pace);
+  if (has_named_groups) write_labels(json, "group", group, pace);
+  write_labels(json, "material", labels.material, pace);
+  json.end_object();
+}
+
+}  // namespace
+
+void write_option_value(JsonWriter& json, const OptionValue& value) {
+  std::visit(
+      [&](const auto& v) {
+        using V = std::decay_t<decltype(v)>;
+        if constexpr (std::is_same_v<V, std::monostate>) {
+          json.null();
+        } else if constexpr (std::is_same_v<V, bool>) {
+          json.boolean(v);
+        } else if constexpr (std::is_same_v<V, double>) {
+          json.number(v);
+        } else if constexpr (std::is_same_v<V, std::uint64_t>) {
+          json.integer(v);
+        } else {
+          json.string(v);
+        }
+      },
+      value);
+}
+
+double StageTimes::total() const {
+  double sum = 0;
+  for (const double ms : ms_) sum += std::max(ms, 0.0);
+  return sum;
+}
+
+void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
+                  const StageTimes& times, RunControl& control) {
+  RequestOptions used{report.options, options.format};
+  used.core.plane_tolerance = report.plane_tolerance;
+  const bool is_remesh = kind == ReportKind::kRemesh;
+
+  json.begin_object();
+  member(json, "version", std::string_view(version()));
+  json.key("options");
+  write_options(json, used);
+  json.key("tolerance");
+  json.begin_object();
+  member(json, "automatic", report.plane_tolerance_is_automatic);
+  member(json, "rounding_step", report.rounding_step);
+  member(json, "volume_bound", report.volume_bound);
+  json.end_object();
+  json.key("input");
+  write_statistics(json, report.input);
+  if (is_remesh) {
+    json.key("output");
+    write_statistics(json, report.output);
+  }
+  json.key("patches");
+  write_patches(json, report.patches, control);
+  json.key("diagnostics");
+  write_diagnostics(json, report.diagnostics);
+  json.key("volume_ready");
+  write_volume_ready(json, is_remesh ? report.output : report.input);
+  member(json, "predicted_faces", report.predicted_faces);
+  member(json, "smallest_gap", report.smallest_gap);
+  if (is_remesh) {
+    json.key("unrefined");
+    json.begin_array();
+    json.end_array();
+    json.key("verified");
+    write_verdict(json, report.verified);
+  }
+  json.key("timing_ms");
+  write_times(json, times);
+  json.end_object();
+}
+
+void write_mesh(JsonWriter& json, const Result& result, RunControl& control) {
+  Pace pace(control);
+  json.begin_object();
+  json.key("vertices");
+  json.begin_array();
+  for (const Vec3& p : result.mesh.positions) {
+    pace();
+    write_point(json, p);
+  }
+  json.end_array();
+  json.key("faces");
+  json.begin_array();
+  for (const Triangle& face : result.mesh.faces) {
+    pace();
+    json.begin_array();
+    for (const VertexId v : face) json.integer(v.value);
+    json.end_array();
+  }
+  json.end_array();
+  json.key("face_patch");
+  json.begin_array();
+  for (const PatchId patch : result.face_patch) {
+    pace();
+    json.integer(patch.value);
+  }
+  json.end_array();
+  json.key("face_source");
+  json.begin_array();
+  for (const FaceId source : result.face_source) {
+    pace();
+    json.integer(source.value);
+  }
+  json.end_array();
+  write_face_labels(json, result.mesh.labels, pace);
+  json.end_object();
+}
+
+}  // namespace remesh::api

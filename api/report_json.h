@@ -1,0 +1,50 @@
+/// The report and the mesh of an answer as the contract's JSON.
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "api/json_writer.h"
+#include "api/options.h"
+#include "core/base/run_control.h"
+#include "core/remesh.h"
+
+namespace remesh::api {
+
+/// How long each stage took, reading and writing included.
+class StageTimes {
+ public:
+  void add(Stage stage, double ms) {
+    double& sum = ms_[static_cast<std::size_t>(stage)];
+    sum = (ran(stage) ? sum : 0) + ms;
+  }
+  bool ran(Stage stage) const { return ms_[static_cast<std::size_t>(stage)] >= 0; }
+  double of(Stage stage) const { return ms_[static_cast<std::size_t>(stage)]; }
+  double total() const;
+
+ private:
+  static constexpr double kDidNotRun = -1;
+  static constexpr std::array<double, kStageCount> none() {
+    std::array<double, kStageCount> all{};
+    all.fill(kDidNotRun);
+    return all;
+  }
+  std::array<double, kStageCount> ms_ = none();
+};
+
+enum class ReportKind {
+  kRemesh,
+  kAnalysis,  ///< without `output`, `unrefined` and `verified`
+};
+
+/// Writes an option's value; null where none is set.
+void write_option_value(JsonWriter& json, const OptionValue& value);
+
+/// Writes the report object. `options.core` is replaced by the report's own options.
+void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
+                  const StageTimes& times, RunControl& control);
+
+/// Writes the mesh object: vertices, faces, face_patch, face_source, and the labels that the input had.
+void write_mesh(JsonWriter& json, const Result& result, RunControl& control);
+
+}  // namespace remesh::api

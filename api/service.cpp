@@ -1,0 +1,126 @@
+#include "api/service.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "api/job.h"
+#include "api/json_reader.h"
+#include "api/multipart.h"
+#include "api/negotiation.h"
+#include "api/text.h"
+
+namespace remesh::api {
+namespace {
+
+/// What a request asks for, and the name that the upload came with.
+struct ParsedRequest {
+  Job job;
+  std::string file_name;
+};
+
+/// The mesh and the options of a form. Other parts are refused: an option misspelt as a part would be lost otherwise.
+void read_form(const Request& request, RunControl& control, ParsedRequest& parsed) {
+  bool has_mesh = false;
+  bool has_options = false;
+  for (const FormPart& part : parse_multipart(request.body, request.content_type)) {
+    bool& seen = part.name == "mesh" ? has_mesh : has_options;
+    if (part.name != "mesh" && part.name != "options") {
+      throw Error(Code::kMalformedMultipart, Stage::kRead,
+                  "the form has a part " + in_quotes(part.name) + "; it takes \"mesh\" and \"options\"");
+    }
+    if (std::exchange(seen, true)) {
+      throw Error(Code::kMalformedMultipart, Stage::kRead, "the form has two parts " + in_quotes(part.name));
+    }
+    if (part.name == "options") {
+      read_json_options(part.content, control, parsed.job.options);
+    } else {
+      parsed.job.mesh = part.content;
+      parsed.job.input_format = format_of_content_type(part.content_type);
+      parsed.file_name = part.file_name;
+    }
+  }
+  if (!has_mesh) throw Error(Code::kMalformedMultipart, Stage::kRead, "the form has no part \"mesh\"");
+}
+
+ParsedRequest parse_request(const Request& request, const Limits& limits, RunControl& control) {
+  if (request.body.size() > limits.max_body) {
+    throw Error(Code::kBodyTooLarge, Stage::kRead, "the body is longer than " + number_text(limits.max_body) + " bytes")
+        .with_limit(limits.max_body);
+  }
+  ParsedRequest parsed;
+  parsed.job.accept = request.accept;
+  for (const auto& [name, value] : request.query) parsed.job.options.add(name, value);
+  if (media_type_of(request.content_type) == "multipart/form-data") {
+    read_form(request, control, parsed);
+  } else {
+    parsed.job.mesh = request.body;
+    parsed.job.input_format = format_of_content_type(request.content_type);
+    parsed.file_name = request.file_name;
+  }
+  return parsed;
+}
+
+/// A name that is safe in a header and as a file: no folders, only letters, digits and `._-`, not hidden, not long.
+std::string safe_file_name(std::string_view name, Format format) {
+  constexpr std::size_t kLongest = 100;
+  name = name.substr(name.find_last_of("/\\") + 1);
+  if (format_from_file_name(name)) name = name.substr(0, name.rfind('.'));
+  name = name.substr(0, kLongest);
+  std::string safe;
+  for (const char c : name) {
+    const bool is_plain =
+        (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' || c == '-';
+    if (c == '.' && safe.empty()) continue;
+    safe += is_plain ? c : '_';
+  }
+  if (safe.empty()) safe = "remeshed";
+  return safe.append(".").append(format_name(format));
+}
+
+/// Server-Timing: `read;dur=1.2, ..., total;dur=30`.
+std::string server_timing(const StageTimes& times) {
+  std::string text;
+  for (int s = 0; s < kStageCount; ++s) {
+    const Stage stage = static_cast<Stage>(s);
+    if (times.ran(stage)) text.append(stage_name(stage)).append(";dur=" + number_text(times.of(stage)) + ", ");
+  }
+  return text + "total;dur=" + number_text(times.total());
+}
+
+}  // namespace
+
+Response run_remesh(const Request& request, const Limits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  ParsedRequest parsed = parse_request(request, limits, control);
+  RemeshAnswer answer = run_remesh_job(std::move(parsed.job), limits, control);
+
+  Response response;
+  response.content_type = media_type(answer.format);
+  response.body = std::move(answer.body);
+  response.headers = {{"Remesh-Summary", remesh_summary(answer.report)},
+                      {"Server-Timing", server_timing(answer.times)}};
+  if (answer.format != Format::kJson) {
+    response.headers.emplace_back("Content-Disposition",
+                                  "attachment; filename=\"" + safe_file_name(parsed.file_name, answer.format) + "\"");
+  }
+  return response;
+}
+
+Response run_analyze(const Request& request, const Limits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  const AnalysisAnswer answer =
+      run_analyze_job(std::move(parse_request(request, limits, control).job), limits, control);
+
+  JsonWriter json;
+  json.begin_object();
+  json.key("report");
+  write_report(json, answer.report, answer.options, ReportKind::kAnalysis, answer.times, control);
+  json.end_object();
+  Response response;
+  response.content_type = media_type(Format::kJson);
+  response.body = json.take();
+  response.headers = {{"Server-Timing", server_timing(answer.times)}};
+  return response;
+}
+
+}  // namespace remesh::api

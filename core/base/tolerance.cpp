@@ -1,0 +1,129 @@
+#include "core/base/tolerance.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+
+namespace remesh {
+namespace {
+
+constexpr int kMaxDecimals = 15;
+/// A number counts as short if it has at most this many significant units.
+constexpr double kShort = 4294967296.0;
+
+/// A value as units * quantum, where quantum is a power of two over a power of five.
+struct Decimal {
+  double units = 0;
+  double quantum = 0;
+};
+
+/// x as an odd number of quanta, once the last bits, which are its own rounding and the product's, are forgotten.
+Decimal odd_part(double x) {
+  int exponent = 0;
+  const double fraction = std::frexp(x, &exponent);
+  const auto mantissa = static_cast<std::uint64_t>(std::ldexp(std::fabs(fraction), 53));
+  constexpr int kSlack = 2;
+  std::uint64_t roundest = mantissa;
+  for (std::uint64_t m = mantissa - kSlack; m <= mantissa + kSlack; ++m)
+    if (std::countr_zero(m) > std::countr_zero(roundest)) roundest = m;
+  const int zeros = std::countr_zero(roundest);
+  return {static_cast<double>(roundest >> zeros), std::ldexp(1.0, exponent - 53 + zeros)};
+}
+
+const std::array<double, kMaxDecimals + 1>& powers_of_five() {
+  static const auto powers = [] {
+    std::array<double, kMaxDecimals + 1> p{};
+    p[0] = 1;
+    for (int d = 1; d <= kMaxDecimals; ++d) p[d] = 5 * p[d - 1];
+    return p;
+  }();
+  return powers;
+}
+
+/// The form of x with the fewest units; quantum 0 if none is short.
+Decimal shortest(double x) {
+  Decimal best;
+  for (int d = 0; d <= kMaxDecimals; ++d) {
+    Decimal form = odd_part(x * powers_of_five()[d]);
+    if (form.units >= kShort) continue;
+    form.quantum /= powers_of_five()[d];
+    if (best.quantum == 0 || form.units < best.units) best = form;
+  }
+  return best;
+}
+
+template <class Visit>
+bool for_each_coordinate(std::span<const Vec3> positions, Visit visit) {
+  for (const Vec3& p : positions)
+    for (int axis = 0; axis < 3; ++axis)
+      if (p[axis] != 0 && !visit(p[axis])) return false;
+  return true;
+}
+
+/// The quantum of which all coordinates are multiples after d decimals; 0 if there is none that leaves them short.
+double common_quantum(std::span<const Vec3> positions, int d, double largest) {
+  const double five = powers_of_five()[d];
+  double quantum = HUGE_VAL;
+  const bool is_common = for_each_coordinate(positions, [&](double x) {
+    const Decimal form = odd_part(x * five);
+    quantum = std::min(quantum, form.quantum);
+    return largest * five / quantum < kShort;
+  });
+  return is_common && quantum < HUGE_VAL ? quantum / five : 0;
+}
+
+double last_place(double x, int bits) {
+  int exponent = 0;
+  std::frexp(x, &exponent);
+  return std::ldexp(1.0, exponent - bits);
+}
+
+}  // namespace
+
+double rounding_step(std::span<const Vec3> positions) {
+  double largest = 0;
+  bool are_floats = true;
+  for_each_coordinate(positions, [&](double x) {
+    largest = std::max(largest, std::fabs(x));
+    are_floats = are_floats && odd_part(x).units < 16777216.0;
+    return true;
+  });
+  if (largest == 0) return 0;
+  const double least = last_place(largest, 53);
+
+  double common = 0;
+  for (int d = 0; d <= kMaxDecimals && common == 0; ++d) common = common_quantum(positions, d, largest);
+
+  // Limited in significant digits? Then the small values have decimals that the large ones lack.
+  double most_units = 0;
+  const bool are_all_short = for_each_coordinate(positions, [&](double x) {
+    const Decimal form = shortest(x);
+    most_units = std::max(most_units, form.units);
+    return form.quantum != 0;
+  });
+  if (are_all_short && (common == 0 || largest / common > 10 * most_units)) {
+    // A value with most of the digits shows its last place; the largest such values have the coarsest one.
+    double step = 0, step_of_largest = HUGE_VAL;
+    for_each_coordinate(positions, [&](double x) {
+      const Decimal form = shortest(x);
+      if (form.units * 10 < most_units) return true;
+      step = std::max(step, form.quantum);
+      if (std::fabs(x) > 0.9 * largest) step_of_largest = std::min(step_of_largest, form.quantum);
+      return true;
+    });
+    step = std::min(step, step_of_largest);
+    return std::max(step, least);
+  }
+  if (common != 0) return std::max(common, least);
+  return are_floats ? last_place(largest, 24) : least;
+}
+
+AutomaticTolerance automatic_tolerance(double step, double diagonal) {
+  const double floor = kToleranceFloor * diagonal;
+  const double wanted = std::clamp(kToleranceSteps * step, floor, kToleranceCeiling * diagonal);
+  const bool is_unquestioned = wanted <= kToleranceUnquestioned * diagonal;
+  return {is_unquestioned ? wanted : floor, wanted};
+}
+
+}  // namespace remesh

@@ -1,0 +1,13 @@
+/// How the triangulation of one patch ended: an ordinary value, since a patch that fails goes down the ladder.
+#pragma once
+
+namespace remesh {
+
+enum class Outcome {
+  kDone,
+  kCrossingConstraints,  ///< two loop edges cross, or a vertex lies inside a loop edge
+  kInconsistentLoops,    ///< a region would be inside by one loop edge and outside by another
+  kDegenerate,           ///< all points on one line
+};
+
+}  // namespace remesh

@@ -1,0 +1,93 @@
+/// A triangulation of points in the plane: flat arrays, three corners and three twins a triangle.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace remesh {
+
+/// Half-edge h = 3t + k runs from corner k to corner k+1 of triangle t; corners are counter-clockwise and index the
+/// points that were triangulated. Its twin runs the other way in the neighbouring triangle, or is kNone on the hull.
+/// A constraint is a bit beside the twin, equal on both sides.
+class Triangulation2d {
+ public:
+  static constexpr std::uint32_t kNone = 0x7fffffffu;
+
+  std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(corner_.size() / 3); }
+  std::uint32_t half_edge_count() const { return static_cast<std::uint32_t>(corner_.size()); }
+
+  static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
+  static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
+
+  std::uint32_t from(std::uint32_t h) const { return corner_[h]; }
+  std::uint32_t to(std::uint32_t h) const { return corner_[next(h)]; }
+  /// The corner of h's triangle that is not on h.
+  std::uint32_t apex(std::uint32_t h) const { return corner_[previous(h)]; }
+  std::uint32_t twin(std::uint32_t h) const { return twin_[h] & kNone; }
+  bool is_constrained(std::uint32_t h) const { return (twin_[h] & kConstraint) != 0; }
+
+  /// Appends a triangle without neighbours; returns its first half-edge (from a to b).
+  std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    const std::uint32_t h = half_edge_count();
+    corner_.insert(corner_.end(), {a, b, c});
+    twin_.insert(twin_.end(), {kNone, kNone, kNone});
+    return h;
+  }
+  /// Puts other corners into triangle h/3, so that half-edge h runs from a to b. Twins stay to be set.
+  void set_triangle(std::uint32_t h, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    corner_[h] = a;
+    corner_[next(h)] = b;
+    corner_[previous(h)] = c;
+  }
+  /// Joins two half-edges; either may be kNone. Their constraint bit is cleared.
+  void join(std::uint32_t g, std::uint32_t h) {
+    if (g != kNone) twin_[g] = h;
+    if (h != kNone) twin_[h] = g;
+  }
+  /// The same, carrying a constraint bit.
+  void join(std::uint32_t g, std::uint32_t h, bool constrained) {
+    join(g, h);
+    if (constrained) constrain(g != kNone ? g : h);
+  }
+  /// Marks the edge of h, on both its sides.
+  void constrain(std::uint32_t h) {
+    twin_[h] |= kConstraint;
+    if (twin(h) != kNone) twin_[twin(h)] |= kConstraint;
+  }
+
+  /// Replaces edge (a, b) by (c, d), where c and d are the apexes of h and of its twin. h must have a twin and bound a
+  /// strictly convex quadrilateral; this does not check it. Afterwards h runs from d to c within the same two triangles:
+  /// triangle h/3 is (d, c, a), the other one (c, d, b).
+  void flip(std::uint32_t h);
+
+  /// Builds the index behind edge_at(); from then on flip() keeps it. `points` is the number of points.
+  void index_points(std::size_t points);
+  /// Enters the corners of triangle h/3 into the index, after set_triangle().
+  void index_triangle(std::uint32_t h) {
+    for (const std::uint32_t g : {h, next(h), previous(h)}) edge_at_[corner_[g]] = g;
+  }
+  /// A half-edge that leaves point p, or kNone if no triangle has it. Needs index_points().
+  std::uint32_t edge_at(std::uint32_t p) const { return edge_at_[p]; }
+
+  /// Keeps the triangles whose entry in `keep` is not 0, in order; a lost neighbour leaves kNone. Drops the index.
+  void compact(const std::vector<std::uint8_t>& keep);
+
+  void reserve(std::size_t triangles) {
+    corner_.reserve(3 * triangles);
+    twin_.reserve(3 * triangles);
+  }
+  void resize(std::size_t triangles) {
+    corner_.resize(3 * triangles);
+    twin_.resize(3 * triangles, kNone);
+  }
+
+ private:
+  static constexpr std::uint32_t kConstraint = 0x80000000u;
+
+  std::vector<std::uint32_t> corner_;
+  std::vector<std::uint32_t> twin_;
+  std::vector<std::uint32_t> edge_at_;
+};
+
+}  // namespace remesh

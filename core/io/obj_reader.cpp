@@ -1,0 +1,365 @@
+#include <tiny_obj_loader.h>
+
+#include <algorithm>
+#include <charconv>
+#include <cstdint>
+#include <istream>
+#include <limits>
+#include <map>
+#include <streambuf>
+#include <string>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+#include "core/io/obj.h"
+#include "core/io/obj_records.h"
+#include "core/io/text.h"
+
+namespace remesh {
+namespace {
+
+/// `face_begin` counts corners in 32 bits.
+constexpr std::uint64_t kMaxCorners = std::numeric_limits<std::uint32_t>::max();
+/// Corners of one face. tinyobjloader parses a face whole: this bounds the memory and the time until the next look at
+/// the control (some 50 MB and 0.1 s).
+constexpr std::uint64_t kMaxFaceCorners = 4'000'000;
+/// Bytes of a name. The writer repeats a name wherever the label changes, so a long one could blow up the output.
+constexpr std::size_t kMaxNameLength = 4096;
+/// Kinds of records counted apart; a text could make up one on each line.
+constexpr std::size_t kMaxDroppedKinds = 64;
+constexpr std::size_t kMaxKeywordLength = 32;
+/// Bytes between two looks at the control: some milliseconds.
+constexpr std::size_t kProgressStep = std::size_t{1} << 18;
+
+/// The labels of one kind, taken down face by face. A name that no face bears leaves no trace.
+class LabelCollector {
+ public:
+  /// Names the faces that follow.
+  void name(std::string label) {
+    is_named_ = true;
+    index_is_known_ = false;
+    name_ = std::move(label);
+  }
+
+  void add_face(std::size_t faces_before) {
+    if (!is_named_) return;
+    if (set_.of_face.empty() && faces_before > 0) set_.of_face.assign(faces_before, index_of(""));
+    if (!index_is_known_) {
+      index_ = index_of(name_);
+      index_is_known_ = true;
+    }
+    set_.of_face.push_back(index_);
+  }
+
+  LabelSet take() { return std::move(set_); }
+
+ private:
+  std::uint32_t index_of(const std::string& label) {
+    const auto [entry, is_new] = index_of_name_.try_emplace(label, static_cast<std::uint32_t>(set_.names.size()));
+    if (is_new) set_.names.push_back(label);
+    return entry->second;
+  }
+
+  LabelSet set_;
+  // No hash table: the names are from outside and could be made to collide.
+  std::map<std::string, std::uint32_t> index_of_name_;
+  std::string name_;
+  std::uint32_t index_ = 0;
+  bool is_named_ = false;
+  bool index_is_known_ = false;
+};
+
+/// Counts, by keyword, the records that do not describe the surface.
+class DroppedRecords {
+ public:
+  static constexpr std::string_view kOther = "other";  ///< the last of too many keywords, and too long ones
+
+  void count(std::string_view keyword) {
+    if (keyword.size() > kMaxKeywordLength) keyword = kOther;
+    if (last_ == kinds_.size() || kinds_[last_].first != keyword) last_ = find(keyword);
+    ++kinds_[last_].second;
+  }
+
+  void report(std::vector<Diagnostic>& diagnostics) const {
+    for (const auto& [keyword, count] : kinds_) {
+      const std::string message = keyword + " records" + meaning(keyword) + " dropped: " + std::to_string(count);
+      diagnostics.push_back({DiagnosticCode::kAttributeDropped, count, {}, message});
+    }
+  }
+
+ private:
+  std::size_t find(std::string_view keyword) {
+    for (std::size_t i = 0; i < kinds_.size(); ++i) {
+      if (kinds_[i].first == keyword) return i;
+    }
+    if (kinds_.size() == kMaxDroppedKinds) return kMaxDroppedKinds - 1;
+    kinds_.emplace_back(kinds_.size() + 1 == kMaxDroppedKinds ? kOther : keyword, 0);
+    return kinds_.size() - 1;
+  }
+
+  static std::string meaning(std::string_view keyword) {
+    if (keyword == "vt") return " (texture coordinates)";
+    if (keyword == "vn") return " (normals)";
+    if (keyword == "vp") return " (parameter space)";
+    if (keyword == "vw") return " (skin weights)";
+    if (keyword == "s") return " (smoothing groups)";
+    if (keyword == "l") return " (lines)";
+    if (keyword == "p") return " (points)";
+    return "";
+  }
+
+  std::vector<std::pair<std::string, std::uint64_t>> kinds_;
+  std::size_t last_ = 0;
+};
+
+/// Reads vertices itself and hands every other record that matters to tinyobjloader, as a stream that it takes records
+/// from: one record is delivered at a time, so when a callback comes, the walk still stands on the record it is for.
+class ObjReader final : private std::streambuf {
+ public:
+  ObjReader(std::string_view text, const ReadLimits& limits, RunControl& control)
+      : text_size_(text.size()), records_(text), limits_(limits), control_(control) {}
+
+  ReadResult read() {
+    std::istream stream(this);
+    stream.exceptions(std::ios::badbit);  // what underflow() throws passes through
+    tinyobj::callback_t callbacks;
+    callbacks.index_cb = [](void* reader, tinyobj::index_t* corners, int count) {
+      static_cast<ObjReader*>(reader)->add_face(corners, count);
+    };
+    callbacks.object_cb = [](void* reader, const char* name) { static_cast<ObjReader*>(reader)->object_.name(name); };
+    callbacks.group_cb = [](void* reader, const char** names, int count) {
+      static_cast<ObjReader*>(reader)->group_.name(join(names, count));
+    };
+    callbacks.usemtl_cb = [](void* reader, const char* name, int) {
+      static_cast<ObjReader*>(reader)->material_.name(name);
+    };
+    tinyobj::LoadObjWithCallback(stream, callbacks, this);
+    return finish();
+  }
+
+ private:
+  /// Called by the stream when the record delivered last is used up.
+  int_type underflow() override {
+    delivery_.clear();
+    while (delivery_.empty() && records_.next()) {
+      report_progress();
+      take_record();
+    }
+    setg(delivery_.data(), delivery_.data(), delivery_.data() + delivery_.size());
+    return delivery_.empty() ? traits_type::eof() : traits_type::to_int_type(delivery_.front());
+  }
+
+  void take_record() {
+    const std::string_view keyword = records_.keyword();
+    if (keyword == "v") {
+      add_vertex(records_.arguments());
+    } else if (keyword == "f") {
+      deliver_face(records_.arguments());
+    } else if (keyword == "g" || keyword == "o" || keyword == "usemtl") {
+      deliver_name(keyword, trim(records_.arguments()));
+    } else if (keyword == "mtllib") {
+      const std::string_view files = trim(records_.arguments());
+      if (!files.empty()) mesh_.labels.material_libraries.emplace_back(files);
+    } else {
+      dropped_.count(keyword);
+    }
+  }
+
+  void add_vertex(std::string_view arguments) {
+    const std::uint64_t id = mesh_.vertex_count();
+    if (id >= limits_.max_vertices) throw too_large("vertices", limits_.max_vertices);
+    Vec3 position;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string_view token = next_value(arguments);
+      if (!token.empty()) {
+        position[axis] = coordinate(token);
+      } else if (axis == 2) {
+        missing_z_.add(id);
+      } else {
+        throw error(Code::kInvalidMesh, "a vertex with fewer than two coordinates");
+      }
+    }
+    if (!next_value(arguments).empty()) extra_values_.add(id);
+    mesh_.positions.push_back(position);
+  }
+
+  double coordinate(std::string_view token) const {
+    const Real real = parse_real(token);
+    switch (real.fault) {
+      case RealFault::kNone: break;
+      case RealFault::kNotANumber: throw error(Code::kInvalidMesh, "a coordinate that is not a number");
+      case RealFault::kNotFinite: throw error(Code::kNonfiniteCoordinate, "a coordinate that is not finite");
+    }
+    return real.value;
+  }
+
+  /// Checks a face and delivers its vertex indices alone, so that tinyobjloader meets nothing it would let through.
+  void deliver_face(std::string_view arguments) {
+    if (mesh_.face_count() >= limits_.max_faces) throw too_large("faces", limits_.max_faces);
+    const std::uint64_t max_corners = std::min(kMaxFaceCorners, kMaxCorners - mesh_.corners.size());
+    std::uint64_t corners = 0;
+    delivery_ = "f";
+    for (auto token = next_value(arguments); !token.empty(); token = next_value(arguments)) {
+      if (++corners > max_corners) throw too_large("face corners", max_corners);
+      delivery_ += ' ';
+      delivery_ += checked_vertex(token);
+    }
+    delivery_ += '\n';
+    if (corners < 3) throw error(Code::kInvalidMesh, "a face with fewer than three corners");
+  }
+
+  /// The vertex part of a corner (`i`, `i/j`, `i//k`, `i/j/k`, the numbers after a slash missing or not).
+  std::string_view checked_vertex(std::string_view corner) {
+    const char* at = corner.data();
+    const char* const end = at + corner.size();
+    const int index = take_integer(at, end);
+    const std::string_view vertex(corner.data(), static_cast<std::size_t>(at - corner.data()));
+    for (int part = 0; part < 2 && at != end && *at == '/'; ++part) {
+      ++at;
+      if (at != end && *at != '/') take_integer(at, end);
+    }
+    if (at != end) throw malformed_corner();
+    check_vertex_index(index);
+    return vertex;
+  }
+
+  int take_integer(const char*& at, const char* end) const {
+    int value = 0;
+    const auto [stop, status] = std::from_chars(at, end, value);
+    if (status == std::errc::invalid_argument) throw malformed_corner();
+    if (status == std::errc::result_out_of_range) {
+      throw error(Code::kIndexOutOfRange, "a face with an index of more than 32 bits");
+    }
+    at = stop;
+    return value;
+  }
+
+  /// A positive index may be ahead of its vertex: it is compared with their number at the end of the text.
+  void check_vertex_index(int index) {
+    const std::uint64_t vertices = mesh_.vertex_count();
+    if (index == 0) throw error(Code::kIndexOutOfRange, "a face with the index 0; the first vertex is 1");
+    if (index < 0 && static_cast<std::uint64_t>(-std::int64_t{index}) > vertices) {
+      throw error(Code::kIndexOutOfRange, out_of_range_message(index, vertices) + " before it");
+    }
+    if (index > 0 && static_cast<std::uint64_t>(index) > vertices &&
+        (references_ahead_.empty() || index > references_ahead_.back().index)) {
+      references_ahead_.push_back({index, records_.line()});
+    }
+  }
+
+  void deliver_name(std::string_view keyword, std::string_view name) {
+    if (name.size() > kMaxNameLength) {
+      throw error(Code::kInvalidMesh, "a name of more than " + std::to_string(kMaxNameLength) + " bytes");
+    }
+    delivery_ = keyword;
+    delivery_ += ' ';
+    delivery_ += name;
+    delivery_ += '\n';
+  }
+
+  void add_face(const tinyobj::index_t* corners, int count) {
+    const std::size_t faces_before = mesh_.face_count();
+    for (LabelCollector* labels : {&object_, &group_, &material_}) labels->add_face(faces_before);
+    for (int i = 0; i < count; ++i) {
+      const std::int64_t index = corners[i].vertex_index;
+      const std::int64_t from_zero = index > 0 ? index - 1 : index + static_cast<std::int64_t>(mesh_.vertex_count());
+      mesh_.corners.emplace_back(static_cast<std::uint32_t>(from_zero));
+    }
+    mesh_.face_begin.push_back(static_cast<std::uint32_t>(mesh_.corners.size()));
+  }
+
+  ReadResult finish() {
+    for (const auto& reference : references_ahead_) {
+      if (static_cast<std::uint64_t>(reference.index) > mesh_.vertex_count()) {
+        throw error_at(reference.line, Code::kIndexOutOfRange,
+                       out_of_range_message(reference.index, mesh_.vertex_count()));
+      }
+    }
+    if (mesh_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kRead, "the text has no face");
+
+    ReadResult result;
+    mesh_.labels.object = object_.take();
+    mesh_.labels.group = group_.take();
+    mesh_.labels.material = material_.take();
+    result.mesh = std::move(mesh_);
+    dropped_.report(result.diagnostics);
+    report_vertices(std::move(extra_values_),
+                    "values of v records after x y z (weights, colours) dropped, at vertices: ", result.diagnostics);
+    report_vertices(std::move(missing_z_), "missing z read as 0, at vertices: ", result.diagnostics);
+    return result;
+  }
+
+  static void report_vertices(Diagnostic found, const char* message, std::vector<Diagnostic>& diagnostics) {
+    if (found.count == 0) return;
+    found.code = DiagnosticCode::kAttributeDropped;
+    found.message = message + std::to_string(found.count);
+    diagnostics.push_back(std::move(found));
+  }
+
+  void report_progress() {
+    if (records_.offset() < next_progress_) return;
+    control_.progress(static_cast<double>(records_.offset()) / static_cast<double>(text_size_));
+    next_progress_ = records_.offset() + kProgressStep;
+  }
+
+  /// The next token, but a comment behind the values ends them.
+  static std::string_view next_value(std::string_view& arguments) {
+    const std::string_view token = next_token(arguments);
+    if (!token.starts_with('#')) return token;
+    arguments = {};
+    return {};
+  }
+
+  static std::string join(const char** names, int count) {
+    std::string joined;
+    for (int i = 0; i < count; ++i) {
+      if (i > 0) joined += ' ';
+      joined += names[i];
+    }
+    return joined;
+  }
+
+  static std::string out_of_range_message(int index, std::uint64_t vertices) {
+    return "a face refers to vertex " + std::to_string(index) + ", of " + std::to_string(vertices);
+  }
+
+  static Error error_at(std::uint64_t line, Code code, const std::string& message) {
+    return Error(code, Stage::kRead, message).at_line(line);
+  }
+  Error error(Code code, const std::string& message) const { return error_at(records_.line(), code, message); }
+  Error too_large(const std::string& what, std::uint64_t limit) const {
+    return error(Code::kMeshTooLarge, "more " + what + " than the " + std::to_string(limit) + " allowed")
+        .with_limit(limit);
+  }
+  Error malformed_corner() const {
+    return error(Code::kInvalidMesh, "a face corner that is none of i, i/j, i//k, i/j/k");
+  }
+
+  struct ReferenceAhead {
+    int index;
+    std::uint64_t line;
+  };
+
+  std::size_t text_size_;
+  ObjRecords records_;
+  const ReadLimits& limits_;
+  RunControl& control_;
+  PolygonMesh mesh_;
+  LabelCollector object_, group_, material_;
+  DroppedRecords dropped_;
+  Diagnostic extra_values_, missing_z_;
+  /// Each one larger than all before, so the first that is out of range stands on the first such line.
+  std::vector<ReferenceAhead> references_ahead_;
+  std::string delivery_;
+  std::size_t next_progress_ = kProgressStep;
+};
+
+}  // namespace
+
+ReadResult read_obj(std::string_view text, const ReadLimits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  return ObjReader(text, limits, control).read();
+}
+
+}  // namespace remesh

@@ -1,0 +1,79 @@
+#include "core/io/text.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <system_error>
+
+namespace remesh {
+namespace {
+
+/// Whether a decimal number that no double holds is too small, and not too large, for one: its first significant
+/// digit stands for a negative power of ten.
+bool is_underflow(std::string_view number) {
+  const std::size_t exponent_mark = number.find_first_of("eE");
+  const std::string_view mantissa = number.substr(0, exponent_mark);
+  const std::size_t point = std::min(mantissa.find('.'), mantissa.size());
+  const std::size_t leading = mantissa.find_first_of("123456789");
+  const auto distance = static_cast<std::int64_t>(point) - static_cast<std::int64_t>(leading);
+  const std::int64_t power = distance > 0 ? distance - 1 : distance;
+  if (exponent_mark == std::string_view::npos) return power < 0;
+
+  std::string_view digits = number.substr(exponent_mark + 1);
+  if (digits.front() == '+') digits.remove_prefix(1);
+  std::int64_t exponent = 0;
+  const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
+  if (read.ec == std::errc::result_out_of_range) return digits.front() == '-';
+  // Neither side can overflow: |power| is below the text's length.
+  return exponent < -power;
+}
+
+/// What older C libraries of Microsoft print for values that are not finite comes after `1.`.
+bool is_nonfinite_suffix(std::string_view text) {
+  return text.starts_with("#INF") || text.starts_with("#IND") || text.starts_with("#QNAN") || text.starts_with("#SNAN");
+}
+
+}  // namespace
+
+std::string_view trim(std::string_view text) {
+  while (!text.empty() && is_blank(text.front())) text.remove_prefix(1);
+  while (!text.empty() && is_blank(text.back())) text.remove_suffix(1);
+  return text;
+}
+
+Real parse_real(std::string_view token) {
+  if (token.starts_with('+')) {
+    token.remove_prefix(1);
+    if (token.starts_with('-')) return {0, RealFault::kNotANumber};
+  }
+  const char* const end = token.data() + token.size();
+  double value = 0;
+  const auto [stop, status] = std::from_chars(token.data(), end, value);
+  if (status == std::errc::invalid_argument) return {0, RealFault::kNotANumber};
+  if (stop != end) {
+    const std::string_view rest(stop, static_cast<std::size_t>(end - stop));
+    return {0, is_nonfinite_suffix(rest) ? RealFault::kNotFinite : RealFault::kNotANumber};
+  }
+  if (status == std::errc::result_out_of_range) {
+    // from_chars leaves the value alone, in both directions.
+    if (!is_underflow(token)) return {0, RealFault::kNotFinite};
+    return {token.front() == '-' ? -0.0 : 0.0, RealFault::kNone};
+  }
+  if (!std::isfinite(value)) return {0, RealFault::kNotFinite};
+  return {value, RealFault::kNone};
+}
+
+void append_real(std::string& out, double value) {
+  char digits[32];  // the longest is 24: -2.2250738585072014e-308
+  const auto written = std::to_chars(digits, digits + sizeof digits, value);
+  out.append(digits, written.ptr);
+}
+
+void append_integer(std::string& out, std::uint64_t value) {
+  char digits[20];
+  const auto written = std::to_chars(digits, digits + sizeof digits, value);
+  out.append(digits, written.ptr);
+}
+
+}  // namespace remesh

@@ -1,0 +1,54 @@
+#include "core/mesh/face_geometry.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace remesh {
+namespace {
+
+Vec3 some_normal_to(const Vec3& direction) {
+  const Vec3 d{std::fabs(direction.x), std::fabs(direction.y), std::fabs(direction.z)};
+  const Vec3 axis = d.x <= d.y && d.x <= d.z ? Vec3{1, 0, 0} : d.y <= d.z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
+  return normalized(cross(direction, axis));
+}
+
+}  // namespace
+
+IdVector<FaceId, FaceGeometry> face_geometry(const Surface& surface, RunControl& control) {
+  IdVector<FaceId, FaceGeometry> result(surface.face_count());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.face_count(), 8192), [&](const auto& range) {
+    control.check();
+    for (std::size_t f = range.begin(); f < range.end(); ++f) {
+      const auto loop = surface.face(FaceId(f));
+      const Vec3 origin = surface.local[loop[0]];
+      Vec3 twice_area, sum;
+      Box3 box;
+      double longest = 0;
+      Vec3 longest_side;
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        const Vec3 a = surface.local[loop[i]];
+        const Vec3 b = surface.local[loop[i + 1 == loop.size() ? 0 : i + 1]];
+        twice_area += cross(a - origin, b - origin);
+        sum += a - origin;
+        if (norm_squared(b - a) > longest) {
+          longest = norm_squared(b - a);
+          longest_side = b - a;
+        }
+        box.add(a);
+      }
+      const double extent = loop.size() == 3 ? std::sqrt(longest) : box.diagonal();
+      FaceGeometry& g = result[FaceId(f)];
+      g.normal = normalized(twice_area);
+      if (g.normal == Vec3{}) g.normal = some_normal_to(longest_side);
+      g.centre = origin + (1.0 / static_cast<double>(loop.size())) * sum;
+      g.area = 0.5 * norm(twice_area);
+      g.height = extent > 0 ? 2 * g.area / extent : 0;
+    }
+  });
+  return result;
+}
+
+}  // namespace remesh

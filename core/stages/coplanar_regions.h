@@ -1,0 +1,65 @@
+/// Groups faces that lie in one plane.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/face_geometry.h"
+#include "core/mesh/surface.h"
+
+namespace remesh {
+
+struct RegionTag {
+  static constexpr char kPrefix = 'r';
+};
+using RegionId = Id<RegionTag>;
+
+/// A plane in local units.
+struct Plane {
+  Vec3 origin;
+  Vec3 normal;
+
+  double distance(const Vec3& p) const { return dot(p - origin, normal); }
+};
+
+/// Regions so far. Faces without a region are still to be grouped.
+struct Regions {
+  IdVector<FaceId, RegionId> of_face;
+  IdVector<RegionId, Plane> planes;
+};
+
+/// How faces are told apart; tolerances in local units.
+struct CoplanarityRule {
+  double plane_tolerance = 0;
+  double normal_tolerance = 1e-6;
+  /// Per face: only faces with equal zones may share a region (labels; and what the ladder keeps apart).
+  const IdVector<FaceId, std::uint32_t>* zone = nullptr;
+  /// Per face: the step of the ladder, 0 to kSingleFace; it scales the tolerance, and at the last each face is alone.
+  const IdVector<FaceId, std::uint8_t>* rung = nullptr;
+};
+
+/// The ladder's last step: one patch an input face.
+inline constexpr std::uint8_t kSingleFace = 3;
+
+/// The plane tolerance on a step of the ladder, in the units of `tolerance`; `floor` is kToleranceFloor in them.
+double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor);
+
+/// Gives a region to every face that has none. Regions grow from the largest face over manifold edges, layer by layer.
+/// Holds:  every corner of every face of a region is within the tolerance of the region's plane, and no face looks the
+///         other way; a face too thin for its normal to mean anything (height under two tolerances) is held by its
+///         corners alone. Regions are edge-connected. No creep: all faces are held against the one final plane.
+///         Neither the order of faces and vertices nor scaling by powers of two changes the regions.
+/// Cost:   O(n log n).
+/// Source: the 2018 report, section 2, as amended (ERRATA 2); REFINEMENT, rule 13.
+void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const IdVector<FaceId, FaceGeometry>& geometry,
+                      const CoplanarityRule& rule, Regions& regions, RunControl& control);
+
+/// Whether well-shaped neighbours bend by more than `floor` and at most `tolerance` (local units) anywhere: the mark of
+/// coordinates that were rounded. Polygons that leave their own plane by as much are a mark, too.
+bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const IdVector<FaceId, FaceGeometry>& geometry,
+                      double floor, double tolerance);
+
+}  // namespace remesh

@@ -1,0 +1,261 @@
+#include "core/stages/essential_vertices.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+
+#include "core/base/union_find.h"
+
+namespace remesh {
+namespace {
+
+/// Simplification looks at each vertex of a run at most this often on average; what is left then stays.
+constexpr std::size_t kMostLooks = 64;
+
+/// Where a point lies about a chord: how far off it, and how far along it (0 at its start, 1 at its end).
+struct ChordPosition {
+  double distance, along;
+};
+
+ChordPosition about_chord(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const Vec3 ab = b - a, ap = p - a;
+  const double length_squared = norm_squared(ab);
+  if (length_squared == 0) return {norm(ap), 0};
+  const double along = dot(ap, ab) / length_squared;
+  return {norm(cross(ab, ap)) / std::sqrt(length_squared), along};
+}
+
+class Selection {
+ public:
+  Selection(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
+            const IdVector<VertexId, std::uint8_t>& forced, double tolerance, RunControl& control)
+      : surface_(surface), adjacency_(adjacency), patches_(patches), forced_(forced), tolerance_(tolerance),
+        control_(control) {}
+
+  IdVector<VertexId, std::uint8_t> run() {
+    find_boundary();
+    mark_junctions();
+    mark_pinches();
+    for (std::uint32_t v = 0; v < surface_.vertex_count(); ++v) {
+      if (v % 4096 == 0) control_.check();
+      if (essential_[VertexId(v)] && degree_[v] > 0)
+        for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i) walk(VertexId(v), incident_[i]);
+    }
+    for (std::uint32_t v = 0; v < surface_.vertex_count(); ++v)
+      if (degree_[v] == 2 && !is_walked_[incident_[first_[v]].value]) close_ring(VertexId(v));
+    keep_doubled_chords();
+    return std::move(essential_);
+  }
+
+ private:
+  const Vec3& at(VertexId v) const { return surface_.local[v]; }
+  VertexId low(EdgeId e) const {
+    const std::uint32_t h = adjacency_.half_edges(e)[0];
+    return std::min(adjacency_.from(h), adjacency_.to(h));
+  }
+  VertexId high(EdgeId e) const {
+    const std::uint32_t h = adjacency_.half_edges(e)[0];
+    return std::max(adjacency_.from(h), adjacency_.to(h));
+  }
+  VertexId other_end(EdgeId e, VertexId v) const { return low(e) == v ? high(e) : low(e); }
+
+  /// The patch-boundary edges, and those at each vertex.
+  void find_boundary() {
+    const std::size_t vertices = surface_.vertex_count();
+    degree_.assign(vertices, 0);
+    std::vector<EdgeId> boundary;
+    for (std::uint32_t e = 0; e < adjacency_.edge_count(); ++e) {
+      if (e % 4096 == 0) control_.check();
+      if (!is_patch_boundary(adjacency_, patches_, adjacency_.half_edges(EdgeId(e))[0])) continue;
+      boundary.push_back(EdgeId(e));
+      ++degree_[low(EdgeId(e)).value];
+      ++degree_[high(EdgeId(e)).value];
+    }
+    first_.assign(vertices + 1, 0);
+    for (std::size_t v = 0; v < vertices; ++v) first_[v + 1] = first_[v] + degree_[v];
+    incident_.resize(first_.back());
+    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
+    for (const EdgeId e : boundary) {
+      incident_[next[low(e).value]++] = e;
+      incident_[next[high(e).value]++] = e;
+    }
+    is_walked_.assign(adjacency_.edge_count(), 0);
+  }
+
+  void mark_junctions() {
+    essential_.assign(surface_.vertex_count(), 0);
+    for (std::uint32_t i = 0; i < surface_.vertex_count(); ++i) {
+      const VertexId v(i);
+      if (degree_[i] == 0) continue;
+      bool stays = forced_[v] != 0 || degree_[i] != 2;
+      if (!stays) {
+        const VertexId a = other_end(incident_[first_[i]], v), b = other_end(incident_[first_[i] + 1], v);
+        const ChordPosition position = about_chord(at(a), at(b), at(v));
+        stays = position.distance > tolerance_ || position.along <= 0 || position.along >= 1;
+      }
+      essential_[v] = stays;
+    }
+  }
+
+  /// Marks vertices around which the faces are not connected over edges: what touches there must go on touching.
+  void mark_pinches() {
+    UnionFind fans(surface_.corners.size());
+    for (std::uint32_t e = 0; e < adjacency_.edge_count(); ++e) {
+      const auto around = adjacency_.half_edges(EdgeId(e));
+      for (std::size_t i = 1; i < around.size(); ++i) {
+        const std::uint32_t g = around[0], h = around[i];
+        const bool same_way = adjacency_.from(g) == adjacency_.from(h);
+        fans.join(g, same_way ? h : adjacency_.next(h));
+        fans.join(adjacency_.next(g), same_way ? adjacency_.next(h) : h);
+      }
+    }
+    std::vector<std::uint32_t> fan_of(surface_.vertex_count(), Adjacency::kNone);
+    for (std::uint32_t c = 0; c < surface_.corners.size(); ++c) {
+      const VertexId v = surface_.corners[c];
+      const std::uint32_t fan = fans.find(c);
+      if (fan_of[v.value] == Adjacency::kNone) fan_of[v.value] = fan;
+      if (fan_of[v.value] != fan) essential_[v] = 1;
+    }
+  }
+
+  /// Follows the boundary from an essential vertex to the next one and simplifies what lies between.
+  void walk(VertexId start, EdgeId e) {
+    if (is_walked_[e.value]) return;
+    run_.assign(1, start);
+    VertexId v = start;
+    while (true) {
+      is_walked_[e.value] = 1;
+      v = other_end(e, v);
+      run_.push_back(v);
+      if (essential_[v]) break;
+      e = incident_[first_[v.value]] == e ? incident_[first_[v.value] + 1] : incident_[first_[v.value]];
+    }
+    simplify(0, run_.size() - 1);
+  }
+
+  /// A closed boundary without a corner: anchored at its smallest vertex and the one farthest from that.
+  void close_ring(VertexId start) {
+    run_.assign(1, start);
+    EdgeId e = incident_[first_[start.value]];
+    for (VertexId v = other_end(e, start); v != start; v = other_end(e, v)) {
+      is_walked_[e.value] = 1;
+      run_.push_back(v);
+      e = incident_[first_[v.value]] == e ? incident_[first_[v.value] + 1] : incident_[first_[v.value]];
+    }
+    is_walked_[e.value] = 1;
+    const auto smaller = [&](VertexId a, VertexId b) { return at(a) != at(b) ? at(a) < at(b) : a < b; };
+    std::rotate(run_.begin(), std::min_element(run_.begin(), run_.end(), smaller), run_.end());
+    const Vec3 anchor = at(run_[0]);
+    const auto nearer = [&](VertexId a, VertexId b) {
+      const double da = norm_squared(at(a) - anchor), db = norm_squared(at(b) - anchor);
+      return da != db ? da < db : smaller(b, a);
+    };
+    const auto farthest = static_cast<std::size_t>(std::max_element(run_.begin(), run_.end(), nearer) - run_.begin());
+    run_.push_back(run_[0]);
+    essential_[run_[0]] = 1;
+    essential_[run_[farthest]] = 1;
+    simplify(0, farthest);
+    simplify(farthest, run_.size() - 1);
+    const auto kept = std::count_if(run_.begin(), run_.end() - 1, [&](VertexId v) { return essential_[v] != 0; });
+    if (kept < 3)
+      for (const VertexId v : run_) essential_[v] = 1;
+  }
+
+  /// Keeps, between two kept vertices of the run, as many as the tolerance asks for: the one farthest from the chord,
+  /// then again on both sides (Douglas and Peucker, 1973). Among equally far ones the smallest place decides.
+  void simplify(std::size_t begin, std::size_t end) {
+    std::size_t looks = 0;
+    spans_.assign(1, {begin, end});
+    while (!spans_.empty()) {
+      const auto [i, j] = spans_.back();
+      spans_.pop_back();
+      if (j - i < 2) continue;
+      looks += j - i;
+      const Vec3 a = at(run_[i]), b = at(run_[j]);
+      double farthest = tolerance_, reached = 0;
+      std::size_t split = 0;
+      bool is_in_order = true;
+      for (std::size_t k = i + 1; k < j; ++k) {
+        const ChordPosition position = about_chord(a, b, at(run_[k]));
+        if (position.distance > farthest ||
+            (split != 0 && position.distance == farthest && at(run_[k]) < at(run_[split]))) {
+          farthest = position.distance;
+          split = k;
+        }
+        is_in_order = is_in_order && position.along > reached && position.along < 1;
+        reached = position.along;
+      }
+      if (split == 0 && is_in_order) continue;
+      if (split == 0 || looks > kMostLooks * (end - begin + 1)) {  // folded back, or too costly: all stay
+        for (std::size_t k = i + 1; k < j; ++k) essential_[run_[k]] = 1;
+        continue;
+      }
+      essential_[run_[split]] = 1;
+      spans_.push_back({i, split});
+      spans_.push_back({split, j});
+    }
+  }
+
+  /// Two boundaries between the same two vertices, both straight within the tolerance, would become one edge: a crack
+  /// would close, or a thin patch vanish. Such runs keep all their vertices.
+  void keep_doubled_chords() {
+    struct Chord {
+      VertexId a, b;      // a < b
+      VertexId from;      // the end where the run begins
+      EdgeId first_edge;  // of the run, at `from`
+    };
+    std::vector<Chord> chords;
+    for (std::uint32_t i = 0; i < surface_.vertex_count(); ++i) {
+      const VertexId v(i);
+      if (!essential_[v]) continue;
+      for (std::uint32_t k = first_[i]; k < first_[i + 1]; ++k) {
+        EdgeId e = incident_[k];
+        VertexId w = other_end(e, v);
+        while (!essential_[w]) {
+          e = incident_[first_[w.value]] == e ? incident_[first_[w.value] + 1] : incident_[first_[w.value]];
+          w = other_end(e, w);
+        }
+        if (v < w) chords.push_back({v, w, v, incident_[k]});
+      }
+    }
+    const auto key = [](const Chord& c) { return std::pair{c.a, c.b}; };
+    std::sort(chords.begin(), chords.end(), [&](const Chord& c, const Chord& d) {
+      return key(c) != key(d) ? key(c) < key(d) : c.first_edge < d.first_edge;
+    });
+    for (std::size_t i = 0; i < chords.size(); ++i) {
+      const bool doubled = (i > 0 && key(chords[i]) == key(chords[i - 1])) ||
+                           (i + 1 < chords.size() && key(chords[i]) == key(chords[i + 1]));
+      if (!doubled) continue;
+      EdgeId e = chords[i].first_edge;
+      for (VertexId w = other_end(e, chords[i].from); w != chords[i].b; w = other_end(e, w)) {
+        essential_[w] = 1;
+        e = incident_[first_[w.value]] == e ? incident_[first_[w.value] + 1] : incident_[first_[w.value]];
+      }
+    }
+  }
+
+  const Surface& surface_;
+  const Adjacency& adjacency_;
+  const PatchSet& patches_;
+  const IdVector<VertexId, std::uint8_t>& forced_;
+  double tolerance_;
+  RunControl& control_;
+  IdVector<VertexId, std::uint8_t> essential_;
+  std::vector<std::uint32_t> degree_, first_;
+  std::vector<EdgeId> incident_;
+  std::vector<std::uint8_t> is_walked_;
+  std::vector<VertexId> run_;
+  std::vector<std::pair<std::size_t, std::size_t>> spans_;
+};
+
+}  // namespace
+
+IdVector<VertexId, std::uint8_t> essential_vertices(const Surface& surface, const Adjacency& adjacency,
+                                                    const PatchSet& patches,
+                                                    const IdVector<VertexId, std::uint8_t>& forced, double tolerance,
+                                                    RunControl& control) {
+  return Selection(surface, adjacency, patches, forced, tolerance, control).run();
+}
+
+}  // namespace remesh

@@ -1,0 +1,195 @@
+#include "core/stages/mend_faces.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/base/union_find.h"
+#include "core/geometry/predicates.h"
+#include "core/mesh/adjacency.h"
+#include "core/stages/polygon_split.h"
+
+namespace remesh {
+namespace {
+
+class Mending {
+ public:
+  Mending(Surface surface, double plane_tolerance, RunControl& control)
+      : surface_(std::move(surface)), plane_tolerance_(plane_tolerance), control_(control) {}
+
+  Surface run(std::vector<Diagnostic>& diagnostics) {
+    const std::size_t faces = surface_.face_count();
+    is_degenerate_.reserve(faces);
+    for (std::size_t f = 0; f < faces; ++f) {
+      if (f % 4096 == 0) control_.progress(static_cast<double>(f) / static_cast<double>(faces));
+      take_face(FaceId(f));
+    }
+    std::swap(surface_.face_begin, mended_.face_begin);
+    std::swap(surface_.corners, mended_.corners);
+    std::swap(surface_.face_source, mended_.face_source);
+    std::swap(surface_.face_label, mended_.face_label);
+    if (std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end()) drop_degenerate();
+    if (surface_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "no face of the mesh has an area");
+    drop_unused_vertices();
+    for (Diagnostic* d : {&nonplanar_, &zero_area_})
+      if (d->count > 0) diagnostics.push_back(std::move(*d));
+    return std::move(surface_);
+  }
+
+ private:
+  // In original coordinates, scaled exactly: a line of the input is a line here.
+  Vec3 exact(VertexId v) const { return (1 / surface_.unit) * surface_.positions[v]; }
+
+  bool are_collinear(std::span<const VertexId> loop) const {
+    // Against the first two different points.
+    for (std::size_t i = 2; i < loop.size(); ++i)
+      if (!is_collinear(exact(loop[0]), exact(loop[1]), exact(loop[i]))) return false;
+    return true;
+  }
+
+  void emit(std::span<const VertexId> loop, FaceId source, std::uint32_t label, bool is_degenerate) {
+    mended_.corners.insert(mended_.corners.end(), loop.begin(), loop.end());
+    mended_.face_begin.push_back(static_cast<std::uint32_t>(mended_.corners.size()));
+    mended_.face_source.push_back(source);
+    mended_.face_label.push_back(label);
+    is_degenerate_.push_back(is_degenerate);
+  }
+
+  void take_face(FaceId f) {
+    const FaceId source = surface_.face_source[f];
+    const std::uint32_t label = surface_.face_label[f];
+    loop_.clear();
+    for (const VertexId v : surface_.face(f))
+      if (loop_.empty() || loop_.back() != v) loop_.push_back(v);
+    while (loop_.size() > 1 && loop_.front() == loop_.back()) loop_.pop_back();
+    if (loop_.size() < 3) {  // its edges cancel each other: nothing opens
+      zero_area_.add(source.value);
+      return;
+    }
+    if (are_collinear(loop_)) {
+      zero_area_.add(source.value);
+      for (std::size_t i = 1; i + 1 < loop_.size(); ++i)
+        emit(std::array{loop_[0], loop_[i], loop_[i + 1]}, source, label, true);
+      return;
+    }
+    if (loop_.size() == 3) {
+      emit(loop_, source, label, false);
+      return;
+    }
+    points_.clear();
+    for (const VertexId v : loop_) points_.push_back(surface_.local[v]);
+    const PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
+    if (split.kind == PolygonKind::kPlanar) {
+      emit(loop_, source, label, false);
+      return;
+    }
+    nonplanar_.add(source.value);
+    for (const auto& [i, j, k] : split.triangles) {
+      const std::array triangle{loop_[i], loop_[j], loop_[k]};
+      if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
+      emit(triangle, source, label, are_collinear(triangle));
+    }
+  }
+
+  /// Zero-area faces that share edges lie on one line. Each such cluster hands its vertices to the faces around it.
+  void drop_degenerate() {
+    const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners);
+    UnionFind cluster(surface_.face_count());
+    for (std::size_t e = 0; e < edges.edge_count(); ++e) {
+      std::uint32_t first = Adjacency::kNone;
+      for (const std::uint32_t h : edges.half_edges(EdgeId(e))) {
+        const std::uint32_t f = edges.face_of(h).value;
+        if (!is_degenerate_[f]) continue;
+        if (first != Adjacency::kNone) cluster.join(first, f);
+        first = f;
+      }
+    }
+    // The vertices of each cluster along its line: for collinear points the lexicographic order is the line's order.
+    std::vector<std::pair<std::uint32_t, VertexId>> on_line;
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f)
+      if (is_degenerate_[f])
+        for (const VertexId v : surface_.face(FaceId(f))) on_line.push_back({cluster.find(f), v});
+    const auto before = [&](const auto& a, const auto& b) {
+      if (a.first != b.first) return a.first < b.first;
+      const Vec3 &p = surface_.positions[a.second], &q = surface_.positions[b.second];
+      return p != q ? p < q : a.second < b.second;
+    };
+    std::sort(on_line.begin(), on_line.end(), before);
+    on_line.erase(std::unique(on_line.begin(), on_line.end()), on_line.end());
+
+    Surface out;
+    std::size_t inserted = 0;
+    const std::size_t most = 4 * surface_.corners.size() + 1'000'000;
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      if (is_degenerate_[f]) continue;
+      for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h) {
+        out.corners.push_back(surface_.corners[h]);
+        const std::uint32_t line = cluster_beyond(edges, cluster, h);
+        if (line == Adjacency::kNone) continue;
+        const auto from = std::lower_bound(on_line.begin(), on_line.end(), std::pair{line, edges.from(h)}, before);
+        const auto to = std::lower_bound(on_line.begin(), on_line.end(), std::pair{line, edges.to(h)}, before);
+        inserted += static_cast<std::size_t>(std::abs(to - from));
+        if (inserted > most)
+          throw Error(Code::kInvalidMesh, Stage::kWeld, "zero-area faces nest too deeply to be mended")
+              .at_element(surface_.face_source[FaceId(f)].value);
+        if (from < to)
+          for (auto it = from + 1; it < to; ++it) out.corners.push_back(it->second);
+        else
+          for (auto it = from; it-- > to + 1;) out.corners.push_back(it->second);
+      }
+      out.face_begin.push_back(static_cast<std::uint32_t>(out.corners.size()));
+      out.face_source.push_back(surface_.face_source[FaceId(f)]);
+      out.face_label.push_back(surface_.face_label[FaceId(f)]);
+    }
+    surface_.corners = std::move(out.corners);
+    surface_.face_begin = std::move(out.face_begin);
+    surface_.face_source = std::move(out.face_source);
+    surface_.face_label = std::move(out.face_label);
+  }
+
+  std::uint32_t cluster_beyond(const Adjacency& edges, UnionFind& cluster, std::uint32_t half_edge) const {
+    for (const std::uint32_t h : edges.half_edges(edges.edge_of(half_edge)))
+      if (is_degenerate_[edges.face_of(h).value]) return cluster.find(edges.face_of(h).value);
+    return Adjacency::kNone;
+  }
+
+  void drop_unused_vertices() {
+    std::vector<VertexId> renumbered(surface_.vertex_count());
+    for (const VertexId v : surface_.corners) renumbered[v.value] = v;
+    std::uint32_t kept = 0;
+    for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
+      if (!renumbered[v].is_valid()) continue;
+      renumbered[v] = VertexId(kept);
+      surface_.positions[VertexId(kept)] = surface_.positions[VertexId(v)];
+      surface_.local[VertexId(kept)] = surface_.local[VertexId(v)];
+      surface_.vertex_source[VertexId(kept)] = surface_.vertex_source[VertexId(v)];
+      ++kept;
+    }
+    surface_.positions.resize(kept);
+    surface_.local.resize(kept);
+    surface_.vertex_source.resize(kept);
+    for (VertexId& v : surface_.corners) v = renumbered[v.value];
+  }
+
+  Surface surface_;
+  double plane_tolerance_;
+  RunControl& control_;
+  Surface mended_;  // faces only
+  std::vector<std::uint8_t> is_degenerate_;
+  std::vector<VertexId> loop_;
+  std::vector<Vec3> points_;
+  Diagnostic nonplanar_{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons without a plane were triangulated"};
+  Diagnostic zero_area_{DiagnosticCode::kZeroAreaFace, 0, {}, "faces without area were dropped"};
+};
+
+}  // namespace
+
+bool is_collinear(const Vec3& a, const Vec3& b, const Vec3& c) {
+  return orient2d({a.x, a.y}, {b.x, b.y}, {c.x, c.y}) == 0 && orient2d({a.y, a.z}, {b.y, b.z}, {c.y, c.z}) == 0 &&
+         orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x}) == 0;
+}
+
+Surface mend_faces(Surface surface, double plane_tolerance, std::vector<Diagnostic>& diagnostics, RunControl& control) {
+  return Mending(std::move(surface), plane_tolerance, control).run(diagnostics);
+}
+
+}  // namespace remesh

@@ -1,0 +1,89 @@
+#include "core/stages/polygon_split.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/geometry/predicates.h"
+#include "core/stages/patch_triangulation.h"
+#include "core/stages/projection.h"
+
+namespace remesh {
+namespace {
+
+/// Whether a quadrilateral's four corners turn left, strictly.
+bool is_convex(std::span<const Vec2> uv) {
+  for (std::size_t i = 0; i < uv.size(); ++i)
+    if (orient2d(uv[i], uv[(i + 1) % uv.size()], uv[(i + 2) % uv.size()]) <= 0) return false;
+  return true;
+}
+
+void fan(std::span<const Vec3> points, PolygonSplit& result) {
+  const auto n = static_cast<std::uint32_t>(points.size());
+  const auto apex = static_cast<std::uint32_t>(std::min_element(points.begin(), points.end()) - points.begin());
+  for (std::uint32_t i = 1; i + 1 < n; ++i) result.triangles.push_back({apex, (apex + i) % n, (apex + i + 1) % n});
+}
+
+}  // namespace
+
+PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
+  const auto n = static_cast<std::uint32_t>(points.size());
+  PolygonSplit result;
+  const Vec3 normal = normalized(newell_normal(points));
+  if (normal == Vec3{}) {
+    result.kind = PolygonKind::kSelfCrossing;
+    fan(points, result);
+    return result;
+  }
+  Vec3 centre;
+  for (const Vec3& p : points) centre += (1.0 / n) * p;
+  double deviation = 0;
+  for (const Vec3& p : points) deviation = std::max(deviation, std::fabs(dot(p - centre, normal)));
+  const bool is_flat = deviation <= plane_tolerance;
+
+  std::vector<Edge3> edges(n);
+  for (std::uint32_t i = 0; i < n; ++i) edges[i] = {points[i], points[(i + 1) % n]};
+  const Frame frame = make_frame(normal, centre, points, edges, ReferenceAxis::kDominantEdge, {}, kFineGrid);
+  std::vector<Vec2> uv(n);
+  for (std::uint32_t i = 0; i < n; ++i) uv[i] = to_plane(frame, points[i]);
+  if (is_flat && n == 4 && is_convex(uv)) return result;
+
+  // Corners that meet in space (the ends of a bridge) are one point of the triangulation.
+  std::vector<std::uint32_t> order(n), point_of(n);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return uv[a] != uv[b] ? uv[a] < uv[b] : points[a] != points[b] ? points[a] < points[b] : a < b;
+  });
+  std::vector<Vec2> plane_points;
+  std::vector<std::uint32_t> corner_of_point;
+  bool is_merged = false;
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const std::uint32_t i = order[k];
+    if (k == 0 || uv[i] != uv[order[k - 1]]) {
+      plane_points.push_back(uv[i]);
+      corner_of_point.push_back(i);
+    } else if (points[i] != points[order[k - 1]]) {
+      is_merged = true;  // different points of space fall together: one lies above the other
+    }
+    point_of[i] = static_cast<std::uint32_t>(plane_points.size() - 1);
+  }
+  PatchTriangulation inside;
+  inside.outcome = Outcome::kCrossingConstraints;
+  if (!is_merged) {
+    std::vector<Segment> segments(n);
+    for (std::uint32_t i = 0; i < n; ++i) segments[i] = {point_of[i], point_of[(i + 1) % n]};
+    inside = triangulate_patch(plane_points, segments, control);
+  }
+  if (inside.outcome != Outcome::kDone || inside.mesh.triangle_count() == 0) {
+    result.kind = PolygonKind::kSelfCrossing;
+    fan(points, result);
+  } else if (!is_flat) {
+    result.kind = PolygonKind::kNotPlanar;
+    for (std::uint32_t h = 0; h < inside.mesh.half_edge_count(); h += 3)
+      result.triangles.push_back({corner_of_point[inside.mesh.from(h)], corner_of_point[inside.mesh.from(h + 1)],
+                                  corner_of_point[inside.mesh.from(h + 2)]});
+  }
+  return result;
+}
+
+}  // namespace remesh

@@ -1,0 +1,32 @@
+/// Triangulates a single polygon in space.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+
+namespace remesh {
+
+enum class PolygonKind {
+  kPlanar,        ///< flat within the tolerance and simple (it may touch itself, as along a bridge to a hole)
+  kNotPlanar,     ///< simple in its best plane, but not flat
+  kSelfCrossing,  ///< crosses itself in its best plane, or has no area there
+};
+
+struct PolygonSplit {
+  PolygonKind kind = PolygonKind::kPlanar;
+  /// Corner numbers of each triangle; empty for kPlanar.
+  std::vector<std::array<std::uint32_t, 3>> triangles;
+};
+
+/// Looks at a polygon and triangulates it where it cannot stay one face: by its constrained Delaunay triangulation in
+/// the plane of its Newell normal; one that crosses itself there by a fan from its lexicographically smallest corner,
+/// since no triangulation of it is right.
+/// Input:  4 or more points, no two consecutive ones equal; the tolerance in the points' units.
+PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance, RunControl& control);
+
+}  // namespace remesh

@@ -1,0 +1,24 @@
+/// From the mesh as read to the working surface: vertices with equal coordinates become one.
+#pragma once
+
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/surface.h"
+#include "core/options.h"
+#include "core/report.h"
+
+namespace remesh {
+
+/// Welds vertices by value (-0 equals 0) and drops those that no face uses.
+/// Output:  the surface with faces and corners as listed, vertices ordered by their first appearance in the input's
+///          numbering; `face_label` numbers the combinations of the labels in `barriers`, in order of first use. What a
+///          Surface holds about faces is not yet so: see mend_faces.
+///          Counts duplicate_vertex and unused_vertex.
+/// Errors:  kEmptyMesh - no face.
+/// Cost:    O(n log n).
+Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Diagnostic>& diagnostics,
+             RunControl& control);
+
+}  // namespace remesh

@@ -1,0 +1,135 @@
+#include "core/verify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/verify/boundary.h"
+#include "core/verify/edge_table.h"
+#include "core/verify/exact.h"
+#include "core/verify/findings.h"
+#include "core/verify/model.h"
+#include "core/verify/patch_shape.h"
+
+namespace remesh {
+namespace {
+
+using namespace verification;
+
+constexpr std::size_t kBlock = 8192;
+
+/// Tests the edges inside patches, on the stored plane coordinates.
+class DelaunayCheck {
+ public:
+  DelaunayCheck(const Model& model, const EdgeTable& edges, const std::vector<std::uint8_t>& is_positive)
+      : model_(model), edges_(edges), is_positive_(is_positive) {}
+
+  void run(Findings& findings, RunControl& control) const {
+    const auto blocks = map_blocks<std::vector<Finding>>(edges_.vertex_count(), kBlock, control,
+                                                         [&](std::size_t begin, std::size_t end) {
+                                                           std::vector<Finding> found;
+                                                           edges_.for_each_edge(begin, end, [&](const Edge& edge) {
+                                                             if (edge.is_interior()) check(edge, found);
+                                                           });
+                                                           return found;
+                                                         });
+    for (const auto& found : blocks) findings.add(found);
+  }
+
+ private:
+  /// One triangle at an edge, by its corners: the edge runs from `from` to `to`.
+  struct Side {
+    std::uint32_t face, from, to, apex;
+    explicit Side(std::uint32_t half_edge)
+        : face(half_edge / 3),
+          from(half_edge),
+          to(3 * face + (half_edge + 1) % 3),
+          apex(3 * face + (half_edge + 2) % 3) {}
+  };
+
+  void check(const Edge& edge, std::vector<Finding>& found) const {
+    const Side left(edge.uses[0].half_edge), right(edge.uses[1].half_edge);
+    // Triangles without sound coordinates have been reported, or are the input's own and may be as they like.
+    if (!is_positive_[left.face] || !is_positive_[right.face]) return;
+    const PatchId patch = edge.uses[0].patch;
+    const auto& uv = model_.corner_uv;
+    if (uv[left.from] != uv[right.to] || uv[left.to] != uv[right.from]) {
+      found.push_back({patch, Fault::kPlaneCoordinates, left.face});
+      return;
+    }
+    const double grid = model_.frames[patch.value].grid;
+    if (!is_inside_circle(uv[left.from], uv[left.to], uv[left.apex], uv[right.apex], grid)) return;
+    // The chord rule: a flip must not make an edge that is there already, in this patch or another.
+    const auto& corners = model_.output.corners;
+    if (edges_.find(corners[left.apex], corners[right.apex]).empty())
+      found.push_back({patch, Fault::kNotDelaunay, left.face});
+  }
+
+  const Model& model_;
+  const EdgeTable& edges_;
+  const std::vector<std::uint8_t>& is_positive_;
+};
+
+std::int64_t used_vertices(std::span<const VertexId> corners, std::size_t vertex_count) {
+  std::vector<std::uint8_t> is_used(vertex_count, 0);
+  for (const VertexId v : corners) is_used[v.value] = 1;
+  return std::count(is_used.begin(), is_used.end(), std::uint8_t{1});
+}
+
+void check_whole(const Model& model, const EdgeCounts& input, const EdgeCounts& output, const ShapeSums& shapes,
+                 Findings& findings) {
+  const auto euler = [&](const Faces& faces, const EdgeCounts& counts) {
+    return used_vertices(faces.corners, model.points.size()) - static_cast<std::int64_t>(counts.edges) +
+           static_cast<std::int64_t>(faces.count());
+  };
+  if (euler(model.input, input) != euler(model.output, output)) findings.add(PatchId(), Fault::kEuler);
+  if (input.is_closed && !output.is_closed) findings.add(PatchId(), Fault::kOpened);
+  if (input.is_closed && input.is_consistent && !(std::fabs(shapes.volume_change) <= shapes.volume_bound))
+    findings.add(PatchId(), Fault::kVolume);
+}
+
+}  // namespace
+
+Verdict verify(const Claim& claim, RunControl& control) {
+  Verdict verdict;
+  Findings findings(claim.frames.size());
+  if (!is_well_formed(claim, control)) {
+    findings.add(PatchId(), Fault::kMalformed);
+    findings.write_to(verdict);
+    return verdict;
+  }
+
+  // Output faces in the surface's vertex numbers: by exact coordinates.
+  const Model model = make_model(claim, findings, control);
+  control.progress(0.2);
+
+  // Who uses each edge, before and after.
+  const EdgeTable input_edges(model.points.size(), model.input, control);
+  control.progress(0.4);
+  const EdgeTable output_edges(model.points.size(), model.output, control);
+  std::vector<Edge> input_boundary, output_boundary;
+  const EdgeCounts input_counts = list_boundary(input_edges, control, input_boundary);
+  const EdgeCounts output_counts = list_boundary(output_edges, control, output_boundary);
+  control.progress(0.6);
+
+  // Loops kept, edges conforming.
+  const Boundary boundary = check_boundary(model, input_boundary, output_boundary, findings, control);
+  control.progress(0.8);
+
+  // Each patch the same piece of surface, its triangles sound.
+  std::vector<std::uint8_t> is_positive;
+  const ShapeSums shapes = check_shapes(model, input_edges, boundary, is_positive, findings, control);
+  verdict.deviation = shapes.deviation / model.scale;
+  control.progress(0.9);
+
+  DelaunayCheck(model, output_edges, is_positive).run(findings, control);
+  check_whole(model, input_counts, output_counts, shapes, findings);
+  findings.write_to(verdict);
+  control.progress(1);
+  return verdict;
+}
+
+}  // namespace remesh

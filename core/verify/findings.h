@@ -1,0 +1,61 @@
+/// What the checker found wrong, patch by patch.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/report.h"
+
+namespace remesh::verification {
+
+enum class Fault : std::uint8_t {
+  kMalformed,         ///< the claim's arrays do not fit together
+  kMovedVertex,       ///< an output vertex has no input vertex's coordinates, or another one has them too
+  kForeignVertex,     ///< a patch uses a vertex that it has not in the input
+  kLostVertex,        ///< a patch dropped a vertex at which it is joined to others
+  kNoFaces,           ///< a patch came back without faces
+  kLostLoop,          ///< a boundary loop has no vertex left
+  kBoundary,          ///< a boundary edge whose faces are not those that the input has along it
+  kChord,             ///< a dropped boundary vertex is off the edge that replaces it
+  kDeviation,         ///< input and output are further apart than the tolerance
+  kFacingAway,        ///< an input face looks away from its patch's normal: the patch folds over
+  kArea,              ///< the patch's area is not kept
+  kZeroArea,          ///< a triangle of no area
+  kInverted,          ///< a triangle that is turned over in the patch's plane
+  kFrame,             ///< the frame is no frame
+  kPlaneCoordinates,  ///< stored plane coordinates are not the projection of their vertex
+  kNotDelaunay,       ///< an edge is not locally Delaunay, though it could be flipped
+  kEuler,             ///< the Euler number changed
+  kOpened,            ///< a closed surface is open now
+  kVolume,            ///< the enclosed volume changed by more than the deviations explain
+};
+inline constexpr int kFaultCount = static_cast<int>(Fault::kVolume) + 1;
+
+/// One fault at one place. An invalid patch: it belongs to the whole.
+struct Finding {
+  PatchId patch;
+  Fault fault;
+  std::uint32_t element;  ///< vertex, face or boundary edge's first vertex; what the fault's words say
+};
+
+/// Collects findings: the first of each fault and patch. Not for several threads; those hand in lists.
+class Findings {
+ public:
+  explicit Findings(std::size_t patch_count) : of_patch_(patch_count, 0) {}
+
+  void add(PatchId patch, Fault fault, std::uint32_t element = 0);
+  void add(const std::vector<Finding>& findings) {
+    for (const Finding& f : findings) add(f.patch, f.fault, f.element);
+  }
+  /// Fills flags, failed patches and the first failures in words.
+  void write_to(Verdict& verdict) const;
+
+ private:
+  std::vector<std::uint32_t> of_patch_;  ///< a bit for each fault
+  std::uint32_t of_whole_ = 0;
+  std::vector<Finding> findings_;
+};
+
+}  // namespace remesh::verification

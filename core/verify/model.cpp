@@ -1,0 +1,140 @@
+#include "core/verify/model.h"
+
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+
+#include "core/base/blocks.h"
+
+namespace remesh::verification {
+namespace {
+
+constexpr std::size_t kBlock = 8192;
+
+bool is_same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+/// 1 over the power of two above the largest coordinate.
+double scale_of(std::span<const Vec3> positions, RunControl& control) {
+  const auto largest = map_blocks<double>(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    double m = 0;
+    for (std::size_t i = begin; i < end; ++i)
+      m = std::max({m, std::fabs(positions[i].x), std::fabs(positions[i].y), std::fabs(positions[i].z)});
+    return m;
+  });
+  const double m = largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
+  return m > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(m) + 1, -1000, 1000)) : 1.0;
+}
+
+/// The surface vertex of each output vertex: equal bits, and the only one there; else invalid.
+/// The output is sorted and searched, not the surface: it is the smaller one, and often very much so.
+std::vector<VertexId> match_vertices(const Claim& claim, RunControl& control) {
+  const std::span<const Vec3> surface = claim.surface.positions.items();
+  std::vector<VertexId> match(claim.positions.size());
+  std::vector<std::uint32_t> order;
+  order.reserve(claim.positions.size());
+  for (std::size_t v = 0; v < claim.positions.size(); ++v)
+    if (is_finite(claim.positions[v])) order.push_back(static_cast<std::uint32_t>(v));
+  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    const Vec3 &p = claim.positions[a], &q = claim.positions[b];
+    return p != q ? p < q : a < b;
+  });
+  control.check();
+  for_blocks(surface.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) {
+      const auto found = std::partition_point(order.begin(), order.end(),
+                                              [&](std::uint32_t i) { return claim.positions[i] < surface[v]; });
+      // Surface positions are pairwise different, so no two threads find the same one.
+      if (found != order.end() && is_same_bits(claim.positions[*found], surface[v])) match[*found] = VertexId(v);
+    }
+  });
+  return match;
+}
+
+}  // namespace
+
+ByPatch::ByPatch(std::size_t patch_count, std::span<const PatchId> patch_of)
+    : begin_(patch_count + 1, 0), items_(patch_of.size()) {
+  for (const PatchId p : patch_of) ++begin_[p.value + 1];
+  for (std::size_t p = 0; p < patch_count; ++p) begin_[p + 1] += begin_[p];
+  std::vector<std::uint32_t> at(begin_.begin(), begin_.end() - 1);
+  for (std::size_t i = 0; i < patch_of.size(); ++i) items_[at[patch_of[i].value]++] = static_cast<std::uint32_t>(i);
+}
+
+bool is_well_formed(const Claim& claim, RunControl& control) {
+  const Surface& surface = claim.surface;
+  const std::size_t patch_count = claim.frames.size();
+  if (surface.face_begin.empty() || surface.face_begin.front() != 0 ||
+      surface.face_begin.back() != surface.corners.size() || claim.surface_patch.size() != surface.face_count() ||
+      claim.face_patch.size() != claim.faces.size() || claim.corner_uv.size() != 3 * claim.faces.size())
+    return false;
+  std::atomic<bool> is_good{true};
+  const auto test = [&](std::size_t n, const auto& is_item_good) {
+    for_blocks(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        if (!is_item_good(i)) is_good.store(false, std::memory_order_relaxed);
+    });
+  };
+  test(surface.positions.size(), [&](std::size_t v) { return is_finite(surface.positions[VertexId(v)]); });
+  test(surface.corners.size(), [&](std::size_t h) { return surface.corners[h].value < surface.positions.size(); });
+  test(surface.face_count(), [&](std::size_t f) {
+    return surface.face_begin[f] + 3 <= surface.face_begin[f + 1] && claim.surface_patch[FaceId(f)].value < patch_count;
+  });
+  test(claim.faces.size(), [&](std::size_t f) {
+    return claim.face_patch[f].value < patch_count &&
+           std::all_of(claim.faces[f].begin(), claim.faces[f].end(),
+                       [&](VertexId v) { return v.value < claim.positions.size(); });
+  });
+  return is_good;
+}
+
+Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
+  Model model;
+  const std::span<const Vec3> surface = claim.surface.positions.items();
+  const double scale = scale_of(surface, control);
+  model.scale = scale;
+  model.surface_vertex_count = surface.size();
+  model.points.resize(surface.size());
+  for_blocks(surface.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) model.points[v] = scale * surface[v];
+  });
+  model.tolerance = scale * claim.plane_tolerance;
+  model.frames = claim.frames.items();
+  for (Frame& frame : model.frames) {
+    frame.origin = scale * frame.origin;
+    frame.scale *= scale;
+  }
+
+  std::vector<VertexId> match = match_vertices(claim, control);
+  for (std::size_t v = 0; v < match.size(); ++v) {
+    if (match[v].is_valid()) continue;
+    findings.add(PatchId(), Fault::kMovedVertex, static_cast<std::uint32_t>(v));
+    match[v] = VertexId(model.points.size());
+    model.points.push_back(scale * claim.positions[v]);
+  }
+
+  model.is_kept.assign(model.points.size(), 0);
+  model.output_corners.reserve(3 * claim.faces.size());
+  model.output_face_begin.reserve(claim.faces.size() + 1);
+  model.output_face_begin.push_back(0);
+  for (std::size_t f = 0; f < claim.faces.size(); ++f) {
+    if (f % kBlock == 0) control.check();
+    for (const VertexId v : claim.faces[f]) {
+      const VertexId matched = match[v.value];
+      if (matched.value >= surface.size()) findings.add(claim.face_patch[f], Fault::kMovedVertex, v.value);
+      model.is_kept[matched.value] = 1;
+      model.output_corners.push_back(matched);
+    }
+    model.output_face_begin.push_back(static_cast<std::uint32_t>(model.output_corners.size()));
+  }
+  model.input = {claim.surface.face_begin, claim.surface.corners, claim.surface_patch.items()};
+  model.output = {model.output_face_begin, model.output_corners, claim.face_patch};
+  model.corner_uv = claim.corner_uv;
+  model.input_by_patch = ByPatch(model.patch_count(), model.input.patch);
+  model.output_by_patch = ByPatch(model.patch_count(), model.output.patch);
+  return model;
+}
+
+}  // namespace remesh::verification

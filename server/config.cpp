@@ -1,0 +1,241 @@
+#include "server/config.h"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "server/cpu_limit.h"
+
+namespace remesh::server {
+namespace {
+
+/// One setting: how it is read, how it is shown. The table of these is the configuration.
+struct Setting {
+  std::string flag;
+  std::string help;
+  std::function<void(Config&, const std::string&)> set;
+  std::function<std::string(const Config&)> get;
+  bool is_switch = false;
+
+  std::string variable() const {
+    std::string name = "REMESHD_" + flag.substr(2);
+    for (char& c : name) c = c == '-' ? '_' : c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c;
+    return name;
+  }
+};
+
+std::uint64_t at_least(std::uint64_t least, std::uint64_t value) {
+  if (value < least) throw std::invalid_argument("it must be at least " + std::to_string(least));
+  return value;
+}
+
+std::uint64_t between(std::uint64_t least, std::uint64_t most, std::uint64_t value) {
+  if (value > most) throw std::invalid_argument("it must be at most " + std::to_string(most));
+  return at_least(least, value);
+}
+
+std::chrono::milliseconds positive_duration(const std::string& text) {
+  const std::chrono::milliseconds duration = parse_duration(text);
+  if (duration.count() == 0) throw std::invalid_argument("it must be more than 0");
+  return duration;
+}
+
+bool parse_bool(const std::string& text) {
+  if (text == "true" || text == "1") return true;
+  if (text == "false" || text == "0") return false;
+  throw std::invalid_argument("\"" + text + "\" is neither true nor false");
+}
+
+template <typename T>
+struct Choice {
+  const char* name;
+  T value;
+};
+const std::vector<Choice<log::Format>> kFormats{
+    {"auto", log::Format::kAuto}, {"text", log::Format::kText}, {"json", log::Format::kJson}};
+const std::vector<Choice<log::Level>> kLevels{{"debug", log::Level::kDebug},
+                                              {"info", log::Level::kInfo},
+                                              {"warning", log::Level::kWarning},
+                                              {"error", log::Level::kError}};
+
+template <typename T>
+T parse_choice(const std::vector<Choice<T>>& choices, const std::string& text) {
+  std::string names;
+  for (const Choice<T>& choice : choices) {
+    if (text == choice.name) return choice.value;
+    names += std::string(names.empty() ? "" : ", ") + choice.name;
+  }
+  throw std::invalid_argument("\"" + text + "\" is none of " + names);
+}
+
+template <typename T>
+std::string choice_name(const std::vector<Choice<T>>& choices, T value) {
+  const auto choice = std::find_if(choices.begin(), choices.end(), [&](const auto& c) { return c.value == value; });
+  return choice->name;
+}
+
+Setting bytes(std::string flag, std::string help, std::uint64_t& (*member)(Config&)) {
+  return {std::move(flag), std::move(help),
+          [member](Config& c, const std::string& text) { member(c) = at_least(1, parse_bytes(text)); },
+          [member](Config c) { return format_bytes(member(c)); }};
+}
+Setting count(std::string flag, std::string help, std::uint64_t& (*member)(Config&)) {
+  // The core numbers elements with 32 bits.
+  return {std::move(flag), std::move(help),
+          [member](Config& c, const std::string& text) { member(c) = between(1, 2'000'000'000, parse_count(text)); },
+          [member](Config c) { return format_count(member(c)); }};
+}
+Setting duration(std::string flag, std::string help, std::chrono::milliseconds& (*member)(Config&)) {
+  return {std::move(flag), std::move(help),
+          [member](Config& c, const std::string& text) { member(c) = positive_duration(text); },
+          [member](Config c) { return format_duration(member(c)); }};
+}
+
+const std::vector<Setting>& settings() {
+  static const std::vector<Setting> table{
+      {"--bind", "address and port to listen on", [](Config& c, const auto& text) { c.bind = parse_address(text); },
+       [](const Config& c) { return c.bind.text(); }},
+      {"--ops-bind", "address and port of a second listener for /livez and /readyz (none: off)",
+       [](Config& c, const auto& text) {
+         c.ops_bind = text == "none" ? std::nullopt : std::optional(parse_address(text));
+       },
+       [](const Config& c) { return c.ops_bind ? c.ops_bind->text() : "none"; }},
+      {"--allow-anonymous", "listen beyond loopback although anyone may then use this server",
+       [](Config& c, const auto& text) { c.allow_anonymous = parse_bool(text); },
+       [](const Config& c) { return c.allow_anonymous ? "true" : "false"; }, true},
+      {"--workers", "threads for one request (default: the cores that this process may use)",
+       [](Config& c, const auto& text) { c.workers = static_cast<int>(between(1, 1024, parse_count(text))); },
+       [](const Config& c) { return std::to_string(c.workers); }},
+      {"--max-running", "requests that compute at once (default: the workers' number)",
+       [](Config& c, const auto& text) { c.max_running = static_cast<int>(between(1, 1024, parse_count(text))); },
+       [](const Config& c) { return std::to_string(c.max_running); }},
+      {"--queue-size", "requests that may wait for a worker (default: 4 a worker, at least 16)",
+       [](Config& c, const auto& text) { c.queue_size = between(1, 1'000'000, parse_count(text)); },
+       [](const Config& c) { return std::to_string(c.queue_size); }},
+      duration(
+          "--request-timeout", "computing time of a request", [](Config & c) -> auto& { return c.request_timeout; }),
+      bytes(
+          "--max-body", "size of a request's body", [](Config & c) -> auto& { return c.max_body; }),
+      count(
+          "--max-vertices", "vertices of an input mesh", [](Config & c) -> auto& { return c.max_vertices; }),
+      count(
+          "--max-faces", "faces of an input mesh", [](Config & c) -> auto& { return c.max_faces; }),
+      count(
+          "--max-output-faces", "faces of a result", [](Config & c) -> auto& { return c.max_output_faces; }),
+      {"--max-connections", "open connections",
+       [](Config& c, const auto& text) { c.max_connections = between(1, 100'000, parse_count(text)); },
+       [](const Config& c) { return std::to_string(c.max_connections); }},
+      {"--max-head", "size of a request's head",
+       [](Config& c, const auto& text) { c.gate.head.max_bytes = between(1024, 16 << 20, parse_bytes(text)); },
+       [](const Config& c) { return format_bytes(c.gate.head.max_bytes); }},
+      {"--max-fields", "header fields of a request",
+       [](Config& c, const auto& text) { c.gate.head.max_fields = between(8, 100'000, parse_count(text)); },
+       [](const Config& c) { return std::to_string(c.gate.head.max_fields); }},
+      duration(
+          "--head-timeout", "time for a request's head; grace of its body",
+          [](Config & c) -> auto& { return c.gate.head_timeout; }),
+      bytes(
+          "--min-body-rate", "bytes a second that a client must send or take, after the grace",
+          [](Config & c) -> auto& { return c.gate.min_body_rate; }),
+      duration(
+          "--write-timeout", "grace of an answer, before --min-body-rate applies",
+          [](Config & c) -> auto& { return c.gate.write_timeout; }),
+      duration(
+          "--drain-time", "time for running requests after SIGTERM", [](Config & c) -> auto& { return c.drain_time; }),
+      {"--log-format", "auto (text on a terminal, else json), text or json",
+       [](Config& c, const auto& text) { c.log_format = parse_choice(kFormats, text); },
+       [](const Config& c) { return choice_name(kFormats, c.log_format); }},
+      {"--log-level", "debug, info, warning or error",
+       [](Config& c, const auto& text) { c.log_level = parse_choice(kLevels, text); },
+       [](const Config& c) { return choice_name(kLevels, c.log_level); }},
+  };
+  return table;
+}
+
+/// What depends on several settings. Errors: std::invalid_argument.
+void complete(Config& config, Command command) {
+  if (config.max_running == 0) config.max_running = config.workers;
+  if (config.queue_size == 0) config.queue_size = static_cast<std::size_t>(std::max(16, 4 * config.workers));
+  if (command != Command::kHealth && !config.bind.is_loopback() && !config.allow_anonymous) {
+    throw std::invalid_argument(
+        "--bind " + config.bind.text() +
+        " is reachable from other machines: add --allow-anonymous if anyone there may use this server");
+  }
+}
+
+}  // namespace
+
+api::Limits Config::api_limits() const {
+  api::Limits limits;
+  limits.max_body = max_body;
+  limits.max_vertices = max_vertices;
+  limits.max_faces = max_faces;
+  limits.max_output_faces = max_output_faces;
+  limits.workers = workers;
+  limits.request_timeout_s = std::chrono::duration<double>(request_timeout).count();
+  return limits;
+}
+
+Invocation read_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& err) {
+  Invocation invocation;
+  Config& config = invocation.config;
+  config.workers = usable_cores();
+
+  CLI::App app("remeshd: re-triangulates surface meshes, over HTTP", "remeshd");
+  app.set_version_flag("--version", "remeshd " REMESHD_VERSION);
+  app.footer("Each setting can also be given by its environment variable; the flag goes first.");
+  std::vector<std::string> values(settings().size());
+  std::vector<CLI::Option*> options;
+  for (std::size_t i = 0; i < settings().size(); ++i) {
+    const Setting& setting = settings()[i];
+    CLI::Option* option = setting.is_switch ? app.add_flag(setting.flag, values[i], setting.help)
+                                            : app.add_option(setting.flag, values[i], setting.help);
+    options.push_back(option->envname(setting.variable()));
+    if (!setting.is_switch && setting.help.find("default") == std::string::npos) {
+      option->default_str(setting.get(config));
+    }
+  }
+  bool prints = false;
+  bool checks = false;
+  app.add_flag("--print-config", prints, "print the settings in use and exit");
+  app.add_flag("--check-config", checks, "check the settings and exit");
+  CLI::App* health = app.add_subcommand("health", "ask a running remeshd whether it is well: exit code 0 or 1");
+  health->fallthrough();
+
+  try {
+    app.parse(argc, argv);
+    invocation.command = health->parsed() ? Command::kHealth
+                         : prints         ? Command::kPrintConfig
+                         : checks         ? Command::kCheckConfig
+                                          : Command::kServe;
+    for (std::size_t i = 0; i < settings().size(); ++i) {
+      if (options[i]->count() == 0) continue;
+      const Setting& setting = settings()[i];
+      try {
+        setting.set(config, values[i]);
+      } catch (const std::invalid_argument& error) {
+        throw std::invalid_argument(setting.flag + " (" + setting.variable() + "): " + error.what());
+      }
+    }
+    complete(config, invocation.command);
+  } catch (const CLI::ParseError& error) {
+    invocation.command = Command::kExit;
+    invocation.exit_code = app.exit(error, out, err) == 0 ? 0 : 2;
+  } catch (const std::invalid_argument& error) {
+    err << "remeshd: " << error.what() << "\n";
+    invocation.command = Command::kExit;
+    invocation.exit_code = 2;
+  }
+  return invocation;
+}
+
+std::string print_config(const Config& config) {
+  std::string text;
+  for (const Setting& setting : settings()) text += setting.flag.substr(2) + "=" + setting.get(config) + "\n";
+  return text;
+}
+
+}  // namespace remesh::server

@@ -1,0 +1,56 @@
+/// What the daemon is told at its start: flag, else environment variable, else default.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <ostream>
+#include <string>
+
+#include "api/service.h"
+#include "server/gate.h"
+#include "server/log.h"
+#include "server/units.h"
+
+namespace remesh::server {
+
+struct Config {
+  Address bind{"127.0.0.1", 8080};
+  std::optional<Address> ops_bind;  ///< liveness and readiness on a port of their own
+  bool allow_anonymous = false;     ///< to listen beyond loopback, as long as there are no keys to ask for
+
+  int workers = 1;
+  std::uint64_t max_body = 256ull << 20;
+  std::uint64_t max_vertices = 10'000'000;
+  std::uint64_t max_faces = 20'000'000;
+  std::uint64_t max_output_faces = 50'000'000;
+  int max_running = 0;         ///< 0 while not told: the workers' number
+  std::size_t queue_size = 0;  ///< 0 while not told: 4 a worker, at least 16
+  std::chrono::milliseconds request_timeout{300'000};
+  std::chrono::milliseconds drain_time{25'000};
+
+  std::size_t max_connections = 512;
+  GateLimits gate;
+
+  log::Format log_format = log::Format::kAuto;
+  log::Level log_level = log::Level::kInfo;
+
+  api::Limits api_limits() const;
+};
+
+/// What the command line asks for.
+enum class Command { kServe, kHealth, kPrintConfig, kCheckConfig, kExit };
+
+struct Invocation {
+  Command command = Command::kServe;
+  int exit_code = 0;  ///< of kExit: help or version was printed, or the configuration is wrong
+  Config config;
+};
+
+/// Reads command line and environment; `--help`, `--version` and complaints go to `out` and `err`.
+Invocation read_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& err);
+
+/// All settings, one `flag=value` a line.
+std::string print_config(const Config& config);
+
+}  // namespace remesh::server

@@ -1,0 +1,147 @@
+#include "server/connection.h"
+
+#include <arpa/inet.h>
+#include <fcntl.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <limits>
+#include <system_error>
+
+namespace remesh::server {
+namespace {
+
+/// What poll() takes: at least 0, rounded up so that a deadline has passed when poll says so.
+int milliseconds_until(Clock::time_point deadline) {
+  const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
+  return static_cast<int>(std::clamp<std::int64_t>(left, 0, std::numeric_limits<int>::max()));
+}
+
+/// False when the time is over first.
+bool wait_for(int socket, short events, Clock::time_point deadline) {
+  for (;;) {
+    pollfd entry{socket, events, 0};
+    const int ready = ::poll(&entry, 1, milliseconds_until(deadline));
+    if (ready > 0) return true;
+    if (ready == 0) return false;
+    if (errno != EINTR) throw ConnectionLost("poll failed");
+  }
+}
+
+/// Empty for what is no internet socket.
+std::string address_of_peer(int socket) {
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (::getpeername(socket, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
+  if (address.ss_family == AF_INET) {
+    ::inet_ntop(AF_INET, &reinterpret_cast<sockaddr_in*>(&address)->sin_addr, text.data(), text.size());
+  } else if (address.ss_family == AF_INET6) {
+    ::inet_ntop(AF_INET6, &reinterpret_cast<sockaddr_in6*>(&address)->sin6_addr, text.data(), text.size());
+  }
+  return text.data();
+}
+
+bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
+
+}  // namespace
+
+Clock::time_point Pace::deadline(Clock::time_point start, std::uint64_t bytes) const {
+  if (min_rate == 0) return Clock::time_point::max();
+  return start + grace + std::chrono::seconds(bytes / min_rate);
+}
+
+Event::Event() : fd_(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK)) {
+  if (fd_ < 0) throw std::system_error(errno, std::generic_category(), "eventfd");
+}
+
+Event::~Event() { ::close(fd_); }
+
+void Event::set() noexcept {
+  const std::uint64_t one = 1;
+  [[maybe_unused]] const ssize_t written = ::write(fd_, &one, sizeof one);  // fails only when already set very often
+}
+
+void Event::clear() noexcept {
+  std::uint64_t value = 0;
+  [[maybe_unused]] const ssize_t got = ::read(fd_, &value, sizeof value);
+}
+
+bool Event::wait(Clock::time_point until) const { return wait_for(fd_, POLLIN, until); }
+
+Connection::Connection(int socket) : socket_(socket), peer_address_(address_of_peer(socket)) {
+  ::fcntl(socket_, F_SETFD, FD_CLOEXEC);
+  ::fcntl(socket_, F_SETFL, ::fcntl(socket_, F_GETFL) | O_NONBLOCK);
+  const int yes = 1;
+  ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
+}
+
+Connection::~Connection() { ::close(socket_); }
+
+std::size_t Connection::read_some(char* buffer, std::size_t size, Clock::time_point deadline) {
+  for (;;) {
+    // The deadline first: a client that always has one more byte ready must not get past it.
+    if (Clock::now() >= deadline) throw ReadTimeout();
+    const ssize_t got = ::recv(socket_, buffer, size, 0);
+    if (got >= 0) {
+      read_ += static_cast<std::uint64_t>(got);
+      return static_cast<std::size_t>(got);
+    }
+    if (would_block(errno)) {
+      if (!wait_for(socket_, POLLIN, deadline)) throw ReadTimeout();
+    } else if (errno != EINTR) {
+      throw ConnectionLost("the client reset the connection");
+    }
+  }
+}
+
+void Connection::write_all(std::string_view bytes, const Pace& pace) {
+  const Clock::time_point start = Clock::now();
+  std::uint64_t sent = 0;
+  while (!bytes.empty()) {
+    const Clock::time_point deadline = pace.deadline(start, sent);
+    const ssize_t put = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+    if (put >= 0) {
+      bytes.remove_prefix(static_cast<std::size_t>(put));
+      sent += static_cast<std::uint64_t>(put);
+      written_ += static_cast<std::uint64_t>(put);
+      if (!bytes.empty() && Clock::now() >= deadline) throw ConnectionLost("the client reads too slowly");
+    } else if (would_block(errno)) {
+      if (!wait_for(socket_, POLLOUT, deadline)) throw ConnectionLost("the client reads too slowly");
+    } else if (errno != EINTR) {
+      throw ConnectionLost("the client reset the connection");
+    }
+  }
+}
+
+Connection::Wake Connection::wait(const Event* event, Clock::time_point until) {
+  std::array<pollfd, 2> entries{pollfd{socket_, POLLRDHUP, 0}, pollfd{event == nullptr ? -1 : event->fd(), POLLIN, 0}};
+  for (;;) {
+    const int ready = ::poll(entries.data(), entries.size(), milliseconds_until(until));
+    if (ready == 0) return Wake::kTime;
+    if (ready < 0 && errno != EINTR) return Wake::kClientGone;
+    if (ready < 0) continue;
+    return entries[1].revents != 0 ? Wake::kEvent : Wake::kClientGone;
+  }
+}
+
+void Connection::finish(std::chrono::milliseconds patience) {
+  ::shutdown(socket_, SHUT_WR);
+  const Clock::time_point deadline = Clock::now() + patience;
+  std::array<char, 64 << 10> sink;
+  try {
+    while (read_some(sink.data(), sink.size(), deadline) > 0) {
+    }
+  } catch (const std::runtime_error&) {
+    // Gone, or still sending: either way this connection is over.
+  }
+}
+
+}  // namespace remesh::server

@@ -1,0 +1,87 @@
+/// One accepted connection: reads and writes under deadlines, and notices when the client goes away.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace remesh::server {
+
+using Clock = std::chrono::steady_clock;
+
+/// How slow a transfer may be: `grace` plus the time that its bytes take at `min_rate` bytes a second.
+struct Pace {
+  std::chrono::milliseconds grace{10'000};
+  std::uint64_t min_rate = 1024;
+
+  Clock::time_point deadline(Clock::time_point start, std::uint64_t bytes) const;
+};
+
+/// The client reset the connection or stopped reading: nothing can be answered any more.
+struct ConnectionLost : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+/// The deadline of a read has passed.
+struct ReadTimeout : std::runtime_error {
+  ReadTimeout() : std::runtime_error("read timeout") {}
+};
+
+/// A flag that poll() can wait for; set from any thread. Errors: std::system_error - no descriptor is left.
+class Event {
+ public:
+  Event();
+  ~Event();
+  Event(const Event&) = delete;
+  Event& operator=(const Event&) = delete;
+
+  void set() noexcept;
+  void clear() noexcept;
+  /// Output: false when the time is over first.
+  bool wait(Clock::time_point until) const;
+  int fd() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+class Connection {
+ public:
+  /// Takes over the socket.
+  explicit Connection(int socket);
+  ~Connection();
+  Connection(const Connection&) = delete;
+  Connection& operator=(const Connection&) = delete;
+
+  /// Waits for bytes. Output: how many, 0 at the end of input. Errors: ReadTimeout, ConnectionLost.
+  std::size_t read_some(char* buffer, std::size_t size, Clock::time_point deadline);
+
+  /// Sends everything. Errors: ConnectionLost - also when the client reads more slowly than `pace`.
+  void write_all(std::string_view bytes, const Pace& pace);
+  /// As above, at the pace given by `set_write_pace`: for answers that stream.
+  void write_all(std::string_view bytes) { write_all(bytes, write_pace_); }
+  void set_write_pace(const Pace& pace) { write_pace_ = pace; }
+
+  enum class Wake { kEvent, kClientGone, kTime };
+  /// Waits for the event, the client's going away (it closed its sending side, or all), or the time.
+  Wake wait(const Event* event, Clock::time_point until);
+
+  /// Ends the answer so that the client can read it: stops sending, then takes in for a moment what it still sends
+  /// (closing on unread bytes would reset the connection, and the answer with it).
+  void finish(std::chrono::milliseconds patience);
+
+  const std::string& peer_address() const { return peer_address_; }
+  std::uint64_t bytes_written() const { return written_; }
+  std::uint64_t bytes_read() const { return read_; }
+
+ private:
+  int socket_;
+  std::string peer_address_;
+  Pace write_pace_;
+  std::uint64_t written_ = 0;
+  std::uint64_t read_ = 0;
+};
+
+}  // namespace remesh::server

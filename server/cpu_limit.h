@@ -1,0 +1,11 @@
+#pragma once
+
+namespace remesh::server {
+
+/// The number of cores this process may use: its affinity mask and its control group's quota (rounded up), at least 1.
+int usable_cores();
+
+/// The cores that a cgroup v2 `cpu.max` grants ("150000 100000" is 1.5, rounded up to 2), or 0 for no limit.
+int cores_of_quota(const char* cpu_max);
+
+}  // namespace remesh::server

@@ -1,0 +1,129 @@
+#include "server/gate.h"
+
+#include <algorithm>
+#include <array>
+
+#include "server/chunked_decoder.h"
+
+namespace remesh::server {
+namespace {
+
+constexpr std::size_t kReadSize = 64 << 10;
+
+/// The bytes up to the end of the head, in `bytes`; what came behind it stays there. Output: the head's length, 0 when
+/// the client left without a word.
+std::size_t read_head(Connection& connection, const GateLimits& limits, std::string& bytes) {
+  const Clock::time_point deadline = Clock::now() + limits.head_timeout;
+  std::array<char, 8 << 10> buffer;
+  std::size_t checked = 0;
+  for (;;) {
+    std::size_t got = 0;
+    try {
+      got = connection.read_some(buffer.data(), buffer.size(), deadline);
+    } catch (const ReadTimeout&) {
+      if (bytes.empty()) return 0;
+      throw HttpError(408, "request_timeout", "the request head took too long");
+    }
+    if (got == 0) {
+      if (bytes.empty()) return 0;
+      throw HttpError(400, "malformed_request", "the request head ends early");
+    }
+    bytes.append(buffer.data(), got);
+    if (const auto end = find_head_end(bytes, checked, limits.head)) return *end;
+  }
+}
+
+/// Reads a body as `framing` delimits it; `early` is what arrived with the head.
+class BodyReader {
+ public:
+  BodyReader(Connection& connection, const GateLimits& limits)
+      : connection_(connection), pace_{limits.head_timeout, limits.min_body_rate} {}
+
+  void read_length(std::string_view early, std::uint64_t length, std::string& body) {
+    // Untouched memory costs nothing yet, and growing step by step would copy a large body again and again.
+    body.reserve(static_cast<std::size_t>(length));
+    body = early.substr(0, static_cast<std::size_t>(std::min<std::uint64_t>(length, early.size())));
+    while (body.size() < length) {
+      const std::size_t want = static_cast<std::size_t>(std::min<std::uint64_t>(kReadSize, length - body.size()));
+      body.append(buffer_.data(), read(want, body.size()));
+    }
+  }
+
+  void read_chunked(std::string_view early, std::uint64_t max_body, std::string& body) {
+    ChunkedDecoder decoder(max_body);
+    decoder.decode(early, body);
+    while (!decoder.is_done()) {
+      const std::size_t got = read(kReadSize, body.size());
+      decoder.decode(std::string_view(buffer_.data(), got), body);
+    }
+  }
+
+ private:
+  std::size_t read(std::size_t want, std::uint64_t received) {
+    std::size_t got = 0;
+    try {
+      got = connection_.read_some(buffer_.data(), want, pace_.deadline(start_, received));
+    } catch (const ReadTimeout&) {
+      throw HttpError(408, "request_timeout", "the body arrives too slowly").with_limit(pace_.min_rate);
+    }
+    if (got == 0) throw HttpError(400, "malformed_request", "the body ends early");
+    return got;
+  }
+
+  Connection& connection_;
+  Pace pace_;
+  Clock::time_point start_ = Clock::now();
+  std::array<char, kReadSize> buffer_;
+};
+
+bool is_continue_expected(const RequestHead& head) {
+  std::string expectation(head.header("expect"));
+  std::transform(expectation.begin(), expectation.end(), expectation.begin(),
+                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+  return head.minor_version >= 1 && expectation == "100-continue";
+}
+
+void refuse_content_coding(const RequestHead& head) {
+  const std::string_view coding = head.header("content-encoding");
+  if (coding.empty() || coding == "identity") return;
+  throw HttpError(415, "unsupported_media_type",
+                  "compressed bodies are not supported: send it without Content-Encoding");
+}
+
+}  // namespace
+
+bool read_request(Connection& connection, const GateLimits& limits, const NameRequest& name, const Admit& admit,
+                  Request& request) {
+  std::string bytes;
+  std::size_t head_size = 0;
+  try {
+    head_size = read_head(connection, limits, bytes);
+    if (head_size == 0) return false;
+    static_cast<RequestHead&>(request) = parse_head(std::string_view(bytes).substr(0, head_size), limits.head);
+  } catch (const HttpError&) {
+    request.id = name(request);
+    throw;
+  }
+  request.id = name(request);
+  const Framing body = framing(request);
+  const std::uint64_t max_body = admit(request);
+  if (body.kind == Framing::Kind::kNone || (body.kind == Framing::Kind::kLength && body.length == 0)) return true;
+  if (body.kind == Framing::Kind::kLength && body.length > max_body) {
+    throw HttpError(413, "body_too_large", "the body is larger than this resource takes").with_limit(max_body);
+  }
+  refuse_content_coding(request);
+
+  const std::string_view early = std::string_view(bytes).substr(head_size);
+  if (early.empty() && is_continue_expected(request)) {
+    connection.write_all("HTTP/1.1 100 Continue\r\n\r\n", {limits.head_timeout, limits.min_body_rate});
+  }
+  BodyReader reader(connection, limits);
+  if (body.kind == Framing::Kind::kLength) {
+    reader.read_length(early, body.length, request.body);
+  } else {
+    reader.read_chunked(early, max_body, request.body);
+  }
+  return true;
+}
+
+}  // namespace remesh::server

@@ -1,0 +1,62 @@
+/// Requests and answers as the daemon's own plain structs; no HTTP library is seen beyond `http_server`.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "api/service.h"
+
+namespace remesh::server {
+
+using api::Fields;
+class Connection;
+
+/// What stands before a body.
+struct RequestHead {
+  std::string method;  ///< as sent: "POST"
+  std::string path;    ///< percent-decoded, starts with "/"
+  Fields query;        ///< in the order sent, percent-decoded; '+' stays a plus, so that 1e+5 is a number
+  Fields headers;      ///< names in lower case, values without surrounding blanks
+  int minor_version = 1;
+
+  /// The first header of that (lower case) name, or empty.
+  std::string_view header(std::string_view name) const;
+};
+
+struct Request : RequestHead {
+  std::string id;    ///< the X-Request-Id of the answer: what the client sent if that is usable, else given
+  std::string body;  ///< decoded
+};
+
+/// `stream`, if set, writes the body itself until it returns; the closing of the connection ends it.
+struct Response : api::Response {
+  std::function<void(Connection&)> stream;
+};
+
+/// Ends a request with an error that HTTP itself knows (not found, overloaded, ...), as remesh::Error does for the
+/// rest.
+class HttpError : public std::runtime_error {
+ public:
+  HttpError(int status, const std::string& code, const std::string& detail) : std::runtime_error(detail) {
+    problem.status = status;
+    problem.code = code;
+    problem.detail = detail;
+  }
+  HttpError& with_limit(std::uint64_t limit) {
+    problem.limit = limit;
+    return *this;
+  }
+  HttpError& with_header(std::string name, std::string value) {
+    headers.emplace_back(std::move(name), std::move(value));
+    return *this;
+  }
+
+  api::Problem problem;
+  Fields headers;
+};
+
+}  // namespace remesh::server

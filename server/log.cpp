@@ -1,0 +1,89 @@
+#include "server/log.h"
+
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <memory>
+
+namespace remesh::server::log {
+namespace {
+
+Format active_format = Format::kText;
+
+/// A JSON string. Bytes beyond ASCII are written as Latin-1 escapes: what comes from outside need not be UTF-8.
+std::string quoted(std::string_view text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (const auto byte = static_cast<unsigned char>(c); c == '"' || c == '\\') {
+      out += '\\';
+      out += c;
+    } else if (byte < 0x20 || byte >= 0x7f) {
+      out += fmt::format("\\u{:04x}", byte);
+    } else {
+      out += c;
+    }
+  }
+  return out + "\"";
+}
+
+bool is_plain(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < 0x7f && c != '"'; });
+}
+
+std::string rendered_value(Format format, const Field& field) {
+  if (const auto* number = std::get_if<std::int64_t>(&field.value)) return fmt::format("{}", *number);
+  if (const auto* number = std::get_if<double>(&field.value)) return fmt::format("{:.3f}", *number);
+  const std::string& text = std::get<std::string>(field.value);
+  return format == Format::kText && is_plain(text) ? text : quoted(text);
+}
+
+spdlog::level::level_enum spdlog_level(Level level) {
+  switch (level) {
+    case Level::kDebug: return spdlog::level::debug;
+    case Level::kInfo: return spdlog::level::info;
+    case Level::kWarning: return spdlog::level::warn;
+    case Level::kError: return spdlog::level::err;
+  }
+  return spdlog::level::err;
+}
+
+spdlog::logger& logger() {
+  static const std::shared_ptr<spdlog::logger> instance = [] {
+    auto made = std::make_shared<spdlog::logger>("remeshd", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+    made->flush_on(spdlog::level::info);
+    return made;
+  }();
+  return *instance;
+}
+
+}  // namespace
+
+void set_up(Format format, Level level) {
+  active_format = format;
+  if (format == Format::kAuto) active_format = ::isatty(STDERR_FILENO) != 0 ? Format::kText : Format::kJson;
+  const bool is_json = active_format == Format::kJson;
+  const char* pattern = is_json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v})" : "%H:%M:%S.%e %l %v";
+  logger().set_formatter(std::make_unique<spdlog::pattern_formatter>(
+      pattern, is_json ? spdlog::pattern_time_type::utc : spdlog::pattern_time_type::local));
+  logger().set_level(spdlog_level(level));
+}
+
+std::string render(Format format, std::string_view event, std::initializer_list<Field> fields) {
+  const bool is_json = format == Format::kJson;
+  std::string line = is_json ? "\"event\":" + quoted(event) : std::string(event);
+  for (const Field& field : fields) {
+    line += is_json ? "," + quoted(field.name) + ":" : " " + std::string(field.name) + "=";
+    line += rendered_value(format, field);
+  }
+  return line;
+}
+
+void write(Level level, std::string_view event, std::initializer_list<Field> fields) {
+  if (!logger().should_log(spdlog_level(level))) return;
+  logger().log(spdlog_level(level), render(active_format, event, fields));
+}
+
+}  // namespace remesh::server::log

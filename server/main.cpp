@@ -1,0 +1,100 @@
+/// Configuration, service, signals; the rest is in the library.
+#include <csignal>
+#include <cstdlib>
+#include <exception>
+#include <iostream>
+#include <optional>
+
+#include "server/config.h"
+#include "server/http_server.h"
+#include "server/log.h"
+#include "server/service.h"
+
+namespace remesh::server {
+namespace {
+
+/// Exit codes: 0 well, 1 failed, 2 misused.
+constexpr int kFailed = 1;
+
+sigset_t stop_signals() {
+  sigset_t signals;
+  sigemptyset(&signals);
+  sigaddset(&signals, SIGTERM);
+  sigaddset(&signals, SIGINT);
+  return signals;
+}
+
+/// Waits for a signal to stop. Output: its number, or 0 when the time is over.
+int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::milliseconds> time) {
+  if (!time) {
+    int number = 0;
+    while (sigwait(&signals, &number) != 0) {
+    }
+    return number;
+  }
+  const timespec span{time->count() / 1000, (time->count() % 1000) * 1'000'000};
+  const int number = sigtimedwait(&signals, nullptr, &span);
+  return number > 0 ? number : 0;
+}
+
+int serve(const Config& config) {
+  // Blocked before any thread exists, so that all inherit it and only this one waits for them; that also makes the
+  // process stoppable as number 1 of a container, where unhandled signals are ignored.
+  const sigset_t signals = stop_signals();
+  pthread_sigmask(SIG_BLOCK, &signals, nullptr);
+  std::signal(SIGPIPE, SIG_IGN);
+
+  Service service(config, Operations{});
+  service.start();
+  log::write(log::Level::kInfo, "listening",
+             {{"address", Address{config.bind.host, service.port()}.text()},
+              {"version", std::string(REMESHD_VERSION)},
+              {"workers", std::int64_t{config.workers}}});
+
+  wait_for_signal(signals, std::nullopt);
+  log::write(log::Level::kInfo, "draining", {{"at_most", format_duration(config.drain_time)}});
+  service.begin_drain();
+  const Clock::time_point deadline = Clock::now() + config.drain_time;
+  while (!service.is_idle() && Clock::now() < deadline) {
+    if (wait_for_signal(signals, std::chrono::milliseconds(20)) != 0) break;  // asked twice: at once
+  }
+  service.stop();
+  log::write(log::Level::kInfo, "stopped");
+  return EXIT_SUCCESS;
+}
+
+/// Asks the server that listens as configured; what listens everywhere also listens here.
+int ask_health(const Config& config) {
+  Address address = config.ops_bind.value_or(config.bind);
+  if (address.host == "0.0.0.0") address.host = "127.0.0.1";
+  if (address.host == "::") address.host = "::1";
+  const int status = probe(address, "/livez");
+  if (status == 200) return EXIT_SUCCESS;
+  std::cerr << "remeshd: " << address.text() << (status == 0 ? " does not answer" : " is not well") << "\n";
+  return kFailed;
+}
+
+int run(int argc, char** argv) {
+  const Invocation invocation = read_command_line(argc, argv, std::cout, std::cerr);
+  switch (invocation.command) {
+    case Command::kExit: return invocation.exit_code;
+    case Command::kHealth: return ask_health(invocation.config);
+    case Command::kPrintConfig: std::cout << print_config(invocation.config); return EXIT_SUCCESS;
+    case Command::kCheckConfig: std::cout << "the configuration is valid\n"; return EXIT_SUCCESS;
+    case Command::kServe: break;
+  }
+  log::set_up(invocation.config.log_format, invocation.config.log_level);
+  return serve(invocation.config);
+}
+
+}  // namespace
+}  // namespace remesh::server
+
+int main(int argc, char** argv) {
+  try {
+    return remesh::server::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "remeshd: " << error.what() << "\n";
+    return remesh::server::kFailed;
+  }
+}

@@ -1,0 +1,64 @@
+#include "server/request_registry.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <random>
+
+namespace remesh::server {
+
+std::string progress_json(const RunningRequest& request) {
+  // Ids and stage names need no escaping: see is_request_id.
+  std::array<char, 96> numbers;
+  std::snprintf(numbers.data(), numbers.size(), "\"fraction\":%.4f,\"elapsed_s\":%.3f}", request.control.fraction(),
+                request.elapsed_s());
+  return "{\"id\":\"" + request.id + "\",\"stage\":\"" + std::string(stage_name(request.control.stage())) + "\"," +
+         numbers.data();
+}
+
+RequestRegistry::Entry RequestRegistry::add(const std::string& id) {
+  const std::lock_guard lock(mutex_);
+  std::string free_id = id;
+  while (running_.count(free_id) > 0) free_id = new_request_id();
+  auto request = std::make_shared<RunningRequest>(free_id);
+  running_.emplace(free_id, request);
+  return Entry(*this, std::move(request));
+}
+
+std::shared_ptr<RunningRequest> RequestRegistry::find(const std::string& id) const {
+  const std::lock_guard lock(mutex_);
+  const auto found = running_.find(id);
+  return found == running_.end() ? nullptr : found->second;
+}
+
+void RequestRegistry::cancel_all() {
+  const std::lock_guard lock(mutex_);
+  for (const auto& [id, request] : running_) request->cancel();
+}
+
+void RequestRegistry::remove(RunningRequest& request) {
+  request.has_ended = true;
+  const std::lock_guard lock(mutex_);
+  running_.erase(request.id);
+}
+
+bool is_request_id(std::string_view text) {
+  return text.size() >= 16 && text.size() <= 64 && std::all_of(text.begin(), text.end(), [](char c) {
+           return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' || c == '_' ||
+                  c == '.' || c == '~';
+         });
+}
+
+std::string new_request_id() {
+  // Drawn from the system: an id lets its holder cancel the request, so it must not be guessable.
+  thread_local std::random_device device;
+  std::string id;
+  for (int i = 0; i < 4; ++i) {
+    std::array<char, 9> digits;
+    std::snprintf(digits.data(), digits.size(), "%08x", device());
+    id += digits.data();
+  }
+  return id;
+}
+
+}  // namespace remesh::server

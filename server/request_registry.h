@@ -1,0 +1,74 @@
+/// The requests that compute or wait to: found by their id, watched and cancelled by other requests.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+
+#include "core/base/run_control.h"
+#include "server/connection.h"
+
+namespace remesh::server {
+
+/// One request from its entry to its answer.
+struct RunningRequest {
+  explicit RunningRequest(std::string request_id) : id(std::move(request_id)) {}
+
+  /// Asks it to stop and wakes whoever waits for it.
+  void cancel() {
+    control.cancel();
+    changed.set();
+  }
+  double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
+
+  const std::string id;
+  const Clock::time_point start = Clock::now();
+  RunControl control;
+  Event changed;  ///< the work has started or ended, or was cancelled
+  std::atomic<bool> has_ended{false};
+};
+
+/// `{"id": ..., "stage": ..., "fraction": ..., "elapsed_s": ...}`
+std::string progress_json(const RunningRequest& request);
+
+class RequestRegistry {
+ public:
+  /// Takes it out of the registry when its scope ends.
+  class Entry {
+   public:
+    Entry(RequestRegistry& registry, std::shared_ptr<RunningRequest> request)
+        : registry_(registry), request_(std::move(request)) {}
+    ~Entry() { registry_.remove(*request_); }
+    Entry(const Entry&) = delete;
+    Entry& operator=(const Entry&) = delete;
+
+    const std::shared_ptr<RunningRequest>& get() const { return request_; }
+    RunningRequest* operator->() const { return request_.get(); }
+
+   private:
+    RequestRegistry& registry_;
+    std::shared_ptr<RunningRequest> request_;
+  };
+
+  /// Enters a request under that id, or under a new one when the id is running already.
+  Entry add(const std::string& id);
+  std::shared_ptr<RunningRequest> find(const std::string& id) const;
+  void cancel_all();
+
+ private:
+  void remove(RunningRequest& request);
+
+  mutable std::mutex mutex_;
+  std::map<std::string, std::shared_ptr<RunningRequest>, std::less<>> running_;
+};
+
+/// True for what a client may choose: 16 to 64 URL-safe characters.
+bool is_request_id(std::string_view text);
+/// 32 hexadecimal digits; never the same twice.
+std::string new_request_id();
+
+}  // namespace remesh::server

@@ -1,0 +1,137 @@
+#include "server/service.h"
+
+#include <chrono>
+#include <utility>
+
+namespace remesh::server {
+namespace {
+
+constexpr std::size_t kOpsConnections = 32;
+constexpr std::chrono::milliseconds kProgressPeriod{250};
+
+Response plain(int status, std::string text) {
+  Response response;
+  response.status = status;
+  response.content_type = "text/plain; charset=utf-8";
+  response.body = std::move(text);
+  return response;
+}
+
+Response json(std::string text) {
+  Response response;
+  response.content_type = "application/json";
+  response.body = std::move(text);
+  response.headers.emplace_back("Cache-Control", "no-store");
+  return response;
+}
+
+Response wrap(api::Response answer) {
+  Response response;
+  static_cast<api::Response&>(response) = std::move(answer);
+  return response;
+}
+
+std::string sse(std::string_view event, const std::string& data) {
+  return "event: " + std::string(event) + "\ndata: " + data + "\n\n";
+}
+
+std::shared_ptr<RunningRequest> find_or_404(const RequestRegistry& registry, const std::string& id) {
+  if (auto found = registry.find(id)) return found;
+  throw HttpError(404, "not_found", "no running request has this id");
+}
+
+}  // namespace
+
+// The one list of what can be asked.
+std::vector<Route> Service::routes() {
+  const auto work_body = [this] { return admit_work(); };
+  std::vector<Route> list = ops_routes();
+  list.push_back({"GET", "/", [](const Call&) {
+                    return plain(200, "remeshd: POST a mesh to /v1/remesh; /openapi.json describes everything.\n");
+                  }});
+  list.push_back({"GET", "/openapi.json", [this](const Call&) { return wrap(operations_.openapi()); }});
+  list.push_back(
+      {"GET", "/v1/capabilities", [this](const Call&) { return wrap(operations_.capabilities(work_limits_.api)); }});
+  list.push_back(
+      {"POST", "/v1/remesh", [this](const Call& call) { return work(operations_.remesh, call); }, work_body});
+  list.push_back(
+      {"POST", "/v1/analyze", [this](const Call& call) { return work(operations_.analyze, call); }, work_body});
+  list.push_back({"GET", "/v1/requests/{id}", [this](const Call& call) { return show_request(call); }});
+  list.push_back({"DELETE", "/v1/requests/{id}", [this](const Call& call) { return cancel_request(call); }});
+  list.push_back({"GET", "/v1/requests/{id}/events", [this](const Call& call) { return follow_request(call); }});
+  return list;
+}
+
+std::vector<Route> Service::ops_routes() {
+  return {{"GET", "/livez", [](const Call&) { return plain(200, "alive\n"); }},
+          {"GET", "/readyz", [this](const Call&) { return readiness(); }}};
+}
+
+Service::Service(const Config& config, Operations operations)
+    : config_(config),
+      operations_(std::move(operations)),
+      work_limits_{config.api_limits(), config.request_timeout},
+      pool_(config.max_running, config.queue_size, config.workers),
+      router_(routes()),
+      ops_router_(ops_routes()),
+      http_(router_, config.gate, config.max_connections) {
+  if (config.ops_bind) ops_ = std::make_unique<HttpServer>(ops_router_, config.gate, kOpsConnections);
+}
+
+Service::~Service() { stop(); }
+
+void Service::start() {
+  http_.bind(config_.bind);
+  if (ops_) ops_->bind(*config_.ops_bind);
+  http_.start();
+  if (ops_) ops_->start();
+}
+
+void Service::stop() {
+  begin_drain();
+  registry_.cancel_all();
+  http_.stop();
+  if (ops_) ops_->stop();
+}
+
+std::uint64_t Service::admit_work() const {
+  if (draining_) throw HttpError(503, "draining", "this server is about to stop");
+  if (pool_.is_full()) throw overloaded();
+  return config_.max_body;
+}
+
+Response Service::work(const Operation& operation, const Call& call) {
+  return wrap(run_in_pool(pool_, registry_, work_limits_, operation, call.request, call.connection));
+}
+
+Response Service::readiness() const {
+  if (draining_) throw HttpError(503, "draining", "this server is about to stop");
+  return plain(200, "ready\n");
+}
+
+Response Service::show_request(const Call& call) {
+  return json(progress_json(*find_or_404(registry_, call.parameter)));
+}
+
+Response Service::cancel_request(const Call& call) {
+  find_or_404(registry_, call.parameter)->cancel();
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+Response Service::follow_request(const Call& call) {
+  Response response;
+  response.content_type = "text/event-stream";
+  response.headers.emplace_back("Cache-Control", "no-store");
+  response.stream = [running = find_or_404(registry_, call.parameter)](Connection& connection) {
+    while (!running->has_ended) {
+      connection.write_all(sse("progress", progress_json(*running)));
+      if (connection.wait(nullptr, Clock::now() + kProgressPeriod) == Connection::Wake::kClientGone) return;
+    }
+    connection.write_all(sse("end", progress_json(*running)));
+  };
+  return response;
+}
+
+}  // namespace remesh::server

@@ -1,0 +1,65 @@
+/// The daemon put together: its routes, the pool behind them, the listeners before them, and how it stops.
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <memory>
+
+#include "server/config.h"
+#include "server/http_server.h"
+#include "server/request_registry.h"
+#include "server/work.h"
+#include "server/worker_pool.h"
+
+namespace remesh::server {
+
+/// What the daemon serves; tests put stubs here.
+struct Operations {
+  Operation remesh = api::run_remesh;
+  Operation analyze = api::run_analyze;
+  std::function<api::Response(const api::Limits&)> capabilities = api::capabilities;
+  std::function<api::Response()> openapi = api::openapi;
+};
+
+class Service {
+ public:
+  Service(const Config& config, Operations operations);
+  ~Service();
+  Service(const Service&) = delete;
+  Service& operator=(const Service&) = delete;
+
+  /// Binds and accepts. Errors: std::runtime_error - an address cannot be had.
+  void start();
+  int port() const { return http_.port(); }
+  int ops_port() const { return ops_ ? ops_->port() : 0; }
+
+  /// From now on not ready, and taking no new work; what was taken is finished.
+  void begin_drain() { draining_ = true; }
+  /// True when no request is open any more.
+  bool is_idle() const { return http_.active_requests() == 0; }
+  /// Cancels what still runs, closes everything and waits for it.
+  void stop();
+
+ private:
+  std::vector<Route> routes();
+  std::vector<Route> ops_routes();
+  std::uint64_t admit_work() const;
+  Response work(const Operation& operation, const Call& call);
+  Response readiness() const;
+  Response show_request(const Call& call);
+  Response cancel_request(const Call& call);
+  Response follow_request(const Call& call);
+
+  const Config config_;
+  const Operations operations_;
+  const WorkLimits work_limits_;
+  std::atomic<bool> draining_{false};
+  RequestRegistry registry_;
+  WorkerPool pool_;
+  const Router router_;
+  const Router ops_router_;
+  HttpServer http_;
+  std::unique_ptr<HttpServer> ops_;
+};
+
+}  // namespace remesh::server

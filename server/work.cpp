@@ -1,0 +1,126 @@
+#include "server/work.h"
+
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+namespace remesh::server {
+namespace {
+
+/// How long a stopped job may take to notice; then it is answered for, and finishes unheard.
+constexpr std::chrono::seconds kStopPatience{2};
+
+/// What the connection's thread and the pool's thread share; each may be the last to hold it.
+class Job {
+ public:
+  Job(Request& request, const WorkLimits& limits, Operation operation, std::shared_ptr<RunningRequest> running)
+      : running_(std::move(running)), limits_(limits.api), operation_(std::move(operation)) {
+    body_ = std::move(request.body);
+    input_.content_type = request.header("content-type");
+    input_.accept = request.header("accept");
+    input_.query = std::move(request.query);
+    input_.body = body_;
+  }
+
+  void run() {
+    {
+      const std::lock_guard lock(mutex_);
+      started_ = Clock::now();
+    }
+    running_->changed.set();
+    std::optional<api::Response> response;
+    std::exception_ptr failure;
+    try {
+      running_->control.check();
+      response = operation_(input_, limits_, running_->control);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    std::string().swap(body_);  // a large upload need not live until its answer is sent
+    {
+      const std::lock_guard lock(mutex_);
+      response_ = std::move(response);
+      failure_ = failure;
+      is_done_ = true;
+    }
+    running_->changed.set();
+  }
+
+  std::optional<Clock::time_point> started() const {
+    const std::lock_guard lock(mutex_);
+    return started_;
+  }
+  bool is_done() const {
+    const std::lock_guard lock(mutex_);
+    return is_done_;
+  }
+  api::Response take_response() {
+    const std::lock_guard lock(mutex_);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    return std::move(*response_);
+  }
+
+ private:
+  const std::shared_ptr<RunningRequest> running_;
+  const api::Limits limits_;
+  const Operation operation_;
+  std::string body_;
+  api::Request input_;
+
+  mutable std::mutex mutex_;
+  std::optional<Clock::time_point> started_;
+  std::optional<api::Response> response_;
+  std::exception_ptr failure_;
+  bool is_done_ = false;
+};
+
+/// Waits for a job that was told to stop. Errors: remesh::Error of the stop, when the job does not report it itself.
+api::Response wait_for_stop(Job& job, RunningRequest& running) {
+  const Clock::time_point patience = Clock::now() + kStopPatience;
+  while (!job.is_done() && Clock::now() < patience) {
+    running.changed.wait(patience);
+    running.changed.clear();
+  }
+  if (!job.is_done()) running.control.check();
+  return job.take_response();
+}
+
+}  // namespace
+
+HttpError overloaded() {
+  return HttpError(503, "overloaded", "all workers are busy and the queue is full: try again shortly");
+}
+
+api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
+                          const Operation& operation, Request& request, Connection& connection) {
+  const RequestRegistry::Entry running = registry.add(request.id);
+  request.id = running->id;
+  const auto job = std::make_shared<Job>(request, limits, operation, running.get());
+  const std::optional<WorkerPool::Ticket> ticket = pool.try_submit([job] { job->run(); });
+  if (!ticket) throw overloaded();
+
+  for (;;) {
+    const Clock::time_point until = job->started().value_or(running->start) + limits.request_timeout;
+    const Connection::Wake wake = connection.wait(&running->changed, until);
+    running->changed.clear();
+    if (job->is_done()) return job->take_response();
+
+    if (wake == Connection::Wake::kClientGone) running->control.cancel();
+    if (!running->control.is_stopped() && Clock::now() < until) continue;
+    if (pool.withdraw(*ticket)) {
+      running->control.check();
+      throw overloaded();
+    }
+    if (!running->control.is_stopped()) {
+      // It may have started just now, and then has its time before it.
+      const std::optional<Clock::time_point> started = job->started();
+      if (!started || Clock::now() < *started + limits.request_timeout) continue;
+      running->control.expire();
+    }
+    return wait_for_stop(*job, *running.get());
+  }
+}
+
+}  // namespace remesh::server

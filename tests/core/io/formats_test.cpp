@@ -1,0 +1,81 @@
+#include "core/io/formats.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+#include <string>
+
+namespace remesh {
+namespace {
+
+/// A binary STL of `triangles` flat records, its header starting with `header`.
+std::string binary_stl(std::string header, unsigned char triangles) {
+  header.resize(80, '\0');
+  header += std::string{static_cast<char>(triangles), '\0', '\0', '\0'};
+  return header + std::string(50u * triangles, '\0');
+}
+
+TEST(formats, every_format_is_found_by_its_name_and_has_its_own_media_type) {
+  std::set<std::string_view> media_types;
+  for (const Format format : kFormats) {
+    EXPECT_EQ(format_from_name(format_name(format)), format);
+    EXPECT_TRUE(media_types.insert(media_type(format)).second) << media_type(format);
+  }
+  EXPECT_EQ(media_type(Format::kObj), "model/obj");
+  EXPECT_EQ(media_type(Format::kJson), "application/json");
+  EXPECT_EQ(media_type(Format::kStl), "model/stl");
+}
+
+TEST(formats, a_name_is_known_only_as_it_stands_in_the_contract) {
+  EXPECT_EQ(format_from_name("obj"), Format::kObj);
+  for (const char* name : {"", "OBJ", "obj ", ".obj", "step"}) EXPECT_EQ(format_from_name(name), std::nullopt) << name;
+}
+
+TEST(formats, the_ending_of_a_file_name_tells_the_format) {
+  EXPECT_EQ(format_from_file_name("part.obj"), Format::kObj);
+  EXPECT_EQ(format_from_file_name("/a.b/c.d/Part.v2.STL"), Format::kStl);
+  EXPECT_EQ(format_from_file_name("C:\\meshes\\part.Ply"), Format::kPly);
+  EXPECT_EQ(format_from_file_name(".json"), Format::kJson);
+  for (const char* name : {"", "obj", "part", "part.", "part.obj.gz", "dir.obj/part", "dir.obj\\part", "part.objx"}) {
+    EXPECT_EQ(format_from_file_name(name), std::nullopt) << name;
+  }
+}
+
+TEST(formats, json_is_known_by_its_first_character) {
+  EXPECT_EQ(sniff_format("{\"mesh\": {}}"), Format::kJson);
+  EXPECT_EQ(sniff_format(" \r\n\t[1]"), Format::kJson);
+  EXPECT_EQ(sniff_format("\xef\xbb\xbf{}"), Format::kJson);
+}
+
+TEST(formats, text_stl_has_solid_first_and_a_facet_later) {
+  EXPECT_EQ(sniff_format("solid part\n facet normal 0 0 1\n"), Format::kStl);
+  EXPECT_EQ(sniff_format("solid\nfacet normal 0 0 1\n"), Format::kStl);
+  EXPECT_EQ(sniff_format("solid ground\nv 0 0 0\n"), Format::kObj);
+  EXPECT_EQ(sniff_format("solids\nfacet normal\n"), Format::kObj);
+}
+
+TEST(formats, binary_stl_is_known_by_its_length_whatever_its_header_says) {
+  EXPECT_EQ(sniff_format(binary_stl("", 2)), Format::kStl);
+  EXPECT_EQ(sniff_format(binary_stl("", 0)), Format::kStl);
+  EXPECT_EQ(sniff_format(binary_stl("solid facets", 3)), Format::kStl);
+  EXPECT_EQ(sniff_format(binary_stl("{ply OFF", 3)), Format::kStl);
+  EXPECT_EQ(sniff_format(binary_stl("", 2) + "x"), Format::kObj) << "the length is no rule any more";
+}
+
+TEST(formats, ply_and_off_are_known_by_their_first_word) {
+  EXPECT_EQ(sniff_format("ply\r\nformat ascii 1.0\n"), Format::kPly);
+  for (const char* mark : {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "4OFF", "nOFF", "STCN4nOFF"}) {
+    EXPECT_EQ(sniff_format(std::string(mark) + "\n8 6 0\n"), Format::kOff) << mark;
+    EXPECT_EQ(sniff_format("# made by hand\n\n# again\r\n" + std::string(mark) + " 8 6 0\n"), Format::kOff) << mark;
+  }
+  for (const char* word : {"off", "OFFSET", "XOFF", "plywood"}) EXPECT_EQ(sniff_format(word), Format::kObj) << word;
+}
+
+TEST(formats, everything_else_is_taken_for_obj) {
+  for (const char* text : {"", "# a comment only", "v 0 0 0\n", "o OFF\n", "mtllib ply\n", "\xff\xfe", "  \n"}) {
+    EXPECT_EQ(sniff_format(text), Format::kObj) << text;
+  }
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,249 @@
+#include "core/quality.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <random>
+#include <set>
+
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+Quality quality_of(const std::vector<Vec3>& positions, const std::vector<std::vector<std::uint32_t>>& faces) {
+  RunControl control;
+  return measure_surface(shapes::triangles(shapes::from_lists(positions, faces)), control).quality;
+}
+
+MeshStatistics statistics_of(const PolygonMesh& mesh) {
+  RunControl control;
+  return measure_surface(mesh.positions.items(), mesh.face_begin, mesh.corners, control);
+}
+
+std::uint64_t total(const Histogram& histogram) {
+  return std::accumulate(histogram.counts.begin(), histogram.counts.end(), std::uint64_t{0});
+}
+
+TEST(Quality, the_equilateral_triangle_has_the_ideal_values) {
+  const Quality q = quality_of({{0, 0, 0}, {2, 0, 0}, {1, std::sqrt(3.0), 0}}, {{0, 1, 2}});
+  EXPECT_NEAR(q.min_angle_deg, 60, 1e-12);
+  EXPECT_NEAR(q.max_angle_deg, 60, 1e-12);
+  EXPECT_NEAR(q.radius_edge_ratio.mean, 1 / std::sqrt(3.0), 1e-14);
+  EXPECT_NEAR(q.aspect_ratio.mean, 1, 1e-14);
+  EXPECT_NEAR(q.edge_length.mean, 2, 1e-14);
+  EXPECT_NEAR(q.area.mean, std::sqrt(3.0), 1e-14);
+}
+
+TEST(Quality, the_right_isosceles_triangle_has_known_values) {
+  const Quality q = quality_of({{0, 0, 5}, {3, 0, 5}, {0, 3, 5}}, {{0, 1, 2}});
+  EXPECT_NEAR(q.min_angle_deg, 45, 1e-12);
+  EXPECT_NEAR(q.max_angle_deg, 90, 1e-12);
+  EXPECT_NEAR(q.radius_edge_ratio.max, 1 / std::sqrt(2.0), 1e-14);
+  EXPECT_NEAR(q.aspect_ratio.max, std::sqrt(2.0) * (2 + std::sqrt(2.0)) / (2 * std::sqrt(3.0)), 1e-14);
+  EXPECT_EQ(q.edge_length.min, 3);
+  EXPECT_NEAR(q.edge_length.max, 3 * std::sqrt(2.0), 1e-14);
+  EXPECT_EQ(q.area.min, 4.5);
+}
+
+TEST(Quality, a_needle_keeps_its_small_angle_exact) {
+  const double h = 1e-9;
+  const Quality q = quality_of({{0, 0, 0}, {1, 0, 0}, {1, h, 0}}, {{0, 1, 2}});
+  EXPECT_NEAR(q.min_angle_deg * kPi / 180 / h, 1, 1e-12);
+  EXPECT_NEAR(q.radius_edge_ratio.max * 2 * h, 1, 1e-12);  // R / h, R = half the hypotenuse
+  EXPECT_NEAR(q.area.max / h, 0.5, 1e-12);
+}
+
+TEST(Quality, zero_area_triangles_count_with_angle_0_and_spoil_no_ratio) {
+  const Quality q = quality_of({{0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {2, 0, 0}}, {{0, 1, 2}, {0, 1, 3}});
+  EXPECT_EQ(q.min_angle_deg, 0);
+  EXPECT_EQ(q.max_angle_deg, 180);
+  EXPECT_NEAR(q.radius_edge_ratio.max, 1 / std::sqrt(3.0), 1e-14);
+  EXPECT_NEAR(q.aspect_ratio.max, 1, 1e-14);
+  EXPECT_EQ(q.area.min, 0);
+  EXPECT_EQ(total(q.angle_histogram_deg), 6u);
+  EXPECT_EQ(total(q.radius_edge_histogram), 1u);
+}
+
+TEST(Quality, an_edge_of_several_triangles_counts_once) {
+  // The diagonal of the square is shared: 4 sides of 1 and one of sqrt(2).
+  RunControl control;
+  const Quality q = measure_surface(shapes::triangles(shapes::sheet(1, 1, 1, 1)), control).quality;
+  EXPECT_NEAR(q.edge_length.mean, (4 + std::sqrt(2.0)) / 5, 1e-15);
+}
+
+TEST(Quality, extreme_scales_give_the_same_ratios) {
+  const auto mesh = shapes::triangles(shapes::box({3, 2, 1}, 2));
+  RunControl control;
+  const Quality expected = measure_surface(mesh, control).quality;
+  for (const int exponent : {1020, 500, -500, -1015}) {
+    auto scaled = mesh;
+    for (Vec3& p : scaled.positions) p = std::ldexp(1.0, exponent) * p;
+    const MeshStatistics s = measure_surface(scaled, control);
+    EXPECT_EQ(s.quality.min_angle_deg, expected.min_angle_deg) << exponent;
+    EXPECT_EQ(s.quality.aspect_ratio.mean, expected.aspect_ratio.mean) << exponent;
+    EXPECT_EQ(s.quality.radius_edge_ratio.max, expected.radius_edge_ratio.max) << exponent;
+    EXPECT_EQ(s.quality.edge_length.mean, std::ldexp(expected.edge_length.mean, exponent)) << exponent;
+    EXPECT_TRUE(std::isfinite(s.area) && std::isfinite(*s.volume) && std::isfinite(s.quality.area.mean)) << exponent;
+  }
+}
+
+TEST(Quality, a_tiny_triangle_in_a_large_mesh_keeps_its_shape) {
+  const double t = 1e-200;
+  const Quality q = quality_of({{0, 0, 0}, {t, 0, 0}, {0, t, 0}, {1, 0, 1}, {0, 1, 1}}, {{0, 1, 2}, {0, 3, 4}});
+  EXPECT_NEAR(q.min_angle_deg, 45, 1e-12);
+  EXPECT_NEAR(q.radius_edge_ratio.max, 1 / std::sqrt(2.0), 1e-14);
+}
+
+TEST(Quality, agrees_with_a_plain_computation_on_random_triangles) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> coordinate(-10, 10);
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t i = 0; i < 20000; ++i) {
+    for (int k = 0; k < 3; ++k) positions.push_back({coordinate(random), coordinate(random), coordinate(random)});
+    faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const Quality q = quality_of(positions, faces);
+
+  // Law of cosines and Heron, in long doubles: another way to the same numbers.
+  long double min_angle = 180, max_angle = 0, ratio_sum = 0, aspect_sum = 0, area_sum = 0, length_sum = 0;
+  std::vector<std::uint64_t> angle_counts(18, 0);
+  for (const auto& face : faces) {
+    long double l[3];
+    for (int k = 0; k < 3; ++k) {
+      const Vec3 d = positions[face[(k + 1) % 3]] - positions[face[(k + 2) % 3]];
+      l[k] = std::sqrt(static_cast<long double>(d.x) * d.x + static_cast<long double>(d.y) * d.y +
+                       static_cast<long double>(d.z) * d.z);
+      length_sum += l[k];
+    }
+    const long double s = (l[0] + l[1] + l[2]) / 2;
+    const long double area = std::sqrt(s * (s - l[0]) * (s - l[1]) * (s - l[2]));
+    for (int k = 0; k < 3; ++k) {
+      const long double a = l[(k + 1) % 3], b = l[(k + 2) % 3];
+      const long double angle =
+          std::acos((a * a + b * b - l[k] * l[k]) / (2 * a * b)) * 180 / static_cast<long double>(kPi);
+      min_angle = std::min(min_angle, angle);
+      max_angle = std::max(max_angle, angle);
+      ++angle_counts[static_cast<std::size_t>(angle / 10)];
+    }
+    ratio_sum += l[0] * l[1] * l[2] / (4 * area) / std::min({l[0], l[1], l[2]});
+    aspect_sum += std::max({l[0], l[1], l[2]}) * 2 * s / (4 * std::sqrt(3.0L) * area);
+    area_sum += area;
+  }
+  const auto n = static_cast<long double>(faces.size());
+  EXPECT_NEAR(q.min_angle_deg, static_cast<double>(min_angle), 1e-9);
+  EXPECT_NEAR(q.max_angle_deg, static_cast<double>(max_angle), 1e-9);
+  EXPECT_NEAR(q.radius_edge_ratio.mean / static_cast<double>(ratio_sum / n), 1, 1e-9);
+  EXPECT_NEAR(q.aspect_ratio.mean / static_cast<double>(aspect_sum / n), 1, 1e-9);
+  EXPECT_NEAR(q.area.mean / static_cast<double>(area_sum / n), 1, 1e-12);
+  EXPECT_NEAR(q.edge_length.mean / static_cast<double>(length_sum / (3 * n)), 1, 1e-12);
+  EXPECT_EQ(q.angle_histogram_deg.counts, angle_counts);
+  EXPECT_EQ(total(q.radius_edge_histogram), faces.size());
+}
+
+TEST(Quality, has_the_same_bits_for_any_number_of_threads) {
+  const auto mesh = shapes::triangles(shapes::rotated(shapes::noisy_sheet(60, 3), {1, 2, 3}, 40));
+  RunControl control;
+  std::set<std::vector<double>> seen;
+  for (const std::size_t threads : {1, 2, 3, 8}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    const MeshStatistics s = measure_surface(mesh, control);
+    seen.insert({s.area, s.quality.area.mean, s.quality.aspect_ratio.mean, s.quality.edge_length.mean,
+                 s.quality.radius_edge_ratio.mean});
+  }
+  EXPECT_EQ(seen.size(), 1u);
+}
+
+TEST(Quality, stops_when_asked) {
+  RunControl control;
+  control.cancel();
+  EXPECT_THROW(measure_surface(shapes::triangles(shapes::box({1, 1, 1})), control), Error);
+}
+
+TEST(MeasureSurface, a_box_has_its_area_volume_and_topology) {
+  for (const auto& mesh : {shapes::box({3, 2, 1}, 4), shapes::quad_box({3, 2, 1}, 4)}) {
+    const MeshStatistics s = statistics_of(mesh);
+    EXPECT_EQ(s.vertices, mesh.vertex_count());
+    EXPECT_EQ(s.faces, mesh.face_count());
+    EXPECT_TRUE(s.closed);
+    EXPECT_EQ(s.euler, 2);
+    EXPECT_EQ(s.components, 1u);
+    EXPECT_EQ(s.boundary_edges, 0u);
+    EXPECT_EQ(s.non_manifold_edges, 0u);
+    EXPECT_NEAR(s.area, 22, 1e-13);
+    EXPECT_NEAR(s.volume.value(), 6, 1e-13);
+    EXPECT_EQ(s.bounding_box.max, (Vec3{3, 2, 1}));
+  }
+}
+
+TEST(MeasureSurface, the_ring_of_the_specification_has_area_28_exactly) {
+  for (const int cuts : {1, 4}) {
+    const MeshStatistics s = statistics_of(shapes::ring(cuts));
+    EXPECT_EQ(s.area, 28);
+    EXPECT_EQ(s.euler, 0);
+    EXPECT_FALSE(s.closed);
+    EXPECT_FALSE(s.volume.has_value());
+    EXPECT_EQ(s.boundary_edges, 8u * static_cast<unsigned>(cuts));
+  }
+}
+
+TEST(MeasureSurface, a_body_far_away_keeps_its_volume) {
+  const MeshStatistics s = statistics_of(shapes::moved(shapes::box({1, 1, 1}), {1048576, -1048576, 524288}));
+  EXPECT_NEAR(s.volume.value(), 1, 1e-9);
+}
+
+TEST(MeasureSurface, an_inside_out_body_has_negative_volume) {
+  EXPECT_NEAR(statistics_of(shapes::turned_over(shapes::box({1, 1, 1}))).volume.value(), -1, 1e-15);
+}
+
+TEST(MeasureSurface, a_body_with_one_face_turned_is_closed_without_volume) {
+  PolygonMesh mesh = shapes::box({1, 1, 1});
+  std::swap(mesh.corners[0], mesh.corners[1]);
+  const MeshStatistics s = statistics_of(mesh);
+  EXPECT_TRUE(s.closed);
+  EXPECT_FALSE(s.volume.has_value());
+}
+
+TEST(MeasureSurface, three_pages_share_one_non_manifold_edge) {
+  const MeshStatistics s = statistics_of(shapes::three_pages());
+  EXPECT_EQ(s.non_manifold_edges, 1u);
+  EXPECT_EQ(s.boundary_edges, 9u);
+  EXPECT_FALSE(s.closed);
+}
+
+TEST(MeasureSurface, parts_that_share_a_vertex_are_one_component) {
+  EXPECT_EQ(statistics_of(shapes::two_squares_touching_at_a_vertex()).components, 1u);
+  EXPECT_EQ(statistics_of(shapes::joined(shapes::box({1, 1, 1}), shapes::box({1, 1, 1}))).components, 2u);
+}
+
+TEST(MeasureSurface, unused_vertices_count_nowhere) {
+  PolygonMesh mesh = shapes::sheet(1, 1, 1, 1);
+  mesh.positions.push_back({100, 100, 100});
+  const MeshStatistics s = statistics_of(mesh);
+  EXPECT_EQ(s.vertices, 4u);
+  EXPECT_EQ(s.euler, 1);
+  EXPECT_EQ(s.bounding_box.max, (Vec3{1, 1, 0}));
+}
+
+TEST(MeasureSurface, concave_polygons_have_their_own_area) {
+  const MeshStatistics s = statistics_of(shapes::prism({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, 1));
+  EXPECT_EQ(s.area, 2 * 3 + 8);
+  EXPECT_NEAR(s.volume.value(), 3, 1e-15);
+  EXPECT_EQ(s.euler, 2);
+}
+
+TEST(MeasureSurface, an_empty_surface_is_all_zero) {
+  const MeshStatistics s = statistics_of(PolygonMesh{});
+  EXPECT_EQ(s.vertices, 0u);
+  EXPECT_EQ(s.area, 0);
+  EXPECT_FALSE(s.closed);
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,818 @@
+#include "core/verify.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <map>
+#include <numeric>
+
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+/// A claim that owns its parts, so that a test can spoil one of them.
+struct Example {
+  Surface surface;
+  IdVector<FaceId, PatchId> surface_patch;
+  IdVector<PatchId, Frame> frames;
+  std::vector<Vec3> positions;
+  std::vector<Triangle> faces;
+  std::vector<PatchId> face_patch;
+  std::vector<Vec2> corner_uv;
+  double plane_tolerance = 0;
+
+  Verdict verify() const {
+    RunControl control;
+    return remesh::verify({surface, surface_patch, frames, positions, faces, face_patch, corner_uv, plane_tolerance},
+                          control);
+  }
+  Vec2 project(PatchId p, const Vec3& point) const {
+    const Frame& f = frames[p];
+    const auto rounded = [&](double t) { return std::nearbyint(t / f.scale / f.grid) * f.grid; };
+    return {rounded(dot(point - f.origin, f.x_axis)), rounded(dot(point - f.origin, f.y_axis))};
+  }
+  /// Stores the plane coordinates of all faces again.
+  void project() {
+    corner_uv.clear();
+    for (std::size_t f = 0; f < faces.size(); ++f)
+      for (const VertexId v : faces[f]) corner_uv.push_back(project(face_patch[f], positions[v.value]));
+  }
+  VertexId vertex_at(const Vec3& p) const {
+    return VertexId(static_cast<std::size_t>(std::find(positions.begin(), positions.end(), p) - positions.begin()));
+  }
+  VertexId add_vertex(const Vec3& p) {
+    if (vertex_at(p).value == positions.size()) positions.push_back(p);
+    return vertex_at(p);
+  }
+  void add_face(PatchId patch, const Vec3& a, const Vec3& b, const Vec3& c) {
+    const VertexId va = add_vertex(a), vb = add_vertex(b), vc = add_vertex(c);
+    faces.push_back({va, vb, vc});
+    face_patch.push_back(patch);
+    project();
+  }
+  void remove_face(std::size_t f) {
+    faces.erase(faces.begin() + f);
+    face_patch.erase(face_patch.begin() + f);
+    project();
+  }
+  void remove_patch(PatchId patch) {
+    for (std::size_t f = faces.size(); f-- > 0;)
+      if (face_patch[f] == patch) remove_face(f);
+  }
+  /// The face with these corners, in any order.
+  std::size_t face_at(const Vec3& a, const Vec3& b, const Vec3& c) const {
+    std::vector<Vec3> wanted{a, b, c};
+    std::sort(wanted.begin(), wanted.end());
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      std::vector<Vec3> corners;
+      for (const VertexId v : faces[f]) corners.push_back(positions[v.value]);
+      std::sort(corners.begin(), corners.end());
+      if (corners == wanted) return f;
+    }
+    throw std::invalid_argument("no such face");
+  }
+  PatchId patch_at(const Vec3& a, const Vec3& b, const Vec3& c) const { return face_patch[face_at(a, b, c)]; }
+};
+
+Vec3 normal_of(const PolygonMesh& mesh, std::size_t f) {
+  const auto face = mesh.face(FaceId(f));
+  Vec3 sum;
+  for (std::size_t i = 1; i + 1 < face.size(); ++i)
+    sum +=
+        cross(mesh.positions[face[i]] - mesh.positions[face[0]], mesh.positions[face[i + 1]] - mesh.positions[face[0]]);
+  return normalized(sum);
+}
+
+/// Connected coplanar faces, found the plain way: by comparing face with neighbour.
+IdVector<FaceId, PatchId> plain_patches(const PolygonMesh& mesh, std::size_t& count) {
+  std::map<std::pair<VertexId, VertexId>, std::vector<std::size_t>> by_edge;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(FaceId(f));
+    for (std::size_t i = 0; i < face.size(); ++i)
+      by_edge[std::minmax(face[i], face[(i + 1) % face.size()])].push_back(f);
+  }
+  IdVector<FaceId, PatchId> patch(mesh.face_count());
+  count = 0;
+  for (std::size_t seed = 0; seed < mesh.face_count(); ++seed) {
+    if (patch[FaceId(seed)].is_valid()) continue;
+    std::vector<std::size_t> todo{seed};
+    patch[FaceId(seed)] = PatchId(count);
+    while (!todo.empty()) {
+      const std::size_t f = todo.back();
+      todo.pop_back();
+      const auto face = mesh.face(FaceId(f));
+      for (std::size_t i = 0; i < face.size(); ++i) {
+        const auto& around = by_edge[std::minmax(face[i], face[(i + 1) % face.size()])];
+        if (around.size() != 2) continue;
+        const std::size_t g = around[0] == f ? around[1] : around[0];
+        if (patch[FaceId(g)].is_valid() || dot(normal_of(mesh, f), normal_of(mesh, g)) < 1 - 1e-6) continue;
+        patch[FaceId(g)] = PatchId(count);
+        todo.push_back(g);
+      }
+    }
+    ++count;
+  }
+  return patch;
+}
+
+Frame frame_of(const PolygonMesh& mesh, const IdVector<FaceId, PatchId>& patch, PatchId p) {
+  Box3 box;
+  Vec3 normal, edge;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    if (patch[FaceId(f)] != p) continue;
+    const auto face = mesh.face(FaceId(f));
+    for (const VertexId v : face) box.add(mesh.positions[v]);
+    normal += normal_of(mesh, f);
+    const Vec3 side = mesh.positions[face[1]] - mesh.positions[face[0]];
+    if (norm(side) > norm(edge)) edge = side;
+  }
+  Frame frame;
+  frame.normal = normalized(normal);
+  frame.x_axis = normalized(edge - dot(edge, frame.normal) * frame.normal);
+  frame.y_axis = cross(frame.normal, frame.x_axis);
+  frame.origin = box.min + 0.5 * (box.max - box.min);
+  frame.origin += -dot(frame.origin - box.min, frame.normal) * frame.normal;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f)  // a point of the plane, to be sure
+    if (patch[FaceId(f)] == p) {
+      const Vec3& on = mesh.positions[mesh.face(FaceId(f))[0]];
+      frame.origin += dot(on - frame.origin, frame.normal) * frame.normal;
+    }
+  frame.scale = std::ldexp(1.0, std::ilogb(box.diagonal()) + 1);
+  frame.grid = 0x1p-40;
+  return frame;
+}
+
+/// Claims that `output`, triangles over some of the input's vertices, is the remeshed `input`. Each output face belongs
+/// to the patch with its normal that holds its middle.
+Example example(const PolygonMesh& input, const PolygonMesh& output) {
+  Example out;
+  std::size_t patch_count = 0;
+  out.surface = shapes::surface(input);
+  out.surface_patch = plain_patches(input, patch_count);
+  for (std::size_t p = 0; p < patch_count; ++p) out.frames.push_back(frame_of(input, out.surface_patch, PatchId(p)));
+  out.positions = output.positions.items();
+  Box3 box;
+  for (const Vec3& p : out.positions) box.add(p);
+  out.plane_tolerance = 1e-9 * box.diagonal();
+  for (std::size_t f = 0; f < output.face_count(); ++f) {
+    const auto face = output.face(FaceId(f));
+    const Vec3 middle = 1.0 / 3 * (output.positions[face[0]] + output.positions[face[1]] + output.positions[face[2]]);
+    const Vec3 normal = normal_of(output, f);
+    PatchId patch;
+    for (std::size_t g = 0; g < input.face_count(); ++g) {
+      const auto in = input.face(FaceId(g));
+      if (dot(normal, normal_of(input, g)) < 1 - 1e-6) continue;
+      if (std::fabs(dot(normal, middle - input.positions[in[0]])) > 1e-6 * box.diagonal()) continue;
+      bool is_inside = true;  // faces of the examples are convex, or a patch of their own
+      for (std::size_t i = 0; i < in.size() && in.size() == 3; ++i) {
+        const Vec3& a = input.positions[in[i]];
+        const Vec3& b = input.positions[in[(i + 1) % in.size()]];
+        if (dot(cross(b - a, middle - a), normal) < -1e-9 * box.diagonal() * box.diagonal()) is_inside = false;
+      }
+      if (is_inside) {
+        patch = out.surface_patch[FaceId(g)];
+        break;
+      }
+    }
+    if (!patch.is_valid()) throw std::invalid_argument("an output face outside the input");
+    out.faces.push_back({face[0], face[1], face[2]});
+    out.face_patch.push_back(patch);
+  }
+  out.project();
+  return out;
+}
+
+::testing::AssertionResult is_verified(const Example& e) {
+  const Verdict v = e.verify();
+  if (v.all_true() && v.failed_patches.empty()) return ::testing::AssertionSuccess();
+  auto failure = ::testing::AssertionFailure();
+  failure << "surface " << v.surface << ", conforming " << v.conforming << ", delaunay " << v.delaunay;
+  for (const std::string& words : v.failures) failure << "\n  " << words;
+  return failure;
+}
+
+std::string all_words(const Verdict& v) {
+  std::string all;
+  for (const std::string& words : v.failures) all += words + "\n";
+  return all;
+}
+
+bool blames(const Verdict& v, PatchId p) {
+  return std::find(v.failed_patches.begin(), v.failed_patches.end(), p) != v.failed_patches.end();
+}
+
+// The base cases, all correct.
+
+Example cube() { return example(shapes::box({1, 1, 1}, 4), shapes::box({1, 1, 1}, 1)); }
+Example ring() { return example(shapes::ring(4), shapes::ring(1)); }
+
+/// The L without the vertices inside its long sides.
+PolygonMesh minimal_l() {
+  return shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}},
+                            {{0, 1, 3}, {1, 2, 3}, {0, 3, 5}, {3, 4, 5}});
+}
+Example flat_l() { return example(shapes::flat({"#.", "##"}, 3), minimal_l()); }
+
+/// A plate with a slot; only the slot's and the plate's corners are left.
+Example slotted() {
+  const PolygonMesh minimal =
+      shapes::from_lists({{0, 0, 0}, {5, 0, 0}, {5, 3, 0}, {3, 3, 0}, {3, 1, 0}, {2, 1, 0}, {2, 3, 0}, {0, 3, 0}},
+                         {{0, 1, 4}, {0, 4, 5}, {0, 5, 7}, {5, 6, 7}, {1, 3, 4}, {1, 2, 3}});
+  return example(shapes::slotted_plate(2), minimal);
+}
+
+/// Two squares at right angles over one edge, from x = 0 to 2.
+Example fold() {
+  const auto page = [](int n) {
+    return shapes::welded(shapes::joined(
+        shapes::sheet(2, 2, n, n), shapes::rotated(shapes::turned_over(shapes::sheet(2, 2, n, n)), {1, 0, 0}, 90)));
+  };
+  return example(shapes::rounded(page(2), 0.5), shapes::rounded(page(1), 0.5));
+}
+
+TEST(Verify, correct_claims_are_verified) {
+  const std::pair<const char*, Example> all[] = {
+      {"cube", cube()},
+      {"ring", ring()},
+      {"L", flat_l()},
+      {"slotted plate", slotted()},
+      {"fold", fold()},
+      {"box", example(shapes::box({3, 2, 1}, 5), shapes::box({3, 2, 1}, 1))},
+      {"quads", example(shapes::quad_box({3, 2, 1}, 1), shapes::box({3, 2, 1}, 1))},
+      {"solid L", example(shapes::l_bracket(3), shapes::l_bracket(1))},
+      {"two squares that touch",
+       example(shapes::two_squares_touching_at_a_vertex(3), shapes::two_squares_touching_at_a_vertex(1))},
+      {"cubes that share an edge", example(shapes::blocks({".#", "#."}, 2), shapes::blocks({".#", "#."}, 1))},
+      {"three pages", example(shapes::three_pages(3), shapes::three_pages(1))},
+      {"double sheet", example(shapes::double_sheet(1), shapes::double_sheet(1))},
+      {"cylinder", example(shapes::cylinder(12, 1, 2), shapes::fan_triangulated(shapes::cylinder(12, 1, 2)))},
+      {"sphere", example(shapes::sphere(2), shapes::sphere(2))},
+      {"inside out",
+       example(shapes::turned_over(shapes::box({1, 1, 1}, 2)), shapes::turned_over(shapes::box({1, 1, 1})))},
+  };
+  for (const auto& [name, e] : all) EXPECT_TRUE(is_verified(e)) << name;
+}
+
+TEST(Verify, rounding_noise_of_a_rotation_is_within_tolerance) {
+  const auto turned = [](const PolygonMesh& mesh) { return shapes::rotated(mesh, {1, 2, 3}, 40); };
+  const Example e = example(turned(shapes::box({3, 2, 1}, 6)), turned(shapes::box({3, 2, 1}, 1)));
+  EXPECT_TRUE(is_verified(e));
+  EXPECT_LT(e.verify().deviation, 1e-15);
+}
+
+TEST(Verify, any_scale_gives_the_same_verdict) {
+  for (const double scale : {1e-300, 1e-12, 1e6, 1e38, 1e300}) {
+    const auto turned = [&](const PolygonMesh& m) { return shapes::scaled(shapes::rotated(m, {1, 2, 3}, 40), scale); };
+    EXPECT_TRUE(is_verified(example(turned(shapes::ring(4)), turned(shapes::ring(1))))) << scale;
+    Example spoiled = example(turned(shapes::ring(4)), turned(shapes::ring(1)));
+    spoiled.remove_face(0);
+    EXPECT_FALSE(spoiled.verify().surface) << scale;
+  }
+}
+
+TEST(Verify, renumbering_the_input_changes_nothing) {
+  for (unsigned seed = 0; seed < 5; ++seed)
+    EXPECT_TRUE(is_verified(example(shapes::renumbered(shapes::l_bracket(3), seed), shapes::l_bracket(1))));
+}
+
+TEST(Verify, the_fine_grid_is_decided_exactly_too) {
+  Example e = cube();
+  for (Frame& frame : e.frames) frame.grid = 0x1p-100;
+  e.project();
+  EXPECT_TRUE(is_verified(e));
+}
+
+// What is wrong with a vertex.
+
+TEST(Verify, a_vertex_moved_by_one_last_place_is_found) {
+  Example e = cube();
+  Vec3& p = e.positions[e.vertex_at({1, 1, 1}).value];
+  p.x = std::nextafter(p.x, 2);
+  e.project();
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.surface);
+  EXPECT_EQ(v.failed_patches.size(), 3u);
+}
+
+TEST(Verify, a_negative_zero_is_not_the_same_bits) {
+  Example e = cube();
+  e.positions[e.vertex_at({0, 0, 0}).value].x = -0.0;
+  EXPECT_FALSE(e.verify().surface);
+}
+
+TEST(Verify, a_vertex_that_is_not_finite_is_found) {
+  Example e = cube();
+  e.positions[0].y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(e.verify().surface);
+}
+
+TEST(Verify, two_output_vertices_at_one_place_are_a_crack) {
+  Example e = cube();
+  const std::size_t f = 0;
+  e.positions.push_back(e.positions[e.faces[f][0].value]);
+  e.faces[f][0] = VertexId(e.positions.size() - 1);
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.surface);
+  EXPECT_FALSE(v.conforming);
+  EXPECT_TRUE(blames(v, e.face_patch[f]));
+}
+
+// What is wrong with a face.
+
+TEST(Verify, a_missing_face_is_found_wherever_it_is) {
+  for (std::size_t f = 0; f < cube().faces.size(); ++f) {
+    Example e = cube();
+    const PatchId patch = e.face_patch[f];
+    e.remove_face(f);
+    const Verdict v = e.verify();
+    EXPECT_FALSE(v.surface);
+    EXPECT_FALSE(v.conforming);
+    EXPECT_TRUE(blames(v, patch));
+  }
+}
+
+TEST(Verify, a_repeated_face_is_found) {
+  Example e = cube();
+  e.faces.push_back(e.faces[3]);
+  e.face_patch.push_back(e.face_patch[3]);
+  e.project();
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_TRUE(blames(v, e.face_patch[3]));
+}
+
+TEST(Verify, a_face_turned_over_is_found) {
+  Example e = cube();
+  std::swap(e.faces[5][0], e.faces[5][1]);
+  e.project();
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_TRUE(blames(v, e.face_patch[5]));
+}
+
+TEST(Verify, a_whole_patch_turned_over_with_its_frame_is_found) {
+  Example e = cube();
+  const PatchId patch = e.face_patch[0];
+  for (std::size_t f = 0; f < e.faces.size(); ++f)
+    if (e.face_patch[f] == patch) std::swap(e.faces[f][0], e.faces[f][1]);
+  Frame& frame = e.frames[patch];
+  std::swap(frame.x_axis, frame.y_axis);
+  frame.normal = -frame.normal;
+  e.project();
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.surface);
+  EXPECT_FALSE(v.conforming);
+  EXPECT_TRUE(blames(v, patch));
+}
+
+TEST(Verify, a_face_in_the_wrong_patch_is_found) {
+  Example e = cube();
+  e.face_patch[0] = e.face_patch.back();
+  e.project();
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_TRUE(blames(v, e.face_patch.back()));
+}
+
+TEST(Verify, two_patches_that_change_places_are_found) {
+  Example e = example(shapes::two_squares_touching_at_a_vertex(2), shapes::two_squares_touching_at_a_vertex(1));
+  for (PatchId& p : e.face_patch) p = PatchId(1 - static_cast<int>(p.value));
+  std::swap(e.frames[PatchId(0)], e.frames[PatchId(1)]);
+  e.project();
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.surface);
+  EXPECT_EQ(v.failed_patches.size(), 2u);
+}
+
+TEST(Verify, a_patch_without_faces_is_found) {
+  Example e = cube();
+  const PatchId patch = e.face_patch[0];
+  e.remove_patch(patch);
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.surface);
+  EXPECT_TRUE(blames(v, patch));
+}
+
+TEST(Verify, an_empty_output_is_found) {
+  Example e = cube();
+  e.faces.clear();
+  e.face_patch.clear();
+  e.corner_uv.clear();
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.surface);
+  EXPECT_EQ(v.failed_patches.size(), 6u);
+}
+
+/// A square with its middle in the input, so that the output may use it.
+Example square_with_middle() {
+  const PolygonMesh fan = shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1, 0}},
+                                             {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
+  return example(fan, fan);
+}
+
+TEST(Verify, a_triangle_folded_over_is_found) {
+  // The inner vertex is used beyond the square's side: the four triangles' area vectors still add up to the square.
+  PolygonMesh input = shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1, 0}, {3, 3, 0}, {3, 1, 0}},
+                                         {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {1, 6, 2}, {6, 5, 2}});
+  PolygonMesh output = input;
+  Example e = example(input, output);
+  ASSERT_TRUE(is_verified(e));
+  for (Triangle& face : e.faces)
+    for (VertexId& v : face)
+      if (v == VertexId(4)) v = VertexId(6);
+  e.remove_face(4);
+  e.remove_face(4);
+  e.project();
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.surface);
+  EXPECT_FALSE(v.conforming);
+}
+
+TEST(Verify, a_fold_inside_sound_loops_is_found_by_orientation_alone) {
+  // Two inner vertices that changed places: loops, edges and area vector are as they were.
+  const PolygonMesh input = shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {1, 2, 0}, {3, 2, 0}},
+                                               {{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 3, 5}, {3, 4, 5}, {3, 0, 4}});
+  Example e = example(input, input);
+  ASSERT_TRUE(is_verified(e));
+  for (Triangle& face : e.faces)
+    for (VertexId& v : face)
+      if (v.value >= 4) v = VertexId(9 - static_cast<int>(v.value));
+  e.project();
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_FALSE(v.surface);
+  EXPECT_NE(all_words(v).find("turned over"), std::string::npos);
+}
+
+TEST(Verify, a_zero_area_triangle_is_found_though_its_edges_conform) {
+  // A middle of the border as an inner vertex: one triangle lies on the border, without area.
+  PolygonMesh input =
+      shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 0, 0}}, {{0, 4, 3}, {4, 2, 3}, {4, 1, 2}});
+  Example e = example(input, input);
+  ASSERT_TRUE(is_verified(e));
+  e.add_face(PatchId(0), {0, 0, 0}, {2, 0, 0}, {1, 0, 0});
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_NE(all_words(v).find("no area"), std::string::npos);
+}
+
+TEST(Verify, a_bow_tie_is_found) {
+  Example e = square_with_middle();
+  std::swap(e.faces[0][0], e.faces[0][1]);
+  std::swap(e.faces[2][0], e.faces[2][1]);
+  e.project();
+  EXPECT_FALSE(e.verify().conforming);
+}
+
+TEST(Verify, a_triangle_of_one_vertex_thrice_is_found) {
+  Example e = cube();
+  e.faces[0] = {e.faces[0][0], e.faces[0][0], e.faces[0][0]};
+  e.project();
+  EXPECT_FALSE(e.verify().conforming);
+}
+
+// What is wrong with a boundary.
+
+TEST(Verify, the_convex_hull_in_place_of_an_l_is_found) {
+  Example e = flat_l();
+  e.add_face(PatchId(0), {2, 1, 0}, {1, 2, 0}, {1, 1, 0});
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.surface);
+  EXPECT_TRUE(blames(v, PatchId(0)));
+}
+
+TEST(Verify, a_filled_hole_is_found) {
+  Example e = ring();
+  e.add_face(PatchId(0), {-3, -3, 1}, {3, -3, 1}, {3, 3, 1});
+  e.add_face(PatchId(0), {-3, -3, 1}, {3, 3, 1}, {-3, 3, 1});
+  EXPECT_FALSE(e.verify().surface);
+}
+
+TEST(Verify, a_hole_that_vanished_with_its_vertices_is_found) {
+  Example e = ring();
+  e.positions.clear();
+  e.faces.clear();
+  e.face_patch.clear();
+  e.add_face(PatchId(0), {-4, -4, 1}, {4, -4, 1}, {4, 4, 1});
+  e.add_face(PatchId(0), {-4, -4, 1}, {4, 4, 1}, {-4, 4, 1});
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.surface);
+  EXPECT_NE(all_words(v).find("loop"), std::string::npos);
+}
+
+TEST(Verify, a_bridged_slot_is_found) {
+  Example e = slotted();
+  e.add_face(PatchId(0), {2, 1, 0}, {3, 1, 0}, {3, 3, 0});
+  e.add_face(PatchId(0), {2, 1, 0}, {3, 3, 0}, {2, 3, 0});
+  EXPECT_FALSE(e.verify().surface);
+}
+
+TEST(Verify, a_border_joined_across_the_slot_is_found) {
+  // The slot's two upper corners are gone: the border runs straight over it, as if it were one.
+  Example e = slotted();
+  e.positions.clear();
+  e.faces.clear();
+  e.face_patch.clear();
+  e.add_face(PatchId(0), {0, 0, 0}, {5, 0, 0}, {5, 3, 0});
+  e.add_face(PatchId(0), {0, 0, 0}, {5, 3, 0}, {0, 3, 0});
+  EXPECT_FALSE(e.verify().surface);
+}
+
+TEST(Verify, an_edge_divided_on_one_side_only_is_found) {
+  Example e = fold();
+  ASSERT_TRUE(is_verified(e));
+  // (1, 0, 0) is in the middle of the shared edge. Only the lower page uses it.
+  const PatchId page = e.patch_at({0, 0, 0}, {2, 0, 0}, {2, 2, 0});
+  e.remove_face(e.face_at({0, 0, 0}, {2, 0, 0}, {2, 2, 0}));
+  e.add_face(page, {0, 0, 0}, {1, 0, 0}, {2, 2, 0});
+  e.add_face(page, {1, 0, 0}, {2, 0, 0}, {2, 2, 0});
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_EQ(v.failed_patches.size(), 2u);
+}
+
+TEST(Verify, an_edge_divided_on_both_sides_is_fine) {
+  Example e = fold();
+  const PatchId page = e.patch_at({0, 0, 0}, {2, 0, 0}, {2, 2, 0});
+  const PatchId other = PatchId(1 - static_cast<int>(page.value));
+  e.remove_patch(page);
+  e.remove_patch(other);
+  e.add_face(page, {0, 0, 0}, {1, 0, 0}, {0, 2, 0});
+  e.add_face(page, {1, 0, 0}, {2, 2, 0}, {0, 2, 0});
+  e.add_face(page, {1, 0, 0}, {2, 0, 0}, {2, 2, 0});
+  e.add_face(other, {1, 0, 0}, {0, 0, 0}, {0, 0, 2});
+  e.add_face(other, {1, 0, 0}, {0, 0, 2}, {2, 0, 2});
+  e.add_face(other, {2, 0, 0}, {1, 0, 0}, {2, 0, 2});
+  EXPECT_TRUE(is_verified(e));
+}
+
+TEST(Verify, a_third_faces_corner_on_a_straight_border_must_stay) {
+  // Two pages over the edge x = 0 .. 2, and a fin that stands on its second half.
+  const PolygonMesh input = shapes::from_lists(
+      {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {2, 0, 2}, {0, 0, 2}, {2, -1, 0}, {1, -1, 0}},
+      {{0, 1, 4}, {1, 3, 4}, {1, 2, 3}, {1, 0, 6}, {1, 6, 5}, {2, 1, 5}, {1, 8, 7}, {1, 7, 2}});
+  Example e = example(input, input);
+  ASSERT_TRUE(is_verified(e));
+  const PatchId lower = e.patch_at({1, 0, 0}, {2, 0, 0}, {2, 2, 0});
+  const PatchId upper = e.patch_at({1, 0, 0}, {2, 0, 0}, {2, 0, 2});
+  e.remove_patch(lower);
+  e.remove_patch(upper);
+  e.add_face(lower, {0, 0, 0}, {2, 0, 0}, {2, 2, 0});
+  e.add_face(lower, {0, 0, 0}, {2, 2, 0}, {0, 2, 0});
+  e.add_face(upper, {2, 0, 0}, {0, 0, 0}, {0, 0, 2});
+  e.add_face(upper, {2, 0, 0}, {0, 0, 2}, {2, 0, 2});
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_TRUE(blames(v, lower));
+  EXPECT_TRUE(blames(v, upper));
+}
+
+TEST(Verify, a_missing_sheet_at_an_edge_of_three_is_found) {
+  Example e = example(shapes::three_pages(2), shapes::three_pages(1));
+  const PatchId page = e.face_patch[0];
+  e.remove_patch(page);
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_FALSE(v.surface);
+  EXPECT_EQ(v.failed_patches.size(), 3u);  // the others' edge has lost its third face
+}
+
+TEST(Verify, one_of_two_equal_sheets_missing_is_found) {
+  Example e = example(shapes::double_sheet(2), shapes::double_sheet(2));
+  ASSERT_TRUE(is_verified(e));
+  e.remove_patch(PatchId(1));
+  EXPECT_FALSE(e.verify().conforming);
+}
+
+TEST(Verify, a_dropped_boundary_vertex_counts_by_its_distance_from_the_chord) {
+  for (const double off : {0.9e-3, 1.1e-3}) {
+    const PolygonMesh input =
+        shapes::from_lists({{0, 0, 0}, {1, off, 0}, {2, 0, 0}, {1, 2, 0}}, {{0, 1, 3}, {1, 2, 3}});
+    const PolygonMesh output = shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {1, 2, 0}}, {{0, 1, 2}});
+    Example e = example(input, output);
+    e.plane_tolerance = 1e-3;
+    const Verdict v = e.verify();
+    EXPECT_EQ(v.surface, off < 1e-3) << all_words(v);
+    EXPECT_TRUE(v.conforming);
+    EXPECT_NEAR(v.deviation, off, 1e-12);
+  }
+}
+
+TEST(Verify, a_border_that_goes_back_on_itself_is_not_straight) {
+  // Through (3, 0) and back to (2, 0): on the line, but not between the ends.
+  const PolygonMesh input = shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {2, 1e-4, 0}, {1, 2, 0}}, {{0, 1, 2}, {0, 2, 3}});
+  const PolygonMesh output = shapes::from_lists({{0, 0, 0}, {2, 1e-4, 0}, {1, 2, 0}}, {{0, 1, 2}});
+  Example e = example(input, output);
+  e.plane_tolerance = 1e-3;
+  EXPECT_FALSE(e.verify().surface);
+}
+
+TEST(Verify, a_vertex_where_patches_touch_must_not_go) {
+  // The corner of a tetrahedron touches the middle of a square. Without its middle the square leaves it.
+  const PolygonMesh input =
+      shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {2, 2, 0}, {2, 1, 1}, {3, 3, 1}, {1, 3, 1}},
+                         {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}, {4, 6, 5}, {4, 7, 6}, {4, 5, 7}, {5, 6, 7}});
+  Example e = example(input, input);
+  ASSERT_TRUE(is_verified(e));
+  const PatchId square = e.face_patch[0];
+  e.remove_patch(square);
+  e.add_face(square, {0, 0, 0}, {4, 0, 0}, {4, 4, 0});
+  e.add_face(square, {0, 0, 0}, {4, 4, 0}, {0, 4, 0});
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_EQ(v.failed_patches, std::vector<PatchId>{square});
+}
+
+TEST(Verify, an_interior_edge_that_two_patches_share_is_found) {
+  // Both sheets of a pillow cut along the same diagonal: the edge has four faces.
+  Example e = example(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, 3}, {3, 2, 1, 0}}),
+                      shapes::double_sheet(1));
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_EQ(v.failed_patches.size(), 2u);
+}
+
+// What is wrong with a distance.
+
+/// A square of 4 x 4 cells whose vertex (1, 1) is lifted; four corners are left.
+Example bump(double height, double plane_tolerance) {
+  PolygonMesh input = shapes::sheet(4, 4, 4, 4);
+  const PolygonMesh output = shapes::sheet(4, 4, 1, 1);
+  Example e = example(input, output);
+  for (Vec3& p : e.surface.positions)
+    if (p == Vec3{1, 1, 0}) p.z = height;
+  e.plane_tolerance = plane_tolerance;
+  return e;
+}
+
+TEST(Verify, an_inner_vertex_off_the_plane_counts_by_its_distance) {
+  EXPECT_TRUE(is_verified(bump(0.9e-3, 1e-3)));
+  EXPECT_NEAR(bump(0.9e-3, 1e-3).verify().deviation, 0.9e-3, 1e-12);
+  const Verdict v = bump(1.1e-3, 1e-3).verify();
+  EXPECT_FALSE(v.surface);
+  EXPECT_TRUE(v.conforming && v.delaunay);
+  EXPECT_EQ(v.failed_patches, std::vector<PatchId>{PatchId(0)});
+}
+
+TEST(Verify, an_input_that_folds_over_inside_the_plane_is_found) {
+  // An inner vertex pulled over the border: the flap beyond it has no output, though loops and planes agree.
+  Example e = bump(0, 1e-3);
+  for (Vec3& p : e.surface.positions)
+    if (p == Vec3{1, 1, 0}) p = {1, -1, 0};
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.surface);
+}
+
+TEST(Verify, noise_of_the_input_may_turn_slivers_over) {
+  Example e = example(shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1e-12, 0}},
+                                         {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}),
+                      shapes::sheet(2, 2, 1, 1));
+  e.surface.positions[VertexId(4)].y = -1e-12;
+  EXPECT_TRUE(is_verified(e));
+}
+
+TEST(Verify, an_unchanged_triangle_is_not_held_against_its_plane) {
+  // A needle whose normal is noise: kept as it is, with a frame that shows it edge on.
+  const PolygonMesh needle = shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0.5, 1e-14, 0}}, {{0, 1, 2}});
+  Example e = example(needle, needle);
+  Frame& frame = e.frames[PatchId(0)];
+  frame.normal = {0, 1, 0};
+  frame.x_axis = {0, 0, 1};
+  frame.y_axis = {1, 0, 0};
+  e.project();
+  EXPECT_TRUE(is_verified(e));
+}
+
+// What is wrong in the plane.
+
+/// A kite: its Delaunay diagonal is the short one.
+Example kite() {
+  const PolygonMesh input = shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}}, {{0, 1, 2, 3}});
+  const PolygonMesh output = shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}}, {{0, 1, 2}, {0, 2, 3}});
+  return example(input, output);
+}
+
+TEST(Verify, the_wrong_diagonal_is_found) {
+  Example e = kite();
+  ASSERT_TRUE(is_verified(e));
+  e.faces = {{VertexId(0), VertexId(1), VertexId(3)}, {VertexId(1), VertexId(2), VertexId(3)}};
+  e.project();
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.delaunay);
+  EXPECT_TRUE(v.surface && v.conforming);
+  EXPECT_EQ(v.failed_patches, std::vector<PatchId>{PatchId(0)});
+}
+
+TEST(Verify, the_wrong_diagonal_is_right_where_the_right_one_is_taken) {
+  // Under the kite hangs a triangle that has the short diagonal as its edge.
+  PolygonMesh input =
+      shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}, {0, 0, -1}}, {{0, 1, 2, 3}, {0, 2, 4}});
+  const PolygonMesh output =
+      shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}, {0, 0, -1}}, {{0, 1, 3}, {1, 2, 3}, {0, 2, 4}});
+  EXPECT_TRUE(is_verified(example(input, output)));
+}
+
+TEST(Verify, a_diagonal_wrong_by_the_last_place_of_the_grid_is_found) {
+  // A square whose one corner is inside the circle of the others by one step of 2^-40, and one by none.
+  for (const double step : {0.0, 0x1p-39}) {
+    const PolygonMesh square =
+        shapes::from_lists({{-1, -1, 0}, {1, -1, 0}, {1, 1 - step, 0}, {-1, 1, 0}}, {{0, 1, 3}, {1, 2, 3}});
+    Example e = example(square, square);
+    e.frames[PatchId(0)] = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 2, 0x1p-40};
+    e.project();
+    EXPECT_EQ(e.verify().delaunay, true);  // the short diagonal
+    e.faces = {{VertexId(0), VertexId(1), VertexId(2)}, {VertexId(0), VertexId(2), VertexId(3)}};
+    e.project();
+    const double long_one = std::hypot(2, 2), other = std::hypot(2, 2 - step);
+    EXPECT_EQ(e.verify().delaunay, !(other > long_one));
+  }
+}
+
+TEST(Verify, a_plane_coordinate_off_by_one_step_is_found) {
+  for (std::size_t corner = 0; corner < 36; ++corner) {
+    Example e = cube();
+    e.corner_uv[corner].x += e.corner_uv[corner].x > 0 ? -0x1p-40 : 0x1p-40;
+    const Verdict v = e.verify();
+    EXPECT_FALSE(v.delaunay);
+    EXPECT_EQ(v.failed_patches, std::vector<PatchId>{e.face_patch[corner / 3]});
+  }
+}
+
+TEST(Verify, a_plane_coordinate_off_the_grid_is_found) {
+  Example e = cube();
+  e.corner_uv[7].y += 0x1p-42;
+  EXPECT_FALSE(e.verify().delaunay);
+  e.corner_uv[7].y = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(e.verify().delaunay);
+}
+
+TEST(Verify, a_frame_that_is_none_is_found) {
+  const std::function<void(Frame&)> spoil[] = {[](Frame& f) { f.normal = 1.001 * f.normal; },
+                                               [](Frame& f) { f.normal = -f.normal; },
+                                               [](Frame& f) { f.x_axis = f.y_axis; },
+                                               [](Frame& f) { f.scale *= 1.5; },
+                                               [](Frame& f) { f.grid = 0; },
+                                               [](Frame& f) { f.origin.x = std::nan(""); }};
+  for (const auto& change : spoil) {
+    Example e = cube();
+    change(e.frames[PatchId(2)]);
+    const Verdict v = e.verify();
+    EXPECT_FALSE(v.delaunay);
+    EXPECT_TRUE(blames(v, PatchId(2)));
+  }
+}
+
+// The claim itself.
+
+TEST(Verify, a_claim_that_does_not_fit_together_fails_as_a_whole) {
+  const std::function<void(Example&)> spoil[] = {
+      [](Example& e) { e.face_patch.pop_back(); },
+      [](Example& e) { e.corner_uv.pop_back(); },
+      [](Example& e) { e.face_patch[0] = PatchId(); },
+      [](Example& e) { e.faces[0][1] = VertexId(1000); },
+      [](Example& e) { e.surface_patch[FaceId(0)] = PatchId(6); },
+      [](Example& e) { e.frames.items().pop_back(); },
+  };
+  for (const auto& change : spoil) {
+    Example e = cube();
+    change(e);
+    const Verdict v = e.verify();
+    EXPECT_FALSE(v.surface || v.conforming || v.delaunay);
+    EXPECT_FALSE(v.failures.empty());
+  }
+}
+
+TEST(Verify, gives_the_same_verdict_for_any_number_of_threads) {
+  Example e = example(shapes::renumbered(shapes::box({3, 2, 1}, 12), 1), shapes::box({3, 2, 1}, 4));
+  for (std::size_t f = e.faces.size(); f-- > 0;)
+    if (f % 7 == 0) e.remove_face(f);
+  std::vector<Verdict> verdicts;
+  for (const std::size_t threads : {1, 2, 8}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    verdicts.push_back(e.verify());
+  }
+  EXPECT_FALSE(verdicts[0].surface);
+  for (const Verdict& v : verdicts) {
+    EXPECT_EQ(v.failures, verdicts[0].failures);
+    EXPECT_EQ(v.failed_patches, verdicts[0].failed_patches);
+    EXPECT_EQ(v.deviation, verdicts[0].deviation);
+  }
+}
+
+TEST(Verify, stops_when_asked) {
+  const Example e = cube();
+  RunControl control;
+  control.cancel();
+  const Claim claim{e.surface, e.surface_patch, e.frames,    e.positions,
+                    e.faces,   e.face_patch,    e.corner_uv, e.plane_tolerance};
+  EXPECT_THROW(verify(claim, control), Error);
+}
+
+}  // namespace
+}  // namespace remesh

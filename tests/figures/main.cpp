@@ -1,0 +1,303 @@
+// Draws the figures of the README files: figures FOLDER PART.obj
+//
+// FOLDER gets the drawings, PART.obj the part that they show.
+
+#include <algorithm>
+#include <cstdint>
+#include <exception>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "core/base/tolerance.h"
+#include "core/io/obj.h"
+#include "core/mesh/face_geometry.h"
+#include "core/remesh.h"
+#include "core/stages/boundary_loops.h"
+#include "core/stages/carving.h"
+#include "core/stages/constraint_recovery.h"
+#include "core/stages/coplanar_regions.h"
+#include "core/stages/delaunay_flips.h"
+#include "core/stages/essential_vertices.h"
+#include "core/stages/lexicographic_triangulation.h"
+#include "core/stages/mend_faces.h"
+#include "core/stages/patches.h"
+#include "core/stages/projection.h"
+#include "core/stages/weld.h"
+#include "tests/figures/bracket.h"
+#include "tests/figures/render.h"
+#include "tests/figures/svg.h"
+
+namespace remesh::figures {
+namespace {
+
+constexpr std::size_t kPartFaces = 4800;
+
+const Colour kInk{0.10, 0.15, 0.22};
+const Colour kFaint{0.72, 0.76, 0.81};
+const Colour kPaper{0.93, 0.96, 0.99};
+const Colour kOuter{0.09, 0.39, 0.67};
+const Colour kHole{0.85, 0.37, 0.05};
+const Colour kMissing{0.80, 0.10, 0.16};
+
+/// 4800 as "4,800".
+std::string count(std::size_t n) {
+  std::string text = std::to_string(n);
+  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, ",");
+  return text;
+}
+
+void write_file(const std::filesystem::path& path, const std::string& text) {
+  std::ofstream out(path, std::ios::binary);
+  if (!(out << text).flush()) throw std::runtime_error("cannot write " + path.string());
+  std::cout << path.string() << ": " << text.size() / 1024 << " KiB\n";
+}
+
+Triangle corners_of(const Surface& surface, FaceId f) {
+  const auto corners = surface.face(f);
+  return {corners[0], corners[1], corners[2]};
+}
+
+/// The part as the stages see it, up to its patches.
+struct Part {
+  Surface surface;
+  Adjacency adjacency;
+  PatchSet patches;
+  double tolerance;  // local units
+};
+
+Part make_part(const PolygonMesh& mesh, RunControl& control) {
+  std::vector<Diagnostic> diagnostics;
+  Surface welded = weld(mesh, Barriers{}, diagnostics, control);
+  Box3 box;
+  for (const Vec3& p : welded.positions) box.add(p);
+  const double step = rounding_step(welded.positions.items());
+  const double tolerance = automatic_tolerance(step, box.diagonal()).value / welded.unit;
+  Part part{mend_faces(std::move(welded), tolerance, diagnostics, control), Adjacency(0, {}, {}), {}, tolerance};
+  part.adjacency = Adjacency(part.surface.vertex_count(), part.surface.face_begin, part.surface.corners);
+  CoplanarityRule rule;
+  rule.plane_tolerance = tolerance;
+  Regions regions;
+  regions.of_face.resize(part.surface.face_count());
+  coplanar_regions(part.surface, part.adjacency, face_geometry(part.surface, control), rule, regions, control);
+  part.patches = patches(part.surface, part.adjacency, regions, control);
+  return part;
+}
+
+Shape shape_of(const Part& part) {
+  Shape shape;
+  shape.positions = part.surface.positions.items();
+  for (std::uint32_t f = 0; f < part.surface.face_count(); ++f) {
+    const auto [a, b, c] = corners_of(part.surface, FaceId(f));
+    shape.faces.push_back({a.value, b.value, c.value});
+    shape.patch.push_back(part.patches.of_face[FaceId(f)].value);
+  }
+  return shape;
+}
+
+Shape shape_of(const Result& result) {
+  Shape shape;
+  shape.positions = result.mesh.positions.items();
+  for (const auto& [a, b, c] : result.mesh.faces) shape.faces.push_back({a.value, b.value, c.value});
+  for (const PatchId p : result.face_patch) shape.patch.push_back(p.value);
+  return shape;
+}
+
+/// The first screen of the README.
+std::string before_and_after(const Part& part, const Result& result) {
+  Panel before("Before", count(part.surface.face_count()) + " triangles, coordinates rounded to six decimals");
+  draw(shape_of(part), Paint::kLight, 0.35, before);
+  Panel after("After", count(result.mesh.faces.size()) + " triangles on " + count(result.report.patches.size()) +
+                           " planar patches, constrained Delaunay");
+  draw(shape_of(result), Paint::kLight, 0.55, after);
+  return to_svg({before, after}, 480, 450);
+}
+
+std::string regions_and_result(const Part& part, const Result& result) {
+  Panel input("coplanar_regions, patches",
+              count(part.surface.face_count()) + " faces, " + count(part.patches.count()) + " patches");
+  draw(shape_of(part), Paint::kPatches, 0.3, input);
+  Panel output("assembly", count(result.mesh.faces.size()) + " faces, the same patches");
+  draw(shape_of(result), Paint::kPatches, 0.5, output);
+  return to_svg({input, output}, 420, 400);
+}
+
+/// One patch on its way through the plane.
+class PatchFigures {
+ public:
+  PatchFigures(const Part& part, PatchId patch, RunControl& control) : part_(part), patch_(patch), control_(control) {
+    const BoundaryLoops all = boundary_loops(part.surface, part.adjacency, part.patches, control);
+    essential_ =
+        essential_vertices(part.surface, part.adjacency, part.patches,
+                           IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0), part.tolerance, control);
+    std::vector<Edge3> edges;
+    std::vector<Vec3> points;
+    for (std::uint32_t l = all.patch_begin[patch.value]; l < all.patch_begin[patch.value + 1]; ++l) {
+      Loop loop;
+      for (const std::uint32_t h : all.loop(l)) loop.push_back(part.adjacency.from(h));
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        points.push_back(part.surface.local[loop[k]]);
+        edges.push_back({part.surface.local[loop[k]], part.surface.local[loop[(k + 1) % loop.size()]]});
+      }
+      loops_.push_back(std::move(loop));
+    }
+    const Plane& plane = part.patches.planes[patch];
+    frame_ = make_frame(plane.normal, plane.origin, points, edges, ReferenceAxis::kDominantEdge, {}, kPatchGrid);
+    collect_points();
+  }
+
+  std::string loops_and_essential_vertices() {
+    std::size_t on_boundary = 0;
+    for (const Loop& loop : loops_) on_boundary += loop.size();
+    Panel loops("boundary_loops", count(loops_.size()) + " loops through " + count(on_boundary) + " vertices");
+    Panel kept("essential_vertices", count(points_.size()) + " vertices stay");
+    for (Panel* panel : {&loops, &kept})
+      for (const FaceId f : part_.patches.faces_of(patch_)) {
+        const auto [a, b, c] = corners_of(part_.surface, f);
+        panel->polygon({at(a), at(b), at(c)}, kPaper, kFaint, 0.4);
+      }
+    for (const Loop& loop : loops_) {
+      for (std::size_t k = 0; k < loop.size(); ++k) {
+        const Vec2 from = at(loop[k]), to = at(loop[(k + 1) % loop.size()]);
+        loops.line(from, to, is_hole(loop) ? kHole : kOuter, 2.2);
+        kept.line(from, to, kInk, 1);
+      }
+      for (const VertexId v : loop) loops.dot(at(v), 2.2, is_hole(loop) ? kHole : kOuter);
+      for (const VertexId v : loop)
+        if (essential_[v] == 0) kept.dot(at(v), 1.6, kFaint);
+    }
+    for (const Vec2 p : points_) kept.dot(p, 3, kOuter);
+    return to_svg({loops, kept}, 420, 330);
+  }
+
+  std::string triangulation() {
+    Triangulation2d mesh = lexicographic_triangulation(points_, control_);
+    Panel sweep("lexicographic_triangulation", "each point joined to all hull edges that it sees");
+    draw_triangles(mesh, sweep);
+    delaunay_flips(points_, mesh, control_);
+    Panel flips("delaunay_flips", "red: loop edges that are not there yet");
+    draw_triangles(mesh, flips);
+    draw_missing(mesh, flips);
+    if (constraint_recovery(points_, segments_, mesh, control_) != Outcome::kDone)
+      throw std::runtime_error("the part's loops cross");
+    Panel recovery("constraint_recovery", "every loop edge is an edge");
+    draw_triangles(mesh, recovery);
+    if (carving(segments_, mesh, control_) != Outcome::kDone)
+      throw std::runtime_error("the part's loops contradict each other");
+    Panel carved("carving", count(mesh.triangle_count()) + " triangles, inside the loops only");
+    draw_triangles(mesh, carved);
+    return to_svg({sweep, flips, recovery, carved}, 420, 330);
+  }
+
+ private:
+  using Loop = std::vector<VertexId>;
+
+  Vec2 at(VertexId v) const { return to_plane(frame_, part_.surface.local[v]); }
+
+  bool is_hole(const Loop& loop) const {
+    double doubled_area = 0;
+    for (std::size_t k = 0; k < loop.size(); ++k) doubled_area += cross(at(loop[k]), at(loop[(k + 1) % loop.size()]));
+    return doubled_area < 0;
+  }
+
+  void collect_points() {
+    std::vector<std::vector<Vec2>> kept;
+    for (const Loop& loop : loops_) {
+      kept.emplace_back();
+      for (const VertexId v : loop)
+        if (essential_[v] != 0) kept.back().push_back(at(v));
+      points_.insert(points_.end(), kept.back().begin(), kept.back().end());
+    }
+    std::sort(points_.begin(), points_.end());
+    const auto index = [this](Vec2 p) {
+      return static_cast<std::uint32_t>(std::lower_bound(points_.begin(), points_.end(), p) - points_.begin());
+    };
+    for (const auto& loop : kept)
+      for (std::size_t k = 0; k < loop.size(); ++k)
+        segments_.push_back({index(loop[k]), index(loop[(k + 1) % loop.size()])});
+  }
+
+  void draw_triangles(const Triangulation2d& mesh, Panel& panel) const {
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3)
+      panel.polygon({points_[mesh.from(h)], points_[mesh.to(h)], points_[mesh.apex(h)]}, kPaper, mix(kInk, kFaint, 0.4),
+                    0.6);
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h)
+      if (mesh.is_constrained(h)) panel.line(points_[mesh.from(h)], points_[mesh.to(h)], kOuter, 1.8);
+    for (const Vec2 p : points_) panel.dot(p, 2, kInk);
+  }
+
+  void draw_missing(const Triangulation2d& mesh, Panel& panel) const {
+    std::vector<Segment> edges;
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
+      edges.push_back({mesh.from(h), mesh.to(h)});
+      edges.push_back({mesh.to(h), mesh.from(h)});
+    }
+    std::sort(edges.begin(), edges.end());
+    for (const Segment& s : segments_)
+      if (!std::binary_search(edges.begin(), edges.end(), s)) panel.line(points_[s[0]], points_[s[1]], kMissing, 1.8);
+  }
+
+  const Part& part_;
+  PatchId patch_;
+  RunControl& control_;
+  IdVector<VertexId, std::uint8_t> essential_;
+  std::vector<Loop> loops_;
+  Frame frame_;
+  std::vector<Vec2> points_;       // essential ones, in lexicographic order
+  std::vector<Segment> segments_;  // the loops' edges between them
+};
+
+/// The face of the base that carries the rib: an outline that is not convex, and two slots.
+PatchId upper_face_of_base(const Part& part) {
+  PatchId best;
+  for (std::uint32_t p = 0; p < part.patches.count(); ++p) {
+    const bool is_upward = part.patches.planes[PatchId(p)].normal.z > 0.99;
+    if (is_upward &&
+        (!best.is_valid() || part.patches.faces_of(PatchId(p)).size() > part.patches.faces_of(best).size()))
+      best = PatchId(p);
+  }
+  return best;
+}
+
+std::string to_obj(const PolygonMesh& mesh, RunControl& control) {
+  TriangleMesh triangles;
+  triangles.positions = mesh.positions;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto corners = mesh.face(FaceId(f));
+    triangles.faces.push_back({corners[0], corners[1], corners[2]});
+  }
+  return write_obj(triangles, {"The bracket of the README's picture, millimetres. Made by ./dev figures."}, control);
+}
+
+void draw_all(const std::filesystem::path& folder, const std::filesystem::path& part_file) {
+  RunControl control;
+  const PolygonMesh mesh = make_bracket(kPartFaces);
+  write_file(part_file, to_obj(mesh, control));
+  const Part part = make_part(mesh, control);
+  const Result result = remesh_surface(mesh, Options{}, RunSettings{}, control);
+  write_file(folder / "before_after.svg", before_and_after(part, result));
+  write_file(folder / "patches.svg", regions_and_result(part, result));
+  PatchFigures patch(part, upper_face_of_base(part), control);
+  write_file(folder / "essential_vertices.svg", patch.loops_and_essential_vertices());
+  write_file(folder / "triangulation.svg", patch.triangulation());
+}
+
+}  // namespace
+}  // namespace remesh::figures
+
+int main(int argc, char** argv) {
+  if (argc != 3) {
+    std::cerr << "usage: figures FOLDER PART.obj\n";
+    return 2;
+  }
+  try {
+    remesh::figures::draw_all(argv[1], argv[2]);
+  } catch (const std::exception& error) {
+    std::cerr << "figures: " << error.what() << '\n';
+    return 1;
+  }
+}

@@ -1,0 +1,149 @@
+#include "tests/figures/render.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+namespace remesh::figures {
+namespace {
+
+const Vec3 kTowardsViewer = normalized({1.0, -0.72, 0.62});
+const Vec3 kRight = normalized(cross({0, 0, 1}, kTowardsViewer));
+const Vec3 kUp = cross(kTowardsViewer, kRight);
+const Vec3 kLight = normalized({0.75, -0.2, 1.3});
+
+const Colour kMetal{0.62, 0.72, 0.82};
+const Colour kDark{0.10, 0.15, 0.22};
+const Colour kWhite{1, 1, 1};
+
+Vec2 project(const Vec3& p) { return {dot(p, kRight), dot(p, kUp)}; }
+
+/// A face that looks at the viewer, in picture coordinates.
+struct Facet {
+  std::size_t face;
+  std::array<Vec2, 3> corners;  // counter-clockwise
+  Vec2 low, high;               // their box
+  Vec3 plane;                   // depth = plane.x * u + plane.y * v + plane.z, larger is nearer
+
+  double depth(Vec2 p) const { return plane.x * p.x + plane.y * p.y + plane.z; }
+};
+
+Facet make_facet(const Shape& shape, std::size_t face, const Vec3& normal) {
+  Facet facet{face, {}, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}, {}};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec2 p = project(shape.positions[shape.faces[face][k]]);
+    facet.corners[k] = p;
+    facet.low = {std::min(facet.low.x, p.x), std::min(facet.low.y, p.y)};
+    facet.high = {std::max(facet.high.x, p.x), std::max(facet.high.y, p.y)};
+  }
+  const double towards = dot(normal, kTowardsViewer);
+  const double offset = dot(normal, shape.positions[shape.faces[face][0]]);
+  facet.plane = {-dot(normal, kRight) / towards, -dot(normal, kUp) / towards, offset / towards};
+  return facet;
+}
+
+/// What two facets have in common in the picture, as a convex polygon.
+std::vector<Vec2> overlap(const Facet& a, const Facet& b) {
+  std::vector<Vec2> polygon(a.corners.begin(), a.corners.end());
+  for (std::size_t k = 0; k < 3 && !polygon.empty(); ++k) {
+    const Vec2 from = b.corners[k], along = b.corners[(k + 1) % 3] - from;
+    std::vector<Vec2> inside;
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Vec2 p = polygon[i], q = polygon[(i + 1) % polygon.size()];
+      const double at_p = cross(along, p - from), at_q = cross(along, q - from);
+      if (at_p >= 0) inside.push_back(p);
+      if ((at_p > 0 && at_q < 0) || (at_p < 0 && at_q > 0)) inside.push_back(p + (at_p / (at_p - at_q)) * (q - p));
+    }
+    polygon = std::move(inside);
+  }
+  return polygon;
+}
+
+double area(const std::vector<Vec2>& polygon) {
+  double doubled = 0;
+  for (std::size_t i = 2; i < polygon.size(); ++i)
+    doubled += cross(polygon[i - 1] - polygon[0], polygon[i] - polygon[0]);
+  return doubled / 2;
+}
+
+/// How much nearer `a` is than `b` in the middle of what they share; 0 where they share nothing.
+double nearer_by(const Facet& a, const Facet& b) {
+  const std::vector<Vec2> shared = overlap(a, b);
+  const double box = (a.high.x - a.low.x) * (a.high.y - a.low.y);
+  if (area(shared) <= 1e-6 * box) return 0;
+  const Vec2 middle = (1 / static_cast<double>(shared.size())) * std::accumulate(shared.begin(), shared.end(), Vec2{});
+  return a.depth(middle) - b.depth(middle);
+}
+
+/// The order to paint in: who is covered comes before who covers it.
+std::vector<std::size_t> paint_order(const std::vector<Facet>& facets) {
+  std::vector<std::vector<std::size_t>> covered_by(facets.size());
+  std::vector<std::size_t> waits_for(facets.size(), 0);
+  std::vector<std::size_t> by_x(facets.size());
+  std::iota(by_x.begin(), by_x.end(), std::size_t{0});
+  std::stable_sort(by_x.begin(), by_x.end(),
+                   [&](std::size_t a, std::size_t b) { return facets[a].low.x < facets[b].low.x; });
+  for (std::size_t i = 0; i < by_x.size(); ++i) {
+    const Facet& a = facets[by_x[i]];
+    for (std::size_t j = i + 1; j < by_x.size() && facets[by_x[j]].low.x < a.high.x; ++j) {
+      const Facet& b = facets[by_x[j]];
+      if (b.low.y >= a.high.y || a.low.y >= b.high.y) continue;
+      const double nearer = nearer_by(a, b);
+      if (nearer == 0) continue;
+      const auto [below, above] = nearer > 0 ? std::pair(by_x[j], by_x[i]) : std::pair(by_x[i], by_x[j]);
+      covered_by[below].push_back(above);
+      ++waits_for[above];
+    }
+  }
+  std::vector<std::size_t> order;
+  for (std::size_t i = 0; i < facets.size(); ++i)
+    if (waits_for[i] == 0) order.push_back(i);
+  for (std::size_t next = 0; next < order.size(); ++next)
+    for (const std::size_t above : covered_by[order[next]])
+      if (--waits_for[above] == 0) order.push_back(above);
+  for (std::size_t i = 0; i < facets.size(); ++i)  // facets that cover each other in a ring: drawn last, as they come
+    if (waits_for[i] != 0) order.push_back(i);
+  return order;
+}
+
+Colour shade(const Colour& base, const Vec3& normal) {
+  const double light = 1.5 * (dot(normal, kLight) - 0.45);
+  return light < 0 ? mix(base, kDark, -0.45 * light) : mix(base, kWhite, light);
+}
+
+}  // namespace
+
+void draw(const Shape& shape, Paint paint, double mesh_line_width, Panel& panel) {
+  std::map<std::pair<std::uint32_t, std::uint32_t>, std::uint32_t> patch_at;  // by directed edge
+  for (std::size_t f = 0; f < shape.faces.size(); ++f)
+    for (std::size_t k = 0; k < 3; ++k) patch_at[{shape.faces[f][k], shape.faces[f][(k + 1) % 3]}] = shape.patch[f];
+
+  std::vector<Facet> facets;
+  std::vector<Vec3> normals;
+  for (std::size_t f = 0; f < shape.faces.size(); ++f) {
+    const auto [a, b, c] = shape.faces[f];
+    const Vec3 normal =
+        normalized(cross(shape.positions[b] - shape.positions[a], shape.positions[c] - shape.positions[a]));
+    if (dot(normal, kTowardsViewer) <= 1e-3) continue;
+    facets.push_back(make_facet(shape, f, normal));
+    normals.push_back(normal);
+  }
+
+  for (const std::size_t i : paint_order(facets)) {
+    const Facet& facet = facets[i];
+    const auto& face = shape.faces[facet.face];
+    const std::uint32_t patch = shape.patch[facet.face];
+    const Colour fill = paint == Paint::kPatches ? mix(colour_of(patch), shade(colour_of(patch), normals[i]), 0.5)
+                                                 : shade(kMetal, normals[i]);
+    panel.polygon({facet.corners.begin(), facet.corners.end()}, fill, mix(fill, kDark, 0.62), mesh_line_width);
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto beside = patch_at.find({face[(k + 1) % 3], face[k]});
+      if (beside == patch_at.end() || beside->second != patch)
+        panel.line(facet.corners[k], facet.corners[(k + 1) % 3], kDark, 1.1);
+    }
+  }
+}
+
+}  // namespace remesh::figures

@@ -1,0 +1,55 @@
+/// Drawings as SVG text: panels side by side, each with a caption.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/vec.h"
+
+namespace remesh::figures {
+
+/// Red, green and blue, each 0 to 1.
+struct Colour {
+  double red = 0;
+  double green = 0;
+  double blue = 0;
+};
+
+/// `amount` of `b` in `a`.
+Colour mix(const Colour& a, const Colour& b, double amount);
+/// Colours that differ well from their neighbours in number; the same for the same number, always.
+Colour colour_of(std::uint32_t number);
+std::string hex(const Colour& colour);
+
+/// One picture: SVG elements in its own coordinates (x to the right, y upwards), and what stands below it.
+/// Strokes are in units of the final picture and do not grow with the scale.
+class Panel {
+ public:
+  Panel(std::string title, std::string caption) : title_(std::move(title)), caption_(std::move(caption)) {}
+
+  void polygon(const std::vector<Vec2>& points, const Colour& fill, const Colour& stroke, double stroke_width);
+  void line(Vec2 from, Vec2 to, const Colour& stroke, double stroke_width);
+  void dot(Vec2 at, double radius, const Colour& fill);
+
+ private:
+  friend std::string to_svg(const std::vector<Panel>& panels, double panel_width, double panel_height);
+
+  struct Element {
+    enum class Kind { kPolygon, kLine, kDot } kind;
+    std::vector<Vec2> points;
+    Colour fill;
+    Colour stroke;
+    double width;  ///< of the stroke; the radius of a dot
+  };
+
+  std::string title_;
+  std::string caption_;
+  std::vector<Element> elements_;
+};
+
+/// Panels in rows of two, each fitted into its field, the same scale for all.
+std::string to_svg(const std::vector<Panel>& panels, double panel_width, double panel_height);
+
+}  // namespace remesh::figures

@@ -1,0 +1,163 @@
+#include "server/gate.h"
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <thread>
+
+namespace remesh::server {
+namespace {
+
+using std::chrono::milliseconds;
+
+/// Reads what a test wrote into the other end of a socket pair.
+class Gate : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    std::array<int, 2> ends{};
+    ASSERT_EQ(::socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data()), 0);
+    connection_.emplace(ends[0]);
+    client_ = ends[1];
+    limits_.head_timeout = milliseconds(200);
+    limits_.min_body_rate = 1000;
+  }
+  void TearDown() override { close_client(); }
+
+  void close_client() {
+    if (client_ >= 0) ::close(client_);
+    client_ = -1;
+  }
+  void send(std::string_view text) {
+    ASSERT_EQ(::send(client_, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
+  }
+  /// The status of the refusal, or 200.
+  int read() {
+    try {
+      is_request_ = read_request(
+          *connection_, limits_, [](const RequestHead&) { return std::string("the-id"); },
+          [this](const RequestHead&) {
+            ++admitted_;
+            return max_body_;
+          },
+          request_);
+      return 200;
+    } catch (const HttpError& error) {
+      limit_ = error.problem.limit;
+      return error.problem.status;
+    }
+  }
+
+  std::optional<Connection> connection_;
+  int client_ = -1;
+  GateLimits limits_;
+  std::uint64_t max_body_ = 100;
+  Request request_;
+  bool is_request_ = false;
+  int admitted_ = 0;
+  std::optional<std::uint64_t> limit_;
+};
+
+TEST_F(Gate, a_body_of_known_length_is_read_and_no_more) {
+  send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 5\r\n\r\nhelloGET /");
+  EXPECT_EQ(read(), 200);
+  EXPECT_TRUE(is_request_);
+  EXPECT_EQ(request_.body, "hello");
+  EXPECT_EQ(request_.id, "the-id");
+}
+
+TEST_F(Gate, a_chunked_body_is_decoded) {
+  send("POST /x HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n");
+  std::thread later([this] {
+    std::this_thread::sleep_for(milliseconds(20));
+    send("2\r\nde\r\n0\r\n\r\n");
+  });
+  EXPECT_EQ(read(), 200);
+  later.join();
+  EXPECT_EQ(request_.body, "abcde");
+}
+
+TEST_F(Gate, a_body_too_long_is_refused_before_it_comes) {
+  send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 10000000000\r\n\r\n");
+  const Clock::time_point start = Clock::now();
+  EXPECT_EQ(read(), 413);
+  EXPECT_EQ(limit_, 100u);
+  EXPECT_LT(Clock::now() - start, milliseconds(150));
+}
+
+TEST_F(Gate, a_chunked_body_too_long_is_refused_where_it_passes_the_cap) {
+  send("POST /x HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n65\r\n");
+  EXPECT_EQ(read(), 413);
+}
+
+TEST_F(Gate, the_client_that_waits_is_told_to_continue) {
+  send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 2\r\nExpect: 100-continue\r\n\r\n");
+  std::string told(25, ' ');
+  std::thread later([this, &told] {
+    ::recv(client_, told.data(), told.size(), MSG_WAITALL);
+    send("ok");
+  });
+  EXPECT_EQ(read(), 200);
+  later.join();
+  EXPECT_EQ(told, "HTTP/1.1 100 Continue\r\n\r\n");
+  EXPECT_EQ(request_.body, "ok");
+}
+
+TEST_F(Gate, a_refused_client_is_not_told_to_continue) {
+  send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 200\r\nExpect: 100-continue\r\n\r\n");
+  EXPECT_EQ(read(), 413);
+  EXPECT_EQ(connection_->bytes_written(), 0u);
+}
+
+TEST_F(Gate, a_slow_head_times_out_as_a_whole) {
+  // A byte every 30 ms is never late for the next read; only a deadline for the whole head ends it.
+  std::thread drip([this] {
+    for (int i = 0; i < 15; ++i) {
+      if (::send(client_, "a", 1, MSG_NOSIGNAL) < 0) return;
+      std::this_thread::sleep_for(milliseconds(30));
+    }
+  });
+  const Clock::time_point start = Clock::now();
+  EXPECT_EQ(read(), 408);
+  EXPECT_LT(Clock::now() - start, milliseconds(400));
+  drip.join();
+  EXPECT_EQ(admitted_, 0);
+}
+
+TEST_F(Gate, a_body_that_stalls_times_out) {
+  send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 50\r\n\r\nhello");
+  EXPECT_EQ(read(), 408);
+  EXPECT_EQ(request_.id, "the-id");
+}
+
+TEST_F(Gate, a_body_cut_short_is_malformed) {
+  send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 50\r\n\r\nhello");
+  close_client();
+  EXPECT_EQ(read(), 400);
+}
+
+TEST_F(Gate, a_client_that_leaves_without_a_word_is_no_request) {
+  close_client();
+  EXPECT_EQ(read(), 200);
+  EXPECT_FALSE(is_request_);
+}
+
+TEST_F(Gate, a_client_that_stays_silent_is_no_request) {
+  EXPECT_EQ(read(), 200);
+  EXPECT_FALSE(is_request_);
+}
+
+TEST_F(Gate, a_compressed_body_is_an_unsupported_type) {
+  send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 5\r\nContent-Encoding: gzip\r\n\r\nhello");
+  EXPECT_EQ(read(), 415);
+}
+
+TEST_F(Gate, a_refused_head_still_has_an_id) {
+  send("POST /x HTTP/1.1\nHost: x\n\n");
+  EXPECT_EQ(read(), 400);
+  EXPECT_EQ(request_.id, "the-id");
+}
+
+}  // namespace
+}  // namespace remesh::server

@@ -1,0 +1,119 @@
+/// A client that sends exactly the bytes it is told to, as no HTTP library would.
+#pragma once
+
+#include <arpa/inet.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <array>
+#include <chrono>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace remesh::server {
+
+class RawClient {
+ public:
+  explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    sockaddr_in address{};
+    address.sin_family = AF_INET;
+    address.sin_port = htons(static_cast<std::uint16_t>(port));
+    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    if (::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
+      throw std::runtime_error("cannot connect");
+    }
+    const timeval patience{20, 0};
+    ::setsockopt(socket_, SOL_SOCKET, SO_RCVTIMEO, &patience, sizeof patience);
+  }
+  ~RawClient() { close(); }
+  RawClient(const RawClient&) = delete;
+  RawClient& operator=(const RawClient&) = delete;
+
+  /// Output: false when the server has closed the connection.
+  bool send(std::string_view bytes) {
+    while (!bytes.empty()) {
+      const ssize_t put = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      if (put < 0) return false;
+      bytes.remove_prefix(static_cast<std::size_t>(put));
+    }
+    return true;
+  }
+
+  /// Everything up to the end, or up to `stop` if that is given and seen.
+  std::string receive(std::string_view stop = {}) {
+    std::string text;
+    std::array<char, 4096> buffer;
+    while (stop.empty() || text.find(stop) == std::string::npos) {
+      const ssize_t got = ::recv(socket_, buffer.data(), buffer.size(), 0);
+      if (got <= 0) break;
+      text.append(buffer.data(), static_cast<std::size_t>(got));
+    }
+    return text;
+  }
+
+  void close() {
+    if (socket_ >= 0) ::close(socket_);
+    socket_ = -1;
+  }
+
+ private:
+  int socket_;
+};
+
+/// An answer, taken apart.
+struct Answer {
+  int status = 0;
+  std::string head;
+  std::string body;
+
+  static Answer parse(const std::string& text) {
+    Answer answer;
+    const std::size_t end = text.find("\r\n\r\n");
+    if (text.rfind("HTTP/1.1 ", 0) != 0 || end == std::string::npos) return answer;
+    answer.status = std::stoi(text.substr(9, 3));
+    answer.head = text.substr(0, end + 2);
+    answer.body = text.substr(end + 4);
+    return answer;
+  }
+
+  std::string header(const std::string& name) const {
+    const std::size_t at = head.find("\r\n" + name + ": ");
+    if (at == std::string::npos) return {};
+    const std::size_t start = at + name.size() + 4;
+    return head.substr(start, head.find("\r\n", start) - start);
+  }
+};
+
+inline Answer ask(int port, std::string_view bytes) {
+  RawClient client(port);
+  client.send(bytes);
+  return Answer::parse(client.receive());
+}
+
+inline Answer get(int port, const std::string& path) {
+  return ask(port, "GET " + path + " HTTP/1.1\r\nHost: x\r\n\r\n");
+}
+
+inline std::string post_text(const std::string& target, const std::string& body, const std::string& fields = "") {
+  return "POST " + target + " HTTP/1.1\r\nHost: x\r\n" + fields + "Content-Length: " + std::to_string(body.size()) +
+         "\r\n\r\n" + body;
+}
+
+inline Answer post(int port, const std::string& target, const std::string& body, const std::string& fields = "") {
+  return ask(port, post_text(target, body, fields));
+}
+
+/// Waits until the condition holds, at most ten seconds. Output: whether it does.
+template <typename Condition>
+bool eventually(Condition condition) {
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+  while (!condition()) {
+    if (std::chrono::steady_clock::now() > deadline) return false;
+    ::usleep(2000);
+  }
+  return true;
+}
+
+}  // namespace remesh::server

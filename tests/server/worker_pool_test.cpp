@@ -1,0 +1,91 @@
+#include "server/worker_pool.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <atomic>
+#include <future>
+#include <vector>
+
+#include "tests/server/raw_client.h"
+
+namespace remesh::server {
+namespace {
+
+TEST(WorkerPool, jobs_run_within_an_arena_of_the_workers_asked_for) {
+  WorkerPool pool(2, 4, 3);
+  std::promise<int> concurrency;
+  ASSERT_TRUE(pool.try_submit([&] { concurrency.set_value(tbb::this_task_arena::max_concurrency()); }));
+  EXPECT_EQ(concurrency.get_future().get(), 3);
+}
+
+TEST(WorkerPool, it_refuses_at_once_when_threads_and_queue_are_full) {
+  std::promise<void> gate;
+  const std::shared_future<void> open(gate.get_future());
+  std::atomic<int> finished = 0;
+  {
+    WorkerPool pool(2, 3, 1);
+    for (int i = 0; i < 5; ++i) {
+      EXPECT_FALSE(pool.is_full());
+      EXPECT_TRUE(pool.try_submit([&] {
+        open.wait();
+        ++finished;
+      }));
+    }
+    EXPECT_TRUE(pool.is_full());
+    EXPECT_FALSE(pool.try_submit([&] { ++finished; }));
+    ASSERT_TRUE(eventually([&] { return pool.running() == 2 && pool.queued() == 3; }));
+    gate.set_value();
+    ASSERT_TRUE(eventually([&] { return finished == 5; }));
+    ASSERT_TRUE(eventually([&] { return !pool.is_full(); }));
+  }
+  EXPECT_EQ(finished, 5);
+}
+
+TEST(WorkerPool, a_job_that_waits_can_be_withdrawn_and_gives_up_its_place) {
+  std::promise<void> gate;
+  const std::shared_future<void> open(gate.get_future());
+  std::atomic<bool> ran = false;
+  WorkerPool pool(1, 1, 1);
+  const auto first = pool.try_submit([&] { open.wait(); });
+  ASSERT_TRUE(eventually([&] { return pool.running() == 1; }));
+  const auto second = pool.try_submit([&] { ran = true; });
+  ASSERT_TRUE(first && second);
+  EXPECT_FALSE(pool.withdraw(*first));
+  EXPECT_TRUE(pool.is_full());
+  EXPECT_TRUE(pool.withdraw(*second));
+  EXPECT_FALSE(pool.withdraw(*second));
+  EXPECT_FALSE(pool.is_full());
+  gate.set_value();
+  ASSERT_TRUE(eventually([&] { return pool.running() == 0; }));
+  EXPECT_FALSE(ran);
+}
+
+TEST(WorkerPool, jobs_start_in_the_order_in_which_they_came) {
+  std::vector<int> order;
+  std::promise<void> last;
+  WorkerPool pool(1, 10, 1);
+  for (int i = 0; i < 10; ++i) {
+    pool.try_submit([&order, &last, i] {
+      order.push_back(i);
+      if (i == 9) last.set_value();
+    });
+  }
+  last.get_future().wait();
+  EXPECT_EQ(order, (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
+}
+
+TEST(WorkerPool, a_long_job_does_not_hold_up_short_ones_while_a_thread_is_free) {
+  std::promise<void> gate;
+  const std::shared_future<void> open(gate.get_future());
+  WorkerPool pool(2, 100, 1);
+  pool.try_submit([&] { open.wait(); });
+  std::atomic<int> finished = 0;
+  for (int i = 0; i < 50; ++i) ASSERT_TRUE(pool.try_submit([&] { ++finished; }));
+  EXPECT_TRUE(eventually([&] { return finished == 50; }));
+  EXPECT_EQ(pool.running(), 1u);
+  gate.set_value();
+}
+
+}  // namespace
+}  // namespace remesh::server

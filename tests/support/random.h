@@ -1,0 +1,27 @@
+/// Random numbers that are the same on every platform: the standard's engine, but not its distributions.
+#pragma once
+
+#include <cstdint>
+#include <random>
+
+namespace remesh {
+
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : engine_(seed) {}
+
+  std::uint64_t bits() { return engine_(); }
+  /// From [0, 1), a multiple of 2^-53.
+  double unit() { return static_cast<double>(engine_() >> 11) * 0x1p-53; }
+  double uniform(double low, double high) { return low + (high - low) * unit(); }
+  /// From 0 to n - 1.
+  int below(int n) { return static_cast<int>(engine_() % static_cast<std::uint64_t>(n)); }
+  /// From low to high, both included.
+  int integer(int low, int high) { return low + below(high - low + 1); }
+  bool chance(double probability) { return unit() < probability; }
+
+ private:
+  std::mt19937_64 engine_;
+};
+
+}  // namespace remesh
