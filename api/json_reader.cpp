@@ -386,7 +386,8 @@ void Handler::add_list_item(std::string_view text) {
 bool Handler::parse_error(std::size_t, const std::string& token, const Json::exception& error) {
   constexpr int kNumberOverflow = 406;
   const bool is_overflow = error.id == kNumberOverflow;
-  const bool is_named = token.starts_with("N") || token.starts_with("I") || token.starts_with("-I");  // NaN, -Infinity
+  const std::string_view last(at_ == text_.data() ? at_ : at_ - 1, text_.data() + text_.size());
+  const bool is_named = last.starts_with("NaN") || last.starts_with("Infinity");  // as some programs write them
   if (skipped_depth_ == 0 && !stack_.empty() && (is_overflow || is_named)) {
     const Place place = stack_.back();
     if (place == Place::kVertex) {

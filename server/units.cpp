@@ -1,5 +1,7 @@
 #include "server/units.h"
 
+#include <arpa/inet.h>
+
 #include <algorithm>
 #include <array>
 #include <charconv>
@@ -74,7 +76,12 @@ std::string format_duration(std::chrono::milliseconds duration) {
   return value % 1000 == 0 ? std::to_string(value / 1000) + "s" : std::to_string(value) + "ms";
 }
 
-bool Address::is_loopback() const { return host == "localhost" || host == "::1" || host.starts_with("127."); }
+bool Address::is_loopback() const {
+  in_addr v4{};
+  // By the number, not the text: "127.example.org" is a name that may lead anywhere.
+  if (::inet_pton(AF_INET, host.c_str(), &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
+  return host == "localhost" || host == "::1";
+}
 
 std::string Address::text() const {
   const bool is_v6 = host.find(':') != std::string::npos;

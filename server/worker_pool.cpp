@@ -6,7 +6,9 @@
 
 namespace remesh::server {
 
-WorkerPool::WorkerPool(int max_running, std::size_t queue_size, int workers) : queue_size_(queue_size) {
+WorkerPool::WorkerPool(int max_running, std::size_t queue_size, int workers)
+    : parallelism_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(workers)),
+      queue_size_(queue_size) {
   // The lock: a thread must not look at `threads_` while it grows.
   const std::lock_guard lock(mutex_);
   for (int i = 0; i < max_running; ++i) threads_.emplace_back([this, workers] { work(workers); });

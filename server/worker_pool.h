@@ -1,6 +1,8 @@
 /// Where geometry is computed: a few threads that take jobs from a bounded queue, which refuses when full.
 #pragma once
 
+#include <tbb/global_control.h>
+
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -42,6 +44,8 @@ class WorkerPool {
   void work(int workers);
   bool is_full_locked() const { return queue_.size() + running_ >= threads_.size() + queue_size_; }
 
+  /// All arenas share this many threads, as many as asked for even where the machine has fewer cores.
+  const tbb::global_control parallelism_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Entry> queue_;

@@ -111,7 +111,7 @@ void write_file(const std::string& path, std::string_view content) {
   }
   // A link stays a link: what it points to is replaced.
   std::error_code no_link;
-  const std::filesystem::path target = exists ? std::filesystem::canonical(path, no_link) : path;
+  const std::filesystem::path target = exists ? std::filesystem::canonical(path, no_link) : std::filesystem::path(path);
   replace_file(no_link ? path : target.string(), content, exists ? status.st_mode & 07777 : default_mode());
 }
 

@@ -106,20 +106,20 @@ api::Limits limits_for(int workers) {
   return limits;
 }
 
+/// What the command line alone decides is misuse; what the mesh decides is a failure.
+int exit_code(const Error& error) {
+  return error.option.empty() && error.code != Code::kNotAcceptable ? kFailed : kMisused;
+}
+
 /// `part.obj:12: index_out_of_range: face 3 ...`
 std::string describe(const Error& error, const std::string& input) {
   std::string text;
-  if (error.option.empty() && error.stage == Stage::kRead) {
+  if (exit_code(error) == kFailed && error.stage == Stage::kRead) {
     text = input == "-" ? "standard input" : input;
     if (error.line) text += ":" + std::to_string(*error.line);
     text += ": ";
   }
   return text + std::string(code_name(error.code)) + ": " + error.what();
-}
-
-/// What the command line alone decides is misuse; what the mesh decides is a failure.
-int exit_code(const Error& error) {
-  return error.option.empty() && error.code != Code::kNotAcceptable ? kFailed : kMisused;
 }
 
 // Set before the handlers are installed, and outlives them.

@@ -17,6 +17,7 @@ struct Surface {
   /// The positions less the box's centre, over `unit`, a power of two: within [-1, 1]. The stages compute in these, so
   /// that nothing overflows and scaling by powers of two changes nothing.
   IdVector<VertexId, Vec3> local;
+  Vec3 centre;                                    ///< of the box, model units
   double unit = 1;                                ///< model units per local unit
   std::vector<std::uint32_t> face_begin{0};
   std::vector<VertexId> corners;

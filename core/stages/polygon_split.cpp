@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// Whether a quadrilateral's four corners turn left, strictly.
+/// Whether all corners turn left, strictly.
 bool is_convex(std::span<const Vec2> uv) {
   for (std::size_t i = 0; i < uv.size(); ++i)
     if (orient2d(uv[i], uv[(i + 1) % uv.size()], uv[(i + 2) % uv.size()]) <= 0) return false;
@@ -46,7 +46,14 @@ PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance,
   const Frame frame = make_frame(normal, centre, points, edges, ReferenceAxis::kDominantEdge, {}, kFineGrid);
   std::vector<Vec2> uv(n);
   for (std::uint32_t i = 0; i < n; ++i) uv[i] = to_plane(frame, points[i]);
-  if (is_flat && n == 4 && is_convex(uv)) return result;
+  if (n == 4 && is_convex(uv)) {
+    result.kind = is_flat ? PolygonKind::kPlanar : PolygonKind::kNotPlanar;
+    if (in_circle_perturbed(uv[0], uv[1], uv[2], uv[3]) > 0)
+      result.triangles = {{0, 1, 3}, {1, 2, 3}};
+    else
+      result.triangles = {{0, 1, 2}, {0, 2, 3}};
+    return result;
+  }
 
   // Corners that meet in space (the ends of a bridge) are one point of the triangulation.
   std::vector<std::uint32_t> order(n), point_of(n);
@@ -77,8 +84,8 @@ PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance,
   if (inside.outcome != Outcome::kDone || inside.mesh.triangle_count() == 0) {
     result.kind = PolygonKind::kSelfCrossing;
     fan(points, result);
-  } else if (!is_flat) {
-    result.kind = PolygonKind::kNotPlanar;
+  } else {
+    result.kind = is_flat ? PolygonKind::kPlanar : PolygonKind::kNotPlanar;
     for (std::uint32_t h = 0; h < inside.mesh.half_edge_count(); h += 3)
       result.triangles.push_back({corner_of_point[inside.mesh.from(h)], corner_of_point[inside.mesh.from(h + 1)],
                                   corner_of_point[inside.mesh.from(h + 2)]});

@@ -19,11 +19,11 @@ enum class PolygonKind {
 
 struct PolygonSplit {
   PolygonKind kind = PolygonKind::kPlanar;
-  /// Corner numbers of each triangle; empty for kPlanar.
+  /// Corner numbers of each triangle.
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
-/// Looks at a polygon and triangulates it where it cannot stay one face: by its constrained Delaunay triangulation in
+/// Looks at a polygon and triangulates it: by its constrained Delaunay triangulation in
 /// the plane of its Newell normal; one that crosses itself there by a fan from its lexicographically smallest corner,
 /// since no triangulation of it is right.
 /// Input:  4 or more points, no two consecutive ones equal; the tolerance in the points' units.

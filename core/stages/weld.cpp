@@ -25,6 +25,7 @@ void set_local_units(Surface& surface) {
   Box3 box;
   for (const Vec3& p : surface.positions) box.add(p);
   const Vec3 centre = 0.5 * box.min + 0.5 * box.max;
+  surface.centre = centre;
   const Vec3 half = box.max - centre;
   int exponent = 0;
   std::frexp(std::max({half.x, half.y, half.z}), &exponent);

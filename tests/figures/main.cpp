@@ -13,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "core/base/tolerance.h"
 #include "core/io/obj.h"
 #include "core/mesh/face_geometry.h"
 #include "core/remesh.h"
@@ -47,7 +46,7 @@ const Colour kMissing{0.80, 0.10, 0.16};
 /// 4800 as "4,800".
 std::string count(std::size_t n) {
   std::string text = std::to_string(n);
-  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, ",");
+  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, ',');
   return text;
 }
 
@@ -65,27 +64,25 @@ Triangle corners_of(const Surface& surface, FaceId f) {
 /// The part as the stages see it, up to its patches.
 struct Part {
   Surface surface;
-  Adjacency adjacency;
+  Adjacency adjacency;  // looks into the surface's arrays, which stay where they are when the surface is moved
   PatchSet patches;
   double tolerance;  // local units
 };
 
-Part make_part(const PolygonMesh& mesh, RunControl& control) {
+Part make_part(const PolygonMesh& mesh, double plane_tolerance, RunControl& control) {
   std::vector<Diagnostic> diagnostics;
-  Surface welded = weld(mesh, Barriers{}, diagnostics, control);
-  Box3 box;
-  for (const Vec3& p : welded.positions) box.add(p);
-  const double step = rounding_step(welded.positions.items());
-  const double tolerance = automatic_tolerance(step, box.diagonal()).value / welded.unit;
-  Part part{mend_faces(std::move(welded), tolerance, diagnostics, control), Adjacency(0, {}, {}), {}, tolerance};
-  part.adjacency = Adjacency(part.surface.vertex_count(), part.surface.face_begin, part.surface.corners);
-  CoplanarityRule rule;
-  rule.plane_tolerance = tolerance;
+  Surface surface = weld(mesh, Barriers{}, diagnostics, control);
+  const double tolerance = plane_tolerance / surface.unit;
+  surface = mend_faces(std::move(surface), tolerance, diagnostics, control);
+  Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners);
+  const IdVector<FaceId, std::uint32_t> zone(surface.face_count(), 0);
+  const IdVector<FaceId, std::uint8_t> rung(surface.face_count(), 0);
   Regions regions;
-  regions.of_face.resize(part.surface.face_count());
-  coplanar_regions(part.surface, part.adjacency, face_geometry(part.surface, control), rule, regions, control);
-  part.patches = patches(part.surface, part.adjacency, regions, control);
-  return part;
+  regions.of_face.resize(surface.face_count());
+  coplanar_regions(surface, adjacency, face_geometry(surface, control),
+                   {tolerance, Options{}.normal_tolerance, &zone, &rung}, regions, control);
+  PatchSet set = patches(surface, adjacency, regions, control);
+  return {std::move(surface), std::move(adjacency), std::move(set), tolerance};
 }
 
 Shape shape_of(const Part& part) {
@@ -277,8 +274,8 @@ void draw_all(const std::filesystem::path& folder, const std::filesystem::path& 
   RunControl control;
   const PolygonMesh mesh = make_bracket(kPartFaces);
   write_file(part_file, to_obj(mesh, control));
-  const Part part = make_part(mesh, control);
   const Result result = remesh_surface(mesh, Options{}, RunSettings{}, control);
+  const Part part = make_part(mesh, result.report.plane_tolerance, control);
   write_file(folder / "before_after.svg", before_and_after(part, result));
   write_file(folder / "patches.svg", regions_and_result(part, result));
   PatchFigures patch(part, upper_face_of_base(part), control);

@@ -149,7 +149,6 @@ TEST(predicates, exactly_cocircular_and_collinear_points_give_zero_at_every_scal
     const auto any = [&] { return scale * points[static_cast<std::size_t>(random.below(324))]; };
     const Vec2 a = any(), b = any(), c = any(), d = any();
     EXPECT_EQ(in_circle(a, b, c, d), 0);
-    // On the paraboloid's chord nothing is lost either: a, the middle and b are collinear.
     EXPECT_EQ(orient2d(a, 0.5 * (a + b), b), 0);
   }
 }

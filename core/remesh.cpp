@@ -1,0 +1,364 @@
+#include "core/remesh.h"
+
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "core/base/tolerance.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/face_geometry.h"
+#include "core/quality.h"
+#include "core/stages/assembly.h"
+#include "core/stages/boundary_loops.h"
+#include "core/stages/coplanar_regions.h"
+#include "core/stages/essential_vertices.h"
+#include "core/stages/face_source.h"
+#include "core/stages/findings.h"
+#include "core/stages/ladder.h"
+#include "core/stages/mend_faces.h"
+#include "core/stages/patch_meshing.h"
+#include "core/stages/patch_summary.h"
+#include "core/stages/patches.h"
+#include "core/stages/weld.h"
+#include "core/verify.h"
+
+namespace remesh {
+namespace {
+
+/// Says where the run is, and keeps the time of each stage. A stage that is entered again adds to its time.
+class Stopwatch {
+ public:
+  explicit Stopwatch(RunControl& control) : control_(control) {}
+
+  void enter(Stage stage) {
+    leave();
+    control_.enter(stage);
+    stage_ = stage;
+    started_ = Clock::now();
+  }
+  std::vector<StageTime> finish() {
+    leave();
+    std::vector<StageTime> times;
+    for (int s = 0; s < kStageCount; ++s)
+      if (is_entered_[s]) times.push_back({static_cast<Stage>(s), ms_[s]});
+    return times;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+
+  void leave() {
+    if (stage_ == Stage::kQueued) return;
+    ms_[static_cast<int>(stage_)] += std::chrono::duration<double, std::milli>(Clock::now() - started_).count();
+    is_entered_[static_cast<int>(stage_)] = true;
+    stage_ = Stage::kQueued;
+  }
+
+  RunControl& control_;
+  Stage stage_ = Stage::kQueued;
+  Clock::time_point started_;
+  std::array<double, kStageCount> ms_{};
+  std::array<bool, kStageCount> is_entered_{};
+};
+
+/// One run over one surface: what the stages hand to each other.
+class Run {
+ public:
+  Run(const PolygonMesh& input, const Options& options, RunControl& control, std::vector<Diagnostic> diagnostics)
+      : input_(input), options_(options), control_(control), watch_(control) {
+    report_.options = options;
+    report_.diagnostics = std::move(diagnostics);
+  }
+
+  Result remesh(bool want_face_source) {
+    prepare();
+    Ladder ladder(surface_);
+    if (options_.keep_boundary_vertices) ladder.forced().assign(surface_.vertex_count(), 1);
+    while (true) {
+      find_patches(ladder);
+      // Every patch, in parallel: projection, lexicographic triangulation, flips, recovery of the loops, carving.
+      watch_.enter(Stage::kTriangulation);
+      meshes_ = mesh_patches(surface_, *adjacency_, patches_, loops_, essential_,
+                             {options_.reference_axis, options_.reference_direction}, control_);
+      std::vector<FailedPatch> failed = failed_meshes();
+      // The patches' triangles become one mesh, in which no edge inside a patch is the edge of another one.
+      watch_.enter(Stage::kAssembly);
+      if (failed.empty())
+        for (const PatchId p : resolve_chords(meshes_, control_)) failed.push_back({p, PatchReason::kOverlappingFaces});
+      if (failed.empty()) {
+        assembled_ = assembly(surface_.vertex_count(), meshes_, control_);
+        refuse_if_too_large();
+        // The independent check of the promises.
+        watch_.enter(Stage::kVerify);
+        report_.verified = check();
+        if (report_.verified.all_true()) break;
+        for (const PatchId p : report_.verified.failed_patches) failed.push_back({p, PatchReason::kVerificationFailed});
+        if (failed.empty()) throw Error(Code::kVerificationFailed, Stage::kVerify, first_failure());
+      }
+      // A patch that failed takes a step of the ladder, and the round begins again.
+      watch_.enter(Stage::kPatches);
+      ladder.step(surface_, patches_, loops_, *adjacency_, failed, regions_);
+    }
+    summarise(ladder);
+    for (std::size_t p = 0; p < meshes_.size(); ++p)
+      report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
+    return finish(want_face_source);
+  }
+
+  Report analyze() {
+    prepare();
+    Ladder ladder(surface_);
+    if (options_.keep_boundary_vertices) ladder.forced().assign(surface_.vertex_count(), 1);
+    find_patches(ladder);
+    summarise(ladder);
+    report_.timing_ms = watch_.finish();
+    return std::move(report_);
+  }
+
+ private:
+  /// From the mesh as read to a surface of which every face has a plane, and the tolerance that its coordinates ask for.
+  void prepare() {
+    // Vertices with equal coordinates become one.
+    watch_.enter(Stage::kWeld);
+    surface_ = weld(input_, options_.barriers, report_.diagnostics, control_);
+    watch_.enter(Stage::kQuality);
+    measure_input();
+    watch_.enter(Stage::kWeld);
+    choose_tolerance();
+    // Faces without a plane are split, faces without an area dropped; nothing opens.
+    surface_ = mend_faces(std::move(surface_), local_tolerance(), report_.diagnostics, control_);
+    adjacency_ = std::make_unique<Adjacency>(surface_.vertex_count(), surface_.face_begin, surface_.corners);
+    geometry_ = face_geometry(surface_, control_);
+    regions_.of_face.resize(surface_.face_count());
+  }
+
+  /// Faces of one plane, their patches, the patches' loops, and the vertices that stay.
+  void find_patches(Ladder& ladder) {
+    watch_.enter(Stage::kRegions);
+    coplanar_regions(surface_, *adjacency_, geometry_,
+                     {local_tolerance(), options_.normal_tolerance, &ladder.zone(), &ladder.rung()}, regions_, control_);
+    watch_.enter(Stage::kPatches);
+    patches_ = patches(surface_, *adjacency_, regions_, control_);
+    watch_.enter(Stage::kLoops);
+    loops_ = boundary_loops(surface_, *adjacency_, patches_, control_);
+    watch_.enter(Stage::kEssentialVertices);
+    essential_ = essential_vertices(surface_, *adjacency_, patches_, ladder.forced(), local_tolerance(), control_);
+  }
+
+  double local_tolerance() const { return report_.plane_tolerance / surface_.unit; }
+
+  void measure_input() {
+    report_.input = measure_surface(surface_.positions.items(), surface_.face_begin, surface_.corners, control_);
+    report_.input.vertices = input_.vertex_count();
+    report_.input.faces = input_.face_count();
+    report_.input.quality = measure_quality(surface_.positions.items(), triangulated(surface_, control_), control_);
+    const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners);
+    find_defects(surface_, edges, report_.input, report_.diagnostics);
+  }
+
+  void choose_tolerance() {
+    const double diagonal = report_.input.bounding_box.diagonal();
+    report_.rounding_step = rounding_step(surface_.positions.items());
+    report_.plane_tolerance_is_automatic = !options_.plane_tolerance.has_value();
+    if (options_.plane_tolerance) {
+      report_.plane_tolerance = *options_.plane_tolerance;
+      return;
+    }
+    const AutomaticTolerance automatic = automatic_tolerance(report_.rounding_step, diagonal);
+    report_.plane_tolerance = automatic.value;
+    if (automatic.if_noisy == automatic.value) return;
+    const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners);
+    if (is_noise_present(surface_, edges, face_geometry(surface_, control_), automatic.value / surface_.unit,
+                         automatic.if_noisy / surface_.unit))
+      report_.plane_tolerance = automatic.if_noisy;
+  }
+
+  std::vector<FailedPatch> failed_meshes() const {
+    std::vector<FailedPatch> failed;
+    for (std::size_t p = 0; p < meshes_.size(); ++p)
+      if (meshes_[p].reason != PatchReason::kNone) failed.push_back({PatchId(p), meshes_[p].reason});
+    return failed;
+  }
+
+  void refuse_if_too_large() const {
+    const std::uint64_t most = options_.max_output_faces.value_or(assembled_.faces.size());
+    if (assembled_.faces.size() > most)
+      throw Error(Code::kOutputTooLarge, Stage::kAssembly,
+                  "the result has " + std::to_string(assembled_.faces.size()) + " faces, more than allowed")
+          .for_option("max_output_faces")
+          .with_limit(most);
+  }
+
+  Frame model_frame(const Frame& local) const {
+    Frame frame = local;
+    frame.origin = surface_.centre + surface_.unit * local.origin;
+    frame.scale = surface_.unit * local.scale;
+    return frame;
+  }
+
+  Verdict check() {
+    IdVector<PatchId, Frame> frames;
+    frames.reserve(meshes_.size());
+    for (const PatchMesh& mesh : meshes_) frames.push_back(model_frame(mesh.frame));
+    positions_.clear();
+    positions_.reserve(assembled_.vertex.size());
+    for (const VertexId v : assembled_.vertex) positions_.push_back(surface_.positions[v]);
+    return verify({surface_, patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
+                   assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance},
+                  control_);
+  }
+
+  std::string first_failure() const {
+    return report_.verified.failures.empty() ? "the result failed its own check" : report_.verified.failures.front();
+  }
+
+  void summarise(const Ladder& ladder) {
+    PatchSummaries summaries =
+        summarise_patches(surface_, *adjacency_, geometry_, patches_, loops_, essential_, ladder, control_);
+    report_.patches = std::move(summaries.patches);
+    report_.predicted_faces = summaries.triangles;
+    report_.volume_bound = summaries.volume_bound;
+  }
+
+  Result finish(bool want_face_source) {
+    Result result;
+    watch_.enter(Stage::kQuality);
+    result.mesh.positions = std::move(positions_);
+    result.mesh.faces = std::move(assembled_.faces);
+    result.face_patch = std::move(assembled_.face_patch);
+    report_.output = measure_surface(result.mesh, control_);
+    // Where each output face came from: the input face under its centroid, and what that one is labelled.
+    watch_.enter(Stage::kAssembly);
+    const IdVector<FaceId, FaceId> source =
+        needs_source(want_face_source) ? face_source(surface_, patches_, meshes_, control_) : first_faces(result);
+    result.mesh.labels = labels_of(input_.labels, source);
+    if (want_face_source) result.face_source = source;
+    report_.timing_ms = watch_.finish();
+    result.report = std::move(report_);
+    return result;
+  }
+
+  /// Where every label is a barrier, all faces of a patch are labelled alike, and any of them tells.
+  bool needs_source(bool want_face_source) const {
+    const FaceLabels& labels = input_.labels;
+    const Barriers& barriers = options_.barriers;
+    return want_face_source || (labels.object.is_used() && !barriers.object) ||
+           (labels.group.is_used() && !barriers.group) || (labels.material.is_used() && !barriers.material);
+  }
+
+  IdVector<FaceId, FaceId> first_faces(const Result& result) const {
+    IdVector<FaceId, FaceId> source;
+    source.reserve(result.face_patch.size());
+    for (const PatchId p : result.face_patch) source.push_back(surface_.face_source[patches_.faces_of(p)[0]]);
+    return source;
+  }
+
+  static FaceLabels labels_of(const FaceLabels& labels, const IdVector<FaceId, FaceId>& source) {
+    FaceLabels out = labels;
+    for (const auto set : {&FaceLabels::object, &FaceLabels::group, &FaceLabels::material}) {
+      if (!(labels.*set).is_used()) continue;
+      (out.*set).of_face.clear();
+      (out.*set).of_face.reserve(source.size());
+      for (const FaceId f : source) (out.*set).of_face.push_back((labels.*set).of_face[f]);
+    }
+    return out;
+  }
+
+  const PolygonMesh& input_;
+  const Options& options_;
+  RunControl& control_;
+  Stopwatch watch_;
+  Report report_;
+  Surface surface_;
+  std::unique_ptr<Adjacency> adjacency_;
+  IdVector<FaceId, FaceGeometry> geometry_;
+  Regions regions_;
+  PatchSet patches_;
+  BoundaryLoops loops_;
+  IdVector<VertexId, std::uint8_t> essential_;
+  std::vector<PatchMesh> meshes_;
+  Assembled assembled_;
+  IdVector<VertexId, Vec3> positions_;
+};
+
+/// Runs `work` on as many threads as the settings allow.
+template <class Work>
+auto in_arena(const RunSettings& settings, Work work) {
+  tbb::task_arena arena(std::max(1, settings.workers));
+  return arena.execute(work);
+}
+
+[[noreturn]] void not_implemented(const char* option) {
+  throw Error(Code::kNotImplemented, Stage::kQueued, std::string("option ") + option + " is not implemented yet")
+      .for_option(option);
+}
+
+[[noreturn]] void invalid(const char* option, const std::string& what) {
+  throw Error(Code::kInvalidOption, Stage::kQueued, std::string("option ") + option + " " + what).for_option(option);
+}
+
+}  // namespace
+
+const char* version() { return REMESHD_VERSION; }
+
+void check_options(const Options& options) {
+  const auto positive = [](const std::optional<double>& value, const char* option) {
+    if (value && !(*value > 0 && std::isfinite(*value))) invalid(option, "must be a number above 0");
+  };
+  if (options.min_angle_deg && !(*options.min_angle_deg >= 0 && *options.min_angle_deg <= 33))
+    invalid("min_angle_deg", "must be from 0 to 33");
+  if (options.min_angle_deg && options.max_radius_edge_ratio)
+    invalid("max_radius_edge_ratio", "excludes min_angle_deg: give one of them");
+  if (options.max_edge_length && options.max_edge_fraction)
+    invalid("max_edge_fraction", "excludes max_edge_length: give one of them");
+  positive(options.max_radius_edge_ratio, "max_radius_edge_ratio");
+  positive(options.max_edge_length, "max_edge_length");
+  positive(options.max_edge_fraction, "max_edge_fraction");
+  positive(options.max_area, "max_area");
+  positive(options.min_edge_length, "min_edge_length");
+  positive(options.plane_tolerance, "plane_tolerance");
+  if (!(options.proximity >= 0 && std::isfinite(options.proximity))) invalid("proximity", "must not be negative");
+  if (options.gradation && !(*options.gradation > 1 && std::isfinite(*options.gradation)))
+    invalid("gradation", "must be a number above 1");
+  if (!(options.normal_tolerance >= 0 && options.normal_tolerance < 1))
+    invalid("normal_tolerance", "must be from 0 to below 1");
+  if (!(options.weld_tolerance >= 0 && std::isfinite(options.weld_tolerance)))
+    invalid("weld_tolerance", "must not be negative");
+  if (options.reference_axis == ReferenceAxis::kGiven &&
+      (!is_finite(options.reference_direction) || options.reference_direction == Vec3{}))
+    invalid("reference_axis", "must be a direction of finite numbers, not all 0");
+
+  if (options.refine) not_implemented("refine");
+  if (options.min_angle_deg) not_implemented("min_angle_deg");
+  if (options.max_radius_edge_ratio) not_implemented("max_radius_edge_ratio");
+  if (options.max_edge_length) not_implemented("max_edge_length");
+  if (options.max_edge_fraction) not_implemented("max_edge_fraction");
+  if (options.max_area) not_implemented("max_area");
+  if (options.min_edge_length) not_implemented("min_edge_length");
+  if (options.proximity > 0) not_implemented("proximity");
+  if (options.gradation) not_implemented("gradation");
+  if (options.weld_tolerance > 0) not_implemented("weld_tolerance");
+  if (options.repair != Repair{}) not_implemented("repair");
+}
+
+Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
+                      RunControl& control, std::vector<Diagnostic> diagnostics) {
+  check_options(options);
+  return in_arena(settings, [&] {
+    return Run(input, options, control, std::move(diagnostics)).remesh(settings.want_face_source);
+  });
+}
+
+Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
+                       RunControl& control, std::vector<Diagnostic> diagnostics) {
+  check_options(options);
+  return in_arena(settings, [&] { return Run(input, options, control, std::move(diagnostics)).analyze(); });
+}
+
+}  // namespace remesh

@@ -1,0 +1,44 @@
+#include "core/stages/ladder.h"
+
+#include <algorithm>
+#include <string>
+
+namespace remesh {
+namespace {
+
+/// After this many rounds, what fails goes to single faces at once: a chain of neighbours failing one after the other
+/// must not cost a round for each of its steps.
+constexpr int kPatientRounds = 6;
+
+}  // namespace
+
+Ladder::Ladder(const Surface& surface)
+    : zone_(surface.face_label),
+      rung_(surface.face_count(), 0),
+      reason_(surface.face_count(), PatchReason::kNone),
+      forced_(surface.vertex_count(), 0) {
+  for (const std::uint32_t label : surface.face_label) next_zone_ = std::max(next_zone_, label + 1);
+}
+
+void Ladder::step(const Surface& surface, const PatchSet& patches, const BoundaryLoops& loops,
+                  const Adjacency& adjacency, const std::vector<FailedPatch>& failed, Regions& regions) {
+  ++steps_;
+  for (const auto& [patch, reason] : failed) {
+    for (std::uint32_t l = loops.patch_begin[patch.value]; l < loops.patch_begin[patch.value + 1]; ++l)
+      for (const std::uint32_t h : loops.loop(l)) forced_[adjacency.from(h)] = 1;
+    for (const FaceId f : patches.faces_of(patch)) {
+      if (rung_[f] == kSingleFace)
+        throw Error(Code::kVerificationFailed, Stage::kTriangulation,
+                    "face " + std::to_string(surface.face_source[f].value) +
+                        " cannot be triangulated so that the result holds (" + std::string(reason_name(reason)) + ")")
+            .at_element(surface.face_source[f].value);
+      rung_[f] = steps_ > kPatientRounds ? kSingleFace : static_cast<std::uint8_t>(rung_[f] + 1);
+      zone_[f] = next_zone_;
+      if (reason_[f] == PatchReason::kNone) reason_[f] = reason;
+      regions.of_face[f] = RegionId();
+    }
+    ++next_zone_;
+  }
+}
+
+}  // namespace remesh

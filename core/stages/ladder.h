@@ -1,0 +1,46 @@
+/// What happens to a patch that fails: it is cut up by tighter tolerances, at last into its input faces.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/report.h"
+#include "core/stages/boundary_loops.h"
+#include "core/stages/coplanar_regions.h"
+#include "core/stages/patches.h"
+
+namespace remesh {
+
+/// A patch that failed, and why.
+struct FailedPatch {
+  PatchId patch;
+  PatchReason reason;
+};
+
+/// The state of the ladder. Rungs only rise and forced vertices only grow in number, so it ends.
+/// Source: REFINEMENT, rule 14.
+class Ladder {
+ public:
+  explicit Ladder(const Surface& surface);
+
+  /// Takes every failed patch one step up: its faces lose their region and may only join each other again, under the
+  /// next tolerance; the vertices of its boundary become essential.
+  /// Errors: kVerificationFailed - a patch fails that is a single face already.
+  void step(const Surface& surface, const PatchSet& patches, const BoundaryLoops& loops, const Adjacency& adjacency,
+            const std::vector<FailedPatch>& failed, Regions& regions);
+
+  const IdVector<FaceId, std::uint32_t>& zone() const { return zone_; }
+  const IdVector<FaceId, std::uint8_t>& rung() const { return rung_; }
+  const IdVector<FaceId, PatchReason>& reason() const { return reason_; }
+  IdVector<VertexId, std::uint8_t>& forced() { return forced_; }
+
+ private:
+  IdVector<FaceId, std::uint32_t> zone_;
+  IdVector<FaceId, std::uint8_t> rung_;
+  IdVector<FaceId, PatchReason> reason_;
+  IdVector<VertexId, std::uint8_t> forced_;
+  std::uint32_t next_zone_ = 0;
+  int steps_ = 0;
+};
+
+}  // namespace remesh

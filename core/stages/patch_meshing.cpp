@@ -1,0 +1,214 @@
+#include "core/stages/patch_meshing.h"
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numeric>
+
+#include "core/stages/patch_triangulation.h"
+#include "core/stages/projection.h"
+
+namespace remesh {
+namespace {
+
+PatchReason reason_for(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kDone: return PatchReason::kNone;
+    case Outcome::kCrossingConstraints: return PatchReason::kSelfIntersectingLoop;
+    case Outcome::kInconsistentLoops: return PatchReason::kOverlappingFaces;
+    case Outcome::kDegenerate: return PatchReason::kNotPlanar;
+  }
+  return PatchReason::kNotPlanar;
+}
+
+/// Meshes one patch after the other, keeping its scratch memory.
+class Mesher {
+ public:
+  Mesher(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, const BoundaryLoops& loops,
+         const IdVector<VertexId, std::uint8_t>& essential, const ProjectionRule& rule, RunControl& control)
+      : surface_(surface), adjacency_(adjacency), patches_(patches), loops_(loops), essential_(essential), rule_(rule),
+        control_(control) {}
+
+  PatchMesh run(PatchId p) {
+    PatchMesh result;
+    result.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
+    collect_vertices(p);
+    collect_sides(p);
+    Outcome outcome = Outcome::kDegenerate;
+    if (vertices_.size() >= 3) {
+      outcome = attempt(p, kPatchGrid, result);
+      if (outcome != Outcome::kDone) outcome = attempt(p, kFineGrid, result);
+    }
+    if (outcome != Outcome::kDone && is_triangle(p)) {
+      lay_out_triangle(p, result);
+      outcome = Outcome::kDone;
+    }
+    result.reason = reason_for(outcome);
+    return result;
+  }
+
+ private:
+  using Side = std::array<VertexId, 2>;
+
+  /// Essential corners of the patch's faces: those of its loops, and those where something else touches its inside.
+  void collect_vertices(PatchId p) {
+    vertices_.clear();
+    for (const FaceId f : patches_.faces_of(p))
+      for (const VertexId v : surface_.face(f))
+        if (essential_[v]) vertices_.push_back(v);
+    std::sort(vertices_.begin(), vertices_.end());
+    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+  }
+
+  /// The loops, less the vertices that are not essential.
+  void collect_sides(PatchId p) {
+    sides_.clear();
+    for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l) {
+      VertexId first, last;
+      for (const std::uint32_t h : loops_.loop(l)) {
+        const VertexId v = adjacency_.from(h);
+        if (!essential_[v]) continue;
+        if (last.is_valid())
+          sides_.push_back({last, v});
+        else
+          first = v;
+        last = v;
+      }
+      if (last.is_valid()) sides_.push_back({last, first});
+    }
+  }
+
+  Outcome attempt(PatchId p, double grid, PatchMesh& result) {
+    const Plane& plane = patches_.planes[p];
+    points_.clear();
+    for (const VertexId v : vertices_) points_.push_back(surface_.local[v]);
+    edges_.clear();
+    for (const auto& [a, b] : sides_) edges_.push_back({surface_.local[a], surface_.local[b]});
+    result.frame = make_frame(plane.normal, plane.origin, points_, edges_, rule_.axis, rule_.direction, grid);
+
+    const auto n = static_cast<std::uint32_t>(vertices_.size());
+    flat_.resize(n);
+    for (std::uint32_t i = 0; i < n; ++i) flat_[i] = to_plane(result.frame, points_[i]);
+    order_.resize(n);
+    std::iota(order_.begin(), order_.end(), 0u);
+    std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return flat_[a] != flat_[b] ? flat_[a] < flat_[b] : points_[a] < points_[b];
+    });
+    rank_.resize(n);
+    result.vertices.resize(n);
+    result.uv.resize(n);
+    for (std::uint32_t k = 0; k < n; ++k) {
+      if (k > 0 && flat_[order_[k]] == flat_[order_[k - 1]]) return Outcome::kCrossingConstraints;
+      rank_[order_[k]] = k;
+      result.vertices[k] = vertices_[order_[k]];
+      result.uv[k] = flat_[order_[k]];
+    }
+    segments_.clear();
+    for (const auto& [a, b] : sides_) segments_.push_back({rank_of(a), rank_of(b)});
+    PatchTriangulation triangulation = triangulate_patch(result.uv, segments_, control_);
+    result.mesh = std::move(triangulation.mesh);
+    if (triangulation.outcome == Outcome::kDone && result.mesh.triangle_count() == 0) return Outcome::kInconsistentLoops;
+    return triangulation.outcome;
+  }
+
+  std::uint32_t rank_of(VertexId v) const {
+    return rank_[std::lower_bound(vertices_.begin(), vertices_.end(), v) - vertices_.begin()];
+  }
+
+  bool is_triangle(PatchId p) const {
+    return patches_.faces_of(p).size() == 1 && surface_.face(patches_.faces_of(p)[0]).size() == 3 && sides_.size() == 3;
+  }
+
+  /// Lays a triangle into the plane along its longest side. Its height is never 0 there, however thin it is: rounding
+  /// of the projection cannot turn it over.
+  void lay_out_triangle(PatchId p, PatchMesh& result) const {
+    const auto loop = surface_.face(patches_.faces_of(p)[0]);
+    std::array<VertexId, 3> corner{loop[0], loop[1], loop[2]};
+    const auto length = [&](int i) { return norm(surface_.local[corner[(i + 1) % 3]] - surface_.local[corner[i % 3]]); };
+    int longest = 0;
+    for (int i = 1; i < 3; ++i)
+      if (length(i) > length(longest)) longest = i;
+    std::rotate(corner.begin(), corner.begin() + longest, corner.end());
+
+    const Vec3 a = surface_.local[corner[0]], b = surface_.local[corner[1]], c = surface_.local[corner[2]];
+    Frame& frame = result.frame;
+    frame.origin = a;
+    frame.x_axis = normalized(b - a);
+    frame.normal = normalized(cross(b - a, c - a));
+    if (frame.normal == Vec3{}) frame.normal = patches_.planes[p].normal;
+    frame.normal = normalized(frame.normal - dot(frame.normal, frame.x_axis) * frame.x_axis);
+    frame.y_axis = cross(frame.normal, frame.x_axis);
+    frame.grid = kFineGrid;
+    int exponent = 0;
+    std::frexp(norm(b - a), &exponent);
+    frame.scale = std::ldexp(1.0, exponent);
+    const Vec2 uv_b{to_plane(frame, b).x, 0};
+    const Vec2 uv_c{std::clamp(to_plane(frame, c).x, 0.0, uv_b.x), std::max(to_plane(frame, c).y, kFineGrid)};
+
+    std::array<std::pair<Vec2, VertexId>, 3> points{{{{0, 0}, corner[0]}, {uv_b, corner[1]}, {uv_c, corner[2]}}};
+    std::sort(points.begin(), points.end());
+    result.vertices.clear();
+    result.uv.clear();
+    for (const auto& [uv, v] : points) {
+      result.uv.push_back(uv);
+      result.vertices.push_back(v);
+    }
+    const auto index = [&](VertexId v) {
+      return static_cast<std::uint32_t>(std::find(result.vertices.begin(), result.vertices.end(), v) -
+                                        result.vertices.begin());
+    };
+    result.mesh = {};
+    const std::uint32_t h = result.mesh.add_triangle(index(corner[0]), index(corner[1]), index(corner[2]));
+    for (std::uint32_t k = 0; k < 3; ++k) result.mesh.constrain(h + k);
+  }
+
+  const Surface& surface_;
+  const Adjacency& adjacency_;
+  const PatchSet& patches_;
+  const BoundaryLoops& loops_;
+  const IdVector<VertexId, std::uint8_t>& essential_;
+  const ProjectionRule& rule_;
+  RunControl& control_;
+  std::vector<VertexId> vertices_;
+  std::vector<Side> sides_;
+  std::vector<Vec3> points_;
+  std::vector<Edge3> edges_;
+  std::vector<Vec2> flat_;
+  std::vector<std::uint32_t> order_, rank_;
+  std::vector<Segment> segments_;
+};
+
+}  // namespace
+
+std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
+                                    const BoundaryLoops& loops, const IdVector<VertexId, std::uint8_t>& essential,
+                                    const ProjectionRule& rule, RunControl& control) {
+  const std::size_t n = patches.count();
+  std::vector<PatchMesh> meshes(n);
+  // Large patches first, so that none of them is left for the end; the small ones follow in groups.
+  std::vector<std::uint32_t> order(n);
+  std::iota(order.begin(), order.end(), 0u);
+  const auto cost = [&](std::uint32_t p) { return patches.face_begin[p + 1] - patches.face_begin[p]; };
+  constexpr std::uint32_t kLarge = 1000;
+  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    return std::max(cost(a), kLarge) > std::max(cost(b), kLarge);
+  });
+  const auto large = static_cast<std::size_t>(
+      std::find_if(order.begin(), order.end(), [&](std::uint32_t p) { return cost(p) <= kLarge; }) - order.begin());
+  std::atomic<std::size_t> done{0};
+  const auto run = [&](std::size_t begin, std::size_t end) {
+    control.check();
+    Mesher mesher(surface, adjacency, patches, loops, essential, rule, control);
+    for (std::size_t i = begin; i < end; ++i) meshes[order[i]] = mesher.run(PatchId(order[i]));
+    control.progress(static_cast<double>(done += end - begin) / static_cast<double>(n));
+  };
+  tbb::parallel_for(std::size_t{0}, large, [&](std::size_t i) { run(i, i + 1); });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(large, n, 256),
+                    [&](const auto& range) { run(range.begin(), range.end()); });
+  return meshes;
+}
+
+}  // namespace remesh

@@ -1,0 +1,42 @@
+/// One patch, from its loops to its triangles; all patches in parallel.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/geometry/frame.h"
+#include "core/geometry/triangulation_2d.h"
+#include "core/options.h"
+#include "core/report.h"
+#include "core/stages/boundary_loops.h"
+#include "core/stages/patches.h"
+
+namespace remesh {
+
+/// A triangulated patch. `reason` says why there is none.
+struct PatchMesh {
+  Frame frame;                        ///< local units
+  std::vector<VertexId> vertices;     ///< in lexicographic order of their plane coordinates
+  std::vector<Vec2> uv;               ///< one per vertex
+  Triangulation2d mesh;               ///< over `vertices`; boundary edges are constrained
+  std::uint32_t loops = 0;
+  PatchReason reason = PatchReason::kNone;
+};
+
+/// How patches are projected.
+struct ProjectionRule {
+  ReferenceAxis axis = ReferenceAxis::kDominantEdge;
+  Vec3 direction;
+};
+
+/// Triangulates every patch from its essential vertices.
+/// Output:  one mesh per patch, in patch order, whatever the number of threads.
+/// Holds:   loops are kept; plane coordinates are multiples of 2^-40, or of 2^-100 where the coarser grid makes points
+///          meet or loops cross. A patch of one triangle cannot fail.
+/// Cost:    O(n log n); on the caller's TBB arena, by patch, large ones first.
+std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
+                                    const BoundaryLoops& loops, const IdVector<VertexId, std::uint8_t>& essential,
+                                    const ProjectionRule& rule, RunControl& control);
+
+}  // namespace remesh

@@ -1,0 +1,25 @@
+/// What the report says of each patch.
+#pragma once
+
+#include <vector>
+
+#include "core/report.h"
+#include "core/stages/boundary_loops.h"
+#include "core/stages/ladder.h"
+#include "core/stages/patches.h"
+
+namespace remesh {
+
+struct PatchSummaries {
+  std::vector<PatchSummary> patches;
+  std::uint64_t triangles = 0;   ///< that the patches' loops and points ask for (Euler); what they get, if none fails
+  double volume_bound = 0;       ///< model units cubed: area times deviation, over all patches
+};
+
+/// Summarises the patches as they stand; `output_faces` is what Euler's formula gives.
+PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency,
+                                 const IdVector<FaceId, FaceGeometry>& geometry, const PatchSet& patches,
+                                 const BoundaryLoops& loops, const IdVector<VertexId, std::uint8_t>& essential,
+                                 const Ladder& ladder, RunControl& control);
+
+}  // namespace remesh

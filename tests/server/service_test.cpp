@@ -1,0 +1,376 @@
+/// The whole daemon in this process, on a free port, with stubs in place of the geometry.
+#include "server/service.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <new>
+#include <nlohmann/json.hpp>
+#include <thread>
+#include <vector>
+
+#include "tests/server/raw_client.h"
+
+namespace remesh::server {
+namespace {
+
+using std::chrono::milliseconds;
+
+std::string code_of(const Answer& answer) {
+  if (answer.header("Content-Type") != "application/problem+json") return "";
+  const auto problem = nlohmann::json::parse(answer.body, nullptr, false);
+  return problem.is_object() ? problem.value("code", "") : "";
+}
+
+/// Does what the body says: "echo ...", "block" (until released, or told to stop), "deaf" (the same, but cannot be
+/// told), "throw", "no memory".
+class Stub {
+ public:
+  api::Response operator()(const api::Request& request, const api::Limits&, RunControl& control) {
+    ++calls;
+    const std::string_view body = request.body;
+    if (body.empty()) throw Error(Code::kEmptyMesh, Stage::kRead, "the body is empty");
+    if (body == "throw") throw std::runtime_error("a secret of the server");
+    if (body == "no memory") throw std::bad_alloc();
+    if (body == "line 3") throw Error(Code::kInvalidMesh, Stage::kRead, "no number").at_line(3);
+    if (body == "block" || body == "deaf") {
+      ++blocked;
+      control.enter(Stage::kTriangulation);
+      control.progress(0.5);
+      while (!released) {
+        std::this_thread::sleep_for(milliseconds(2));
+        if (body == "deaf" || !control.is_stopped()) continue;
+        ++stopped;
+        control.check();
+      }
+    }
+    api::Response response;
+    response.content_type = "model/obj";
+    response.body = std::to_string(body.size()) + " " + request.content_type + " " + request.accept;
+    for (const auto& [name, value] : request.query) response.body += " " + name + "=" + value;
+    return response;
+  }
+
+  std::atomic<int> calls{0}, blocked{0}, stopped{0};
+  std::atomic<bool> released{false};
+};
+
+class ServiceTest : public ::testing::Test {
+ protected:
+  ServiceTest() {
+    config_.bind.port = 0;
+    config_.workers = 1;
+    config_.max_running = 1;
+    config_.queue_size = 1;
+    config_.max_body = 1000;
+    config_.gate.head_timeout = milliseconds(300);
+  }
+  ~ServiceTest() override { stub_.released = true; }
+
+  void start() {
+    log::set_up(log::Format::kText, log::Level::kError);
+    Operations operations;
+    operations.remesh = std::ref(stub_);
+    operations.analyze = std::ref(stub_);
+    operations.capabilities = [](const api::Limits& limits) {
+      return api::Response{200, "application/json", std::to_string(limits.max_body), {}};
+    };
+    operations.openapi = [] { return api::Response{200, "application/json", "{}", {}}; };
+    service_ = std::make_unique<Service>(config_, std::move(operations));
+    service_->start();
+    port_ = service_->port();
+  }
+  /// A request that blocks until the stub is released; returns once it computes.
+  std::unique_ptr<RawClient> start_blocking(const std::string& fields = "", const std::string& body = "block") {
+    const int before = stub_.blocked;
+    auto client = std::make_unique<RawClient>(port_);
+    client->send(post_text("/v1/remesh", body, fields));
+    EXPECT_TRUE(eventually([&] { return stub_.blocked > before; }));
+    return client;
+  }
+  void expect_well() {
+    const Answer answer = post(port_, "/v1/remesh", "good");
+    EXPECT_EQ(answer.status, 200);
+  }
+
+  Config config_;
+  Stub stub_;
+  std::unique_ptr<Service> service_;
+  int port_ = 0;
+};
+
+const std::string kId = "abcdefgh-12345678";
+const std::string kIdField = "X-Request-Id: " + kId + "\r\n";
+
+TEST_F(ServiceTest, a_request_reaches_the_operation_as_it_was_sent) {
+  start();
+  const Answer answer = post(port_, "/v1/remesh?a=1e+5&b=%20", "hello",
+                             "Content-Type: application/x-www-form-urlencoded\r\nAccept: model/obj\r\n" + kIdField);
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.body, "5 application/x-www-form-urlencoded model/obj a=1e+5 b= ");
+  EXPECT_EQ(answer.header("X-Request-Id"), kId);
+  EXPECT_EQ(answer.header("Connection"), "close");
+  EXPECT_EQ(answer.header("Content-Length"), std::to_string(answer.body.size()));
+}
+
+TEST_F(ServiceTest, the_small_routes_answer) {
+  start();
+  EXPECT_EQ(get(port_, "/livez").status, 200);
+  EXPECT_EQ(get(port_, "/readyz").status, 200);
+  EXPECT_EQ(get(port_, "/").status, 200);
+  EXPECT_EQ(get(port_, "/openapi.json").body, "{}");
+  EXPECT_EQ(get(port_, "/v1/capabilities").body, "1000");
+  EXPECT_EQ(post(port_, "/v1/analyze", "x").status, 200);
+  EXPECT_EQ(code_of(get(port_, "/nothing")), "not_found");
+  EXPECT_EQ(code_of(get(port_, "/v1/remesh")), "method_not_allowed");
+  EXPECT_EQ(get(port_, "/v1/remesh").header("Allow"), "POST, OPTIONS");
+  const Answer head = ask(port_, "HEAD /livez HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_EQ(head.status, 200);
+  EXPECT_EQ(head.body, "");
+  EXPECT_EQ(head.header("Content-Length"), "6");
+}
+
+TEST_F(ServiceTest, http_1_0_and_chunks_are_served) {
+  start();
+  EXPECT_EQ(ask(port_, "GET /livez HTTP/1.0\r\n\r\n").status, 200);
+  EXPECT_EQ(ask(port_,
+                "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n"
+                "5\r\nhello\r\n0\r\n\r\n")
+                .body,
+            "5  ");
+}
+
+TEST_F(ServiceTest, bad_requests_are_told_why_and_the_next_one_is_served) {
+  start();
+  const auto expect = [&](int status, const std::string& code, const Answer& answer) {
+    EXPECT_EQ(answer.status, status) << code;
+    EXPECT_EQ(code_of(answer), code);
+    EXPECT_NE(answer.body.find(answer.header("X-Request-Id")), std::string::npos);
+    expect_well();
+  };
+  expect(422, "empty_mesh", post(port_, "/v1/remesh", ""));
+  expect(422, "invalid_mesh", post(port_, "/v1/remesh", "line 3"));
+  expect(500, "internal", post(port_, "/v1/remesh", "throw"));
+  expect(503, "out_of_memory", post(port_, "/v1/remesh", "no memory"));
+  expect(413, "body_too_large", post(port_, "/v1/remesh", std::string(1001, 'x')));
+  expect(413, "body_too_large",
+         ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 10000000000\r\n\r\n"));
+  expect(413, "body_too_large", ask(port_, "GET /livez HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\n\r\nx"));
+  expect(411, "length_required", ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: x\r\n\r\n"));
+  expect(400, "malformed_request", ask(port_, "rubbish\r\n\r\n"));
+  expect(400, "malformed_request", ask(port_, "GET / HTTP/1.1\nHost: x\n\n"));
+  expect(400, "malformed_request", post(port_, "/v1/remesh", "x", "Content-Length: 1\r\n"));
+  expect(400, "malformed_request", post(port_, "/v1/remesh", "x", "Transfer-Encoding: chunked\r\n"));
+  expect(414, "uri_too_long", ask(port_, "GET /" + std::string(100'000, 'a')));
+  expect(431, "header_fields_too_large", ask(port_, "GET / HTTP/1.1\r\nA: " + std::string(100'000, 'a')));
+  expect(408, "request_timeout", ask(port_, "POST /v1/remesh HT"));
+}
+
+TEST_F(ServiceTest, an_unexpected_failure_stays_opaque) {
+  start();
+  const Answer answer = post(port_, "/v1/remesh", "throw");
+  EXPECT_EQ((answer.head + answer.body).find("secret"), std::string::npos);
+  EXPECT_EQ(post(port_, "/v1/remesh", "no memory").header("Retry-After").empty(), false);
+}
+
+TEST_F(ServiceTest, an_upload_that_goes_on_after_its_refusal_still_gets_the_answer) {
+  start();
+  RawClient client(port_);
+  client.send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 20000000\r\n\r\n");
+  for (int i = 0; i < 200; ++i) client.send(std::string(10'000, 'x'));
+  EXPECT_EQ(Answer::parse(client.receive()).status, 413);
+}
+
+TEST_F(ServiceTest, a_running_request_is_shown_and_can_be_cancelled) {
+  start();
+  const auto client = start_blocking(kIdField);
+  const Answer shown = get(port_, "/v1/requests/" + kId);
+  EXPECT_EQ(shown.status, 200);
+  const auto progress = nlohmann::json::parse(shown.body);
+  EXPECT_EQ(progress["id"], kId);
+  EXPECT_EQ(progress["stage"], "triangulation");
+  EXPECT_EQ(progress["fraction"], 0.5);
+  EXPECT_GE(progress["elapsed_s"], 0.0);
+
+  EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
+  EXPECT_EQ(code_of(Answer::parse(client->receive())), "cancelled");
+  EXPECT_EQ(get(port_, "/v1/requests/" + kId).status, 404);
+  EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 404);
+  expect_well();
+}
+
+TEST_F(ServiceTest, an_id_in_use_is_replaced_by_a_new_one) {
+  config_.max_running = 2;
+  start();
+  const auto client = start_blocking(kIdField);
+  const Answer second = post(port_, "/v1/remesh", "x", kIdField);
+  EXPECT_EQ(second.status, 200);
+  EXPECT_NE(second.header("X-Request-Id"), kId);
+  EXPECT_EQ(second.header("X-Request-Id").size(), 32u);
+  stub_.released = true;
+  EXPECT_EQ(Answer::parse(client->receive()).header("X-Request-Id"), kId);
+}
+
+TEST_F(ServiceTest, events_follow_a_request_to_its_end) {
+  start();
+  const auto client = start_blocking(kIdField);
+  RawClient follower(port_);
+  follower.send("GET /v1/requests/" + kId + "/events HTTP/1.1\r\nHost: x\r\n\r\n");
+  std::string stream = follower.receive("event: progress\ndata: {");
+  EXPECT_NE(stream.find("Content-Type: text/event-stream\r\n"), std::string::npos);
+  stub_.released = true;
+  stream += follower.receive();
+  EXPECT_NE(stream.find("event: end\ndata: {\"id\":\"" + kId + "\""), std::string::npos) << stream;
+  EXPECT_EQ(get(port_, "/v1/requests/" + kId + "/events").status, 404);
+}
+
+TEST_F(ServiceTest, work_stops_within_100_ms_when_its_client_goes_away) {
+  start();
+  const auto client = start_blocking();
+  const Clock::time_point start = Clock::now();
+  client->close();
+  EXPECT_TRUE(eventually([&] { return stub_.stopped == 1; }));
+  EXPECT_LT(Clock::now() - start, milliseconds(100));
+  expect_well();
+}
+
+TEST_F(ServiceTest, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
+  start();
+  const auto running = start_blocking();
+  RawClient waiting(port_);
+  waiting.send(post_text("/v1/remesh", "good"));
+  Answer refused;
+  // The waiting one takes its place a moment after it was sent.
+  ASSERT_TRUE(eventually([&] {
+    const auto probe = ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\n\r\n");
+    refused = probe;
+    return probe.status == 503;
+  }));
+  EXPECT_EQ(code_of(refused), "overloaded");
+  EXPECT_FALSE(refused.header("Retry-After").empty());
+  EXPECT_EQ(get(port_, "/livez").status, 200);
+  EXPECT_EQ(get(port_, "/v1/capabilities").status, 200);
+  stub_.released = true;
+  EXPECT_EQ(Answer::parse(waiting.receive()).status, 200);
+  EXPECT_EQ(Answer::parse(running->receive()).status, 200);
+}
+
+TEST_F(ServiceTest, a_waiting_request_can_be_cancelled_and_frees_its_place) {
+  start();
+  const auto running = start_blocking();
+  RawClient waiting(port_);
+  waiting.send(post_text("/v1/remesh", "good", kIdField));
+  ASSERT_TRUE(eventually([&] { return get(port_, "/v1/requests/" + kId).status == 200; }));
+  EXPECT_EQ(nlohmann::json::parse(get(port_, "/v1/requests/" + kId).body)["stage"], "queued");
+  EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
+  EXPECT_EQ(code_of(Answer::parse(waiting.receive())), "cancelled");
+  EXPECT_EQ(stub_.calls, 1);
+}
+
+TEST_F(ServiceTest, work_past_its_time_is_stopped_with_504) {
+  config_.request_timeout = milliseconds(150);
+  start();
+  const Answer answer = post(port_, "/v1/remesh", "block");
+  EXPECT_EQ(answer.status, 504);
+  EXPECT_EQ(code_of(answer), "timeout");
+  EXPECT_EQ(stub_.stopped, 1);
+  expect_well();
+}
+
+TEST_F(ServiceTest, work_that_does_not_hear_the_stop_is_answered_for) {
+  config_.request_timeout = milliseconds(100);
+  start();
+  EXPECT_EQ(post(port_, "/v1/remesh", "deaf").status, 504);
+  stub_.released = true;
+  expect_well();
+}
+
+TEST_F(ServiceTest, waiting_too_long_for_a_worker_is_overload_not_timeout) {
+  config_.request_timeout = milliseconds(300);
+  start();
+  // The first may use its 300 ms and then, being deaf, holds the only thread.
+  const auto running = start_blocking("", "deaf");
+  EXPECT_EQ(code_of(post(port_, "/v1/remesh", "good")), "overloaded");
+  stub_.released = true;
+}
+
+TEST_F(ServiceTest, slow_clients_hold_nobody_up) {
+  config_.gate.head_timeout = milliseconds(5000);
+  start();
+  std::vector<std::unique_ptr<RawClient>> slow;
+  for (int i = 0; i < 200; ++i) {
+    slow.push_back(std::make_unique<RawClient>(port_));
+    slow.back()->send(i % 2 == 0 ? "POST /v1/re" : "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nx");
+  }
+  const auto running = start_blocking();
+  const Clock::time_point start = Clock::now();
+  EXPECT_EQ(get(port_, "/livez").status, 200);
+  EXPECT_LT(Clock::now() - start, milliseconds(50));
+}
+
+TEST_F(ServiceTest, connections_beyond_the_limit_are_refused_with_an_answer) {
+  config_.max_connections = 3;
+  config_.gate.head_timeout = milliseconds(5000);
+  start();
+  std::vector<std::unique_ptr<RawClient>> idle;
+  for (int i = 0; i < 3; ++i) idle.push_back(std::make_unique<RawClient>(port_));
+  Answer refused;
+  ASSERT_TRUE(eventually([&] {
+    refused = get(port_, "/livez");
+    return refused.status == 503;
+  }));
+  EXPECT_EQ(code_of(refused), "overloaded");
+  idle.clear();
+  EXPECT_TRUE(eventually([&] { return get(port_, "/livez").status == 200; }));
+}
+
+TEST_F(ServiceTest, the_operations_port_answers_for_health_only) {
+  config_.ops_bind = Address{"127.0.0.1", 0};
+  config_.max_connections = 1;
+  start();
+  const RawClient only(port_);
+  EXPECT_EQ(get(service_->ops_port(), "/livez").status, 200);
+  EXPECT_EQ(get(service_->ops_port(), "/readyz").status, 200);
+  EXPECT_EQ(get(service_->ops_port(), "/v1/capabilities").status, 404);
+}
+
+TEST_F(ServiceTest, draining_finishes_what_runs_and_takes_nothing_new) {
+  start();
+  const auto running = start_blocking();
+  service_->begin_drain();
+  EXPECT_FALSE(service_->is_idle());
+  EXPECT_EQ(get(port_, "/livez").status, 200);
+  EXPECT_EQ(get(port_, "/readyz").status, 503);
+  const Answer refused = post(port_, "/v1/remesh", "x");
+  EXPECT_EQ(code_of(refused), "draining");
+  EXPECT_FALSE(refused.header("Retry-After").empty());
+  stub_.released = true;
+  EXPECT_EQ(Answer::parse(running->receive()).status, 200);
+  EXPECT_TRUE(eventually([&] { return service_->is_idle(); }));
+}
+
+TEST_F(ServiceTest, stopping_cancels_what_is_left) {
+  start();
+  const auto running = start_blocking();
+  const RawClient idle(port_);
+  service_->stop();
+  EXPECT_EQ(stub_.stopped, 1);
+  EXPECT_THROW(RawClient{port_}, std::runtime_error);
+}
+
+TEST_F(ServiceTest, a_port_in_use_is_an_error_not_a_second_daemon) {
+  start();
+  Config second = config_;
+  second.bind.port = port_;
+  Service other(second, Operations{});
+  try {
+    other.start();
+    FAIL() << "two daemons on one port";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("Address already in use"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(get(port_, "/livez").status, 200);
+}
+
+}  // namespace
+}  // namespace remesh::server
