@@ -131,7 +131,7 @@ const std::array<OptionSpec, 19> kTable{{
      .field = &Options::normal_tolerance,
      .help = "how far unit normals in a patch may differ per component, at least",
      .minimum = 0,
-     .maximum = 1,
+     .maximum = 0.5,
      .example = "1e-5"},
     {.name = "weld_tolerance",
      .type = OptionType::kNumber,

@@ -20,11 +20,14 @@ Response respond(const api::Problem& problem, std::string_view request_id, const
   return response;
 }
 
-Response respond_internal(const char* what, std::string_view request_id) {
+void log_failure(const char* what, std::string_view request_id) {
   log::write(log::Level::kError, "request failed", {{"id", std::string(request_id)}, {"error", std::string(what)}});
-  api::Problem problem;
-  problem.detail = "an internal error; the server's log has more under this request id";
-  return respond(problem, request_id);
+}
+
+Response respond_internal(const char* what, std::string_view request_id) {
+  log_failure(what, request_id);
+  const HttpError error(500, "internal", "something went wrong here; the log says more under this request id");
+  return respond(error.problem, request_id);
 }
 
 }  // namespace
@@ -35,24 +38,17 @@ Response error_response(const std::exception_ptr& failure, std::string_view requ
   } catch (const HttpError& error) {
     return respond(error.problem, request_id, error.headers);
   } catch (const Error& error) {
-    if (error.code == Code::kInternal) return respond_internal(error.what(), request_id);
-    return respond(api::to_problem(error), request_id);
+    const api::Problem problem = api::to_problem(error);
+    if (problem.status == 500) log_failure(error.what(), request_id);
+    return respond(problem, request_id);
   } catch (const std::bad_alloc&) {
     log::write(log::Level::kError, "out of memory", {{"id", std::string(request_id)}});
-    api::Problem problem;
-    problem.status = 503;
-    problem.code = "out_of_memory";
-    problem.detail = "not enough memory for this request now";
-    return respond(problem, request_id);
+    return respond(HttpError(503, "out_of_memory", "not enough memory for this request now").problem, request_id);
   } catch (const std::system_error& error) {
     const int number = error.code().value();
     if (number != EMFILE && number != ENFILE && number != EAGAIN) return respond_internal(error.what(), request_id);
     log::write(log::Level::kError, "out of descriptors or threads", {{"id", std::string(request_id)}});
-    api::Problem problem;
-    problem.status = 503;
-    problem.code = "overloaded";
-    problem.detail = "the server is out of descriptors or threads";
-    return respond(problem, request_id);
+    return respond(HttpError(503, "overloaded", "the server is out of descriptors or threads").problem, request_id);
   } catch (const std::exception& error) {
     return respond_internal(error.what(), request_id);
   } catch (...) {

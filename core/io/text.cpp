@@ -9,15 +9,14 @@
 namespace remesh {
 namespace {
 
-/// Whether a decimal number that no double holds is too small, and not too large, for one: its first significant
-/// digit stands for a negative power of ten.
+/// Whether a decimal number that no double holds is too small, and not too large, for one. Such numbers are hundreds of
+/// powers of ten from 1, so it is enough to know the power of the first significant digit to within one.
 bool is_underflow(std::string_view number) {
   const std::size_t exponent_mark = number.find_first_of("eE");
   const std::string_view mantissa = number.substr(0, exponent_mark);
   const std::size_t point = std::min(mantissa.find('.'), mantissa.size());
   const std::size_t leading = mantissa.find_first_of("123456789");
-  const auto distance = static_cast<std::int64_t>(point) - static_cast<std::int64_t>(leading);
-  const std::int64_t power = distance > 0 ? distance - 1 : distance;
+  const std::int64_t power = static_cast<std::int64_t>(point) - static_cast<std::int64_t>(leading);
   if (exponent_mark == std::string_view::npos) return power < 0;
 
   std::string_view digits = number.substr(exponent_mark + 1);

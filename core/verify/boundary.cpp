@@ -77,10 +77,12 @@ class BoundaryCheck {
   void link_vertices() {
     degree_.assign(model_.points.size(), 0);
     incident_.assign(model_.points.size(), {kNone, kNone});
+    result_.is_on_boundary.assign(model_.points.size(), 0);
     for (std::uint32_t e = 0; e < input_.size(); ++e)
       for (const VertexId v : {input_[e].low, input_[e].high}) {
         if (degree_[v.value] < 2) incident_[v.value][degree_[v.value]] = e;
         ++degree_[v.value];
+        result_.is_on_boundary[v.value] = 1;
       }
   }
 

@@ -8,6 +8,7 @@
 /// slot, nor for a sheet missing or added at an edge of several.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -19,7 +20,8 @@ namespace remesh::verification {
 
 struct Boundary {
   std::vector<double> deviation;  ///< of each patch: largest distance of a dropped boundary vertex to its chord
-  std::vector<double> slivers;    ///< of each patch: area between the boundary's chains and the edges that replace them
+  std::vector<std::uint8_t> is_on_boundary;  ///< of each vertex: a bounding edge of the input ends there
+  std::vector<double> slivers;  ///< of each patch: area between the boundary's chains and the edges that replace them
 };
 
 /// Reports kLostVertex, kLostLoop, kBoundary, kChord.

@@ -32,22 +32,25 @@ double scale_of(std::span<const Vec3> positions, RunControl& control) {
 /// The output is sorted and searched, not the surface: it is the smaller one, and often very much so.
 std::vector<VertexId> match_vertices(const Claim& claim, RunControl& control) {
   const std::span<const Vec3> surface = claim.surface.positions.items();
-  std::vector<VertexId> match(claim.positions.size());
-  std::vector<std::uint32_t> order;
-  order.reserve(claim.positions.size());
+  struct Place {
+    Vec3 position;
+    std::uint32_t vertex;
+  };
+  std::vector<Place> places;
+  places.reserve(claim.positions.size());
   for (std::size_t v = 0; v < claim.positions.size(); ++v)
-    if (is_finite(claim.positions[v])) order.push_back(static_cast<std::uint32_t>(v));
-  tbb::parallel_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    const Vec3 &p = claim.positions[a], &q = claim.positions[b];
-    return p != q ? p < q : a < b;
+    if (is_finite(claim.positions[v])) places.push_back({claim.positions[v], static_cast<std::uint32_t>(v)});
+  tbb::parallel_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+    return a.position != b.position ? a.position < b.position : a.vertex < b.vertex;
   });
   control.check();
+  std::vector<VertexId> match(claim.positions.size());
   for_blocks(surface.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
-      const auto found = std::partition_point(order.begin(), order.end(),
-                                              [&](std::uint32_t i) { return claim.positions[i] < surface[v]; });
+      const auto found = std::partition_point(places.begin(), places.end(),
+                                              [&](const Place& place) { return place.position < surface[v]; });
       // Surface positions are pairwise different, so no two threads find the same one.
-      if (found != order.end() && is_same_bits(claim.positions[*found], surface[v])) match[*found] = VertexId(v);
+      if (found != places.end() && is_same_bits(found->position, surface[v])) match[found->vertex] = VertexId(v);
     }
   });
   return match;

@@ -6,6 +6,7 @@
 
 #include "core/base/blocks.h"
 #include "core/verify/exact.h"
+#include "core/verify/height_measure.h"
 
 namespace remesh::verification {
 namespace {
@@ -144,10 +145,12 @@ class PatchCheck {
     for (int i = 0; i < 3; ++i) {
       if (is_on_grid(uv[i], frame_.grid) && is_projection(uv[i], face[i])) continue;
       report(Fault::kPlaneCoordinates, f);
+      are_all_positive_ = false;
       return true;
     }
     const bool is_positive = orientation(uv[0], uv[1], uv[2], frame_.grid) > 0;
     is_positive_[f] = is_positive ? 1 : 0;
+    are_all_positive_ = are_all_positive_ && is_positive;
     return is_positive;
   }
 
@@ -200,8 +203,12 @@ class PatchCheck {
       return 0;
     }
     if (facing_away_.is_valid()) report(Fault::kFacingAway, facing_away_.value);
-    if (!is_flat) report(Fault::kDeviation);
-    return std::max(along_boundary, height_bound_);
+    if (is_flat) return std::max(along_boundary, height_bound_);
+    const double measured = are_all_positive_
+                                ? largest_height_difference(model_, patch_, boundary_.is_on_boundary, control_)
+                                : height_bound_;
+    if (!model_.is_within_tolerance(measured, reach_)) report(Fault::kDeviation);
+    return std::max(along_boundary, std::min(measured, height_bound_));
   }
 
   /// Input and output of the patch, and the slivers between their boundaries, enclose no more than the area that they
@@ -225,6 +232,7 @@ class PatchCheck {
   RunControl& control_;
 
   bool has_frame_ = false;
+  bool are_all_positive_ = true;
   std::size_t steps_ = 0;
   double reach_ = 0;  ///< largest coordinate relative to the frame's origin
   Heights input_heights_, output_heights_;

@@ -703,6 +703,34 @@ TEST(Verify, an_inner_vertex_off_the_plane_counts_by_its_distance) {
   EXPECT_EQ(v.failed_patches, std::vector<PatchId>{PatchId(0)});
 }
 
+/// A slope of 1 : 2000 in a frame that calls it level: heights over the plane go up to four tolerances, and say
+/// nothing. The vertex (1, 1) is lifted off the slope.
+Example slope(double lift) {
+  const auto tilted = [](PolygonMesh mesh) {
+    for (Vec3& p : mesh.positions) p.z = 0.5e-3 * p.x;
+    return mesh;
+  };
+  Example e = example(tilted(shapes::flat({"####", "#.##", "####", "####"}, 3)),
+                      tilted(shapes::flat({"####", "#.##", "####", "####"})));
+  for (Vec3& p : e.surface.positions)
+    if (p == Vec3{1 / 3.0, 2 / 3.0, 0.5e-3 / 3}) p.z += lift;
+  e.frames[PatchId(0)] = {{2, 2, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 4, 0x1p-40};
+  e.project();
+  e.make_delaunay();
+  e.plane_tolerance = 0.5e-3;
+  return e;
+}
+
+TEST(Verify, where_heights_prove_nothing_distances_are_measured) {
+  EXPECT_TRUE(is_verified(slope(0)));
+  EXPECT_LT(slope(0).verify().deviation, 1e-12);
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_TRUE(is_verified(slope(sign * 0.4e-3)));
+    EXPECT_NEAR(slope(sign * 0.4e-3).verify().deviation, 0.4e-3, 1e-12);
+    EXPECT_FALSE(slope(sign * 0.6e-3).verify().surface);
+  }
+}
+
 TEST(Verify, an_input_that_folds_over_inside_the_plane_is_found) {
   // An inner vertex pulled over the border: the flap beyond it has no output, though loops and planes agree.
   Example e = bump(0, 1e-3);
@@ -754,11 +782,14 @@ TEST(Verify, the_wrong_diagonal_is_found) {
 
 TEST(Verify, the_wrong_diagonal_is_right_where_the_right_one_is_taken) {
   // Under the kite hangs a triangle that has the short diagonal as its edge.
-  PolygonMesh input =
-      shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}, {0, 0, -1}}, {{0, 1, 2, 3}, {0, 2, 4}});
-  const PolygonMesh output =
-      shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}, {0, 0, -1}}, {{0, 1, 3}, {1, 2, 3}, {0, 2, 4}});
-  EXPECT_TRUE(is_verified(example(input, output)));
+  const std::vector<Vec3> points{{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}, {0, 0, -1}};
+  Example e = example(shapes::from_lists(points, {{0, 1, 2, 3}, {0, 2, 4}}),
+                      shapes::from_lists(points, {{0, 1, 3}, {1, 2, 3}, {0, 2, 4}}));
+  EXPECT_FALSE(e.verify().conforming);  // made Delaunay, the kite takes the triangle's edge
+  e.faces[0] = {VertexId(0), VertexId(1), VertexId(3)};
+  e.faces[1] = {VertexId(1), VertexId(2), VertexId(3)};
+  e.project();
+  EXPECT_TRUE(is_verified(e));
 }
 
 TEST(Verify, a_diagonal_wrong_by_the_last_place_of_the_grid_is_found) {
@@ -809,6 +840,37 @@ TEST(Verify, a_frame_that_is_none_is_found) {
     const Verdict v = e.verify();
     EXPECT_FALSE(v.delaunay);
     EXPECT_TRUE(blames(v, PatchId(2)));
+  }
+}
+
+// Anything else.
+
+TEST(Verify, no_single_change_of_a_face_goes_unseen) {
+  for (const Example& correct : {cube(), ring(), flat_l(), slotted(), square_with_middle()}) {
+    for (std::size_t f = 0; f < correct.faces.size(); ++f) {
+      for (int corner = 0; corner < 3; ++corner)
+        for (std::size_t v = 0; v < correct.positions.size(); ++v) {
+          if (correct.faces[f][corner] == VertexId(v)) continue;
+          Example e = correct;
+          e.faces[f][corner] = VertexId(v);
+          e.project();
+          EXPECT_FALSE(e.verify().all_true()) << "face " << f << " corner " << corner << " vertex " << v;
+        }
+      for (std::size_t p = 0; p < correct.frames.size(); ++p) {
+        if (correct.face_patch[f] == PatchId(p)) continue;
+        Example e = correct;
+        e.face_patch[f] = PatchId(p);
+        e.project();
+        EXPECT_FALSE(e.verify().all_true()) << "face " << f << " patch " << p;
+      }
+    }
+    for (std::size_t a = 0; a < correct.positions.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b) {
+        Example e = correct;
+        std::swap(e.positions[a], e.positions[b]);
+        e.project();
+        EXPECT_FALSE(e.verify().all_true()) << "vertices " << a << " and " << b;
+      }
   }
 }
 

@@ -1,0 +1,220 @@
+// The command line, by running it.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+namespace remesh {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr std::string_view kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+
+class Cli : public testing::Test {
+ protected:
+  struct Outcome {
+    int status;
+    std::string out;
+    std::string err;
+  };
+
+  void SetUp() override {
+    std::string pattern = testing::TempDir() + "remesh-cli-XXXXXX";
+    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
+    folder_ = pattern;
+    write("square.obj", kSquare);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  void write(const std::string& name, std::string_view content) const { std::ofstream(path(name)) << content; }
+  std::string read(const std::string& name) const {
+    std::ifstream file(path(name));
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
+  std::size_t file_count() const {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
+  }
+
+  /// Starts the program in the folder; its streams go to files beside it.
+  pid_t start(std::vector<std::string> arguments, std::string_view input) const {
+    std::ofstream(in_path()) << input;
+    arguments.insert(arguments.begin(), REMESHD_CLI_PATH);
+    std::vector<char*> argv;
+    for (std::string& argument : arguments) argv.push_back(argument.data());
+    argv.push_back(nullptr);
+    const std::string in = in_path(), out = out_path(), err = err_path(), folder = folder_;
+    const pid_t child = ::fork();
+    if (child != 0) return child;
+    const auto redirect = [](const std::string& file, int flags, int fd) {
+      ::dup2(::open(file.c_str(), flags, 0600), fd);
+    };
+    redirect(in, O_RDONLY, STDIN_FILENO);
+    redirect(out, O_WRONLY | O_CREAT | O_TRUNC, STDOUT_FILENO);
+    redirect(err, O_WRONLY | O_CREAT | O_TRUNC, STDERR_FILENO);
+    if (::chdir(folder.c_str()) == 0) ::execv(argv[0], argv.data());
+    ::_exit(127);
+  }
+
+  Outcome finish(pid_t child) const {
+    int status = 0;
+    ::waitpid(child, &status, 0);
+    const auto slurp = [](const std::string& file) {
+      std::ifstream stream(file);
+      return std::string(std::istreambuf_iterator<char>(stream), {});
+    };
+    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, slurp(out_path()), slurp(err_path())};
+    for (const std::string& file : {in_path(), out_path(), err_path()}) std::filesystem::remove(file);
+    return outcome;
+  }
+
+  Outcome run(std::vector<std::string> arguments, std::string_view input = "") const {
+    return finish(start(std::move(arguments), input));
+  }
+
+ private:
+  // Beside the folder, so that it holds only what the program made.
+  std::string in_path() const { return folder_.string() + ".in"; }
+  std::string out_path() const { return folder_.string() + ".out"; }
+  std::string err_path() const { return folder_.string() + ".err"; }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(Cli, a_mesh_goes_in_and_comes_out_with_its_report) {
+  const Outcome outcome = run({"square.obj", "-o", "out.obj", "--report", "report.json", "--workers", "1"});
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_EQ(outcome.out, "");
+  EXPECT_EQ(outcome.err, "");
+  EXPECT_THAT(read("out.obj"), StartsWith("# remeshd "));
+  const nlohmann::json report = nlohmann::json::parse(read("report.json"));
+  EXPECT_EQ(report["input"]["faces"], 2);
+  EXPECT_EQ(report["verified"]["surface"], true);
+  EXPECT_EQ(report["options"]["format"], "obj");
+  EXPECT_EQ(file_count(), 3u);
+}
+
+TEST_F(Cli, a_hyphen_is_standard_input_and_output) {
+  const Outcome outcome = run({"-", "-o", "-"}, kSquare);
+  EXPECT_EQ(outcome.status, 0) << outcome.err;
+  EXPECT_THAT(outcome.out, HasSubstr("\nf "));
+  ASSERT_EQ(run({"square.obj", "-o", "out.obj"}).status, 0);
+  EXPECT_EQ(outcome.out, read("out.obj"));
+}
+
+TEST_F(Cli, the_format_is_the_endings_unless_it_is_given) {
+  EXPECT_EQ(run({"square.obj", "-o", "out.json"}).status, 0);
+  EXPECT_TRUE(nlohmann::json::parse(read("out.json")).contains("mesh"));
+  EXPECT_EQ(run({"out.json", "-o", "back.obj"}).status, 0);
+  EXPECT_THAT(read("back.obj"), HasSubstr("\nv 0 0 0\n"));
+  EXPECT_EQ(run({"square.obj", "-o", "out.dat", "--format", "json"}).status, 0);
+  EXPECT_TRUE(nlohmann::json::accept(read("out.dat")));
+  EXPECT_EQ(run({"square.obj", "-o", "as_input"}).status, 0);
+  EXPECT_THAT(read("as_input"), StartsWith("# remeshd "));
+  EXPECT_EQ(run({"square.obj", "-o", "out.stl"}).status, 2);
+}
+
+TEST_F(Cli, options_have_hyphens) {
+  const Outcome outcome = run({"square.obj", "-o", "out.obj", "--keep-boundary-vertices", "true",
+                               "--plane-tolerance=1e-5", "--reference-axis", "-1,0,0", "--report", "-"});
+  ASSERT_EQ(outcome.status, 0) << outcome.err;
+  const nlohmann::json options = nlohmann::json::parse(outcome.out)["options"];
+  EXPECT_EQ(options["keep_boundary_vertices"], true);
+  EXPECT_EQ(options["plane_tolerance"], 1e-5);
+  EXPECT_EQ(options["reference_axis"], "-1,0,0");
+}
+
+TEST_F(Cli, misuse_is_told_in_one_line_and_exits_with_2) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{}, "input is required"},
+      {{"square.obj"}, "output is required"},
+      {{"square.obj", "-o", "o.obj", "--min-angel-deg", "20"}, "the nearest is --min-angle-deg"},
+      {{"square.obj", "-o", "o.obj", "--plane-tolerance", "wide"}, "invalid_option: plane_tolerance must be"},
+      {{"square.obj", "-o", "o.obj", "--plane-tolerance", "1", "--plane-tolerance", "2"}, "--plane-tolerance"},
+      {{"square.obj", "-o", "o.obj", "--refine"}, "--refine"},
+      {{"square.obj", "-o", "o.obj", "--refine", "true"}, "not_implemented: refine"},
+      {{"square.obj", "-o", "o.obj", "--workers", "0"}, "--workers"},
+      {{"square.obj", "other.obj", "-o", "o.obj"}, "unexpected argument other.obj"},
+      {{"square.obj", "-o", "-", "--report", "-"}, "standard output"}};
+  for (const auto& [arguments, message] : cases) {
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 2) << message;
+    EXPECT_THAT(outcome.err, StartsWith("remesh: "));
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+    EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    EXPECT_EQ(file_count(), 1u);
+  }
+}
+
+TEST_F(Cli, failure_is_told_with_file_and_line_and_exits_with_1) {
+  write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+  const Outcome bad = run({"bad.obj", "-o", "out.obj"});
+  EXPECT_EQ(bad.status, 1);
+  EXPECT_THAT(bad.err, StartsWith("remesh: bad.obj:4: index_out_of_range: "));
+  EXPECT_EQ(run({"missing.obj", "-o", "out.obj"}).err, "remesh: missing.obj: No such file or directory\n");
+  EXPECT_EQ(run({"square.obj", "-o", "no/such/folder.obj"}).status, 1);
+  EXPECT_EQ(run({"-", "-o", "out.obj"}, "").status, 1);
+  EXPECT_EQ(file_count(), 2u);
+}
+
+TEST_F(Cli, a_failure_leaves_an_older_output_as_it_was) {
+  write("bad.obj", "f 1 2 3\n");
+  write("out.obj", "old");
+  EXPECT_EQ(run({"bad.obj", "-o", "out.obj"}).status, 1);
+  EXPECT_EQ(read("out.obj"), "old");
+}
+
+TEST_F(Cli, a_link_and_its_permissions_stay) {
+  write("real.obj", "old");
+  std::filesystem::permissions(path("real.obj"), std::filesystem::perms(0640));
+  std::filesystem::create_symlink("real.obj", path("link.obj"));
+  ASSERT_EQ(run({"square.obj", "-o", "link.obj"}).status, 0);
+  EXPECT_TRUE(std::filesystem::is_symlink(path("link.obj")));
+  EXPECT_THAT(read("real.obj"), StartsWith("# remeshd "));
+  EXPECT_EQ(std::filesystem::status(path("real.obj")).permissions(), std::filesystem::perms(0640));
+}
+
+TEST_F(Cli, what_is_no_ordinary_file_is_written_as_it_is) {
+  EXPECT_EQ(run({"square.obj", "-o", "/dev/null"}).status, 0);
+  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
+}
+
+TEST_F(Cli, help_lists_every_option_with_its_default) {
+  const Outcome help = run({"--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_THAT(help.out, HasSubstr("--max-radius-edge-ratio"));
+  EXPECT_THAT(help.out, HasSubstr("[dominant_edge]"));
+  const Outcome version = run({"--version"});
+  EXPECT_EQ(version.status, 0);
+  EXPECT_THAT(version.out, StartsWith("remesh "));
+}
+
+TEST_F(Cli, an_interrupt_ends_the_run_and_leaves_no_file) {
+  // A fan of triangles that takes long enough to be interrupted.
+  std::string big;
+  for (int i = 0; i < 400000; ++i) {
+    const std::string n = std::to_string(i);
+    big += "v " + n + " 0 0\nv " + n + " 1 0\nv " + n + " 0 " + n + "\nf -1 -2 -3\n";
+  }
+  write("big.obj", big);
+  const pid_t child = start({"big.obj", "-o", "out.obj"}, "");
+  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  ASSERT_EQ(::kill(child, SIGINT), 0);
+  const Outcome outcome = finish(child);
+  EXPECT_EQ(outcome.status, 1) << outcome.err;
+  EXPECT_THAT(outcome.err, HasSubstr("cancelled"));
+  EXPECT_EQ(file_count(), 2u);
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,279 @@
+#include "api/json_reader.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <bit>
+#include <nlohmann/json.hpp>
+#include <random>
+
+#include "core/base/error.h"
+
+namespace remesh::api {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+struct Read {
+  ReadResult result;
+  RequestOptions options;
+};
+
+Read read(std::string_view text, const ReadLimits& limits = {}) {
+  RunControl control;
+  OptionReader options;
+  ReadResult result = read_json(text, limits, control, options);
+  return {std::move(result), options.options()};
+}
+
+Error error_of(std::string_view text, const ReadLimits& limits = {}) {
+  try {
+    read(text, limits);
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << "no error for " << text.substr(0, 200);
+  return {Code::kInternal, Stage::kRead, ""};
+}
+
+constexpr std::string_view kSquare = R"({"vertices": [[0,0,0],[1,0,0],[1,1,0],[0,1,0]], "faces": [[0,1,2,3]]})";
+
+// A mesh with one thing in it replaced.
+std::string mesh(std::string_view vertices, std::string_view faces, std::string_view more = "") {
+  return "{\"vertices\":" + std::string(vertices) + ",\"faces\":" + std::string(faces) + std::string(more) + "}";
+}
+constexpr std::string_view kVertices = "[[0,0,0],[1,0,0],[0,1,0]]";
+constexpr std::string_view kFaces = "[[0,1,2]]";
+
+TEST(JsonReader, a_bare_mesh_is_read) {
+  const PolygonMesh mesh = read(kSquare).result.mesh;
+  EXPECT_EQ(mesh.vertex_count(), 4u);
+  EXPECT_EQ(mesh.positions[VertexId(2)], (Vec3{1, 1, 0}));
+  EXPECT_THAT(mesh.face_begin, ElementsAre(0u, 4u));
+  EXPECT_THAT(mesh.corners, ElementsAre(VertexId(0), VertexId(1), VertexId(2), VertexId(3)));
+  EXPECT_FALSE(mesh.labels.group.is_used());
+}
+
+TEST(JsonReader, a_mesh_beside_its_options_is_read_in_any_order_of_keys) {
+  for (
+      const std::string_view text :
+      {R"({"mesh":{"faces":[[0,1,2]],"vertices":[[0,0,0],[1,0,0],[0,1,0]]},"options":{"plane_tolerance":1e-5,"repair":["winding","degenerate"],"reference_axis":[0,0,1]}})",
+       R"({"options":{"reference_axis":"0,0,1","repair":"degenerate,winding","plane_tolerance":0.00001},"mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]]}})",
+       R"({"options":{"reference_axis":"0,0,1","repair":"degenerate,winding","plane_tolerance":0.00001},"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]]})"}) {
+    const Read got = read(text);
+    EXPECT_EQ(got.result.mesh.face_count(), 1u);
+    EXPECT_TRUE(got.result.diagnostics.empty());
+    EXPECT_EQ(got.options.core.plane_tolerance, 1e-5);
+    EXPECT_EQ(got.options.core.repair, (Repair{false, true, false, true, false}));
+    EXPECT_EQ(got.options.core.reference_direction, (Vec3{0, 0, 1}));
+  }
+}
+
+TEST(JsonReader, coordinates_come_back_bit_for_bit) {
+  std::mt19937_64 random(20240607);
+  nlohmann::json document{{"vertices", nlohmann::json::array()}, {"faces", {{0, 1, 2}}}};
+  std::vector<double> values{0.1, -0.0, 5e-324, 1.7976931348623157e308, 9007199254740993.0, 2.2250738585072011e-308};
+  while (values.size() < 3000) {
+    const double value = std::bit_cast<double>(random());
+    if (std::isfinite(value)) values.push_back(value);
+  }
+  for (std::size_t i = 0; i < values.size(); i += 3) {
+    document["vertices"].push_back({values[i], values[i + 1], values[i + 2]});
+  }
+  const PolygonMesh mesh = read(document.dump()).result.mesh;
+  ASSERT_EQ(mesh.vertex_count() * 3, values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const double got = mesh.positions[VertexId(i / 3)][static_cast<int>(i % 3)];
+    EXPECT_EQ(std::bit_cast<std::uint64_t>(got), std::bit_cast<std::uint64_t>(values[i])) << values[i];
+  }
+}
+
+TEST(JsonReader, integers_are_coordinates_too) {
+  const PolygonMesh mesh =
+      read(R"({"vertices":[[-3,18446744073709551615,-9223372036854775808],[1,0,0],[0,1e2,0]],"faces":[[0,1,2]]})")
+          .result.mesh;
+  EXPECT_EQ(mesh.positions[VertexId(0)], (Vec3{-3, 18446744073709551615.0, -9223372036854775808.0}));
+}
+
+TEST(JsonReader, face_groups_become_group_labels) {
+  const PolygonMesh mesh =
+      read(::remesh::api::mesh(kVertices, "[[0,1,2],[0,2,1],[1,2,0]]", R"(,"face_groups":[7,-2,7])")).result.mesh;
+  EXPECT_THAT(mesh.labels.group.names, ElementsAre("7", "-2"));
+  EXPECT_THAT(mesh.labels.group.of_face.items(), ElementsAre(0u, 1u, 0u));
+}
+
+TEST(JsonReader, keys_that_are_not_understood_are_skipped_and_counted) {
+  const Read got = read(mesh(kVertices, kFaces, R"(,"uv":[[0,1],{"a":[true,null,"x"]}],"name":"part","n":3)"));
+  ASSERT_EQ(got.result.diagnostics.size(), 1u);
+  EXPECT_EQ(got.result.diagnostics[0].code, DiagnosticCode::kAttributeDropped);
+  EXPECT_EQ(got.result.diagnostics[0].count, 3u);
+  EXPECT_THAT(got.result.diagnostics[0].message, HasSubstr("\"uv\" \"name\" \"n\""));
+  EXPECT_EQ(got.result.mesh.face_count(), 1u);
+}
+
+TEST(JsonReader, what_is_not_json_is_located) {
+  const Error error = error_of("{\"vertices\":\n[[0,0,0],\n[1,0,,0]]}");
+  EXPECT_EQ(error.code, Code::kMalformedJson);
+  EXPECT_EQ(error.line, 3u);
+  for (const std::string_view text : {"", " ", "{", "[", "nul", "{\"vertices\":[[0,0,0]", "{'vertices':[]}",
+                                      "{\"a\":\"\xff\"}", "{} x", "\"\\ud800\"", "{\"a\":1,}"}) {
+    EXPECT_EQ(error_of(text).code, Code::kMalformedJson) << text;
+  }
+}
+
+TEST(JsonReader, every_truncation_is_an_error) {
+  for (std::size_t length = 0; length < kSquare.size(); ++length) {
+    EXPECT_EQ(error_of(kSquare.substr(0, length)).code, Code::kMalformedJson) << length;
+  }
+}
+
+TEST(JsonReader, deep_nesting_is_refused_at_any_place) {
+  const std::string deep(1 << 20, '[');
+  EXPECT_EQ(error_of("{\"x\":" + deep).code, Code::kMalformedJson);
+  EXPECT_EQ(error_of("{\"mesh\":{\"x\":" + deep).code, Code::kMalformedJson);
+  EXPECT_EQ(error_of(deep).code, Code::kInvalidMesh);
+}
+
+TEST(JsonReader, a_doubled_key_is_refused) {
+  EXPECT_EQ(error_of(mesh(kVertices, kFaces, ",\"faces\":[]")).code, Code::kMalformedJson);
+  EXPECT_EQ(error_of(R"({"mesh":{},"mesh":{}})").code, Code::kMalformedJson);
+  EXPECT_EQ(error_of(R"({"mesh":{"vertices":[]},"vertices":[]})").code, Code::kMalformedJson);
+  EXPECT_EQ(error_of(R"({"options":{"refine":false,"refine":false}})").code, Code::kInvalidOption);
+}
+
+TEST(JsonReader, a_wrong_shape_names_its_element) {
+  struct Case {
+    std::string text;
+    std::optional<std::uint64_t> element;
+  };
+  const Case cases[] = {
+      {"[]", {}},
+      {"3", {}},
+      {"{}", {}},
+      {R"({"mesh":[]})", {}},
+      {R"({"vertices":{}})", {}},
+      {mesh("[[0,0,0],[1,0]]", kFaces), 1},
+      {mesh("[[0,0,0],[1,0,0,0]]", kFaces), 1},
+      {mesh("[[0,0,0],5]", kFaces), 1},
+      {mesh("[[0,0,\"0\"]]", kFaces), 0},
+      {mesh("[[0,0,null]]", kFaces), 0},
+      {mesh("[[0,0,[0]]]", kFaces), 0},
+      {mesh(kVertices, "[[0,1,2],[0,1]]"), 1},
+      {mesh(kVertices, "[[]]"), 0},
+      {mesh(kVertices, "[[0,1,2.0]]"), 0},
+      {mesh(kVertices, "[[0,1,true]]"), 0},
+      {mesh(kVertices, "[0,1,2]"), 0},
+      {mesh(kVertices, kFaces, ",\"face_groups\":[1,2]"), {}},
+      {mesh(kVertices, kFaces, ",\"face_groups\":[]"), {}},
+      {mesh(kVertices, kFaces, ",\"face_groups\":[1.5]"), {}},
+      {mesh(kVertices, kFaces, ",\"face_groups\":[\"a\"]"), {}},
+      {R"({"vertices":[[0,0,0]]})", {}},
+      {R"({"faces":[[0,1,2]]})", {}},
+      {R"({"options":{}})", {}},
+  };
+  for (const Case& c : cases) {
+    const Error error = error_of(c.text);
+    EXPECT_EQ(error.code, Code::kInvalidMesh) << c.text;
+    EXPECT_EQ(error.element, c.element) << c.text;
+  }
+}
+
+TEST(JsonReader, an_index_out_of_range_names_its_face) {
+  for (const std::string_view bad :
+       {"3", "-1", "4294967295", "4294967296", "18446744073709551615", "99999999999999999999"}) {
+    const Error error = error_of(mesh(kVertices, "[[0,1,2],[0,1," + std::string(bad) + "]]"));
+    EXPECT_EQ(error.code, Code::kIndexOutOfRange) << bad;
+    EXPECT_EQ(error.element, 1u) << bad;
+  }
+}
+
+TEST(JsonReader, indices_are_held_against_vertices_that_come_later) {
+  EXPECT_EQ(read(R"({"faces":[[2,1,0]],"vertices":[[0,0,0],[1,0,0],[0,1,0]]})").result.mesh.face_count(), 1u);
+  EXPECT_EQ(error_of(R"({"faces":[[3,1,0]],"vertices":[[0,0,0],[1,0,0],[0,1,0]]})").code, Code::kIndexOutOfRange);
+}
+
+TEST(JsonReader, coordinates_that_are_not_finite_name_their_vertex) {
+  for (const std::string_view bad : {"1e999", "-1e999", "NaN", "Infinity", "-Infinity"}) {
+    const Error error = error_of(mesh("[[0,0,0],[0," + std::string(bad) + ",0]]", kFaces));
+    EXPECT_EQ(error.code, Code::kNonfiniteCoordinate) << bad;
+    EXPECT_EQ(error.element, 1u) << bad;
+  }
+}
+
+TEST(JsonReader, a_mesh_without_faces_is_empty) {
+  EXPECT_EQ(error_of(mesh("[]", "[]")).code, Code::kEmptyMesh);
+  EXPECT_EQ(error_of(mesh(kVertices, "[]")).code, Code::kEmptyMesh);
+}
+
+TEST(JsonReader, limits_hold_exactly) {
+  EXPECT_NO_THROW(read(kSquare, {4, 1}));
+  const Error vertices = error_of(kSquare, {3, 1});
+  EXPECT_EQ(vertices.code, Code::kMeshTooLarge);
+  EXPECT_EQ(vertices.limit, 3u);
+  const Error faces = error_of(kSquare, {4, 0});
+  EXPECT_EQ(faces.code, Code::kMeshTooLarge);
+  EXPECT_EQ(faces.limit, 0u);
+}
+
+TEST(JsonReader, options_inside_are_checked_as_any_others) {
+  const auto code = [](const std::string& options) { return error_of("{\"options\":" + options + "}").code; };
+  EXPECT_EQ(code(R"({"plane_tol":1})"), Code::kUnknownOption);
+  EXPECT_EQ(code(R"({"plane_tolerance":"1"})"), Code::kInvalidOption);
+  EXPECT_EQ(code(R"({"plane_tolerance":1e999})"), Code::kInvalidOption);
+  EXPECT_EQ(code(R"({"plane_tolerance":{}})"), Code::kInvalidOption);
+  EXPECT_EQ(code(R"({"nonsense":{}})"), Code::kUnknownOption);
+  EXPECT_EQ(code(R"({"repair":[["winding"]]})"), Code::kInvalidOption);
+  EXPECT_EQ(code(R"({"repair":[true]})"), Code::kInvalidOption);
+  EXPECT_EQ(code("3"), Code::kInvalidMesh);
+}
+
+TEST(JsonReader, an_options_document_alone_is_read) {
+  RunControl control;
+  OptionReader options;
+  read_json_options(R"({"keep_boundary_vertices":true,"format":"json"})", control, options);
+  EXPECT_TRUE(options.options().core.keep_boundary_vertices);
+  EXPECT_EQ(options.options().format, Format::kJson);
+  for (const std::string_view bad : {"[]", "3", "", "{"}) {
+    OptionReader none;
+    EXPECT_THROW(read_json_options(bad, control, none), Error) << bad;
+  }
+}
+
+TEST(JsonReader, any_single_changed_byte_gives_a_mesh_or_a_typed_error) {
+  std::string text(
+      R"({"mesh":{"vertices":[[0,0.5,0],[1e2,0,0],[0,1,-0]],"faces":[[0,1,2]],"face_groups":[4]},"options":{"repair":["winding"]}})");
+  const std::string original = text;
+  std::size_t read_whole = 0;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    for (const char c : {'\0', '"', '[', ']', '{', '}', ',', ':', '9', '-', 'e', '.', '\xff', ' '}) {
+      text[i] = c;
+      try {
+        const Read got = read(text);
+        ++read_whole;
+        for (const VertexId v : got.result.mesh.corners) EXPECT_LT(v.value, got.result.mesh.vertex_count());
+      } catch (const Error& error) {
+        EXPECT_NE(error.code, Code::kInternal);
+      }
+    }
+    text[i] = original[i];
+  }
+  EXPECT_GT(read_whole, 0u);
+}
+
+TEST(JsonReader, a_stop_is_obeyed) {
+  std::string many = "{\"vertices\":[";
+  for (int i = 0; i < 10000; ++i) many += "[0,0,0],";
+  RunControl control;
+  control.cancel();
+  OptionReader options;
+  try {
+    read_json(many, {}, control, options);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, Code::kCancelled);
+  }
+}
+
+}  // namespace
+}  // namespace remesh::api

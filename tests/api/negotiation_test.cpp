@@ -1,0 +1,84 @@
+#include "api/negotiation.h"
+
+#include <gtest/gtest.h>
+
+#include "core/base/error.h"
+
+namespace remesh::api {
+namespace {
+
+Format output(std::string_view accept, Format input = Format::kObj) { return choose_output_format({}, accept, input); }
+
+bool is_refused(std::string_view accept, Format input = Format::kObj) {
+  try {
+    output(accept, input);
+  } catch (const Error& error) {
+    return error.code == Code::kNotAcceptable;
+  }
+  return false;
+}
+
+TEST(Negotiation, a_content_type_names_a_format_whatever_its_case_and_parameters) {
+  EXPECT_EQ(format_of_content_type("model/obj"), Format::kObj);
+  EXPECT_EQ(format_of_content_type("Application/JSON ; charset=utf-8"), Format::kJson);
+  EXPECT_EQ(format_of_content_type("model/stl"), Format::kStl);
+  for (const std::string_view generic :
+       {"", "application/x-www-form-urlencoded", "application/octet-stream", "text/plain", "image/png"}) {
+    EXPECT_EQ(format_of_content_type(generic), std::nullopt) << generic;
+  }
+}
+
+TEST(Negotiation, without_a_named_format_the_content_tells) {
+  EXPECT_EQ(choose_input_format({}, "# a comment\nv 0 0 0\n"), Format::kObj);
+  EXPECT_EQ(choose_input_format({}, " \n{\"vertices\":[]}"), Format::kJson);
+  EXPECT_EQ(choose_input_format(Format::kObj, "{"), Format::kObj);
+}
+
+TEST(Negotiation, a_format_that_is_not_read_is_an_unsupported_media_type) {
+  for (const auto& [named, content] : {std::pair<std::optional<Format>, std::string_view>(Format::kStl, "v 0 0 0"),
+                                       {std::nullopt, "ply\nformat ascii 1.0\n"}}) {
+    try {
+      choose_input_format(named, content);
+      ADD_FAILURE();
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code, Code::kUnsupportedMediaType);
+    }
+  }
+}
+
+TEST(Negotiation, the_option_wins_over_accept) {
+  EXPECT_EQ(choose_output_format(Format::kObj, "application/json", Format::kJson), Format::kObj);
+  EXPECT_THROW(choose_output_format(Format::kVtu, "model/obj", Format::kObj), Error);
+}
+
+TEST(Negotiation, anything_counts_as_absent) {
+  for (const std::string_view any : {"", " ", "*/*", "text/html, */*;q=0.8", "*/*;q=0.1"}) {
+    EXPECT_EQ(output(any, Format::kObj), Format::kObj) << any;
+    EXPECT_EQ(output(any, Format::kJson), Format::kJson) << any;
+  }
+  EXPECT_EQ(output("application/json, text/plain, */*"), Format::kJson);
+}
+
+TEST(Negotiation, the_heaviest_of_the_named_is_taken) {
+  EXPECT_EQ(output("model/obj;q=0.5, application/json"), Format::kJson);
+  EXPECT_EQ(output("application/json;q=0.2,model/obj ; Q=0.3", Format::kJson), Format::kObj);
+  EXPECT_EQ(output("application/json, model/obj"), Format::kObj);
+  EXPECT_EQ(output("application/json, model/obj", Format::kJson), Format::kJson);
+  EXPECT_EQ(output("model/*", Format::kJson), Format::kObj);
+  EXPECT_EQ(output("model/stl, application/json;q=0.1"), Format::kJson);
+}
+
+TEST(Negotiation, what_cannot_be_written_is_not_acceptable) {
+  EXPECT_TRUE(is_refused("model/stl"));
+  EXPECT_TRUE(is_refused("text/html"));
+  EXPECT_TRUE(is_refused("application/json;q=0"));
+  EXPECT_TRUE(is_refused("*/*;q=0"));
+}
+
+TEST(Negotiation, a_weight_of_nothing_refuses_a_format) {
+  EXPECT_EQ(output("model/obj;q=0, */*"), Format::kJson);
+  EXPECT_EQ(output("application/json;q=0, */*", Format::kJson), Format::kObj);
+}
+
+}  // namespace
+}  // namespace remesh::api

@@ -1,0 +1,222 @@
+#include "api/options.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <map>
+#include <set>
+
+#include "core/base/error.h"
+
+namespace remesh::api {
+namespace {
+
+using testing::HasSubstr;
+
+RequestOptions read(std::string_view name, std::string_view text, ValueKind kind = ValueKind::kUntyped) {
+  OptionReader reader;
+  reader.add(name, text, kind);
+  return reader.options();
+}
+
+Error error_of(const std::function<void()>& action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << "no error";
+  return {Code::kInternal, Stage::kRead, ""};
+}
+
+void expect_invalid(std::string_view name, std::string_view text, ValueKind kind = ValueKind::kUntyped) {
+  SCOPED_TRACE(std::string(name) + "=" + std::string(text));
+  const Error error = error_of([&] { read(name, text, kind); });
+  EXPECT_EQ(error.code, Code::kInvalidOption);
+  EXPECT_EQ(error.option, name);
+}
+
+TEST(Options, the_table_has_every_option_of_the_contract_with_its_default) {
+  const std::map<std::string_view, std::string> contract{{"refine", "false"},
+                                                         {"min_angle_deg", "none"},
+                                                         {"max_radius_edge_ratio", "none"},
+                                                         {"max_edge_length", "none"},
+                                                         {"max_edge_fraction", "none"},
+                                                         {"max_area", "none"},
+                                                         {"min_edge_length", "none"},
+                                                         {"proximity", "0"},
+                                                         {"gradation", "none"},
+                                                         {"max_output_faces", "none"},
+                                                         {"split_boundaries", "true"},
+                                                         {"keep_boundary_vertices", "false"},
+                                                         {"plane_tolerance", "auto"},
+                                                         {"normal_tolerance", "1e-06"},
+                                                         {"weld_tolerance", "0"},
+                                                         {"repair", "duplicates,degenerate,t_junctions,winding"},
+                                                         {"barriers", "object,group,material"},
+                                                         {"reference_axis", "dominant_edge"},
+                                                         {"format", "auto"}};
+  std::map<std::string_view, std::string> table;
+  for (const OptionSpec& spec : option_table()) table[spec.name] = option_text(spec, RequestOptions{});
+  EXPECT_EQ(table, contract);
+}
+
+TEST(Options, every_option_reads_its_example_and_shows_it_again) {
+  for (const OptionSpec& spec : option_table()) {
+    SCOPED_TRACE(spec.name);
+    const RequestOptions options = read(spec.name, spec.example);
+    const std::string shown = option_text(spec, options);
+    EXPECT_NE(shown, option_text(spec, RequestOptions{}));
+    EXPECT_EQ(option_text(spec, read(spec.name, shown)), shown);
+  }
+}
+
+TEST(Options, an_option_sets_its_own_field_only) {
+  for (const OptionSpec& spec : option_table()) {
+    const RequestOptions options = read(spec.name, spec.example);
+    for (const OptionSpec& other : option_table()) {
+      if (other.name == spec.name) continue;
+      EXPECT_EQ(option_text(other, options), option_text(other, RequestOptions{}))
+          << spec.name << " set " << other.name;
+    }
+  }
+}
+
+TEST(Options, numbers_are_correctly_rounded) {
+  EXPECT_EQ(read("plane_tolerance", "0.1").core.plane_tolerance, 0.1);
+  EXPECT_EQ(read("plane_tolerance", "2.2250738585072011e-308").core.plane_tolerance, 2.2250738585072011e-308);
+  EXPECT_EQ(read("max_output_faces", "18446744073709551615").core.max_output_faces, 18446744073709551615u);
+}
+
+TEST(Options, a_word_unsets_what_may_be_unset) {
+  EXPECT_EQ(read("plane_tolerance", "auto").core.plane_tolerance, std::nullopt);
+  EXPECT_EQ(read("max_area", "none").core.max_area, std::nullopt);
+  EXPECT_EQ(read("max_area", "null", ValueKind::kNull).core.max_area, std::nullopt);
+  expect_invalid("proximity", "none");
+  expect_invalid("proximity", "null", ValueKind::kNull);
+}
+
+TEST(Options, what_is_no_number_is_refused) {
+  for (const std::string_view text :
+       {"", " ", "1 ", " 1", "1x", "0x10", "nan", "NaN", "inf", "-inf", "1e999", "1,5", "true"}) {
+    expect_invalid("plane_tolerance", text);
+    expect_invalid("weld_tolerance", text);
+    expect_invalid("max_output_faces", text);
+  }
+  for (const std::string_view text : {"1.5", "1e3", "-1", "0", "18446744073709551616"})
+    expect_invalid("max_output_faces", text);
+}
+
+TEST(Options, ranges_hold_at_their_ends) {
+  EXPECT_EQ(read("min_angle_deg", "0").core.min_angle_deg, 0.0);
+  EXPECT_EQ(read("min_angle_deg", "33").core.min_angle_deg, 33.0);
+  expect_invalid("min_angle_deg", "33.000001");
+  expect_invalid("min_angle_deg", "-1e-9");
+  for (const std::string_view name :
+       {"max_edge_length", "max_edge_fraction", "max_area", "min_edge_length", "plane_tolerance"}) {
+    expect_invalid(name, "0");
+    expect_invalid(name, "-1");
+  }
+  expect_invalid("gradation", "1");
+  EXPECT_EQ(read("proximity", "0").core.proximity, 0.0);
+  expect_invalid("proximity", "-0.5");
+}
+
+TEST(Options, booleans_are_true_or_false) {
+  EXPECT_FALSE(read("split_boundaries", "false").core.split_boundaries);
+  for (const std::string_view text : {"True", "1", "yes", "", "truee"}) expect_invalid("split_boundaries", text);
+}
+
+TEST(Options, words_are_read_in_any_order_each_once) {
+  const Repair repair = read("repair", "inside_out,duplicates").core.repair;
+  EXPECT_EQ(
+      repair,
+      (Repair{.duplicates = true, .degenerate = false, .t_junctions = false, .winding = false, .inside_out = true}));
+  EXPECT_EQ(read("barriers", "none").core.barriers, (Barriers{false, false, false}));
+  for (const std::string_view text :
+       {"", "duplicates,", "duplicates,duplicates", "none,duplicates", "holes", "duplicates degenerate"}) {
+    expect_invalid("repair", text);
+  }
+}
+
+TEST(Options, the_axis_is_a_word_or_a_direction) {
+  EXPECT_EQ(read("reference_axis", "x").core.reference_axis, ReferenceAxis::kX);
+  const Options given = read("reference_axis", "0,-1,2.5").core;
+  EXPECT_EQ(given.reference_axis, ReferenceAxis::kGiven);
+  EXPECT_EQ(given.reference_direction, (Vec3{0, -1, 2.5}));
+  for (const std::string_view text : {"y", "1,2", "1,2,3,4", "0,0,0", "0,0,-0", "1,nan,0", "1,,0", ""}) {
+    expect_invalid("reference_axis", text);
+  }
+}
+
+TEST(Options, json_types_must_fit) {
+  EXPECT_EQ(read("plane_tolerance", "0.5", ValueKind::kNumber).core.plane_tolerance, 0.5);
+  expect_invalid("plane_tolerance", "0.5", ValueKind::kString);
+  expect_invalid("split_boundaries", "true", ValueKind::kString);
+  expect_invalid("split_boundaries", "1", ValueKind::kNumber);
+  expect_invalid("format", "1", ValueKind::kNumber);
+  expect_invalid("plane_tolerance", "true", ValueKind::kBoolean);
+  expect_invalid("plane_tolerance", "1,2", ValueKind::kList);
+  EXPECT_EQ(read("repair", "winding", ValueKind::kList).core.repair.winding, true);
+}
+
+TEST(Options, an_unknown_option_names_the_nearest) {
+  const std::map<std::string_view, std::string_view> nearest{{"min_angle", "min_angle_deg"},
+                                                             {"max_edge_lenght", "max_edge_length"},
+                                                             {"Refine", "refine"},
+                                                             {"tolerance", "plane_tolerance"}};
+  for (const auto& [wrong, right] : nearest) {
+    const Error error = error_of([&, w = wrong] { read(w, "1"); });
+    EXPECT_EQ(error.code, Code::kUnknownOption);
+    EXPECT_EQ(error.option, wrong);
+    if (wrong != "tolerance") EXPECT_THAT(error.what(), HasSubstr("\"" + std::string(right) + "\""));
+  }
+}
+
+TEST(Options, an_unknown_option_of_any_length_is_refused_with_a_short_message) {
+  const Error error = error_of([] { read(std::string(1 << 20, 'x'), "1"); });
+  EXPECT_EQ(error.code, Code::kUnknownOption);
+  EXPECT_LT(std::string_view(error.what()).size(), 300u);
+}
+
+TEST(Options, a_doubled_option_is_refused) {
+  OptionReader reader;
+  reader.add("refine", "false");
+  const Error error = error_of([&] { reader.add("refine", "false"); });
+  EXPECT_EQ(error.code, Code::kInvalidOption);
+  EXPECT_EQ(error.option, "refine");
+}
+
+TEST(Options, both_of_a_pair_are_refused_in_either_order) {
+  const std::pair<std::string_view, std::string_view> pairs[] = {{"min_angle_deg", "max_radius_edge_ratio"},
+                                                                 {"max_edge_length", "max_edge_fraction"}};
+  for (const auto& [a, b] : pairs) {
+    for (const auto& [first, second] : {std::pair(a, b), std::pair(b, a)}) {
+      OptionReader reader;
+      reader.add(first, "1");
+      const Error error = error_of([&, s = second] { reader.add(s, "1"); });
+      EXPECT_EQ(error.code, Code::kInvalidOption);
+      EXPECT_EQ(error.option, second);
+    }
+  }
+}
+
+TEST(Options, refinement_is_refused_as_not_implemented_by_name) {
+  const std::set<std::string_view> refinement{"refine",          "min_angle_deg",     "max_radius_edge_ratio",
+                                              "max_edge_length", "max_edge_fraction", "max_area",
+                                              "min_edge_length", "proximity",         "gradation"};
+  for (const std::string_view name : refinement) {
+    OptionReader reader;
+    reader.add(name, find_option(name)->example);
+    const Error error = error_of([&] { reader.check(); });
+    EXPECT_EQ(error.code, Code::kNotImplemented) << name;
+    EXPECT_EQ(error.option, name);
+    EXPECT_FALSE(is_implemented(*find_option(name)));
+  }
+  EXPECT_NO_THROW(OptionReader().check());
+  EXPECT_TRUE(is_implemented(*find_option("plane_tolerance")));
+}
+
+}  // namespace
+}  // namespace remesh::api

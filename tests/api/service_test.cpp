@@ -1,0 +1,348 @@
+#include "api/service.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "api/options.h"
+
+namespace remesh::api {
+namespace {
+
+using nlohmann::json;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+// The listing of the specification's section 1.1: a square ring.
+constexpr std::string_view kRing = R"(# Blender v2.79 (sub 0) OBJ File: ''
+o Plane_Plane.003
+v -4.000000 -4.000000 1.000000
+v 4.000000 -4.000000 1.000000
+v -4.000000 4.000000 1.000000
+v 4.000000 4.000000 1.000000
+v -3.000000 -3.000000 1.000000
+v 3.000000 -3.000000 1.000000
+v -3.000000 3.000000 1.000000
+v 3.000000 3.000000 1.000000
+vn 0.0000 0.0000 1.0000
+s off
+f 5//1 3//1 1//1
+f 4//1 7//1 8//1
+f 1//1 2//1 6//1
+f 5//1 7//1 3//1
+f 1//1 6//1 5//1
+f 6//1 2//1 4//1
+f 4//1 3//1 7//1
+f 8//1 6//1 4//1
+)";
+
+// A closed unit cube of quads.
+constexpr std::string_view kCube = R"({"vertices":[[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1]],
+"faces":[[3,2,1,0],[4,5,6,7],[0,1,5,4],[1,2,6,5],[2,3,7,6],[3,0,4,7]]})";
+
+Response remesh(const Request& request, const Limits& limits = {}) {
+  RunControl control;
+  return run_remesh(request, limits, control);
+}
+
+Request request_of(std::string_view body, std::string content_type = "", Fields query = {}, std::string accept = "") {
+  return {body, std::move(content_type), std::move(accept), std::move(query), ""};
+}
+
+Code code_of(const Request& request, const Limits& limits = {}) {
+  try {
+    remesh(request, limits);
+  } catch (const Error& error) {
+    return error.code;
+  }
+  ADD_FAILURE() << "no error";
+  return Code::kInternal;
+}
+
+std::string header(const Response& response, std::string_view name) {
+  for (const auto& [key, value] : response.headers) {
+    if (key == name) return value;
+  }
+  return "";
+}
+
+TEST(RunRemesh, the_listing_of_the_specification_is_one_ring) {
+  const Response response = remesh(request_of(kRing, "model/obj", {{"format", "json"}}));
+  EXPECT_EQ(response.status, 200);
+  EXPECT_EQ(response.content_type, "application/json");
+  const json answer = json::parse(response.body);
+  const json& report = answer["report"];
+  ASSERT_EQ(report["patches"].size(), 1u);
+  EXPECT_EQ(report["patches"][0]["loops"], 2);
+  EXPECT_EQ(report["patches"][0]["essential_vertices"], 8);
+  EXPECT_EQ(report["patches"][0]["status"], "remeshed");
+  EXPECT_TRUE(report["patches"][0]["reason"].is_null());
+  EXPECT_EQ(report["output"]["faces"], 8);
+  EXPECT_EQ(report["output"]["area"], 28.0);
+  EXPECT_EQ(report["output"]["euler"], 0);
+  EXPECT_TRUE(report["output"]["volume"].is_null());
+  EXPECT_EQ(report["verified"]["surface"], true);
+  EXPECT_EQ(report["verified"]["conforming"], true);
+  EXPECT_EQ(report["verified"]["delaunay"], true);
+  EXPECT_TRUE(report["verified"]["quality"].is_null());
+  EXPECT_EQ(answer["mesh"]["faces"].size(), 8u);
+  EXPECT_EQ(answer["mesh"]["face_patch"].size(), 8u);
+  EXPECT_EQ(answer["mesh"]["face_source"].size(), 8u);
+  EXPECT_EQ(answer["mesh"]["labels"]["object"]["names"], json({"Plane_Plane.003"}));
+}
+
+TEST(RunRemesh, an_obj_comes_back_as_an_obj_with_its_summary) {
+  Request request = request_of(kRing, "application/x-www-form-urlencoded", {}, "*/*");
+  request.file_name = "/tmp/../my ring.OBJ";
+  const Response response = remesh(request);
+  EXPECT_EQ(response.content_type, "model/obj");
+  EXPECT_THAT(header(response, "Remesh-Summary"),
+              StartsWith("input_faces=8, output_faces=8, patches=1, kept=0, min_angle_deg="));
+  EXPECT_THAT(header(response, "Remesh-Summary"), HasSubstr("verified=1, warnings="));
+  EXPECT_THAT(header(response, "Server-Timing"), StartsWith("read;dur="));
+  EXPECT_THAT(header(response, "Server-Timing"), HasSubstr("total;dur="));
+  EXPECT_EQ(header(response, "Content-Disposition"), "attachment; filename=\"my_ring.obj\"");
+  EXPECT_THAT(response.body, StartsWith("# remeshd "));
+  EXPECT_THAT(response.body, HasSubstr("# " + header(response, "Remesh-Summary") + "\n"));
+  EXPECT_EQ(remesh(request).body, response.body);
+}
+
+TEST(RunRemesh, the_report_has_every_field_of_the_contract) {
+  const json report = json::parse(remesh(request_of(kCube)).body)["report"];
+  const auto keys = [](const json& object) {
+    std::set<std::string> names;
+    for (const auto& [name, value] : object.items()) names.insert(name);
+    return names;
+  };
+  EXPECT_EQ(keys(report), (std::set<std::string>{"version", "options", "tolerance", "input", "output", "patches",
+                                                 "diagnostics", "volume_ready", "predicted_faces", "smallest_gap",
+                                                 "unrefined", "verified", "timing_ms"}));
+  for (const char* side : {"input", "output"}) {
+    EXPECT_EQ(keys(report[side]),
+              (std::set<std::string>{"vertices", "faces", "components", "boundary_edges", "non_manifold_edges",
+                                     "closed", "euler", "area", "volume", "bounding_box", "quality"}));
+    EXPECT_EQ(keys(report[side]["quality"]),
+              (std::set<std::string>{"min_angle_deg", "max_angle_deg", "radius_edge_ratio", "aspect_ratio",
+                                     "edge_length", "area", "angle_histogram_deg", "radius_edge_histogram"}));
+    EXPECT_EQ(report[side]["bounding_box"], (json{{"min", {0, 0, 0}}, {"max", {1, 1, 1}}}));
+    EXPECT_EQ(report[side]["closed"], true);
+    EXPECT_DOUBLE_EQ(report[side]["volume"].get<double>(), 1);
+  }
+  EXPECT_EQ(keys(report["patches"][0]),
+            (std::set<std::string>{"id", "normal", "offset", "area", "input_faces", "output_faces", "loops",
+                                   "essential_vertices", "status", "reason", "deviation"}));
+  EXPECT_EQ(report["patches"].size(), 6u);
+  EXPECT_EQ(report["output"]["faces"], 12);
+  EXPECT_EQ(report["volume_ready"], (json{{"ready", true}, {"reasons", json::array()}}));
+  std::set<std::string> options;
+  for (const OptionSpec& spec : option_table()) options.insert(std::string(spec.name));
+  EXPECT_EQ(keys(report["options"]), options);
+  EXPECT_GT(report["options"]["plane_tolerance"].get<double>(), 0);
+  EXPECT_TRUE(report["timing_ms"].contains("read"));
+  EXPECT_TRUE(report["timing_ms"].contains("total"));
+}
+
+TEST(RunRemesh, an_open_surface_is_not_ready_for_a_volume_mesher) {
+  const json ready = json::parse(remesh(request_of(kRing, "", {{"format", "json"}})).body)["report"]["volume_ready"];
+  EXPECT_EQ(ready["ready"], false);
+  EXPECT_EQ(ready["reasons"], json({{{"code", "open_boundary"}, {"count", 8}, {"places", json::array()}}}));
+}
+
+TEST(RunRemesh, the_options_of_a_report_can_be_sent_again) {
+  const json first = json::parse(remesh(request_of(kCube)).body);
+  const json again{{"mesh", json::parse(kCube)}, {"options", first["report"]["options"]}};
+  const json second = json::parse(remesh(request_of(again.dump())).body);
+  EXPECT_EQ(second["report"]["options"], first["report"]["options"]);
+  EXPECT_EQ(second["mesh"], first["mesh"]);
+}
+
+TEST(RunRemesh, an_answer_can_be_sent_again) {
+  const Response first = remesh(request_of(kCube));
+  const json second = json::parse(remesh(request_of(first.body)).body);
+  EXPECT_EQ(second["mesh"]["vertices"], json::parse(first.body)["mesh"]["vertices"]);
+  EXPECT_EQ(second["report"]["diagnostics"][0]["code"], "attribute_dropped");
+}
+
+TEST(RunRemesh, groups_given_as_numbers_come_back_as_numbers) {
+  const json request{{"vertices", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {0, 1, 0}}},
+                     {"faces", {{0, 1, 4, 5}, {1, 2, 3, 4}}},
+                     {"face_groups", {40, -2}}};
+  const json mesh = json::parse(remesh(request_of(request.dump())).body)["mesh"];
+  ASSERT_EQ(mesh["faces"].size(), 4u);
+  for (std::size_t f = 0; f < 4; ++f) {
+    EXPECT_EQ(mesh["face_groups"][f], mesh["face_source"][f] == 0 ? 40 : -2);
+  }
+  EXPECT_FALSE(mesh.contains("labels"));
+}
+
+TEST(RunRemesh, a_form_takes_a_mesh_and_options) {
+  const std::string form =
+      "--B\r\nContent-Disposition: form-data; name=\"options\"\r\nContent-Type: "
+      "application/json\r\n\r\n{\"format\":\"json\"}\r\n"
+      "--B\r\nContent-Disposition: form-data; name=\"mesh\"; filename=\"part.obj\"\r\nContent-Type: "
+      "application/octet-stream\r\n\r\n" +
+      std::string(kRing) + "\r\n--B--\r\n";
+  const std::string type = "multipart/form-data; boundary=B";
+  EXPECT_EQ(remesh(request_of(form, type)).content_type, "application/json");
+  EXPECT_EQ(code_of(request_of(form, type, {{"format", "obj"}})), Code::kInvalidOption);
+  EXPECT_EQ(code_of(request_of("--B\r\nContent-Disposition: form-data; name=\"refine\"\r\n\r\ntrue\r\n--B--", type)),
+            Code::kMalformedMultipart);
+  EXPECT_EQ(code_of(request_of("--B\r\nContent-Disposition: form-data; name=\"options\"\r\n\r\n{}\r\n--B--", type)),
+            Code::kMalformedMultipart);
+}
+
+TEST(RunRemesh, bad_input_has_its_code) {
+  EXPECT_EQ(code_of(request_of("")), Code::kEmptyMesh);
+  EXPECT_EQ(code_of(request_of("", "application/json")), Code::kMalformedJson);
+  EXPECT_EQ(code_of(request_of("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")), Code::kIndexOutOfRange);
+  EXPECT_EQ(code_of(request_of("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), Code::kNonfiniteCoordinate);
+  EXPECT_EQ(code_of(request_of(kRing, "model/stl")), Code::kUnsupportedMediaType);
+  EXPECT_EQ(code_of(request_of("ply\nformat ascii 1.0\n")), Code::kUnsupportedMediaType);
+  EXPECT_EQ(code_of(request_of(kRing, "", {}, "model/stl")), Code::kNotAcceptable);
+  EXPECT_EQ(code_of(request_of(kRing, "", {{"format", "vtu"}})), Code::kNotAcceptable);
+  EXPECT_EQ(code_of(request_of(kRing, "", {{"max_edge", "1"}})), Code::kUnknownOption);
+  EXPECT_EQ(code_of(request_of(kRing, "", {{"refine", "true"}})), Code::kNotImplemented);
+  EXPECT_EQ(code_of(request_of(
+                R"({"mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]]},"options":{"refine":true}})")),
+            Code::kNotImplemented);
+}
+
+TEST(RunRemesh, options_are_refused_before_the_mesh_is_read) {
+  EXPECT_EQ(code_of(request_of("no mesh at all", "", {{"max_area", "1"}})), Code::kNotImplemented);
+}
+
+TEST(RunRemesh, limits_hold) {
+  Limits limits;
+  limits.max_body = 10;
+  EXPECT_EQ(code_of(request_of(kRing), limits), Code::kBodyTooLarge);
+  limits = {};
+  limits.max_faces = 7;
+  EXPECT_EQ(code_of(request_of(kRing), limits), Code::kMeshTooLarge);
+  EXPECT_EQ(code_of(request_of(kCube, "", {{"max_output_faces", "50000001"}})), Code::kInvalidOption);
+}
+
+TEST(RunRemesh, a_stopped_request_ends_at_once) {
+  RunControl control;
+  control.expire();
+  try {
+    run_remesh(request_of(kRing), {}, control);
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, Code::kTimeout);
+  }
+}
+
+TEST(RunRemesh, an_upload_cannot_choose_an_unsafe_name) {
+  const std::pair<std::string, std::string> names[] = {{"", "remeshed.obj"},
+                                                       {"..", "remeshed.obj"},
+                                                       {"C:\\parts\\a.stl", "a.obj"},
+                                                       {"a\"; x=\r\ny.obj", "a___x___y.obj"},
+                                                       {".hidden", "hidden.obj"},
+                                                       {"part.v2", "part.v2.obj"},
+                                                       {std::string(500, 'a'), std::string(100, 'a') + ".obj"}};
+  for (const auto& [given, safe] : names) {
+    Request request = request_of(kRing);
+    request.file_name = given;
+    EXPECT_EQ(header(remesh(request), "Content-Disposition"), "attachment; filename=\"" + safe + "\"");
+  }
+}
+
+TEST(RunAnalyze, an_analysis_is_a_report_without_an_output) {
+  RunControl control;
+  const Response response = run_analyze(request_of(kCube), {}, control);
+  EXPECT_EQ(response.content_type, "application/json");
+  const json answer = json::parse(response.body);
+  EXPECT_EQ(answer["report"]["input"]["faces"], 6);
+  EXPECT_EQ(answer["report"]["patches"].size(), 6u);
+  EXPECT_TRUE(answer["report"].contains("predicted_faces"));
+  EXPECT_FALSE(answer["report"].contains("output"));
+  EXPECT_FALSE(answer["report"].contains("verified"));
+  RunControl again;
+  EXPECT_THROW(run_analyze(request_of(kCube, "", {{"format", "obj"}}), {}, again), Error);
+}
+
+TEST(Capabilities, they_tell_options_formats_and_limits) {
+  Limits limits;
+  limits.max_faces = 77;
+  const json answer = json::parse(capabilities(limits).body);
+  EXPECT_EQ(answer["limits"]["max_faces"], 77);
+  EXPECT_EQ(answer["options"].size(), option_table().size());
+  EXPECT_EQ(answer["options"][1]["name"], "min_angle_deg");
+  EXPECT_EQ(answer["options"][1]["maximum"], 33);
+  EXPECT_EQ(answer["options"][1]["implemented"], false);
+  EXPECT_EQ(answer["formats"]["input"], json({{{"name", "obj"}, {"media_type", "model/obj"}},
+                                              {{"name", "json"}, {"media_type", "application/json"}}}));
+}
+
+TEST(Openapi, its_parameters_are_the_table_of_options) {
+  const json document = json::parse(openapi().body);
+  EXPECT_THAT(document["openapi"].get<std::string>(), StartsWith("3.1"));
+  const json answer = json::parse(capabilities({}).body);
+  for (const json& option : answer["options"]) {
+    const std::string name = option["name"];
+    SCOPED_TRACE(name);
+    const json& parameter = document["components"]["parameters"][name];
+    ASSERT_EQ(parameter["name"], name);
+    const json& schema = parameter["schema"];
+    EXPECT_EQ(schema["type"], option["type"]);
+    EXPECT_EQ(schema.value("default", json()), option["default"]);
+    EXPECT_EQ(schema.value("minimum", json()), option.value("minimum", json()));
+    EXPECT_EQ(schema.value("exclusiveMinimum", json()), option.value("exclusive_minimum", json()));
+    EXPECT_EQ(schema.value("maximum", json()), option.value("maximum", json()));
+    const bool says_not_yet = parameter["description"].get<std::string>().find("ot implemented") != std::string::npos;
+    EXPECT_EQ(says_not_yet, !option["implemented"].get<bool>());
+    EXPECT_TRUE(document["components"]["schemas"]["Options"]["properties"].contains(name));
+    for (const char* path : {"/v1/remesh", "/v1/analyze"}) {
+      const json& parameters = document["paths"][path]["post"]["parameters"];
+      EXPECT_NE(std::find(parameters.begin(), parameters.end(), json{{"$ref", "#/components/parameters/" + name}}),
+                parameters.end());
+    }
+  }
+}
+
+// Every "$ref" in a document, as a JSON pointer.
+void collect_references(const json& node, std::vector<std::string>& references) {
+  for (const auto& [key, value] : node.items()) {
+    if (key == "$ref" && value.is_string()) references.push_back(value.get<std::string>().substr(1));
+    if (value.is_structured()) collect_references(value, references);
+  }
+}
+
+TEST(Openapi, every_reference_has_its_target) {
+  const json document = json::parse(openapi().body);
+  std::vector<std::string> references;
+  collect_references(document, references);
+  EXPECT_GT(references.size(), 50u);
+  for (const std::string& reference : references)
+    EXPECT_TRUE(document.contains(json::json_pointer(reference))) << reference;
+}
+
+TEST(Openapi, the_report_schema_names_what_a_report_has) {
+  const json document = json::parse(openapi().body);
+  const json report = json::parse(remesh(request_of(kCube)).body)["report"];
+  const json& schemas = document["components"]["schemas"];
+  const auto expect_same_keys = [](const json& schema, const json& value) {
+    for (const auto& [key, member] : value.items()) EXPECT_TRUE(schema["properties"].contains(key)) << key;
+    for (const json& key : schema["required"]) EXPECT_TRUE(value.contains(key.get<std::string>())) << key;
+  };
+  expect_same_keys(schemas["Report"], report);
+  expect_same_keys(schemas["Statistics"], report["output"]);
+  expect_same_keys(schemas["Quality"], report["output"]["quality"]);
+  expect_same_keys(schemas["Patch"], report["patches"][0]);
+  expect_same_keys(schemas["Verified"], report["verified"]);
+  expect_same_keys(schemas["Tolerance"], report["tolerance"]);
+}
+
+TEST(Openapi, its_examples_are_answered) {
+  const json document = json::parse(openapi().body);
+  const json& content = document["components"]["requestBodies"]["Mesh"]["content"];
+  EXPECT_EQ(remesh(request_of(content["model/obj"]["example"].get<std::string>(), "model/obj")).status, 200);
+  const json& examples = content["application/json"]["examples"];
+  EXPECT_EQ(json::parse(remesh(request_of(examples["bare"]["value"].dump())).body)["report"]["patches"].size(), 1u);
+  EXPECT_EQ(json::parse(remesh(request_of(examples["with_options"]["value"].dump())).body)["report"]["patches"].size(),
+            2u);
+}
+
+}  // namespace
+}  // namespace remesh::api

@@ -1,0 +1,51 @@
+# For the scripts beside it: start and stop a daemon, and say what went wrong.
+# Sets `root` (of the sources), `work` (a folder that is removed at the end), `remeshd` and `remesh`.
+
+set -euo pipefail
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
+remeshd=$(realpath "$1")
+remesh=$(realpath "$2")
+work=$(mktemp -d)
+daemon=
+# What is set outside must not change what is tested.
+for variable in "${!REMESHD_@}"; do unset "$variable"; done
+
+clean_up() {
+  [ -z "$daemon" ] || kill "$daemon" 2>/dev/null || true
+  rm -rf "$work"
+}
+trap clean_up EXIT
+
+fail() {
+  printf 'FAILED: %s\n' "$*" >&2
+  if [ -s "$work/log" ]; then
+    echo "the daemon's log:" >&2
+    tail -n 20 "$work/log" >&2
+  fi
+  exit 1
+}
+
+# start_daemon [OPTION]...: on a free port; sets `daemon` (the process) and `address`.
+start_daemon() {
+  "$remeshd" --bind 127.0.0.1:0 --log-format json "$@" 2>"$work/log" &
+  daemon=$!
+  address=
+  for _ in $(seq 200); do
+    address=$(sed -n 's/.*"address": *"\(127\.0\.0\.1:[0-9]*\)".*/\1/p' "$work/log" | head -n 1)
+    [ -z "$address" ] || return 0
+    kill -0 "$daemon" 2>/dev/null || fail "the daemon ended at its start"
+    sleep 0.05
+  done
+  fail "the daemon does not say where it listens"
+}
+
+# Stops it as an orchestrator does; its exit code must be 0.
+stop_daemon() {
+  local code=0
+  kill -TERM "$daemon"
+  wait "$daemon" || code=$?
+  daemon=
+  [ "$code" = 0 ] || fail "exit code $code after SIGTERM"
+}
+
+count_faces() { grep -c '^f ' "$1" || true; }
