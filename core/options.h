@@ -33,29 +33,29 @@ struct Barriers {
 /// Lengths are in model units, angles in degrees. An empty optional means: the default of the contract.
 struct Options {
   bool refine = false;
-  std::optional<double> min_angle_deg;           ///< 0 to 33
-  std::optional<double> max_radius_edge_ratio;   ///< instead of min_angle_deg
-  std::optional<double> max_edge_length;         ///< > 0
-  std::optional<double> max_edge_fraction;       ///< instead of max_edge_length; of the bounding box's diagonal
-  std::optional<double> max_area;                ///< > 0
-  std::optional<double> min_edge_length;         ///< > 0
-  double proximity = 0;                          ///< 0: off
-  std::optional<double> gradation;               ///< > 1
+  std::optional<double> min_angle_deg;          ///< 0 to 33
+  std::optional<double> max_radius_edge_ratio;  ///< instead of min_angle_deg
+  std::optional<double> max_edge_length;        ///< > 0
+  std::optional<double> max_edge_fraction;      ///< instead of max_edge_length; of the bounding box's diagonal
+  std::optional<double> max_area;               ///< > 0
+  std::optional<double> min_edge_length;        ///< > 0
+  double proximity = 0;                         ///< 0: off
+  std::optional<double> gradation;              ///< > 1
   std::optional<std::uint64_t> max_output_faces;
   bool split_boundaries = true;
   bool keep_boundary_vertices = false;
-  std::optional<double> plane_tolerance;         ///< > 0; empty: from the input's rounding noise
-  double normal_tolerance = 1e-6;                ///< per component of the unit normal
-  double weld_tolerance = 0;                     ///< 0: only equal coordinates are one vertex
+  std::optional<double> plane_tolerance;  ///< > 0; empty: from the input's rounding noise
+  double normal_tolerance = 1e-6;         ///< per component of the unit normal
+  double weld_tolerance = 0;              ///< 0: only equal coordinates are one vertex
   Repair repair;
   Barriers barriers;
   ReferenceAxis reference_axis = ReferenceAxis::kDominantEdge;
-  Vec3 reference_direction;                      ///< used with ReferenceAxis::kGiven; any length but 0
+  Vec3 reference_direction;  ///< used with ReferenceAxis::kGiven; any length but 0
 };
 
 /// How a run is carried out; nothing here changes a byte of the result.
 struct RunSettings {
-  int workers = 1;              ///< threads that compute, at least 1
+  int workers = 1;                ///< threads that compute, at least 1
   bool want_face_source = false;  ///< fill Result::face_source (costs a point location per output face)
 };
 

@@ -19,9 +19,9 @@ namespace remesh {
 Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control);
 
 /// Counts, areas and topology of a polygon surface. Vertices that no face uses are not counted in `vertices` here.
-/// `euler` is V - E + F of what is used; `closed`: every edge has exactly two half-edges, running in opposite directions
-/// or not; `volume` is the enclosed signed volume where closed and consistently wound, else empty; `components` connects
-/// faces that share a vertex. `quality` is left as it is: see measure_quality.
+/// `euler` is V - E + F of what is used; `closed`: every edge has exactly two half-edges, running in opposite
+/// directions or not; `volume` is the enclosed signed volume where closed and consistently wound, else empty;
+/// `components` connects faces that share a vertex. `quality` is left as it is: see measure_quality.
 MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
                                std::span<const VertexId> corners, RunControl& control);
 /// The same for triangles, with their quality.

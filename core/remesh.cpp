@@ -106,8 +106,7 @@ class Run {
       ladder.step(surface_, patches_, loops_, *adjacency_, failed, regions_);
     }
     summarise(ladder);
-    for (std::size_t p = 0; p < meshes_.size(); ++p)
-      report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
+    for (std::size_t p = 0; p < meshes_.size(); ++p) report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
     return finish(want_face_source);
   }
 
@@ -122,7 +121,8 @@ class Run {
   }
 
  private:
-  /// From the mesh as read to a surface of which every face has a plane, and the tolerance that its coordinates ask for.
+  /// From the mesh as read to a surface of which every face has a plane, and the tolerance that its coordinates ask
+  /// for.
   void prepare() {
     // Vertices with equal coordinates become one.
     watch_.enter(Stage::kWeld);
@@ -142,7 +142,8 @@ class Run {
   void find_patches(Ladder& ladder) {
     watch_.enter(Stage::kRegions);
     coplanar_regions(surface_, *adjacency_, geometry_,
-                     {local_tolerance(), options_.normal_tolerance, &ladder.zone(), &ladder.rung()}, regions_, control_);
+                     {local_tolerance(), options_.normal_tolerance, &ladder.zone(), &ladder.rung()}, regions_,
+                     control_);
     watch_.enter(Stage::kPatches);
     patches_ = patches(surface_, *adjacency_, regions_, control_);
     watch_.enter(Stage::kLoops);
@@ -195,17 +196,10 @@ class Run {
           .with_limit(most);
   }
 
-  Frame model_frame(const Frame& local) const {
-    Frame frame = local;
-    frame.origin = surface_.centre + surface_.unit * local.origin;
-    frame.scale = surface_.unit * local.scale;
-    return frame;
-  }
-
   Verdict check() {
     IdVector<PatchId, Frame> frames;
     frames.reserve(meshes_.size());
-    for (const PatchMesh& mesh : meshes_) frames.push_back(model_frame(mesh.frame));
+    for (const PatchMesh& mesh : meshes_) frames.push_back(mesh.frame);
     positions_.clear();
     positions_.reserve(assembled_.vertex.size());
     for (const VertexId v : assembled_.vertex) positions_.push_back(surface_.positions[v]);
@@ -350,9 +344,8 @@ void check_options(const Options& options) {
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                       RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
-  return in_arena(settings, [&] {
-    return Run(input, options, control, std::move(diagnostics)).remesh(settings.want_face_source);
-  });
+  return in_arena(
+      settings, [&] { return Run(input, options, control, std::move(diagnostics)).remesh(settings.want_face_source); });
 }
 
 Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,

@@ -12,8 +12,8 @@ namespace remesh {
 
 struct Result {
   TriangleMesh mesh;
-  IdVector<FaceId, PatchId> face_patch;   ///< one per output face; indexes report.patches
-  IdVector<FaceId, FaceId> face_source;   ///< the input face under each face's centroid; empty unless asked for
+  IdVector<FaceId, PatchId> face_patch;  ///< one per output face; indexes report.patches
+  IdVector<FaceId, FaceId> face_source;  ///< the input face under each face's centroid; empty unless asked for
   Report report;
 };
 

@@ -59,8 +59,8 @@ enum class PatchStatus { kRemeshed, kReduced, kKept };
 enum class PatchReason { kNone, kSelfIntersectingLoop, kOverlappingFaces, kNotPlanar, kBudget, kVerificationFailed };
 
 struct PatchSummary {
-  Vec3 normal;            ///< unit
-  double offset = 0;      ///< normal . x = offset on the plane
+  Vec3 normal;        ///< unit
+  double offset = 0;  ///< normal . x = offset on the plane
   double area = 0;
   std::uint64_t input_faces = 0;
   std::uint64_t output_faces = 0;
@@ -68,7 +68,7 @@ struct PatchSummary {
   std::uint32_t essential_vertices = 0;
   PatchStatus status = PatchStatus::kRemeshed;
   PatchReason reason = PatchReason::kNone;
-  double deviation = 0;   ///< largest distance of an input vertex of the patch to its plane
+  double deviation = 0;  ///< largest distance of an input vertex of the patch to its plane
 };
 
 enum class DiagnosticCode {
@@ -126,11 +126,11 @@ struct StageTime {
 };
 
 struct Report {
-  Options options;              ///< as used
-  double plane_tolerance = 0;   ///< as used, model units
+  Options options;             ///< as used
+  double plane_tolerance = 0;  ///< as used, model units
   bool plane_tolerance_is_automatic = true;
-  double rounding_step = 0;     ///< read from the coordinates; 0 if they are full doubles
-  double volume_bound = 0;      ///< largest change of volume that the patches' deviations explain
+  double rounding_step = 0;  ///< read from the coordinates; 0 if they are full doubles
+  double volume_bound = 0;   ///< largest change of volume that the patches' deviations explain
   MeshStatistics input;
   MeshStatistics output;
   std::vector<PatchSummary> patches;

@@ -17,19 +17,20 @@ namespace remesh {
 
 /// What the pipeline says it has done.
 struct Claim {
-  const Surface& surface;                              ///< what was remeshed
-  const IdVector<FaceId, PatchId>& surface_patch;      ///< patch of each face of `surface`
+  const Surface& surface;                          ///< what was remeshed
+  const IdVector<FaceId, PatchId>& surface_patch;  ///< patch of each face of `surface`
   const IdVector<PatchId, Frame>& frames;
-  std::span<const Vec3> positions;                     ///< output vertices
-  std::span<const Triangle> faces;                     ///< output faces
-  std::span<const PatchId> face_patch;                 ///< patch of each output face
-  std::span<const Vec2> corner_uv;                     ///< stored plane coordinates, 3 per output face
-  double plane_tolerance = 0;                          ///< model units
+  std::span<const Vec3> positions;      ///< output vertices
+  std::span<const Triangle> faces;      ///< output faces
+  std::span<const PatchId> face_patch;  ///< patch of each output face
+  std::span<const Vec2> corner_uv;      ///< stored plane coordinates, 3 per output face
+  double plane_tolerance = 0;           ///< model units
 };
 
 /// Tests promises 1 to 3.
 /// Output:  a verdict; `failed_patches` names every patch on which a test failed.
-///  surface:    every output vertex is a surface vertex bit for bit; input and output lie within plane_tolerance of each
+///  surface:    every output vertex is a surface vertex bit for bit; input and output lie within plane_tolerance of
+///  each
 ///              other, both ways, patch by patch; every patch keeps its boundary loops (each output loop is the input
 ///              loop less vertices within tolerance of the chord that replaces them); Euler number, closedness, area
 ///              and volume are kept within what the deviations explain.

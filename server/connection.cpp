@@ -132,6 +132,11 @@ Connection::Wake Connection::wait(const Event* event, Clock::time_point until) {
   }
 }
 
+bool Connection::has_unread_input() const {
+  char byte = 0;
+  return ::recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
+}
+
 void Connection::finish(std::chrono::milliseconds patience) {
   ::shutdown(socket_, SHUT_WR);
   const Clock::time_point deadline = Clock::now() + patience;

@@ -72,6 +72,9 @@ class Connection {
   /// (closing on unread bytes would reset the connection, and the answer with it).
   void finish(std::chrono::milliseconds patience);
 
+  /// True when bytes have arrived that nobody has read.
+  bool has_unread_input() const;
+
   const std::string& peer_address() const { return peer_address_; }
   std::uint64_t bytes_written() const { return written_; }
   std::uint64_t bytes_read() const { return read_; }

@@ -229,8 +229,10 @@ class HttpServer::Listener : public httplib::Server {
       return;
     }
     active.reset();
-    // A client whose request was read whole has nothing more to say; any other may be in the middle of its upload.
-    connection.finish(is_read ? std::chrono::milliseconds(0) : kLinger);
+    // A client whose request was read whole mostly has nothing more to say; any other may be in the middle of its
+    // upload.
+    const bool is_silent = is_read && !connection.has_unread_input();
+    connection.finish(is_silent ? std::chrono::milliseconds(0) : kLinger);
   }
 
   /// Lets `stop_all` find the sockets of connections that are open.

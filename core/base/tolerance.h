@@ -12,8 +12,8 @@ namespace remesh {
 /// planes fall apart; larger, and facets of fine cylinders merge.
 inline constexpr double kToleranceFloor = 1e-9;
 
-/// Plane tolerance in rounding steps: half a step a coordinate, sqrt(3) in space, 3 for what a plane through noisy points
-/// adds.
+/// Plane tolerance in rounding steps: half a step a coordinate, sqrt(3) in space, 3 for what a plane through noisy
+/// points adds.
 inline constexpr double kToleranceSteps = 2.6;
 
 /// Largest automatic plane tolerance, of the diagonal. Coordinates that are all whole numbers have a step of 1, but are
@@ -26,17 +26,17 @@ inline constexpr double kToleranceUnquestioned = 1e-6;
 /// A step of the ladder tightens a patch's tolerance by this.
 inline constexpr double kLadderFactor = 0.1;
 
-/// The rounding step of coordinates, read from their values: the largest power of ten (times a power of two) of which all
-/// are multiples, if that leaves short numbers; the largest last place where they are limited in significant digits;
-/// the last place of the largest as a float if all are floats; else as a double.
-/// Holds:  scales with the coordinates by powers of two.
-/// Source: REFINEMENT, rule 12, carried from decimals to decimals times powers of two, so that scaling by two keeps it.
+/// The rounding step of coordinates, read from their values: the largest power of ten (times a power of two) of which
+/// all are multiples, if that leaves short numbers; the largest last place where they are limited in significant
+/// digits; the last place of the largest as a float if all are floats; else as a double. Holds:  scales with the
+/// coordinates by powers of two. Source: REFINEMENT, rule 12, carried from decimals to decimals times powers of two, so
+/// that scaling by two keeps it.
 double rounding_step(std::span<const Vec3> positions);
 
 /// The plane tolerance that a step explains in a mesh of that diagonal.
 struct AutomaticTolerance {
-  double value = 0;        ///< without doubt
-  double if_noisy = 0;     ///< where faces are seen to bend by it; never less than `value`
+  double value = 0;     ///< without doubt
+  double if_noisy = 0;  ///< where faces are seen to bend by it; never less than `value`
 };
 AutomaticTolerance automatic_tolerance(double step, double diagonal);
 

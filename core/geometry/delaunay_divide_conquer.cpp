@@ -52,7 +52,7 @@ class DivideAndConquer {
   }
 
  private:
-  static constexpr double kStripFactor = 2;  // measured: flat between 1 and 4
+  static constexpr double kStripFactor = 2;              // measured: flat between 1 and 4
   static constexpr std::size_t kParallelSize = 1 << 15;  // smaller parts are not worth a task
   static constexpr std::uint32_t kCheckInterval = 4096;
 

@@ -13,7 +13,7 @@ struct Frame {
   Vec3 y_axis{0, 1, 0};
   Vec3 normal{0, 0, 1};
   double scale = 1;  ///< a power of two, model units
-  double grid = 0;   ///< plane coordinates are multiples of this power of two: 2^-40, or 2^-100 where that merges points
+  double grid = 0;  ///< plane coordinates are multiples of this power of two: 2^-40, or 2^-100 where that merges points
 };
 
 }  // namespace remesh

@@ -57,8 +57,8 @@ class Triangulation2d {
   }
 
   /// Replaces edge (a, b) by (c, d), where c and d are the apexes of h and of its twin. h must have a twin and bound a
-  /// strictly convex quadrilateral; this does not check it. Afterwards h runs from d to c within the same two triangles:
-  /// triangle h/3 is (d, c, a), the other one (c, d, b).
+  /// strictly convex quadrilateral; this does not check it. Afterwards h runs from d to c within the same two
+  /// triangles: triangle h/3 is (d, c, a), the other one (c, d, b).
   void flip(std::uint32_t h);
 
   /// Builds the index behind edge_at(); from then on flip() keeps it. `points` is the number of points.

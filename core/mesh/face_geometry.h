@@ -10,8 +10,8 @@ namespace remesh {
 
 /// In local units.
 struct FaceGeometry {
-  Vec3 normal;        ///< unit; where rounding leaves no direction, some direction across the longest side
-  Vec3 centre;        ///< mean of the corners
+  Vec3 normal;  ///< unit; where rounding leaves no direction, some direction across the longest side
+  Vec3 centre;  ///< mean of the corners
   double area = 0;
   /// The least height of a triangle; of a polygon, twice its area over its longest extent. What distance from a plane
   /// says about the face's angle is that distance over this.

@@ -11,19 +11,20 @@
 namespace remesh {
 
 /// Polygons over welded vertices, degenerate faces dropped, non-planar polygons triangulated.
-/// Holds: positions are pairwise different; every vertex is used; no face has a repeated consecutive corner or zero area.
+/// Holds: positions are pairwise different; every vertex is used; no face has a repeated consecutive corner or zero
+/// area.
 struct Surface {
   IdVector<VertexId, Vec3> positions;
   /// The positions less the box's centre, over `unit`, a power of two: within [-1, 1]. The stages compute in these, so
   /// that nothing overflows and scaling by powers of two changes nothing.
   IdVector<VertexId, Vec3> local;
-  Vec3 centre;                                    ///< of the box, model units
-  double unit = 1;                                ///< model units per local unit
+  Vec3 centre;      ///< of the box, model units
+  double unit = 1;  ///< model units per local unit
   std::vector<std::uint32_t> face_begin{0};
   std::vector<VertexId> corners;
-  IdVector<VertexId, VertexId> vertex_source;     ///< the first input vertex with these coordinates
-  IdVector<FaceId, FaceId> face_source;           ///< the input face this one came from
-  IdVector<FaceId, std::uint32_t> face_label;     ///< equal numbers: no barrier between the faces
+  IdVector<VertexId, VertexId> vertex_source;  ///< the first input vertex with these coordinates
+  IdVector<FaceId, FaceId> face_source;        ///< the input face this one came from
+  IdVector<FaceId, std::uint32_t> face_label;  ///< equal numbers: no barrier between the faces
 
   std::size_t vertex_count() const { return positions.size(); }
   std::size_t face_count() const { return face_begin.size() - 1; }

@@ -14,9 +14,9 @@ namespace remesh {
 /// Loops of half-edges, with the patch on their left: outer loops run counter-clockwise about the patch's normal, holes
 /// clockwise. A loop may touch itself in a vertex; a slit is walked on both sides.
 struct BoundaryLoops {
-  std::vector<std::uint32_t> half_edges;     ///< loop after loop
-  std::vector<std::uint32_t> loop_begin{0};  ///< half-edges of loop l: [loop_begin[l], loop_begin[l + 1])
-  std::vector<std::uint32_t> patch_begin{0}; ///< loops of patch p: [patch_begin[p], patch_begin[p + 1])
+  std::vector<std::uint32_t> half_edges;      ///< loop after loop
+  std::vector<std::uint32_t> loop_begin{0};   ///< half-edges of loop l: [loop_begin[l], loop_begin[l + 1])
+  std::vector<std::uint32_t> patch_begin{0};  ///< loops of patch p: [patch_begin[p], patch_begin[p + 1])
 
   std::span<const std::uint32_t> loop(std::uint32_t l) const {
     return std::span(half_edges).subspan(loop_begin[l], loop_begin[l + 1] - loop_begin[l]);

@@ -14,6 +14,9 @@ namespace {
 constexpr double kThin = 2;
 /// Neighbours must be this many tolerances high to bear witness of noise.
 constexpr double kWitness = 8;
+/// Faces are held within this part of the tolerance on either side of the plane, so that input and output, both in that
+/// band, are never further apart than the tolerance. While the plane is still being fitted all of it is allowed.
+constexpr double kBand = 0.5;
 /// A face is looked at by at most this many growths that end up without it; then only by those that have their plane.
 constexpr std::uint8_t kMostTrials = 8;
 
@@ -34,8 +37,14 @@ class Growth {
  public:
   Growth(const Surface& surface, const Adjacency& adjacency, const IdVector<FaceId, FaceGeometry>& geometry,
          const CoplanarityRule& rule, Regions& regions, RunControl& control)
-      : surface_(surface), adjacency_(adjacency), geometry_(geometry), rule_(rule), regions_(regions),
-        control_(control), stamp_(surface.face_count(), 0), trials_(surface.face_count(), 0) {
+      : surface_(surface),
+        adjacency_(adjacency),
+        geometry_(geometry),
+        rule_(rule),
+        regions_(regions),
+        control_(control),
+        stamp_(surface.face_count(), 0),
+        trials_(surface.face_count(), 0) {
     // Corners lie within [-1, 1]; the floor is relative to the diagonal.
     Box3 box;
     for (const Vec3& p : surface.local) box.add(p);
@@ -82,7 +91,7 @@ class Growth {
     for (const VertexId v : surface_.face(f))
       if (std::fabs(plane.distance(surface_.local[v])) > tol) return false;
     const FaceGeometry& g = geometry_[f];
-    if (g.height < kThin * tol) return true;
+    if (is_thin(f)) return true;
     const double cosine = dot(g.normal, plane.normal);
     // What the distance explains; the floor is per component of the normal.
     const double sine = std::max(rule_.normal_tolerance, kThin * tol / g.height);
@@ -110,14 +119,15 @@ class Growth {
     }
     const double tol = tolerance(seed);
     Plane plane = grow_fitting(seed, seed_plane, tol);
+    const double band = kBand * tol;
     const auto all_fit = [&] {
-      return std::all_of(found_.begin(), found_.end(), [&](FaceId f) { return fits(f, plane, tol); });
+      return std::all_of(found_.begin(), found_.end(), [&](FaceId f) { return fits(f, plane, band); });
     };
     if (!all_fit()) {
       for (const FaceId f : found_)
         if (trials_[f.value] < kMostTrials) ++trials_[f.value];
-      if (!fits(seed, plane, tol)) plane = seed_plane;
-      grow_in_plane(seed, plane, tol);
+      if (!fits(seed, plane, band)) plane = seed_plane;
+      grow_in_plane(seed, plane, band);
     }
     close(plane);
   }
@@ -196,14 +206,15 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor) {
   return rung == 1 ? tighter : std::min(kLadderFactor * tighter, floor);
 }
 
-void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const IdVector<FaceId, FaceGeometry>& geometry,
-                      const CoplanarityRule& rule, Regions& regions, RunControl& control) {
+void coplanar_regions(const Surface& surface, const Adjacency& adjacency,
+                      const IdVector<FaceId, FaceGeometry>& geometry, const CoplanarityRule& rule, Regions& regions,
+                      RunControl& control) {
   regions.of_face.resize(surface.face_count());
   Growth(surface, adjacency, geometry, rule, regions, control).run();
 }
 
-bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const IdVector<FaceId, FaceGeometry>& geometry,
-                      double floor, double tolerance) {
+bool is_noise_present(const Surface& surface, const Adjacency& adjacency,
+                      const IdVector<FaceId, FaceGeometry>& geometry, double floor, double tolerance) {
   const auto is_witness = [&](FaceId f) { return geometry[f].height >= kWitness * tolerance; };
   const auto bend = [&](FaceId of, FaceId against) {
     const Plane plane{geometry[against].centre, geometry[against].normal};

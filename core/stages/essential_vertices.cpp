@@ -30,7 +30,11 @@ class Selection {
  public:
   Selection(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
             const IdVector<VertexId, std::uint8_t>& forced, double tolerance, RunControl& control)
-      : surface_(surface), adjacency_(adjacency), patches_(patches), forced_(forced), tolerance_(tolerance),
+      : surface_(surface),
+        adjacency_(adjacency),
+        patches_(patches),
+        forced_(forced),
+        tolerance_(tolerance),
         control_(control) {}
 
   IdVector<VertexId, std::uint8_t> run() {

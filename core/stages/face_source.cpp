@@ -50,7 +50,7 @@ class PatchLocator {
     for (const FaceId f : faces) {
       Box2 box;
       for (const VertexId v : surface.face(f)) {
-        uv_.push_back(to_plane(frame, surface.local[v]));
+        uv_.push_back(to_plane(frame, surface.positions[v]));
         box.add(uv_.back());
       }
       begin_.push_back(static_cast<std::uint32_t>(uv_.size()));
@@ -113,7 +113,9 @@ class PatchLocator {
   }
 
   void build() {
-    const auto centre = [](const Item& i, bool by_y) { return by_y ? i.box.min.y + i.box.max.y : i.box.min.x + i.box.max.x; };
+    const auto centre = [](const Item& i, bool by_y) {
+      return by_y ? i.box.min.y + i.box.max.y : i.box.min.x + i.box.max.x;
+    };
     for (std::size_t node = 0; node < boxes_.size(); ++node) {
       const auto [from, to] = range(node);
       for (std::size_t i = from; i < to; ++i) {

@@ -6,7 +6,8 @@ namespace remesh {
 
 void find_defects(const Surface& welded, const Adjacency& edges, const MeshStatistics& statistics,
                   std::vector<Diagnostic>& diagnostics) {
-  Diagnostic non_manifold{DiagnosticCode::kNonManifoldEdge, 0, {}, "edges have three or more faces; elements are faces"};
+  Diagnostic non_manifold{
+      DiagnosticCode::kNonManifoldEdge, 0, {}, "edges have three or more faces; elements are faces"};
   Diagnostic open{DiagnosticCode::kOpenBoundary, 0, {}, "edges have one face only; elements are faces"};
   Diagnostic winding{
       DiagnosticCode::kInconsistentWinding, 0, {}, "edges have two faces that look opposite ways; elements are faces"};

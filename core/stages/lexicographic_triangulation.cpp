@@ -96,8 +96,8 @@ class Sweep {
     return orient2d(points_[a], points_[b], points_[p]) < 0;
   }
 
-  /// The triangle outside hull edge (a, next a), with apex p. Its first half-edge is twin to the hull edge; the next one
-  /// runs from a to p, the last one from p to next a.
+  /// The triangle outside hull edge (a, next a), with apex p. Its first half-edge is twin to the hull edge; the next
+  /// one runs from a to p, the last one from p to next a.
   std::uint32_t add_outside(std::uint32_t p, std::uint32_t a) {
     const std::uint32_t h = mesh_.add_triangle(next_[a], a, p);
     mesh_.join(h, edge_[a]);

@@ -29,7 +29,12 @@ class Mesher {
  public:
   Mesher(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, const BoundaryLoops& loops,
          const IdVector<VertexId, std::uint8_t>& essential, const ProjectionRule& rule, RunControl& control)
-      : surface_(surface), adjacency_(adjacency), patches_(patches), loops_(loops), essential_(essential), rule_(rule),
+      : surface_(surface),
+        adjacency_(adjacency),
+        patches_(patches),
+        loops_(loops),
+        essential_(essential),
+        rule_(rule),
         control_(control) {}
 
   PatchMesh run(PatchId p) {
@@ -84,10 +89,12 @@ class Mesher {
   Outcome attempt(PatchId p, double grid, PatchMesh& result) {
     const Plane& plane = patches_.planes[p];
     points_.clear();
-    for (const VertexId v : vertices_) points_.push_back(surface_.local[v]);
+    for (const VertexId v : vertices_) points_.push_back(surface_.positions[v]);
     edges_.clear();
-    for (const auto& [a, b] : sides_) edges_.push_back({surface_.local[a], surface_.local[b]});
-    result.frame = make_frame(plane.normal, plane.origin, points_, edges_, rule_.axis, rule_.direction, grid);
+    for (const auto& [a, b] : sides_) edges_.push_back({surface_.positions[a], surface_.positions[b]});
+    // A vertex as the origin, in model units: differences of the input's own coordinates lose nothing.
+    const Vec3 origin = *std::min_element(points_.begin(), points_.end());
+    result.frame = make_frame(plane.normal, origin, points_, edges_, rule_.axis, rule_.direction, grid);
 
     const auto n = static_cast<std::uint32_t>(vertices_.size());
     flat_.resize(n);
@@ -110,7 +117,8 @@ class Mesher {
     for (const auto& [a, b] : sides_) segments_.push_back({rank_of(a), rank_of(b)});
     PatchTriangulation triangulation = triangulate_patch(result.uv, segments_, control_);
     result.mesh = std::move(triangulation.mesh);
-    if (triangulation.outcome == Outcome::kDone && result.mesh.triangle_count() == 0) return Outcome::kInconsistentLoops;
+    if (triangulation.outcome == Outcome::kDone && result.mesh.triangle_count() == 0)
+      return Outcome::kInconsistentLoops;
     return triangulation.outcome;
   }
 
@@ -127,24 +135,28 @@ class Mesher {
   void lay_out_triangle(PatchId p, PatchMesh& result) const {
     const auto loop = surface_.face(patches_.faces_of(p)[0]);
     std::array<VertexId, 3> corner{loop[0], loop[1], loop[2]};
-    const auto length = [&](int i) { return norm(surface_.local[corner[(i + 1) % 3]] - surface_.local[corner[i % 3]]); };
+    // Differences first: a small triangle far from the origin loses nothing.
+    const auto side = [&](int i) {
+      return (1 / surface_.unit) * (surface_.positions[corner[(i + 1) % 3]] - surface_.positions[corner[i % 3]]);
+    };
     int longest = 0;
     for (int i = 1; i < 3; ++i)
-      if (length(i) > length(longest)) longest = i;
+      if (norm(side(i)) > norm(side(longest))) longest = i;
     std::rotate(corner.begin(), corner.begin() + longest, corner.end());
 
-    const Vec3 a = surface_.local[corner[0]], b = surface_.local[corner[1]], c = surface_.local[corner[2]];
+    const Vec3 ab = side(0), ac = -side(2);
     Frame& frame = result.frame;
-    frame.origin = a;
-    frame.x_axis = normalized(b - a);
-    frame.normal = normalized(cross(b - a, c - a));
+    frame.origin = surface_.positions[corner[0]];
+    frame.x_axis = normalized(ab);
+    frame.normal = normalized(cross(ab, ac));
     if (frame.normal == Vec3{}) frame.normal = patches_.planes[p].normal;
     frame.normal = normalized(frame.normal - dot(frame.normal, frame.x_axis) * frame.x_axis);
     frame.y_axis = cross(frame.normal, frame.x_axis);
     frame.grid = kFineGrid;
     int exponent = 0;
-    std::frexp(norm(b - a), &exponent);
-    frame.scale = std::ldexp(1.0, exponent);
+    std::frexp(norm(ab), &exponent);
+    frame.scale = std::ldexp(surface_.unit, exponent);
+    const Vec3 b = surface_.positions[corner[1]], c = surface_.positions[corner[2]];
     const Vec2 uv_b{to_plane(frame, b).x, 0};
     const Vec2 uv_c{std::clamp(to_plane(frame, c).x, 0.0, uv_b.x), std::max(to_plane(frame, c).y, kFineGrid)};
 

@@ -16,10 +16,10 @@ namespace remesh {
 
 /// A triangulated patch. `reason` says why there is none.
 struct PatchMesh {
-  Frame frame;                        ///< local units
-  std::vector<VertexId> vertices;     ///< in lexicographic order of their plane coordinates
-  std::vector<Vec2> uv;               ///< one per vertex
-  Triangulation2d mesh;               ///< over `vertices`; boundary edges are constrained
+  Frame frame;                     ///< model units
+  std::vector<VertexId> vertices;  ///< in lexicographic order of their plane coordinates
+  std::vector<Vec2> uv;            ///< one per vertex
+  Triangulation2d mesh;            ///< over `vertices`; boundary edges are constrained
   std::uint32_t loops = 0;
   PatchReason reason = PatchReason::kNone;
 };

@@ -12,8 +12,8 @@ namespace remesh {
 
 struct PatchSummaries {
   std::vector<PatchSummary> patches;
-  std::uint64_t triangles = 0;   ///< that the patches' loops and points ask for (Euler); what they get, if none fails
-  double volume_bound = 0;       ///< model units cubed: area times deviation, over all patches
+  std::uint64_t triangles = 0;  ///< that the patches' loops and points ask for (Euler); what they get, if none fails
+  double volume_bound = 0;      ///< model units cubed: area times deviation, over all patches
 };
 
 /// Summarises the patches as they stand; `output_faces` is what Euler's formula gives.

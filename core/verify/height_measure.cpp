@@ -57,19 +57,26 @@ class HeightMeasure {
   double run(std::span<const std::uint8_t> is_on_boundary, RunControl& control) {
     collect_probes(is_on_boundary);
     collect_edges();
-    std::set<const LowerEdge*, Below> active(Below(frame_.grid));
+    Active active(Below(frame_.grid));
     std::vector<const LowerEdge*> by_right;
     for (const LowerEdge& e : edges_) by_right.push_back(&e);
     std::sort(by_right.begin(), by_right.end(),
               [](const LowerEdge* a, const LowerEdge* b) { return a->right.x < b->right.x; });
 
     std::size_t next_edge = 0, next_end = 0;
+    const auto remove_ended = [&](double x, bool is_inclusive) {
+      for (; next_end < by_right.size(); ++next_end) {
+        const double right = by_right[next_end]->right.x;
+        if (is_inclusive ? right > x : right >= x) return;
+        active.erase(by_right[next_end]);
+      }
+    };
     const auto insert_before = [&](double x, bool is_inclusive) {
       for (; next_edge < edges_.size(); ++next_edge) {
         const LowerEdge& e = edges_[next_edge];
         if (is_inclusive ? e.left.x > x : e.left.x >= x) return;
         // Those that end where this one begins go first: only edges over a common line have an order.
-        remove_until(active, by_right, next_end, e.left.x);
+        remove_ended(e.left.x, true);
         active.insert(&e);
       }
     };
@@ -79,9 +86,10 @@ class HeightMeasure {
       const Probe& probe = probes_[i];
       // On a vertical line of the triangulation, the triangles on its left are asked first, then those on its right.
       insert_before(probe.at.x, false);
+      remove_ended(probe.at.x, false);
       double difference = measure(active, probe);
       if (!std::isfinite(difference)) {
-        remove_until(active, by_right, next_end, probe.at.x);
+        remove_ended(probe.at.x, true);
         insert_before(probe.at.x, true);
         difference = measure(active, probe);
       }
@@ -117,11 +125,6 @@ class HeightMeasure {
     std::sort(edges_.begin(), edges_.end(), [](const LowerEdge& a, const LowerEdge& b) {
       return a.left != b.left ? a.left < b.left : a.right < b.right;
     });
-  }
-
-  static void remove_until(Active& active, const std::vector<const LowerEdge*>& by_right, std::size_t& next_end,
-                           double x) {
-    for (; next_end < by_right.size() && by_right[next_end]->right.x <= x; ++next_end) active.erase(by_right[next_end]);
   }
 
   double height(VertexId v) const { return dot(model_.points[v.value] - frame_.origin, frame_.normal); }

@@ -57,8 +57,10 @@ TEST(ErrorMap, a_problem_says_where) {
 }
 
 TEST(ErrorMap, what_does_not_apply_is_left_out) {
-  const nlohmann::json problem =
-      nlohmann::json::parse(to_response(Problem{.status = 404, .code = "not_found"}, "").body);
+  Problem not_found;
+  not_found.status = 404;
+  not_found.code = "not_found";
+  const nlohmann::json problem = nlohmann::json::parse(to_response(not_found, "").body);
   for (const char* member : {"request_id", "line", "element", "option", "limit"})
     EXPECT_FALSE(problem.contains(member)) << member;
 }

@@ -177,7 +177,8 @@ polygons::Polygon star(int size) { return polygons::star_with_holes(1, size, 10)
 
 PolygonMesh box(int size) { return shapes::box({1, 2, 3}, static_cast<int>(std::sqrt(size / 12))); }
 PolygonMesh turned_box(int size) { return shapes::rotated(box(size), {1, 2, 3}, 30); }
-/// Every face a patch of its own.
+/// Every face a patch of its own. Faces come in powers of four, so the growth of a decade is not tenfold: 8192, 131072
+/// and 524288 stand for the first three.
 PolygonMesh sphere(int size) {
   int levels = 0;
   for (int faces = 8; faces * 2 < size; faces *= 4) ++levels;
