@@ -338,6 +338,10 @@ void check_kind(const OptionSpec& spec, std::string_view text, ValueKind kind) {
   if (!fits) fail_value(spec, kind == ValueKind::kNull ? "null" : text);
 }
 
+bool is_set(const OptionSpec& spec, const RequestOptions& options) {
+  return !std::holds_alternative<std::monostate>(option_value(spec, options));
+}
+
 // Levenshtein's distance, row by row.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
@@ -442,10 +446,13 @@ void OptionReader::add(std::string_view name, std::string_view text, ValueKind k
         .for_option(shortened(name));
   }
   if (is_given(name)) fail(*spec, "is given twice");
-  if (is_given(spec->excludes)) fail(*spec, "and " + std::string(spec->excludes) + " exclude each other");
   check_kind(*spec, text, kind);
   set_value(*spec, kind == ValueKind::kNull ? spec->unset : text, options_);
   given_.push_back(spec->name);
+  const OptionSpec* other = find_option(spec->excludes);
+  if (other != nullptr && is_set(*spec, options_) && is_set(*other, options_)) {
+    fail(*spec, "and " + std::string(other->name) + " exclude each other");
+  }
 }
 
 void OptionReader::check() const { check_options(options_.core); }

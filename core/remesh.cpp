@@ -127,15 +127,19 @@ class Run {
     // Vertices with equal coordinates become one.
     watch_.enter(Stage::kWeld);
     surface_ = weld(input_, options_.barriers, report_.diagnostics, control_);
+    find_edges();
     watch_.enter(Stage::kQuality);
     measure_input();
     watch_.enter(Stage::kWeld);
     choose_tolerance();
     // Faces without a plane are split, faces without an area dropped; nothing opens.
-    surface_ = mend_faces(std::move(surface_), local_tolerance(), report_.diagnostics, control_);
-    adjacency_ = std::make_unique<Adjacency>(surface_.vertex_count(), surface_.face_begin, surface_.corners);
+    if (mend_faces(surface_, local_tolerance(), report_.diagnostics, control_)) find_edges();
     geometry_ = face_geometry(surface_, control_);
     regions_.of_face.resize(surface_.face_count());
+  }
+
+  void find_edges() {
+    adjacency_ = std::make_unique<Adjacency>(surface_.vertex_count(), surface_.face_begin, surface_.corners);
   }
 
   /// Faces of one plane, their patches, the patches' loops, and the vertices that stay.
@@ -159,8 +163,7 @@ class Run {
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
     report_.input.quality = measure_quality(surface_.positions.items(), triangulated(surface_, control_), control_);
-    const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners);
-    find_defects(surface_, edges, report_.input, report_.diagnostics);
+    find_defects(surface_, *adjacency_, report_.input, report_.diagnostics);
   }
 
   void choose_tolerance() {
@@ -174,8 +177,7 @@ class Run {
     const AutomaticTolerance automatic = automatic_tolerance(report_.rounding_step, diagonal);
     report_.plane_tolerance = automatic.value;
     if (automatic.if_noisy == automatic.value) return;
-    const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners);
-    if (is_noise_present(surface_, edges, face_geometry(surface_, control_), automatic.value / surface_.unit,
+    if (is_noise_present(surface_, *adjacency_, face_geometry(surface_, control_), automatic.value / surface_.unit,
                          automatic.if_noisy / surface_.unit))
       report_.plane_tolerance = automatic.if_noisy;
   }

@@ -79,14 +79,26 @@ double last_place(double x, int bits) {
   return std::ldexp(1.0, exponent - bits);
 }
 
+/// The last place of numbers that are limited in significant digits. A value with most of the digits shows its last
+/// place; the largest such values have the coarsest one.
+double last_place_of_digits(std::span<const Vec3> positions, double largest, double most_units) {
+  double step = 0, step_of_largest = HUGE_VAL;
+  for_each_coordinate(positions, [&](double x) {
+    const Decimal form = shortest(x);
+    if (form.units * 10 < most_units) return true;
+    step = std::max(step, form.quantum);
+    if (std::fabs(x) > 0.9 * largest) step_of_largest = std::min(step_of_largest, form.quantum);
+    return true;
+  });
+  return std::min(step, step_of_largest);
+}
+
 }  // namespace
 
 double rounding_step(std::span<const Vec3> positions) {
   double largest = 0;
-  bool are_floats = true;
   for_each_coordinate(positions, [&](double x) {
     largest = std::max(largest, std::fabs(x));
-    are_floats = are_floats && odd_part(x).units < 16777216.0;
     return true;
   });
   if (largest == 0) return 0;
@@ -95,27 +107,17 @@ double rounding_step(std::span<const Vec3> positions) {
   double common = 0;
   for (int d = 0; d <= kMaxDecimals && common == 0; ++d) common = common_quantum(positions, d, largest);
 
-  // Limited in significant digits? Then the small values have decimals that the large ones lack.
+  // Limited in significant digits? Then the small values have decimals that the large ones lack. One value that shows
+  // nearly all the digits that the common quantum leaves to the largest one proves the contrary.
   double most_units = 0;
   const bool are_all_short = for_each_coordinate(positions, [&](double x) {
     const Decimal form = shortest(x);
     most_units = std::max(most_units, form.units);
-    return form.quantum != 0;
+    return form.quantum != 0 && (common == 0 || largest / common > 10 * most_units);
   });
-  if (are_all_short && (common == 0 || largest / common > 10 * most_units)) {
-    // A value with most of the digits shows its last place; the largest such values have the coarsest one.
-    double step = 0, step_of_largest = HUGE_VAL;
-    for_each_coordinate(positions, [&](double x) {
-      const Decimal form = shortest(x);
-      if (form.units * 10 < most_units) return true;
-      step = std::max(step, form.quantum);
-      if (std::fabs(x) > 0.9 * largest) step_of_largest = std::min(step_of_largest, form.quantum);
-      return true;
-    });
-    step = std::min(step, step_of_largest);
-    return std::max(step, least);
-  }
+  if (are_all_short) return std::max(last_place_of_digits(positions, largest, most_units), least);
   if (common != 0) return std::max(common, least);
+  const bool are_floats = for_each_coordinate(positions, [](double x) { return odd_part(x).units < 16777216.0; });
   return are_floats ? last_place(largest, 24) : least;
 }
 

@@ -13,26 +13,29 @@ namespace {
 
 class Mending {
  public:
-  Mending(Surface surface, double plane_tolerance, RunControl& control)
-      : surface_(std::move(surface)), plane_tolerance_(plane_tolerance), control_(control) {}
+  Mending(Surface& surface, double plane_tolerance, RunControl& control)
+      : surface_(surface), plane_tolerance_(plane_tolerance), control_(control) {}
 
-  Surface run(std::vector<Diagnostic>& diagnostics) {
+  bool run(std::vector<Diagnostic>& diagnostics) {
     const std::size_t faces = surface_.face_count();
+    std::size_t sound = 0;
+    while (sound < faces && is_sound(FaceId(sound))) {
+      if (sound % 4096 == 0) control_.progress(static_cast<double>(sound) / static_cast<double>(faces));
+      ++sound;
+    }
+    if (sound == faces) return false;
     is_degenerate_.reserve(faces);
     for (std::size_t f = 0; f < faces; ++f) {
       if (f % 4096 == 0) control_.progress(static_cast<double>(f) / static_cast<double>(faces));
       take_face(FaceId(f));
     }
-    std::swap(surface_.face_begin, mended_.face_begin);
-    std::swap(surface_.corners, mended_.corners);
-    std::swap(surface_.face_source, mended_.face_source);
-    std::swap(surface_.face_label, mended_.face_label);
+    move_faces(mended_, surface_);
     if (std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end()) drop_degenerate();
     if (surface_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "no face of the mesh has an area");
     drop_unused_vertices();
     for (Diagnostic* d : {&nonplanar_, &zero_area_})
       if (d->count > 0) diagnostics.push_back(std::move(*d));
-    return std::move(surface_);
+    return true;
   }
 
  private:
@@ -44,6 +47,19 @@ class Mending {
     for (std::size_t i = 2; i < loop.size(); ++i)
       if (!is_collinear(exact(loop[0]), exact(loop[1]), exact(loop[i]))) return false;
     return true;
+  }
+
+  /// Whether a face is a triangle with an area: most are, and nothing is to be done for them.
+  bool is_sound(FaceId f) const {
+    const auto loop = surface_.face(f);
+    return loop.size() == 3 && !is_collinear(exact(loop[0]), exact(loop[1]), exact(loop[2]));
+  }
+
+  static void move_faces(Surface& from, Surface& to) {
+    to.face_begin = std::move(from.face_begin);
+    to.corners = std::move(from.corners);
+    to.face_source = std::move(from.face_source);
+    to.face_label = std::move(from.face_label);
   }
 
   void emit(std::span<const VertexId> loop, FaceId source, std::uint32_t label, bool is_degenerate) {
@@ -140,10 +156,7 @@ class Mending {
       out.face_source.push_back(surface_.face_source[FaceId(f)]);
       out.face_label.push_back(surface_.face_label[FaceId(f)]);
     }
-    surface_.corners = std::move(out.corners);
-    surface_.face_begin = std::move(out.face_begin);
-    surface_.face_source = std::move(out.face_source);
-    surface_.face_label = std::move(out.face_label);
+    move_faces(out, surface_);
   }
 
   std::uint32_t cluster_beyond(const Adjacency& edges, UnionFind& cluster, std::uint32_t half_edge) const {
@@ -170,7 +183,7 @@ class Mending {
     for (VertexId& v : surface_.corners) v = renumbered[v.value];
   }
 
-  Surface surface_;
+  Surface& surface_;
   double plane_tolerance_;
   RunControl& control_;
   Surface mended_;  // faces only
@@ -188,8 +201,8 @@ bool is_collinear(const Vec3& a, const Vec3& b, const Vec3& c) {
          orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x}) == 0;
 }
 
-Surface mend_faces(Surface surface, double plane_tolerance, std::vector<Diagnostic>& diagnostics, RunControl& control) {
-  return Mending(std::move(surface), plane_tolerance, control).run(diagnostics);
+bool mend_faces(Surface& surface, double plane_tolerance, std::vector<Diagnostic>& diagnostics, RunControl& control) {
+  return Mending(surface, plane_tolerance, control).run(diagnostics);
 }
 
 }  // namespace remesh

@@ -17,9 +17,10 @@ namespace remesh {
 /// Errors:  kEmptyMesh - no face has an area; kInvalidMesh - zero-area faces nest so deeply that mending them would
 ///          multiply the mesh.
 /// Input:   the plane tolerance, in local units.
+/// Returns: whether anything had to be mended; if not, faces, corners and vertices are as they were.
 /// Cost:    O(n log n).
 /// Source:  REFINEMENT, rule 17.
-Surface mend_faces(Surface surface, double plane_tolerance, std::vector<Diagnostic>& diagnostics, RunControl& control);
+bool mend_faces(Surface& surface, double plane_tolerance, std::vector<Diagnostic>& diagnostics, RunControl& control);
 
 /// Whether three points are exactly on one line (or coincide).
 bool is_collinear(const Vec3& a, const Vec3& b, const Vec3& c);

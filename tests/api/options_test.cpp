@@ -162,9 +162,8 @@ TEST(Options, json_types_must_fit) {
 }
 
 TEST(Options, an_unknown_option_names_the_nearest) {
-  const std::map<std::string_view, std::string_view> nearest{{"min_angle", "min_angle_deg"},
-                                                             {"max_edge_lenght", "max_edge_length"},
-                                                             {"Refine", "refine"}};
+  const std::map<std::string_view, std::string_view> nearest{
+      {"min_angle", "min_angle_deg"}, {"max_edge_lenght", "max_edge_length"}, {"Refine", "refine"}};
   for (const auto& [wrong, right] : nearest) {
     const Error error = error_of([&, w = wrong] { read(w, "1"); });
     EXPECT_EQ(error.code, Code::kUnknownOption);

@@ -1,0 +1,123 @@
+#include "core/base/tolerance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "tests/support/random.h"
+
+namespace remesh {
+namespace {
+
+/// What a file holds that was written with this printf format: random coordinates up to `size` in magnitude.
+std::vector<Vec3> printed(const char* format, double size, int n = 200, std::uint64_t seed = 1) {
+  Random random(seed);
+  const auto coordinate = [&] {
+    char text[64];
+    std::snprintf(text, sizeof text, format, random.uniform(-size, size));
+    return std::strtod(text, nullptr);
+  };
+  std::vector<Vec3> points;
+  for (int i = 0; i < n; ++i) {
+    const double x = coordinate(), y = coordinate(), z = coordinate();
+    points.push_back({x, y, z});
+  }
+  return points;
+}
+
+std::vector<Vec3> with(std::vector<Vec3> points, const std::function<double(double)>& change) {
+  for (Vec3& p : points) p = {change(p.x), change(p.y), change(p.z)};
+  return points;
+}
+
+void expect_step(const std::vector<Vec3>& points, double step) {
+  EXPECT_NEAR(rounding_step(points) / step, 1, 1e-12);
+}
+
+TEST(rounding_step, fixed_decimals_are_the_step) {
+  expect_step(printed("%.6f", 10), 1e-6);
+  expect_step(printed("%.6f", 0.5), 1e-6);
+  expect_step(printed("%.3f", 800), 1e-3);
+  expect_step(printed("%.1f", 3), 1e-1);
+}
+
+TEST(rounding_step, a_file_of_few_vertices_shows_its_decimals_too) {
+  expect_step(printed("%.6f", 10, 8), 1e-6);
+  expect_step(printed("%.4f", 10, 4), 1e-4);
+}
+
+TEST(rounding_step, significant_digits_give_the_last_place_of_the_largest_values) {
+  expect_step(printed("%g", 9.99), 1e-5);
+  expect_step(printed("%g", 999), 1e-3);
+  expect_step(printed("%g", 0.0999), 1e-7);
+  expect_step(printed("%.9g", 9.99), 1e-8);
+  expect_step(printed("%.9g", 99900), 1e-4);
+}
+
+TEST(rounding_step, floats_that_are_no_short_decimals_give_the_last_place_of_the_largest_as_a_float) {
+  const std::vector<Vec3> points =
+      with(printed("%.17g", 9.99), [](double x) { return static_cast<double>(static_cast<float>(x)); });
+  EXPECT_EQ(rounding_step(points), 0x1p-20);
+}
+
+TEST(rounding_step, full_doubles_give_the_last_place_of_the_largest_double) {
+  EXPECT_EQ(rounding_step(printed("%.17g", 9.99)), 0x1p-49);
+}
+
+TEST(rounding_step, whole_numbers_have_a_step_of_one) {
+  expect_step(printed("%.0f", 100), 1);
+  expect_step({{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}, 1);
+}
+
+TEST(rounding_step, the_origin_alone_has_none) { EXPECT_EQ(rounding_step(std::vector<Vec3>{{0, 0, 0}}), 0); }
+
+TEST(rounding_step, scaling_by_powers_of_two_scales_it) {
+  std::vector<std::vector<Vec3>> families = {printed("%.6f", 10), printed("%.3f", 10), printed("%g", 10),
+                                             printed("%.9g", 10), printed("%.0f", 10), printed("%.17g", 10)};
+  families.push_back(with(families.back(), [](double x) { return static_cast<double>(static_cast<float>(x)); }));
+  for (std::size_t i = 0; i < families.size(); ++i)
+    for (const int k : {-60, -40, -7, -1, 1, 3, 40, 60}) {
+      const double scale = std::ldexp(1.0, k);
+      EXPECT_EQ(rounding_step(with(families[i], [&](double x) { return scale * x; })),
+                scale * rounding_step(families[i]))
+          << "family " << i << ", 2^" << k;
+    }
+}
+
+TEST(rounding_step, the_order_of_the_values_does_not_matter) {
+  for (const char* format : {"%.6f", "%g", "%.17g"}) {
+    std::vector<Vec3> points = printed(format, 10);
+    const double step = rounding_step(points);
+    EXPECT_EQ(rounding_step(std::vector<Vec3>(points.rbegin(), points.rend())), step) << format;
+    for (Vec3& p : points) p = {p.z, -p.x, p.y};
+    EXPECT_EQ(rounding_step(points), step) << format;
+  }
+}
+
+TEST(automatic_tolerance, small_steps_count_without_doubt) {
+  const AutomaticTolerance tolerance = automatic_tolerance(1e-7, 1);
+  EXPECT_DOUBLE_EQ(tolerance.value, 2.6e-7);
+  EXPECT_EQ(tolerance.if_noisy, tolerance.value);
+}
+
+TEST(automatic_tolerance, it_never_falls_below_the_floor) {
+  EXPECT_DOUBLE_EQ(automatic_tolerance(1e-16, 20).value, 20e-9);
+  EXPECT_DOUBLE_EQ(automatic_tolerance(0, 20).if_noisy, 20e-9);
+}
+
+TEST(automatic_tolerance, coarse_steps_count_only_where_noise_is_seen_and_never_beyond_the_ceiling) {
+  const AutomaticTolerance unit_cube = automatic_tolerance(1, 2);
+  EXPECT_DOUBLE_EQ(unit_cube.value, 2e-9);
+  EXPECT_DOUBLE_EQ(unit_cube.if_noisy, 2e-4);
+  const AutomaticTolerance coarse = automatic_tolerance(1e-5, 1);
+  EXPECT_DOUBLE_EQ(coarse.value, 1e-9);
+  EXPECT_DOUBLE_EQ(coarse.if_noisy, 2.6e-5);
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,232 @@
+#include "core/stages/coplanar_regions.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/base/tolerance.h"
+#include "core/base/union_find.h"
+#include "tests/support/random.h"
+#include "tests/support/shapes.h"
+#include "tests/support/stage_chain.h"
+
+namespace remesh {
+namespace {
+
+std::size_t region_count(const StageChain& chain) {
+  std::set<RegionId> used(chain.regions.of_face.begin(), chain.regions.of_face.end());
+  return used.size();
+}
+
+/// The regions as sets of faces, each face named by its corners' sum: the same for any numbering.
+std::set<std::set<Vec3>> region_sets(const StageChain& chain) {
+  std::map<RegionId, std::set<Vec3>> sets;
+  for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
+    std::vector<Vec3> corners;
+    for (const VertexId v : chain.surface.face(FaceId(f))) corners.push_back(chain.surface.local[v]);
+    std::sort(corners.begin(), corners.end());
+    Vec3 name;
+    for (std::size_t i = 0; i < corners.size(); ++i) name += static_cast<double>(i + 1) * corners[i];
+    sets[chain.regions.of_face[FaceId(f)]].insert(name);
+  }
+  std::set<std::set<Vec3>> result;
+  for (const auto& [region, faces] : sets) result.insert(faces);
+  return result;
+}
+
+/// What the header holds: corners within half the tolerance, no face turned over, every region in one piece.
+void expect_holds(const StageChain& chain) {
+  UnionFind pieces(chain.surface.face_count());
+  for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
+    const RegionId region = chain.regions.of_face[FaceId(f)];
+    ASSERT_TRUE(region.is_valid());
+    const Plane& plane = chain.regions.planes[region];
+    EXPECT_NEAR(norm(plane.normal), 1, 1e-12);
+    for (const VertexId v : chain.surface.face(FaceId(f)))
+      EXPECT_LE(std::fabs(plane.distance(chain.surface.local[v])), chain.tolerance / 2 * (1 + 1e-9) + 1e-15) << FaceId(f);
+    if (chain.geometry[FaceId(f)].height > 2 * chain.tolerance) {
+      EXPECT_GT(dot(plane.normal, chain.geometry[FaceId(f)].normal), 0) << FaceId(f);
+    }
+    for (std::uint32_t h = chain.surface.face_begin[f]; h < chain.surface.face_begin[f + 1]; ++h) {
+      const std::uint32_t twin = chain.adjacency.twin(h);
+      if (twin != Adjacency::kNone && chain.regions.of_face[chain.adjacency.face_of(twin)] == region)
+        pieces.join(f, chain.adjacency.face_of(twin).value);
+    }
+  }
+  std::map<RegionId, std::uint32_t> piece_of;
+  for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
+    const auto [it, is_new] = piece_of.try_emplace(chain.regions.of_face[FaceId(f)], pieces.find(f));
+    EXPECT_EQ(it->second, pieces.find(f)) << "region in two pieces";
+  }
+}
+
+/// A strip of quads along x, each turned about y by this angle against the one before.
+PolygonMesh bent_strip(int quads, double angle_deg) {
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  Vec3 at;
+  for (int i = 0; i <= quads; ++i) {
+    positions.push_back(at);
+    positions.push_back(at + Vec3{0, 1, 0});
+    const double angle = i * angle_deg * 3.14159265358979 / 180;
+    at += Vec3{std::cos(angle), 0, std::sin(angle)};
+    const auto k = static_cast<std::uint32_t>(2 * i);
+    if (i < quads) faces.push_back({k, k + 2, k + 3, k + 1});
+  }
+  return shapes::from_lists(positions, faces);
+}
+
+TEST(coplanar_regions, a_cube_has_six) {
+  const StageChain chain(shapes::box({1, 2, 3}, 4));
+  EXPECT_EQ(region_count(chain), 6u);
+  expect_holds(chain);
+}
+
+TEST(coplanar_regions, a_box_turned_in_space_and_rounded_has_six) {
+  for (int seed = 0; seed < 10; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed));
+    const Vec3 axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const PolygonMesh mesh =
+        shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 5), axis, random.uniform(0, 360)), 1e-6);
+    const StageChain chain(mesh, kToleranceSteps * 1e-6);
+    EXPECT_EQ(region_count(chain), 6u) << seed;
+    expect_holds(chain);
+  }
+}
+
+TEST(coplanar_regions, a_coarse_cylinder_keeps_its_facets) {
+  for (const int sides : {8, 14, 60, 200}) {
+    const StageChain chain(shapes::cylinder(sides, 1, 2), 2.6e-6);
+    EXPECT_EQ(region_count(chain), static_cast<std::size_t>(sides) + 2) << sides;
+    expect_holds(chain);
+  }
+}
+
+TEST(coplanar_regions, a_gently_bent_strip_does_not_creep_into_one_plane) {
+  // Neighbours differ by less than the tolerance explains, the ends by degrees.
+  const StageChain chain(bent_strip(400, 0.01), 1e-3);
+  EXPECT_GT(region_count(chain), 5u);
+  EXPECT_LT(region_count(chain), 100u);
+  expect_holds(chain);
+}
+
+TEST(coplanar_regions, sheets_that_look_opposite_ways_stay_two) {
+  const StageChain chain(shapes::double_sheet(3));
+  EXPECT_EQ(region_count(chain), 2u);
+  expect_holds(chain);
+}
+
+TEST(coplanar_regions, a_fold_of_180_degrees_stays_two) {
+  // Two triangles on the same side of their common edge, consistently wound.
+  const StageChain chain(
+      shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, 2, 0}}, {{0, 1, 2}, {1, 0, 3}}));
+  EXPECT_EQ(region_count(chain), 2u);
+}
+
+TEST(coplanar_regions, parallel_planes_a_step_apart_stay_apart) {
+  // Two squares at different heights, joined by a riser.
+  const PolygonMesh stairs = shapes::from_lists(
+      {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0.01}, {1, 1, 0.01}, {2, 0, 0.01}, {2, 1, 0.01}},
+      {{0, 1, 2, 3}, {1, 4, 5, 2}, {4, 6, 7, 5}});
+  EXPECT_EQ(region_count(StageChain(stairs, 1e-4)), 3u);
+}
+
+TEST(coplanar_regions, coplanar_faces_across_an_edge_of_three_faces_stay_apart) {
+  // A flat sheet of two squares with a fin on their common edge.
+  const PolygonMesh mesh = shapes::from_lists(
+      {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {1, 0, 1}, {1, 1, 1}},
+      {{0, 1, 4, 3}, {1, 2, 5, 4}, {1, 4, 7, 6}});
+  EXPECT_EQ(region_count(StageChain(mesh)), 3u);
+}
+
+TEST(coplanar_regions, a_needle_with_a_noisy_normal_belongs_to_its_plane) {
+  // The middle triangle is 1e-6 high and its tip is 2e-7 off the plane: 11 degrees.
+  const PolygonMesh mesh = shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {2, 1e-6, 2e-7}, {2, -3, 0}, {2, 3, 0}},
+                                              {{0, 1, 2}, {1, 0, 3}, {0, 2, 4}, {2, 1, 4}});
+  const StageChain chain(mesh, 1e-6);
+  EXPECT_EQ(region_count(chain), 1u);
+  expect_holds(chain);
+}
+
+TEST(coplanar_regions, faces_of_different_zones_stay_apart) {
+  const PolygonMesh mesh = with_groups(shapes::sheet(4, 1, 4, 1), {0, 0, 0, 0, 1, 1, 1, 1});
+  EXPECT_EQ(region_count(StageChain(mesh)), 2u);
+}
+
+TEST(coplanar_regions, order_and_powers_of_two_change_nothing) {
+  std::vector<PolygonMesh> meshes = {shapes::box({1, 2, 3}, 3), shapes::noisy_sheet(6, 1), bent_strip(60, 0.05),
+                                     shapes::rounded(shapes::rotated(shapes::l_bracket(4), {1, 2, 3}, 40), 1e-4)};
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const double tolerance = 2.6e-4;
+    const auto expected = region_sets(StageChain(meshes[i], tolerance));
+    for (unsigned seed = 1; seed <= 5; ++seed)
+      EXPECT_EQ(region_sets(StageChain(shapes::renumbered(meshes[i], seed), tolerance)).size(), expected.size()) << i;
+    for (const int k : {-40, -3, 1, 40}) {
+      const double scale = std::ldexp(1.0, k);
+      EXPECT_EQ(region_sets(StageChain(shapes::scaled(meshes[i], scale), scale * tolerance)), expected) << i;
+    }
+  }
+}
+
+TEST(coplanar_regions, renumbering_leaves_the_very_same_sets_of_faces) {
+  const PolygonMesh mesh = shapes::rounded(shapes::rotated(shapes::l_bracket(4), {1, 2, 3}, 40), 1e-4);
+  const auto named = [](const PolygonMesh& m) {
+    const StageChain chain(m, 2.6e-4);
+    std::map<RegionId, std::multiset<Vec3>> sets;
+    for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f)
+      for (const VertexId v : chain.surface.face(FaceId(f)))
+        sets[chain.regions.of_face[FaceId(f)]].insert(chain.surface.positions[v]);
+    std::multiset<std::multiset<Vec3>> result;
+    for (const auto& [region, corners] : sets) result.insert(corners);
+    return result;
+  };
+  const auto expected = named(mesh);
+  EXPECT_EQ(expected.size(), 8u);
+  for (unsigned seed = 1; seed <= 10; ++seed) EXPECT_EQ(named(shapes::renumbered(mesh, seed)), expected) << seed;
+}
+
+TEST(coplanar_regions, on_the_last_rung_every_face_is_alone) {
+  const StageChain chain(shapes::sheet(1, 1, 3, 3));
+  const IdVector<FaceId, std::uint8_t> rung(chain.surface.face_count(), kSingleFace);
+  Regions regions;
+  coplanar_regions(chain.surface, chain.adjacency, chain.geometry, {1e-6, 1e-6, &chain.surface.face_label, &rung},
+                   regions, chain.control);
+  std::set<RegionId> used(regions.of_face.begin(), regions.of_face.end());
+  EXPECT_EQ(used.size(), chain.surface.face_count());
+}
+
+TEST(coplanar_regions, faces_that_have_a_region_keep_it) {
+  const StageChain chain(shapes::sheet(4, 1, 4, 1));
+  const IdVector<FaceId, std::uint8_t> rung(chain.surface.face_count(), 0);
+  Regions regions;
+  regions.of_face.resize(chain.surface.face_count());
+  regions.planes.push_back({{0, 0, 0}, {0, 0, 1}});
+  regions.of_face[FaceId(0)] = RegionId(0);
+  coplanar_regions(chain.surface, chain.adjacency, chain.geometry, {1e-6, 1e-6, &chain.surface.face_label, &rung},
+                   regions, chain.control);
+  EXPECT_EQ(std::count(regions.of_face.begin(), regions.of_face.end(), RegionId(0)), 1);
+  EXPECT_EQ(regions.planes.size(), 2u);
+}
+
+TEST(tolerance_at_rung, it_falls_by_tenths_to_the_floor) {
+  EXPECT_EQ(tolerance_at_rung(1e-4, 0, 1e-9), 1e-4);
+  EXPECT_DOUBLE_EQ(tolerance_at_rung(1e-4, 1, 1e-9), 1e-5);
+  EXPECT_DOUBLE_EQ(tolerance_at_rung(1e-4, 2, 1e-9), 1e-9);
+  EXPECT_LT(tolerance_at_rung(1e-9, 2, 1e-9), tolerance_at_rung(1e-9, 1, 1e-9));
+}
+
+TEST(is_noise_present, exact_boxes_have_none_and_rounded_turned_ones_do) {
+  const auto is_noisy = [](const PolygonMesh& mesh) {
+    const StageChain chain(mesh);
+    return is_noise_present(chain.surface, chain.adjacency, chain.geometry, 1e-9, 1e-3);
+  };
+  EXPECT_FALSE(is_noisy(shapes::box({1, 2, 3}, 4)));
+  EXPECT_FALSE(is_noisy(shapes::cylinder(12, 1, 2)));
+  EXPECT_TRUE(is_noisy(shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 4), {1, 2, 3}, 40), 1e-4)));
+}
+
+}  // namespace
+}  // namespace remesh

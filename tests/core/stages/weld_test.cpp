@@ -1,0 +1,122 @@
+#include "core/stages/weld.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/support/shapes.h"
+#include "tests/support/stage_chain.h"
+
+namespace remesh {
+namespace {
+
+struct Welded {
+  Surface surface;
+  std::vector<Diagnostic> diagnostics;
+
+  const Diagnostic* find(DiagnosticCode code) const {
+    for (const Diagnostic& d : diagnostics)
+      if (d.code == code) return &d;
+    return nullptr;
+  }
+};
+
+Welded welded(const PolygonMesh& mesh, const Barriers& barriers = {}) {
+  Welded result;
+  RunControl control;
+  result.surface = weld(mesh, barriers, result.diagnostics, control);
+  return result;
+}
+
+std::vector<std::uint32_t> corner_numbers(const Surface& surface) {
+  std::vector<std::uint32_t> numbers;
+  for (const VertexId v : surface.corners) numbers.push_back(v.value);
+  return numbers;
+}
+
+TEST(weld, vertices_with_equal_coordinates_become_the_first_of_them) {
+  const PolygonMesh mesh = shapes::from_lists({{1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
+                                              {{1, 0, 2}, {3, 5, 4}});
+  const Welded result = welded(mesh);
+  EXPECT_EQ(result.surface.vertex_count(), 4u);
+  EXPECT_EQ(corner_numbers(result.surface), (std::vector<std::uint32_t>{1, 0, 2, 0, 3, 2}));
+  EXPECT_EQ(result.surface.vertex_source.items(),
+            (std::vector<VertexId>{VertexId(0), VertexId(1), VertexId(2), VertexId(5)}));
+  ASSERT_NE(result.find(DiagnosticCode::kDuplicateVertex), nullptr);
+  EXPECT_EQ(result.find(DiagnosticCode::kDuplicateVertex)->elements, (std::vector<std::uint64_t>{3, 4}));
+}
+
+TEST(weld, minus_zero_equals_zero) {
+  const Welded result = welded(
+      shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, -0.0}, {1, 1, 0}}, {{0, 1, 2}, {3, 1, 4}}));
+  EXPECT_EQ(result.surface.vertex_count(), 4u);
+  EXPECT_EQ(result.surface.corners[3], result.surface.corners[0]);
+}
+
+TEST(weld, neighbouring_doubles_stay_apart) {
+  const double next = std::nextafter(1.0, 2.0);
+  const Welded result =
+      welded(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {next, 0, 0}}, {{0, 1, 2}, {0, 3, 2}}));
+  EXPECT_EQ(result.surface.vertex_count(), 4u);
+  EXPECT_TRUE(result.diagnostics.empty());
+}
+
+TEST(weld, vertices_that_no_face_uses_are_dropped_and_counted) {
+  // The unused one at the origin must not become the source of the used one.
+  const Welded result = welded(
+      shapes::from_lists({{0, 0, 0}, {9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{2, 3, 4}}));
+  EXPECT_EQ(result.surface.vertex_count(), 3u);
+  EXPECT_EQ(result.surface.vertex_source[VertexId(0)], VertexId(2));
+  ASSERT_NE(result.find(DiagnosticCode::kUnusedVertex), nullptr);
+  EXPECT_EQ(result.find(DiagnosticCode::kUnusedVertex)->elements, (std::vector<std::uint64_t>{0, 1}));
+  EXPECT_EQ(result.find(DiagnosticCode::kDuplicateVertex), nullptr);
+}
+
+TEST(weld, a_mesh_without_faces_is_an_error) {
+  try {
+    welded(shapes::from_lists({{0, 0, 0}}, {}));
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, Code::kEmptyMesh);
+  }
+}
+
+TEST(weld, positions_keep_their_bits) {
+  const PolygonMesh mesh = shapes::rotated(shapes::box({1, 2, 3}), {1, 2, 3}, 17);
+  const Welded result = welded(mesh);
+  for (std::uint32_t v = 0; v < result.surface.vertex_count(); ++v)
+    EXPECT_EQ(result.surface.positions[VertexId(v)], mesh.positions[result.surface.vertex_source[VertexId(v)]]);
+}
+
+TEST(weld, local_coordinates_lie_within_the_unit_box_and_the_unit_is_a_power_of_two) {
+  for (const double size : {1e-300, 1e-6, 1.0, 3.0, 1e30, 3.4e38, 1e150}) {
+    const Surface surface = welded(shapes::scaled(shapes::box({1, 2, 3}), size)).surface;
+    int exponent = 0;
+    EXPECT_EQ(std::frexp(surface.unit, &exponent), 0.5) << size;
+    double reach = 0;
+    for (const Vec3& p : surface.local) reach = std::max({reach, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+    EXPECT_LE(reach, 1) << size;
+    EXPECT_GE(reach, 0.25) << size;
+  }
+}
+
+TEST(weld, scaling_by_powers_of_two_leaves_local_coordinates_as_they_are) {
+  const PolygonMesh mesh = shapes::rotated(shapes::box({1, 2, 3}, 2), {1, 2, 3}, 17);
+  const Surface expected = welded(mesh).surface;
+  for (const int k : {-200, -40, -1, 1, 40, 200})
+    EXPECT_EQ(welded(shapes::scaled(mesh, std::ldexp(1.0, k))).surface.local, expected.local) << k;
+}
+
+TEST(weld, labels_are_numbered_in_order_of_first_use) {
+  PolygonMesh mesh = with_groups(shapes::sheet(2, 1, 2, 1), {2, 0, 0, 2});
+  mesh.labels.material.names = {"steel", "lead"};
+  mesh.labels.material.of_face.items() = {0, 0, 1, 0};
+  EXPECT_EQ(welded(mesh).surface.face_label.items(), (std::vector<std::uint32_t>{0, 1, 2, 0}));
+  Barriers groups_only;
+  groups_only.material = false;
+  EXPECT_EQ(welded(mesh, groups_only).surface.face_label.items(), (std::vector<std::uint32_t>{0, 1, 1, 0}));
+  EXPECT_EQ(welded(mesh, {false, false, false}).surface.face_label.items(), (std::vector<std::uint32_t>{0, 0, 0, 0}));
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,57 @@
+/// The stages from weld to the patches' triangles, run one after the other on a small mesh, each one's values in reach.
+#pragma once
+
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/face_geometry.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/surface.h"
+#include "core/report.h"
+#include "core/stages/boundary_loops.h"
+#include "core/stages/coplanar_regions.h"
+#include "core/stages/patch_meshing.h"
+#include "core/stages/patches.h"
+
+namespace remesh {
+
+/// Weld and mend_faces alone; the tolerance in model units.
+Surface mended(const PolygonMesh& mesh, double plane_tolerance, std::vector<Diagnostic>& diagnostics);
+Surface mended(const PolygonMesh& mesh, double plane_tolerance = 1e-6);
+
+/// The mesh with an integer group a face: a barrier wherever it changes.
+PolygonMesh with_groups(PolygonMesh mesh, const std::vector<std::uint32_t>& group_of_face);
+
+class StageChain {
+ public:
+  /// The tolerance in model units; `forced`: positions that stay whatever happens.
+  explicit StageChain(const PolygonMesh& mesh, double plane_tolerance = 1e-6, const std::vector<Vec3>& forced = {});
+  StageChain(const StageChain&) = delete;
+  StageChain& operator=(const StageChain&) = delete;
+
+  VertexId at(const Vec3& position) const;
+  bool is_essential(const Vec3& position) const { return essential[at(position)] != 0; }
+  /// The essential vertices' positions, sorted.
+  std::vector<Vec3> kept() const;
+  /// The patch of a face of the input; its first piece where it was split.
+  PatchId patch_of(std::size_t input_face) const;
+  std::uint32_t loop_count(PatchId p) const {
+    return loops.patch_begin[p.value + 1] - loops.patch_begin[p.value];
+  }
+  /// Corners of a loop, in its direction.
+  std::vector<Vec3> loop_points(std::uint32_t loop) const;
+
+  mutable RunControl control;
+  Surface surface;
+  double tolerance;  ///< local units
+  Adjacency adjacency;
+  IdVector<FaceId, FaceGeometry> geometry;
+  Regions regions;
+  PatchSet patches;
+  BoundaryLoops loops;
+  IdVector<VertexId, std::uint8_t> essential;
+  std::vector<PatchMesh> meshes;
+};
+
+}  // namespace remesh
