@@ -48,7 +48,7 @@ bool write_all(int fd, std::string_view content) {
   return true;
 }
 
-std::string read_all(int fd, const std::string& path) {
+std::string read_all(int fd, const std::string& path, const RunControl& control) {
   constexpr std::size_t kChunk = std::size_t{1} << 20;
   struct stat status {};
   const bool has_size = ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
@@ -59,8 +59,9 @@ std::string read_all(int fd, const std::string& path) {
     const std::size_t wanted = has_size && used == 0 ? static_cast<std::size_t>(status.st_size) + 1 : kChunk;
     if (content.size() < used + wanted) content.resize(std::max(used + wanted, used * 2));
     const ssize_t got = ::read(fd, content.data() + used, content.size() - used);
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) fail(path);
+    if (got < 0 && errno != EINTR) fail(path);
+    control.check();
+    if (got < 0) continue;
     if (got == 0) break;
     used += static_cast<std::size_t>(got);
   }
@@ -90,11 +91,12 @@ void replace_file(const std::string& target, std::string_view content, mode_t mo
 
 }  // namespace
 
-std::string read_file(const std::string& path) {
-  if (path == "-") return read_all(STDIN_FILENO, "standard input");
+std::string read_file(const std::string& path, const RunControl& control) {
+  if (path == "-") return read_all(STDIN_FILENO, "standard input", control);
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+  control.check();  // to open a pipe is to wait for its writer
   if (file.get() < 0) fail(path);
-  return read_all(file.get(), path);
+  return read_all(file.get(), path, control);
 }
 
 void write_file(const std::string& path, std::string_view content) {

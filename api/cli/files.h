@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "core/base/run_control.h"
+
 namespace remesh::cli {
 
 /// A file cannot be read or written; the message names it and says why.
@@ -14,8 +16,8 @@ class FileError : public std::runtime_error {
 };
 
 /// The whole file.
-/// Errors: FileError.
-std::string read_file(const std::string& path);
+/// Errors: FileError; kCancelled - a signal came and `control` says to stop.
+std::string read_file(const std::string& path, const RunControl& control);
 
 /// Writes the whole file or none of it: into a new file beside it first, which then takes its place. What is no
 /// ordinary file, such as /dev/null or a pipe, is written as it is. Errors: FileError; nothing is left behind.

@@ -1,5 +1,5 @@
 // The command-line twin of the daemon: remesh part.obj -o out.obj --plane-tolerance 1e-5 --report report.json
-#include <csignal>
+#include <signal.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -133,9 +133,11 @@ void interrupt(int) {
 int run(const Arguments& arguments) {
   static RunControl control;
   g_interrupted_run = &control;
-  std::signal(SIGINT, interrupt);
-  std::signal(SIGTERM, interrupt);
-  std::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error of writing
+  struct sigaction action {};  // without SA_RESTART: waiting for input ends too
+  action.sa_handler = interrupt;
+  ::sigaction(SIGINT, &action, nullptr);
+  ::sigaction(SIGTERM, &action, nullptr);
+  ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error of writing
 
   try {
     api::Job job;
@@ -143,7 +145,7 @@ int run(const Arguments& arguments) {
     job.options.check();
     job.input_format = format_from_file_name(arguments.input);
     if (const auto format = format_from_file_name(arguments.output)) job.accept = media_type(*format);
-    const std::string mesh = read_file(arguments.input);
+    const std::string mesh = read_file(arguments.input, control);
     job.mesh = mesh;
 
     api::RemeshAnswer answer;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -78,6 +79,20 @@ class Cli : public testing::Test {
     return outcome;
   }
 
+  /// Before that an interrupt would end the program by force.
+  static void wait_until_it_handles_interrupts(pid_t child) {
+    for (int tries = 0; tries < 5000; ++tries) {
+      std::ifstream status("/proc/" + std::to_string(child) + "/status");
+      for (std::string line; std::getline(status, line);) {
+        if (!line.starts_with("SigCgt:")) continue;
+        const std::uint64_t caught = std::stoull(line.substr(7), nullptr, 16);
+        if ((caught >> (SIGINT - 1) & 1) != 0) return;
+      }
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    FAIL() << "the program never got ready";
+  }
+
   Outcome run(std::vector<std::string> arguments, std::string_view input = "") const {
     return finish(start(std::move(arguments), input));
   }
@@ -142,7 +157,7 @@ TEST_F(Cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "-o", "o.obj", "--plane-tolerance", "wide"}, "invalid_option: plane_tolerance must be"},
       {{"square.obj", "-o", "o.obj", "--plane-tolerance", "1", "--plane-tolerance", "2"}, "--plane-tolerance"},
       {{"square.obj", "-o", "o.obj", "--refine"}, "--refine"},
-      {{"square.obj", "-o", "o.obj", "--refine", "true"}, "not_implemented: refine"},
+      {{"square.obj", "-o", "o.obj", "--refine", "true"}, "not_implemented: "},
       {{"square.obj", "-o", "o.obj", "--workers", "0"}, "--workers"},
       {{"square.obj", "other.obj", "-o", "o.obj"}, "unexpected argument other.obj"},
       {{"square.obj", "-o", "-", "--report", "-"}, "standard output"}};
@@ -208,11 +223,28 @@ TEST_F(Cli, an_interrupt_ends_the_run_and_leaves_no_file) {
   }
   write("big.obj", big);
   const pid_t child = start({"big.obj", "-o", "out.obj"}, "");
-  std::this_thread::sleep_for(std::chrono::milliseconds(150));
+  wait_until_it_handles_interrupts(child);
   ASSERT_EQ(::kill(child, SIGINT), 0);
   const Outcome outcome = finish(child);
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("cancelled"));
+  EXPECT_EQ(file_count(), 2u);
+}
+
+TEST_F(Cli, an_interrupt_ends_the_wait_for_input) {
+  ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
+  const int writer = ::open(path("pipe").c_str(), O_RDWR);  // keeps the pipe open, and empty
+  const pid_t child = start({"pipe", "-o", "out.obj"}, "");
+  wait_until_it_handles_interrupts(child);
+  // It may still be on its way to the read: interrupted there or before, it ends.
+  int status = 0;
+  while (::waitpid(child, &status, WNOHANG) == 0) {
+    ::kill(child, SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  ::close(writer);
+  ASSERT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 1);
   EXPECT_EQ(file_count(), 2u);
 }
 

@@ -206,8 +206,8 @@ TEST(EndToEnd, a_stop_lets_the_running_request_finish_and_exits_with_0) {
   Daemon daemon;
   RawClient client(daemon.port());
   const std::string id = "end-to-end-drain-01";
-  ASSERT_TRUE(client.send(post_text("/v1/remesh", bumpy_sheet(60), "X-Request-Id: " + id + "\r\n")));
-  ASSERT_TRUE(eventually([&] { return get(daemon.port(), "/v1/requests/" + id).status != 0; }));
+  ASSERT_TRUE(client.send(post_text("/v1/remesh", bumpy_sheet(200), "X-Request-Id: " + id + "\r\n")));
+  ASSERT_TRUE(eventually([&] { return get(daemon.port(), "/v1/requests/" + id).status == 200; }));
   daemon.send_signal(SIGTERM);
   EXPECT_EQ(Answer::parse(client.receive()).status, 200);
   EXPECT_EQ(daemon.wait(), 0);

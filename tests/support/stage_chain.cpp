@@ -13,8 +13,8 @@ namespace remesh {
 Surface mended(const PolygonMesh& mesh, double plane_tolerance, std::vector<Diagnostic>& diagnostics) {
   RunControl control;
   Surface surface = weld(mesh, Barriers{}, diagnostics, control);
-  const double local = plane_tolerance / surface.unit;
-  return mend_faces(std::move(surface), local, diagnostics, control);
+  mend_faces(surface, plane_tolerance / surface.unit, diagnostics, control);
+  return surface;
 }
 
 Surface mended(const PolygonMesh& mesh, double plane_tolerance) {

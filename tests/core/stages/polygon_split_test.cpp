@@ -54,7 +54,7 @@ TEST(polygon_split, the_diagonal_of_a_convex_quadrilateral_is_the_delaunay_one) 
 
 TEST(polygon_split, random_simple_polygons_are_cut_into_n_minus_2_triangles_of_their_area) {
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
-    const polygons::Loop loop = polygons::grown(seed, 30, 12);
+    const polygons::Loop loop = polygons::grown(seed, 30, 12).outer;
     if (loop.size() < 4) continue;
     const polygons::Placement place = polygons::random_placement(seed, 10);
     std::vector<Vec3> points;
