@@ -1,5 +1,6 @@
 #include "core/remesh.h"
 
+#include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -283,10 +284,11 @@ class Run {
   IdVector<VertexId, Vec3> positions_;
 };
 
-/// Runs `work` on as many threads as the settings allow.
+/// Runs `work` on as many threads as the settings and the process (tbb::global_control) allow.
 template <class Work>
 auto in_arena(const RunSettings& settings, Work work) {
-  tbb::task_arena arena(std::max(1, settings.workers));
+  const auto most = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  tbb::task_arena arena(std::clamp(settings.workers, 1, most));
   return arena.execute(work);
 }
 

@@ -1,5 +1,6 @@
 // The command-line twin of the daemon: remesh part.obj -o out.obj --plane-tolerance 1e-5 --report report.json
 #include <signal.h>
+#include <tbb/global_control.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -139,6 +140,9 @@ int run(const Arguments& arguments) {
   ::sigaction(SIGTERM, &action, nullptr);
   ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error of writing
 
+  // As many threads as asked for, even where the machine has fewer cores.
+  const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
+                                        static_cast<std::size_t>(arguments.workers));
   try {
     api::Job job;
     for (const auto& [name, value] : arguments.options) job.options.add(name, value);

@@ -325,7 +325,7 @@ TEST(random_polygons, the_triangles_are_those_of_the_oracle_where_no_tie_is_brok
                                                         point(ours.mesh.apex(h)), point(ours.mesh.apex(g)));
         EXPECT_NE(side, CGAL::ON_POSITIVE_SIDE);
         if (side == CGAL::ON_ORIENTED_BOUNDARY) continue;
-        // Strictly Delaunay on this edge: the oracle has it, unless a neighbouring tie made another quadrilateral.
+        // Two different circles: the edge is in every Delaunay triangulation, however ties fall.
         ++compared;
         EXPECT_TRUE(oracle.count({low, high})) << low << '-' << high;
       }

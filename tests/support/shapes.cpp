@@ -374,6 +374,14 @@ PolygonMesh polygons(const TriangleMesh& mesh) {
 Surface surface(const PolygonMesh& mesh) {
   Surface out;
   out.positions = mesh.positions;
+  Box3 box;
+  for (const Vec3& p : out.positions) box.add(p);
+  if (!box.is_empty()) {
+    out.centre = 0.5 * box.min + 0.5 * box.max;
+    const Vec3 half = box.max - out.centre;
+    out.unit = std::ldexp(1.0, std::ilogb(std::max({half.x, half.y, half.z})) + 1);
+  }
+  for (const Vec3& p : out.positions) out.local.push_back((1 / out.unit) * (p - out.centre));
   out.face_begin = mesh.face_begin;
   out.corners = mesh.corners;
   for (std::size_t v = 0; v < mesh.vertex_count(); ++v) out.vertex_source.push_back(VertexId(v));

@@ -83,7 +83,7 @@ PolygonMesh fan_triangulated(const PolygonMesh& mesh);
 /// The faces as triangles; every face must be one.
 TriangleMesh triangles(const PolygonMesh& mesh);
 PolygonMesh polygons(const TriangleMesh& mesh);
-/// The mesh as a working surface, vertex and face numbers unchanged, no barrier.
+/// The mesh as a working surface, vertex and face numbers unchanged, no barrier; local coordinates as from weld.
 Surface surface(const PolygonMesh& mesh);
 
 }  // namespace remesh::shapes

@@ -45,17 +45,14 @@ void expect_no_shared_chord(const std::vector<PatchMesh>& meshes) {
   }
 }
 
-/// Two patches along a bent border (0 1 2), each a convex quadrilateral whose Delaunay diagonal is the chord 0-2: the
-/// fourth corner of each is far beyond.
-PolygonMesh two_patches_with_one_chord() {
-  return with_groups(shapes::from_lists({{-1, 0, 0}, {0, -0.25, 0}, {1, 0, 0}, {0, 4, 0}, {0, -4, 1}},
-                                        {{0, 1, 3}, {1, 2, 3}, {0, 4, 1}, {1, 4, 2}}),
-                     {0, 0, 1, 1});
+/// Two patches folded together along a bent border (0 1 2): the Delaunay diagonal of both is the chord 0-2.
+PolygonMesh folded_along_a_bent_border(const Vec3& corner_of_the_second) {
+  return shapes::from_lists({{-1, 0, 0}, {0, -0.25, 0}, {1, 0, 0}, {0, 4, 0}, corner_of_the_second},
+                            {{0, 1, 2, 3}, {2, 1, 0, 4}});
 }
 
 TEST(resolve_chords, two_patches_that_pick_the_same_diagonal_are_told_apart) {
-  // Both sides of the closed double sheet of one square: the same four corners, so the same Delaunay diagonal.
-  StageChain chain(shapes::double_sheet());
+  StageChain chain(folded_along_a_bent_border({0, 5, 0}));
   ASSERT_EQ(chain.meshes.size(), 2u);
   ASSERT_EQ(inside_edges(chain.meshes).size(), 1u) << "both picked the same";
   EXPECT_TRUE(resolve_chords(chain.meshes, chain.control).empty());
@@ -64,20 +61,26 @@ TEST(resolve_chords, two_patches_that_pick_the_same_diagonal_are_told_apart) {
   for (const PatchMesh& patch : chain.meshes) expect_valid(patch.uv, patch.mesh);
 }
 
+TEST(resolve_chords, both_sides_of_a_square_do_not_share_their_diagonal) {
+  StageChain chain(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, 3}, {3, 2, 1, 0}}));
+  ASSERT_EQ(chain.meshes.size(), 2u);
+  ASSERT_EQ(inside_edges(chain.meshes).size(), 1u) << "the same four corners, so the same Delaunay diagonal";
+  EXPECT_TRUE(resolve_chords(chain.meshes, chain.control).empty());
+  expect_no_shared_chord(chain.meshes);
+}
+
 TEST(resolve_chords, the_patch_of_lowest_id_keeps_its_edge) {
-  StageChain chain(shapes::double_sheet());
+  StageChain chain(folded_along_a_bent_border({0, 5, 0}));
   const auto before = triangles_of(chain.meshes[0].mesh);
   resolve_chords(chain.meshes, chain.control);
   EXPECT_EQ(triangles_of(chain.meshes[0].mesh), before);
 }
 
 TEST(resolve_chords, where_no_flip_helps_the_patch_is_named) {
-  // The reflex corner 1 of the second patch cannot take part in a flip: below 0 1 2 the patch 0 4 2 1 is concave.
-  StageChain chain(two_patches_with_one_chord());
+  // The second patch is reflex at corner 2: the chord is its only diagonal.
+  StageChain chain(folded_along_a_bent_border({5, 0.5, 0}));
   ASSERT_EQ(chain.patches.count(), 2u);
-  const std::vector<PatchId> failed = resolve_chords(chain.meshes, chain.control);
-  if (failed.empty()) expect_no_shared_chord(chain.meshes);
-  for (const PatchId p : failed) EXPECT_LT(p.value, chain.patches.count());
+  EXPECT_EQ(resolve_chords(chain.meshes, chain.control), std::vector<PatchId>{PatchId(1)});
 }
 
 TEST(resolve_chords, an_edge_that_is_another_patches_border_is_flipped_away) {

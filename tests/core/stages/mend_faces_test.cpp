@@ -64,7 +64,7 @@ TEST(is_collinear, it_is_exact) {
 }
 
 TEST(mend_faces, a_sound_surface_stays_as_it_is) {
-  for (const PolygonMesh& mesh : {shapes::box({1, 2, 3}, 2), shapes::cylinder(7, 1, 2), shapes::ring(3)}) {
+  for (const PolygonMesh& mesh : {shapes::box({1, 2, 3}, 2), shapes::cylinder(7, 1, 2), shapes::ring(4)}) {
     std::vector<Diagnostic> diagnostics;
     const Surface surface = mended(mesh, 1e-9, diagnostics);
     EXPECT_EQ(surface.face_begin, mesh.face_begin);

@@ -41,7 +41,7 @@ void expect_holds(const StageChain& chain) {
 }
 
 TEST(patch_meshing, shapes_of_flat_faces_are_meshed) {
-  for (const PolygonMesh& mesh : {shapes::ring(3), shapes::box({1, 2, 3}, 4), shapes::cylinder(17, 1, 3),
+  for (const PolygonMesh& mesh : {shapes::ring(4), shapes::box({1, 2, 3}, 4), shapes::cylinder(17, 1, 3),
                                   shapes::l_bracket(3), shapes::plate_with_round_hole(24), shapes::slotted_plate(2),
                                   shapes::three_pages(2), shapes::double_sheet(3),
                                   shapes::flat({"#####", "#...#", "#.#.#", "#...#", "#####"}),

@@ -1,0 +1,34 @@
+#include "core/geometry/predicates_3d.h"
+
+#include <algorithm>
+
+#include "core/geometry/expansion.h"
+
+namespace remesh {
+namespace exact {
+
+int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const auto ab_x = difference(b.x, a.x), ab_y = difference(b.y, a.y), ab_z = difference(b.z, a.z);
+  const auto ac_x = difference(c.x, a.x), ac_y = difference(c.y, a.y), ac_z = difference(c.z, a.z);
+  const auto ad_x = difference(d.x, a.x), ad_y = difference(d.y, a.y), ad_z = difference(d.z, a.z);
+  const auto bc = ab_x * ac_y - ac_x * ab_y;
+  const auto cd = ac_x * ad_y - ad_x * ac_y;
+  const auto db = ad_x * ab_y - ab_x * ad_y;
+  return (bc * ad_z + cd * ab_z + db * ac_z).sign();
+}
+
+}  // namespace exact
+
+std::vector<Vec3> scaled_for_predicates(std::span<const Vec3> positions) {
+  double largest = 0;
+  for (const Vec3& p : positions) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  std::vector<Vec3> scaled(positions.begin(), positions.end());
+  if (largest == 0) return scaled;
+  const int shift = 249 - std::ilogb(largest);
+  // The factor itself may be out of range: two steps, of which a large coordinate's first one is exact.
+  const double first = std::ldexp(1, shift / 2), second = std::ldexp(1, shift - shift / 2);
+  for (Vec3& p : scaled) p = second * (first * p);
+  return scaled;
+}
+
+}  // namespace remesh

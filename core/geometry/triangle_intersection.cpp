@@ -1,0 +1,215 @@
+#include "core/geometry/triangle_intersection.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "core/geometry/predicates.h"
+#include "core/geometry/predicates_3d.h"
+
+namespace remesh {
+namespace {
+
+using Corners = std::array<Vec3, 3>;
+using Corners2d = std::array<Vec2, 3>;
+
+/// The plane coordinates that remain when one axis is dropped.
+Vec2 project(const Vec3& p, int axis) {
+  return axis == 0 ? Vec2{p.y, p.z} : axis == 1 ? Vec2{p.z, p.x} : Vec2{p.x, p.y};
+}
+Corners2d project(const Corners& t, int axis) {
+  return {project(t[0], axis), project(t[1], axis), project(t[2], axis)};
+}
+int orientation(const Corners2d& t) { return orient2d(t[0], t[1], t[2]); }
+
+/// An axis along which the triangle does not lose its area: that of the largest component of its normal, as far as
+/// rounding lets us see. None if it has no area.
+std::optional<int> projection_axis(const Corners& t) {
+  const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+  const double x = std::fabs(normal.x), y = std::fabs(normal.y), z = std::fabs(normal.z);
+  const int largest = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+  for (int i = 0; i < 3; ++i) {
+    const int axis = (largest + i) % 3;
+    if (orientation(project(t, axis)) != 0) return axis;
+  }
+  return std::nullopt;
+}
+
+/// Do the closed intervals between two pairs of points of one line overlap? Lexicographic order is order on a line.
+template <class Point>
+bool do_overlap(const Point& p, const Point& q, const Point& r, const Point& s) {
+  return std::max(std::min(p, q), std::min(r, s)) <= std::min(std::max(p, q), std::max(r, s));
+}
+
+/// Do the closed segments pq and rs meet? Either may be a point.
+bool do_segments_meet(Vec2 p, Vec2 q, Vec2 r, Vec2 s) {
+  const int pq_r = orient2d(p, q, r), pq_s = orient2d(p, q, s);
+  const int rs_p = orient2d(r, s, p), rs_q = orient2d(r, s, q);
+  if (pq_r == 0 && pq_s == 0 && rs_p == 0 && rs_q == 0) return do_overlap(p, q, r, s);
+  return pq_r * pq_s <= 0 && rs_p * rs_q <= 0;
+}
+
+bool do_segments_meet(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
+  // Some three of the points span the common plane, if there is one; else all four are on one line.
+  for (const Corners& t : {Corners{p, q, r}, Corners{p, q, s}, Corners{r, s, p}, Corners{r, s, q}})
+    if (const auto axis = projection_axis(t))
+      return orient3d(p, q, r, s) == 0 &&
+             do_segments_meet(project(p, *axis), project(q, *axis), project(r, *axis), project(s, *axis));
+  return do_overlap(p, q, r, s);
+}
+
+/// Does the closed segment pq meet the triangle, which has area in the plane?
+bool does_segment_meet(Vec2 p, Vec2 q, const Corners2d& t) {
+  const int turn = orientation(t);
+  bool is_inside = true;
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 from = t[i], to = t[(i + 1) % 3];
+    if (do_segments_meet(p, q, from, to)) return true;
+    is_inside = is_inside && orient2d(from, to, p) == turn;
+  }
+  return is_inside;
+}
+
+/// Does the closed segment pq meet the triangle? Either may be without extent.
+bool does_segment_meet(const Vec3& p, const Vec3& q, const Corners& t) {
+  const int side_p = orient3d(t[0], t[1], t[2], p), side_q = orient3d(t[0], t[1], t[2], q);
+  if (side_p * side_q > 0) return false;
+  if (side_p != 0 || side_q != 0) {
+    // The line passes the plane in one point, which is in the triangle if the line has no edge on either side of it.
+    const int sides[] = {orient3d(p, q, t[0], t[1]), orient3d(p, q, t[1], t[2]), orient3d(p, q, t[2], t[0])};
+    const auto [least, greatest] = std::minmax_element(std::begin(sides), std::end(sides));
+    return *least * *greatest >= 0;
+  }
+  if (const auto axis = projection_axis(t))
+    return does_segment_meet(project(p, *axis), project(q, *axis), project(t, *axis));
+  const auto [first, last] = std::minmax_element(t.begin(), t.end());
+  return do_segments_meet(p, q, *first, *last);
+}
+
+/// Is there a line along an edge of `a` that has `a` on one side and `b` on the other, so that they meet in nothing but
+/// the shared corners, which come first in both? `a` has area; if `b` has, too, then one of the two has such a line
+/// wherever that is so.
+bool has_separating_edge(const Corners2d& a, const Corners2d& b, int shared) {
+  const int turn = orientation(a);
+  const auto is_beyond = [&](int i, int j) {
+    for (int k = shared; k < 3; ++k) {
+      const int side = orient2d(a[i], a[j], b[k]) * turn;
+      if (side > 0) return false;
+      if (side < 0) continue;
+      // On the line itself b may go on from the one shared corner, away from the edge.
+      if (shared != 1) return false;
+      const Vec2 common = a[0], other = i == 0 ? a[j] : a[i];
+      if ((b[k] < common) == (other < common)) return false;
+    }
+    return true;
+  };
+  // The edges that hold all shared corners.
+  if (is_beyond(0, 1)) return true;
+  if (shared == 2) return false;
+  return is_beyond(2, 0) || (shared == 0 && is_beyond(1, 2));
+}
+
+enum class Sides { kOneSide, kCoplanar, kBoth };
+
+/// How the corners of `b` that are not shared lie to the plane of `a`; kBoth includes touching.
+Sides sides_of(const Corners& a, const Corners& b, int shared) {
+  int least = 1, greatest = -1;
+  for (int k = shared; k < 3; ++k) {
+    const int side = orient3d(a[0], a[1], a[2], b[k]);
+    least = std::min(least, side);
+    greatest = std::max(greatest, side);
+  }
+  if (least * greatest > 0) return Sides::kOneSide;
+  return least == 0 && greatest == 0 ? Sides::kCoplanar : Sides::kBoth;
+}
+
+/// Moves equal ids to the front of both lists, in the same order; how many.
+template <class List>
+int align(List& a, List& b) {
+  int shared = 0;
+  for (int i = 0; i < static_cast<int>(a.size()); ++i)
+    for (int j = shared; j < static_cast<int>(b.size()); ++j)
+      if (a[i] == b[j]) {
+        std::swap(a[shared], a[i]);
+        std::swap(b[shared], b[j]);
+        ++shared;
+        break;
+      }
+  return shared;
+}
+
+Corners corners(const Triangle& t, std::span<const Vec3> positions) {
+  return {positions[t[0].value], positions[t[1].value], positions[t[2].value]};
+}
+/// Of one, two or three corners; the last one stands for those that are missing.
+Corners corners(const std::vector<VertexId>& t, std::span<const Vec3> positions) {
+  return {positions[t[0].value], positions[t[std::min<std::size_t>(1, t.size() - 1)].value], positions[t.back().value]};
+}
+
+std::vector<VertexId> distinct(const Triangle& t) {
+  std::vector<VertexId> ids(t.begin(), t.end());
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  return ids;
+}
+
+/// do_intersect for triangles that have area; `axis` is one of a's projection.
+bool do_proper_triangles_intersect(const Corners& a, const Corners& b, int shared, int axis) {
+  if (shared == 3) return true;
+  // What is apart in a projection is apart in space.
+  const Corners2d flat_a = project(a, axis), flat_b = project(b, axis);
+  if (has_separating_edge(flat_a, flat_b, shared)) return false;
+  if (orientation(flat_b) != 0 && has_separating_edge(flat_b, flat_a, shared)) return false;
+
+  const Sides sides_of_b = sides_of(a, b, shared);
+  if (sides_of_b != Sides::kBoth) return sides_of_b == Sides::kCoplanar;
+  if (sides_of(b, a, shared) == Sides::kOneSide) return false;
+  // A ray from a shared corner leaves a triangle through the opposite edge.
+  if (shared == 1) return does_segment_meet(a[1], a[2], b) || does_segment_meet(b[1], b[2], a);
+  for (int i = 0; i < 3; ++i)
+    if (does_segment_meet(a[i], a[(i + 1) % 3], b) || does_segment_meet(b[i], b[(i + 1) % 3], a)) return true;
+  return false;
+}
+
+/// do_intersect where at least one of the two has no area. Rare, so plain rather than fast.
+bool do_degenerate_triangles_intersect(const Triangle& f, const Triangle& g, std::span<const Vec3> positions) {
+  std::vector<VertexId> a = distinct(f), b = distinct(g);
+  const int shared = align(a, b);
+  // One is a shared corner, a shared edge, or both are the segment of the same three corners.
+  if (shared == static_cast<int>(std::min(a.size(), b.size()))) return false;
+  const Corners corners_a = corners(a, positions), corners_b = corners(b, positions);
+  const bool has_a_area = projection_axis(corners_a).has_value(), has_b_area = projection_axis(corners_b).has_value();
+
+  if (shared == 0) {
+    const auto [first, last] = std::minmax_element(has_a_area ? corners_b.begin() : corners_a.begin(),
+                                                   has_a_area ? corners_b.end() : corners_a.end());
+    return does_segment_meet(*first, *last, has_a_area ? corners_a : corners_b);
+  }
+  if (shared == 1) {
+    // A ray from the shared corner leaves a triangle through the opposite edge; from within that edge, at its ends.
+    const auto does_exit_meet = [](const Corners& t, const Corners& other) {
+      if (!do_segments_meet(t[0], t[0], t[1], t[2])) return does_segment_meet(t[1], t[2], other);
+      return does_segment_meet(t[1], t[1], other) || does_segment_meet(t[2], t[2], other);
+    };
+    return does_exit_meet(corners_a, corners_b) || does_exit_meet(corners_b, corners_a);
+  }
+  // Both go on along the line of the shared edge, beyond the same end of it.
+  if (has_a_area || has_b_area) return false;
+  const auto [first, last] = std::minmax(corners_a[0], corners_a[1]);
+  const Vec3 &apex_a = corners_a[2], &apex_b = corners_b[2];
+  return (apex_a < first && apex_b < first) || (apex_a > last && apex_b > last);
+}
+
+}  // namespace
+
+bool do_intersect(const Triangle& f, const Triangle& g, std::span<const Vec3> positions) {
+  Triangle a = f, b = g;
+  const auto axis = projection_axis(corners(a, positions));
+  if (!axis || !projection_axis(corners(b, positions))) return do_degenerate_triangles_intersect(f, g, positions);
+  const int shared = align(a, b);
+  return do_proper_triangles_intersect(corners(a, positions), corners(b, positions), shared, *axis);
+}
+
+}  // namespace remesh

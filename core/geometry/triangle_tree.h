@@ -1,0 +1,79 @@
+/// A tree of boxes over the triangles of a surface, to find those near a place.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+#include "core/mesh/mesh.h"
+
+namespace remesh {
+
+/// The triangles stand in slots 0 .. n-1, neighbours in space near each other. Node j of level l has the slots
+/// [n j / 2^l, n (j+1) / 2^l): arithmetic, so that a node is its box and nothing else.
+/// Holds:   the slots and boxes depend on the surface alone, not on threads.
+/// Cost:    O(n log n) to build, in parallel; a query O(log n + what it finds) for triangles of like size.
+class TriangleTree {
+ public:
+  /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+  TriangleTree(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control);
+
+  std::size_t size() const { return face_.size(); }
+  FaceId face(std::size_t slot) const { return face_[slot]; }
+  const Box3& box(std::size_t slot) const { return slot_box_[slot]; }
+
+  /// Calls visit(slot) for the slots from `first` on whose boxes meet `box` (touching included), in ascending order,
+  /// as long as visit returns true.
+  template <class Visit>
+  void visit_meeting(const Box3& box, std::size_t first, const Visit& visit) const;
+
+ private:
+  /// A leaf has at most this many slots.
+  static constexpr std::size_t kLeafSize = 4;
+  static constexpr int kMaxLevels = 40;  ///< more than ids have bits
+
+  static std::size_t node_index(int level, std::size_t j) { return (std::size_t{1} << level) - 1 + j; }
+  std::size_t node_begin(int level, std::size_t j) const { return (size() * j) >> level; }
+
+  int leaf_level_ = 0;
+  std::vector<FaceId> face_;    ///< by slot
+  std::vector<Box3> slot_box_;  ///< by slot
+  std::vector<Box3> node_box_;  ///< level after level
+};
+
+/// Do the closed boxes have a point in common?
+inline bool do_meet(const Box3& a, const Box3& b) {
+  return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
+         b.min.z <= a.max.z;
+}
+
+template <class Visit>
+void TriangleTree::visit_meeting(const Box3& box, std::size_t first, const Visit& visit) const {
+  struct Node {
+    int level;
+    std::size_t j;
+  };
+  // Depth first: at most one waiting sibling a level.
+  std::array<Node, kMaxLevels> stack;
+  std::size_t depth = 0;
+  stack[depth++] = {0, 0};
+  while (depth > 0) {
+    const Node node = stack[--depth];
+    const std::size_t end = node_begin(node.level, node.j + 1);
+    if (end <= first || !do_meet(node_box_[node_index(node.level, node.j)], box)) continue;
+    if (node.level < leaf_level_) {
+      stack[depth++] = {node.level + 1, 2 * node.j + 1};
+      stack[depth++] = {node.level + 1, 2 * node.j};
+      continue;
+    }
+    for (std::size_t slot = std::max(first, node_begin(node.level, node.j)); slot < end; ++slot)
+      if (do_meet(slot_box_[slot], box) && !visit(slot)) return;
+  }
+}
+
+}  // namespace remesh

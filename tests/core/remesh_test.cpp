@@ -1,0 +1,527 @@
+#include "core/remesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <thread>
+
+#include "core/io/obj.h"
+#include "tests/support/random.h"
+#include "tests/support/shapes.h"
+#include "tests/support/stage_chain.h"
+
+namespace remesh {
+namespace {
+
+Result remeshed(const PolygonMesh& mesh, const Options& options = {}, const RunSettings& settings = {}) {
+  RunControl control;
+  return remesh_surface(mesh, options, settings, control);
+}
+
+/// Everything that a caller sees and that must not depend on workers or luck, as text.
+std::string bytes(const Result& result) {
+  RunControl control;
+  std::ostringstream out;
+  out.precision(17);
+  out << write_obj(result.mesh, {}, control);
+  for (const PatchId p : result.face_patch) out << p << ' ';
+  for (const FaceId f : result.face_source) out << f << ' ';
+  const auto statistics = [&](const MeshStatistics& s) {
+    out << '\n' << s.vertices << ' ' << s.faces << ' ' << s.components << ' ' << s.boundary_edges << ' '
+        << s.non_manifold_edges << ' ' << s.closed << ' ' << s.euler << ' ' << s.area << ' ' << s.volume.value_or(-1)
+        << ' ' << s.quality.min_angle_deg << ' ' << s.quality.max_angle_deg << ' ' << s.quality.aspect_ratio.mean << ' '
+        << s.quality.edge_length.mean << ' ' << s.quality.radius_edge_ratio.mean;
+    for (const std::uint64_t count : s.quality.angle_histogram_deg.counts) out << ' ' << count;
+  };
+  statistics(result.report.input);
+  statistics(result.report.output);
+  out << '\n' << result.report.plane_tolerance << ' ' << result.report.rounding_step << ' '
+      << result.report.volume_bound << ' ' << result.report.predicted_faces << ' ' << result.report.verified.deviation;
+  for (const PatchSummary& p : result.report.patches)
+    out << '\n' << p.normal.x << ' ' << p.normal.y << ' ' << p.normal.z << ' ' << p.offset << ' ' << p.area << ' '
+        << p.input_faces << ' ' << p.output_faces << ' ' << p.loops << ' ' << p.essential_vertices << ' '
+        << status_name(p.status) << reason_name(p.reason) << ' ' << p.deviation;
+  for (const Diagnostic& d : result.report.diagnostics) {
+    out << '\n' << diagnostic_name(d.code) << ' ' << d.count << ' ' << d.message;
+    for (const std::uint64_t e : d.elements) out << ' ' << e;
+  }
+  return out.str();
+}
+
+/// The output's triangles by position, for comparison across numberings.
+std::multiset<std::vector<Vec3>> triangle_set(const Result& result) {
+  std::multiset<std::vector<Vec3>> set;
+  for (const Triangle& t : result.mesh.faces) {
+    std::vector<Vec3> corners{result.mesh.positions[t[0]], result.mesh.positions[t[1]], result.mesh.positions[t[2]]};
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
+    set.insert(corners);
+  }
+  return set;
+}
+
+bool has_vertex(const Result& result, const Vec3& p) {
+  return std::find(result.mesh.positions.begin(), result.mesh.positions.end(), p) != result.mesh.positions.end();
+}
+
+void expect_sound(const Result& result) {
+  EXPECT_TRUE(result.report.verified.surface);
+  EXPECT_TRUE(result.report.verified.conforming);
+  EXPECT_TRUE(result.report.verified.delaunay);
+  EXPECT_EQ(result.report.output.closed, result.report.input.closed);
+  EXPECT_EQ(result.report.output.euler, result.report.input.euler);
+  EXPECT_EQ(result.mesh.faces.size(), result.report.predicted_faces);
+  ASSERT_EQ(result.face_patch.size(), result.mesh.faces.size());
+  std::vector<std::uint64_t> faces(result.report.patches.size());
+  for (const PatchId p : result.face_patch) ++faces[p.value];
+  for (std::size_t p = 0; p < faces.size(); ++p) EXPECT_EQ(faces[p], result.report.patches[p].output_faces);
+}
+
+Error error_of(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << "nothing was thrown";
+  return Error(Code::kInternal, Stage::kQueued, "");
+}
+
+/// A part with several kinds of patches: a plate with a hole on legs.
+PolygonMesh bracket() { return shapes::blocks({"####", "#..#", "####", "#..#"}, 3); }
+
+TEST(remesh_surface, the_listing_of_section_1_1_gives_eight_triangles) {
+  for (const int cuts : {1, 4}) {
+    const Result result = remeshed(shapes::ring(cuts));
+    expect_sound(result);
+    ASSERT_EQ(result.report.patches.size(), 1u);
+    EXPECT_EQ(result.report.patches[0].loops, 2u);
+    EXPECT_EQ(result.report.patches[0].essential_vertices, 8u);
+    EXPECT_EQ(result.mesh.positions.size(), 8u);
+    EXPECT_EQ(result.mesh.faces.size(), 8u);
+    EXPECT_EQ(result.report.output.area, 28);
+  }
+}
+
+TEST(remesh_surface, a_square_of_many_faces_is_two_triangles) {
+  const Result result = remeshed(shapes::sheet(2, 2, 18, 19));
+  expect_sound(result);
+  EXPECT_EQ(result.mesh.positions.size(), 4u);
+  EXPECT_EQ(result.mesh.faces.size(), 2u);
+}
+
+TEST(remesh_surface, an_l_keeps_its_area) {
+  const Result result = remeshed(shapes::flat({"#.", "##"}, 5));
+  expect_sound(result);
+  EXPECT_EQ(result.mesh.faces.size(), 4u);
+  EXPECT_EQ(result.report.output.area, 3);
+}
+
+TEST(remesh_surface, coplanar_faces_that_touch_at_a_vertex_are_two_patches) {
+  const Result result = remeshed(shapes::two_squares_touching_at_a_vertex(3));
+  expect_sound(result);
+  EXPECT_EQ(result.report.patches.size(), 2u);
+  EXPECT_EQ(result.mesh.positions.size(), 7u);
+  EXPECT_EQ(result.report.output.area, 2);
+}
+
+TEST(remesh_surface, a_slot_in_a_straight_edge_is_not_bridged) {
+  const Result result = remeshed(shapes::slotted_plate(2));
+  expect_sound(result);
+  EXPECT_EQ(result.report.patches.size(), 1u);
+  EXPECT_EQ(result.mesh.positions.size(), 8u);
+  EXPECT_EQ(result.report.output.area, 13);
+}
+
+TEST(remesh_surface, a_third_faces_corner_on_a_straight_border_stays) {
+  // A sheet whose upper border has, on a part of it, a wall standing up; the wall's corners are on the border.
+  const PolygonMesh mesh = shapes::from_lists(
+      {{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {2, 1, 0}, {1, 1, 0}, {0, 1, 0}, {2, 1, 1}, {1, 1, 1}, {1, 0, 0}, {2, 0, 0}},
+      {{0, 8, 4, 5}, {8, 9, 3, 4}, {9, 1, 2, 3}, {4, 3, 6, 7}});
+  const Result result = remeshed(mesh);
+  expect_sound(result);
+  EXPECT_EQ(result.report.patches.size(), 2u);
+  EXPECT_TRUE(has_vertex(result, {1, 1, 0}));
+  EXPECT_TRUE(has_vertex(result, {2, 1, 0}));
+  EXPECT_FALSE(has_vertex(result, {1, 0, 0}));
+}
+
+TEST(remesh_surface, a_double_sheet_stays_two) {
+  // Over the same four vertices: as two squares, and cut along one diagonal above and along the other one below.
+  const std::vector<Vec3> corners = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  for (const auto& mesh : {shapes::from_lists(corners, {{0, 1, 2, 3}, {3, 2, 1, 0}}),
+                           shapes::from_lists(corners, {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}})}) {
+    const Result result = remeshed(mesh);
+    expect_sound(result);
+    EXPECT_EQ(result.report.patches.size(), 2u);
+    EXPECT_TRUE(result.report.output.closed);
+    EXPECT_EQ(result.report.output.area, 2);
+    EXPECT_EQ(result.mesh.positions.size(), 4u);
+    EXPECT_EQ(result.mesh.faces.size(), 4u);
+  }
+}
+
+TEST(remesh_surface, sheets_whose_inner_edges_are_shared_keep_every_face) {
+  // Each inner edge has four faces: nothing says which two belong together.
+  const Result result = remeshed(shapes::double_sheet(3));
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_EQ(result.mesh.faces.size(), 36u);
+  EXPECT_EQ(result.report.output.non_manifold_edges, result.report.input.non_manifold_edges);
+}
+
+TEST(remesh_surface, parallel_sheets_stay_two_however_close) {
+  const PolygonMesh sheet = shapes::sheet(1, 1, 4, 4);
+  for (const double gap : {0.1, 1e-6, 1e-12}) {
+    const Result result = remeshed(shapes::joined(sheet, shapes::moved(sheet, {0, 0, gap})));
+    expect_sound(result);
+    EXPECT_EQ(result.report.patches.size(), 2u) << gap;
+    EXPECT_EQ(result.mesh.positions.size(), 8u) << gap;
+    EXPECT_EQ(result.report.output.area, 2) << gap;
+  }
+}
+
+TEST(remesh_surface, a_tube_with_no_corner_on_its_rims_stays_round) {
+  PolygonMesh tube = shapes::cylinder(48, 1, 2);
+  // Without its caps: the first two faces.
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::size_t f = 2; f < tube.face_count(); ++f) {
+    faces.emplace_back();
+    for (const VertexId v : tube.face(FaceId(f))) faces.back().push_back(v.value);
+  }
+  const Result result = remeshed(shapes::from_lists(tube.positions.items(), faces));
+  expect_sound(result);
+  EXPECT_EQ(result.mesh.faces.size(), 96u);
+}
+
+TEST(remesh_surface, vertices_keep_their_coordinates_bit_for_bit) {
+  const PolygonMesh mesh = shapes::rotated(shapes::box({1, 2, 3}, 4), {1, 2, 3}, 33);
+  const Result result = remeshed(mesh);
+  expect_sound(result);
+  const std::set<Vec3> input(mesh.positions.begin(), mesh.positions.end());
+  for (const Vec3& p : result.mesh.positions) EXPECT_TRUE(input.count(p));
+}
+
+TEST(remesh_surface, concave_and_bridged_polygons_are_patches_like_others) {
+  const Result bridge = remeshed(
+      shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}}));
+  expect_sound(bridge);
+  EXPECT_EQ(bridge.report.patches[0].loops, 2u);
+  EXPECT_EQ(bridge.mesh.faces.size(), 8u);
+  EXPECT_EQ(bridge.report.output.area, 48);
+  const Result prism = remeshed(shapes::prism({{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}}, 2));
+  expect_sound(prism);
+  EXPECT_EQ(prism.report.patches.size(), 8u);
+  EXPECT_EQ(*prism.report.output.volume, 10);
+}
+
+TEST(remesh_surface, a_closed_box_of_any_cut_is_twelve_triangles) {
+  for (const int cuts : {1, 3, 10}) {
+    const Result result = remeshed(shapes::box({1, 2, 3}, cuts));
+    expect_sound(result);
+    EXPECT_EQ(result.mesh.faces.size(), 12u);
+    EXPECT_EQ(*result.report.output.volume, 6);
+    EXPECT_EQ(result.report.output.area, 22);
+  }
+}
+
+TEST(remesh_surface, cubes_that_touch_along_an_edge_keep_its_four_faces) {
+  const Result result = remeshed(shapes::blocks({"#.", ".#"}, 2));
+  expect_sound(result);
+  EXPECT_EQ(result.report.output.non_manifold_edges, 1u);
+  EXPECT_EQ(result.mesh.faces.size(), 24u);
+}
+
+TEST(remesh_surface, bytes_are_the_same_for_any_number_of_workers_and_on_every_run) {
+  for (const PolygonMesh& mesh :
+       {shapes::ring(8), bracket(), shapes::sphere(4), shapes::rotated(shapes::cylinder(64, 1, 2), {1, 2, 3}, 20),
+        shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 12), {1, 2, 3}, 40), 1e-6)}) {
+    const std::string expected = bytes(remeshed(mesh, {}, {1, true}));
+    for (const int workers : {1, 2, 8, 2}) EXPECT_EQ(bytes(remeshed(mesh, {}, {workers, true})), expected) << workers;
+  }
+}
+
+TEST(remesh_surface, scaling_by_powers_of_two_gives_the_same_faces) {
+  for (const PolygonMesh& mesh :
+       {shapes::ring(4), bracket(), shapes::sphere(3),
+        shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 5), {1, 2, 3}, 40), 1e-6)}) {
+    const Result expected = remeshed(mesh);
+    for (const int k : {-40, -17, -3, -1, 1, 5, 20, 40}) {
+      const double scale = std::ldexp(1.0, k);
+      const Result result = remeshed(shapes::scaled(mesh, scale));
+      EXPECT_EQ(result.mesh.faces.items(), expected.mesh.faces.items()) << k;
+      EXPECT_EQ(result.face_patch.items(), expected.face_patch.items()) << k;
+      EXPECT_EQ(result.report.plane_tolerance, scale * expected.report.plane_tolerance) << k;
+      EXPECT_EQ(result.report.output.area, scale * scale * expected.report.output.area) << k;
+    }
+  }
+}
+
+TEST(remesh_surface, renumbering_changes_no_triangle) {
+  for (const PolygonMesh& mesh :
+       {shapes::ring(4), bracket(), shapes::sphere(3), shapes::two_squares_touching_at_a_vertex(2),
+        shapes::rounded(shapes::rotated(bracket(), {1, 2, 3}, 40), 1e-6)}) {
+    const Result expected = remeshed(mesh);
+    for (unsigned seed = 1; seed <= 4; ++seed) {
+      const Result result = remeshed(shapes::renumbered(mesh, seed));
+      EXPECT_EQ(result.report.patches.size(), expected.report.patches.size());
+      EXPECT_EQ(triangle_set(result), triangle_set(expected)) << seed;
+    }
+  }
+}
+
+TEST(remesh_surface, boxes_and_brackets_turned_and_printed_with_six_decimals_merge_into_their_planes) {
+  for (std::uint64_t seed = 1; seed <= 25; ++seed) {
+    Random random(seed);
+    const Vec3 axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const double angle = random.uniform(0, 360);
+    const auto printed = [&](const PolygonMesh& mesh) { return shapes::rounded(shapes::rotated(mesh, axis, angle), 1e-6); };
+    const Result box = remeshed(printed(shapes::box({1, 2, 3}, 8)));
+    expect_sound(box);
+    EXPECT_EQ(box.report.patches.size(), 6u) << seed;
+    EXPECT_EQ(box.mesh.faces.size(), 12u) << seed;
+    const Result part = remeshed(printed(bracket())), exact = remeshed(bracket());
+    expect_sound(part);
+    EXPECT_EQ(part.report.patches.size(), exact.report.patches.size()) << seed;
+    EXPECT_EQ(part.mesh.faces.size(), exact.mesh.faces.size()) << seed;
+  }
+}
+
+TEST(remesh_surface, full_doubles_turned_anyhow_merge_into_their_planes) {
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    Random random(seed);
+    const Vec3 axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const double scale = std::pow(10, random.uniform(-6, 6));
+    const PolygonMesh mesh = shapes::moved(
+        shapes::scaled(shapes::rotated(shapes::box({1, 2, 3}, 6), axis, random.uniform(0, 360)), scale),
+        {10 * scale, -20 * scale, 30 * scale});
+    const Result result = remeshed(mesh);
+    expect_sound(result);
+    EXPECT_EQ(result.mesh.faces.size(), 12u) << seed;
+  }
+}
+
+TEST(remesh_surface, noise_within_a_given_tolerance_merges_and_beyond_it_does_not) {
+  Random random(1);
+  PolygonMesh mesh = shapes::sheet(1, 1, 6, 6);
+  for (Vec3& p : mesh.positions) p.z = random.uniform(-1e-4, 1e-4);
+  Options wide, narrow;
+  wide.plane_tolerance = 1e-3;
+  narrow.plane_tolerance = 1e-6;
+  const Result merged = remeshed(mesh, wide), kept = remeshed(mesh, narrow);
+  EXPECT_EQ(merged.report.patches.size(), 1u);
+  EXPECT_EQ(merged.mesh.faces.size(), 2u);
+  EXPECT_LE(merged.report.verified.deviation, 1e-3);
+  EXPECT_FALSE(merged.report.plane_tolerance_is_automatic);
+  EXPECT_EQ(merged.report.plane_tolerance, 1e-3);
+  EXPECT_GT(kept.report.patches.size(), 60u);
+  expect_sound(kept);
+}
+
+TEST(remesh_surface, boundary_vertices_stay_where_asked) {
+  Options options;
+  options.keep_boundary_vertices = true;
+  const Result result = remeshed(shapes::sheet(2, 1, 4, 2), options);
+  expect_sound(result);
+  EXPECT_EQ(result.mesh.positions.size(), 12u);
+  EXPECT_EQ(result.mesh.faces.size(), 10u);
+  const Result box = remeshed(shapes::box({1, 1, 1}, 2), options);
+  expect_sound(box);
+  EXPECT_EQ(box.mesh.positions.size(), 20u);
+}
+
+TEST(remesh_surface, the_reference_axis_changes_ties_at_most) {
+  for (const Vec3& direction : {Vec3{1, 0, 0}, Vec3{1, 1, 0}, Vec3{0, 0, 1}, Vec3{-3, 2, 7}}) {
+    Options options;
+    options.reference_axis = ReferenceAxis::kGiven;
+    options.reference_direction = direction;
+    const Result result = remeshed(bracket(), options);
+    expect_sound(result);
+    EXPECT_EQ(result.mesh.faces.size(), remeshed(bracket()).mesh.faces.size());
+  }
+  Options options;
+  options.reference_axis = ReferenceAxis::kX;
+  expect_sound(remeshed(shapes::box({1, 2, 3}, 2), options));
+}
+
+TEST(remesh_surface, groups_bound_patches_and_come_back) {
+  const PolygonMesh mesh = with_groups(shapes::sheet(2, 1, 4, 2), {0, 0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 1, 1, 1, 1});
+  const Result result = remeshed(mesh);
+  expect_sound(result);
+  EXPECT_EQ(result.report.patches.size(), 2u);
+  EXPECT_EQ(result.mesh.faces.size(), 4u);
+  ASSERT_EQ(result.mesh.labels.group.of_face.size(), 4u);
+  for (std::uint32_t f = 0; f < 4; ++f) {
+    const Triangle& t = result.mesh.faces[FaceId(f)];
+    const double x = result.mesh.positions[t[0]].x + result.mesh.positions[t[1]].x + result.mesh.positions[t[2]].x;
+    EXPECT_EQ(result.mesh.labels.group.of_face[FaceId(f)], x / 3 < 1 ? 0u : 1u);
+  }
+
+  Options none;
+  none.barriers = {false, false, false};
+  const Result merged = remeshed(mesh, none);
+  EXPECT_EQ(merged.report.patches.size(), 1u);
+  EXPECT_EQ(merged.mesh.faces.size(), 2u);
+  EXPECT_EQ(merged.mesh.labels.group.of_face.size(), 2u) << "each face is labelled by what lies under its centroid";
+}
+
+TEST(remesh_surface, the_source_of_each_face_lies_under_its_centroid) {
+  const Result result = remeshed(shapes::sheet(4, 1, 4, 1), {}, {1, true});
+  ASSERT_EQ(result.face_source.size(), 2u);
+  for (std::uint32_t f = 0; f < 2; ++f) {
+    const Triangle& t = result.mesh.faces[FaceId(f)];
+    const double x = (result.mesh.positions[t[0]].x + result.mesh.positions[t[1]].x + result.mesh.positions[t[2]].x) / 3;
+    EXPECT_EQ(result.face_source[FaceId(f)].value / 2, static_cast<std::uint32_t>(x));
+  }
+  EXPECT_TRUE(remeshed(shapes::sheet(4, 1, 4, 1)).face_source.empty());
+}
+
+TEST(remesh_surface, diagnostics_of_the_reader_are_passed_on) {
+  RunControl control;
+  const Result result = remesh_surface(shapes::sheet(1, 1, 1, 1), {}, {}, control,
+                                       {{DiagnosticCode::kAttributeDropped, 3, {}, "texture coordinates"}});
+  ASSERT_FALSE(result.report.diagnostics.empty());
+  EXPECT_EQ(result.report.diagnostics[0].code, DiagnosticCode::kAttributeDropped);
+}
+
+TEST(remesh_surface, a_strip_that_runs_over_itself_goes_down_the_ladder_and_is_verified) {
+  // Coplanar, 450 degrees round: the loop of the one plane crosses itself.
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int i = 0; i <= 40; ++i) {
+    const double angle = 450.0 / 40 * i * 3.14159265358979 / 180;
+    for (const double radius : {1.0, 2.0 + 0.001 * i})
+      positions.push_back({radius * std::cos(angle) + 0.0005 * i, radius * std::sin(angle), 0});
+    const auto k = static_cast<std::uint32_t>(2 * i);
+    if (i < 40) faces.push_back({k, k + 1, k + 3, k + 2});
+  }
+  const Result result = remeshed(shapes::from_lists(positions, faces));
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_TRUE(std::any_of(result.report.patches.begin(), result.report.patches.end(), [](const PatchSummary& p) {
+    return p.status == PatchStatus::kReduced && p.reason == PatchReason::kSelfIntersectingLoop;
+  }));
+}
+
+TEST(remesh_surface, a_closed_surface_with_zero_area_faces_stays_closed) {
+  const PolygonMesh mesh = shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 2}, {1, 0, 0}},
+                                              {{0, 2, 1}, {0, 4, 3}, {4, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 1, 4}});
+  const Result result = remeshed(mesh);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_TRUE(result.report.output.closed);
+  EXPECT_EQ(result.mesh.faces.size(), 4u);
+}
+
+TEST(remesh_surface, meshes_without_a_face_or_an_area_are_empty) {
+  EXPECT_EQ(error_of([] { remeshed(shapes::from_lists({{0, 0, 0}}, {})); }).code, Code::kEmptyMesh);
+  EXPECT_EQ(error_of([] { remeshed({}); }).code, Code::kEmptyMesh);
+  EXPECT_EQ(error_of([] { remeshed(shapes::from_lists({{0, 0, 0}, {1, 1, 1}, {2, 2, 2}}, {{0, 1, 2}})); }).code,
+            Code::kEmptyMesh);
+  EXPECT_EQ(error_of([] { remeshed(shapes::from_lists({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, {{0, 1, 2}})); }).code,
+            Code::kEmptyMesh);
+}
+
+TEST(remesh_surface, a_result_larger_than_allowed_is_refused) {
+  Options options;
+  options.max_output_faces = 11;
+  const Error error = error_of([&] { remeshed(shapes::box({1, 1, 1}, 3), options); });
+  EXPECT_EQ(error.code, Code::kOutputTooLarge);
+  EXPECT_EQ(error.limit, 11u);
+  EXPECT_EQ(error.option, "max_output_faces");
+  options.max_output_faces = 12;
+  EXPECT_EQ(remeshed(shapes::box({1, 1, 1}, 3), options).mesh.faces.size(), 12u);
+}
+
+TEST(remesh_surface, a_run_that_was_stopped_before_it_began_does_nothing) {
+  RunControl control;
+  control.cancel();
+  EXPECT_EQ(error_of([&] { remesh_surface(shapes::box({1, 1, 1}), {}, {}, control); }).code, Code::kCancelled);
+}
+
+TEST(remesh_surface, a_stop_is_obeyed_soon_at_any_time) {
+  using Clock = std::chrono::steady_clock;
+  const PolygonMesh mesh = shapes::box({1, 1, 1}, 290);  // a million faces
+  for (const int wait_ms : {30, 300, 900}) {
+    RunControl control;
+    Clock::time_point asked;
+    std::thread watcher([&] {
+      std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+      asked = Clock::now();
+      control.cancel();
+    });
+    bool is_stopped = false;
+    try {
+      remesh_surface(mesh, {}, {2, false}, control);
+    } catch (const Error& error) {
+      is_stopped = error.code == Code::kCancelled;
+    }
+    const Clock::time_point ended = Clock::now();
+    watcher.join();
+    if (!is_stopped) continue;  // a machine so fast that it was done before
+    // The promise is 100 ms; the margin is for slow builds and busy machines.
+    EXPECT_LT(std::chrono::duration<double>(ended - asked).count(), 1.0) << "asked after " << wait_ms << " ms";
+  }
+}
+
+TEST(analyze_surface, it_tells_of_the_input_and_remeshes_nothing) {
+  RunControl control;
+  const Report report = analyze_surface(bracket(), {}, {}, control);
+  const Result result = remeshed(bracket());
+  EXPECT_EQ(report.patches.size(), result.report.patches.size());
+  EXPECT_EQ(report.predicted_faces, result.mesh.faces.size());
+  EXPECT_EQ(report.input.area, result.report.input.area);
+  EXPECT_EQ(report.output.faces, 0u);
+  EXPECT_FALSE(report.verified.surface);
+}
+
+struct BadOption {
+  const char* name;
+  Code code;
+  std::function<void(Options&)> set;
+};
+
+TEST(check_options, each_option_at_fault_is_named) {
+  const std::vector<BadOption> bad = {
+      {"refine", Code::kNotImplemented, [](Options& o) { o.refine = true; }},
+      {"min_angle_deg", Code::kNotImplemented, [](Options& o) { o.min_angle_deg = 25; }},
+      {"min_angle_deg", Code::kInvalidOption, [](Options& o) { o.min_angle_deg = 33.5; }},
+      {"min_angle_deg", Code::kInvalidOption, [](Options& o) { o.min_angle_deg = NAN; }},
+      {"max_radius_edge_ratio", Code::kNotImplemented, [](Options& o) { o.max_radius_edge_ratio = 1.5; }},
+      {"max_radius_edge_ratio", Code::kInvalidOption, [](Options& o) { o.min_angle_deg = o.max_radius_edge_ratio = 1; }},
+      {"max_edge_length", Code::kNotImplemented, [](Options& o) { o.max_edge_length = 1; }},
+      {"max_edge_length", Code::kInvalidOption, [](Options& o) { o.max_edge_length = 0; }},
+      {"max_edge_fraction", Code::kNotImplemented, [](Options& o) { o.max_edge_fraction = 0.1; }},
+      {"max_edge_fraction", Code::kInvalidOption, [](Options& o) { o.max_edge_length = o.max_edge_fraction = 1; }},
+      {"max_area", Code::kNotImplemented, [](Options& o) { o.max_area = 1; }},
+      {"max_area", Code::kInvalidOption, [](Options& o) { o.max_area = -1; }},
+      {"min_edge_length", Code::kNotImplemented, [](Options& o) { o.min_edge_length = 1; }},
+      {"min_edge_length", Code::kInvalidOption, [](Options& o) { o.min_edge_length = HUGE_VAL; }},
+      {"proximity", Code::kNotImplemented, [](Options& o) { o.proximity = 1; }},
+      {"proximity", Code::kInvalidOption, [](Options& o) { o.proximity = -1; }},
+      {"gradation", Code::kNotImplemented, [](Options& o) { o.gradation = 1.5; }},
+      {"gradation", Code::kInvalidOption, [](Options& o) { o.gradation = 1; }},
+      {"weld_tolerance", Code::kNotImplemented, [](Options& o) { o.weld_tolerance = 1e-3; }},
+      {"weld_tolerance", Code::kInvalidOption, [](Options& o) { o.weld_tolerance = -1; }},
+      {"plane_tolerance", Code::kInvalidOption, [](Options& o) { o.plane_tolerance = 0; }},
+      {"plane_tolerance", Code::kInvalidOption, [](Options& o) { o.plane_tolerance = NAN; }},
+      {"normal_tolerance", Code::kInvalidOption, [](Options& o) { o.normal_tolerance = -1; }},
+      {"normal_tolerance", Code::kInvalidOption, [](Options& o) { o.normal_tolerance = 1; }},
+      {"reference_axis", Code::kInvalidOption, [](Options& o) { o.reference_axis = ReferenceAxis::kGiven; }},
+      {"repair", Code::kNotImplemented, [](Options& o) { o.repair.winding = false; }},
+  };
+  for (const BadOption& b : bad) {
+    Options options;
+    b.set(options);
+    const Error error = error_of([&] { check_options(options); });
+    EXPECT_EQ(code_name(error.code), code_name(b.code)) << b.name;
+    EXPECT_EQ(error.option, b.name);
+    EXPECT_EQ(error_of([&] { remeshed(shapes::box({1, 1, 1}), options); }).option, b.name);
+  }
+  EXPECT_NO_THROW(check_options(Options{}));
+}
+
+}  // namespace
+}  // namespace remesh

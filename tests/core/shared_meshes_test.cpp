@@ -1,0 +1,140 @@
+// Real meshes: every OBJ of the shared collection comes back verified. Where the collection is absent, this says so.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/io/obj.h"
+#include "core/remesh.h"
+
+namespace remesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kMeshes = fs::path(REMESHD_SOURCE_DIR) / ".." / "shared" / "meshes";
+
+using Facts = std::map<std::string, std::string>;
+
+/// What facts.tsv says of each file, by column.
+std::map<std::string, Facts> read_facts() {
+  std::map<std::string, Facts> all;
+  std::ifstream file(kMeshes / "facts.tsv");
+  std::vector<std::string> columns;
+  for (std::string line; std::getline(file, line);) {
+    std::vector<std::string> cells;
+    std::stringstream row(line);
+    for (std::string cell; std::getline(row, cell, '\t');) cells.push_back(cell);
+    if (columns.empty()) {
+      columns = cells;
+      continue;
+    }
+    for (std::size_t i = 0; i < cells.size(); ++i) all[cells[0]][columns[i]] = cells[i];
+  }
+  return all;
+}
+
+std::string contents(const fs::path& path) {
+  if (path.extension() != ".gz") {
+    std::ifstream file(path, std::ios::binary);
+    return {std::istreambuf_iterator<char>(file), {}};
+  }
+  std::string text;
+  FILE* pipe = popen(("gzip -dc '" + path.string() + "'").c_str(), "r");
+  if (pipe == nullptr) return text;
+  std::vector<char> block(1 << 16);
+  for (std::size_t n; (n = std::fread(block.data(), 1, block.size(), pipe)) > 0;) text.append(block.data(), n);
+  pclose(pipe);
+  return text;
+}
+
+/// OBJ files of the three folders, by their name within the collection, sorted.
+std::vector<std::string> obj_files() {
+  std::vector<std::string> names;
+  for (const char* folder : {"seed", "planar-cad", "polygons"}) {
+    if (!fs::is_directory(kMeshes / folder)) continue;
+    for (const auto& entry : fs::directory_iterator(kMeshes / folder)) {
+      const std::string name = std::string(folder) + "/" + entry.path().filename().string();
+      if (name.ends_with(".obj") || name.ends_with(".obj.gz")) names.push_back(name);
+    }
+  }
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+PolygonMesh read(const std::string& name) {
+  RunControl control;
+  return read_obj(contents(kMeshes / name), ReadLimits{}, control).mesh;
+}
+
+class SharedMeshes : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!fs::is_directory(kMeshes)) GTEST_SKIP() << "NO SHARED MESHES at " << kMeshes << ": nothing is tested here";
+  }
+};
+
+TEST_F(SharedMeshes, every_obj_with_faces_comes_back_verified_and_as_closed_as_it_was) {
+  const auto facts = read_facts();
+  ASSERT_FALSE(facts.empty());
+  int tested = 0;
+  for (const std::string& name : obj_files()) {
+    SCOPED_TRACE(name);
+    ASSERT_TRUE(facts.count(name));
+    const Facts& fact = facts.at(name);
+    if (fact.at("faces") == "0") continue;
+    RunControl control;
+    try {
+      const Result result = remesh_surface(read(name), Options{}, RunSettings{2, false}, control);
+      EXPECT_TRUE(result.report.verified.all_true());
+      EXPECT_EQ(result.report.output.closed, result.report.input.closed);
+      if (fact.at("closed") == "yes") {
+        EXPECT_TRUE(result.report.output.closed);
+      }
+      EXPECT_EQ(result.report.output.euler, result.report.input.euler);
+      const auto pairs = fact.find("intersecting_pairs");
+      if (pairs != fact.end() && pairs->second == "0")
+        for (std::size_t p = 0; p < result.report.patches.size(); ++p)
+          EXPECT_EQ(result.report.patches[p].status, PatchStatus::kRemeshed)
+              << "patch " << p << ": " << reason_name(result.report.patches[p].reason);
+      ++tested;
+    } catch (const Error& error) {
+      ADD_FAILURE() << code_name(error.code) << ": " << error.what();
+    }
+  }
+  EXPECT_GE(tested, 30);
+}
+
+TEST_F(SharedMeshes, the_listing_of_section_1_1_and_its_cut_and_turned_versions_are_one_patch) {
+  for (const char* name : {"seed/section_1_1_sample.obj", "seed/TestSurface3.obj", "seed/TestSurface3_multiface.obj",
+                           "seed/TestSurface3_multiface_rotated.obj"}) {
+    SCOPED_TRACE(name);
+    RunControl control;
+    const Result result = remesh_surface(read(name), Options{}, RunSettings{}, control);
+    ASSERT_EQ(result.report.patches.size(), 1u);
+    EXPECT_EQ(result.report.patches[0].loops, 2u);
+    EXPECT_EQ(result.report.patches[0].essential_vertices, 8u);
+    EXPECT_EQ(result.mesh.positions.size(), 8u);
+    EXPECT_EQ(result.mesh.faces.size(), 8u);
+    EXPECT_NEAR(result.report.output.area, 28, 1e-4);
+  }
+}
+
+TEST_F(SharedMeshes, the_square_cut_into_686_faces_is_two_triangles_again) {
+  RunControl control;
+  const Result result = remesh_surface(read("seed/TriangleMesh2x2Cuts.obj"), Options{}, RunSettings{}, control);
+  EXPECT_EQ(result.mesh.positions.size(), 4u);
+  EXPECT_EQ(result.mesh.faces.size(), 2u);
+  EXPECT_EQ(result.report.output.area, 4);
+}
+
+}  // namespace
+}  // namespace remesh
