@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/union_find.h"
 #include "core/mesh/adjacency.h"
 
 namespace remesh {
@@ -202,25 +203,6 @@ struct TrianglesAsPolygons {
   std::vector<VertexId> corners;
 };
 
-/// Union-find over vertices, by the smaller id.
-class Components {
- public:
-  explicit Components(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
-  /// True if they were apart.
-  bool join(VertexId a, VertexId b) {
-    const std::uint32_t ra = root(a.value), rb = root(b.value);
-    parent_[std::max(ra, rb)] = std::min(ra, rb);
-    return ra != rb;
-  }
-
- private:
-  std::uint32_t root(std::uint32_t v) {
-    while (parent_[v] != v) v = parent_[v] = parent_[parent_[v]];
-    return v;
-  }
-  std::vector<std::uint32_t> parent_;
-};
-
 /// Area and the sum for the volume of one block of faces.
 struct AreaBlock {
   double area = 0;
@@ -256,7 +238,7 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
   out.faces = face_begin.size() - 1;
 
   std::vector<bool> is_used(positions.size(), false);
-  Components components(positions.size());
+  UnionFind components(positions.size());
   for (std::size_t f = 0; f < out.faces; ++f) {
     if (f % kBlock == 0) control.check();
     for (std::uint32_t h = face_begin[f]; h < face_begin[f + 1]; ++h) {
@@ -267,7 +249,7 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
         ++out.components;
         out.bounding_box.add(positions[v.value]);
       }
-      if (h > face_begin[f] && components.join(corners[face_begin[f]], v)) --out.components;
+      if (h > face_begin[f] && components.join(corners[face_begin[f]].value, v.value)) --out.components;
     }
   }
 
@@ -301,12 +283,16 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
 Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control) {
   const TrianglesAsPolygons polygons(faces);
   const Adjacency adjacency(positions.size(), polygons.face_begin, polygons.corners);
+  return measure_quality(positions, faces, adjacency, control);
+}
+
+Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, const Adjacency& adjacency,
+                        RunControl& control) {
   return measure_quality(positions, faces, Scale(positions, control), adjacency, control);
 }
 
 MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
-                               std::span<const VertexId> corners, RunControl& control) {
-  const Adjacency adjacency(positions.size(), face_begin, corners);
+                               std::span<const VertexId> corners, const Adjacency& adjacency, RunControl& control) {
   return measure_surface(positions, face_begin, corners, Scale(positions, control), adjacency, control);
 }
 

@@ -8,6 +8,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/report.h"
 
@@ -17,13 +18,16 @@ namespace remesh {
 /// ratios' means and maxima (a ratio that is not finite is never reported).
 /// Holds:  the same bits for any number of threads.
 Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control);
+/// The same, where the edges of the triangles are known already.
+Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, const Adjacency& adjacency,
+                        RunControl& control);
 
 /// Counts, areas and topology of a polygon surface. Vertices that no face uses are not counted in `vertices` here.
 /// `euler` is V - E + F of what is used; `closed`: every edge has exactly two half-edges, running in opposite
 /// directions or not; `volume` is the enclosed signed volume where closed and consistently wound, else empty;
 /// `components` connects faces that share a vertex. `quality` is left as it is: see measure_quality.
 MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
-                               std::span<const VertexId> corners, RunControl& control);
+                               std::span<const VertexId> corners, const Adjacency& adjacency, RunControl& control);
 /// The same for triangles, with their quality.
 MeshStatistics measure_surface(const TriangleMesh& mesh, RunControl& control);
 

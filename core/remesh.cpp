@@ -160,10 +160,14 @@ class Run {
   double local_tolerance() const { return report_.plane_tolerance / surface_.unit; }
 
   void measure_input() {
-    report_.input = measure_surface(surface_.positions.items(), surface_.face_begin, surface_.corners, control_);
+    const auto& positions = surface_.positions.items();
+    report_.input = measure_surface(positions, surface_.face_begin, surface_.corners, *adjacency_, control_);
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
-    report_.input.quality = measure_quality(surface_.positions.items(), triangulated(surface_, control_), control_);
+    const std::vector<Triangle> triangles = triangulated(surface_, control_);
+    const bool are_all_triangles = surface_.corners.size() == 3 * surface_.face_count();
+    report_.input.quality = are_all_triangles ? measure_quality(positions, triangles, *adjacency_, control_)
+                                              : measure_quality(positions, triangles, control_);
     find_defects(surface_, *adjacency_, report_.input, report_.diagnostics);
   }
 

@@ -17,11 +17,13 @@ class UnionFind {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
     return i;
   }
-  void join(std::uint32_t i, std::uint32_t j) {
+  /// Returns whether the two were apart.
+  bool join(std::uint32_t i, std::uint32_t j) {
     i = find(i);
     j = find(j);
     if (i > j) std::swap(i, j);
     parent_[j] = i;
+    return i != j;
   }
 
  private:

@@ -23,7 +23,8 @@ Quality quality_of(const std::vector<Vec3>& positions, const std::vector<std::ve
 
 MeshStatistics statistics_of(const PolygonMesh& mesh) {
   RunControl control;
-  return measure_surface(mesh.positions.items(), mesh.face_begin, mesh.corners, control);
+  const Adjacency edges(mesh.vertex_count(), mesh.face_begin, mesh.corners);
+  return measure_surface(mesh.positions.items(), mesh.face_begin, mesh.corners, edges, control);
 }
 
 std::uint64_t total(const Histogram& histogram) {

@@ -18,7 +18,7 @@ std::map<DiagnosticCode, Diagnostic> defects_of(const PolygonMesh& mesh) {
   const Surface surface = weld(mesh, {}, diagnostics, control);
   const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners);
   const MeshStatistics statistics =
-      measure_surface(surface.positions.items(), surface.face_begin, surface.corners, control);
+      measure_surface(surface.positions.items(), surface.face_begin, surface.corners, edges, control);
   diagnostics.clear();
   find_defects(surface, edges, statistics, diagnostics);
   std::map<DiagnosticCode, Diagnostic> found;
