@@ -72,15 +72,41 @@ class Stopwatch {
 class Run {
  public:
   Run(const PolygonMesh& input, const Options& options, RunControl& control, std::vector<Diagnostic> diagnostics)
-      : input_(input), options_(options), control_(control), watch_(control) {
+      : input_(input),
+        options_(options),
+        control_(control),
+        diagnostics_of_reader_(std::move(diagnostics)),
+        watch_(control) {
     report_.options = options;
-    report_.diagnostics = std::move(diagnostics);
   }
 
   Result remesh(bool want_face_source) {
     prepare();
+    // Where even single faces fail, they are taken as they are: triangles, and zero-area faces beside them left alone.
+    while (!climb()) prepare();
+    return finish(want_face_source);
+  }
+
+  Report analyze() {
+    prepare();
+    Ladder ladder = make_ladder();
+    find_patches(ladder);
+    summarise(ladder);
+    report_.timing_ms = watch_.finish();
+    return std::move(report_);
+  }
+
+ private:
+  Ladder make_ladder() const {
     Ladder ladder(surface_);
     if (options_.keep_boundary_vertices) ladder.forced().assign(surface_.vertex_count(), 1);
+    return ladder;
+  }
+
+  /// From patches to a verified mesh, by as many steps of the ladder as it takes. Output: false if some face fails
+  /// alone; it is marked in `as_it_is_` then, and the surface has to be prepared again.
+  bool climb() {
+    Ladder ladder = make_ladder();
     while (true) {
       find_patches(ladder);
       // Every patch, in parallel: projection, lexicographic triangulation, flips, recovery of the loops, carving.
@@ -104,29 +130,41 @@ class Run {
       }
       // A patch that failed takes a step of the ladder, and the round begins again.
       watch_.enter(Stage::kPatches);
-      ladder.step(surface_, patches_, loops_, *adjacency_, failed, regions_);
+      const std::vector<FaceId> stuck = ladder.step(patches_, loops_, *adjacency_, failed, regions_);
+      if (!stuck.empty()) {
+        take_as_they_are(stuck);
+        return false;
+      }
     }
     summarise(ladder);
     for (std::size_t p = 0; p < meshes_.size(); ++p) report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
-    return finish(want_face_source);
+    return true;
   }
 
-  Report analyze() {
-    prepare();
-    Ladder ladder(surface_);
-    if (options_.keep_boundary_vertices) ladder.forced().assign(surface_.vertex_count(), 1);
-    find_patches(ladder);
-    summarise(ladder);
-    report_.timing_ms = watch_.finish();
-    return std::move(report_);
+  /// Errors: kVerificationFailed - they have been taken so before.
+  void take_as_they_are(const std::vector<FaceId>& stuck) {
+    as_it_is_.resize(input_.face_count(), 0);
+    bool is_new = false;
+    for (const FaceId f : stuck) {
+      const FaceId source = surface_.face_source[f];
+      is_new = is_new || as_it_is_[source.value] == 0;
+      as_it_is_[source.value] = 1;
+    }
+    if (is_new) return;
+    const FaceId source = surface_.face_source[stuck.front()];
+    throw Error(
+        Code::kVerificationFailed, Stage::kVerify,
+        "face " + std::to_string(source.value) + " cannot be brought back so that the result holds: " + first_failure())
+        .at_element(source.value);
   }
 
- private:
   /// From the mesh as read to a surface of which every face has a plane, and the tolerance that its coordinates ask
   /// for.
   void prepare() {
     // Vertices with equal coordinates become one.
     watch_.enter(Stage::kWeld);
+    report_.diagnostics = diagnostics_of_reader_;
+    regions_ = {};
     surface_ = weld(input_, options_.barriers, report_.diagnostics, control_);
     find_edges();
     watch_.enter(Stage::kQuality);
@@ -134,7 +172,7 @@ class Run {
     watch_.enter(Stage::kWeld);
     choose_tolerance();
     // Faces without a plane are split, faces without an area dropped; nothing opens.
-    if (mend_faces(surface_, local_tolerance(), report_.diagnostics, control_)) find_edges();
+    if (mend_faces(surface_, local_tolerance(), as_it_is_, report_.diagnostics, control_)) find_edges();
     geometry_ = face_geometry(surface_, control_);
     regions_.of_face.resize(surface_.face_count());
   }
@@ -274,7 +312,9 @@ class Run {
   const PolygonMesh& input_;
   const Options& options_;
   RunControl& control_;
+  const std::vector<Diagnostic> diagnostics_of_reader_;
   Stopwatch watch_;
+  std::vector<std::uint8_t> as_it_is_;  ///< per input face: see mend_faces
   Report report_;
   Surface surface_;
   std::unique_ptr<Adjacency> adjacency_;

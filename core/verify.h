@@ -35,7 +35,8 @@ struct Claim {
 ///              loop less vertices within tolerance of the chord that replaces them); Euler number, closedness, area
 ///              and volume are kept within what the deviations explain.
 ///  conforming: every output edge has the faces, and the directions, that the input's edges under it have; no zero-area
-///              or inverted triangle, no repeated face, no new non-manifold edge, no T-junction.
+///              or inverted triangle but for the input's own, no repeated face, no new non-manifold edge, no
+///              T-junction.
 ///  delaunay:   the stored plane coordinates are the projections of the vertices; every edge inside a patch is locally
 ///              Delaunay in them by exact arithmetic - or the edge that would replace it exists elsewhere in the output
 ///              (the chord rule).

@@ -65,7 +65,9 @@ class Connection {
   void set_write_pace(const Pace& pace) { write_pace_ = pace; }
 
   enum class Wake { kEvent, kClientGone, kTime };
-  /// Waits for the event, the client's going away (it closed its sending side, or all), or the time.
+  /// Waits for the event, the client's going away, or the time. A client that closes only its sending side after its
+  /// request counts as gone: all that a killed one sends is the same FIN, and its work must stop at once, not when the
+  /// answer meets a reset.
   Wake wait(const Event* event, Clock::time_point until);
 
   /// Ends the answer so that the client can read it: stops sending, then takes in for a moment what it still sends

@@ -12,7 +12,7 @@ constexpr std::size_t kReadSize = 64 << 10;
 
 /// The bytes up to the end of the head, in `bytes`; what came behind it stays there. Output: the head's length, 0 when
 /// the client left without a word.
-std::size_t read_head(Connection& connection, const GateLimits& limits, std::string& bytes) {
+std::size_t receive_head(Connection& connection, const GateLimits& limits, std::string& bytes) {
   const Clock::time_point deadline = Clock::now() + limits.head_timeout;
   std::array<char, 8 << 10> buffer;
   std::size_t checked = 0;
@@ -92,38 +92,34 @@ void refuse_content_coding(const RequestHead& head) {
 
 }  // namespace
 
-bool read_request(Connection& connection, const GateLimits& limits, const NameRequest& name, const Admit& admit,
-                  Request& request) {
+std::optional<PendingBody> read_head(Connection& connection, const GateLimits& limits, RequestHead& head) {
   std::string bytes;
-  std::size_t head_size = 0;
-  try {
-    head_size = read_head(connection, limits, bytes);
-    if (head_size == 0) return false;
-    static_cast<RequestHead&>(request) = parse_head(std::string_view(bytes).substr(0, head_size), limits.head);
-  } catch (const HttpError&) {
-    request.id = name(request);
-    throw;
-  }
-  request.id = name(request);
-  const Framing body = framing(request);
-  const std::uint64_t max_body = admit(request);
-  if (body.kind == Framing::Kind::kNone || (body.kind == Framing::Kind::kLength && body.length == 0)) return true;
-  if (body.kind == Framing::Kind::kLength && body.length > max_body) {
+  const std::size_t size = receive_head(connection, limits, bytes);
+  if (size == 0) return std::nullopt;
+  head = parse_head(std::string_view(bytes).substr(0, size), limits.head);
+  return PendingBody{framing(head), bytes.substr(size)};
+}
+
+std::string read_body(Connection& connection, const GateLimits& limits, const RequestHead& head,
+                      const PendingBody& pending, std::uint64_t max_body) {
+  const auto [kind, length] = pending.framing;
+  if (kind == Framing::Kind::kNone || (kind == Framing::Kind::kLength && length == 0)) return {};
+  if (kind == Framing::Kind::kLength && length > max_body) {
     throw HttpError(413, "body_too_large", "the body is larger than this resource takes").with_limit(max_body);
   }
-  refuse_content_coding(request);
+  refuse_content_coding(head);
 
-  const std::string_view early = std::string_view(bytes).substr(head_size);
-  if (early.empty() && is_continue_expected(request)) {
+  if (pending.early.empty() && is_continue_expected(head)) {
     connection.write_all("HTTP/1.1 100 Continue\r\n\r\n", {limits.head_timeout, limits.min_body_rate});
   }
   BodyReader reader(connection, limits);
-  if (body.kind == Framing::Kind::kLength) {
-    reader.read_length(early, body.length, request.body);
+  std::string body;
+  if (kind == Framing::Kind::kLength) {
+    reader.read_length(pending.early, length, body);
   } else {
-    reader.read_chunked(early, max_body, request.body);
+    reader.read_chunked(pending.early, max_body, body);
   }
-  return true;
+  return body;
 }
 
 }  // namespace remesh::server

@@ -1,11 +1,11 @@
-/// Reads one request from a connection under deadlines and caps; nothing behind it ever sees a malformed or oversized
-/// one.
+/// Reads one request from a connection under deadlines and caps, first its head, then, for whoever wants it, its body;
+/// nothing behind it ever sees a malformed or oversized one.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
-#include <functional>
 #include <optional>
+#include <string>
 
 #include "server/connection.h"
 #include "server/http_message.h"
@@ -20,16 +20,21 @@ struct GateLimits {
   std::chrono::milliseconds write_timeout{60'000};  ///< grace of the answer, which then obeys min_body_rate too
 };
 
-/// Told of a head before its body is read: how many bytes of body this request may have. Throws HttpError to refuse it.
-using Admit = std::function<std::uint64_t(const RequestHead&)>;
-/// Names a request, as soon as its head is known or has failed (then the head is empty).
-using NameRequest = std::function<std::string(const RequestHead&)>;
+/// A body that has been announced and not been read yet.
+struct PendingBody {
+  Framing framing;
+  std::string early;  ///< what arrived with the head
+};
 
-/// Reads head and body. Says 100 Continue where the client waits for it, and only once the head has been admitted.
-/// Input:   `request` is filled as far as reading came, so that a refusal can carry its id.
-/// Output:  false - the client left without a request.
-/// Errors:  HttpError - 400, 408, 411, 413, 414, 415, 431, 501, and what `admit` throws; ConnectionLost.
-bool read_request(Connection& connection, const GateLimits& limits, const NameRequest& name, const Admit& admit,
-                  Request& request);
+/// Reads a head.
+/// Input:   `head` is filled as far as reading came, so that a refusal can carry the request's id.
+/// Output:  nothing - the client left, or stayed, without a word.
+/// Errors:  HttpError - 400, 408, 411, 414, 431, 501; ConnectionLost.
+std::optional<PendingBody> read_head(Connection& connection, const GateLimits& limits, RequestHead& head);
+
+/// Reads the body behind a head, decoded. Says 100 Continue where the client waits for it.
+/// Errors:  HttpError - 400, 408, 413 (longer than `max_body`), 415; ConnectionLost.
+std::string read_body(Connection& connection, const GateLimits& limits, const RequestHead& head,
+                      const PendingBody& pending, std::uint64_t max_body);
 
 }  // namespace remesh::server

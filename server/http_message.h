@@ -13,7 +13,6 @@
 namespace remesh::server {
 
 using api::Fields;
-class Connection;
 
 /// What stands before a body.
 struct RequestHead {
@@ -32,9 +31,10 @@ struct Request : RequestHead {
   std::string body;  ///< decoded
 };
 
-/// `stream`, if set, writes the body itself until it returns; the closing of the connection ends it.
+/// `next_piece`, if set, stands for the body: it is called for one piece after another, may take its time, and ends the
+/// answer with an empty one. The closing of the connection ends such a body for the client.
 struct Response : api::Response {
-  std::function<void(Connection&)> stream;
+  std::function<std::string()> next_piece;
 };
 
 /// Ends a request with an error that HTTP itself knows (not found, overloaded, ...), as remesh::Error does for the

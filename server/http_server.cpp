@@ -3,11 +3,15 @@
 #include <httplib.h>
 #include <sys/socket.h>
 
+#include <algorithm>
+#include <array>
 #include <atomic>
 #include <cerrno>
 #include <condition_variable>
 #include <cstring>
+#include <ctime>
 #include <mutex>
+#include <optional>
 #include <set>
 #include <stdexcept>
 #include <thread>
@@ -15,7 +19,6 @@
 #include "server/error_response.h"
 #include "server/log.h"
 #include "server/request_registry.h"
-#include "server/response_writer.h"
 
 namespace remesh::server {
 namespace {
@@ -26,6 +29,8 @@ constexpr std::size_t kRefusers = 32;
 /// How long a client may go on sending after its refusal.
 constexpr std::chrono::milliseconds kLinger{2000};
 constexpr std::chrono::milliseconds kRefusalLinger{200};
+/// The library matches paths with std::regex, which recurses for every character; no route of ours is nearly as long.
+constexpr std::size_t kMaxPath = 1024;
 
 /// A thread a connection: a slow client holds nothing but its own.
 class ConnectionThreads : public httplib::TaskQueue {
@@ -80,19 +85,161 @@ class Counted {
   std::atomic<std::size_t>& counter_;
 };
 
+/// One request on its way to its answer.
+struct Exchange {
+  explicit Exchange(Connection& client) : connection(client) {}
+
+  Connection& connection;
+  Request request;
+  PendingBody pending;
+  std::exception_ptr refusal;     ///< why it must not reach a route
+  std::optional<Counted> active;  ///< from its admission on
+  bool is_read = false;           ///< head and body, all of it
+  int status = 0;                 ///< of the answer; 0 while there is none
+};
+
+/// Hands its own head to httplib, whose answer it takes to the client.
+class ExchangeStream : public httplib::Stream {
+ public:
+  ExchangeStream(Connection& connection, std::string head) : connection_(connection), head_(std::move(head)) {}
+
+  ssize_t read(char* bytes, std::size_t size) override {
+    const std::size_t count = head_.copy(bytes, size, read_);
+    read_ += count;
+    return static_cast<ssize_t>(count);
+  }
+  /// Errors: ConnectionLost, which leaves the library at once and reaches whoever called it.
+  ssize_t write(const char* bytes, std::size_t size) override {
+    connection_.write_all({bytes, size});
+    return static_cast<ssize_t>(size);
+  }
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
+  // The library would refuse descriptors that select() cannot take; it needs none.
+  socket_t socket() const override { return INVALID_SOCKET; }
+  void get_remote_ip_and_port(std::string& ip, int& port) const override {
+    ip = connection_.peer_address();
+    port = 0;
+  }
+  void get_local_ip_and_port(std::string&, int&) const override {}
+
+ private:
+  Connection& connection_;
+  const std::string head_;
+  std::size_t read_ = 0;
+};
+
+/// httplib hands its handlers no context of ours; each thread serves one exchange at a time.
+thread_local Exchange* current_exchange = nullptr;
+
+class CurrentExchange {
+ public:
+  explicit CurrentExchange(Exchange& exchange) { current_exchange = &exchange; }
+  ~CurrentExchange() { current_exchange = nullptr; }
+  CurrentExchange(const CurrentExchange&) = delete;
+  CurrentExchange& operator=(const CurrentExchange&) = delete;
+};
+
+/// A path, escaped so that it can stand in a request line whatever bytes it has.
+std::string percent_encode(std::string_view path) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string encoded;
+  for (const char c : path) {
+    const bool is_plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                          std::string_view("/-_.~").find(c) != std::string_view::npos;
+    if (is_plain) {
+      encoded += c;
+      continue;
+    }
+    const auto byte = static_cast<unsigned char>(c);
+    encoded.append({'%', kDigits[byte / 16], kDigits[byte % 16]});
+  }
+  return encoded;
+}
+
+/// The head that httplib sees: nothing in it but what it needs to find a route.
+std::string canonical_head(const Exchange& exchange) {
+  const Request& request = exchange.request;
+  const std::string method = exchange.refusal && request.method != "HEAD" ? "GET" : request.method;
+  const std::string path = exchange.refusal ? "/" : request.path == "*" ? "*" : percent_encode(request.path);
+  return method + " " + path + " HTTP/1.1\r\nHost: remeshd\r\nContent-Length: 0\r\n\r\n";
+}
+
+/// A route's path as the regular expression that httplib takes; the parameter is its one group.
+std::string regex_of(std::string_view path) {
+  constexpr std::string_view kParameter = "{id}";
+  std::string regex;
+  while (!path.empty()) {
+    if (path.substr(0, kParameter.size()) == kParameter) {
+      regex += "([^/]+)";
+      path.remove_prefix(kParameter.size());
+      continue;
+    }
+    if (std::string_view(".*+?()[]{}|^$\\").find(path.front()) != std::string_view::npos) regex += '\\';
+    regex += path.front();
+    path.remove_prefix(1);
+  }
+  return regex;
+}
+
+HttpError not_found() { return HttpError(404, "not_found", "there is nothing at this path"); }
+
+std::string http_date() {
+  const std::time_t now = std::time(nullptr);
+  std::tm utc{};
+  ::gmtime_r(&now, &utc);
+  std::array<char, 64> text{};
+  std::strftime(text.data(), text.size(), "%a, %d %b %Y %H:%M:%S GMT", &utc);  // the C locale: nothing sets another
+  return text.data();
+}
+
+/// A field's value that cannot break out of its line: control characters become blanks.
+std::string one_line(std::string value) {
+  for (char& c : value) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+  }
+  return value;
+}
+
+/// Gives httplib the answer to write.
+void give(Exchange& exchange, Response answer, httplib::Response& out) {
+  exchange.status = answer.status;
+  out.status = answer.status;
+  out.set_header("Date", http_date());
+  out.set_header("X-Request-Id", exchange.request.id);
+  for (const auto& [name, value] : answer.headers) out.set_header(name, one_line(value));
+  const std::string content_type = one_line(answer.content_type);
+  if (answer.next_piece) {
+    out.set_content_provider(content_type, [next = std::move(answer.next_piece)](std::size_t, httplib::DataSink& sink) {
+      const std::string piece = next();
+      if (!piece.empty()) return sink.write(piece.data(), piece.size());
+      sink.done();
+      return true;
+    });
+    return;
+  }
+  if (!content_type.empty()) out.set_header("Content-Type", content_type);
+  out.body = std::move(answer.body);  // set_content would copy it
+}
+
+void give_failure(Exchange& exchange, const std::exception_ptr& failure, httplib::Response& out) {
+  give(exchange, error_response(failure, exchange.request.id), out);
+}
+
 std::string name_request(const RequestHead& head) {
   const std::string_view sent = head.header("x-request-id");
   return is_request_id(sent) ? std::string(sent) : new_request_id();
 }
 
-void log_access(const Connection& connection, const Request& request, int status, Clock::time_point start,
-                const char* outcome) {
+void log_access(const Exchange& exchange, Clock::time_point start, const char* outcome) {
+  const Connection& connection = exchange.connection;
+  const Request& request = exchange.request;
   const bool is_probe = request.path == "/livez" || request.path == "/readyz";
   log::write(is_probe ? log::Level::kDebug : log::Level::kInfo, "request",
              {{"id", request.id},
               {"method", request.method},
               {"path", request.path},
-              {"status", std::int64_t{status}},
+              {"status", std::int64_t{exchange.status}},
               {"bytes_in", static_cast<std::int64_t>(connection.bytes_read())},
               {"bytes_out", static_cast<std::int64_t>(connection.bytes_written())},
               {"ms", std::chrono::duration<double, std::milli>(Clock::now() - start).count()},
@@ -104,8 +251,12 @@ void log_access(const Connection& connection, const Request& request, int status
 
 class HttpServer::Listener : public httplib::Server {
  public:
-  Listener(const Router& router, const GateLimits& limits, std::size_t max_connections)
-      : router_(router), limits_(limits), max_connections_(max_connections) {
+  Listener(const std::vector<Route>& routes, const GateLimits& limits, std::size_t max_connections)
+      : limits_(limits), max_connections_(max_connections) {
+    set_default_headers({{"X-Content-Type-Options", "nosniff"}});
+    set_payload_max_length(0);  // bodies do not pass through the library
+    register_routes(routes);
+    register_ways_out();
     new_task_queue = [this] { return new ConnectionThreads(max_connections_ + kRefusers); };
     // The library's own options let two daemons share a port in silence.
     set_socket_options([](socket_t socket) {
@@ -185,11 +336,11 @@ class HttpServer::Listener : public httplib::Server {
   }
 
   void refuse(Connection& connection) {
-    Request nobody;
-    nobody.id = new_request_id();
-    const HttpError error(503, "overloaded", "too many connections");
+    Exchange exchange(connection);
+    exchange.request.id = new_request_id();
+    exchange.refusal = std::make_exception_ptr(HttpError(503, "overloaded", "too many connections"));
     try {
-      send_response(connection, nobody, error_response(std::make_exception_ptr(error), nobody.id));
+      answer(exchange);
     } catch (const ConnectionLost&) {
       return;
     }
@@ -201,38 +352,146 @@ class HttpServer::Listener : public httplib::Server {
   void serve(Connection& connection) {
     const Clock::time_point start = Clock::now();
     connection.set_write_pace({limits_.write_timeout, limits_.min_body_rate});
-    Request request;
-    Response response;
-    std::unique_ptr<Counted> active;
-    bool is_read = false;
+    Exchange exchange(connection);
     try {
-      const auto admit = [&](const RequestHead& head) {
-        const std::uint64_t max_body = router_.admit(head);
-        active = std::make_unique<Counted>(active_);
-        return max_body;
-      };
-      if (!read_request(connection, limits_, name_request, admit, request)) return;
-      is_read = true;
-      response = router_.answer(request, connection);
+      if (!take_head(exchange)) return;
+      answer(exchange);
     } catch (const ConnectionLost&) {
-      log_access(connection, request, 0, start, "client_gone");
-      return;
-    } catch (...) {
-      if (request.id.empty()) request.id = new_request_id();
-      response = error_response(std::current_exception(), request.id);
-    }
-    try {
-      send_response(connection, request, response);
-      log_access(connection, request, response.status, start, "answered");
-    } catch (const ConnectionLost&) {
-      log_access(connection, request, response.status, start, "client_gone");
+      log_access(exchange, start, "client_gone");
       return;
     }
-    active.reset();
+    log_access(exchange, start, "answered");
+    exchange.active.reset();
     // A client whose request was read whole mostly has nothing more to say; any other may be in the middle of its
     // upload.
-    const bool is_silent = is_read && !connection.has_unread_input();
+    const bool is_silent = exchange.is_read && !connection.has_unread_input();
     connection.finish(is_silent ? std::chrono::milliseconds(0) : kLinger);
+  }
+
+  /// Output: false - there is no request.
+  bool take_head(Exchange& exchange) const {
+    RequestHead& head = exchange.request;
+    try {
+      std::optional<PendingBody> pending = read_head(exchange.connection, limits_, head);
+      if (!pending) return false;
+      exchange.pending = std::move(*pending);
+      check_routable(head);
+    } catch (const ConnectionLost&) {
+      throw;
+    } catch (...) {
+      exchange.refusal = std::current_exception();
+    }
+    exchange.request.id = name_request(head);
+    return true;
+  }
+
+  static void check_routable(const RequestHead& head) {
+    static const std::set<std::string> methods{"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"};
+    if (methods.count(head.method) == 0) throw HttpError(501, "not_implemented", "the method is not known here");
+    if (head.path.size() > kMaxPath) throw not_found();
+  }
+
+  /// Lets httplib route the request and write the answer. Errors: ConnectionLost.
+  void answer(Exchange& exchange) {
+    const CurrentExchange current(exchange);
+    ExchangeStream stream(exchange.connection, canonical_head(exchange));
+    bool is_closed = false;
+    process_request(stream, /*close_connection=*/true, is_closed, nullptr);
+  }
+
+  /// A route has taken the request: reads the body that it lets in.
+  void take_body(Exchange& exchange, std::uint64_t max_body) {
+    exchange.active.emplace(active_);
+    exchange.request.body = read_body(exchange.connection, limits_, exchange.request, exchange.pending, max_body);
+    exchange.is_read = true;
+  }
+
+  void register_routes(const std::vector<Route>& routes) {
+    std::set<std::string> seen;
+    for (const Route& route : routes) {
+      on(route.method, regex_of(route.path), [this, route](const httplib::Request& routed, httplib::Response& out) {
+        Exchange& exchange = *current_exchange;
+        take_body(exchange, route.admit ? route.admit() : 0);
+        const std::string parameter = routed.matches.size() > 1 ? routed.matches[1].str() : "";
+        give(exchange, route.handle({exchange.request, exchange.connection, parameter}), out);
+      });
+      if (seen.insert(route.path).second) register_other_methods(routes, route.path);
+    }
+    register_options(regex_of("*"), "OPTIONS");
+  }
+
+  /// What the methods without a route of their own get at a path.
+  void register_other_methods(const std::vector<Route>& routes, const std::string& path) {
+    std::set<std::string> others{"GET", "POST", "PUT", "PATCH", "DELETE"};
+    std::string allow;
+    for (const Route& route : routes) {
+      if (route.path != path) continue;
+      allow += route.method == "GET" ? "GET, HEAD, " : route.method + ", ";
+      others.erase(route.method);
+    }
+    allow += "OPTIONS";
+    for (const std::string& method : others) {
+      on(method, regex_of(path), [allow](const httplib::Request&, httplib::Response&) {
+        throw HttpError(405, "method_not_allowed", "this path takes " + allow).with_header("Allow", allow);
+      });
+    }
+    register_options(regex_of(path), allow);
+  }
+
+  void register_options(const std::string& regex, const std::string& allow) {
+    on("OPTIONS", regex, [this, allow](const httplib::Request&, httplib::Response& out) {
+      take_body(*current_exchange, 0);
+      Response response;
+      response.status = 204;
+      response.headers.emplace_back("Allow", allow);
+      give(*current_exchange, std::move(response), out);
+    });
+  }
+
+  void on(const std::string& method, const std::string& regex, httplib::Server::Handler handler) {
+    if (method == "GET") {
+      Get(regex, std::move(handler));
+    } else if (method == "POST") {
+      Post(regex, std::move(handler));
+    } else if (method == "PUT") {
+      Put(regex, std::move(handler));
+    } else if (method == "PATCH") {
+      Patch(regex, std::move(handler));
+    } else if (method == "DELETE") {
+      Delete(regex, std::move(handler));
+    } else if (method == "OPTIONS") {
+      Options(regex, std::move(handler));
+    } else {
+      throw std::logic_error("no route can have the method " + method);
+    }
+  }
+
+  /// What goes out when no handler has answered, and the last touch to every answer.
+  void register_ways_out() {
+    using Handled = httplib::Server::HandlerResponse;
+    set_pre_routing_handler([](const httplib::Request&, httplib::Response&) {
+      if (current_exchange->refusal) std::rethrow_exception(current_exchange->refusal);
+      return Handled::Unhandled;
+    });
+    set_exception_handler([](const httplib::Request&, httplib::Response& out, std::exception_ptr failure) {
+      try {
+        std::rethrow_exception(failure);
+      } catch (const ConnectionLost&) {
+        throw;  // nobody is there to be answered
+      } catch (...) {
+        give_failure(*current_exchange, failure, out);
+      }
+    });
+    // Called for every status from 400 on, also for those that a handler gave.
+    set_error_handler(httplib::Server::HandlerWithResponse([](const httplib::Request&, httplib::Response& out) {
+      if (current_exchange->status != 0) return Handled::Unhandled;
+      give_failure(*current_exchange, std::make_exception_ptr(not_found()), out);
+      return Handled::Handled;
+    }));
+    set_post_routing_handler([](const httplib::Request&, httplib::Response& out) {
+      out.headers.erase("Accept-Ranges");  // there are none
+      if (out.status == 204) out.headers.erase("Content-Length");
+    });
   }
 
   /// Lets `stop_all` find the sockets of connections that are open.
@@ -255,7 +514,6 @@ class HttpServer::Listener : public httplib::Server {
     int socket_;
   };
 
-  const Router& router_;
   const GateLimits limits_;
   const std::size_t max_connections_;
   int port_ = -1;
@@ -269,8 +527,8 @@ class HttpServer::Listener : public httplib::Server {
   std::set<int> sockets_;
 };
 
-HttpServer::HttpServer(const Router& router, const GateLimits& limits, std::size_t max_connections)
-    : listener_(std::make_unique<Listener>(router, limits, max_connections)) {}
+HttpServer::HttpServer(const std::vector<Route>& routes, const GateLimits& limits, std::size_t max_connections)
+    : listener_(std::make_unique<Listener>(routes, limits, max_connections)) {}
 HttpServer::~HttpServer() { stop(); }
 void HttpServer::bind(const Address& address) { listener_->bind(address); }
 int HttpServer::port() const { return listener_->port(); }

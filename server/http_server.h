@@ -1,26 +1,28 @@
-/// The listener: accepts connections, one thread each, and takes each through gate, router and answer. Every answer
-/// closes its connection.
+/// The listener: accepts connections, one thread each, reads one request from each through the gate, and answers it.
+/// Every answer closes its connection.
 ///
-/// cpp-httplib binds and accepts; it is not let near a byte that a client sends. Its 0.11.4 has no overall deadlines,
-/// no bound on chunked bodies or lines, and can be misled about where a request ends, so the gate reads requests
-/// instead. As errors found there must be answered without it too, answers are written here as well: one way out for
-/// all of them.
+/// cpp-httplib binds and accepts, routes, and writes the answers. It is not let near a byte that a client sends: its
+/// 0.11.4 has no overall deadlines, no bound on chunked bodies or lines, and can be misled about where a request ends.
+/// So the gate reads the head, and httplib is given one that we wrote: method and path, spelled one way. The
+/// true request waits beside it; its body is read once a route has taken it. What the gate refuses goes the same way
+/// and fails before routing, so that there is one way out for all.
 #pragma once
 
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "server/gate.h"
-#include "server/router.h"
+#include "server/route.h"
 #include "server/units.h"
 
 namespace remesh::server {
 
 class HttpServer {
  public:
-  /// `router` must outlive the server.
-  HttpServer(const Router& router, const GateLimits& limits, std::size_t max_connections);
+  /// Beside the routes themselves, each path answers OPTIONS, and other methods with 405; both say what is allowed.
+  HttpServer(const std::vector<Route>& routes, const GateLimits& limits, std::size_t max_connections);
   /// Stops.
   ~HttpServer();
 

@@ -72,10 +72,8 @@ Service::Service(const Config& config, Operations operations)
       operations_(std::move(operations)),
       work_limits_{config.api_limits(), config.request_timeout},
       pool_(config.max_running, config.queue_size, config.workers),
-      router_(routes()),
-      ops_router_(ops_routes()),
-      http_(router_, config.gate, config.max_connections) {
-  if (config.ops_bind) ops_ = std::make_unique<HttpServer>(ops_router_, config.gate, kOpsConnections);
+      http_(routes(), config.gate, config.max_connections) {
+  if (config.ops_bind) ops_ = std::make_unique<HttpServer>(ops_routes(), config.gate, kOpsConnections);
 }
 
 Service::~Service() { stop(); }
@@ -124,12 +122,12 @@ Response Service::follow_request(const Call& call) {
   Response response;
   response.content_type = "text/event-stream";
   response.headers.emplace_back("Cache-Control", "no-store");
-  response.stream = [running = find_or_404(registry_, call.parameter)](Connection& connection) {
-    while (!running->has_ended) {
-      connection.write_all(sse("progress", progress_json(*running)));
-      if (connection.wait(nullptr, Clock::now() + kProgressPeriod) == Connection::Wake::kClientGone) return;
-    }
-    connection.write_all(sse("end", progress_json(*running)));
+  response.next_piece = [running = find_or_404(registry_, call.parameter), &connection = call.connection,
+                         next = Clock::now(), is_over = false]() mutable -> std::string {
+    if (is_over || connection.wait(nullptr, next) == Connection::Wake::kClientGone) return {};
+    next = Clock::now() + kProgressPeriod;
+    is_over = running->has_ended;
+    return sse(is_over ? "end" : "progress", progress_json(*running));
   };
   return response;
 }

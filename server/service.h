@@ -4,10 +4,12 @@
 #include <atomic>
 #include <functional>
 #include <memory>
+#include <vector>
 
 #include "server/config.h"
 #include "server/http_server.h"
 #include "server/request_registry.h"
+#include "server/route.h"
 #include "server/work.h"
 #include "server/worker_pool.h"
 
@@ -56,8 +58,6 @@ class Service {
   std::atomic<bool> draining_{false};
   RequestRegistry registry_;
   WorkerPool pool_;
-  const Router router_;
-  const Router ops_router_;
   HttpServer http_;
   std::unique_ptr<HttpServer> ops_;
 };

@@ -79,9 +79,38 @@ double last_place(double x, int bits) {
   return std::ldexp(1.0, exponent - bits);
 }
 
+/// Whether the numbers seem to be limited in significant digits: the small ones have decimals that the large ones lack.
+/// One value that shows nearly all the digits which the common quantum leaves to the largest one proves the contrary.
+bool has_limited_digits(std::span<const Vec3> positions, double largest, double common) {
+  if (common == 0) return for_each_coordinate(positions, [](double x) { return shortest(x).quantum != 0; });
+  const double digits = largest / common;
+  double most_units = 0;
+  const bool is_far_apart = for_each_coordinate(positions, [&](double x) {
+    most_units = std::max(most_units, shortest(x).units);
+    return digits > 10 * most_units;
+  });
+  if (is_far_apart) return true;
+  // Within one decade the quanta differ by ten only: then all of several long numbers at the top must lack the last
+  // one.
+  constexpr int kEnough = 4;
+  int long_ones = 0;
+  const bool is_top_coarse = for_each_coordinate(positions, [&](double x) {
+    if (std::fabs(x) < 0.75 * largest) return true;
+    const Decimal form = shortest(x);
+    if (form.units * 100 >= digits) ++long_ones;
+    return form.quantum >= 5 * common;
+  });
+  return is_top_coarse && long_ones >= kEnough;
+}
+
 /// The last place of numbers that are limited in significant digits. A value with most of the digits shows its last
 /// place; the largest such values have the coarsest one.
-double last_place_of_digits(std::span<const Vec3> positions, double largest, double most_units) {
+double last_place_of_digits(std::span<const Vec3> positions, double largest) {
+  double most_units = 0;
+  for_each_coordinate(positions, [&](double x) {
+    most_units = std::max(most_units, shortest(x).units);
+    return true;
+  });
   double step = 0, step_of_largest = HUGE_VAL;
   for_each_coordinate(positions, [&](double x) {
     const Decimal form = shortest(x);
@@ -106,16 +135,7 @@ double rounding_step(std::span<const Vec3> positions) {
 
   double common = 0;
   for (int d = 0; d <= kMaxDecimals && common == 0; ++d) common = common_quantum(positions, d, largest);
-
-  // Limited in significant digits? Then the small values have decimals that the large ones lack. One value that shows
-  // nearly all the digits that the common quantum leaves to the largest one proves the contrary.
-  double most_units = 0;
-  const bool are_all_short = for_each_coordinate(positions, [&](double x) {
-    const Decimal form = shortest(x);
-    most_units = std::max(most_units, form.units);
-    return form.quantum != 0 && (common == 0 || largest / common > 10 * most_units);
-  });
-  if (are_all_short) return std::max(last_place_of_digits(positions, largest, most_units), least);
+  if (has_limited_digits(positions, largest, common)) return std::max(last_place_of_digits(positions, largest), least);
   if (common != 0) return std::max(common, least);
   const bool are_floats = for_each_coordinate(positions, [](double x) { return odd_part(x).units < 16777216.0; });
   return are_floats ? last_place(largest, 24) : least;

@@ -26,8 +26,10 @@ struct SelfIntersections {
 /// Holds:   the same result for any number of threads; exact as long as every coordinate that is not 0 is at least
 ///          2^-499 of the largest. Faces without area are the sets of their points.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
-/// Cost:    O(n log n) for the tree, then O(log n) and what is near for each face, or each marked one; runs on the
-///          caller's TBB arena. Memory for at most 65 times max_pairs.
+/// Cost:    O(n log n) for the tree, then for each face, or each marked one, O(log n) and what has a box that meets its
+///          own. That is a handful on a surface of well-shaped faces, but all of them where needles lie side by side
+///          askew to the axes or around one vertex: a fan of k needles costs k^2 tests. Runs on the caller's TBB arena.
+///          Memory for at most 65 times max_pairs.
 SelfIntersections self_intersections(std::span<const Vec3> positions, std::span<const Triangle> faces,
                                      const std::vector<std::uint8_t>* moved, std::size_t max_pairs,
                                      RunControl& control);

@@ -1,7 +1,8 @@
 #include "core/stages/ladder.h"
 
 #include <algorithm>
-#include <string>
+
+#include "core/stages/mend_faces.h"
 
 namespace remesh {
 namespace {
@@ -16,22 +17,31 @@ Ladder::Ladder(const Surface& surface)
     : zone_(surface.face_label),
       rung_(surface.face_count(), 0),
       reason_(surface.face_count(), PatchReason::kNone),
+      is_kept_(surface.face_count(), 0),
       forced_(surface.vertex_count(), 0) {
   for (const std::uint32_t label : surface.face_label) next_zone_ = std::max(next_zone_, label + 1);
+  for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
+    const FaceId f(i);
+    if (!is_without_area(surface, f)) continue;
+    is_kept_[f] = 1;
+    rung_[f] = kSingleFace;
+    reason_[f] = PatchReason::kNotPlanar;
+    for (const VertexId v : surface.face(f)) forced_[v] = 1;
+  }
 }
 
-void Ladder::step(const Surface& surface, const PatchSet& patches, const BoundaryLoops& loops,
-                  const Adjacency& adjacency, const std::vector<FailedPatch>& failed, Regions& regions) {
+std::vector<FaceId> Ladder::step(const PatchSet& patches, const BoundaryLoops& loops, const Adjacency& adjacency,
+                                 const std::vector<FailedPatch>& failed, Regions& regions) {
   ++steps_;
+  std::vector<FaceId> stuck;
   for (const auto& [patch, reason] : failed) {
     for (std::uint32_t l = loops.patch_begin[patch.value]; l < loops.patch_begin[patch.value + 1]; ++l)
       for (const std::uint32_t h : loops.loop(l)) forced_[adjacency.from(h)] = 1;
     for (const FaceId f : patches.faces_of(patch)) {
-      if (rung_[f] == kSingleFace)
-        throw Error(Code::kVerificationFailed, Stage::kTriangulation,
-                    "face " + std::to_string(surface.face_source[f].value) +
-                        " cannot be triangulated so that the result holds (" + std::string(reason_name(reason)) + ")")
-            .at_element(surface.face_source[f].value);
+      if (rung_[f] == kSingleFace) {
+        stuck.push_back(f);
+        continue;
+      }
       rung_[f] = steps_ > kPatientRounds ? kSingleFace : static_cast<std::uint8_t>(rung_[f] + 1);
       zone_[f] = next_zone_;
       if (reason_[f] == PatchReason::kNone) reason_[f] = reason;
@@ -39,6 +49,7 @@ void Ladder::step(const Surface& surface, const PatchSet& patches, const Boundar
     }
     ++next_zone_;
   }
+  return stuck;
 }
 
 }  // namespace remesh

@@ -21,23 +21,26 @@ struct FailedPatch {
 /// Source: REFINEMENT, rule 14.
 class Ladder {
  public:
+  /// Faces without area begin on the last step: each is kept as it is, alone, with its vertices.
   explicit Ladder(const Surface& surface);
 
   /// Takes every failed patch one step up: its faces lose their region and may only join each other again, under the
   /// next tolerance; the vertices of its boundary become essential.
-  /// Errors: kVerificationFailed - a patch fails that is a single face already.
-  void step(const Surface& surface, const PatchSet& patches, const BoundaryLoops& loops, const Adjacency& adjacency,
-            const std::vector<FailedPatch>& failed, Regions& regions);
+  /// Returns: the failed patches' faces that are on the last step already: for them the surface must change.
+  std::vector<FaceId> step(const PatchSet& patches, const BoundaryLoops& loops, const Adjacency& adjacency,
+                           const std::vector<FailedPatch>& failed, Regions& regions);
 
   const IdVector<FaceId, std::uint32_t>& zone() const { return zone_; }
   const IdVector<FaceId, std::uint8_t>& rung() const { return rung_; }
   const IdVector<FaceId, PatchReason>& reason() const { return reason_; }
+  bool is_kept(FaceId f) const { return is_kept_[f] != 0; }
   IdVector<VertexId, std::uint8_t>& forced() { return forced_; }
 
  private:
   IdVector<FaceId, std::uint32_t> zone_;
   IdVector<FaceId, std::uint8_t> rung_;
   IdVector<FaceId, PatchReason> reason_;
+  IdVector<FaceId, std::uint8_t> is_kept_;
   IdVector<VertexId, std::uint8_t> forced_;
   std::uint32_t next_zone_ = 0;
   int steps_ = 0;

@@ -13,13 +13,13 @@ namespace {
 
 class Mending {
  public:
-  Mending(Surface& surface, double plane_tolerance, RunControl& control)
-      : surface_(surface), plane_tolerance_(plane_tolerance), control_(control) {}
+  Mending(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, RunControl& control)
+      : surface_(surface), plane_tolerance_(plane_tolerance), as_it_is_(as_it_is), control_(control) {}
 
   bool run(std::vector<Diagnostic>& diagnostics) {
     const std::size_t faces = surface_.face_count();
     std::size_t sound = 0;
-    while (sound < faces && is_sound(FaceId(sound))) {
+    while (sound < faces && as_it_is_.empty() && is_sound(FaceId(sound))) {
       if (sound % 4096 == 0) control_.progress(static_cast<double>(sound) / static_cast<double>(faces));
       ++sound;
     }
@@ -50,10 +50,7 @@ class Mending {
   }
 
   /// Whether a face is a triangle with an area: most are, and nothing is to be done for them.
-  bool is_sound(FaceId f) const {
-    const auto loop = surface_.face(f);
-    return loop.size() == 3 && !is_collinear(exact(loop[0]), exact(loop[1]), exact(loop[2]));
-  }
+  bool is_sound(FaceId f) const { return surface_.face(f).size() == 3 && !is_without_area(surface_, f); }
 
   static void move_faces(Surface& from, Surface& to) {
     to.face_begin = std::move(from.face_begin);
@@ -68,6 +65,14 @@ class Mending {
     mended_.face_source.push_back(source);
     mended_.face_label.push_back(label);
     is_degenerate_.push_back(is_degenerate);
+  }
+
+  bool is_as_it_is(FaceId source) const { return !as_it_is_.empty() && as_it_is_[source.value] != 0; }
+
+  bool has_repeated_corner() {
+    sorted_loop_ = loop_;
+    std::sort(sorted_loop_.begin(), sorted_loop_.end());
+    return std::adjacent_find(sorted_loop_.begin(), sorted_loop_.end()) != sorted_loop_.end();
   }
 
   void take_face(FaceId f) {
@@ -94,11 +99,12 @@ class Mending {
     points_.clear();
     for (const VertexId v : loop_) points_.push_back(surface_.local[v]);
     const PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
-    if (split.kind == PolygonKind::kPlanar) {
+    if (split.kind != PolygonKind::kPlanar) {
+      nonplanar_.add(source.value);
+    } else if (!is_as_it_is(source) && !has_repeated_corner()) {
       emit(loop_, source, label, false);
       return;
     }
-    nonplanar_.add(source.value);
     for (const auto& [i, j, k] : split.triangles) {
       const std::array triangle{loop_[i], loop_[j], loop_[k]};
       if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
@@ -132,15 +138,23 @@ class Mending {
     std::sort(on_line.begin(), on_line.end(), before);
     on_line.erase(std::unique(on_line.begin(), on_line.end()), on_line.end());
 
+    // A cluster stays where it would hand a vertex to a face that takes none.
+    std::vector<std::uint8_t> stays(surface_.face_count(), 0);
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      if (!is_as_it_is(surface_.face_source[FaceId(f)])) continue;
+      for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
+        if (const std::uint32_t line = cluster_beyond(edges, cluster, h); line != Adjacency::kNone) stays[line] = 1;
+    }
+
     Surface out;
     std::size_t inserted = 0;
     const std::size_t most = 4 * surface_.corners.size() + 1'000'000;
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
-      if (is_degenerate_[f]) continue;
+      if (is_degenerate_[f] && !stays[cluster.find(f)]) continue;
       for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h) {
         out.corners.push_back(surface_.corners[h]);
         const std::uint32_t line = cluster_beyond(edges, cluster, h);
-        if (line == Adjacency::kNone) continue;
+        if (line == Adjacency::kNone || stays[line]) continue;
         const auto from = std::lower_bound(on_line.begin(), on_line.end(), std::pair{line, edges.from(h)}, before);
         const auto to = std::lower_bound(on_line.begin(), on_line.end(), std::pair{line, edges.to(h)}, before);
         inserted += static_cast<std::size_t>(std::abs(to - from));
@@ -185,13 +199,15 @@ class Mending {
 
   Surface& surface_;
   double plane_tolerance_;
+  const std::vector<std::uint8_t>& as_it_is_;
   RunControl& control_;
   Surface mended_;  // faces only
   std::vector<std::uint8_t> is_degenerate_;
-  std::vector<VertexId> loop_;
+  std::vector<VertexId> loop_, sorted_loop_;
   std::vector<Vec3> points_;
   Diagnostic nonplanar_{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons without a plane were triangulated"};
-  Diagnostic zero_area_{DiagnosticCode::kZeroAreaFace, 0, {}, "faces without area were dropped"};
+  Diagnostic zero_area_{
+      DiagnosticCode::kZeroAreaFace, 0, {}, "faces without area: dropped, but for those whose patch is kept"};
 };
 
 }  // namespace
@@ -201,8 +217,16 @@ bool is_collinear(const Vec3& a, const Vec3& b, const Vec3& c) {
          orient2d({a.z, a.x}, {b.z, b.x}, {c.z, c.x}) == 0;
 }
 
-bool mend_faces(Surface& surface, double plane_tolerance, std::vector<Diagnostic>& diagnostics, RunControl& control) {
-  return Mending(surface, plane_tolerance, control).run(diagnostics);
+bool is_without_area(const Surface& surface, FaceId f) {
+  const auto loop = surface.face(f);
+  // Scaled exactly, in original coordinates: a line of the input is a line here.
+  const auto exact = [&](int i) { return (1 / surface.unit) * surface.positions[loop[i]]; };
+  return loop.size() == 3 && is_collinear(exact(0), exact(1), exact(2));
+}
+
+bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is,
+                std::vector<Diagnostic>& diagnostics, RunControl& control) {
+  return Mending(surface, plane_tolerance, as_it_is, control).run(diagnostics);
 }
 
 }  // namespace remesh

@@ -1,6 +1,7 @@
 /// Makes every face of the working surface one that has a plane: splits polygons that have none, drops zero-area faces.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -10,17 +11,25 @@
 namespace remesh {
 
 /// Mends the faces of a welded surface.
-/// Output:  a surface that holds all that Surface promises. A polygon that is not planar within the tolerance, or that
-///          crosses itself in its plane, comes as triangles in its place. Counts nonplanar_polygon and zero_area_face.
+/// Input:   the plane tolerance, in local units; `as_it_is`, per input face or empty: 1 forbids to make a polygon of
+/// that
+///          face or to hand it a vertex. Later stages ask for it where a polygon turned out to have no triangulation of
+///          its own.
+/// Output:  a surface that holds all that Surface promises. A polygon comes as triangles in its place if it is not
+///          planar within the tolerance, crosses itself in its plane, touches itself, or is to stay as it is. Counts
+///          nonplanar_polygon and zero_area_face.
 /// Holds:   closed stays closed: a zero-area face is dropped by handing the vertices on its longest edges to the faces
-///          beyond them, so that each of its edges meets its counterpart.
+///          beyond them, so that each of its edges meets its counterpart. It is kept where such a face is `as_it_is`.
+/// Returns: whether anything had to be mended; if not, faces, corners and vertices are as they were.
 /// Errors:  kEmptyMesh - no face has an area; kInvalidMesh - zero-area faces nest so deeply that mending them would
 ///          multiply the mesh.
-/// Input:   the plane tolerance, in local units.
-/// Returns: whether anything had to be mended; if not, faces, corners and vertices are as they were.
 /// Cost:    O(n log n).
-/// Source:  REFINEMENT, rule 17.
-bool mend_faces(Surface& surface, double plane_tolerance, std::vector<Diagnostic>& diagnostics, RunControl& control);
+/// Source:  REFINEMENT, rules 14 and 17.
+bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is,
+                std::vector<Diagnostic>& diagnostics, RunControl& control);
+
+/// Whether a face is a triangle with exactly collinear corners; mend_faces leaves few of them, or none.
+bool is_without_area(const Surface& surface, FaceId f);
 
 /// Whether three points are exactly on one line (or coincide).
 bool is_collinear(const Vec3& a, const Vec3& b, const Vec3& c);

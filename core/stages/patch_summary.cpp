@@ -21,7 +21,9 @@ PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjace
     PatchSummary s;
     s.normal = plane.normal;
     s.offset = dot(surface.centre, plane.normal) + surface.unit * dot(plane.origin, plane.normal);
-    s.status = ladder.rung()[first] == 0 ? PatchStatus::kRemeshed : PatchStatus::kReduced;
+    s.status = ladder.is_kept(first)      ? PatchStatus::kKept
+               : ladder.rung()[first] > 0 ? PatchStatus::kReduced
+                                          : PatchStatus::kRemeshed;
     s.reason = ladder.reason()[first];
     s.input_faces = patches.faces_of(p).size();
     s.loops = loops.patch_begin[i + 1] - loops.patch_begin[i];

@@ -130,7 +130,8 @@ class PatchCheck {
     const Vec3 &a = model_.points[face[0].value], &b = model_.points[face[1].value], &c = model_.points[face[2].value];
     const double extent = std::sqrt(std::max({norm_squared(b - a), norm_squared(c - b), norm_squared(a - c)}));
     const double twice_size = std::sqrt(norm_squared(twice_area));
-    if (!(twice_size > 1e-12 * extent * extent) && is_collinear(a, b, c)) report(Fault::kZeroArea, f);
+    if (!(twice_size > 1e-12 * extent * extent) && is_collinear(a, b, c) && !is_input_triangle(face))
+      report(Fault::kZeroArea, f);
     // Turned over in space; but of a triangle no higher than the tolerance noise decides where it looks.
     const bool is_away = !(dot(twice_area, frame_.normal) > 0) &&
                          !(extent > 0 && model_.is_within_tolerance(twice_size / extent, extent));

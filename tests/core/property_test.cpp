@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <iostream>
@@ -164,9 +165,11 @@ Loop bridged(const Polygon& polygon) {
   return walk;
 }
 
-Result remeshed(const PolygonMesh& mesh) {
+Segment undirected(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
+
+Result remeshed(const PolygonMesh& mesh, const Options& options = {}) {
   RunControl control;
-  return remesh_surface(mesh, Options{}, RunSettings{}, control);
+  return remesh_surface(mesh, options, RunSettings{}, control);
 }
 
 /// What must come back, whatever the triangulation that went in.
@@ -186,7 +189,8 @@ void expect_right(const Polygon& polygon, const polygons::Placement& place, cons
   std::map<std::pair<VertexId, VertexId>, std::vector<VertexId>> apexes;
   std::vector<Vec2> plane;
   for (const Vec3& p : result.mesh.positions)
-    plane.push_back({dot(p - place.origin, place.x_axis) / (unit * unit), dot(p - place.origin, place.y_axis) / (unit * unit)});
+    plane.push_back(
+        {dot(p - place.origin, place.x_axis) / (unit * unit), dot(p - place.origin, place.y_axis) / (unit * unit)});
   for (const Triangle& t : result.mesh.faces) {
     const Vec3 a = result.mesh.positions[t[0]], b = result.mesh.positions[t[1]], c = result.mesh.positions[t[2]];
     const double twice = dot(cross(b - a, c - a), normal);
@@ -309,16 +313,13 @@ TEST(random_polygons, the_triangles_are_those_of_the_oracle_where_no_tie_is_brok
       // Edge by edge: one that only we have must be the diagonal of four cocircular points, by CGAL's exact predicate.
       std::set<Segment> oracle;
       for (const Corners& t : theirs)
-        for (std::size_t k = 0; k < 3; ++k) {
-          const auto [low, high] = std::minmax(t[k], t[(k + 1) % 3]);
-          oracle.insert({low, high});
-        }
+        for (std::size_t k = 0; k < 3; ++k) oracle.insert(undirected(t[k], t[(k + 1) % 3]));
       const auto point = [&](std::uint32_t v) { return cgal(input.points[v]); };
       for (std::uint32_t h = 0; h < ours.mesh.half_edge_count(); ++h) {
         const std::uint32_t g = ours.mesh.twin(h);
-        const auto [low, high] = std::minmax(ours.mesh.from(h), ours.mesh.to(h));
+        const Segment edge = undirected(ours.mesh.from(h), ours.mesh.to(h));
         if (g == Triangulation2d::kNone) {
-          EXPECT_TRUE(oracle.count({low, high}));
+          EXPECT_TRUE(oracle.count(edge));
           continue;
         }
         const auto side = CGAL::side_of_oriented_circle(point(ours.mesh.from(h)), point(ours.mesh.to(h)),
@@ -327,10 +328,168 @@ TEST(random_polygons, the_triangles_are_those_of_the_oracle_where_no_tie_is_brok
         if (side == CGAL::ON_ORIENTED_BOUNDARY) continue;
         // Two different circles: the edge is in every Delaunay triangulation, however ties fall.
         ++compared;
-        EXPECT_TRUE(oracle.count({low, high})) << low << '-' << high;
+        EXPECT_TRUE(oracle.count(edge)) << edge[0] << '-' << edge[1];
       }
     }
   EXPECT_GT(compared, 3000u);
+}
+
+TEST(random_surfaces, steps_of_random_height_keep_area_volume_and_closedness) {
+  // Blocks by a random drawing: many coplanar faces, edges of four faces, vertices where patches touch.
+  for (std::uint64_t i = 0; i < 60; ++i) {
+    const std::uint64_t seed = base_seed() + 4000 + i;
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    std::vector<std::string> rows(5, std::string(5, '.'));
+    for (std::string& row : rows)
+      for (char& cell : row) cell = random.chance(0.6) ? '#' : '.';
+    rows[2][2] = '#';
+    const PolygonMesh mesh = shapes::renumbered(
+        shapes::blocks({rows.begin(), rows.end()}, 1 + static_cast<int>(seed % 2)), static_cast<unsigned>(seed));
+    const Result result = remeshed(mesh);
+    ASSERT_TRUE(result.report.verified.all_true());
+    EXPECT_EQ(result.report.output.area, result.report.input.area);
+    EXPECT_EQ(result.report.output.euler, result.report.input.euler);
+    EXPECT_EQ(result.report.output.non_manifold_edges * (1 + seed % 2), result.report.input.non_manifold_edges);
+    for (const PatchSummary& p : result.report.patches) EXPECT_EQ(p.status, PatchStatus::kRemeshed);
+  }
+}
+
+/// Every coordinate written in this format and read again; an empty format: through a float.
+PolygonMesh printed(PolygonMesh mesh, const std::string& format) {
+  for (Vec3& p : mesh.positions)
+    for (int axis = 0; axis < 3; ++axis) {
+      char text[64];
+      std::snprintf(text, sizeof text, format.c_str(), p[axis]);
+      p[axis] = format.empty() ? static_cast<double>(static_cast<float>(p[axis])) : std::strtod(text, nullptr);
+    }
+  return mesh;
+}
+
+TEST(random_surfaces, turned_blocks_have_the_same_patches_and_counts_in_every_number_format) {
+  for (std::uint64_t i = 0; i < 12; ++i) {
+    const std::uint64_t seed = base_seed() + 7000 + i;
+    Random random(seed);
+    std::vector<std::string> rows(4, std::string(4, '.'));
+    for (std::string& row : rows)
+      for (char& cell : row) cell = random.chance(0.6) ? '#' : '.';
+    rows[2][2] = '#';
+    const PolygonMesh mesh = shapes::blocks({rows.begin(), rows.end()}, 3);
+    const Result exact = remeshed(mesh);
+    const Vec3 axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const PolygonMesh turned = shapes::moved(shapes::rotated(mesh, axis, random.uniform(0, 360)), {1, -2, 0.5});
+    for (const char* format : {"%.6f", "%.4f", "%g", "%.9g", "%.17g", ""}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", format " + format);
+      const Result result = remeshed(printed(turned, format));
+      ASSERT_TRUE(result.report.verified.all_true());
+      EXPECT_EQ(result.report.patches.size(), exact.report.patches.size());
+      EXPECT_EQ(result.mesh.positions.size(), exact.mesh.positions.size());
+      EXPECT_EQ(result.mesh.faces.size(), exact.mesh.faces.size());
+      EXPECT_EQ(result.report.output.euler, exact.report.output.euler);
+      EXPECT_NEAR(result.report.output.area / exact.report.output.area, 1, 1e-3);
+    }
+  }
+}
+
+TEST(random_surfaces, terrain_of_whole_heights_keeps_its_area_and_border) {
+  for (std::uint64_t i = 0; i < 40; ++i) {
+    const std::uint64_t seed = base_seed() + 5000 + i;
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    PolygonMesh mesh = shapes::sheet(8, 8, 8, 8);
+    for (Vec3& p : mesh.positions) p.z = random.chance(0.15) ? random.integer(-1, 1) : 0;
+    const Result result = remeshed(shapes::renumbered(mesh, static_cast<unsigned>(seed)));
+    ASSERT_TRUE(result.report.verified.all_true());
+    EXPECT_NEAR(result.report.output.area / result.report.input.area, 1, 1e-12);
+    EXPECT_EQ(result.report.output.euler, 1);
+    for (const PatchSummary& p : result.report.patches) EXPECT_EQ(p.status, PatchStatus::kRemeshed);
+  }
+}
+
+TEST(random_surfaces, noise_around_the_tolerance_never_breaks_the_result) {
+  // From far below the tolerance to ten times it, with tolerances up to the size of the faces.
+  for (std::uint64_t seed = base_seed() + 5500; seed < base_seed() + 5600; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    std::vector<std::string> rows(4, std::string(4, '.'));
+    for (std::string& row : rows)
+      for (char& cell : row) cell = random.chance(0.6) ? '#' : '.';
+    rows[2][2] = '#';
+    PolygonMesh mesh = shapes::blocks({rows.begin(), rows.end()}, random.integer(1, 4));
+    Options options;
+    options.plane_tolerance = std::pow(10, random.uniform(-5, -0.7));
+    const double noise = *options.plane_tolerance * std::pow(10, random.uniform(-1.5, 1));
+    for (Vec3& p : mesh.positions) {
+      const double x = random.uniform(-noise, noise), y = random.uniform(-noise, noise);
+      p += {x, y, random.uniform(-noise, noise)};
+    }
+    const Result result = remeshed(mesh, options);
+    EXPECT_TRUE(result.report.verified.all_true());
+    EXPECT_LE(result.report.verified.deviation, *options.plane_tolerance * (1 + 1e-9));
+    EXPECT_EQ(result.report.output.closed, result.report.input.closed);
+    EXPECT_EQ(result.report.output.euler, result.report.input.euler);
+  }
+}
+
+/// Faces through random points of a small grid: they cross, repeat, fold, lie flat on a line; an edge has any number of
+/// faces.
+PolygonMesh soup(Random& random, int most_corners) {
+  const int side = random.integer(1, 3), height = random.integer(0, 2);
+  std::vector<Vec3> positions;
+  for (int x = 0; x <= side; ++x)
+    for (int y = 0; y <= side; ++y)
+      for (int z = 0; z <= height; ++z)
+        positions.push_back({static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)});
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int f = random.integer(1, 25); f > 0; --f) {
+    faces.emplace_back();
+    for (int k = random.chance(0.8) ? 3 : random.integer(3, most_corners); k > 0; --k)
+      faces.back().push_back(static_cast<std::uint32_t>(random.below(static_cast<int>(positions.size()))));
+  }
+  return shapes::from_lists(positions, faces);
+}
+
+void expect_verified_or_empty(const PolygonMesh& mesh) {
+  try {
+    const Result result = remeshed(mesh);
+    EXPECT_TRUE(result.report.verified.all_true());
+    if (result.report.input.closed) {
+      EXPECT_TRUE(result.report.output.closed);
+    }
+  } catch (const Error& error) {
+    EXPECT_EQ(code_name(error.code), code_name(Code::kEmptyMesh)) << error.what();
+  }
+}
+
+TEST(random_surfaces, any_soup_of_triangles_with_area_comes_back_verified) {
+  for (std::uint64_t seed = base_seed() + 6000; seed < base_seed() + 6300; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    const PolygonMesh all = soup(random, 3);
+    std::vector<std::vector<std::uint32_t>> faces;
+    for (std::uint32_t f = 0; f < all.face_count(); ++f) {
+      const auto t = all.face(FaceId(f));
+      const Vec3 a = all.positions[t[0]], b = all.positions[t[1]], c = all.positions[t[2]];
+      if (cross(b - a, c - a) != Vec3{}) faces.push_back({t[0].value, t[1].value, t[2].value});
+    }
+    expect_verified_or_empty(shapes::from_lists(all.positions.items(), faces));
+  }
+}
+
+TEST(random_surfaces, any_soup_of_triangles_comes_back_verified) {
+  for (std::uint64_t seed = base_seed() + 6300; seed < base_seed() + 6600; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    expect_verified_or_empty(soup(random, 3));
+  }
+}
+
+TEST(random_surfaces, any_soup_of_polygons_comes_back_verified) {
+  for (std::uint64_t seed = base_seed() + 6600; seed < base_seed() + 6900; ++seed) {
+    SCOPED_TRACE(seed);
+    Random random(seed);
+    expect_verified_or_empty(soup(random, 6));
+  }
 }
 
 }  // namespace

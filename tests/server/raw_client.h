@@ -53,6 +53,7 @@ class RawClient {
     return text;
   }
 
+  void close_sending() { ::shutdown(socket_, SHUT_WR); }
   void close() {
     if (socket_ >= 0) ::close(socket_);
     socket_ = -1;

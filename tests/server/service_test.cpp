@@ -145,6 +145,7 @@ TEST_F(ServiceTest, bad_requests_are_told_why_and_the_next_one_is_served) {
   const auto expect = [&](int status, const std::string& code, const Answer& answer) {
     EXPECT_EQ(answer.status, status) << code;
     EXPECT_EQ(code_of(answer), code);
+    EXPECT_FALSE(answer.header("X-Request-Id").empty());
     EXPECT_NE(answer.body.find(answer.header("X-Request-Id")), std::string::npos);
     expect_well();
   };
@@ -232,6 +233,26 @@ TEST_F(ServiceTest, work_stops_within_100_ms_when_its_client_goes_away) {
   EXPECT_TRUE(eventually([&] { return stub_.stopped == 1; }));
   EXPECT_LT(Clock::now() - start, milliseconds(100));
   expect_well();
+}
+
+TEST_F(ServiceTest, a_client_that_closes_its_sending_side_counts_as_gone) {
+  // Nothing tells it from a client that was killed; see Connection::wait.
+  start();
+  const auto client = start_blocking(kIdField);
+  client->close_sending();
+  EXPECT_EQ(code_of(Answer::parse(client->receive())), "cancelled");
+  EXPECT_EQ(stub_.stopped, 1);
+  expect_well();
+}
+
+TEST_F(ServiceTest, a_refusal_carries_the_id_that_the_client_sent) {
+  start();
+  for (const char* request : {"GET /nothing HTTP/1.1\r\nHost: x\r\n", "BREW / HTTP/1.1\r\nHost: x\r\n",
+                              "POST /v1/remesh HTTP/1.1\r\nHost: x\r\n"}) {
+    const Answer answer = ask(port_, request + kIdField + "\r\n");
+    EXPECT_EQ(answer.header("X-Request-Id"), kId) << request;
+    EXPECT_NE(answer.body.find(kId), std::string::npos) << request;
+  }
 }
 
 TEST_F(ServiceTest, a_full_queue_refuses_at_once_and_says_when_to_come_back) {

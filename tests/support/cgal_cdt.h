@@ -16,8 +16,11 @@ namespace remesh {
 inline std::vector<Corners> cgal_cdt(std::span<const Vec2> points, std::span<const Segment> segments) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>;
-  using Structure = CGAL::Triangulation_data_structure_2<VertexBase, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
-  CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure, CGAL::No_constraint_intersection_requiring_constructions_tag> cdt;
+  using Structure =
+      CGAL::Triangulation_data_structure_2<VertexBase, CGAL::Constrained_triangulation_face_base_2<Kernel>>;
+  CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure,
+                                             CGAL::No_constraint_intersection_requiring_constructions_tag>
+      cdt;
   std::vector<decltype(cdt)::Vertex_handle> handle;
   for (std::uint32_t i = 0; i < points.size(); ++i) {
     handle.push_back(cdt.insert(Kernel::Point_2(points[i].x, points[i].y)));

@@ -36,9 +36,7 @@ class StageChain {
   std::vector<Vec3> kept() const;
   /// The patch of a face of the input; its first piece where it was split.
   PatchId patch_of(std::size_t input_face) const;
-  std::uint32_t loop_count(PatchId p) const {
-    return loops.patch_begin[p.value + 1] - loops.patch_begin[p.value];
-  }
+  std::uint32_t loop_count(PatchId p) const { return loops.patch_begin[p.value + 1] - loops.patch_begin[p.value]; }
   /// Corners of a loop, in its direction.
   std::vector<Vec3> loop_points(std::uint32_t loop) const;
 

@@ -11,7 +11,9 @@ namespace {
 
 constexpr std::uint32_t kNone = Triangulation2d::kNone;
 
-bool is_strictly_between(Vec2 a, Vec2 b, Vec2 p) { return orient2d(a, b, p) == 0 && std::min(a, b) < p && p < std::max(a, b); }
+bool is_strictly_between(Vec2 a, Vec2 b, Vec2 p) {
+  return orient2d(a, b, p) == 0 && std::min(a, b) < p && p < std::max(a, b);
+}
 
 }  // namespace
 
@@ -38,8 +40,7 @@ std::set<Segment> edges_of(const Triangulation2d& mesh) {
 std::set<Segment> constrained_edges_of(const Triangulation2d& mesh) {
   std::set<Segment> edges;
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h)
-    if (mesh.is_constrained(h))
-      edges.insert({std::min(mesh.from(h), mesh.to(h)), std::max(mesh.from(h), mesh.to(h))});
+    if (mesh.is_constrained(h)) edges.insert({std::min(mesh.from(h), mesh.to(h)), std::max(mesh.from(h), mesh.to(h))});
   return edges;
 }
 

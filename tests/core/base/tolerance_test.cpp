@@ -35,9 +35,7 @@ std::vector<Vec3> with(std::vector<Vec3> points, const std::function<double(doub
   return points;
 }
 
-void expect_step(const std::vector<Vec3>& points, double step) {
-  EXPECT_NEAR(rounding_step(points) / step, 1, 1e-12);
-}
+void expect_step(const std::vector<Vec3>& points, double step) { EXPECT_NEAR(rounding_step(points) / step, 1, 1e-12); }
 
 TEST(rounding_step, fixed_decimals_are_the_step) {
   expect_step(printed("%.6f", 10), 1e-6);
@@ -57,6 +55,22 @@ TEST(rounding_step, significant_digits_give_the_last_place_of_the_largest_values
   expect_step(printed("%g", 0.0999), 1e-7);
   expect_step(printed("%.9g", 9.99), 1e-8);
   expect_step(printed("%.9g", 99900), 1e-4);
+}
+
+TEST(rounding_step, significant_digits_show_where_the_values_span_one_decade_only) {
+  // Between 0.1 and 5.7 six digits are six decimals for the small values and five for the large ones.
+  std::vector<Vec3> points;
+  Random random(1);
+  const auto coordinate = [&] {
+    char text[64];
+    std::snprintf(text, sizeof text, "%g", random.uniform(0.1, 5.7));
+    return std::strtod(text, nullptr);
+  };
+  for (int i = 0; i < 200; ++i) {
+    const double x = coordinate(), y = coordinate();
+    points.push_back({x, y, coordinate()});
+  }
+  expect_step(points, 1e-5);
 }
 
 TEST(rounding_step, floats_that_are_no_short_decimals_give_the_last_place_of_the_largest_as_a_float) {

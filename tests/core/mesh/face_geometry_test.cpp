@@ -56,8 +56,8 @@ TEST(face_geometry, a_concave_polygon_has_its_own_area_and_looks_its_way) {
 }
 
 TEST(face_geometry, a_hole_through_a_bridge_is_not_counted) {
-  const FaceGeometry g = geometry_of(shapes::polygon(
-      {{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}}));
+  const FaceGeometry g =
+      geometry_of(shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}}));
   EXPECT_DOUBLE_EQ(g.area, 64 - 16);
 }
 

@@ -61,8 +61,8 @@ TEST(resolve_chords, two_patches_that_pick_the_same_diagonal_are_told_apart) {
   for (const PatchMesh& patch : chain.meshes) expect_valid(patch.uv, patch.mesh);
 }
 
-TEST(resolve_chords, both_sides_of_a_square_do_not_share_their_diagonal) {
-  StageChain chain(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, 3}, {3, 2, 1, 0}}));
+TEST(resolve_chords, both_sides_of_a_rhombus_do_not_share_their_diagonal) {
+  StageChain chain(shapes::from_lists({{-4, 0, 0}, {0, -1, 0}, {4, 0, 0}, {0, 1, 0}}, {{0, 1, 2, 3}, {3, 2, 1, 0}}));
   ASSERT_EQ(chain.meshes.size(), 2u);
   ASSERT_EQ(inside_edges(chain.meshes).size(), 1u) << "the same four corners, so the same Delaunay diagonal";
   EXPECT_TRUE(resolve_chords(chain.meshes, chain.control).empty());

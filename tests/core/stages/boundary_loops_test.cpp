@@ -82,9 +82,9 @@ TEST(boundary_loops, a_notch_that_meets_the_border_in_a_vertex_makes_one_loop_th
 
 TEST(boundary_loops, a_slit_is_walked_on_both_sides) {
   // A sheet with a fin on an edge in its middle: that edge has three faces, so the sheet's patch ends on both sides.
-  PolygonMesh mesh = shapes::from_lists(
-      {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}, {1, 1, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}},
-      {{0, 1, 5, 4}, {1, 2, 5}, {2, 3, 4, 5}, {3, 0, 4}, {4, 5, 7, 6}});
+  PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}, {1, 1, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}},
+                         {{0, 1, 5, 4}, {1, 2, 5}, {2, 3, 4, 5}, {3, 0, 4}, {4, 5, 7, 6}});
   const StageChain chain(mesh);
   ASSERT_EQ(chain.patches.count(), 2u);
   EXPECT_EQ(signed_areas(chain), (std::vector<double>{0, 6}));
@@ -93,8 +93,8 @@ TEST(boundary_loops, a_slit_is_walked_on_both_sides) {
 }
 
 TEST(boundary_loops, a_bridge_polygon_has_its_hole_as_a_loop) {
-  const StageChain chain(shapes::polygon(
-      {{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}}));
+  const StageChain chain(
+      shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}}));
   EXPECT_EQ(signed_areas(chain), (std::vector<double>{-16, 64}));
   expect_holds(chain);
 }

@@ -41,7 +41,8 @@ std::vector<Segment> random_segments(const std::vector<Vec2>& points, int attemp
   for (int i = 0; i < attempts; ++i) {
     const Segment s{static_cast<std::uint32_t>(random.below(n)), static_cast<std::uint32_t>(random.below(n))};
     if (s[0] == s[1] || has_point_inside(points, s)) continue;
-    if (std::none_of(segments.begin(), segments.end(), [&](const Segment& t) { return segments_conflict(points, s, t); }))
+    if (std::none_of(segments.begin(), segments.end(),
+                     [&](const Segment& t) { return segments_conflict(points, s, t); }))
       segments.push_back(s);
   }
   return segments;

@@ -46,7 +46,8 @@ void expect_holds(const StageChain& chain) {
     const Plane& plane = chain.regions.planes[region];
     EXPECT_NEAR(norm(plane.normal), 1, 1e-12);
     for (const VertexId v : chain.surface.face(FaceId(f)))
-      EXPECT_LE(std::fabs(plane.distance(chain.surface.local[v])), chain.tolerance / 2 * (1 + 1e-9) + 1e-15) << FaceId(f);
+      EXPECT_LE(std::fabs(plane.distance(chain.surface.local[v])), chain.tolerance / 2 * (1 + 1e-9) + 1e-15)
+          << FaceId(f);
     if (chain.geometry[FaceId(f)].height > 2 * chain.tolerance) {
       EXPECT_GT(dot(plane.normal, chain.geometry[FaceId(f)].normal), 0) << FaceId(f);
     }
@@ -115,16 +116,15 @@ TEST(coplanar_regions, a_gently_bent_strip_does_not_creep_into_one_plane) {
 
 TEST(coplanar_regions, sheets_that_look_opposite_ways_stay_two) {
   // One square, cut along one diagonal on its upper side and along the other one below.
-  const StageChain chain(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}},
-                                            {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}}));
+  const StageChain chain(
+      shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}}));
   EXPECT_EQ(region_count(chain), 2u);
   expect_holds(chain);
 }
 
 TEST(coplanar_regions, a_fold_of_180_degrees_stays_two) {
   // Two triangles on the same side of their common edge, consistently wound.
-  const StageChain chain(
-      shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, 2, 0}}, {{0, 1, 2}, {1, 0, 3}}));
+  const StageChain chain(shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, 2, 0}}, {{0, 1, 2}, {1, 0, 3}}));
   EXPECT_EQ(region_count(chain), 2u);
 }
 
@@ -138,9 +138,9 @@ TEST(coplanar_regions, parallel_planes_a_step_apart_stay_apart) {
 
 TEST(coplanar_regions, coplanar_faces_across_an_edge_of_three_faces_stay_apart) {
   // A flat sheet of two squares with a fin on their common edge.
-  const PolygonMesh mesh = shapes::from_lists(
-      {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {1, 0, 1}, {1, 1, 1}},
-      {{0, 1, 4, 3}, {1, 2, 5, 4}, {1, 4, 7, 6}});
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {1, 0, 1}, {1, 1, 1}},
+                         {{0, 1, 4, 3}, {1, 2, 5, 4}, {1, 4, 7, 6}});
   EXPECT_EQ(region_count(StageChain(mesh)), 3u);
 }
 

@@ -83,9 +83,9 @@ TEST(essential_vertices, a_vertex_inside_a_patch_goes) {
 }
 
 TEST(essential_vertices, the_ends_of_a_fin_inside_a_patch_stay) {
-  const StageChain chain(shapes::from_lists(
-      {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}, {1, 1, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}},
-      {{0, 1, 5, 4}, {1, 2, 5}, {2, 3, 4, 5}, {3, 0, 4}, {4, 5, 7, 6}}));
+  const StageChain chain(
+      shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}, {1, 1, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}},
+                         {{0, 1, 5, 4}, {1, 2, 5}, {2, 3, 4, 5}, {3, 0, 4}, {4, 5, 7, 6}}));
   EXPECT_EQ(chain.kept().size(), 8u);
 }
 
@@ -100,9 +100,9 @@ TEST(essential_vertices, what_touches_a_patch_inside_in_one_vertex_is_a_point_of
 
 TEST(essential_vertices, two_fans_pinched_at_a_vertex_keep_it) {
   // Two sheets with straight sides that touch in the middle of those sides.
-  const PolygonMesh mesh = shapes::from_lists(
-      {{0, 0, 0}, {-1, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {0, 1, -1}, {0, -1, 3}},
-      {{1, 0, 4}, {0, 3, 4}, {0, 2, 3}, {0, 5, 7}, {0, 7, 6}});
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {-1, 0, 0}, {1, 0, 0}, {1, 1, 0}, {-1, 1, 0}, {0, -1, 1}, {0, 1, -1}, {0, -1, 3}},
+                         {{1, 0, 4}, {0, 3, 4}, {0, 2, 3}, {0, 5, 7}, {0, 7, 6}});
   const StageChain chain(mesh);
   EXPECT_TRUE(chain.is_essential({0, 0, 0}));
 }
@@ -123,9 +123,10 @@ TEST(essential_vertices, a_round_boundary_without_a_corner_keeps_three_or_more) 
 
 TEST(essential_vertices, a_closed_boundary_within_the_tolerance_of_a_line_stays_whole) {
   // A hole 1 long and 1e-4 wide: its two sides are one chord within the tolerance.
-  const StageChain chain(shapes::polygon({{-1, -1}, {2, -1}, {2, 1}, {-1, 1}, {-1, -1}, {0, 0}, {0.5, 1e-4}, {1, 0},
-                                          {0.5, -1e-4}, {0, 0}}),
-                         1e-3);
+  const StageChain chain(
+      shapes::polygon(
+          {{-1, -1}, {2, -1}, {2, 1}, {-1, 1}, {-1, -1}, {0, 0}, {0.5, 1e-4}, {1, 0}, {0.5, -1e-4}, {0, 0}}),
+      1e-3);
   EXPECT_EQ(chain.kept().size(), 8u);
 }
 
@@ -140,10 +141,10 @@ TEST(essential_vertices, a_crack_thinner_than_the_tolerance_does_not_close) {
 
 TEST(essential_vertices, a_thin_patch_does_not_vanish) {
   // A sliver of another group between two sheets, 1e-5 wide, pointed at both ends.
-  const PolygonMesh mesh = with_groups(
-      shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {1, 1e-5, 0}, {1, -1e-5, 0}, {1, 2, 0}, {1, -2, 0}},
-                         {{0, 2, 4}, {2, 1, 4}, {3, 0, 5}, {1, 3, 5}, {0, 3, 2}, {3, 1, 2}}),
-      {0, 0, 1, 1, 2, 2});
+  const PolygonMesh mesh =
+      with_groups(shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {1, 1e-5, 0}, {1, -1e-5, 0}, {1, 2, 0}, {1, -2, 0}},
+                                     {{0, 2, 4}, {2, 1, 4}, {3, 0, 5}, {1, 3, 5}, {0, 3, 2}, {3, 1, 2}}),
+                  {0, 0, 1, 1, 2, 2});
   const StageChain chain(mesh, 1e-3);
   EXPECT_TRUE(chain.is_essential({1, 1e-5, 0}));
   EXPECT_TRUE(chain.is_essential({1, -1e-5, 0}));
@@ -151,8 +152,7 @@ TEST(essential_vertices, a_thin_patch_does_not_vanish) {
 
 TEST(essential_vertices, a_boundary_that_folds_back_keeps_its_vertices) {
   // Along x: 0, 2, 1, 3 within the tolerance of one line.
-  const StageChain chain(
-      shapes::polygon({{0, 0}, {2, 1e-5}, {1, 2e-5}, {3, 3e-5}, {3, 2}, {0, 2}}), 1e-3);
+  const StageChain chain(shapes::polygon({{0, 0}, {2, 1e-5}, {1, 2e-5}, {3, 3e-5}, {3, 2}, {0, 2}}), 1e-3);
   EXPECT_TRUE(chain.is_essential({2, 1e-5, 0}));
   EXPECT_TRUE(chain.is_essential({1, 2e-5, 0}));
 }

@@ -21,7 +21,8 @@ double distance_to_face(const PolygonMesh& mesh, FaceId f, const Vec3& p) {
   const auto loop = mesh.face(f);
   Vec3 normal;
   for (std::size_t i = 1; i + 1 < loop.size(); ++i)
-    normal += cross(mesh.positions[loop[i]] - mesh.positions[loop[0]], mesh.positions[loop[i + 1]] - mesh.positions[loop[0]]);
+    normal +=
+        cross(mesh.positions[loop[i]] - mesh.positions[loop[0]], mesh.positions[loop[i + 1]] - mesh.positions[loop[0]]);
   normal = normalized(normal);
   bool is_inside = true;
   double distance = HUGE_VAL;
@@ -41,7 +42,9 @@ void expect_nearest(const PolygonMesh& mesh) {
   for (std::uint32_t p = 0; p < chain.meshes.size(); ++p) {
     const PatchMesh& patch = chain.meshes[p];
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3, ++at) {
-      const auto corner = [&](std::uint32_t k) { return chain.surface.positions[patch.vertices[patch.mesh.from(h + k)]]; };
+      const auto corner = [&](std::uint32_t k) {
+        return chain.surface.positions[patch.vertices[patch.mesh.from(h + k)]];
+      };
       const Vec3 centroid = (1.0 / 3) * (corner(0) + corner(1) + corner(2));
       ASSERT_LT(at, source.size());
       double nearest = HUGE_VAL;

@@ -22,7 +22,8 @@ double hull_area(const std::vector<Vec2>& sorted) {
     std::vector<Vec2> chain;
     for (std::size_t i = 0; i < sorted.size(); ++i) {
       const Vec2 p = sorted[side > 0 ? i : sorted.size() - 1 - i];
-      while (chain.size() >= 2 && cross(chain.back() - chain[chain.size() - 2], p - chain.back()) <= 0) chain.pop_back();
+      while (chain.size() >= 2 && cross(chain.back() - chain[chain.size() - 2], p - chain.back()) <= 0)
+        chain.pop_back();
       chain.push_back(p);
     }
     ring.insert(ring.end(), chain.begin(), chain.end() - 1);
@@ -83,10 +84,10 @@ TEST(lexicographic_triangulation, every_subset_of_a_small_grid_is_triangulated) 
 }
 
 TEST(lexicographic_triangulation, families_of_hard_points_are_triangulated) {
-  for (const auto& points : {polygons::scattered(1, 3000), polygons::grid(40, 30), polygons::grid(60, 60, 0.3),
-                             polygons::turned_grid(30, 30, 0.3), polygons::cocircular(), polygons::parabola(300),
-                             polygons::on_lines(1, 4, 100, 3, 7), polygons::on_lines(2, 3, 100, 0, 1),
-                             polygons::clusters(1, 8, 60)})
+  for (const auto& points :
+       {polygons::scattered(1, 3000), polygons::grid(40, 30), polygons::grid(60, 60, 0.3),
+        polygons::turned_grid(30, 30, 0.3), polygons::cocircular(), polygons::parabola(300),
+        polygons::on_lines(1, 4, 100, 3, 7), polygons::on_lines(2, 3, 100, 0, 1), polygons::clusters(1, 8, 60)})
     expect_holds(points, sweep(points));
 }
 

@@ -47,8 +47,8 @@ void expect_holds(const Surface& surface) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       ++uses[loop[i].value];
       EXPECT_NE(loop[i], loop[(i + 1) % loop.size()]);
-      has_area = has_area || !is_collinear(surface.positions[loop[0]], surface.positions[loop[1]],
-                                           surface.positions[loop[i]]);
+      has_area =
+          has_area || !is_collinear(surface.positions[loop[0]], surface.positions[loop[1]], surface.positions[loop[i]]);
     }
     EXPECT_TRUE(has_area) << FaceId(f);
   }
@@ -168,9 +168,9 @@ TEST(mend_faces, a_chain_of_zero_area_triangles_leaves_a_closed_surface_closed) 
 }
 
 TEST(mend_faces, a_flat_polygon_without_area_is_dropped_as_a_triangle_is) {
-  const PolygonMesh mesh = shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {0, 0, 3}, {1, 0, 0}, {2, 0, 0}},
-                                              {{0, 2, 1}, {0, 4, 3}, {4, 5, 3}, {5, 1, 3}, {1, 2, 3}, {0, 3, 2},
-                                               {0, 1, 5, 4}});
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {0, 3, 0}, {0, 0, 3}, {1, 0, 0}, {2, 0, 0}},
+                         {{0, 2, 1}, {0, 4, 3}, {4, 5, 3}, {5, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 1, 5, 4}});
   std::vector<Diagnostic> diagnostics;
   const Surface surface = mended(mesh, 1e-6, diagnostics);
   EXPECT_EQ(count_of(diagnostics, DiagnosticCode::kZeroAreaFace), 1u);
@@ -188,8 +188,8 @@ TEST(mend_faces, only_zero_area_faces_are_an_empty_mesh) {
 }
 
 TEST(mend_faces, vertices_of_dropped_faces_go_with_them) {
-  const Surface surface =
-      mended(shapes::from_lists({{5, 5, 5}, {6, 6, 6}, {7, 7, 7}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {3, 4, 5}}));
+  const Surface surface = mended(
+      shapes::from_lists({{5, 5, 5}, {6, 6, 6}, {7, 7, 7}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {3, 4, 5}}));
   EXPECT_EQ(surface.vertex_count(), 3u);
   EXPECT_EQ(surface.vertex_source[VertexId(0)], VertexId(3));
   EXPECT_EQ(surface.face_source[FaceId(0)], FaceId(1));

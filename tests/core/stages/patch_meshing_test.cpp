@@ -41,20 +41,20 @@ void expect_holds(const StageChain& chain) {
 }
 
 TEST(patch_meshing, shapes_of_flat_faces_are_meshed) {
-  for (const PolygonMesh& mesh : {shapes::ring(4), shapes::box({1, 2, 3}, 4), shapes::cylinder(17, 1, 3),
-                                  shapes::l_bracket(3), shapes::plate_with_round_hole(24), shapes::slotted_plate(2),
-                                  shapes::three_pages(2), shapes::double_sheet(3),
-                                  shapes::flat({"#####", "#...#", "#.#.#", "#...#", "#####"}),
-                                  shapes::flat({"####", "#.##", "##.#", "####"}), shapes::flat({"###", "#.#", "##."})}) {
+  for (const PolygonMesh& mesh :
+       {shapes::ring(4), shapes::box({1, 2, 3}, 4), shapes::cylinder(17, 1, 3), shapes::l_bracket(3),
+        shapes::plate_with_round_hole(24), shapes::slotted_plate(2), shapes::three_pages(2), shapes::double_sheet(3),
+        shapes::flat({"#####", "#...#", "#.#.#", "#...#", "#####"}), shapes::flat({"####", "#.##", "##.#", "####"}),
+        shapes::flat({"###", "#.#", "##."})}) {
     const StageChain chain(mesh);
     expect_holds(chain);
   }
 }
 
 TEST(patch_meshing, a_slit_stays_an_edge) {
-  const StageChain chain(shapes::from_lists(
-      {{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}, {1, 1, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}},
-      {{0, 1, 5, 4}, {1, 2, 5}, {2, 3, 4, 5}, {3, 0, 4}, {4, 5, 7, 6}}));
+  const StageChain chain(
+      shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}, {1, 1, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}},
+                         {{0, 1, 5, 4}, {1, 2, 5}, {2, 3, 4, 5}, {3, 0, 4}, {4, 5, 7, 6}}));
   expect_holds(chain);
   const PatchMesh& sheet = chain.meshes[chain.patch_of(0).value];
   EXPECT_EQ(sheet.mesh.triangle_count(), 6u);
@@ -90,8 +90,8 @@ TEST(patch_meshing, coordinates_are_on_the_coarse_grid_unless_points_would_meet)
   const StageChain coarse(shapes::rotated(shapes::sheet(3, 2, 1, 1), {1, 2, 3}, 40));
   EXPECT_EQ(coarse.meshes[0].frame.grid, kPatchGrid);
   // Two corners 2^-44 apart: one point on the coarse grid.
-  const StageChain close(shapes::polygon({{0, 0}, {1, 0}, {1, 1}, {0.5, 1}, {0.5, 0.5}, {0.5 - 0x1p-44, 0.5}, {0.25, 1}, {0, 1}}),
-                         1e-15);
+  const StageChain close(
+      shapes::polygon({{0, 0}, {1, 0}, {1, 1}, {0.5, 1}, {0.5, 0.5}, {0.5 - 0x1p-44, 0.5}, {0.25, 1}, {0, 1}}), 1e-15);
   EXPECT_EQ(close.meshes[0].frame.grid, kFineGrid);
   expect_holds(close);
 }

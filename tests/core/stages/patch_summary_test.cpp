@@ -74,7 +74,7 @@ TEST(patch_summary, the_deviation_is_the_largest_distance_from_the_plane_and_bou
 TEST(patch_summary, a_patch_that_climbed_the_ladder_is_reduced_and_says_why) {
   StageChain chain(shapes::box({1, 1, 1}, 2));
   Ladder ladder(chain.surface);
-  ladder.step(chain.surface, chain.patches, chain.loops, chain.adjacency, {{PatchId(3), PatchReason::kOverlappingFaces}},
+  ladder.step(chain.patches, chain.loops, chain.adjacency, {{PatchId(3), PatchReason::kOverlappingFaces}},
               chain.regions);
   const PatchSummaries s = summarised(chain, ladder);
   EXPECT_EQ(s.patches[3].status, PatchStatus::kReduced);

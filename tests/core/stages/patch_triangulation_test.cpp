@@ -56,7 +56,8 @@ TEST(patch_triangulation, one_triangle_is_itself) {
 
 TEST(patch_triangulation, the_order_of_the_edges_does_not_matter) {
   Random random(1);
-  for (const auto& polygon : {polygons::sieve(4), polygons::rectilinear_with_holes(3, 20), polygons::star_with_holes(5, 300, 3)}) {
+  for (const auto& polygon :
+       {polygons::sieve(4), polygons::rectilinear_with_holes(3, 20), polygons::star_with_holes(5, 300, 3)}) {
     polygons::PatchInput input = polygons::patch_input(polygon);
     const auto expected = triangles_of(triangulated(input).mesh);
     for (int round = 0; round < 4; ++round) {

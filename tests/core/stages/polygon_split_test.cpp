@@ -74,8 +74,7 @@ TEST(polygon_split, random_simple_polygons_are_cut_into_n_minus_2_triangles_of_t
 }
 
 TEST(polygon_split, a_bridge_to_a_hole_is_no_crossing) {
-  const auto points =
-      lifted({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}});
+  const auto points = lifted({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}});
   const PolygonSplit result = split(points);
   EXPECT_EQ(result.kind, PolygonKind::kPlanar);
   EXPECT_EQ(result.triangles.size(), 8u);

@@ -43,7 +43,8 @@ TEST(make_frame, of_equally_long_edges_the_one_with_the_smallest_end_counts_wher
   std::set<Vec3> axes;
   for (int i = 0; i < 4; ++i) {
     std::rotate(loop.begin(), loop.begin() + 1, loop.end());
-    axes.insert(make_frame({0, 0, 1}, {2, 4, 0}, loop, edges_of(loop), ReferenceAxis::kDominantEdge, {}, kPatchGrid).x_axis);
+    axes.insert(
+        make_frame({0, 0, 1}, {2, 4, 0}, loop, edges_of(loop), ReferenceAxis::kDominantEdge, {}, kPatchGrid).x_axis);
   }
   EXPECT_EQ(axes.size(), 1u);
   expect_near(*axes.begin(), {0.6, -0.8, 0});  // from (2,4) to (5,0), the smaller of the two that begin there
@@ -100,8 +101,8 @@ TEST(make_frame, scaling_by_powers_of_two_changes_scale_and_origin_alone) {
     std::vector<Vec3> scaled;
     for (const Vec3& p : loop) scaled.push_back(factor * p);
     // The normal is the caller's: unit, so the same.
-    const Frame frame = make_frame(expected.normal, scaled[0], scaled, edges_of(scaled), ReferenceAxis::kDominantEdge,
-                                   {}, kPatchGrid);
+    const Frame frame =
+        make_frame(expected.normal, scaled[0], scaled, edges_of(scaled), ReferenceAxis::kDominantEdge, {}, kPatchGrid);
     EXPECT_EQ(frame.x_axis, expected.x_axis);
     EXPECT_EQ(frame.y_axis, expected.y_axis);
     EXPECT_EQ(frame.scale, factor * expected.scale);

@@ -35,8 +35,8 @@ std::vector<std::uint32_t> corner_numbers(const Surface& surface) {
 }
 
 TEST(weld, vertices_with_equal_coordinates_become_the_first_of_them) {
-  const PolygonMesh mesh = shapes::from_lists({{1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}},
-                                              {{1, 0, 2}, {3, 5, 4}});
+  const PolygonMesh mesh =
+      shapes::from_lists({{1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}}, {{1, 0, 2}, {3, 5, 4}});
   const Welded result = welded(mesh);
   EXPECT_EQ(result.surface.vertex_count(), 4u);
   EXPECT_EQ(corner_numbers(result.surface), (std::vector<std::uint32_t>{1, 0, 2, 0, 3, 2}));
@@ -47,8 +47,8 @@ TEST(weld, vertices_with_equal_coordinates_become_the_first_of_them) {
 }
 
 TEST(weld, minus_zero_equals_zero) {
-  const Welded result = welded(
-      shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, -0.0}, {1, 1, 0}}, {{0, 1, 2}, {3, 1, 4}}));
+  const Welded result =
+      welded(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, -0.0}, {1, 1, 0}}, {{0, 1, 2}, {3, 1, 4}}));
   EXPECT_EQ(result.surface.vertex_count(), 4u);
   EXPECT_EQ(result.surface.corners[3], result.surface.corners[0]);
 }
@@ -63,8 +63,8 @@ TEST(weld, neighbouring_doubles_stay_apart) {
 
 TEST(weld, vertices_that_no_face_uses_are_dropped_and_counted) {
   // The unused one at the origin must not become the source of the used one.
-  const Welded result = welded(
-      shapes::from_lists({{0, 0, 0}, {9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{2, 3, 4}}));
+  const Welded result =
+      welded(shapes::from_lists({{0, 0, 0}, {9, 9, 9}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{2, 3, 4}}));
   EXPECT_EQ(result.surface.vertex_count(), 3u);
   EXPECT_EQ(result.surface.vertex_source[VertexId(0)], VertexId(2));
   ASSERT_NE(result.find(DiagnosticCode::kUnusedVertex), nullptr);

@@ -1,0 +1,208 @@
+#include "core/geometry/self_intersections.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include "core/io/obj.h"
+#include "core/verify/exact.h"
+#include "tests/support/cgal_intersection.h"
+#include "tests/support/random.h"
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+namespace fs = std::filesystem;
+
+using Pairs = std::vector<std::pair<FaceId, FaceId>>;
+
+constexpr std::size_t kNoLimit = std::size_t{1} << 32;
+
+SelfIntersections find(const TriangleMesh& mesh, const std::vector<std::uint8_t>* moved = nullptr,
+                       std::size_t max_pairs = kNoLimit) {
+  RunControl control;
+  return self_intersections(mesh.positions.items(), mesh.faces.items(), moved, max_pairs, control);
+}
+
+/// Random triangles over the points of a grid of n^3, corners repeated now and then.
+TriangleMesh soup(std::uint64_t seed, int n, int faces) {
+  Random random(seed);
+  TriangleMesh mesh;
+  for (int i = 0; i < n * n * n; ++i) mesh.positions.push_back({1.0 * (i % n), 1.0 * (i / n % n), 1.0 * (i / n / n)});
+  for (int i = 0; i < faces; ++i) {
+    const VertexId a(random.below(n * n * n)), b(random.below(n * n * n));
+    mesh.faces.push_back({a, b, VertexId(random.below(n * n * n))});
+  }
+  return mesh;
+}
+
+/// Small triangles at whole places of [0, n)^3: many faces that meet few others.
+TriangleMesh crumbs(std::uint64_t seed, int n, int faces) {
+  Random random(seed);
+  TriangleMesh mesh;
+  for (int i = 0; i < faces; ++i) {
+    const Vec3 at{1.0 * random.below(n), 1.0 * random.below(n), 1.0 * random.below(n)};
+    Triangle face;
+    for (VertexId& v : face) v = mesh.positions.push_back(at + Vec3{random.unit(), random.unit(), random.unit()});
+    mesh.faces.push_back(face);
+  }
+  return mesh;
+}
+
+TEST(self_intersections, all_pairs_of_a_soup_are_those_of_the_oracle) {
+  for (int seed = 0; seed < 3; ++seed) {
+    const TriangleMesh mesh = soup(seed, 5, 120);
+    const CgalIntersection oracle(mesh.positions.items());
+    Pairs expected;
+    for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+      for (std::uint32_t g = f + 1; g < mesh.faces.size(); ++g)
+        if (oracle(mesh.faces[FaceId(f)], mesh.faces[FaceId(g)])) expected.emplace_back(FaceId(f), FaceId(g));
+    ASSERT_GT(expected.size(), 500);
+    const SelfIntersections found = find(mesh);
+    EXPECT_EQ(found.pairs, expected);
+    EXPECT_TRUE(found.is_complete);
+  }
+}
+
+TEST(self_intersections, of_marked_faces_all_pairs_are_found_and_no_others) {
+  const TriangleMesh mesh = crumbs(1, 10, 5000);
+  const Pairs all = find(mesh).pairs;
+  ASSERT_GT(all.size(), 100);
+  for (const double share : {0.0, 0.01, 0.5, 1.0}) {
+    Random random(2);
+    std::vector<std::uint8_t> moved(mesh.faces.size());
+    for (std::uint8_t& mark : moved) mark = random.chance(share);
+    Pairs expected;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(expected),
+                 [&](const auto& pair) { return moved[pair.first.value] || moved[pair.second.value]; });
+    EXPECT_EQ(find(mesh, &moved).pairs, expected);
+  }
+}
+
+TEST(self_intersections, past_the_limit_just_so_many_pairs_are_given) {
+  const TriangleMesh mesh = crumbs(3, 20, 50000);
+  const Pairs all = find(mesh).pairs;
+  ASSERT_GT(all.size(), 10000);
+  EXPECT_TRUE(find(mesh, nullptr, all.size()).is_complete);
+  for (const std::size_t limit : {std::size_t{0}, std::size_t{1}, std::size_t{100}, all.size() / 2, all.size() - 1}) {
+    const SelfIntersections some = find(mesh, nullptr, limit);
+    EXPECT_FALSE(some.is_complete);
+    EXPECT_EQ(some.pairs.size(), limit);
+    EXPECT_TRUE(std::includes(all.begin(), all.end(), some.pairs.begin(), some.pairs.end()));
+  }
+}
+
+TEST(self_intersections, any_number_of_threads_gives_the_same_pairs) {
+  const tbb::global_control more_threads_than_cores(tbb::global_control::max_allowed_parallelism, 8);
+  const TriangleMesh mesh = crumbs(4, 20, 50000);
+  for (const std::size_t limit : {kNoLimit, std::size_t{1000}}) {
+    const Pairs expected = tbb::task_arena(1).execute([&] { return find(mesh, nullptr, limit).pairs; });
+    ASSERT_GE(expected.size(), 1000);
+    for (const int threads : {2, 8})
+      EXPECT_EQ(tbb::task_arena(threads).execute([&] { return find(mesh, nullptr, limit).pairs; }), expected);
+  }
+}
+
+TEST(self_intersections, many_copies_of_one_face_do_not_take_quadratic_time_once_past_the_limit) {
+  TriangleMesh mesh;
+  for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) mesh.positions.push_back(p);
+  mesh.faces.assign(300'000, {VertexId(0), VertexId(1), VertexId(2)});  // 4.5e10 pairs
+  const SelfIntersections found = find(mesh, nullptr, 1000);
+  EXPECT_FALSE(found.is_complete);
+  EXPECT_EQ(found.pairs.size(), 1000);
+}
+
+TEST(self_intersections, coordinates_of_any_magnitude_give_the_same_pairs) {
+  const TriangleMesh mesh = soup(5, 5, 200);
+  const Pairs expected = find(mesh).pairs;
+  // From the smallest double to near the largest; 2^126 takes the coordinate 4 to 3.4e38.
+  for (const double factor : {0x1p-1074, 0x1p-1000, 0x1p126, 0x1p1021}) {
+    TriangleMesh scaled = mesh;
+    for (Vec3& p : scaled.positions) p = factor * p;
+    EXPECT_EQ(find(scaled).pairs, expected) << factor;
+  }
+}
+
+TEST(self_intersections, clean_surfaces_have_none) {
+  for (const PolygonMesh& mesh : {shapes::sphere(4), shapes::rotated(shapes::sheet(3, 2, 30, 20), {1, 2, 3}, 40),
+                                  shapes::box({1, 2, 3}, 7), shapes::three_pages(5), shapes::blocks({"##.", ".##"}, 3),
+                                  shapes::rotated(shapes::noisy_sheet(20, 1), {3, 1, 2}, 70)})
+    EXPECT_EQ(find(shapes::triangles(shapes::fan_triangulated(mesh))).pairs.size(), 0);
+}
+
+TEST(self_intersections, a_surface_without_faces_has_none) { EXPECT_TRUE(find(TriangleMesh()).pairs.empty()); }
+
+TEST(self_intersections, both_sheets_of_a_doubled_surface_are_found) {
+  // Every face lies on its copy, and no face meets another one but in what they share.
+  const TriangleMesh mesh = shapes::triangles(shapes::double_sheet(8));
+  EXPECT_EQ(find(mesh).pairs.size(), mesh.faces.size() / 2);
+}
+
+TEST(self_intersections, a_stop_is_obeyed) {
+  const TriangleMesh mesh = crumbs(6, 10, 1000);
+  RunControl control;
+  control.cancel();
+  EXPECT_THROW(self_intersections(mesh.positions.items(), mesh.faces.items(), nullptr, kNoLimit, control), Error);
+}
+
+/// Pairs of faces that have area: facts.tsv leaves those without it out of this column.
+std::size_t proper_pairs(const TriangleMesh& mesh) {
+  const auto has_area = [&](FaceId f) {
+    const auto& [a, b, c] = mesh.faces[f];
+    return !verification::is_collinear(mesh.positions[a], mesh.positions[b], mesh.positions[c]);
+  };
+  const Pairs pairs = find(mesh).pairs;
+  return static_cast<std::size_t>(std::count_if(
+      pairs.begin(), pairs.end(), [&](const auto& pair) { return has_area(pair.first) && has_area(pair.second); }));
+}
+
+TEST(self_intersections, counts_of_real_meshes_are_those_computed_by_other_means) {
+  const fs::path meshes = fs::path(REMESHD_SOURCE_DIR) / "../shared/meshes";
+  std::ifstream facts(meshes / "facts.tsv");
+  if (!facts) GTEST_SKIP() << "NOT TESTED: the collection of meshes is not at " << meshes;
+  std::vector<std::string> columns;
+  int compared = 0, intersecting = 0;
+  for (std::string line; std::getline(facts, line);) {
+    std::istringstream fields(line);
+    std::vector<std::string> values;
+    for (std::string value; std::getline(fields, value, '\t');) values.push_back(value);
+    if (columns.empty()) {
+      columns = values;
+      continue;
+    }
+    values.resize(columns.size());
+    const auto fact = [&](const char* column) {
+      return values[static_cast<std::size_t>(std::find(columns.begin(), columns.end(), column) - columns.begin())];
+    };
+    const fs::path file = meshes / fact("file");
+    if (file.extension() != ".obj" || fact("sides") != "3" || fact("intersecting_pairs").empty()) continue;
+    SCOPED_TRACE(file);
+    std::ostringstream text;
+    text << std::ifstream(file).rdbuf();
+    RunControl control;
+    PolygonMesh mesh;
+    try {
+      mesh = read_obj(text.str(), {}, control).mesh;
+    } catch (const Error&) {
+      continue;  // what cannot be read, and why, is the reader's matter
+    }
+    const auto expected = static_cast<std::size_t>(std::stoul(fact("intersecting_pairs")));
+    EXPECT_EQ(proper_pairs(shapes::triangles(shapes::welded(mesh))), expected);
+    ++compared;
+    intersecting += expected > 0;
+  }
+  EXPECT_GE(compared, 30);
+  EXPECT_GE(intersecting, 6);
+}
+
+}  // namespace
+}  // namespace remesh

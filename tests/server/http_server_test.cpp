@@ -1,0 +1,212 @@
+/// Routing and the writing of answers, over real connections.
+#include "server/http_server.h"
+
+#include <gtest/gtest.h>
+
+#include "server/log.h"
+#include "tests/server/raw_client.h"
+
+namespace remesh::server {
+namespace {
+
+Handler named(const std::string& name) {
+  return [name](const Call& call) {
+    Response response;
+    response.body = name + ":" + call.parameter + ":" + call.request.body;
+    return response;
+  };
+}
+
+Response with_forged_fields(const Call&) {
+  Response response;
+  response.content_type = "text/plain\r\nX-Forged: 1";
+  response.headers = {{"Content-Disposition", "a\r\nSet-Cookie: x=\x01y"}};
+  return response;
+}
+
+Response in_pieces(const Call& call) {
+  Response response;
+  response.content_type = "text/event-stream";
+  response.next_piece = [&connection = call.connection, left = 3]() mutable -> std::string {
+    connection.wait(nullptr, Clock::now() + std::chrono::milliseconds(1));
+    return left-- > 0 ? "piece " : "";
+  };
+  return response;
+}
+
+/// More than the buffers of a connection hold.
+Response large(const Call&) {
+  Response response;
+  response.body.assign(30'000'000, 'x');
+  return response;
+}
+
+class HttpServerTest : public ::testing::Test {
+ protected:
+  HttpServerTest() {
+    log::set_up(log::Format::kText, log::Level::kError);
+    server_.bind({"127.0.0.1", 0});
+    server_.start();
+  }
+  Answer request(const std::string& method, const std::string& target, const std::string& fields = "") {
+    return ask(server_.port(), method + " " + target + " HTTP/1.1\r\nHost: x\r\n" + fields + "\r\n");
+  }
+
+  HttpServer server_{{{"GET", "/", named("root")},
+                      {"POST", "/v1/remesh", named("remesh"), [] { return std::uint64_t{77}; }},
+                      {"GET", "/v1/requests/{id}", named("show")},
+                      {"DELETE", "/v1/requests/{id}", named("cancel")},
+                      {"GET", "/v1/requests/{id}/events", named("follow")},
+                      {"GET", "/a.b+c", named("signs")},
+                      {"GET", "/forged", with_forged_fields},
+                      {"GET", "/pieces", in_pieces},
+                      {"GET", "/large", large},
+                      {"GET", "/nothing", [](const Call&) { return Response(); }}},
+                     GateLimits{},
+                     10};
+};
+
+TEST_F(HttpServerTest, method_and_path_find_their_handler) {
+  EXPECT_EQ(request("GET", "/").body, "root::");
+  EXPECT_EQ(post(server_.port(), "/v1/remesh?a=b", "mesh").body, "remesh::mesh");
+  EXPECT_EQ(request("GET", "/v1/requests/abc").body, "show:abc:");
+  EXPECT_EQ(request("DELETE", "/v1/requests/abc").body, "cancel:abc:");
+  EXPECT_EQ(request("GET", "/v1/requests/abc/events").body, "follow:abc:");
+  EXPECT_EQ(request("GET", "/a.b+c").body, "signs::");
+  EXPECT_EQ(request("GET", "http://host/v1/requests/abc?x#y").body, "show:abc:");
+}
+
+TEST_F(HttpServerTest, a_parameter_comes_as_the_bytes_that_were_meant) {
+  EXPECT_EQ(request("GET", "/v1/requests/%61%25%3f+%20%23%c3%a4").body, "show:a%?+ #\xc3\xa4:");
+  EXPECT_EQ(request("GET", "/v1/requests/%25u0041%2541").body, "show:%u0041%41:");
+  EXPECT_EQ(request("GET", "/v1/requests/a%0d%0aX-Forged:%201").body, "show:a\r\nX-Forged: 1:");
+}
+
+TEST_F(HttpServerTest, other_paths_are_not_found) {
+  for (const char* path : {"/v1", "/v1/remesh/", "/v1/remeshx", "/v1/requests", "/v1/requests/", "/v1/requests//events",
+                           "//", "/v1/requests/a/b", "/v1/requests/a%2fb", "/axb+c", "/a.bbc"}) {
+    const Answer answer = request("GET", path);
+    EXPECT_EQ(answer.status, 404) << path;
+    EXPECT_EQ(answer.header("Content-Type"), "application/problem+json") << path;
+  }
+  for (const char* method : {"POST", "PUT", "PATCH", "DELETE", "OPTIONS"}) {
+    EXPECT_EQ(request(method, "/v1", "Content-Length: 0\r\n").status, 404) << method;
+  }
+  // Far longer than what the library's regular expressions could stand.
+  EXPECT_EQ(request("GET", "/v1/requests/" + std::string(30'000, 'a')).status, 404);
+}
+
+TEST_F(HttpServerTest, other_methods_are_told_what_is_allowed) {
+  EXPECT_EQ(request("GET", "/v1/remesh").status, 405);
+  EXPECT_EQ(request("GET", "/v1/remesh").header("Allow"), "POST, OPTIONS");
+  EXPECT_EQ(request("HEAD", "/v1/remesh").status, 405);
+  for (const char* method : {"POST", "PUT", "PATCH"}) {
+    const Answer answer = request(method, "/v1/requests/abc", "Content-Length: 0\r\n");
+    EXPECT_EQ(answer.status, 405) << method;
+    EXPECT_EQ(answer.header("Allow"), "GET, HEAD, DELETE, OPTIONS") << method;
+    EXPECT_EQ(answer.header("Content-Type"), "application/problem+json") << method;
+  }
+  for (const char* method : {"TRACE", "CONNECT", "PRI", "get", "BREW"}) {
+    EXPECT_EQ(request(method, "/").status, 501) << method;
+  }
+}
+
+TEST_F(HttpServerTest, options_has_no_body_and_says_what_is_allowed) {
+  const Answer answer = request("OPTIONS", "/v1/requests/abc");
+  EXPECT_EQ(answer.status, 204);
+  EXPECT_EQ(answer.header("Allow"), "GET, HEAD, DELETE, OPTIONS");
+  EXPECT_EQ(answer.header("Content-Length"), "");
+  EXPECT_EQ(answer.body, "");
+  EXPECT_EQ(request("OPTIONS", "*").header("Allow"), "OPTIONS");
+}
+
+TEST_F(HttpServerTest, head_answers_as_get_without_the_body) {
+  const Answer answer = request("HEAD", "/v1/requests/abc");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.header("Content-Length"), "9");
+  EXPECT_EQ(answer.header("Accept-Ranges"), "");
+  EXPECT_EQ(answer.body, "");
+  EXPECT_EQ(request("HEAD", "/pieces").body, "");
+  EXPECT_EQ(request("HEAD", "/v1").body, "");
+}
+
+TEST_F(HttpServerTest, only_a_route_that_says_so_takes_a_body) {
+  EXPECT_EQ(post(server_.port(), "/v1/remesh", std::string(77, 'x')).status, 200);
+  EXPECT_EQ(post(server_.port(), "/v1/remesh", std::string(78, 'x')).status, 413);
+  EXPECT_EQ(request("GET", "/", "Content-Length: 1\r\n").status, 413);
+  EXPECT_EQ(request("OPTIONS", "/", "Content-Length: 1\r\n").status, 413);
+  EXPECT_EQ(request("POST", "/v1", "Content-Length: 1\r\n").status, 404) << "without waiting for the body";
+}
+
+TEST_F(HttpServerTest, a_value_cannot_start_a_field_of_its_own) {
+  const Answer answer = request("GET", "/forged");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.header("Content-Disposition"), "a  Set-Cookie: x= y");
+  EXPECT_EQ(answer.header("Set-Cookie"), "");
+  EXPECT_EQ(answer.header("X-Forged"), "");
+  EXPECT_EQ(answer.header("Content-Type"), "text/plain  X-Forged: 1");
+  for (const char* id : {"a%0d%0ab", "abcdefgh-12345678\rX-Forged: 1"}) {
+    const Answer other = request("GET", "/", std::string("X-Request-Id: ") + id + "\r\n");
+    EXPECT_EQ(other.header("X-Request-Id").size(), 32u) << id;
+    EXPECT_EQ(other.header("X-Forged"), "") << id;
+  }
+}
+
+TEST_F(HttpServerTest, what_a_client_may_ask_of_the_library_is_not_heard) {
+  // Ranges, compression, another connection: the library knows them all.
+  const Answer answer = request("GET", "/v1/requests/abc",
+                                "Range: bytes=0-1\r\nAccept-Encoding: gzip, br\r\nConnection: keep-alive\r\n"
+                                "Expect: 100-continue\r\nREMOTE_ADDR: 1.2.3.4\r\n");
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.body, "show:abc:");
+  EXPECT_EQ(answer.header("Content-Encoding"), "");
+  EXPECT_EQ(answer.header("Connection"), "close");
+}
+
+TEST_F(HttpServerTest, a_form_is_a_body_like_any_other) {
+  for (const char* type : {"application/x-www-form-urlencoded", "multipart/form-data; boundary=x"}) {
+    const Answer answer = post(server_.port(), "/v1/remesh", "a=b&c", std::string("Content-Type: ") + type + "\r\n");
+    EXPECT_EQ(answer.body, "remesh::a=b&c") << type;
+  }
+}
+
+TEST_F(HttpServerTest, every_answer_has_the_common_fields_once) {
+  for (const Answer& answer : {request("GET", "/"), request("GET", "/v1"), request("OPTIONS", "/"),
+                               request("GET", "/pieces"), request("rub bish", "/"), request("GET", "/nothing")}) {
+    for (const std::string name : {"Date", "X-Request-Id", "X-Content-Type-Options", "Connection"}) {
+      EXPECT_FALSE(answer.header(name).empty()) << name << "\n" << answer.head;
+      const std::size_t first = answer.head.find("\r\n" + name + ": ");
+      EXPECT_EQ(answer.head.find("\r\n" + name + ": ", first + 1), std::string::npos) << answer.head;
+    }
+  }
+  EXPECT_EQ(request("GET", "/nothing").header("Content-Length"), "0");
+}
+
+TEST_F(HttpServerTest, a_body_in_pieces_ends_with_its_connection) {
+  const Answer answer = request("GET", "/pieces");
+  EXPECT_EQ(answer.body, "piece piece piece ");
+  EXPECT_EQ(answer.header("Content-Type"), "text/event-stream");
+  EXPECT_EQ(answer.header("Content-Length"), "");
+  EXPECT_EQ(answer.head.find("\r\nContent-Type"), answer.head.rfind("\r\nContent-Type"));
+}
+
+TEST_F(HttpServerTest, a_client_that_leaves_in_the_middle_leaves_nothing_behind) {
+  for (const char* begun : {"GET /large HTTP/1.1\r\nHost: x\r\n\r\n", "GET /pieces HTTP/1.1\r\nHost: x\r\n\r\n",
+                            "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 50\r\n\r\nx"}) {
+    RawClient client(server_.port());
+    client.send(begun);
+    ASSERT_TRUE(eventually([&] { return server_.active_requests() == 1 || begun[5] == 'p'; })) << begun;
+    client.close();
+    EXPECT_TRUE(eventually([&] { return server_.active_requests() == 0; })) << begun;
+    EXPECT_EQ(request("GET", "/").status, 200) << begun;
+  }
+  EXPECT_EQ(request("GET", "/large").body.size(), 30'000'000u);
+}
+
+TEST(HttpServerRoutes, a_method_that_cannot_be_routed_is_a_defect_that_shows_at_once) {
+  const auto make = [] { HttpServer server({{"BREW", "/", named("tea")}}, GateLimits{}, 1); };
+  EXPECT_THROW(make(), std::logic_error);
+}
+
+}  // namespace
+}  // namespace remesh::server
