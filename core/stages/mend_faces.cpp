@@ -1,6 +1,7 @@
 #include "core/stages/mend_faces.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 #include "core/base/union_find.h"
@@ -89,7 +90,7 @@ class Mending {
     if (are_collinear(loop_)) {
       zero_area_.add(source.value);
       for (std::size_t i = 1; i + 1 < loop_.size(); ++i)
-        emit(std::array{loop_[0], loop_[i], loop_[i + 1]}, source, label, true);
+        emit_triangle({loop_[0], loop_[i], loop_[i + 1]}, source, label, true);
       return;
     }
     if (loop_.size() == 3) {
@@ -107,9 +108,13 @@ class Mending {
     }
     for (const auto& [i, j, k] : split.triangles) {
       const std::array triangle{loop_[i], loop_[j], loop_[k]};
-      if (triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0]) continue;
-      emit(triangle, source, label, are_collinear(triangle));
+      emit_triangle(triangle, source, label, are_collinear(triangle));
     }
+  }
+
+  /// One with a repeated corner is left out: its edges cancel each other.
+  void emit_triangle(const std::array<VertexId, 3>& t, FaceId source, std::uint32_t label, bool is_degenerate) {
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) emit(t, source, label, is_degenerate);
   }
 
   /// Zero-area faces that share edges lie on one line. Each such cluster hands its vertices to the faces around it.
