@@ -168,6 +168,7 @@ void Handler::fail_value() const {
   switch (stack_.back()) {
     case Place::kRoot:
     case Place::kMesh:
+      if (key_ == Key::kOptions) fail(Code::kInvalidOption, "options must be an object");
       fail_shape(std::string(kKeyNames[static_cast<std::size_t>(key_)]) + " must be " + std::string(expected_of_key()));
     case Place::kVertices:
     case Place::kVertex:
@@ -185,9 +186,7 @@ void Handler::fail_value() const {
   fail_shape("an option must be a single value");
 }
 
-std::string_view Handler::expected_of_key() const {
-  return key_ == Key::kMesh || key_ == Key::kOptions ? "an object" : "an array";
-}
+std::string_view Handler::expected_of_key() const { return key_ == Key::kMesh ? "an object" : "an array"; }
 
 // A stop is obeyed and progress shown every few thousand events.
 void Handler::tick() {

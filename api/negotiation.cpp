@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "api/text.h"
@@ -61,8 +62,8 @@ std::string written_formats() {
   return names;
 }
 
-[[noreturn]] void fail_output(const std::string& asked) {
-  throw Error(Code::kNotAcceptable, Stage::kRead, asked + " cannot be written; what can be: " + written_formats());
+Error not_acceptable(const std::string& what) {
+  return Error(Code::kNotAcceptable, Stage::kRead, what + " can be written; what can be: " + written_formats());
 }
 
 }  // namespace
@@ -87,8 +88,8 @@ Format choose_input_format(std::optional<Format> named, std::string_view content
 
 Format choose_output_format(std::optional<Format> option, std::string_view accept, Format input) {
   if (option) {
-    if (!can_write(*option)) fail_output("the format " + std::string(format_name(*option)));
-    return *option;
+    if (can_write(*option)) return *option;
+    throw not_acceptable("the format " + std::string(format_name(*option)) + " is none that").for_option("format");
   }
   const std::vector<MediaRange> ranges = parse_accept(accept);
   // The input's format first, so that it wins among equals.
@@ -96,24 +97,22 @@ Format choose_output_format(std::optional<Format> option, std::string_view accep
   for (const Format format : kFormats) {
     if (format != input && can_write(format)) candidates.push_back(format);
   }
+  const MediaRange* anything = find_range(ranges, "*/*");
+  const double weight_of_others = ranges.empty() ? 1 : anything == nullptr ? 0 : anything->weight;
+
+  // By weight; among equals what is named goes before what "*/*" lets in. Nothing ranks above a weight of 0.
+  using Rank = std::pair<double, bool>;
   std::optional<Format> best;
-  double best_weight = 0;
+  Rank best_rank{0, true};
   for (const Format format : candidates) {
-    const double weight = weight_for(ranges, format).value_or(0);
-    if (weight > best_weight) {
-      best = format;
-      best_weight = weight;
-    }
+    const std::optional<double> weight = weight_for(ranges, format);
+    const Rank rank{weight.value_or(weight_of_others), weight.has_value()};
+    if (rank <= best_rank) continue;
+    best = format;
+    best_rank = rank;
   }
   if (best) return *best;
-
-  const MediaRange* anything = find_range(ranges, "*/*");
-  if (ranges.empty() || (anything != nullptr && anything->weight > 0)) {
-    for (const Format format : candidates) {
-      if (!weight_for(ranges, format)) return format;  // what has a weight here has it 0: refused
-    }
-  }
-  fail_output("none of " + shortened(accept, 200));
+  throw not_acceptable("nothing that Accept asks for (" + shortened(accept, 200) + ")");
 }
 
 }  // namespace remesh::api

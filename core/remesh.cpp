@@ -124,14 +124,20 @@ class Run {
         // The independent check of the promises.
         watch_.enter(Stage::kVerify);
         report_.verified = check();
-        if (report_.verified.all_true()) break;
+        if (report_.verified.all_true()) {
+          compare_with_input();
+          break;
+        }
         for (const PatchId p : report_.verified.failed_patches) failed.push_back({p, PatchReason::kVerificationFailed});
-        if (failed.empty()) throw Error(Code::kVerificationFailed, Stage::kVerify, first_failure());
+        // What is wrong with the whole is no single patch's: all of them take a step.
+        if (failed.empty())
+          for (std::size_t p = 0; p < patches_.count(); ++p)
+            failed.push_back({PatchId(p), PatchReason::kVerificationFailed});
       }
       // A patch that failed takes a step of the ladder, and the round begins again.
       watch_.enter(Stage::kPatches);
       const std::vector<FaceId> stuck = ladder.step(patches_, loops_, *adjacency_, failed, regions_);
-      if (!stuck.empty()) {
+      if (!stuck.empty() && stuck.size() == count_faces(failed)) {
         take_as_they_are(stuck);
         return false;
       }
@@ -139,6 +145,12 @@ class Run {
     summarise(ladder);
     for (std::size_t p = 0; p < meshes_.size(); ++p) report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
     return true;
+  }
+
+  std::size_t count_faces(const std::vector<FailedPatch>& failed) const {
+    std::size_t faces = 0;
+    for (const FailedPatch& f : failed) faces += patches_.faces_of(f.patch).size();
+    return faces;
   }
 
   /// Errors: kVerificationFailed - they have been taken so before.
@@ -251,6 +263,24 @@ class Run {
     return verify({surface_, patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
                    assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance},
                   control_);
+  }
+
+  /// What is verified is the mended surface. Its mending must not have joined what the input keeps apart: a polygon
+  /// that had to be split may have no diagonal that is not the edge of another face.
+  void compare_with_input() const {
+    const bool had_zero_area = std::any_of(report_.diagnostics.begin(), report_.diagnostics.end(),
+                                           [](const Diagnostic& d) { return d.code == DiagnosticCode::kZeroAreaFace; });
+    std::uint64_t non_manifold = 0;
+    bool is_closed = true;
+    for (std::uint32_t e = 0; e < adjacency_->edge_count(); ++e) {
+      const std::size_t faces = adjacency_->half_edges(EdgeId(e)).size();
+      non_manifold += faces > 2;
+      is_closed = is_closed && faces == 2;
+    }
+    // A zero-area face hands vertices to edges, and so may divide one with three faces.
+    if ((report_.input.closed && !is_closed) || (!had_zero_area && non_manifold > report_.input.non_manifold_edges))
+      throw Error(Code::kVerificationFailed, Stage::kVerify,
+                  "faces on the same vertices have no triangulations that keep them apart");
   }
 
   std::string first_failure() const {

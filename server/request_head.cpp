@@ -180,8 +180,8 @@ Framing framing(const RequestHead& head) {
     return {Framing::Kind::kChunked, 0};
   }
   if (lengths == 0) {
-    if (head.method == "POST" || head.method == "PUT" || head.method == "PATCH") {
-      throw HttpError(411, "length_required", "a request with a body needs Content-Length or chunked transfer coding");
+    if (head.method == "POST") {
+      throw HttpError(411, "length_required", "a POST needs Content-Length or chunked transfer coding");
     }
     return {};
   }

@@ -1,6 +1,7 @@
 #include "server/service.h"
 
 #include <chrono>
+#include <thread>
 #include <utility>
 
 namespace remesh::server {
@@ -8,6 +9,8 @@ namespace {
 
 constexpr std::size_t kOpsConnections = 32;
 constexpr std::chrono::milliseconds kProgressPeriod{250};
+/// How long a stop waits for the answers of those that it cancels.
+constexpr std::chrono::milliseconds kLastAnswers{1000};
 
 Response plain(int status, std::string text) {
   Response response;
@@ -39,6 +42,8 @@ std::shared_ptr<RunningRequest> find_or_404(const RequestRegistry& registry, con
   if (auto found = registry.find(id)) return found;
   throw HttpError(404, "not_found", "no running request has this id");
 }
+
+HttpError draining() { return HttpError(503, "draining", "this server is about to stop"); }
 
 }  // namespace
 
@@ -87,23 +92,32 @@ void Service::start() {
 
 void Service::stop() {
   begin_drain();
+  stopping_ = true;
   registry_.cancel_all();
+  const Clock::time_point deadline = Clock::now() + kLastAnswers;
+  while (!is_idle() && Clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   http_.stop();
   if (ops_) ops_->stop();
 }
 
 std::uint64_t Service::admit_work() const {
-  if (draining_) throw HttpError(503, "draining", "this server is about to stop");
+  if (draining_) throw draining();
   if (pool_.is_full()) throw overloaded();
   return config_.max_body;
 }
 
 Response Service::work(const Operation& operation, const Call& call) {
-  return wrap(run_in_pool(pool_, registry_, work_limits_, operation, call.request, call.connection));
+  if (stopping_) throw draining();  // its upload took longer than the others had
+  try {
+    return wrap(run_in_pool(pool_, registry_, work_limits_, operation, call.request, call.connection));
+  } catch (const Error& error) {
+    if (stopping_ && error.code == Code::kCancelled) throw draining();
+    throw;
+  }
 }
 
 Response Service::readiness() const {
-  if (draining_) throw HttpError(503, "draining", "this server is about to stop");
+  if (draining_) throw draining();
   return plain(200, "ready\n");
 }
 

@@ -39,7 +39,7 @@ class Service {
   void begin_drain() { draining_ = true; }
   /// True when no request is open any more.
   bool is_idle() const { return http_.active_requests() == 0; }
-  /// Cancels what still runs, closes everything and waits for it.
+  /// Cancels what still runs, which is answered with `draining`, closes everything and waits for it.
   void stop();
 
  private:
@@ -56,6 +56,7 @@ class Service {
   const Operations operations_;
   const WorkLimits work_limits_;
   std::atomic<bool> draining_{false};
+  std::atomic<bool> stopping_{false};
   RequestRegistry registry_;
   WorkerPool pool_;
   HttpServer http_;

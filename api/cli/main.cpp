@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <limits>
 #include <map>
@@ -68,6 +69,12 @@ std::string unknown_argument(const std::string& argument) {
          with_hyphens(api::nearest_option(with_underscores(name)).name);
 }
 
+std::string name_of_output(const std::string& path) { return path == "-" ? "standard output" : path; }
+
+bool has_unknown_ending(const std::string& path) {
+  return std::filesystem::path(path).has_extension() && !format_from_file_name(path);
+}
+
 /// Fills `arguments`. Errors: CLI::ParseError, also for --help and --version; UsageError.
 void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   arguments.workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
@@ -89,11 +96,14 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   app.allow_extras();
   app.parse(argc, argv);
   if (const auto extras = app.remaining(); !extras.empty()) throw UsageError(unknown_argument(extras.front()));
-  if (arguments.output == "-" && arguments.report == "-") {
-    throw UsageError("the mesh and the report cannot both go to standard output");
+  if (!arguments.report.empty() && arguments.output == arguments.report) {
+    throw UsageError("the mesh and the report cannot both go to " + name_of_output(arguments.output));
   }
   for (const api::OptionSpec& spec : api::option_table()) {
     if (flags[spec.name]->count() > 0) arguments.options.emplace_back(spec.name, values[spec.name]);
+  }
+  if (flags["format"]->count() == 0 && has_unknown_ending(arguments.output)) {
+    throw UsageError("the ending of " + arguments.output + " is no format's; --format says which it is");
   }
 }
 

@@ -9,8 +9,11 @@ namespace remesh {
 namespace {
 
 constexpr int kMaxDecimals = 15;
-/// A number counts as short if it has at most this many significant units.
+/// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;
+/// That all coordinates agree on a quantum proves more than that one is short: so many units of it may be in the
+/// largest.
+constexpr double kShortTogether = 0x1p45;
 
 /// A value as units * quantum, where quantum is a power of two over a power of five.
 struct Decimal {
@@ -68,7 +71,7 @@ double common_quantum(std::span<const Vec3> positions, int d, double largest) {
   const bool is_common = for_each_coordinate(positions, [&](double x) {
     const Decimal form = odd_part(x * five);
     quantum = std::min(quantum, form.quantum);
-    return largest * five / quantum < kShort;
+    return largest * five / quantum < kShortTogether;
   });
   return is_common && quantum < HUGE_VAL ? quantum / five : 0;
 }

@@ -41,6 +41,8 @@ inline int orient2d(Vec2 a, Vec2 b, Vec2 c) {
   const double error = kErrorBound * (std::fabs(left) + std::fabs(right));
   if (determinant > error) return 1;
   if (determinant < -error) return -1;
+  // Nothing underflows, so each product has a factor that is exactly 0: points on a line along an axis, mostly.
+  if (left == 0 && right == 0) return 0;
   return exact::orient2d(a, b, c);
 }
 

@@ -20,6 +20,7 @@ struct Use {
   Key key;
   bool is_inside;  ///< of its patch; boundary edges sort first
   PatchId patch;
+  std::uint32_t half_edge;  ///< in the patch, before any flip
 
   friend bool operator<(const Use& a, const Use& b) {
     return std::tie(a.key, a.is_inside, a.patch) < std::tie(b.key, b.is_inside, b.patch);
@@ -38,29 +39,24 @@ std::vector<Use> edge_uses(const std::vector<PatchMesh>& meshes, RunControl& con
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
       const std::uint32_t twin = mesh.twin(h);
       if (twin != Triangulation2d::kNone && twin < h) continue;
-      uses.push_back({key_of(vertices[mesh.from(h)], vertices[mesh.to(h)]), is_inside_edge(mesh, h), PatchId(p)});
+      uses.push_back({key_of(vertices[mesh.from(h)], vertices[mesh.to(h)]), is_inside_edge(mesh, h), PatchId(p), h});
     }
   }
   tbb::parallel_sort(uses.begin(), uses.end());
   return uses;
 }
 
-std::uint32_t find_half_edge(const PatchMesh& patch, const Key& key) {
-  for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
-    if (key_of(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]) == key) return h;
-  return Triangulation2d::kNone;
-}
-
 /// Flips the edge away and holds the new one, so that what follows is Delaunay around it.
-bool flip_away(PatchMesh& patch, const Key& key, const std::vector<Use>& uses, RunControl& control) {
-  const std::uint32_t h = find_half_edge(patch, key);
-  if (h == Triangulation2d::kNone || !is_inside_edge(patch.mesh, h)) return true;  // gone with an earlier flip
+bool flip_away(PatchMesh& patch, const Use& use, const std::vector<Use>& uses, RunControl& control) {
+  const std::uint32_t h = use.half_edge;
+  // Where an earlier flip has changed the edge, the next pass looks again.
+  if (key_of(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]) != use.key) return true;
   const std::uint32_t g = patch.mesh.twin(h);
   const std::uint32_t a = patch.mesh.from(h), b = patch.mesh.to(h), c = patch.mesh.apex(h), d = patch.mesh.apex(g);
   const auto& uv = patch.uv;
   if (orient2d(uv[d], uv[b], uv[c]) <= 0 || orient2d(uv[c], uv[a], uv[d]) <= 0) return false;
   const Key flipped = key_of(patch.vertices[c], patch.vertices[d]);
-  const auto found = std::lower_bound(uses.begin(), uses.end(), Use{flipped, false, PatchId(0)});
+  const auto found = std::lower_bound(uses.begin(), uses.end(), Use{flipped, false, PatchId(0), 0});
   if (found != uses.end() && found->key == flipped) return false;
   patch.mesh.flip(h);
   patch.mesh.constrain(h);
@@ -80,10 +76,11 @@ std::vector<PatchId> resolve_chords(std::vector<PatchMesh>& meshes, RunControl& 
     const std::vector<Use> uses = edge_uses(meshes, control);
     bool is_changed = false;
     for (std::size_t i = 1; i < uses.size(); ++i) {
+      if (i % 4096 == 0) control.check();
       // Two equal edges inside one patch do not occur, so an equal predecessor is another patch's or a boundary.
       if (!uses[i].is_inside || uses[i].key != uses[i - 1].key) continue;
       is_changed = true;
-      if (pass + 1 == kMostPasses || !flip_away(meshes[uses[i].patch.value], uses[i].key, uses, control))
+      if (pass + 1 == kMostPasses || !flip_away(meshes[uses[i].patch.value], uses[i], uses, control))
         failed.push_back(uses[i].patch);
     }
     if (!is_changed || !failed.empty()) break;

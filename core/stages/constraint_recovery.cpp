@@ -1,6 +1,7 @@
 #include "core/stages/constraint_recovery.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -215,14 +216,31 @@ class Recovery {
   std::size_t next_free_ = 0;
 };
 
+/// 0 .. n-1 in a random but fixed order (Fisher and Yates, with the splitmix64 generator). The result is the same in
+/// any order; the time is not: neighbours in a loop, one after the other, dig through the fans that the last one has
+/// left.
+std::vector<std::uint32_t> scattered(std::size_t n) {
+  std::vector<std::uint32_t> order(n);
+  std::iota(order.begin(), order.end(), 0u);
+  std::uint64_t state = 0;
+  for (std::size_t i = n; i > 1; --i) {
+    std::uint64_t z = state += 0x9e3779b97f4a7c15u;
+    z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
+    std::swap(order[i - 1], order[(z ^ (z >> 31)) % i]);
+  }
+  return order;
+}
+
 }  // namespace
 
 Outcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments, Triangulation2d& mesh,
                             RunControl& control) {
   Recovery recovery(points, mesh, control);
-  std::size_t done = 0;
-  for (const auto& [u, v] : segments) {
-    if (++done % 1024 == 0) control.check();
+  const std::vector<std::uint32_t> order = scattered(segments.size());
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    if (i % 256 == 0) control.check();
+    const auto& [u, v] = segments[order[i]];
     const Outcome outcome = recovery.insert(u, v);
     if (outcome != Outcome::kDone) return outcome;
   }

@@ -4,8 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
+#include "core/stages/polygon_split.h"
 #include "core/stages/projection.h"
 
 namespace remesh {
@@ -30,31 +32,35 @@ double distance_to_segment(Vec2 a, Vec2 b, Vec2 p) {
   return norm(p - (a + t * ab));
 }
 
-/// 0 inside a polygon (even-odd), else the distance to its rim.
-double distance_to_polygon(std::span<const Vec2> loop, Vec2 p) {
-  bool is_inside = false;
+/// 0 inside a triangle, of either orientation, else the distance to its rim.
+double distance_to_triangle(const std::array<Vec2, 3>& t, Vec2 p) {
+  int left = 0, right = 0;
   double distance = HUGE_VAL;
-  for (std::size_t i = 0; i < loop.size(); ++i) {
-    const Vec2 a = loop[i], b = loop[(i + 1) % loop.size()];
+  for (int i = 0; i < 3; ++i) {
+    const Vec2 a = t[i], b = t[(i + 1) % 3];
+    const double side = cross(b - a, p - a);
+    left += side >= 0;
+    right += side <= 0;
     distance = std::min(distance, distance_to_segment(a, b, p));
-    if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)) is_inside = !is_inside;
   }
-  return is_inside ? 0 : distance;
+  return left == 3 || right == 3 ? 0 : distance;
 }
 
-/// The faces of one patch in its plane, under a binary tree of boxes: node k has the children 2k + 1 and 2k + 2.
+/// The faces of one patch in its plane, as triangles under a binary tree of boxes: node k has the children 2k + 1 and
+/// 2k + 2.
 class PatchLocator {
  public:
-  PatchLocator(const Surface& surface, std::span<const FaceId> faces, const Frame& frame) {
-    begin_.push_back(0);
-    for (const FaceId f : faces) {
-      Box2 box;
-      for (const VertexId v : surface.face(f)) {
-        uv_.push_back(to_plane(frame, surface.positions[v]));
-        box.add(uv_.back());
+  PatchLocator(const Surface& surface, std::span<const FaceId> faces, const Frame& frame, RunControl& control) {
+    for (std::uint32_t i = 0; i < faces.size(); ++i) {
+      const auto loop = surface.face(faces[i]);
+      const auto uv = [&](std::uint32_t k) { return to_plane(frame, surface.positions[loop[k]]); };
+      if (loop.size() == 3) {
+        add({uv(0), uv(1), uv(2)}, i);
+        continue;
       }
-      begin_.push_back(static_cast<std::uint32_t>(uv_.size()));
-      items_.push_back({box, static_cast<std::uint32_t>(items_.size())});
+      std::vector<Vec3> points;
+      for (const VertexId v : loop) points.push_back(surface.local[v]);
+      for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles) add({uv(a), uv(b), uv(c)}, i);
     }
     std::size_t leaves = 1;
     while (leaves * kLeafSize < items_.size()) leaves *= 2;
@@ -83,7 +89,7 @@ class PatchLocator {
       for (std::size_t i = from; i < to; ++i) {
         if (items_[i].box.distance(p) > best) continue;
         const std::uint32_t f = items_[i].face;
-        const double d = distance_to_polygon(std::span(uv_).subspan(begin_[f], begin_[f + 1] - begin_[f]), p);
+        const double d = distance_to_triangle(items_[i].corners, p);
         if (d < best || (d == best && f < found)) {
           best = d;
           found = f;
@@ -98,8 +104,15 @@ class PatchLocator {
 
   struct Item {
     Box2 box;
+    std::array<Vec2, 3> corners;
     std::uint32_t face;
   };
+
+  void add(const std::array<Vec2, 3>& corners, std::uint32_t face) {
+    Item item{{}, corners, face};
+    for (const Vec2 p : corners) item.box.add(p);
+    items_.push_back(item);
+  }
 
   /// The items under a node: its share of all, by its place in its level.
   std::pair<std::size_t, std::size_t> range(std::size_t node) const {
@@ -134,8 +147,6 @@ class PatchLocator {
     }
   }
 
-  std::vector<Vec2> uv_;
-  std::vector<std::uint32_t> begin_;
   std::vector<Item> items_;
   std::vector<Box2> boxes_;
   std::size_t first_leaf_ = 0;
@@ -158,7 +169,7 @@ IdVector<FaceId, FaceId> face_source(const Surface& surface, const PatchSet& pat
                   source.begin() + static_cast<std::ptrdiff_t>(begin[p + 1]), surface.face_source[faces[0]]);
         continue;
       }
-      const PatchLocator locator(surface, faces, patch.frame);
+      const PatchLocator locator(surface, faces, patch.frame, control);
       for (std::uint32_t t = 0; t < patch.mesh.triangle_count(); ++t) {
         if (t % 4096 == 0) control.check();
         const auto uv = [&](std::uint32_t k) { return patch.uv[patch.mesh.from(3 * t + k)]; };

@@ -160,7 +160,9 @@ TEST_F(Cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "-o", "o.obj", "--refine", "true"}, "not_implemented: "},
       {{"square.obj", "-o", "o.obj", "--workers", "0"}, "--workers"},
       {{"square.obj", "other.obj", "-o", "o.obj"}, "unexpected argument other.obj"},
-      {{"square.obj", "-o", "-", "--report", "-"}, "standard output"}};
+      {{"square.obj", "-o", "-", "--report", "-"}, "standard output"},
+      {{"square.obj", "-o", "o.json", "--report", "o.json"}, "cannot both go to o.json"},
+      {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz is no format's"}};
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << message;

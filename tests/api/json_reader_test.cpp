@@ -225,7 +225,7 @@ TEST(JsonReader, options_inside_are_checked_as_any_others) {
   EXPECT_EQ(code(R"({"nonsense":{}})"), Code::kUnknownOption);
   EXPECT_EQ(code(R"({"repair":[["winding"]]})"), Code::kInvalidOption);
   EXPECT_EQ(code(R"({"repair":[true]})"), Code::kInvalidOption);
-  EXPECT_EQ(code("3"), Code::kInvalidMesh);
+  for (const char* no_object : {"3", "null", "[]", "\"refine\""}) EXPECT_EQ(code(no_object), Code::kInvalidOption);
 }
 
 TEST(JsonReader, an_options_document_alone_is_read) {

@@ -48,7 +48,13 @@ TEST(Negotiation, a_format_that_is_not_read_is_an_unsupported_media_type) {
 
 TEST(Negotiation, the_option_wins_over_accept) {
   EXPECT_EQ(choose_output_format(Format::kObj, "application/json", Format::kJson), Format::kObj);
-  EXPECT_THROW(choose_output_format(Format::kVtu, "model/obj", Format::kObj), Error);
+  try {
+    choose_output_format(Format::kVtu, "model/obj", Format::kObj);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, Code::kNotAcceptable);
+    EXPECT_EQ(error.option, "format");
+  }
 }
 
 TEST(Negotiation, anything_counts_as_absent) {
@@ -66,6 +72,12 @@ TEST(Negotiation, the_heaviest_of_the_named_is_taken) {
   EXPECT_EQ(output("application/json, model/obj", Format::kJson), Format::kJson);
   EXPECT_EQ(output("model/*", Format::kJson), Format::kObj);
   EXPECT_EQ(output("model/stl, application/json;q=0.1"), Format::kJson);
+}
+
+TEST(Negotiation, anything_outweighs_what_is_named_with_less) {
+  EXPECT_EQ(output("application/json;q=0.2, */*;q=0.9"), Format::kObj);
+  EXPECT_EQ(output("application/json;q=0.2, */*;q=0.9", Format::kJson), Format::kObj);
+  EXPECT_EQ(output("application/json;q=0.9, */*;q=0.9"), Format::kJson);
 }
 
 TEST(Negotiation, what_cannot_be_written_is_not_acceptable) {

@@ -106,6 +106,7 @@ TEST_F(HttpServerTest, other_methods_are_told_what_is_allowed) {
     EXPECT_EQ(answer.header("Allow"), "GET, HEAD, DELETE, OPTIONS") << method;
     EXPECT_EQ(answer.header("Content-Type"), "application/problem+json") << method;
   }
+  EXPECT_EQ(request("PUT", "/v1/remesh").status, 405) << "no length is no matter where the method is wrong";
   for (const char* method : {"TRACE", "CONNECT", "PRI", "get", "BREW"}) {
     EXPECT_EQ(request(method, "/").status, 501) << method;
   }
