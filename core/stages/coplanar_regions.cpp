@@ -4,8 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <initializer_list>
+#include <utility>
 
 #include "core/base/tolerance.h"
+#include "core/geometry/plane_fit.h"
 
 namespace remesh {
 namespace {
@@ -49,6 +52,7 @@ class Growth {
     Box3 box;
     for (const Vec3& p : surface.local) box.add(p);
     floor_ = kToleranceFloor * box.diagonal();
+    first_region_ = static_cast<std::uint32_t>(regions.planes.size());
   }
 
   void run() {
@@ -60,6 +64,7 @@ class Growth {
         if (!regions_.of_face[seeds[i]].is_valid() && (thin || !is_thin(seeds[i]))) grow_from(seeds[i]);
       }
     }
+    merge();
   }
 
  private:
@@ -132,6 +137,107 @@ class Growth {
     close(plane);
   }
 
+  /// What is known of a region while regions are merged; a region that has been taken in by another one is empty.
+  struct Piece {
+    std::vector<FaceId> faces;
+    PointMoments moments;
+    double height = 0;  ///< of its highest face: what its normal is worth
+    std::uint8_t failures = 0;
+  };
+
+  /// Joins neighbouring regions that have one plane after all. Growth begins with a plane as good as one face, and on a
+  /// thin frame that plane is wrong at the far end by many times the rounding; all corners together know better.
+  void merge() {
+    if (first_region_ == regions_.planes.size()) return;
+    std::vector<Piece> pieces(regions_.planes.size() - first_region_);
+    for (std::uint32_t i = 0; i < surface_.face_count(); ++i) {
+      if (i % 4096 == 0) control_.check();
+      const RegionId r = regions_.of_face[FaceId(i)];
+      if (r.value < first_region_ || (*rule_.rung)[FaceId(i)] == kSingleFace) continue;
+      Piece& piece = pieces[r.value - first_region_];
+      piece.faces.push_back(FaceId(i));
+      piece.height = std::max(piece.height, geometry_[FaceId(i)].height);
+      for (const VertexId v : surface_.face(FaceId(i))) piece.moments.add(surface_.local[v]);
+    }
+    // Each pass may make neighbours of regions that were not; few are needed.
+    constexpr int kMostPasses = 8;
+    bool is_changed = true;
+    for (int pass = 0; pass < kMostPasses && is_changed; ++pass) {
+      is_changed = false;
+      for (const auto& [a, b] : bordering_pieces(pieces)) is_changed = try_merge(pieces, a, b) || is_changed;
+    }
+  }
+
+  /// Pairs of new regions with an edge between them whose planes might be one, ascending: in the order of their seeds.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> bordering_pieces(const std::vector<Piece>& pieces) {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
+    for (std::uint32_t h = 0; h < surface_.corners.size(); ++h) {
+      if (h % 4096 == 0) control_.check();
+      const std::uint32_t twin = adjacency_.twin(h);
+      if (twin == Adjacency::kNone || twin < h) continue;
+      const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
+      const RegionId r = regions_.of_face[f], q = regions_.of_face[g];
+      if (r == q || std::min(r, q).value < first_region_ || (*rule_.zone)[f] != (*rule_.zone)[g]) continue;
+      const std::uint32_t a = std::min(r, q).value - first_region_, b = std::max(r, q).value - first_region_;
+      if (is_alike(pieces, a, b)) pairs.push_back({a, b});
+    }
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    return pairs;
+  }
+
+  /// Whether two regions' planes turn against each other by no more than what the tolerance explains.
+  bool is_alike(const std::vector<Piece>& pieces, std::uint32_t a, std::uint32_t b) const {
+    if (pieces[a].faces.empty() || pieces[b].faces.empty()) return false;
+    const double cosine =
+        dot(regions_.planes[RegionId(first_region_ + a)].normal, regions_.planes[RegionId(first_region_ + b)].normal);
+    const double height = std::min(pieces[a].height, pieces[b].height);
+    const double sine = 2 * kThin * tolerance(pieces[a].faces[0]) / std::max(height, 1e-300);
+    return cosine > 0 && 1 - cosine * cosine <= sine * sine;
+  }
+
+  bool try_merge(std::vector<Piece>& pieces, std::uint32_t a, std::uint32_t b) {
+    if (pieces[a].faces.empty() || pieces[b].faces.empty()) return false;
+    if (pieces[a].failures >= kMostTrials || pieces[b].failures >= kMostTrials) return false;
+    PointMoments moments = pieces[a].moments;
+    moments.merge(pieces[b].moments);
+    const PlaneFit fit = fit_plane(moments);
+    const double band = kBand * tolerance(pieces[a].faces[0]);
+    constexpr double kRounding = 1e-7;  // of moments, in local units
+    if (fit.rms > band + kRounding) return false;
+    Plane plane{moments.mean(), fit.normal};
+    if (dot(plane.normal, regions_.planes[RegionId(first_region_ + a)].normal) < 0) plane.normal = -plane.normal;
+    centre(plane, {&pieces[a].faces, &pieces[b].faces});
+    for (const auto* faces : {&pieces[a].faces, &pieces[b].faces})
+      for (const FaceId f : *faces)
+        if (!fits(f, plane, band)) {
+          ++pieces[a].failures;
+          ++pieces[b].failures;
+          return false;
+        }
+    regions_.planes[RegionId(first_region_ + a)] = plane;
+    for (const FaceId f : pieces[b].faces) regions_.of_face[f] = RegionId(first_region_ + a);
+    // The smaller list is moved to the larger one.
+    if (pieces[a].faces.size() < pieces[b].faces.size()) std::swap(pieces[a].faces, pieces[b].faces);
+    pieces[a].faces.insert(pieces[a].faces.end(), pieces[b].faces.begin(), pieces[b].faces.end());
+    pieces[a].moments = moments;
+    pieces[a].height = std::max(pieces[a].height, pieces[b].height);
+    pieces[b] = {};
+    return true;
+  }
+
+  /// Shifts a plane along its normal to the middle of the corners.
+  void centre(Plane& plane, std::initializer_list<const std::vector<FaceId>*> pieces) const {
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (const auto* faces : pieces)
+      for (const FaceId f : *faces)
+        for (const VertexId v : surface_.face(f)) {
+          low = std::min(low, plane.distance(surface_.local[v]));
+          high = std::max(high, plane.distance(surface_.local[v]));
+        }
+    plane.origin += (low + high) / 2 * plane.normal;
+  }
+
   /// A layer is tested against one plane, and the plane is fitted anew when the region has doubled: so the order within
   /// a layer does not matter.
   Plane grow_fitting(FaceId seed, Plane plane, double tol) {
@@ -192,6 +298,7 @@ class Growth {
   Regions& regions_;
   RunControl& control_;
   double floor_ = 0;
+  std::uint32_t first_region_ = 0;  // older ones are not touched
   std::uint32_t now_ = 0;
   std::vector<std::uint32_t> stamp_;
   std::vector<std::uint8_t> trials_;

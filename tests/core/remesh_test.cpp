@@ -98,6 +98,21 @@ Error error_of(const std::function<void()>& work) {
 /// A part with several kinds of patches: a plate with a hole on legs.
 PolygonMesh bracket() { return shapes::blocks({"####", "#..#", "####", "#..#"}, 3); }
 
+TEST(remesh_surface, a_thin_frame_turned_and_rounded_is_one_patch) {
+  // Its planes are a thousand wide and its faces ten: one face's plane is wrong at the far end by a hundred steps.
+  for (const double width : {3.0, 10.0, 100.0}) {
+    const double a = 500, b = 500 - width;
+    const PolygonMesh frame = shapes::from_lists(
+        {{-a, -a, 0}, {a, -a, 0}, {a, a, 0}, {-a, a, 0}, {-b, -b, 0}, {b, -b, 0}, {b, b, 0}, {-b, b, 0}},
+        {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}});
+    for (int turn = 1; turn <= 10; ++turn) {
+      const Result result = remeshed(shapes::rounded(shapes::rotated(frame, {1, 2, 3}, 33.0 * turn), 1e-6));
+      EXPECT_EQ(result.report.patches.size(), 1u) << width << " wide, turn " << turn;
+      EXPECT_EQ(result.mesh.faces.size(), 8u);
+    }
+  }
+}
+
 TEST(remesh_surface, the_listing_of_section_1_1_gives_eight_triangles) {
   for (const int cuts : {1, 4}) {
     const Result result = remeshed(shapes::ring(cuts));
