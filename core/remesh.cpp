@@ -190,6 +190,7 @@ class Run {
   }
 
   void find_edges() {
+    control_.check();
     adjacency_ = std::make_unique<Adjacency>(surface_.vertex_count(), surface_.face_begin, surface_.corners);
   }
 

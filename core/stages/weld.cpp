@@ -86,6 +86,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
     first_equal[sorted[k].index] = is_first ? sorted[k].index : first_equal[sorted[k - 1].index];
   }
 
+  control.check();
   Surface surface;
   std::vector<VertexId> welded(n);
   for (std::uint32_t i = 0; i < n; ++i) {
@@ -98,7 +99,9 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
       duplicate.add(i);
     }
   }
+  control.check();
   set_local_units(surface);
+  control.check();
 
   surface.face_begin = input.face_begin;
   surface.corners.reserve(input.corners.size());
