@@ -22,6 +22,13 @@ class Recovery {
     mesh_.index_points(points.size());
   }
 
+  /// Constrains the segment if it is an edge already; returns whether it is.
+  bool keep(std::uint32_t u, std::uint32_t v) {
+    const Start start = leave(u, v);
+    if (start.is_segment) mesh_.constrain(start.half_edge);
+    return start.is_segment;
+  }
+
   Outcome insert(std::uint32_t u, std::uint32_t v) {
     const Start start = leave(u, v);
     if (start.half_edge == kNone) return Outcome::kCrossingConstraints;
@@ -237,10 +244,16 @@ std::vector<std::uint32_t> scattered(std::size_t n) {
 Outcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments, Triangulation2d& mesh,
                             RunControl& control) {
   Recovery recovery(points, mesh, control);
-  const std::vector<std::uint32_t> order = scattered(segments.size());
+  // Most are there, and found fastest in the order of the loops.
+  std::vector<Segment> missing;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    if (i % 256 == 0) control.check();
+    if (!recovery.keep(segments[i][0], segments[i][1])) missing.push_back(segments[i]);
+  }
+  const std::vector<std::uint32_t> order = scattered(missing.size());
   for (std::size_t i = 0; i < order.size(); ++i) {
     if (i % 256 == 0) control.check();
-    const auto& [u, v] = segments[order[i]];
+    const auto& [u, v] = missing[order[i]];
     const Outcome outcome = recovery.insert(u, v);
     if (outcome != Outcome::kDone) return outcome;
   }
