@@ -244,11 +244,19 @@ std::vector<std::uint32_t> scattered(std::size_t n) {
 Outcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments, Triangulation2d& mesh,
                             RunControl& control) {
   Recovery recovery(points, mesh, control);
+  // A segment is looked for around the end that fewer segments meet at: around a hub of many, each would cost them all.
+  std::vector<std::uint32_t> met(points.size(), 0);
+  for (const auto& [u, v] : segments) {
+    ++met[u];
+    ++met[v];
+  }
   // Most are there, and found fastest in the order of the loops.
   std::vector<Segment> missing;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     if (i % 256 == 0) control.check();
-    if (!recovery.keep(segments[i][0], segments[i][1])) missing.push_back(segments[i]);
+    auto [u, v] = segments[i];
+    if (met[v] < met[u]) std::swap(u, v);
+    if (!recovery.keep(u, v)) missing.push_back({u, v});
   }
   const std::vector<std::uint32_t> order = scattered(missing.size());
   for (std::size_t i = 0; i < order.size(); ++i) {

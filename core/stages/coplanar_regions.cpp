@@ -93,14 +93,17 @@ class Growth {
   }
 
   bool fits(FaceId f, const Plane& plane, double tol) const {
+    // The normal first: it is one test, where a large polygon with many neighbours has many corners.
+    const FaceGeometry& g = geometry_[f];
+    if (!is_thin(f)) {
+      const double cosine = dot(g.normal, plane.normal);
+      // What the distance explains; the floor is per component of the normal.
+      const double sine = std::max(rule_.normal_tolerance, kThin * tol / g.height);
+      if (!(cosine > 0 && 1 - cosine * cosine <= 3 * sine * sine)) return false;
+    }
     for (const VertexId v : surface_.face(f))
       if (std::fabs(plane.distance(surface_.local[v])) > tol) return false;
-    const FaceGeometry& g = geometry_[f];
-    if (is_thin(f)) return true;
-    const double cosine = dot(g.normal, plane.normal);
-    // What the distance explains; the floor is per component of the normal.
-    const double sine = std::max(rule_.normal_tolerance, kThin * tol / g.height);
-    return cosine > 0 && 1 - cosine * cosine <= 3 * sine * sine;
+    return true;
   }
 
   template <class Accept>
@@ -326,7 +329,10 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency,
   const auto bend = [&](FaceId of, FaceId against) {
     const Plane plane{geometry[against].centre, geometry[against].normal};
     double most = 0;
-    for (const VertexId v : surface.face(of)) most = std::max(most, std::fabs(plane.distance(surface.local[v])));
+    for (const VertexId v : surface.face(of)) {
+      most = std::max(most, std::fabs(plane.distance(surface.local[v])));
+      if (most > tolerance) break;  // a bend of another kind, however large
+    }
     return most;
   };
   const auto is_noise = [&](double distance) { return distance > floor && distance <= tolerance; };
