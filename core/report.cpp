@@ -23,6 +23,18 @@ std::string_view reason_name(PatchReason reason) {
   return "";
 }
 
+std::string_view unrefined_name(UnrefinedReason reason) {
+  switch (reason) {
+    case UnrefinedReason::kInputAngle: return "input_angle";
+    case UnrefinedReason::kAcrossInputAngle: return "across_input_angle";
+    case UnrefinedReason::kSizeFloor: return "size_floor";
+    case UnrefinedReason::kMinEdgeLength: return "min_edge_length";
+    case UnrefinedReason::kBudget: return "budget";
+    case UnrefinedReason::kBoundaryLocked: return "boundary_locked";
+  }
+  return "";
+}
+
 std::string_view diagnostic_name(DiagnosticCode code) {
   switch (code) {
     case DiagnosticCode::kDuplicateVertex: return "duplicate_vertex";

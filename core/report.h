@@ -105,6 +105,31 @@ struct Diagnostic {
   }
 };
 
+/// Why a triangle does not meet the bounds that refinement aims at.
+enum class UnrefinedReason {
+  kInputAngle,        ///< it fills a corner of the input: both its edges there are of the patch's boundary
+  kAcrossInputAngle,  ///< its shortest edge joins two segments that meet under 60 degrees, as far from there on both
+  kSizeFloor,         ///< the point that would mend it is closer to another vertex than the floor allows
+  kMinEdgeLength,     ///< the same for the option's floor
+  kBudget,            ///< the result would have more faces than allowed
+  kBoundaryLocked,    ///< a boundary would have to be split that must not be
+};
+inline constexpr int kUnrefinedReasonCount = 6;
+
+/// Triangles that refinement has left below its bounds. `places` holds the centroids of the first 100.
+struct Unrefined {
+  static constexpr std::size_t kMaxPlaces = 100;
+
+  UnrefinedReason reason = UnrefinedReason::kInputAngle;
+  std::uint64_t count = 0;
+  std::vector<Vec3> places;
+
+  void add(const Vec3& place) {
+    ++count;
+    if (places.size() < kMaxPlaces) places.push_back(place);
+  }
+};
+
 /// What the independent checker found. `quality` is empty without refinement.
 struct Verdict {
   bool surface = false;
@@ -136,7 +161,9 @@ struct Report {
   std::vector<PatchSummary> patches;
   std::vector<Diagnostic> diagnostics;
   std::uint64_t predicted_faces = 0;
-  std::optional<double> smallest_gap;
+  std::optional<double> smallest_gap;  ///< to the nearest facet that is not a neighbour, model units; see gap_search.h
+  std::vector<Unrefined> unrefined;    ///< by reason, in the order of the enumeration; only those that occur
+  std::uint32_t refinement_rounds = 0;
   Verdict verified;
   std::vector<StageTime> timing_ms;
 };
@@ -145,5 +172,6 @@ std::string_view status_name(PatchStatus status);
 /// The stable name; empty for kNone.
 std::string_view reason_name(PatchReason reason);
 std::string_view diagnostic_name(DiagnosticCode code);
+std::string_view unrefined_name(UnrefinedReason reason);
 
 }  // namespace remesh

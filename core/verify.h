@@ -11,25 +11,37 @@
 #include "core/geometry/frame.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
+#include "core/refinement/goals.h"
 #include "core/report.h"
 
 namespace remesh {
+
+/// What refinement says it has reached.
+struct RefinementClaim {
+  Goals goals;
+  /// Output faces that do not meet the goals (an angle below the bound, an edge or area above it), ascending, and why.
+  std::span<const FaceId> unrefined;
+  std::span<const UnrefinedReason> reasons;  ///< one per entry of `unrefined`
+};
 
 /// What the pipeline says it has done.
 struct Claim {
   const Surface& surface;                          ///< what was remeshed
   const IdVector<FaceId, PatchId>& surface_patch;  ///< patch of each face of `surface`
   const IdVector<PatchId, Frame>& frames;
-  std::span<const Vec3> positions;      ///< output vertices
-  std::span<const Triangle> faces;      ///< output faces
-  std::span<const PatchId> face_patch;  ///< patch of each output face
-  std::span<const Vec2> corner_uv;      ///< stored plane coordinates, 3 per output face
-  double plane_tolerance = 0;           ///< model units
+  std::span<const Vec3> positions;              ///< output vertices
+  std::span<const Triangle> faces;              ///< output faces
+  std::span<const PatchId> face_patch;          ///< patch of each output face
+  std::span<const Vec2> corner_uv;              ///< stored plane coordinates, 3 per output face
+  double plane_tolerance = 0;                   ///< model units
+  const RefinementClaim* refinement = nullptr;  ///< null: nothing was refined, and there are no new vertices
 };
 
 /// Tests promises 1 to 3.
 /// Output:  a verdict; `failed_patches` names every patch on which a test failed.
-///  surface:    every output vertex is a surface vertex bit for bit; input and output lie within plane_tolerance of
+///  surface:    every output vertex is a surface vertex bit for bit - or, with refinement, a new one: inside one patch
+///              and as near to its plane as its input is, or on an edge between vertices that stay, to rounding; input
+///              and output lie within plane_tolerance of
 ///  each
 ///              other, both ways, patch by patch; every patch keeps its boundary loops (each output loop is the input
 ///              loop less vertices within tolerance of the chord that replaces them); Euler number, closedness, area
@@ -40,6 +52,12 @@ struct Claim {
 ///  delaunay:   the stored plane coordinates are the projections of the vertices; every edge inside a patch is locally
 ///              Delaunay in them by exact arithmetic - or the edge that would replace it exists elsewhere in the output
 ///              (the chord rule).
+///  quality:    (with refinement) the faces that do not meet the goals, measured on the output's doubles, are exactly
+///              the listed ones, and what is listed for an input angle is at one: kInputAngle - the smallest angle is
+///              at a surface vertex, between two boundary edges of the patch, and the other two meet the bound;
+///              kAcrossInputAngle - the ends of the shortest edge lie on two boundary chains (of the patch, between
+///              vertices that stay) that meet in a vertex, equally far from there to 1e-9, and nearer to each other
+///              than to it (an angle under 60 degrees). Edges that refinement made are at least min_edge_length long.
 /// Holds:   the same verdict for any number of threads.
 /// Cost:    O(n log n).
 Verdict verify(const Claim& claim, RunControl& control);

@@ -1,0 +1,34 @@
+#include "core/refinement/goals.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace remesh {
+
+Goals goals_of(const Options& options, double diagonal) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  constexpr double kDefaultDegrees = 25;
+  constexpr double kDefaultGradation = 1.5;
+  Goals goals;
+  goals.max_edge_length = kNone;
+  goals.max_area = kNone;
+  goals.max_faces = options.max_output_faces.value_or(std::numeric_limits<std::uint64_t>::max());
+  if (!options.refine) return goals;
+  goals.min_angle_deg = options.min_angle_deg.value_or(kDefaultDegrees);
+  if (options.max_radius_edge_ratio) {
+    const double sine = 1 / (2 * *options.max_radius_edge_ratio);
+    goals.min_angle_deg = std::min(Goals::kMostDegrees, std::asin(std::min(1.0, sine)) * 180 / std::numbers::pi);
+  }
+  goals.max_edge_length = options.max_edge_length.value_or(
+      options.max_edge_fraction ? *options.max_edge_fraction * diagonal : goals.max_edge_length);
+  goals.max_area = options.max_area.value_or(goals.max_area);
+  goals.min_edge_length = options.min_edge_length.value_or(0);
+  goals.proximity = options.proximity;
+  goals.gradation = options.gradation.value_or(options.proximity > 0 ? kDefaultGradation : 0);
+  goals.split_boundaries = options.split_boundaries;
+  return goals;
+}
+
+}  // namespace remesh

@@ -1,0 +1,29 @@
+/// What refinement aims at: the options, as numbers that are always there.
+#pragma once
+
+#include <cstdint>
+
+#include "core/options.h"
+
+namespace remesh {
+
+/// Model units and degrees. No bound is infinity (upper) or 0 (lower).
+struct Goals {
+  double min_angle_deg = 0;    ///< of every triangle, in space
+  double max_edge_length;      ///< infinity: none
+  double max_area;             ///< infinity: none
+  double min_edge_length = 0;  ///< refinement makes nothing shorter
+  double proximity = 0;        ///< edges are at most the gap over this; 0: off
+  double gradation = 0;        ///< largest growth of neighbouring edges, > 1; 0: not limited
+  std::uint64_t max_faces;     ///< of the whole result
+  bool split_boundaries = true;
+
+  /// The largest min_angle_deg of the contract.
+  static constexpr double kMostDegrees = 33;
+};
+
+/// The goals that options ask for, with the contract's defaults (25 degrees; gradation 1.5 with proximity).
+/// Input:  `diagonal` of the input's bounding box, for max_edge_fraction. Without `refine` there is no goal at all.
+Goals goals_of(const Options& options, double diagonal);
+
+}  // namespace remesh
