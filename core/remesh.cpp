@@ -26,6 +26,8 @@
 #include "core/stages/patch_meshing.h"
 #include "core/stages/patch_summary.h"
 #include "core/stages/patches.h"
+#include "core/stages/refinement.h"
+#include "core/stages/unrefined.h"
 #include "core/stages/weld.h"
 #include "core/verify.h"
 
@@ -119,8 +121,10 @@ class Run {
       if (failed.empty())
         for (const PatchId p : resolve_chords(meshes_, control_)) failed.push_back({p, PatchReason::kOverlappingFaces});
       if (failed.empty()) {
-        assembled_ = assembly(surface_.vertex_count(), meshes_, control_);
-        refuse_if_too_large();
+        // All patches together: angles, sizes, what is left of conflicts between them.
+        refine_patches(ladder);
+        watch_.enter(Stage::kAssembly);
+        assemble();
         // The independent check of the promises.
         watch_.enter(Stage::kVerify);
         report_.verified = check();
@@ -128,6 +132,7 @@ class Run {
           compare_with_input();
           break;
         }
+        if (freeze(report_.verified.failed_patches)) continue;
         for (const PatchId p : report_.verified.failed_patches) failed.push_back({p, PatchReason::kVerificationFailed});
         // What is wrong with the whole is no single patch's: all of them take a step.
         if (failed.empty())
@@ -135,6 +140,7 @@ class Run {
             failed.push_back({PatchId(p), PatchReason::kVerificationFailed});
       }
       // A patch that failed takes a step of the ladder, and the round begins again.
+      frozen_.clear();
       watch_.enter(Stage::kPatches);
       const std::vector<FaceId> stuck = ladder.step(patches_, loops_, *adjacency_, failed, regions_);
       if (!stuck.empty() && stuck.size() == count_faces(failed)) {
@@ -183,6 +189,8 @@ class Run {
     measure_input();
     watch_.enter(Stage::kWeld);
     choose_tolerance();
+    goals_ = goals_of(options_, report_.input.bounding_box.diagonal());
+    sizes_ = std::make_unique<SizeField>(goals_.max_edge_length);
     // Faces without a plane are split, faces without an area dropped; nothing opens.
     if (mend_faces(surface_, local_tolerance(), as_it_is_, report_.diagnostics, control_)) find_edges();
     geometry_ = face_geometry(surface_, control_);
@@ -245,6 +253,46 @@ class Run {
     return failed;
   }
 
+  bool is_refined() const {
+    return goals_.min_angle_deg > 0 || std::isfinite(goals_.max_edge_length) || std::isfinite(goals_.max_area) ||
+           goals_.proximity > 0;
+  }
+
+  void refine_patches(const Ladder& ladder) {
+    refinement_ = {};
+    if (!is_refined()) return;
+    watch_.enter(Stage::kRefinement);
+    frozen_.resize(patches_.count(), 0);
+    for (std::size_t p = 0; p < patches_.count(); ++p)
+      if (ladder.is_kept(patches_.faces_of(PatchId(p))[0])) frozen_[p] = 1;
+    refinement_ = refine(surface_, patches_, frozen_, goals_, *sizes_, meshes_, control_);
+    report_.refinement_rounds = refinement_.rounds;
+  }
+
+  /// Patches whose refinement failed the check stay as they were before it. Returns whether that is a change.
+  bool freeze(const std::vector<PatchId>& failed) {
+    if (!is_refined()) return false;
+    bool is_new = false;
+    for (const PatchId p : failed) {
+      is_new = is_new || frozen_[p.value] == 0;
+      frozen_[p.value] = 1;
+    }
+    return is_new;
+  }
+
+  void assemble() {
+    assembled_ = assembly(surface_.vertex_count() + refinement_.new_positions.size(), meshes_, control_);
+    refuse_if_too_large();
+    positions_.clear();
+    positions_.reserve(assembled_.vertex.size());
+    for (const VertexId v : assembled_.vertex)
+      positions_.push_back(v.value < surface_.vertex_count()
+                               ? surface_.positions[v]
+                               : refinement_.new_positions[v.value - surface_.vertex_count()]);
+    if (is_refined())
+      unrefined_ = find_unrefined(positions_.items(), assembled_.faces.items(), refinement_.reason, goals_, control_);
+  }
+
   void refuse_if_too_large() const {
     const std::uint64_t most = options_.max_output_faces.value_or(assembled_.faces.size());
     if (assembled_.faces.size() > most)
@@ -258,11 +306,10 @@ class Run {
     IdVector<PatchId, Frame> frames;
     frames.reserve(meshes_.size());
     for (const PatchMesh& mesh : meshes_) frames.push_back(mesh.frame);
-    positions_.clear();
-    positions_.reserve(assembled_.vertex.size());
-    for (const VertexId v : assembled_.vertex) positions_.push_back(surface_.positions[v]);
+    const RefinementClaim refined{goals_, unrefined_.faces, unrefined_.reasons};
     return verify({surface_, patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
-                   assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance},
+                   assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance,
+                   is_refined() ? &refined : nullptr},
                   control_);
   }
 
@@ -303,6 +350,7 @@ class Run {
     result.mesh.faces = std::move(assembled_.faces);
     result.face_patch = std::move(assembled_.face_patch);
     report_.output = measure_surface(result.mesh, control_);
+    report_.unrefined = summarise_unrefined(unrefined_, result.mesh.positions.items(), result.mesh.faces.items());
     // Where each output face came from: the input face under its centroid, and what that one is labelled.
     watch_.enter(Stage::kAssembly);
     const IdVector<FaceId, FaceId> source =
@@ -355,7 +403,12 @@ class Run {
   BoundaryLoops loops_;
   IdVector<VertexId, std::uint8_t> essential_;
   std::vector<PatchMesh> meshes_;
+  Goals goals_;
+  std::unique_ptr<SizeField> sizes_;
+  std::vector<std::uint8_t> frozen_;  ///< per patch: not refined
+  Refinement refinement_;
   Assembled assembled_;
+  UnrefinedFaces unrefined_;
   IdVector<VertexId, Vec3> positions_;
 };
 
@@ -407,15 +460,6 @@ void check_options(const Options& options) {
       (!is_finite(options.reference_direction) || options.reference_direction == Vec3{}))
     invalid("reference_axis", "must be a direction of finite numbers, not all 0");
 
-  if (options.refine) not_implemented("refine");
-  if (options.min_angle_deg) not_implemented("min_angle_deg");
-  if (options.max_radius_edge_ratio) not_implemented("max_radius_edge_ratio");
-  if (options.max_edge_length) not_implemented("max_edge_length");
-  if (options.max_edge_fraction) not_implemented("max_edge_fraction");
-  if (options.max_area) not_implemented("max_area");
-  if (options.min_edge_length) not_implemented("min_edge_length");
-  if (options.proximity > 0) not_implemented("proximity");
-  if (options.gradation) not_implemented("gradation");
   if (options.weld_tolerance > 0) not_implemented("weld_tolerance");
   if (options.repair != Repair{}) not_implemented("repair");
 }

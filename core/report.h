@@ -106,7 +106,7 @@ struct Diagnostic {
 };
 
 /// Why a triangle does not meet the bounds that refinement aims at.
-enum class UnrefinedReason {
+enum class UnrefinedReason : std::uint8_t {
   kInputAngle,        ///< it fills a corner of the input: both its edges there are of the patch's boundary
   kAcrossInputAngle,  ///< its shortest edge joins two segments that meet under 60 degrees, as far from there on both
   kSizeFloor,         ///< the point that would mend it is closer to another vertex than the floor allows

@@ -60,6 +60,7 @@ bool flip_away(PatchMesh& patch, const Use& use, const std::vector<Use>& uses, R
   if (found != uses.end() && found->key == flipped) return false;
   patch.mesh.flip(h);
   patch.mesh.constrain(h);
+  patch.held.push_back({c, d});
   std::vector<std::uint32_t> around{Triangulation2d::next(h), Triangulation2d::previous(h), Triangulation2d::next(g),
                                     Triangulation2d::previous(g)};
   delaunay_flips(patch.uv, patch.mesh, around, control);

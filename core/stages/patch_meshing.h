@@ -1,6 +1,8 @@
 /// One patch, from its loops to its triangles; all patches in parallel.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -17,11 +19,18 @@ namespace remesh {
 /// A triangulated patch. `reason` says why there is none.
 struct PatchMesh {
   Frame frame;                     ///< model units
-  std::vector<VertexId> vertices;  ///< in lexicographic order of their plane coordinates
+  std::vector<VertexId> vertices;  ///< in lexicographic order of their plane coordinates; refinement adds to the end
   std::vector<Vec2> uv;            ///< one per vertex
   Triangulation2d mesh;            ///< over `vertices`; boundary edges are constrained
+  std::vector<std::array<std::uint32_t, 2>> held;  ///< constrained for the chord rule alone: not of any loop
   std::uint32_t loops = 0;
   PatchReason reason = PatchReason::kNone;
+
+  bool is_held(std::uint32_t h) const {
+    const std::uint32_t a = mesh.from(h), b = mesh.to(h);
+    return std::any_of(held.begin(), held.end(),
+                       [&](const auto& e) { return (e[0] == a && e[1] == b) || (e[0] == b && e[1] == a); });
+  }
 };
 
 /// How patches are projected.

@@ -69,6 +69,10 @@ Vec2 to_plane(const Frame& frame, const Vec3& point) {
           round_to(dot(d, frame.y_axis) / frame.scale, frame.grid)};
 }
 
+Vec3 to_space(const Frame& frame, Vec2 uv) {
+  return frame.origin + (frame.scale * uv.x) * frame.x_axis + (frame.scale * uv.y) * frame.y_axis;
+}
+
 Vec3 newell_normal(std::span<const Vec3> loop) {
   Vec3 sum;
   for (std::size_t i = 1; i + 1 < loop.size(); ++i) sum += cross(loop[i] - loop[0], loop[i + 1] - loop[0]);

@@ -28,6 +28,9 @@ Frame make_frame(const Vec3& normal, const Vec3& origin, std::span<const Vec3> p
 /// Plane coordinates of a point, rounded to the frame's grid.
 Vec2 to_plane(const Frame& frame, const Vec3& point);
 
+/// The point of the frame's plane with these coordinates.
+Vec3 to_space(const Frame& frame, Vec2 uv);
+
 /// Newell's area vector of a closed polygon: its direction is the normal, its length twice the area.
 Vec3 newell_normal(std::span<const Vec3> loop);
 

@@ -1,0 +1,269 @@
+#include "core/refinement/delaunay_mesh.h"
+
+#include <algorithm>
+
+#include "core/geometry/predicates.h"
+
+namespace remesh {
+
+DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::vector<Vec2> points, std::span<const std::uint32_t> sides)
+    : points_(std::move(points)), edge_at_(points_.size(), kNone), live_triangles_(mesh.triangle_count()) {
+  const std::uint32_t n = mesh.half_edge_count();
+  corner_.resize(n);
+  twin_.resize(n);
+  for (std::uint32_t h = 0; h < n; ++h) {
+    corner_[h] = mesh.from(h);
+    twin_[h] = mesh.twin(h);
+    edge_at_[corner_[h]] = h;
+  }
+  half_edge_of_side_.assign(sides.begin(), sides.end());
+  for (std::uint32_t s = 0; s < sides.size(); ++s) twin_[sides[s]] = kConstraint | s;
+  // A constraint that is none any more may leave its edge not Delaunay.
+  for (std::uint32_t h = 0; h < n; ++h)
+    if (mesh.is_constrained(h) && !is_constrained(h)) stack_.push_back(h);
+  restore_delaunay();
+  changed_.clear();
+}
+
+DelaunayMesh::Location DelaunayMesh::locate(std::uint32_t triangle, Vec2 p) const {
+  const std::uint32_t t = 3 * triangle;
+  const Vec2 start = (1.0 / 3.0) * (points_[corner_[t]] + points_[corner_[t + 1]] + points_[corner_[t + 2]]);
+  // The side of the line from the start to p on which a vertex is: 1 left, -1 right.
+  const auto side_of_way = [&](std::uint32_t v) { return orient2d(start, p, points_[v]); };
+  const auto is_beyond = [&](std::uint32_t h) { return orient2d(points_[from(h)], points_[to(h)], p) < 0; };
+  std::uint32_t h = t;
+  for (std::uint32_t k = 0; k < 3; ++k)
+    if (is_beyond(t + k)) {
+      h = t + k;
+      // The way leaves between the edge's start, on its right, and the edge's end, on its left.
+      if (side_of_way(from(h)) <= 0 && side_of_way(to(h)) >= 0) break;
+    }
+  while (is_beyond(h)) {
+    if (is_constrained(h)) return {h, true};
+    const std::uint32_t g = twin_[h];
+    h = side_of_way(apex(g)) > 0 ? next(g) : previous(g);
+  }
+  return {h, false};
+}
+
+void DelaunayMesh::collect_cavity(Vec2 p, std::uint32_t triangle, std::uint32_t left_out) {
+  cavity_.assign(1, triangle);
+  rim_.clear();
+  stack_.clear();
+  // Counter-clockwise around the triangle, from `left_out` on (which is no part of the rim) or from its first edge.
+  const std::uint32_t first = left_out != kNone ? left_out : 3 * triangle;
+  stack_.push_back(previous(first));
+  stack_.push_back(next(first));
+  if (left_out == kNone) stack_.push_back(first);
+  while (!stack_.empty()) {
+    const std::uint32_t h = stack_.back();
+    stack_.pop_back();
+    const std::uint32_t outside = twin_[h];
+    if ((outside & kConstraint) == 0 &&
+        in_circle_perturbed(points_[to(h)], points_[from(h)], points_[apex(outside)], p) > 0) {
+      cavity_.push_back(outside / 3);
+      stack_.push_back(previous(outside));
+      stack_.push_back(next(outside));
+    } else {
+      rim_.push_back({from(h), to(h), outside});
+    }
+  }
+}
+
+bool DelaunayMesh::find_cavity(Vec2 p, std::uint32_t triangle) {
+  collect_cavity(p, triangle, kNone);
+  return std::all_of(rim_.begin(), rim_.end(),
+                     [&](const RimEdge& e) { return orient2d(points_[e.from], points_[e.to], p) > 0; });
+}
+
+std::uint32_t DelaunayMesh::new_vertex(Vec2 p) {
+  if (free_vertices_.empty()) {
+    points_.push_back(p);
+    edge_at_.push_back(kNone);
+    return vertex_slots() - 1;
+  }
+  const std::uint32_t v = free_vertices_.back();
+  free_vertices_.pop_back();
+  points_[v] = p;
+  return v;
+}
+
+std::uint32_t DelaunayMesh::new_triangle() {
+  ++live_triangles_;
+  if (free_triangles_.empty()) {
+    corner_.insert(corner_.end(), 3, kNone);
+    twin_.insert(twin_.end(), 3, kNone);
+    return triangle_slots() - 1;
+  }
+  const std::uint32_t t = free_triangles_.back();
+  free_triangles_.pop_back();
+  return t;
+}
+
+void DelaunayMesh::drop_triangle(std::uint32_t t) {
+  --live_triangles_;
+  corner_[3 * t] = corner_[3 * t + 1] = corner_[3 * t + 2] = kNone;
+  free_triangles_.push_back(t);
+}
+
+void DelaunayMesh::set_triangle(std::uint32_t t, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+  const std::uint32_t h = 3 * t;
+  corner_[h] = a;
+  corner_[h + 1] = b;
+  corner_[h + 2] = c;
+  edge_at_[a] = h;
+  edge_at_[b] = h + 1;
+  edge_at_[c] = h + 2;
+  changed_.push_back(t);
+}
+
+void DelaunayMesh::attach(std::uint32_t h, std::uint32_t outside) {
+  twin_[h] = outside;
+  if ((outside & kConstraint) != 0)
+    half_edge_of_side_[outside & ~kConstraint] = h;
+  else
+    twin_[outside] = h;
+}
+
+DelaunayMesh::Fan DelaunayMesh::make_fan(std::uint32_t v) {
+  changed_.clear();
+  Fan fan{kNone, kNone};
+  for (std::size_t i = 0; i < rim_.size(); ++i) {
+    const std::uint32_t t = i < cavity_.size() ? cavity_[i] : new_triangle();
+    set_triangle(t, rim_[i].from, rim_[i].to, v);
+    attach(3 * t, rim_[i].outside);
+    if (i == 0)
+      fan.first = 3 * t + 2;
+    else
+      join(fan.last, 3 * t + 2);
+    fan.last = 3 * t + 1;
+  }
+  return fan;
+}
+
+std::uint32_t DelaunayMesh::fill_cavity(Vec2 p) {
+  const std::uint32_t v = new_vertex(p);
+  const Fan fan = make_fan(v);
+  join(fan.first, fan.last);
+  return v;
+}
+
+std::uint32_t DelaunayMesh::cut(std::uint32_t side, Vec2 p, std::uint32_t vertex) {
+  const std::uint32_t h = half_edge_of_side_[side];
+  collect_cavity(p, h / 3, h);
+  const auto is_in_front = [&](const RimEdge& e) { return orient2d(points_[e.from], points_[e.to], p) > 0; };
+  if (!std::all_of(rim_.begin(), rim_.end(), is_in_front)) return kNone;
+  const std::uint32_t v = vertex != kNone ? vertex : new_vertex(p);
+  const Fan fan = make_fan(v);
+  // The rim runs from the edge's end round to its start.
+  const auto other = side_count();
+  half_edge_of_side_.push_back(fan.first);
+  twin_[fan.first] = kConstraint | other;
+  half_edge_of_side_[side] = fan.last;
+  twin_[fan.last] = kConstraint | side;
+  return v;
+}
+
+void DelaunayMesh::remove(std::uint32_t v) {
+  changed_.clear();
+  // The ring around v, counter-clockwise, as the half-edges opposite to it; its triangles go.
+  rim_.clear();
+  const std::uint32_t first = edge_at_[v];
+  std::uint32_t h = first;
+  do {
+    rim_.push_back({to(h), apex(h), twin_[next(h)]});
+    drop_triangle(h / 3);
+    h = twin_[previous(h)];
+  } while (h != first);
+  edge_at_[v] = kNone;
+  free_vertices_.push_back(v);
+
+  // Ears are cut off, in circles around the ring. It stays star-shaped around v: so it always has an ear, and a convex
+  // corner is one if v is not beyond its diagonal.
+  const Vec2 centre = points_[v];
+  std::vector<std::uint32_t>& following = ring_;
+  const auto n = static_cast<std::uint32_t>(rim_.size());
+  following.resize(n);
+  for (std::uint32_t i = 0; i < n; ++i) following[i] = (i + 1) % n;
+  stack_.clear();
+  std::uint32_t i = 0;
+  for (std::uint32_t left = n; left > 3;) {
+    // Edges i (a to b) and j (b to c): the ear is abc.
+    const std::uint32_t j = following[i];
+    const std::uint32_t a = rim_[i].from, b = rim_[i].to, c = rim_[j].to;
+    if (orient2d(points_[a], points_[b], points_[c]) > 0 && orient2d(points_[a], points_[c], centre) >= 0) {
+      const std::uint32_t t = new_triangle();
+      set_triangle(t, a, b, c);
+      attach(3 * t, rim_[i].outside);
+      attach(3 * t + 1, rim_[j].outside);
+      rim_[i] = {a, c, 3 * t + 2};
+      following[i] = following[j];
+      stack_.push_back(3 * t);
+      stack_.push_back(3 * t + 1);
+      stack_.push_back(3 * t + 2);
+      --left;
+    }
+    i = following[i];
+  }
+  const std::uint32_t j = following[i], k = following[j];
+  const std::uint32_t t = new_triangle();
+  set_triangle(t, rim_[i].from, rim_[j].from, rim_[k].from);
+  attach(3 * t, rim_[i].outside);
+  attach(3 * t + 1, rim_[j].outside);
+  attach(3 * t + 2, rim_[k].outside);
+  for (std::uint32_t e = 0; e < 3; ++e) stack_.push_back(3 * t + e);
+  restore_delaunay();
+}
+
+void DelaunayMesh::flip(std::uint32_t h) {
+  // h: a->b with apex c; g: b->a with apex d.
+  const std::uint32_t g = twin_[h];
+  const std::uint32_t a = from(h), b = to(h), c = apex(h), d = apex(g);
+  const std::uint32_t bc = twin_[next(h)], ca = twin_[previous(h)], ad = twin_[next(g)], db = twin_[previous(g)];
+  const std::uint32_t t = h / 3, u = g / 3;
+  set_triangle(t, c, a, d);
+  set_triangle(u, d, b, c);
+  attach(3 * t, ca);
+  attach(3 * t + 1, ad);
+  attach(3 * u, db);
+  attach(3 * u + 1, bc);
+  join(3 * t + 2, 3 * u + 2);
+  for (const std::uint32_t e : {3 * t, 3 * t + 1, 3 * u, 3 * u + 1}) stack_.push_back(e);
+}
+
+void DelaunayMesh::restore_delaunay() {
+  while (!stack_.empty()) {
+    const std::uint32_t h = stack_.back();
+    stack_.pop_back();
+    if (is_constrained(h)) continue;
+    if (in_circle_perturbed(points_[from(h)], points_[to(h)], points_[apex(h)], points_[apex(twin_[h])]) > 0) flip(h);
+  }
+}
+
+Triangulation2d DelaunayMesh::compact(std::vector<std::uint32_t>& vertex, std::vector<std::uint32_t>& triangle) const {
+  std::vector<std::uint32_t> new_vertex(points_.size(), kNone), new_triangle(triangle_slots(), kNone);
+  vertex.clear();
+  triangle.clear();
+  for (std::uint32_t t = 0; t < triangle_slots(); ++t) {
+    if (!is_live(t)) continue;
+    new_triangle[t] = static_cast<std::uint32_t>(triangle.size());
+    triangle.push_back(t);
+    for (std::uint32_t k = 0; k < 3; ++k) new_vertex[corner_[3 * t + k]] = 0;
+  }
+  for (std::uint32_t v = 0; v < points_.size(); ++v)
+    if (new_vertex[v] != kNone) {
+      new_vertex[v] = static_cast<std::uint32_t>(vertex.size());
+      vertex.push_back(v);
+    }
+  Triangulation2d mesh;
+  mesh.reserve(triangle.size());
+  for (const std::uint32_t t : triangle)
+    mesh.add_triangle(new_vertex[corner_[3 * t]], new_vertex[corner_[3 * t + 1]], new_vertex[corner_[3 * t + 2]]);
+  for (const std::uint32_t t : triangle)
+    for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
+      if (!is_constrained(h)) mesh.join(3 * new_triangle[t] + h % 3, 3 * new_triangle[twin_[h] / 3] + twin_[h] % 3);
+  for (const std::uint32_t h : half_edge_of_side_) mesh.constrain(3 * new_triangle[h / 3] + h % 3);
+  return mesh;
+}
+
+}  // namespace remesh

@@ -1,0 +1,89 @@
+#include "core/refinement/local_features.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace remesh {
+namespace {
+
+double distance_to_segment(Vec2 a, Vec2 b, Vec2 p) {
+  const Vec2 ab = b - a;
+  const double length_squared = dot(ab, ab);
+  const double t = length_squared > 0 ? std::clamp(dot(p - a, ab) / length_squared, 0.0, 1.0) : 0.0;
+  return norm(p - (a + t * ab));
+}
+
+/// The angle from ab to ac, counter-clockwise and at most a half turn: of a triangle's corner.
+double corner_angle(Vec2 a, Vec2 b, Vec2 c) { return std::atan2(std::fabs(cross(b - a, c - a)), dot(b - a, c - a)); }
+
+class FeatureSearch {
+ public:
+  explicit FeatureSearch(const PatchMesh& patch) : patch_(patch), seen_(patch.mesh.triangle_count(), Mesh::kNone) {}
+
+  /// Distance from the segment of h, over the triangles in front of it that come nearer than what was found.
+  double distance(std::uint32_t h) {
+    const Mesh& mesh = patch_.mesh;
+    const std::uint32_t a = mesh.from(h), b = mesh.to(h);
+    const Vec2 pa = patch_.uv[a], pb = patch_.uv[b];
+    double best = norm(pb - pa);
+    queue_.assign(1, h);
+    seen_[h / 3] = h;
+    for (std::size_t i = 0; i < queue_.size(); ++i) {
+      const std::uint32_t entry = queue_[i];
+      const std::uint32_t v = mesh.apex(entry);
+      if (v != a && v != b) best = std::min(best, distance_to_segment(pa, pb, patch_.uv[v]));
+      for (const std::uint32_t e : {Mesh::next(entry), Mesh::previous(entry)}) {
+        const std::uint32_t c = mesh.from(e), d = mesh.to(e);
+        const Vec2 pc = patch_.uv[c], pd = patch_.uv[d];
+        if (mesh.is_constrained(e)) {
+          if (c != a && c != b && d != a && d != b)
+            best = std::min({best, distance_to_segment(pc, pd, pa), distance_to_segment(pc, pd, pb)});
+          continue;
+        }
+        const std::uint32_t g = mesh.twin(e);
+        if (seen_[g / 3] == h || queue_.size() >= kMostTriangles) continue;
+        const double away = std::min({distance_to_segment(pa, pb, pc), distance_to_segment(pa, pb, pd),
+                                      distance_to_segment(pc, pd, pa), distance_to_segment(pc, pd, pb)});
+        if (away >= best) continue;
+        seen_[g / 3] = h;
+        queue_.push_back(g);
+      }
+    }
+    return best;
+  }
+
+ private:
+  using Mesh = Triangulation2d;
+  static constexpr std::size_t kMostTriangles = 256;
+
+  const PatchMesh& patch_;
+  std::vector<std::uint32_t> seen_;  ///< the half-edge whose search has entered a triangle last
+  std::vector<std::uint32_t> queue_;
+};
+
+}  // namespace
+
+std::vector<LocalFeature> local_features(const PatchMesh& patch, std::span<const std::uint32_t> sides,
+                                         RunControl& control) {
+  std::vector<LocalFeature> features;
+  features.reserve(sides.size());
+  FeatureSearch search(patch);
+  const Triangulation2d& mesh = patch.mesh;
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    if (i % 256 == 0) control.check();
+    const std::uint32_t h = sides[i];
+    // Around the start of h, from triangle to triangle, up to the next constrained edge.
+    std::uint32_t g = h;
+    double angle = 0;
+    while (true) {
+      angle += corner_angle(patch.uv[mesh.from(g)], patch.uv[mesh.to(g)], patch.uv[mesh.apex(g)]);
+      g = Triangulation2d::previous(g);
+      if (mesh.is_constrained(g)) break;
+      g = mesh.twin(g);
+    }
+    features.push_back({search.distance(h) * patch.frame.scale, g, angle});
+  }
+  return features;
+}
+
+}  // namespace remesh

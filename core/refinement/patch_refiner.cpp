@@ -1,0 +1,500 @@
+#include "core/refinement/patch_refiner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <tuple>
+
+#include "core/stages/projection.h"
+
+namespace remesh {
+namespace {
+
+/// Angles are measured in space in the end, on rounded coordinates: refinement aims this much higher.
+constexpr double kAngleMargin = 0.01;
+/// The off-centre's height, of the one at which the new triangle just meets the bound.
+constexpr double kOffCentre = 0.95;
+/// Edges that are to fill an area are aimed at this share of the largest that is allowed.
+constexpr double kTargetShare = 0.85;
+/// Edges may be longer than their size by rounding.
+constexpr double kSizeMargin = 1 + 1e-10;
+/// Two distances along segments are the same shell.
+constexpr double kSameShell = 1e-9;
+
+double squared_length(Vec2 a) { return dot(a, a); }
+
+std::vector<std::uint32_t> half_edges_of(const SegmentTable& segments, PatchId p) {
+  std::vector<std::uint32_t> half_edges;
+  for (const std::uint32_t i : segments.sides_of_patch(p)) half_edges.push_back(segments.all_sides()[i].half_edge);
+  return half_edges;
+}
+
+}  // namespace
+
+Criteria::Criteria(const Goals& goals, const SizeField& field)
+    : max_area(goals.max_area),
+      min_edge_length(goals.min_edge_length),
+      split_boundaries(goals.split_boundaries),
+      sizes(field) {
+  const double bound = goals.min_angle_deg > 0 ? (goals.min_angle_deg + kAngleMargin) * std::numbers::pi / 180 : 0;
+  // Without a bound, sizes alone may still not make slivers.
+  constexpr double kUsualBound = 20 * std::numbers::pi / 180;
+  const double shape = bound > 0 ? bound : kUsualBound;
+  tangent = std::tan(bound);
+  lens = std::cos(2 * shape) * std::cos(2 * shape);
+  off_centre = kOffCentre / (2 * std::tan(shape / 2));
+}
+
+PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria)
+    : patch_(patch),
+      segments_(segments),
+      criteria_(criteria),
+      corner_count_(static_cast<std::uint32_t>(patch.vertices.size())),
+      mesh_(patch.mesh, patch.uv, half_edges_of(segments, id)),
+      segment_(corner_count_),
+      value_(corner_count_, std::numeric_limits<double>::infinity()) {
+  for (const std::uint32_t i : segments.sides_of_patch(id)) {
+    const SegmentSide& side = segments.all_sides()[i];
+    const Segment& segment = segments[side.segment];
+    const std::uint32_t a = patch.mesh.from(side.half_edge), b = patch.mesh.to(side.half_edge);
+    const auto index = static_cast<std::uint32_t>(sides_.size());
+    // The sides of a segment stand together: two of one patch are those of a slit.
+    const bool is_second = !sides_.empty() && sides_.back().segment == side.segment;
+    if (is_second)
+      sides_.back().partner = index;
+    else
+      chains_.push_back({side.segment, {index}});
+    sides_.push_back({side.segment, 0, 1, static_cast<std::uint32_t>(chains_.size() - 1), is_second ? index - 1 : kNone,
+                      patch.vertices[a] == segment.from});
+    for (const auto& [corner, other] : {std::pair(a, b), std::pair(b, a)}) {
+      corner_segments_.push_back({corner, patch.vertices[other], side.segment});
+      value_[corner] = std::min(value_[corner], segment.floor);
+    }
+  }
+  const auto key = [](const CornerSegment& c) { return std::tuple(c.corner, c.other, c.segment); };
+  std::sort(corner_segments_.begin(), corner_segments_.end(),
+            [&](const CornerSegment& a, const CornerSegment& b) { return key(a) < key(b); });
+  // Vertices inside the patch: a floor by what is next to them.
+  for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+    const std::uint32_t a = patch.mesh.from(h), b = patch.mesh.to(h);
+    const double length = norm(patch.uv[b] - patch.uv[a]) * patch.frame.scale;
+    for (const std::uint32_t v : {a, b}) {
+      const auto at = std::lower_bound(corner_segments_.begin(), corner_segments_.end(), v,
+                                       [](const CornerSegment& c, std::uint32_t w) { return c.corner < w; });
+      if (at == corner_segments_.end() || at->corner != v)
+        value_[v] = std::max(criteria.min_edge_length, std::min(value_[v], length * 0x1p-6));
+    }
+  }
+  state_.assign(mesh_.triangle_slots(), State::kUnknown);
+  for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) classify(t);
+}
+
+bool PatchRefiner::has_work(const PatchMesh& patch, const Criteria& criteria) {
+  if (!patch.held.empty()) return true;
+  for (std::uint32_t t = 0; t < patch.mesh.triangle_count(); ++t) {
+    const Vec2 p[3] = {patch.uv[patch.mesh.from(3 * t)], patch.uv[patch.mesh.from(3 * t + 1)],
+                       patch.uv[patch.mesh.from(3 * t + 2)]};
+    double longest_squared = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec2 u = p[(k + 1) % 3] - p[k], v = p[(k + 2) % 3] - p[k];
+      longest_squared = std::max(longest_squared, squared_length(u));
+      if (cross(u, v) < criteria.tangent * dot(u, v)) return true;
+    }
+    const double scale = patch.frame.scale;
+    const double area = cross(p[1] - p[0], p[2] - p[0]) / 2;
+    if (area * scale * scale > criteria.max_area) return true;
+    if (!criteria.sizes.is_uniform()) return true;
+    if (std::sqrt(longest_squared) * scale > criteria.sizes.largest() * kSizeMargin) return true;
+  }
+  return false;
+}
+
+Vec3 PatchRefiner::to_space(Vec2 uv) const { return remesh::to_space(patch_.frame, uv); }
+
+Vec2 PatchRefiner::on_grid(Vec2 uv) const {
+  const double grid = patch_.frame.grid;
+  return {std::nearbyint(uv.x / grid) * grid, std::nearbyint(uv.y / grid) * grid};
+}
+
+// Triangles: what is wrong with them.
+
+PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
+  const std::uint32_t h = 3 * t;
+  const Vec2 a = mesh_.point(mesh_.from(h)), b = mesh_.point(mesh_.from(h + 1)), c = mesh_.point(mesh_.from(h + 2));
+  const double squared[3] = {squared_length(b - a), squared_length(c - b), squared_length(a - c)};
+  Shape shape;
+  std::uint32_t k = squared[1] < squared[0] ? 1 : 0;
+  if (squared[2] < squared[k]) k = 2;
+  shape.shortest = h + k;
+  shape.shortest_squared = squared[k];
+  shape.longest_squared = std::max({squared[0], squared[1], squared[2]});
+  shape.twice_area = cross(b - a, c - a);
+  // The smallest angle is opposite the shortest edge: the two others' product is 2 |u| |v| cos.
+  const double cosine = (squared[0] + squared[1] + squared[2] - 2 * squared[k]) / 2;
+  shape.is_sharp = shape.twice_area < criteria_.tangent * cosine;
+  shape.is_too_large = is_too_large(t, shape.longest_squared, shape.twice_area);
+  return shape;
+}
+
+bool PatchRefiner::is_too_large(std::uint32_t t, double longest_squared, double twice_area) const {
+  const double scale = patch_.frame.scale;
+  if (twice_area / 2 * scale * scale > criteria_.max_area) return true;
+  const double longest = std::sqrt(longest_squared) * scale;
+  if (longest > criteria_.sizes.largest() * kSizeMargin) return true;
+  if (criteria_.sizes.is_uniform()) return false;
+  const std::uint32_t h = 3 * t;
+  const Vec2 centre =
+      (1.0 / 3) * (mesh_.point(mesh_.from(h)) + mesh_.point(mesh_.from(h + 1)) + mesh_.point(mesh_.from(h + 2)));
+  return longest > criteria_.sizes.at(to_space(centre)) * kSizeMargin;
+}
+
+bool PatchRefiner::is_at_input_angle(std::uint32_t shortest) const {
+  const std::uint32_t left = DelaunayMesh::next(shortest), right = DelaunayMesh::previous(shortest);
+  if (!mesh_.is_constrained(left) || !mesh_.is_constrained(right)) return false;
+  if (mesh_.apex(shortest) >= corner_count_) return false;
+  // The two other angles meet the bound.
+  for (const std::uint32_t h : {shortest, left}) {
+    const Vec2 at = mesh_.point(mesh_.from(h));
+    const Vec2 u = mesh_.point(mesh_.to(h)) - at, v = mesh_.point(mesh_.apex(h)) - at;
+    if (cross(u, v) < criteria_.tangent * dot(u, v)) return false;
+  }
+  return true;
+}
+
+bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const {
+  if (is_free(a) || is_free(b)) return false;
+  const double chord = norm(mesh_.point(a) - mesh_.point(b)) * patch_.frame.scale;
+  const auto is_same_shell = [&](double from_a, double from_b) {
+    return std::fabs(from_a - from_b) <= kSameShell * from_a && chord < from_a * (1 - kSameShell);
+  };
+  const auto segments_at = [&](std::uint32_t corner) {
+    const auto less = [](const CornerSegment& c, std::uint32_t w) { return c.corner < w; };
+    const auto greater = [](std::uint32_t w, const CornerSegment& c) { return w < c.corner; };
+    return std::pair(std::lower_bound(corner_segments_.begin(), corner_segments_.end(), corner, less),
+                     std::upper_bound(corner_segments_.begin(), corner_segments_.end(), corner, greater));
+  };
+  // Distance from a cut vertex to that end of its segment.
+  const auto distance_to = [&](std::uint32_t v, int end) {
+    const double t = value_[v];
+    return (end == 0 ? t : 1 - t) * segments_[segment_[v]].length;
+  };
+  const bool a_is_cut = a >= corner_count_, b_is_cut = b >= corner_count_;
+  if (a_is_cut && b_is_cut) {
+    if (segment_[a] == segment_[b]) return false;
+    const Segment &s = segments_[segment_[a]], &u = segments_[segment_[b]];
+    for (int i = 0; i < 2; ++i)
+      for (int j = 0; j < 2; ++j)
+        if ((i == 0 ? s.from : s.to) == (j == 0 ? u.from : u.to) && is_same_shell(distance_to(a, i), distance_to(b, j)))
+          return true;
+    return false;
+  }
+  if (a_is_cut != b_is_cut) {
+    const std::uint32_t cut = a_is_cut ? a : b, corner = a_is_cut ? b : a;
+    const Segment& s = segments_[segment_[cut]];
+    const auto [first, last] = segments_at(corner);
+    for (int i = 0; i < 2; ++i) {
+      const VertexId end = i == 0 ? s.from : s.to;
+      const auto found =
+          std::lower_bound(first, last, end, [](const CornerSegment& c, VertexId v) { return c.other < v; });
+      if (found != last && found->other == end && found->segment != segment_[cut] &&
+          is_same_shell(distance_to(cut, i), segments_[found->segment].length))
+        return true;
+    }
+    return false;
+  }
+  // Two corners: a third one to which both have segments.
+  auto [first_a, last_a] = segments_at(a);
+  auto [first_b, last_b] = segments_at(b);
+  if (last_a - first_a > last_b - first_b) {
+    std::swap(first_a, first_b);
+    std::swap(last_a, last_b);
+  }
+  for (auto s = first_a; s != last_a; ++s) {
+    const auto found =
+        std::lower_bound(first_b, last_b, s->other, [](const CornerSegment& c, VertexId v) { return c.other < v; });
+    if (found != last_b && found->other == s->other &&
+        is_same_shell(segments_[s->segment].length, segments_[found->segment].length))
+      return true;
+  }
+  return false;
+}
+
+void PatchRefiner::classify(std::uint32_t t) {
+  if (!mesh_.is_live(t)) return;
+  state_[t] = State::kGood;
+  const Shape shape = shape_of(t);
+  if (!shape.is_sharp && !shape.is_too_large) return;
+  const std::uint32_t h = shape.shortest;
+  if (shape.is_sharp) {
+    if (is_at_input_angle(h))
+      state_[t] = State::kInputAngle;
+    else if (is_across_input_angle(mesh_.from(h), mesh_.to(h)))
+      state_[t] = State::kAcrossInputAngle;
+    if (state_[t] != State::kGood && !shape.is_too_large) return;
+  }
+  if (state_[t] == State::kGood) state_[t] = State::kUnknown;
+  push({h, mesh_.from(h), mesh_.to(h), mesh_.apex(h)}, shape.shortest_squared);
+}
+
+void PatchRefiner::classify_changed() {
+  state_.resize(mesh_.triangle_slots(), State::kUnknown);
+  for (const std::uint32_t t : mesh_.changed()) classify(t);
+}
+
+void PatchRefiner::push(const Task& task, double shortest_squared) {
+  int exponent = 0;
+  const double mantissa = std::frexp(shortest_squared, &exponent);
+  // Coordinates are within [-1, 1]: squares are below 2^4.
+  const auto bucket = static_cast<std::size_t>(std::max(0, 2 * (4 - exponent) + (mantissa < 0.70710678 ? 1 : 0)));
+  if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
+  buckets_[bucket].push_back(task);
+  ++waiting_;
+}
+
+bool PatchRefiner::pop(Task& task) {
+  while (!buckets_.empty() && buckets_.back().empty()) buckets_.pop_back();
+  if (buckets_.empty()) return false;
+  task = buckets_.back().back();
+  buckets_.back().pop_back();
+  --waiting_;
+  return true;
+}
+
+// Points: where they go, and what they meet there.
+
+Vec2 PatchRefiner::steiner_point(const Shape& shape) const {
+  const std::uint32_t h = shape.shortest;
+  const Vec2 a = mesh_.point(mesh_.from(h)), b = mesh_.point(mesh_.to(h)), c = mesh_.point(mesh_.apex(h));
+  const Vec2 base = b - a, side = c - a;
+  const double length = std::sqrt(shape.shortest_squared);
+  // Height of the circumcentre over the middle of the shortest edge.
+  double height = dot(side, side - base) / (2 * shape.twice_area) * length;
+  const double limit = criteria_.off_centre * length;
+  height = std::min(height, limit);
+  const Vec2 middle = a + 0.5 * base;
+  const Vec2 across{-base.y / length, base.x / length};
+  double size = std::min(criteria_.sizes.largest(), 1.5 * std::sqrt(criteria_.max_area));
+  if (!criteria_.sizes.is_uniform()) size = std::min(size, criteria_.sizes.at(to_space(middle + height * across)));
+  const double wanted = kTargetShare * size / patch_.frame.scale;
+  if (std::isfinite(wanted)) {
+    const double fitting = wanted * wanted - shape.shortest_squared / 4;
+    height = std::min(height, std::sqrt(std::max(fitting, 0.5 * shape.shortest_squared)));
+  }
+  return on_grid(middle + height * across);
+}
+
+bool PatchRefiner::is_encroached(Vec2 p, Vec2 a, Vec2 b) const {
+  const Vec2 u = a - p, v = b - p;
+  const double product = dot(u, v);
+  return product < 0 && product * product > criteria_.lens * squared_length(u) * squared_length(v);
+}
+
+PatchRefiner::Attempt PatchRefiner::insert(Vec2 p, std::uint32_t triangle, double floor, bool may_encroach) {
+  encroached_.clear();
+  const DelaunayMesh::Location at = mesh_.locate(triangle, p);
+  if (at.is_hidden) {
+    encroached_.push_back(mesh_.side(at.half_edge));
+    return Attempt::kEncroached;
+  }
+  const bool has_room = mesh_.find_cavity(p, at.half_edge / 3);
+  const double least = floor / patch_.frame.scale;
+  bool is_near = false;
+  for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
+    const Vec2 a = mesh_.point(e.from);
+    is_near = is_near || squared_length(a - p) < least * least;
+    if (DelaunayMesh::is_constrained(e) && is_encroached(p, a, mesh_.point(e.to)))
+      encroached_.push_back(DelaunayMesh::side(e));
+  }
+  if (!encroached_.empty() && !may_encroach) return Attempt::kEncroached;
+  if (is_near || !has_room) return Attempt::kTooNear;
+  set_vertex(mesh_.fill_cavity(p), SegmentId(), floor);
+  quota_ -= std::min<std::uint64_t>(quota_, 2);
+  classify_changed();
+  return Attempt::kDone;
+}
+
+void PatchRefiner::set_vertex(std::uint32_t v, SegmentId segment, double value) {
+  if (v == segment_.size()) {
+    segment_.emplace_back();
+    value_.push_back(0);
+  }
+  segment_[v] = segment;
+  value_[v] = value;
+}
+
+void PatchRefiner::clear_circle(std::uint32_t side) {
+  while (true) {
+    const std::uint32_t h = mesh_.half_edge_of_side(side);
+    const std::uint32_t v = mesh_.apex(h);
+    if (!is_free(v)) return;
+    const Vec2 p = mesh_.point(v);
+    if (!(dot(mesh_.point(mesh_.from(h)) - p, mesh_.point(mesh_.to(h)) - p) < 0)) return;
+    mesh_.remove(v);
+    classify_changed();
+  }
+}
+
+bool PatchRefiner::cut_side(std::uint32_t side) {
+  const Side s = sides_[side];
+  const std::optional<double> t = segments_.cut(s.segment, s.t0, s.t1);
+  if (!t || !cut_side_at(side, *t)) return false;
+  own_cuts_.push_back({s.segment, *t});
+  quota_ -= std::min(quota_, cost_of_cut(s.segment));
+  return true;
+}
+
+bool PatchRefiner::cut_side_at(std::uint32_t side, double t) {
+  const SegmentId segment = sides_[side].segment;
+  const std::uint32_t partner = sides_[side].partner;
+  const Vec2 p = to_plane(patch_.frame, segments_.position(segment, t));
+  const std::uint32_t v = cut_one(side, t, p, kNone);
+  if (v == kNone) return false;
+  const auto fresh = static_cast<std::uint32_t>(sides_.size() - 1);
+  chains_[sides_[side].chain].sides.push_back(fresh);
+  if (partner == kNone) return true;
+  // A slit: each side keeps the piece at its own start, so the pairs cross over.
+  if (cut_one(partner, t, p, v) == kNone) return false;
+  sides_[side].partner = fresh + 1;
+  sides_[fresh + 1].partner = side;
+  sides_[fresh].partner = partner;
+  sides_[partner].partner = fresh;
+  return true;
+}
+
+std::uint32_t PatchRefiner::cut_one(std::uint32_t side, double t, Vec2 p, std::uint32_t vertex) {
+  const SegmentId segment = sides_[side].segment;
+  clear_circle(side);
+  const std::uint32_t v = mesh_.cut(side, p, vertex);
+  if (v == kNone) {
+    impossible_ = segment;
+    return kNone;
+  }
+  set_vertex(v, segment, t);
+  Side& first = sides_[side];
+  Side second = first;
+  (first.is_forward ? first.t1 : first.t0) = t;
+  (first.is_forward ? second.t0 : second.t1) = t;
+  sides_.push_back(second);
+  classify_changed();
+  return v;
+}
+
+void PatchRefiner::take_over(SegmentId segment, std::span<const double> cuts) {
+  const auto chain = std::lower_bound(chains_.begin(), chains_.end(), segment,
+                                      [](const Chain& c, SegmentId s) { return c.segment < s; });
+  std::vector<std::uint32_t> pieces = chain->sides;
+  std::sort(pieces.begin(), pieces.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return sides_[a].t0 < sides_[b].t0; });
+  // Piece by piece, the cuts inside it, ascending.
+  std::size_t i = 0;
+  for (std::uint32_t piece : pieces) {
+    const double end = sides_[piece].t1;
+    while (i < cuts.size() && cuts[i] <= sides_[piece].t0) ++i;
+    for (; i < cuts.size() && cuts[i] < end; ++i) {
+      const auto fresh = static_cast<std::uint32_t>(sides_.size());
+      if (!cut_side_at(piece, cuts[i])) return;
+      // What is left of the piece is in front of the cut.
+      if (sides_[piece].t0 != cuts[i]) piece = fresh;
+    }
+  }
+}
+
+bool PatchRefiner::split_edge(VertexId, VertexId) { return false; }
+
+PatchRefiner::State PatchRefiner::refusal(double floor) const {
+  if (!criteria_.split_boundaries && !encroached_.empty()) return State::kLocked;
+  return floor <= criteria_.min_edge_length ? State::kMinEdge : State::kSizeFloor;
+}
+
+/// What is too large must be split, wherever there is room: at its circumcentre, at last in the middle of its longest
+/// edge.
+bool PatchRefiner::split_too_large(std::uint32_t t) {
+  std::uint32_t longest = 3 * t;
+  const auto length = [&](std::uint32_t h) {
+    return squared_length(mesh_.point(mesh_.to(h)) - mesh_.point(mesh_.from(h)));
+  };
+  for (const std::uint32_t h : {3 * t + 1, 3 * t + 2})
+    if (length(h) > length(longest)) longest = h;
+  const Vec2 a = mesh_.point(mesh_.from(longest)), b = mesh_.point(mesh_.to(longest)),
+             c = mesh_.point(mesh_.apex(longest));
+  const Vec2 base = b - a, side = c - a;
+  const double along = dot(side, side - base) / (2 * cross(base, side));
+  const Vec2 circumcentre = a + 0.5 * base + along * Vec2{-base.y, base.x};
+  const double floor = criteria_.min_edge_length;
+  if (std::isfinite(along) && insert(on_grid(circumcentre), t, floor, false) == Attempt::kDone) return true;
+  if (mesh_.is_constrained(longest)) return insert(on_grid((1.0 / 3) * (a + b + c)), t, floor, true) == Attempt::kDone;
+  return insert(on_grid(a + 0.5 * base), t, floor, true) == Attempt::kDone;
+}
+
+void PatchRefiner::treat(const Task& task) {
+  const std::uint32_t h = task.half_edge;
+  if (mesh_.from(h) != task.a || mesh_.to(h) != task.b || mesh_.apex(h) != task.c) return;
+  const std::uint32_t t = h / 3;
+  const Shape shape = shape_of(t);
+  const bool is_for_angle = shape.is_sharp && state_[t] == State::kUnknown;
+  const double floor = std::min(floor_of(task.a), floor_of(task.b));
+  const Vec2 p = steiner_point(shape);
+  encroached_.clear();
+  const Attempt attempt = std::isfinite(p.x) && std::isfinite(p.y) ? insert(p, t, floor, false) : Attempt::kTooNear;
+  if (attempt == Attempt::kDone) return;
+  State why = refusal(floor);
+  if (attempt == Attempt::kEncroached && is_for_angle) {
+    bool is_cut = false;
+    const std::vector<std::uint32_t> sides = encroached_;
+    for (const std::uint32_t side : sides) {
+      is_cut = cut_side(side) || is_cut;
+      if (impossible_.is_valid()) return;
+    }
+    if (is_cut) {
+      // The triangle may have been spared.
+      if (mesh_.from(h) == task.a && mesh_.to(h) == task.b && mesh_.apex(h) == task.c)
+        push(task, shape.shortest_squared);
+      return;
+    }
+    if (std::any_of(sides.begin(), sides.end(), [&](auto s) { return segments_[sides_[s].segment].is_locked; }))
+      why = State::kLocked;
+    else
+      why =
+          segments_[sides_[sides[0]].segment].floor <= criteria_.min_edge_length ? State::kMinEdge : State::kSizeFloor;
+  }
+  if (shape.is_too_large && split_too_large(t)) return;
+  if (is_for_angle || shape.is_too_large) state_[t] = state_[t] == State::kUnknown ? why : state_[t];
+}
+
+void PatchRefiner::run(std::uint64_t quota, RunControl& control) {
+  quota_ = quota;
+  Task task;
+  std::uint32_t steps = 0;
+  while (quota_ > 0 && !impossible_.is_valid() && pop(task)) {
+    if (++steps % 1024 == 0) control.check();
+    treat(task);
+  }
+}
+
+PatchRefiner::Refined PatchRefiner::finish() const {
+  Refined result;
+  std::vector<std::uint32_t> vertex, triangle;
+  result.patch.frame = patch_.frame;
+  result.patch.loops = patch_.loops;
+  result.patch.mesh = mesh_.compact(vertex, triangle);
+  for (const std::uint32_t v : vertex) {
+    result.patch.uv.push_back(mesh_.point(v));
+    result.patch.vertices.push_back(v < corner_count_ ? patch_.vertices[v] : VertexId());
+    result.cuts.push_back(segment_[v].is_valid() ? Cut{segment_[v], value_[v]} : Cut{SegmentId(), 0});
+  }
+  for (const std::uint32_t t : triangle) {
+    switch (state_[t]) {
+      case State::kInputAngle: result.reason.push_back(UnrefinedReason::kInputAngle); break;
+      case State::kAcrossInputAngle: result.reason.push_back(UnrefinedReason::kAcrossInputAngle); break;
+      case State::kMinEdge: result.reason.push_back(UnrefinedReason::kMinEdgeLength); break;
+      case State::kLocked: result.reason.push_back(UnrefinedReason::kBoundaryLocked); break;
+      case State::kUnknown: result.reason.push_back(UnrefinedReason::kBudget); break;
+      case State::kGood:
+      case State::kSizeFloor: result.reason.push_back(UnrefinedReason::kSizeFloor); break;
+    }
+  }
+  return result;
+}
+
+}  // namespace remesh

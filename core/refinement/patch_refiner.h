@@ -1,0 +1,165 @@
+/// Refines one patch in its plane: angles and sizes, until nothing is left to do there.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/refinement/delaunay_mesh.h"
+#include "core/refinement/goals.h"
+#include "core/refinement/segment_table.h"
+#include "core/refinement/size_field.h"
+#include "core/report.h"
+#include "core/stages/patch_meshing.h"
+
+namespace remesh {
+
+/// A place at which a segment is cut.
+struct Cut {
+  SegmentId segment;
+  double t;
+
+  friend bool operator<(const Cut& a, const Cut& b) {
+    return a.segment != b.segment ? a.segment < b.segment : a.t < b.t;
+  }
+  friend bool operator==(const Cut&, const Cut&) = default;
+};
+
+/// The goals in the form that the inner loop tests.
+struct Criteria {
+  Criteria(const Goals& goals, const SizeField& sizes);
+
+  double tangent;     ///< of the bound on angles (a little above the goal: it is measured in space in the end); 0: none
+  double lens;        ///< squared cosine beyond which an apex over a piece encroaches on it
+  double off_centre;  ///< height of an off-centre over the shortest edge, per its length
+  double max_area;    ///< model units
+  double min_edge_length;
+  bool split_boundaries;
+  const SizeField& sizes;
+};
+
+/// A patch while it is refined. It cuts its own segments at once, as the table says, and remembers these cuts; those
+/// that other patches make it takes over between rounds.
+/// Source:  L. P. Chew, Guaranteed-quality mesh generation for curved surfaces, 1993 (lens, deletion around a cut);
+///          A. Üngör, Off-centers, 2004; G. Miller, S. Pav, N. Walkington, When and why Ruppert's algorithm works, 2003
+///          (the exemption at input angles); S. Rebay, Efficient unstructured mesh generation by means of Delaunay
+///          triangulation and Bowyer-Watson algorithm, 1993 (sizes).
+class PatchRefiner {
+ public:
+  PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria);
+
+  /// Would refinement change the patch at all? Cheap, before anything is built.
+  static bool has_work(const PatchMesh& patch, const Criteria& criteria);
+
+  /// Cuts the patch's sides along `segment` wherever they are not cut yet. `cuts` are all cuts of that segment,
+  /// ascending.
+  void take_over(SegmentId segment, std::span<const double> cuts);
+
+  /// Splits an edge inside the patch at its middle, for the chord rule. Returns false if there is no room.
+  bool split_edge(VertexId a, VertexId b);
+
+  /// Works until nothing is left to do or `quota` more triangles (in all patches) would be made.
+  void run(std::uint64_t quota, RunControl& control);
+
+  /// A segment that had to be cut, and rounding left no room for it: the patch is of no use any more, and the segment
+  /// must stay as it is, for all patches. Invalid: all is well.
+  SegmentId impossible() const { return impossible_; }
+  bool is_done() const { return waiting_ == 0; }
+  std::size_t waiting() const { return waiting_; }
+  std::uint32_t triangle_count() const { return mesh_.triangle_count(); }
+  /// Cuts made here since the last call.
+  std::vector<Cut> take_own_cuts() { return std::exchange(own_cuts_, {}); }
+
+  struct Refined {
+    PatchMesh patch;        ///< new vertices have no id yet
+    std::vector<Cut> cuts;  ///< one per vertex of the patch; segment invalid: inside the patch, or a corner
+    std::vector<UnrefinedReason> reason;  ///< one per triangle: why it is as it is, should it miss a bound
+  };
+  Refined finish() const;
+
+ private:
+  static constexpr std::uint32_t kNone = DelaunayMesh::kNone;
+
+  enum class State : std::uint8_t { kUnknown, kGood, kInputAngle, kAcrossInputAngle, kSizeFloor, kMinEdge, kLocked };
+
+  struct Side {
+    SegmentId segment;
+    double t0, t1;          ///< its piece
+    std::uint32_t chain;    ///< in `chains_`
+    std::uint32_t partner;  ///< the other side of a slit, or kNone
+    bool is_forward;        ///< the half-edge runs from t0 to t1
+  };
+  /// The pieces of one segment, in no order; of a slit, those of its first side.
+  struct Chain {
+    SegmentId segment;
+    std::vector<std::uint32_t> sides;
+  };
+  /// A triangle that waits, by its shortest edge.
+  struct Task {
+    std::uint32_t half_edge, a, b, c;
+  };
+  struct Shape {
+    std::uint32_t shortest;  ///< half-edge
+    double shortest_squared, longest_squared, twice_area;
+    bool is_sharp;  ///< an angle below the bound
+    bool is_too_large;
+  };
+
+  Shape shape_of(std::uint32_t t) const;
+  bool is_too_large(std::uint32_t t, double longest_squared, double twice_area) const;
+  void classify(std::uint32_t t);
+  void classify_changed();
+  bool is_at_input_angle(std::uint32_t h) const;
+  bool is_across_input_angle(std::uint32_t a, std::uint32_t b) const;
+  void push(const Task& task, double shortest_squared);
+  bool pop(Task& task);
+
+  void treat(const Task& task);
+  Vec2 steiner_point(const Shape& shape) const;
+  bool is_encroached(Vec2 p, Vec2 a, Vec2 b) const;
+  /// Cuts a piece where the table says. Returns whether it did.
+  bool cut_side(std::uint32_t side);
+  bool cut_side_at(std::uint32_t side, double t);
+  std::uint32_t cut_one(std::uint32_t side, double t, Vec2 p, std::uint32_t vertex);
+  void clear_circle(std::uint32_t side);
+  void set_vertex(std::uint32_t v, SegmentId segment, double value);
+  enum class Attempt { kDone, kEncroached, kTooNear };
+  Attempt insert(Vec2 p, std::uint32_t triangle, double floor, bool may_encroach);
+  bool split_too_large(std::uint32_t t);
+  State refusal(double floor) const;
+
+  Vec3 to_space(Vec2 uv) const;
+  Vec2 on_grid(Vec2 uv) const;
+  bool is_free(std::uint32_t v) const { return v >= corner_count_ && !segment_[v].is_valid(); }
+  double floor_of(std::uint32_t v) const { return segment_[v].is_valid() ? segments_[segment_[v]].floor : value_[v]; }
+  std::uint64_t cost_of_cut(SegmentId s) const { return segments_.sides(s).size(); }
+
+  const PatchMesh& patch_;
+  const SegmentTable& segments_;
+  const Criteria& criteria_;
+  const std::uint32_t corner_count_;
+  DelaunayMesh mesh_;
+  std::vector<SegmentId> segment_;  ///< of each vertex that cuts one
+  std::vector<double> value_;       ///< of such a vertex its parameter, of others their floor
+  std::vector<Side> sides_;         ///< numbered as in mesh_
+  std::vector<State> state_;        ///< of each triangle
+  /// Corners with their segments here: corner, the segment's other end, the segment; sorted.
+  struct CornerSegment {
+    std::uint32_t corner;
+    VertexId other;
+    SegmentId segment;
+  };
+  std::vector<CornerSegment> corner_segments_;
+  std::vector<Chain> chains_;  ///< by segment
+
+  std::vector<std::vector<Task>> buckets_;  ///< the higher, the shorter the shortest edge
+  std::size_t waiting_ = 0;
+  std::uint64_t quota_ = 0;
+  std::vector<Cut> own_cuts_;
+  std::vector<std::uint32_t> encroached_;
+  SegmentId impossible_;
+};
+
+}  // namespace remesh

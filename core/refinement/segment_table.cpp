@@ -1,0 +1,234 @@
+#include "core/refinement/segment_table.h"
+
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+
+#include "core/base/union_find.h"
+#include "core/refinement/local_features.h"
+
+namespace remesh {
+namespace {
+
+/// Segments that meet under this angle in a patch are cut on common shells (a little less than 60 degrees: equilateral
+/// facets do not need them).
+constexpr double kSmallAngle = (60 - 1e-6) * std::numbers::pi / 180;
+
+/// The floor of a segment, of its feature size. Larger, and refinement of input angles near the bound ends in
+/// `size_floor`; smaller, and it makes more faces before it gives up where the bound cannot be reached.
+constexpr double kFloorShare = 0x1p-6;
+
+/// How far vertices stay from features, in roundings of their coordinates: no rounded point changes sides.
+constexpr double kRoundings = 0x1p10;
+
+/// A piece of length d next to an end is cut at the largest shell within this share of d.
+constexpr double kShellShare = 2.0 / 3 * (1 + 1e-9);
+
+/// Largest shell of base * 2^k that is at most `most`.
+double shell(double base, double most) { return std::ldexp(base, std::ilogb(most / base)); }
+
+struct Use {
+  VertexId from, to;
+  PatchId patch;
+  std::uint32_t half_edge;
+
+  auto key() const { return std::tie(from, to); }
+  friend bool operator<(const Use& a, const Use& b) {
+    return std::tie(a.from, a.to, a.patch, a.half_edge) < std::tie(b.from, b.to, b.patch, b.half_edge);
+  }
+};
+
+/// Constrained half-edges that bound a patch; what was only held for the chord rule is none.
+std::vector<Use> segment_uses(const Surface& surface, const std::vector<PatchMesh>& meshes, RunControl& control) {
+  std::vector<Use> uses;
+  for (std::uint32_t p = 0; p < meshes.size(); ++p) {
+    if (p % 4096 == 0) control.check();
+    const PatchMesh& patch = meshes[p];
+    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+      if (!patch.mesh.is_constrained(h) || patch.is_held(h)) continue;
+      VertexId a = patch.vertices[patch.mesh.from(h)], b = patch.vertices[patch.mesh.to(h)];
+      if (surface.positions[b] < surface.positions[a]) std::swap(a, b);
+      uses.push_back({a, b, PatchId(p), h});
+    }
+  }
+  tbb::parallel_sort(uses.begin(), uses.end());
+  return uses;
+}
+
+double magnitude(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
+
+}  // namespace
+
+SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>& meshes,
+                           const std::vector<std::uint8_t>& is_frozen, const SizeField& sizes, const Goals& goals,
+                           RunControl& control)
+    : surface_(surface), min_edge_length_(goals.min_edge_length) {
+  const std::vector<Use> uses = segment_uses(surface, meshes, control);
+  begin_.push_back(0);
+  sides_.reserve(uses.size());
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    if (i == 0 || uses[i].key() != uses[i - 1].key()) {
+      if (i > 0) begin_.push_back(static_cast<std::uint32_t>(i));
+      Segment segment;
+      segment.from = uses[i].from;
+      segment.to = uses[i].to;
+      segment.length = norm(surface.positions[segment.to] - surface.positions[segment.from]);
+      segment.is_locked = !goals.split_boundaries;
+      segments_.push_back(segment);
+    }
+    const SegmentId id(segments_.size() - 1);
+    sides_.push_back({id, uses[i].patch, uses[i].half_edge});
+    if (is_frozen[uses[i].patch.value] != 0) segments_[id].is_locked = true;
+  }
+  if (!uses.empty()) begin_.push_back(static_cast<std::uint32_t>(uses.size()));
+
+  // The sides by patch.
+  patch_begin_.assign(meshes.size() + 1, 0);
+  for (const SegmentSide& side : sides_) ++patch_begin_[side.patch.value + 1];
+  for (std::size_t p = 0; p < meshes.size(); ++p) patch_begin_[p + 1] += patch_begin_[p];
+  by_patch_.resize(sides_.size());
+  std::vector<std::uint32_t> at(patch_begin_.begin(), patch_begin_.end() - 1);
+  for (std::uint32_t i = 0; i < sides_.size(); ++i) by_patch_[at[sides_[i].patch.value]++] = i;
+
+  // Patch by patch: the features that its segments see, and the angles between them.
+  struct Seen {
+    double distance, angle;
+    std::uint32_t next;  ///< side
+  };
+  std::vector<Seen> seen(sides_.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
+    std::vector<std::uint32_t> half_edges;
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> side_of;
+    for (std::size_t p = range.begin(); p < range.end(); ++p) {
+      const auto own = sides_of_patch(PatchId(p));
+      half_edges.clear();
+      side_of.clear();
+      for (const std::uint32_t i : own) {
+        half_edges.push_back(sides_[i].half_edge);
+        side_of.emplace_back(sides_[i].half_edge, i);
+      }
+      std::sort(side_of.begin(), side_of.end());
+      const std::vector<LocalFeature> features = local_features(meshes[p], half_edges, control);
+      for (std::size_t k = 0; k < own.size(); ++k) {
+        const auto next = std::lower_bound(side_of.begin(), side_of.end(), std::pair(features[k].next_at_start, 0u));
+        const bool is_side = next != side_of.end() && next->first == features[k].next_at_start;
+        seen[own[k]] = {features[k].distance, features[k].angle_at_start, is_side ? next->second : own[k]};
+      }
+    }
+  });
+
+  // Clusters: ends of segments that meet under a small angle in some patch. End 2s is `from` of segment s, 2s + 1 `to`.
+  UnionFind clusters(2 * segments_.size());
+  std::vector<double> sharpest(2 * segments_.size(), std::numbers::pi / 2);
+  std::vector<double> feature(segments_.size());
+  std::vector<double> roundings(segments_.size());
+  for (std::size_t s = 0; s < segments_.size(); ++s) {
+    const Segment& segment = segments_[SegmentId(s)];
+    feature[s] = segment.length;
+    roundings[s] =
+        0x1p-52 * std::max(magnitude(surface.positions[segment.from]), magnitude(surface.positions[segment.to]));
+  }
+  const auto end_at_start = [&](const SegmentSide& side) {
+    const PatchMesh& patch = meshes[side.patch.value];
+    const bool is_from = patch.vertices[patch.mesh.from(side.half_edge)] == segments_[side.segment].from;
+    return 2 * side.segment.value + (is_from ? 0u : 1u);
+  };
+  for (std::uint32_t i = 0; i < sides_.size(); ++i) {
+    const SegmentSide& side = sides_[i];
+    const Frame& frame = meshes[side.patch.value].frame;
+    feature[side.segment.value] = std::min(feature[side.segment.value], seen[i].distance);
+    roundings[side.segment.value] = std::max(roundings[side.segment.value], frame.grid * frame.scale);
+    if (!(seen[i].angle < kSmallAngle) || seen[i].next == i) continue;
+    const std::uint32_t here = end_at_start(side);
+    // The next side comes in at the vertex: it ends where this one starts.
+    const std::uint32_t there = end_at_start(sides_[seen[i].next]) ^ 1u;
+    clusters.join(here, there);
+    sharpest[here] = std::min(sharpest[here], seen[i].angle);
+    sharpest[there] = std::min(sharpest[there], seen[i].angle);
+  }
+  std::vector<double> shortest(2 * segments_.size(), HUGE_VAL);
+  std::vector<std::uint32_t> members(2 * segments_.size(), 0);
+  for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
+    const std::uint32_t root = clusters.find(e);
+    shortest[root] = std::min(shortest[root], segments_[SegmentId(e / 2)].length);
+    ++members[root];
+  }
+  for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
+    const std::uint32_t root = clusters.find(e);
+    if (members[root] > 1) segments_[SegmentId(e / 2)].shell_base[e % 2] = shortest[root] / 3;
+  }
+
+  for (std::uint32_t s = 0; s < segments_.size(); ++s) {
+    Segment& segment = segments_[SegmentId(s)];
+    const double noise = kRoundings * roundings[s];
+    if (!(feature[s] > noise)) segment.is_locked = true;
+    double size = feature[s];
+    for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(SegmentId(s), t)));
+    const double angle = std::min(sharpest[2 * s], sharpest[2 * s + 1]);
+    segment.floor = std::max({goals.min_edge_length, kFloorShare * size, noise / std::sin(angle)});
+  }
+}
+
+Vec3 SegmentTable::position(SegmentId s, double t) const {
+  const Vec3 &from = surface_.positions[segments_[s].from], &to = surface_.positions[segments_[s].to];
+  return t <= 0.5 ? from + t * (to - from) : to + (1 - t) * (from - to);
+}
+
+std::optional<double> SegmentTable::place_cut(const Segment& s, double t0, double t1) const {
+  const double length = (t1 - t0) * s.length;
+  const bool at_from = t0 == 0 && s.shell_base[0] > 0;
+  const bool at_to = t1 == 1 && s.shell_base[1] > 0;
+  const bool use_from = at_from && (!at_to || s.shell_base[0] <= s.shell_base[1]);
+  double t = t0 + (t1 - t0) / 2;
+  if (use_from)
+    t = shell(s.shell_base[0], kShellShare * length) / s.length;
+  else if (at_to)
+    t = 1 - shell(s.shell_base[1], kShellShare * length) / s.length;
+  if (!(t > t0 && t < t1)) return std::nullopt;
+  return t;
+}
+
+std::optional<double> SegmentTable::cut(SegmentId id, double t0, double t1) const {
+  const Segment& s = segments_[id];
+  if (s.is_locked) return std::nullopt;
+  const std::optional<double> t = place_cut(s, t0, t1);
+  if (t && std::min(*t - t0, t1 - *t) * s.length < s.floor) return std::nullopt;
+  return t;
+}
+
+std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes) const {
+  const Segment& s = segments_[id];
+  std::vector<double> cuts;
+  if (s.is_locked || !std::isfinite(sizes.largest())) return cuts;
+  double parts = std::ceil(s.length / sizes.largest() * (1 - 1e-12));
+  if (min_edge_length_ > 0) parts = std::min(parts, std::floor(s.length / min_edge_length_));
+  const auto n = static_cast<std::uint64_t>(std::max(1.0, parts));
+  for (std::uint64_t i = 1; i < n; ++i) cuts.push_back(static_cast<double>(i) / static_cast<double>(n));
+  if (sizes.is_uniform()) return cuts;
+
+  // Where sizes vary: piece by piece, from the last one, as the tree of cuts has it.
+  std::vector<double> fine, waiting;
+  waiting.push_back(1);
+  waiting.insert(waiting.end(), cuts.rbegin(), cuts.rend());
+  double t0 = 0;
+  while (!waiting.empty()) {
+    const double t1 = waiting.back();
+    const double size =
+        std::min({sizes.at(position(id, t0)), sizes.at(position(id, t0 + (t1 - t0) / 2)), sizes.at(position(id, t1))});
+    const std::optional<double> t = (t1 - t0) * s.length > size * (1 + 1e-9) ? cut(id, t0, t1) : std::nullopt;
+    if (t) {
+      waiting.push_back(*t);
+      continue;
+    }
+    waiting.pop_back();
+    if (t1 < 1) fine.push_back(t1);
+    t0 = t1;
+  }
+  return fine;
+}
+
+}  // namespace remesh

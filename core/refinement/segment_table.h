@@ -1,0 +1,88 @@
+/// The segments of the whole surface: straight pieces of patch boundaries, owned by the mesh and shared by patches.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/mesh/surface.h"
+#include "core/refinement/goals.h"
+#include "core/refinement/size_field.h"
+#include "core/stages/patch_meshing.h"
+
+namespace remesh {
+
+struct SegmentTag {
+  static constexpr char kPrefix = 's';
+};
+using SegmentId = Id<SegmentTag>;
+
+/// An edge between two vertices that stay. Places on it are parameters from 0 (`from`) to 1 (`to`).
+struct Segment {
+  VertexId from, to;  ///< by position, the smaller one first
+  double length = 0;
+  /// Around each end: the shells at base * 2^k on which pieces there are cut, so that segments that meet at a small
+  /// angle are cut alike; 0 where no other segment is near.
+  std::array<double, 2> shell_base{0, 0};
+  double floor = 0;        ///< no piece becomes shorter
+  bool is_locked = false;  ///< it stays as it is
+};
+
+/// One side of one patch along a segment.
+struct SegmentSide {
+  SegmentId segment;
+  PatchId patch;
+  std::uint32_t half_edge;  ///< in the patch's mesh
+};
+
+/// Segments, what limits their pieces, and who has them. Where a piece is cut depends on that piece alone: the cuts of
+/// a segment form one binary tree, whoever asks for them and when, so patches can cut on their own and agree later.
+class SegmentTable {
+ public:
+  /// Input:   the patches' triangulations over vertices that stay. `is_frozen`, one per patch: its boundary stays as it
+  ///          is (and with it its neighbours' there).
+  /// Source:  REFINEMENT, rules 1 to 3.
+  SegmentTable(const Surface& surface, const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
+               const SizeField& sizes, const Goals& goals, RunControl& control);
+
+  std::size_t size() const { return segments_.size(); }
+  const Segment& operator[](SegmentId s) const { return segments_[s]; }
+  /// The sides along a segment, by patch and half-edge.
+  std::span<const SegmentSide> sides(SegmentId s) const {
+    return std::span(sides_).subspan(begin_[s.value], begin_[s.value + 1] - begin_[s.value]);
+  }
+  /// The sides of a patch, by segment and half-edge, as indices of all_sides().
+  std::span<const std::uint32_t> sides_of_patch(PatchId p) const {
+    return std::span(by_patch_).subspan(patch_begin_[p.value], patch_begin_[p.value + 1] - patch_begin_[p.value]);
+  }
+  std::span<const SegmentSide> all_sides() const { return sides_; }
+
+  void lock(SegmentId s) { segments_[s].is_locked = true; }
+
+  Vec3 position(SegmentId s, double t) const;
+
+  /// Where the piece [t0, t1] is cut: on a shell next to an end that has shells, else in the middle. Empty if the
+  /// segment is locked or a half would be shorter than the floor.
+  std::optional<double> cut(SegmentId s, double t0, double t1) const;
+
+  /// The parameters at which a segment is cut for its size, before anything else: equal parts no longer than the
+  /// largest size, these again wherever sizes are smaller. Ascending.
+  std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
+
+ private:
+  std::optional<double> place_cut(const Segment& s, double t0, double t1) const;
+
+  const Surface& surface_;
+  double min_edge_length_;
+  IdVector<SegmentId, Segment> segments_;
+  std::vector<SegmentSide> sides_;
+  std::vector<std::uint32_t> begin_;
+  std::vector<std::uint32_t> by_patch_;
+  std::vector<std::uint32_t> patch_begin_;
+};
+
+}  // namespace remesh

@@ -1,0 +1,254 @@
+#include "core/stages/refinement.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <memory>
+#include <numeric>
+#include <string>
+
+#include "core/base/blocks.h"
+#include "core/refinement/patch_refiner.h"
+#include "core/refinement/segment_table.h"
+#include "core/stages/projection.h"
+
+namespace remesh {
+namespace {
+
+constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
+
+/// One refinement, from sizes on segments to the refined patches. If rounding leaves no room for a cut, that segment is
+/// locked and all begins again.
+class Rounds {
+ public:
+  Rounds(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
+         const Goals& goals, const SizeField& sizes, std::vector<PatchMesh>& meshes, RunControl& control)
+      : surface_(surface),
+        patches_(patches),
+        is_frozen_(is_frozen),
+        goals_(goals),
+        sizes_(sizes),
+        criteria_(goals, sizes),
+        meshes_(meshes),
+        control_(control),
+        segments_(surface, meshes, is_frozen, sizes, goals, control) {}
+
+  Refinement run() {
+    do {
+      begin();
+      while (!dirty_.empty() && impossible_.empty()) {
+        ++result_.rounds;
+        refine_dirty();
+        exchange_cuts();
+      }
+      for (const SegmentId s : impossible_) segments_.lock(s);
+    } while (!impossible_.empty());
+    finish();
+    return std::move(result_);
+  }
+
+ private:
+  /// Cuts along a segment that a patch has to take over.
+  struct Message {
+    PatchId patch;
+    SegmentId segment;
+    friend bool operator<(const Message& a, const Message& b) {
+      return a.patch != b.patch ? a.patch < b.patch : a.segment < b.segment;
+    }
+    friend bool operator==(const Message&, const Message&) = default;
+  };
+
+  void begin() {
+    const std::size_t n = meshes_.size();
+    impossible_.clear();
+    refiners_.clear();
+    refiners_.resize(n);
+    messages_.clear();
+    dirty_.clear();
+    cuts_.assign(segments_.size(), {});
+    for_blocks(segments_.size(), 1024, control_, [&](std::size_t from, std::size_t to) {
+      for (std::size_t s = from; s < to; ++s) cuts_[SegmentId(s)] = segments_.size_cuts(SegmentId(s), sizes_);
+    });
+    std::vector<std::uint8_t> is_dirty(n, 0);
+    for_blocks(n, 256, control_, [&](std::size_t from, std::size_t to) {
+      for (std::size_t p = from; p < to; ++p)
+        is_dirty[p] = is_frozen_[p] == 0 && PatchRefiner::has_work(meshes_[p], criteria_);
+    });
+    for (const SegmentSide& side : segments_.all_sides()) {
+      if (cuts_[side.segment].empty()) continue;
+      is_dirty[side.patch.value] = 1;
+      messages_.push_back({side.patch, side.segment});
+    }
+    sort_messages();
+    for (std::size_t p = 0; p < n; ++p)
+      if (is_dirty[p] != 0) dirty_.push_back(static_cast<std::uint32_t>(p));
+  }
+
+  void sort_messages() {
+    std::sort(messages_.begin(), messages_.end());
+    messages_.erase(std::unique(messages_.begin(), messages_.end()), messages_.end());
+  }
+
+  void refine_dirty() {
+    choose_quotas();
+    // The large ones first; which one runs when changes nothing.
+    std::vector<std::uint32_t> order(dirty_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    const auto work = [&](std::uint32_t i) {
+      const std::uint32_t p = dirty_[i];
+      return std::max<std::size_t>(500, refiners_[p] ? refiners_[p]->waiting() : meshes_[p].mesh.triangle_count());
+    };
+    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return work(a) > work(b); });
+    const auto large = static_cast<std::size_t>(
+        std::find_if(order.begin(), order.end(), [&](auto i) { return work(i) <= 500; }) - order.begin());
+    const auto refine_one = [&](std::size_t k) {
+      control_.check();
+      const std::uint32_t i = order[k], p = dirty_[i];
+      std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
+      if (!refiner) refiner = std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_);
+      auto message = std::lower_bound(messages_.begin(), messages_.end(), Message{PatchId(p), SegmentId(0)});
+      for (; message != messages_.end() && message->patch == PatchId(p); ++message)
+        if (!refiner->impossible().is_valid()) refiner->take_over(message->segment, cuts_[message->segment]);
+      if (!refiner->impossible().is_valid()) refiner->run(quota_[i], control_);
+    };
+    tbb::parallel_for(std::size_t{0}, large, refine_one);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(large, order.size(), 16), [&](const auto& range) {
+      for (std::size_t k = range.begin(); k < range.end(); ++k) refine_one(k);
+    });
+  }
+
+  /// How many triangles each dirty patch may make: from the state at the barrier alone.
+  void choose_quotas() {
+    quota_.assign(dirty_.size(), kNoLimit);
+    if (goals_.max_faces == kNoLimit) return;
+    std::uint64_t faces = 0, waiting = 0;
+    for (std::size_t p = 0; p < meshes_.size(); ++p)
+      faces += refiners_[p] ? refiners_[p]->triangle_count() : meshes_[p].mesh.triangle_count();
+    // What the messages will make.
+    for (const Message& m : messages_) faces += cuts_[m.segment].size();
+    const auto share = [&](std::uint32_t p) {
+      return std::max<std::uint64_t>(1, refiners_[p] ? refiners_[p]->waiting() : meshes_[p].mesh.triangle_count());
+    };
+    for (const std::uint32_t p : dirty_) waiting += share(p);
+    const double left = goals_.max_faces > faces ? static_cast<double>(goals_.max_faces - faces) : 0;
+    for (std::size_t i = 0; i < dirty_.size(); ++i)
+      quota_[i] =
+          static_cast<std::uint64_t>(left / 2 * static_cast<double>(share(dirty_[i])) / static_cast<double>(waiting));
+  }
+
+  void exchange_cuts() {
+    std::vector<Cut> fresh;
+    std::vector<std::uint32_t> unfinished;
+    std::uint64_t quota = 0;
+    for (std::size_t i = 0; i < dirty_.size(); ++i) {
+      PatchRefiner& refiner = *refiners_[dirty_[i]];
+      if (refiner.impossible().is_valid()) impossible_.push_back(refiner.impossible());
+      const std::vector<Cut> own = refiner.take_own_cuts();
+      fresh.insert(fresh.end(), own.begin(), own.end());
+      if (!refiner.is_done()) {
+        unfinished.push_back(dirty_[i]);
+        quota += quota_[i];
+      }
+    }
+    std::sort(impossible_.begin(), impossible_.end());
+    impossible_.erase(std::unique(impossible_.begin(), impossible_.end()), impossible_.end());
+    // Next to nothing was left to share out: the budget is spent.
+    if (quota < 16 * unfinished.size()) unfinished.clear();
+    std::sort(fresh.begin(), fresh.end());
+    fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
+    messages_.clear();
+    for (auto from = fresh.begin(); from != fresh.end();) {
+      const SegmentId s = from->segment;
+      auto to = from;
+      std::vector<double>& cuts = cuts_[s];
+      const auto old = static_cast<std::ptrdiff_t>(cuts.size());
+      for (; to != fresh.end() && to->segment == s; ++to) cuts.push_back(to->t);
+      std::inplace_merge(cuts.begin(), cuts.begin() + old, cuts.end());
+      from = to;
+      const auto sides = segments_.sides(s);
+      // A segment of one patch alone has nobody to tell.
+      if (sides.front().patch == sides.back().patch) continue;
+      for (const SegmentSide& side : sides) messages_.push_back({side.patch, s});
+    }
+    sort_messages();
+    dirty_ = std::move(unfinished);
+    for (const Message& m : messages_) dirty_.push_back(m.patch.value);
+    std::sort(dirty_.begin(), dirty_.end());
+    dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
+  }
+
+  void finish() {
+    // New vertices: those on segments, segment after segment, then those inside patches.
+    const std::size_t old = surface_.vertex_count();
+    std::vector<std::uint32_t> first(segments_.size() + 1, 0);
+    for (std::size_t s = 0; s < segments_.size(); ++s) {
+      const std::vector<double>& cuts = cuts_[SegmentId(s)];
+      first[s + 1] = first[s] + static_cast<std::uint32_t>(cuts.size());
+      for (const double t : cuts) result_.new_positions.push_back(segments_.position(SegmentId(s), t));
+    }
+    for (std::size_t p = 0; p < meshes_.size(); ++p) {
+      if (p % 1024 == 0) control_.check();
+      if (!refiners_[p]) {
+        result_.reason.insert(result_.reason.end(), meshes_[p].mesh.triangle_count(), UnrefinedReason::kBoundaryLocked);
+        continue;
+      }
+      PatchRefiner::Refined refined = refiners_[p]->finish();
+      refiners_[p].reset();
+      const Vec3 offset = plane_offset(PatchId(p));
+      for (std::size_t v = 0; v < refined.cuts.size(); ++v) {
+        if (refined.patch.vertices[v].is_valid()) continue;
+        const Cut& cut = refined.cuts[v];
+        if (cut.segment.is_valid()) {
+          const std::vector<double>& cuts = cuts_[cut.segment];
+          const auto k = std::lower_bound(cuts.begin(), cuts.end(), cut.t) - cuts.begin();
+          refined.patch.vertices[v] = VertexId(old + first[cut.segment.value] + static_cast<std::size_t>(k));
+        } else {
+          refined.patch.vertices[v] = VertexId(old + result_.new_positions.size());
+          result_.new_positions.push_back(to_space(meshes_[p].frame, refined.patch.uv[v]) + offset);
+        }
+      }
+      result_.reason.insert(result_.reason.end(), refined.reason.begin(), refined.reason.end());
+      meshes_[p] = std::move(refined.patch);
+    }
+  }
+
+  /// From the plane of the frame, which has a vertex as its origin, to the plane that fits the patch best; null if they
+  /// are the same but for rounding.
+  Vec3 plane_offset(PatchId p) const {
+    const Plane& plane = patches_.planes[p];
+    const Vec3& origin = meshes_[p.value].frame.origin;
+    const Vec3 local = (1 / surface_.unit) * (origin - surface_.centre);
+    const double height = plane.distance(local);
+    const double magnitude = std::max({std::fabs(origin.x), std::fabs(origin.y), std::fabs(origin.z), surface_.unit});
+    if (std::fabs(height) * surface_.unit < 0x1p-48 * magnitude) return {};
+    return (-height * surface_.unit) * plane.normal;
+  }
+
+  const Surface& surface_;
+  const PatchSet& patches_;
+  const std::vector<std::uint8_t>& is_frozen_;
+  const Goals& goals_;
+  const SizeField& sizes_;
+  const Criteria criteria_;
+  std::vector<PatchMesh>& meshes_;
+  RunControl& control_;
+  SegmentTable segments_;
+  IdVector<SegmentId, std::vector<double>> cuts_;  ///< of each segment, ascending
+  std::vector<std::unique_ptr<PatchRefiner>> refiners_;
+  std::vector<std::uint32_t> dirty_;  ///< patches, ascending
+  std::vector<std::uint64_t> quota_;  ///< one per dirty patch
+  std::vector<Message> messages_;     ///< sorted
+  std::vector<SegmentId> impossible_;
+  Refinement result_;
+};
+
+}  // namespace
+
+Refinement refine(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
+                  const Goals& goals, const SizeField& sizes, std::vector<PatchMesh>& meshes, RunControl& control) {
+  return Rounds(surface, patches, is_frozen, goals, sizes, meshes, control).run();
+}
+
+}  // namespace remesh

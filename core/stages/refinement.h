@@ -1,0 +1,35 @@
+/// Refines all patches together until every triangle meets the goals, or says why it cannot.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/mesh/surface.h"
+#include "core/refinement/goals.h"
+#include "core/refinement/size_field.h"
+#include "core/report.h"
+#include "core/stages/patch_meshing.h"
+#include "core/stages/patches.h"
+
+namespace remesh {
+
+/// A triangle that may not meet the goals knows why; the others have any value.
+struct Refinement {
+  std::vector<Vec3> new_positions;      ///< of the vertices from surface.vertex_count() on
+  std::vector<UnrefinedReason> reason;  ///< one per triangle, patch after patch
+  std::uint32_t rounds = 0;
+};
+
+/// Rounds: every patch that has something to do refines alone, in parallel; between rounds the cuts that patches made
+/// in their boundaries go to all patches there. Until no patch has anything to do.
+/// Input:   triangulated patches; `is_frozen`, one per patch: nothing is put into these, nor on their boundaries.
+/// Output:  the patches with more vertices: those from surface.vertex_count() on are in `new_positions`.
+/// Holds:   an edge between patches has the same vertices for all of them; the same result for any number of threads.
+/// Errors:  kOutputTooLarge - goals.max_faces is less than any surface with these sizes has.
+/// Cost:    O(n log n) in the result's triangles, in practice.
+/// Source:  REFINEMENT, rules 1 to 10.
+Refinement refine(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
+                  const Goals& goals, const SizeField& sizes, std::vector<PatchMesh>& meshes, RunControl& control);
+
+}  // namespace remesh

@@ -1,0 +1,28 @@
+/// Finds the triangles that do not meet the goals of a refinement.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/mesh/mesh.h"
+#include "core/refinement/goals.h"
+#include "core/report.h"
+
+namespace remesh {
+
+struct UnrefinedFaces {
+  std::vector<FaceId> faces;  ///< ascending
+  std::vector<UnrefinedReason> reasons;
+};
+
+/// Measures the triangles in space, on the output's doubles. Output: those with an angle below the goal, or an edge or
+/// an area above it by more than rounding. `reason`: what the refinement says of each face.
+UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const Triangle> faces,
+                              std::span<const UnrefinedReason> reason, const Goals& goals, RunControl& control);
+
+/// The same by reason, with places.
+std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std::span<const Vec3> positions,
+                                           std::span<const Triangle> faces);
+
+}  // namespace remesh
