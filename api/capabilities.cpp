@@ -32,7 +32,7 @@ void write_option(JsonWriter& json, const OptionSpec& spec) {
   json.key("type");
   json.string(type_name(spec.type));
   json.key("default");
-  write_option_value(json, option_value(spec, RequestOptions{}));
+  write_option_value(json, option_value(spec, with_defaults(RequestOptions{})));
   if (!spec.unset.empty()) {
     json.key("unset");
     json.string(spec.unset);

@@ -75,13 +75,16 @@ std::string in_one_line(std::string text) {
   return text;
 }
 
-/// The summary as comments. No times and no id: the bytes are the same in every run.
+/// The summary as comments, with what a mesh format has no other place for: the warnings, and where the bounds of
+/// refinement do not hold. No times and no id: the bytes are the same in every run.
 std::vector<std::string> summary_comments(const Report& report) {
   std::vector<std::string> comments{"remeshd " + std::string(version()), remesh_summary(report)};
   for (const Diagnostic& diagnostic : report.diagnostics) {
     comments.push_back(in_one_line("warning: " + std::string(diagnostic_name(diagnostic.code)) + ": " +
                                    number_text(diagnostic.count) + ": " + diagnostic.message));
   }
+  for (const Unrefined& left : report.unrefined)
+    comments.push_back("unrefined: " + std::string(unrefined_name(left.reason)) + ": " + number_text(left.count));
   return comments;
 }
 

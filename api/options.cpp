@@ -10,6 +10,7 @@
 
 #include "api/text.h"
 #include "core/base/error.h"
+#include "core/refinement/goals.h"
 #include "core/remesh.h"
 
 namespace remesh::api {
@@ -35,12 +36,12 @@ const std::array<OptionSpec, 19> kTable{{
      .type = OptionType::kBoolean,
      .field = &Options::refine,
      .help = "insert points until angles and sizes hold; false: only the triangulation of essential vertices",
-     .example = "true"},
+     .example = "false"},
     {.name = "min_angle_deg",
      .type = OptionType::kNumber,
      .field = &Options::min_angle_deg,
-     .help = "no angle below this, except where the input's own sharp corners forbid it",
-     .unset = "none",
+     .help = "no angle below this, except where the input's own sharp corners forbid it; 0: no bound",
+     .unset = "auto",
      .minimum = 0,
      .maximum = kLargestMinAngleDeg,
      .excludes = "max_radius_edge_ratio",
@@ -48,7 +49,7 @@ const std::array<OptionSpec, 19> kTable{{
     {.name = "max_radius_edge_ratio",
      .type = OptionType::kNumber,
      .field = &Options::max_radius_edge_ratio,
-     .help = "the same bound as a ratio, 1/(2 sin angle)",
+     .help = "the same bound as circumradius over shortest edge, 1/(2 sin angle)",
      .unset = "none",
      .minimum = kSmallestRadiusEdgeRatio,
      .excludes = "min_angle_deg",
@@ -96,15 +97,17 @@ const std::array<OptionSpec, 19> kTable{{
     {.name = "gradation",
      .type = OptionType::kNumber,
      .field = &Options::gradation,
-     .help = "largest factor by which the sizes of neighbouring edges may grow",
-     .unset = "none",
+     .help =
+         "largest factor by which the sizes of neighbouring edges may grow; auto: 1.5 with proximity, else unbounded",
+     .unset = "auto",
      .minimum = 1,
      .above_minimum = true,
-     .example = "1.5"},
+     .example = "1.3"},
     {.name = "max_output_faces",
      .type = OptionType::kInteger,
      .field = &Options::max_output_faces,
-     .help = "the most faces that the answer may have; at most, and if left out, the server's limit",
+     .help = "the most faces that the answer may have: refused where it must have more, else refinement stops there; "
+             "at most, and if left out, the server's limit",
      .unset = "none",
      .minimum = 1,
      .example = "100000"},
@@ -423,6 +426,15 @@ std::string option_text(const OptionSpec& spec, const RequestOptions& options) {
         }
       },
       option_value(spec, options));
+}
+
+RequestOptions with_defaults(RequestOptions options) {
+  Options& core = options.core;
+  if (!core.refine) return options;
+  const Goals goals = goals_of(core, /*diagonal=*/1);  // lengths stay as they were given
+  if (!core.max_radius_edge_ratio) core.min_angle_deg = goals.min_angle_deg;
+  if (goals.gradation > 0) core.gradation = goals.gradation;
+  return options;
 }
 
 bool is_implemented(const OptionSpec& spec) {

@@ -197,6 +197,21 @@ void write_volume_ready(JsonWriter& json, const MeshStatistics& mesh) {
   json.end_object();
 }
 
+void write_unrefined(JsonWriter& json, const std::vector<Unrefined>& unrefined) {
+  json.begin_array();
+  for (const Unrefined& left : unrefined) {
+    json.begin_object();
+    member(json, "reason", unrefined_name(left.reason));
+    member(json, "count", left.count);
+    json.key("places");
+    json.begin_array();
+    for (const Vec3& place : left.places) write_point(json, place);
+    json.end_array();
+    json.end_object();
+  }
+  json.end_array();
+}
+
 void write_verdict(JsonWriter& json, const Verdict& verdict) {
   json.begin_object();
   member(json, "surface", verdict.surface);
@@ -294,7 +309,7 @@ double StageTimes::total() const {
 
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
                   const StageTimes& times, RunControl& control) {
-  RequestOptions used{report.options, options.format};
+  RequestOptions used = with_defaults({report.options, options.format});
   used.core.plane_tolerance = report.plane_tolerance;
   const bool is_remesh = kind == ReportKind::kRemesh;
 
@@ -324,8 +339,7 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   member(json, "smallest_gap", report.smallest_gap);
   if (is_remesh) {
     json.key("unrefined");
-    json.begin_array();
-    json.end_array();
+    write_unrefined(json, report.unrefined);
     json.key("verified");
     write_verdict(json, report.verified);
   }

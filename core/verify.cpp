@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "core/base/blocks.h"
@@ -11,6 +12,7 @@
 #include "core/verify/edge_table.h"
 #include "core/verify/exact.h"
 #include "core/verify/findings.h"
+#include "core/verify/goal_check.h"
 #include "core/verify/model.h"
 #include "core/verify/patch_shape.h"
 
@@ -95,7 +97,7 @@ void check_whole(const Model& model, const EdgeCounts& input, const EdgeCounts& 
 
 Verdict verify(const Claim& claim, RunControl& control) {
   Verdict verdict;
-  Findings findings(claim.frames.size());
+  Findings findings(claim.frames.size(), claim.refinement != nullptr);
   if (!is_well_formed(claim, control)) {
     findings.add(PatchId(), Fault::kMalformed);
     findings.write_to(verdict);
@@ -113,19 +115,22 @@ Verdict verify(const Claim& claim, RunControl& control) {
   std::vector<Edge> input_boundary, output_boundary;
   const EdgeCounts input_counts = list_boundary(input_edges, control, input_boundary);
   const EdgeCounts output_counts = list_boundary(output_edges, control, output_boundary);
+  const Seams seams{BoundaryGraph(model.points.size(), std::move(input_boundary)),
+                    BoundaryGraph(model.points.size(), std::move(output_boundary))};
   control.progress(0.6);
 
   // Loops kept, edges conforming.
-  const Boundary boundary = check_boundary(model, input_boundary, output_boundary, findings, control);
+  const Boundary boundary = check_boundary(model, seams, findings, control);
   control.progress(0.8);
 
   // Each patch the same piece of surface, its triangles sound.
   std::vector<std::uint8_t> is_positive;
-  const ShapeSums shapes = check_shapes(model, input_edges, boundary, is_positive, findings, control);
+  const ShapeSums shapes = check_shapes(model, input_edges, seams, boundary, is_positive, findings, control);
   verdict.deviation = shapes.deviation / model.scale;
   control.progress(0.9);
 
   DelaunayCheck(model, output_edges, is_positive).run(findings, control);
+  if (claim.refinement != nullptr) check_goals(*claim.refinement, model, output_edges, seams.output, findings, control);
   check_whole(model, input_counts, output_counts, shapes, findings);
   findings.write_to(verdict);
   control.progress(1);

@@ -58,7 +58,7 @@ std::string with_underscores(std::string_view flag) {
 
 // "help text [default]"
 std::string option_help(const api::OptionSpec& spec) {
-  return std::string(spec.help) + " [" + api::option_text(spec, api::RequestOptions{}) + "]" +
+  return std::string(spec.help) + " [" + api::option_text(spec, api::with_defaults({})) + "]" +
          (api::is_implemented(spec) ? "" : " (not implemented yet)");
 }
 
@@ -117,8 +117,9 @@ api::Limits limits_for(int workers) {
   return limits;
 }
 
-/// What the command line alone decides is misuse; what the mesh decides is a failure.
+/// What the command line alone decides is misuse; what the mesh decides is a failure, be it at an option's bound.
 int exit_code(const Error& error) {
+  if (error.code == Code::kOutputTooLarge) return kFailed;
   return error.option.empty() && error.code != Code::kNotAcceptable ? kFailed : kMisused;
 }
 

@@ -54,6 +54,7 @@ class Rounds {
   struct Message {
     PatchId patch;
     SegmentId segment;
+    std::uint64_t count = 0;  ///< of cuts that are new to it, at most
     friend bool operator<(const Message& a, const Message& b) {
       return a.patch != b.patch ? a.patch < b.patch : a.segment < b.segment;
     }
@@ -79,7 +80,7 @@ class Rounds {
     for (const SegmentSide& side : segments_.all_sides()) {
       if (cuts_[side.segment].empty()) continue;
       is_dirty[side.patch.value] = 1;
-      messages_.push_back({side.patch, side.segment});
+      messages_.push_back({side.patch, side.segment, cuts_[side.segment].size()});
     }
     sort_messages();
     for (std::size_t p = 0; p < n; ++p)
@@ -108,7 +109,7 @@ class Rounds {
       const std::uint32_t i = order[k], p = dirty_[i];
       std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
       if (!refiner) refiner = std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_);
-      auto message = std::lower_bound(messages_.begin(), messages_.end(), Message{PatchId(p), SegmentId(0)});
+      auto message = std::lower_bound(messages_.begin(), messages_.end(), Message{PatchId(p), SegmentId(0), 0});
       for (; message != messages_.end() && message->patch == PatchId(p); ++message)
         if (!refiner->impossible().is_valid()) refiner->take_over(message->segment, cuts_[message->segment]);
       if (!refiner->impossible().is_valid()) refiner->run(quota_[i], control_);
@@ -127,7 +128,7 @@ class Rounds {
     for (std::size_t p = 0; p < meshes_.size(); ++p)
       faces += refiners_[p] ? refiners_[p]->triangle_count() : meshes_[p].mesh.triangle_count();
     // What the messages will make.
-    for (const Message& m : messages_) faces += cuts_[m.segment].size();
+    for (const Message& m : messages_) faces += m.count;
     const auto share = [&](std::uint32_t p) {
       return std::max<std::uint64_t>(1, refiners_[p] ? refiners_[p]->waiting() : meshes_[p].mesh.triangle_count());
     };
@@ -135,7 +136,7 @@ class Rounds {
     const double left = goals_.max_faces > faces ? static_cast<double>(goals_.max_faces - faces) : 0;
     for (std::size_t i = 0; i < dirty_.size(); ++i)
       quota_[i] =
-          static_cast<std::uint64_t>(left / 2 * static_cast<double>(share(dirty_[i])) / static_cast<double>(waiting));
+          static_cast<std::uint64_t>(left * static_cast<double>(share(dirty_[i])) / static_cast<double>(waiting));
   }
 
   void exchange_cuts() {
@@ -161,6 +162,7 @@ class Rounds {
     messages_.clear();
     for (auto from = fresh.begin(); from != fresh.end();) {
       const SegmentId s = from->segment;
+      const auto first = from;
       auto to = from;
       std::vector<double>& cuts = cuts_[s];
       const auto old = static_cast<std::ptrdiff_t>(cuts.size());
@@ -170,7 +172,7 @@ class Rounds {
       const auto sides = segments_.sides(s);
       // A segment of one patch alone has nobody to tell.
       if (sides.front().patch == sides.back().patch) continue;
-      for (const SegmentSide& side : sides) messages_.push_back({side.patch, s});
+      for (const SegmentSide& side : sides) messages_.push_back({side.patch, s, static_cast<std::uint64_t>(to - first)});
     }
     sort_messages();
     dirty_ = std::move(unfinished);

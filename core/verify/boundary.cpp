@@ -11,21 +11,15 @@ namespace {
 
 constexpr std::size_t kCheckEvery = 8192;
 
-/// A run of input edges between two kept vertices.
-struct Chain {
-  VertexId low, high;       ///< its ends
-  std::uint32_t edge = 0;   ///< one of its edges: whose uses are those of all
-  bool is_flipped = false;  ///< that edge, from its smaller vertex, runs from `high` to `low`
-};
-
 /// How far a chain's inner vertices are from the straight line between its ends.
 struct Offset {
   double distance = 0;
-  double backwards = 0;  ///< largest way that the chain goes back along the line
-  double sliver = 0;     ///< area between chain and line
+  double backwards = 0;      ///< largest way that the chain goes back along the line
+  bool is_ascending = true;  ///< it never goes back, nor stands still
+  double sliver = 0;         ///< area between chain and line
 };
 
-Offset measure(const std::vector<Vec3>& points, const std::vector<VertexId>& chain) {
+Offset measure(const std::vector<Vec3>& points, std::span<const VertexId> chain) {
   const Vec3& from = points[chain.front().value];
   const Vec3 line = points[chain.back().value] - from;
   const double length = norm(line);
@@ -43,6 +37,7 @@ Offset measure(const std::vector<Vec3>& points, const std::vector<VertexId>& cha
     const double along = i + 1 == chain.size() ? length : dot(d, line) / length;
     offset.distance = std::fmax(offset.distance, norm(cross(line, d)) / length);
     offset.backwards = std::fmax(offset.backwards, furthest - along);
+    offset.is_ascending = offset.is_ascending && along > furthest;
     furthest = std::fmax(furthest, along);
   }
   offset.sliver = norm(twice_sliver) / 2;
@@ -51,91 +46,57 @@ Offset measure(const std::vector<Vec3>& points, const std::vector<VertexId>& cha
 
 class BoundaryCheck {
  public:
-  BoundaryCheck(const Model& model, const std::vector<Edge>& input, const std::vector<Edge>& output, Findings& findings,
-                RunControl& control)
-      : model_(model), input_(input), output_(output), findings_(findings), control_(control) {
+  BoundaryCheck(const Model& model, const Seams& seams, Findings& findings, RunControl& control)
+      : model_(model), input_(seams.input), output_(seams.output), findings_(findings), control_(control) {
     result_.deviation.assign(model.patch_count(), 0);
     result_.slivers.assign(model.patch_count(), 0);
   }
 
   Boundary run() {
-    link_vertices();
-    walk_chains();
+    walk_input();
+    walk_output();
     match_chains();
     check_joints();
+    check_new_vertices();
     return std::move(result_);
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
   void blame(const Edge& edge, Fault fault, VertexId at) {
     for (const Use& use : edge.uses) findings_.add(use.patch, fault, at.value);
   }
 
-  /// How many bounding edges meet at each vertex, and the first two of them.
-  void link_vertices() {
-    degree_.assign(model_.points.size(), 0);
-    incident_.assign(model_.points.size(), {kNone, kNone});
-    result_.is_on_boundary.assign(model_.points.size(), 0);
-    for (std::uint32_t e = 0; e < input_.size(); ++e)
-      for (const VertexId v : {input_[e].low, input_[e].high}) {
-        if (degree_[v.value] < 2) incident_[v.value][degree_[v.value]] = e;
-        ++degree_[v.value];
-        result_.is_on_boundary[v.value] = 1;
-      }
-  }
-
   bool is_kept(VertexId v) const { return model_.is_kept[v.value] != 0; }
 
-  void walk_chains() {
-    is_walked_.assign(input_.size(), false);
-    for (std::uint32_t e = 0; e < input_.size(); ++e) {
-      if (e % kCheckEvery == 0) control_.check();
-      if (is_walked_[e]) continue;
-      if (is_kept(input_[e].low))
-        walk(input_[e].low, e);
-      else if (is_kept(input_[e].high))
-        walk(input_[e].high, e);
-    }
-    // No kept vertex leads to the others.
-    for (std::uint32_t e = 0; e < input_.size(); ++e)
-      if (!is_walked_[e]) blame(input_[e], Fault::kLostLoop, input_[e].low);
+  void walk_input() {
+    input_.for_each_chain(
+        control_, [&](VertexId v) { return !is_kept(v); },
+        [&](const Chain& chain, std::span<const VertexId> vertices) {
+          input_chains_.push_back(chain);
+          if (vertices.size() > 2) measure_dropped(input_.edges()[chain.edge], vertices);
+        },
+        [&](const Edge& edge, VertexId v, Stray why) {
+          blame(edge, why == Stray::kLoop ? Fault::kLostLoop : Fault::kLostVertex, v);
+        });
   }
 
-  void walk(VertexId start, std::uint32_t first) {
-    chain_.assign(1, start);
-    std::uint32_t e = first;
-    VertexId v = start;
-    for (;;) {
-      is_walked_[e] = true;
-      v = input_[e].other(v);
-      chain_.push_back(v);
-      if (is_kept(v)) break;
-      if (degree_[v.value] != 2) return blame(input_[e], Fault::kLostVertex, v);
-      const std::uint32_t next = incident_[v.value][0] == e ? incident_[v.value][1] : incident_[v.value][0];
-      if (is_walked_[next]) return blame(input_[e], Fault::kLostLoop, v);  // no edge of a sound surface
-      // Both edges have v as an end; they are walked in one sense if v is the larger end of one and the smaller of the
-      // other.
-      const bool is_flipped = (input_[e].low == v) == (input_[next].low == v);
-      if (!have_same_uses(input_[e].uses, input_[next].uses, is_flipped)) {
-        blame(input_[e], Fault::kLostVertex, v);
-        return blame(input_[next], Fault::kLostVertex, v);
-      }
-      e = next;
-    }
-    const bool is_upwards = start < v;
-    chains_.push_back({std::min(start, v), std::max(start, v), first, (input_[first].low == start) != is_upwards});
-    if (chain_.size() > 2) measure_chain(input_[first]);
+  void walk_output() {
+    output_.for_each_chain(
+        control_, [&](VertexId v) { return model_.is_new(v); },
+        [&](const Chain& chain, std::span<const VertexId> vertices) {
+          output_chains_.push_back(chain);
+          if (vertices.size() > 2) measure_new(output_.edges()[chain.edge], vertices);
+        },
+        [&](const Edge& edge, VertexId v, Stray) { blame(edge, Fault::kNewVertex, v); });
   }
 
-  void measure_chain(const Edge& edge) {
-    const Offset offset = measure(model_.points, chain_);
+  void measure_dropped(const Edge& edge, std::span<const VertexId> chain) {
+    const Offset offset = measure(model_.points, chain);
     double reach = 0;
-    for (const VertexId v : chain_)
-      reach = std::fmax(reach, norm(model_.points[v.value] - model_.points[chain_[0].value]));
+    for (const VertexId v : chain)
+      reach = std::fmax(reach, norm(model_.points[v.value] - model_.points[chain[0].value]));
     if (!model_.is_within_tolerance(offset.distance, reach) || !model_.is_within_tolerance(offset.backwards, reach))
-      blame(edge, Fault::kChord, chain_[0]);
+      blame(edge, Fault::kChord, chain[0]);
     for (const Use& use : edge.uses) {
       double& deviation = result_.deviation[use.patch.value];
       deviation = std::fmax(deviation, offset.distance);
@@ -143,49 +104,73 @@ class BoundaryCheck {
     }
   }
 
-  /// Merges chains and output edges, both ordered by their ends.
-  void match_chains() {
-    const auto key = [](const auto& e) { return std::pair(e.low, e.high); };
-    const auto by_ends = [&](const Chain& a, const Chain& b) {
-      return key(a) != key(b) ? key(a) < key(b) : a.edge < b.edge;
-    };
-    if (!std::is_sorted(chains_.begin(), chains_.end(), by_ends))
-      tbb::parallel_sort(chains_.begin(), chains_.end(), by_ends);
-    std::size_t o = 0;
-    for (std::size_t c = 0; c < chains_.size(); ++c) {
-      if (c % kCheckEvery == 0) control_.check();
-      const Chain& chain = chains_[c];
-      while (o < output_.size() && key(output_[o]) < key(chain)) blame_output(o++);
-      if (o < output_.size() && key(output_[o]) == key(chain)) {
-        // A second chain between the same ends finds no edge left: two edges became one.
-        if (!have_same_uses(output_[o].uses, input_[chain.edge].uses, chain.is_flipped)) {
-          blame(input_[chain.edge], Fault::kBoundary, chain.low);
-          blame_output(o);
-        }
-        ++o;
-      } else {
-        blame(input_[chain.edge], Fault::kBoundary, chain.low);
-      }
-    }
-    while (o < output_.size()) blame_output(o++);
+  void measure_new(const Edge& edge, std::span<const VertexId> chain) {
+    const Offset offset = measure(model_.points, chain);
+    const double reach = std::max(largest_coordinate(model_.points[chain.front().value]),
+                                  largest_coordinate(model_.points[chain.back().value]));
+    if (!(offset.distance <= Model::rounding(reach)) || !offset.is_ascending)
+      blame(edge, Fault::kNewOffLine, chain.front());
+    for (const Use& use : edge.uses) result_.slivers[use.patch.value] += offset.sliver;
   }
-  void blame_output(std::size_t o) { blame(output_[o], Fault::kBoundary, output_[o].low); }
+
+  /// Merges the chains of both sides, ordered by their ends.
+  void match_chains() {
+    sort_by_ends(input_chains_);
+    sort_by_ends(output_chains_);
+    std::size_t o = 0;
+    for (std::size_t i = 0; i < input_chains_.size(); ++i) {
+      if (i % kCheckEvery == 0) control_.check();
+      const Chain& chain = input_chains_[i];
+      const Edge& edge = input_.edges()[chain.edge];
+      while (o < output_chains_.size() && ends(output_chains_[o]) < ends(chain)) blame_output(o++);
+      // A second chain between the same ends would lie on the first: two edges became one.
+      const bool is_second = i > 0 && ends(input_chains_[i - 1]) == ends(chain);
+      if (is_second || o == output_chains_.size() || ends(output_chains_[o]) != ends(chain)) {
+        blame(edge, Fault::kBoundary, chain.low);
+        continue;
+      }
+      const Chain& found = output_chains_[o];
+      if (!have_same_uses(output_.edges()[found.edge].uses, edge.uses, found.is_flipped != chain.is_flipped)) {
+        blame(edge, Fault::kBoundary, chain.low);
+        blame_output(o);
+      }
+      ++o;
+    }
+    while (o < output_chains_.size()) blame_output(o++);
+  }
+  static std::pair<VertexId, VertexId> ends(const Chain& chain) { return {chain.low, chain.high}; }
+  static void sort_by_ends(std::vector<Chain>& chains) {
+    const auto by_ends = [](const Chain& a, const Chain& b) {
+      return ends(a) != ends(b) ? ends(a) < ends(b) : a.edge < b.edge;
+    };
+    if (!std::is_sorted(chains.begin(), chains.end(), by_ends))
+      tbb::parallel_sort(chains.begin(), chains.end(), by_ends);
+  }
+  void blame_output(std::size_t o) {
+    blame(output_.edges()[output_chains_[o].edge], Fault::kBoundary, output_chains_[o].low);
+  }
 
   /// A vertex may join patches, or parts of one, without an edge between them: one patch inside, another's corner on
   /// it. Where it stays, it stays for all; where it goes, it had joined nothing.
   void check_joints();
+  /// A new vertex joins the patches along its chain, or is one patch's.
+  void check_new_vertices();
+
+  template <class Visit>
+  void for_each_corner(const Faces& faces, const Visit& visit) {
+    for (std::size_t f = 0; f < faces.count(); ++f) {
+      if (f % kCheckEvery == 0) control_.check();
+      for (const VertexId v : faces.face(f)) visit(v, faces.patch[f]);
+    }
+  }
 
   const Model& model_;
-  const std::vector<Edge>& input_;
-  const std::vector<Edge>& output_;
+  const BoundaryGraph& input_;
+  const BoundaryGraph& output_;
   Findings& findings_;
   RunControl& control_;
 
-  std::vector<std::uint32_t> degree_;
-  std::vector<std::array<std::uint32_t, 2>> incident_;
-  std::vector<bool> is_walked_;
-  std::vector<VertexId> chain_;
-  std::vector<Chain> chains_;
+  std::vector<Chain> input_chains_, output_chains_;
   Boundary result_;
 };
 
@@ -203,12 +188,6 @@ void BoundaryCheck::check_joints() {
   // Most vertices belong to one patch, and need no list.
   std::vector<PatchId> only_patch(model_.points.size());
   std::vector<std::uint8_t> is_shared(model_.points.size(), 0);
-  const auto for_each_corner = [&](const Faces& faces, const auto& visit) {
-    for (std::size_t f = 0; f < faces.count(); ++f) {
-      if (f % kCheckEvery == 0) control_.check();
-      for (const VertexId v : faces.face(f)) visit(v, faces.patch[f]);
-    }
-  };
   for_each_corner(model_.input, [&](VertexId v, PatchId p) {
     PatchId& only = only_patch[v.value];
     if (!only.is_valid())
@@ -221,6 +200,7 @@ void BoundaryCheck::check_joints() {
     if (is_shared[v.value]) before.push_back(joint(v, p));
   });
   for_each_corner(model_.output, [&](VertexId v, PatchId p) {
+    if (model_.is_new(v)) return;
     if (is_shared[v.value])
       after.push_back(joint(v, p));
     else if (only_patch[v.value] != p)
@@ -244,19 +224,30 @@ void BoundaryCheck::check_joints() {
       findings_.add(p, Fault::kLostVertex, v.value);
     } else {
       // Dropped: fine for the patches along the chain, whose faces there are one fan; not for one that has it inside.
-      const auto uses = degree_[v.value] == 2 ? input_[incident_[v.value][0]].uses : std::span<const Use>();
-      if (std::none_of(uses.begin(), uses.end(), [p](const Use& use) { return use.patch == p; }))
-        findings_.add(p, Fault::kLostVertex, v.value);
+      if (!input_.is_passage_of(v, p)) findings_.add(p, Fault::kLostVertex, v.value);
     }
   }
   for (; a < after.size(); ++a) findings_.add(patch_of(after[a]), Fault::kForeignVertex, vertex_of(after[a]).value);
 }
 
+void BoundaryCheck::check_new_vertices() {
+  const std::size_t first = model_.surface_vertex_count;
+  if (model_.new_vertex_end == first) return;
+  std::vector<PatchId> only_patch(model_.new_vertex_end - first);
+  for_each_corner(model_.output, [&](VertexId v, PatchId p) {
+    if (!model_.is_new(v)) return;
+    PatchId& only = only_patch[v.value - first];
+    if (!only.is_valid()) only = p;
+    if (output_.has(v) ? !output_.is_passage_of(v, p) : only != p) findings_.add(p, Fault::kNewVertex, v.value);
+  });
+  for (std::size_t i = 0; i < only_patch.size(); ++i)
+    if (!only_patch[i].is_valid()) findings_.add(PatchId(), Fault::kNewVertex, static_cast<std::uint32_t>(first + i));
+}
+
 }  // namespace
 
-Boundary check_boundary(const Model& model, const std::vector<Edge>& input, const std::vector<Edge>& output,
-                        Findings& findings, RunControl& control) {
-  return BoundaryCheck(model, input, output, findings, control).run();
+Boundary check_boundary(const Model& model, const Seams& seams, Findings& findings, RunControl& control) {
+  return BoundaryCheck(model, seams, findings, control).run();
 }
 
 }  // namespace remesh::verification

@@ -28,6 +28,11 @@ bool have_same_uses(std::span<const Use> a, std::span<const Use> b, bool is_flip
   return true;
 }
 
+bool has_patch(std::span<const Use> uses, PatchId patch) {
+  const auto found = std::partition_point(uses.begin(), uses.end(), [patch](const Use& u) { return u.patch < patch; });
+  return found != uses.end() && found->patch == patch;
+}
+
 EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& control)
     : bucket_(vertex_count + 1, 0), uses_(faces.corners.size()) {
   const auto for_each_half_edge = [&](const auto& visit) {

@@ -47,6 +47,9 @@ struct Edge {
 /// Do both edges have the same patches on the same sides? `is_flipped`: one is walked along, the other against.
 bool have_same_uses(std::span<const Use> a, std::span<const Use> b, bool is_flipped);
 
+/// Is one of the uses that patch's?
+bool has_patch(std::span<const Use> uses, PatchId patch);
+
 /// All edges of some faces, by their smaller vertex.
 class EdgeTable {
  public:

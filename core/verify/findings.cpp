@@ -17,13 +17,17 @@ static_assert(kFaultCount <= 32);
 constexpr std::uint32_t kAgainstSurface =
     bit(Fault::kMalformed) | bit(Fault::kMovedVertex) | bit(Fault::kForeignVertex) | bit(Fault::kNoFaces) |
     bit(Fault::kLostLoop) | bit(Fault::kBoundary) | bit(Fault::kChord) | bit(Fault::kDeviation) |
-    bit(Fault::kFacingAway) | bit(Fault::kArea) | bit(Fault::kInverted) | bit(Fault::kEuler) | bit(Fault::kVolume);
+    bit(Fault::kFacingAway) | bit(Fault::kArea) | bit(Fault::kInverted) | bit(Fault::kEuler) | bit(Fault::kVolume) |
+    bit(Fault::kNewVertex) | bit(Fault::kNewOffLine);
 constexpr std::uint32_t kAgainstConforming = bit(Fault::kMalformed) | bit(Fault::kLostVertex) | bit(Fault::kLostLoop) |
                                              bit(Fault::kBoundary) | bit(Fault::kZeroArea) | bit(Fault::kInverted) |
-                                             bit(Fault::kOpened);
+                                             bit(Fault::kOpened) | bit(Fault::kNewVertex) | bit(Fault::kNewOffLine);
 constexpr std::uint32_t kAgainstDelaunay =
     bit(Fault::kMalformed) | bit(Fault::kFrame) | bit(Fault::kPlaneCoordinates) | bit(Fault::kNotDelaunay);
-static_assert((kAgainstSurface | kAgainstConforming | kAgainstDelaunay) == (1u << kFaultCount) - 1);
+constexpr std::uint32_t kAgainstQuality = bit(Fault::kMalformed) | bit(Fault::kLockedBoundary) | bit(Fault::kUnlisted) |
+                                          bit(Fault::kListedInVain) | bit(Fault::kCertificate) |
+                                          bit(Fault::kShortEdge) | bit(Fault::kTooManyFaces);
+static_assert((kAgainstSurface | kAgainstConforming | kAgainstDelaunay | kAgainstQuality) == (1u << kFaultCount) - 1);
 
 std::string words(const Finding& finding) {
   const std::string id = std::to_string(finding.element);
@@ -47,6 +51,14 @@ std::string words(const Finding& finding) {
     case Fault::kEuler: return "the Euler number changed";
     case Fault::kOpened: return "the surface was closed and is open";
     case Fault::kVolume: return "the volume changed by more than the deviations explain";
+    case Fault::kNewVertex: return "new vertex " + id + " is neither on one edge nor inside one patch";
+    case Fault::kNewOffLine: return "new vertices next to vertex " + id + " are off their edge, or out of order";
+    case Fault::kLockedBoundary: return "new vertex " + id + " is on a boundary that was not to be split";
+    case Fault::kUnlisted: return "output face " + id + " misses the goals and is not listed";
+    case Fault::kListedInVain: return "output face " + id + " is listed and meets the goals";
+    case Fault::kCertificate: return "output face " + id + " is listed for a reason that it has not";
+    case Fault::kShortEdge: return "an edge at vertex " + id + ", made by refinement, is too short";
+    case Fault::kTooManyFaces: return "there are more faces than allowed";
   }
   return {};
 }
@@ -69,6 +81,7 @@ void Findings::write_to(Verdict& verdict) const {
   verdict.surface = (faults & kAgainstSurface) == 0;
   verdict.conforming = (faults & kAgainstConforming) == 0;
   verdict.delaunay = (faults & kAgainstDelaunay) == 0;
+  if (is_refined_) verdict.quality = (faults & kAgainstQuality) == 0;
 
   // The whole first: its patch is invalid, and so the largest number.
   std::vector<Finding> sorted = findings_;

@@ -30,8 +30,16 @@ enum class Fault : std::uint8_t {
   kEuler,             ///< the Euler number changed
   kOpened,            ///< a closed surface is open now
   kVolume,            ///< the enclosed volume changed by more than the deviations explain
+  kNewVertex,         ///< a new vertex is neither on one edge nor inside one patch
+  kNewOffLine,        ///< new vertices on an edge are off the line between its ends, or not in order along it
+  kLockedBoundary,    ///< a new vertex on an edge, where none was to be
+  kUnlisted,          ///< a face misses the goals, and is not listed
+  kListedInVain,      ///< a face is listed, and meets the goals
+  kCertificate,       ///< a face is listed for a reason that it has not
+  kShortEdge,         ///< refinement made an edge shorter than the least length
+  kTooManyFaces,      ///< more faces than allowed
 };
-inline constexpr int kFaultCount = static_cast<int>(Fault::kVolume) + 1;
+inline constexpr int kFaultCount = static_cast<int>(Fault::kTooManyFaces) + 1;
 
 /// One fault at one place. An invalid patch: it belongs to the whole.
 struct Finding {
@@ -43,7 +51,8 @@ struct Finding {
 /// Collects findings: the first of each fault and patch. Not for several threads; those hand in lists.
 class Findings {
  public:
-  explicit Findings(std::size_t patch_count) : of_patch_(patch_count, 0) {}
+  /// Only a refined result has a verdict on quality.
+  Findings(std::size_t patch_count, bool is_refined) : is_refined_(is_refined), of_patch_(patch_count, 0) {}
 
   void add(PatchId patch, Fault fault, std::uint32_t element = 0);
   void add(const std::vector<Finding>& findings) {
@@ -53,6 +62,7 @@ class Findings {
   void write_to(Verdict& verdict) const;
 
  private:
+  bool is_refined_;
   std::vector<std::uint32_t> of_patch_;  ///< a bit for each fault
   std::uint32_t of_whole_ = 0;
   std::vector<Finding> findings_;

@@ -1,8 +1,10 @@
 #include "core/verify/height_measure.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <set>
+#include <vector>
 
 #include "core/verify/exact.h"
 
@@ -11,16 +13,19 @@ namespace {
 
 constexpr std::size_t kCheckEvery = 4096;
 
+/// A point over the plane.
+struct Raised {
+  Vec2 at;
+  double height = 0;
+};
+
+/// A triangle over the plane.
+using Facet = std::array<Raised, 3>;
+
 /// An edge from left to right, with a triangle above it.
 struct LowerEdge {
   Vec2 left, right;
-  std::uint32_t face;
-};
-
-/// A vertex to be measured: plane coordinates and height.
-struct Probe {
-  Vec2 at;
-  double height;
+  std::uint32_t facet;
 };
 
 /// From below to above, among edges that some vertical line meets. They do not cross, for they belong to one
@@ -35,7 +40,7 @@ class Below {
     if (b->left.x < a->left.x) return side(*b, *a) < 0;
     return side(*a, *b) > 0;
   }
-  bool operator()(const Probe& p, const LowerEdge* e) const { return p.at.y < height_of(*e, p.at.x); }
+  bool operator()(const Raised& p, const LowerEdge* e) const { return p.at.y < height_of(*e, p.at.x); }
 
  private:
   /// > 0: b, which begins no further left, is above a.
@@ -52,12 +57,23 @@ class Below {
 
 class HeightMeasure {
  public:
-  HeightMeasure(const Model& model, std::size_t patch) : model_(model), frame_(model.frames[patch]), patch_(patch) {}
+  /// Input:  triangles that turn counter-clockwise, with coordinates on the grid, next to each other as in a
+  ///         triangulation.
+  HeightMeasure(std::vector<Facet> facets, double grid) : facets_(std::move(facets)), grid_(grid) {
+    for (std::uint32_t f = 0; f < facets_.size(); ++f)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const Vec2 from = facets_[f][i].at, to = facets_[f][(i + 1) % 3].at;
+        if (from.x < to.x) edges_.push_back({from, to, f});
+      }
+    std::sort(edges_.begin(), edges_.end(), [](const LowerEdge& a, const LowerEdge& b) {
+      return a.left != b.left ? a.left < b.left : a.right < b.right;
+    });
+  }
 
-  double run(std::span<const std::uint8_t> is_on_boundary, RunControl& control) {
-    collect_probes(is_on_boundary);
-    collect_edges();
-    Active active(Below(frame_.grid));
+  /// The largest difference; infinity if one of the probes is over no facet.
+  double run(std::vector<Raised> probes, RunControl& control) const {
+    std::sort(probes.begin(), probes.end(), [](const Raised& a, const Raised& b) { return a.at < b.at; });
+    Active active((Below(grid_)));
     std::vector<const LowerEdge*> by_right;
     for (const LowerEdge& e : edges_) by_right.push_back(&e);
     std::sort(by_right.begin(), by_right.end(),
@@ -81,9 +97,9 @@ class HeightMeasure {
       }
     };
     double largest = 0;
-    for (std::size_t i = 0; i < probes_.size(); ++i) {
+    for (std::size_t i = 0; i < probes.size(); ++i) {
       if (i % kCheckEvery == 0) control.check();
-      const Probe& probe = probes_[i];
+      const Raised& probe = probes[i];
       // On a vertical line of the triangulation, the triangles on its left are asked first, then those on its right.
       insert_before(probe.at.x, false);
       remove_ended(probe.at.x, false);
@@ -102,66 +118,91 @@ class HeightMeasure {
  private:
   using Active = std::set<const LowerEdge*, Below>;
 
-  void collect_probes(std::span<const std::uint8_t> is_on_boundary) {
-    std::vector<VertexId> gone;
-    for (const std::uint32_t f : model_.input_by_patch[patch_])
-      for (const VertexId v : model_.input.face(f))
-        if (!model_.is_kept[v.value] && !is_on_boundary[v.value]) gone.push_back(v);
-    std::sort(gone.begin(), gone.end());
-    gone.erase(std::unique(gone.begin(), gone.end()), gone.end());
-    for (const VertexId v : gone) {
-      const Vec3 d = model_.points[v.value] - frame_.origin;
-      probes_.push_back({{dot(d, frame_.x_axis) / frame_.scale, dot(d, frame_.y_axis) / frame_.scale}, height(v)});
-    }
-    std::sort(probes_.begin(), probes_.end(), [](const Probe& a, const Probe& b) { return a.at < b.at; });
-  }
-
-  void collect_edges() {
-    for (const std::uint32_t f : model_.output_by_patch[patch_])
-      for (std::uint32_t i = 0; i < 3; ++i) {
-        const Vec2 from = model_.corner_uv[3 * f + i], to = model_.corner_uv[3 * f + (i + 1) % 3];
-        if (from.x < to.x) edges_.push_back({from, to, f});
-      }
-    std::sort(edges_.begin(), edges_.end(), [](const LowerEdge& a, const LowerEdge& b) {
-      return a.left != b.left ? a.left < b.left : a.right < b.right;
-    });
-  }
-
-  double height(VertexId v) const { return dot(model_.points[v.value] - frame_.origin, frame_.normal); }
-
   /// Height difference to the triangle over the highest edge that is not above the probe; infinity if it is not inside.
-  double measure(const Active& active, const Probe& probe) const {
+  double measure(const Active& active, const Raised& probe) const {
     const auto above = active.upper_bound(probe);
     if (above == active.begin()) return HUGE_VAL;
-    const std::uint32_t f = (*std::prev(above))->face;
-    const Vec2* uv = &model_.corner_uv[3 * f];
-    const auto corners = model_.output.face(f);
+    const Facet& facet = facets_[(*std::prev(above))->facet];
     double weight[3], sum = 0;
     for (int i = 0; i < 3; ++i) {
-      const Vec2 side = uv[(i + 2) % 3] - uv[(i + 1) % 3];
-      weight[i] = cross(side, probe.at - uv[(i + 1) % 3]);
+      const Vec2 from = facet[(i + 1) % 3].at, side = facet[(i + 2) % 3].at - from;
+      weight[i] = cross(side, probe.at - from);
       // Outside by more than the grid's rounding?
-      if (weight[i] < -2 * (frame_.grid + 0x1p-50) * norm(side)) return HUGE_VAL;
+      if (weight[i] < -2 * (grid_ + 0x1p-50) * norm(side)) return HUGE_VAL;
       weight[i] = std::max(weight[i], 0.0);
       sum += weight[i];
     }
     double covered = 0;
-    for (int i = 0; i < 3; ++i) covered += (sum > 0 ? weight[i] / sum : 1.0 / 3) * height(corners[i]);
+    for (int i = 0; i < 3; ++i) covered += (sum > 0 ? weight[i] / sum : 1.0 / 3) * facet[i].height;
     return std::fabs(probe.height - covered);
   }
 
-  const Model& model_;
-  const Frame& frame_;
-  const std::size_t patch_;
-  std::vector<Probe> probes_;     ///< from left to right
+  std::vector<Facet> facets_;
   std::vector<LowerEdge> edges_;  ///< by their left end
+  double grid_;
 };
+
+Raised raise(const Model& model, const Frame& frame, VertexId v) {
+  const Vec3 d = model.points[v.value] - frame.origin;
+  return {{dot(d, frame.x_axis) / frame.scale, dot(d, frame.y_axis) / frame.scale}, dot(d, frame.normal)};
+}
+
+/// The vertices of some faces that are wanted, once each.
+template <class IsWanted>
+std::vector<Raised> collect_probes(const Model& model, const Frame& frame, const Faces& faces,
+                                   std::span<const std::uint32_t> of_patch, const IsWanted& is_wanted) {
+  std::vector<VertexId> wanted;
+  for (const std::uint32_t f : of_patch)
+    for (const VertexId v : faces.face(f))
+      if (is_wanted(v)) wanted.push_back(v);
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  std::vector<Raised> probes;
+  for (const VertexId v : wanted) probes.push_back(raise(model, frame, v));
+  return probes;
+}
 
 }  // namespace
 
-double largest_height_difference(const Model& model, std::size_t patch, std::span<const std::uint8_t> is_on_boundary,
+double largest_height_of_dropped(const Model& model, std::size_t patch, const BoundaryGraph& input_seams,
                                  RunControl& control) {
-  return HeightMeasure(model, patch).run(is_on_boundary, control);
+  const Frame& frame = model.frames[patch];
+  std::vector<Facet> facets;
+  for (const std::uint32_t f : model.output_by_patch[patch]) {
+    const auto face = model.output.face(f);
+    Facet& facet = facets.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) facet[i] = {model.corner_uv[3 * f + i], raise(model, frame, face[i]).height};
+  }
+  return HeightMeasure(std::move(facets), frame.grid)
+      .run(collect_probes(model, frame, model.input, model.input_by_patch[patch],
+                          [&](VertexId v) { return !model.is_kept[v.value] && !input_seams.has(v); }),
+           control);
+}
+
+double largest_height_of_new(const Model& model, std::size_t patch, const BoundaryGraph& output_seams,
+                             RunControl& control) {
+  const Frame& frame = model.frames[patch];
+  // The input has no plane coordinates of its own. They may lie a little outside the frame's square.
+  const auto to_grid = [&](Vec2 uv) {
+    return Vec2{std::nearbyint(uv.x / frame.grid) * frame.grid, std::nearbyint(uv.y / frame.grid) * frame.grid};
+  };
+  const auto is_near = [](Vec2 uv) { return std::fabs(uv.x) < 2 && std::fabs(uv.y) < 2; };
+  std::vector<Facet> facets;
+  for (const std::uint32_t f : model.input_by_patch[patch]) {
+    const auto face = model.input.face(f);
+    if (face.size() != 3) return HUGE_VAL;
+    Facet& facet = facets.emplace_back();
+    for (std::size_t i = 0; i < 3; ++i) {
+      facet[i] = raise(model, frame, face[i]);
+      facet[i].at = to_grid(facet[i].at);
+      if (!is_near(facet[i].at)) return HUGE_VAL;
+    }
+    if (orientation(facet[0].at, facet[1].at, facet[2].at, frame.grid) <= 0) return HUGE_VAL;
+  }
+  return HeightMeasure(std::move(facets), frame.grid)
+      .run(collect_probes(model, frame, model.output, model.output_by_patch[patch],
+                          [&](VertexId v) { return model.is_new(v) && !output_seams.has(v); }),
+           control);
 }
 
 }  // namespace remesh::verification

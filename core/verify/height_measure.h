@@ -1,12 +1,10 @@
-/// How far the inner vertices of a patch are from the output below them.
+/// How far vertices inside a patch, of one side, are from the other side's faces above or below them.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
-#include <span>
-#include <vector>
 
 #include "core/base/run_control.h"
+#include "core/verify/boundary_graph.h"
 #include "core/verify/model.h"
 
 namespace remesh::verification {
@@ -16,7 +14,12 @@ namespace remesh::verification {
 /// Input:  a patch with a sound frame, whose output triangles all turn counter-clockwise in their plane coordinates.
 /// Output: infinity if no triangle covers one of the vertices.
 /// Cost:   O(n log n): a sweep over the plane, with the edges under the triangles in order.
-double largest_height_difference(const Model& model, std::size_t patch, std::span<const std::uint8_t> is_on_boundary,
+double largest_height_of_dropped(const Model& model, std::size_t patch, const BoundaryGraph& input_seams,
                                  RunControl& control);
+
+/// The same for new vertices over the input's triangles.
+/// Output: infinity also where the input is not made of triangles that all turn counter-clockwise in the plane.
+double largest_height_of_new(const Model& model, std::size_t patch, const BoundaryGraph& output_seams,
+                             RunControl& control);
 
 }  // namespace remesh::verification

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <cstring>
+#include <functional>
 
 #include "core/base/blocks.h"
 
@@ -20,17 +21,22 @@ bool is_same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(&a, &b, siz
 double scale_of(std::span<const Vec3> positions, RunControl& control) {
   const auto largest = map_blocks<double>(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     double m = 0;
-    for (std::size_t i = begin; i < end; ++i)
-      m = std::max({m, std::fabs(positions[i].x), std::fabs(positions[i].y), std::fabs(positions[i].z)});
+    for (std::size_t i = begin; i < end; ++i) m = std::max(m, largest_coordinate(positions[i]));
     return m;
   });
   const double m = largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
   return m > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(m) + 1, -1000, 1000)) : 1.0;
 }
 
-/// The surface vertex of each output vertex: equal bits, and the only one there; else invalid.
-/// The output is sorted and searched, not the surface: it is the smaller one, and often very much so.
-std::vector<VertexId> match_vertices(const Claim& claim, RunControl& control) {
+/// What the output's vertices are.
+struct Matches {
+  std::vector<VertexId> of_surface;     ///< the surface vertex with the same bits; invalid if there is none
+  std::vector<std::uint8_t> is_single;  ///< it is finite, and no other output vertex is in its place
+};
+
+/// The output is sorted and searched, not the surface: without refinement it is the smaller one, and often very much
+/// so.
+Matches match_vertices(const Claim& claim, RunControl& control) {
   const std::span<const Vec3> surface = claim.surface.positions.items();
   struct Place {
     Vec3 position;
@@ -44,16 +50,34 @@ std::vector<VertexId> match_vertices(const Claim& claim, RunControl& control) {
     return a.position != b.position ? a.position < b.position : a.vertex < b.vertex;
   });
   control.check();
-  std::vector<VertexId> match(claim.positions.size());
+  Matches match;
+  match.is_single.assign(claim.positions.size(), 0);
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const bool is_repeated = (i > 0 && places[i - 1].position == places[i].position) ||
+                             (i + 1 < places.size() && places[i + 1].position == places[i].position);
+    match.is_single[places[i].vertex] = is_repeated ? 0 : 1;
+  }
+  match.of_surface.resize(claim.positions.size());
   for_blocks(surface.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const auto found = std::partition_point(places.begin(), places.end(),
                                               [&](const Place& place) { return place.position < surface[v]; });
       // Surface positions are pairwise different, so no two threads find the same one.
-      if (found != places.end() && is_same_bits(found->position, surface[v])) match[found->vertex] = VertexId(v);
+      if (found != places.end() && is_same_bits(found->position, surface[v]))
+        match.of_surface[found->vertex] = VertexId(v);
     }
   });
   return match;
+}
+
+/// One reason for each face that is listed, ascending; goals that are numbers.
+bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count) {
+  const auto& [goals, unrefined, reasons] = refinement;
+  const auto is_bound = [](double bound) { return bound >= 0; };
+  return unrefined.size() == reasons.size() &&
+         std::adjacent_find(unrefined.begin(), unrefined.end(), std::greater_equal<>()) == unrefined.end() &&
+         (unrefined.empty() || unrefined.back().value < face_count) && is_bound(goals.min_angle_deg) &&
+         is_bound(goals.max_edge_length) && is_bound(goals.max_area) && is_bound(goals.min_edge_length);
 }
 
 }  // namespace
@@ -73,6 +97,7 @@ bool is_well_formed(const Claim& claim, RunControl& control) {
       surface.face_begin.back() != surface.corners.size() || claim.surface_patch.size() != surface.face_count() ||
       claim.face_patch.size() != claim.faces.size() || claim.corner_uv.size() != 3 * claim.faces.size())
     return false;
+  if (claim.refinement != nullptr && !is_well_formed(*claim.refinement, claim.faces.size())) return false;
   std::atomic<bool> is_good{true};
   const auto test = [&](std::size_t n, const auto& is_item_good) {
     for_blocks(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -110,12 +135,21 @@ Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
     frame.scale *= scale;
   }
 
-  std::vector<VertexId> match = match_vertices(claim, control);
+  const Matches matches = match_vertices(claim, control);
+  std::vector<VertexId> match = matches.of_surface;
+  const auto append = [&](std::size_t v) {
+    match[v] = VertexId(model.points.size());
+    model.points.push_back(scale * claim.positions[v]);
+  };
+  for (std::size_t v = 0; v < match.size(); ++v)
+    if (claim.refinement != nullptr && !match[v].is_valid() && matches.is_single[v] &&
+        is_finite(scale * claim.positions[v]))
+      append(v);
+  model.new_vertex_end = model.points.size();
   for (std::size_t v = 0; v < match.size(); ++v) {
     if (match[v].is_valid()) continue;
     findings.add(PatchId(), Fault::kMovedVertex, static_cast<std::uint32_t>(v));
-    match[v] = VertexId(model.points.size());
-    model.points.push_back(scale * claim.positions[v]);
+    append(v);
   }
 
   model.is_kept.assign(model.points.size(), 0);
@@ -126,7 +160,7 @@ Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
     if (f % kBlock == 0) control.check();
     for (const VertexId v : claim.faces[f]) {
       const VertexId matched = match[v.value];
-      if (matched.value >= surface.size()) findings.add(claim.face_patch[f], Fault::kMovedVertex, v.value);
+      if (matched.value >= model.new_vertex_end) findings.add(claim.face_patch[f], Fault::kMovedVertex, v.value);
       model.is_kept[matched.value] = 1;
       model.output_corners.push_back(matched);
     }

@@ -53,10 +53,12 @@ double longest_extent(std::span<const VertexId> face, const std::vector<Vec3>& p
 
 class PatchCheck {
  public:
-  PatchCheck(const Model& model, const EdgeTable& input_edges, const Boundary& boundary, std::size_t patch,
-             std::vector<std::uint8_t>& is_positive, std::vector<Finding>& findings, RunControl& control)
+  PatchCheck(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
+             std::size_t patch, std::vector<std::uint8_t>& is_positive, std::vector<Finding>& findings,
+             RunControl& control)
       : model_(model),
         input_edges_(input_edges),
+        seams_(seams),
         boundary_(boundary),
         patch_(patch),
         frame_(model.frames[patch]),
@@ -87,7 +89,9 @@ class PatchCheck {
 
   double height(VertexId v) {
     const Vec3 d = model_.points[v.value] - frame_.origin;
-    reach_ = std::max({reach_, std::fabs(d.x), std::fabs(d.y), std::fabs(d.z)});
+    reach_ = std::max(reach_, largest_coordinate(d));
+    // A new vertex was rounded when it was made, by its coordinates, not by its distance from the frame's origin.
+    if (model_.is_new(v)) reach_ = std::max(reach_, largest_coordinate(model_.points[v.value]));
     return dot(d, frame_.normal);
   }
 
@@ -157,10 +161,12 @@ class PatchCheck {
 
   /// Are these the vertex's plane coordinates? They may be off by half the grid, and by the rounding of two
   /// computations (the stage's and this one), each of some four operations on numbers no larger than the sum of |d|'s
-  /// coordinates.
+  /// coordinates. A new vertex may have been made in the plane: then it is the one in space that was rounded.
   bool is_projection(Vec2 uv, VertexId v) const {
-    const Vec3 d = model_.points[v.value] - frame_.origin;
-    const double noise = 0x1p-49 * (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / frame_.scale;
+    const Vec3& p = model_.points[v.value];
+    const Vec3 d = p - frame_.origin;
+    double noise = 0x1p-49 * (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / frame_.scale;
+    if (model_.is_new(v)) noise += Model::rounding(largest_coordinate(p)) / frame_.scale;
     const double allowed = frame_.grid / 2 + noise;
     return std::fabs(uv.x - dot(d, frame_.x_axis) / frame_.scale) <= allowed &&
            std::fabs(uv.y - dot(d, frame_.y_axis) / frame_.scale) <= allowed;
@@ -205,11 +211,25 @@ class PatchCheck {
     }
     if (facing_away_.is_valid()) report(Fault::kFacingAway, facing_away_.value);
     if (is_flat) return std::max(along_boundary, height_bound_);
-    const double measured = are_all_positive_
-                                ? largest_height_difference(model_, patch_, boundary_.is_on_boundary, control_)
-                                : height_bound_;
+    const double measured =
+        std::max(are_all_positive_ ? largest_height_of_dropped(model_, patch_, seams_.input, control_) : height_bound_,
+                 bound_of_new_heights());
     if (!model_.is_within_tolerance(measured, reach_)) report(Fault::kDeviation);
     return std::max(along_boundary, std::min(measured, height_bound_));
+  }
+
+  /// How far new vertices inside the patch are from the input, or a bound of it. Those on the boundary are on their
+  /// chords, and these have been held against the input.
+  double bound_of_new_heights() {
+    double bound = 0;
+    for (const std::uint32_t f : output_faces_)
+      for (const VertexId v : model_.output.face(f))
+        if (model_.is_new(v) && !seams_.output.has(v)) {
+          const double h = height(v);
+          bound = std::max({bound, input_heights_.high - h, h - input_heights_.low});
+        }
+    if (model_.is_within_tolerance(bound, reach_)) return bound;
+    return std::min(bound, largest_height_of_new(model_, patch_, seams_.output, control_));
   }
 
   /// Input and output of the patch, and the slivers between their boundaries, enclose no more than the area that they
@@ -224,6 +244,7 @@ class PatchCheck {
 
   const Model& model_;
   const EdgeTable& input_edges_;
+  const Seams& seams_;
   const Boundary& boundary_;
   const std::size_t patch_;
   const Frame& frame_;
@@ -244,7 +265,7 @@ class PatchCheck {
 
 }  // namespace
 
-ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const Boundary& boundary,
+ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
                        std::vector<std::uint8_t>& is_positive, Findings& findings, RunControl& control) {
   struct Block {
     ShapeSums sums;
@@ -255,7 +276,7 @@ ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const B
       map_blocks<Block>(model.patch_count(), kPatchesPerBlock, control, [&](std::size_t begin, std::size_t end) {
         Block block;
         for (std::size_t p = begin; p < end; ++p)
-          PatchCheck(model, input_edges, boundary, p, is_positive, block.findings, control).run(block.sums);
+          PatchCheck(model, input_edges, seams, boundary, p, is_positive, block.findings, control).run(block.sums);
         return block;
       });
   ShapeSums total;

@@ -8,10 +8,10 @@
 ///  - Input and output boundary differ by chains within the tolerance of their chords. A point further than that from
 ///    the boundary has the same winding number for both: covered by the input exactly where covered by the output.
 ///  - What lies over each other differs in height only. All vertices of the input lie within [A, B] over the plane,
-///  those
-///    that stay within [a, b]; so no input point is further from the output than max(B - a, b - A), nor the other way
-///    round. Where this bound is not within the tolerance, the height of each input vertex over the output below it is
-///    measured instead; between vertices the bound stands.
+///    those of the output, new ones too, within [a, b]; so no input point is further from the output than
+///    max(B - a, b - A), nor the other way round. Where this bound is not within the tolerance, the height of each
+///    input vertex over the output below it is measured instead, and that of each new vertex over the input, unless it
+///    is within the tolerance of both A and B; between vertices the bound stands.
 #pragma once
 
 #include <cstdint>
@@ -36,7 +36,7 @@ struct ShapeSums {
 /// A triangle that the input has too, in the same patch, is not held against the plane: it is what it was.
 /// Output: `is_positive`, one per output face: its plane coordinates are on the grid and turn counter-clockwise.
 /// Cost:   O(n), where distances must be measured O(n log n).
-ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const Boundary& boundary,
+ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
                        std::vector<std::uint8_t>& is_positive, Findings& findings, RunControl& control);
 
 }  // namespace remesh::verification

@@ -157,7 +157,8 @@ TEST_F(Cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "-o", "o.obj", "--plane-tolerance", "wide"}, "invalid_option: plane_tolerance must be"},
       {{"square.obj", "-o", "o.obj", "--plane-tolerance", "1", "--plane-tolerance", "2"}, "--plane-tolerance"},
       {{"square.obj", "-o", "o.obj", "--refine"}, "--refine"},
-      {{"square.obj", "-o", "o.obj", "--refine", "true"}, "not_implemented: "},
+      {{"square.obj", "-o", "o.obj", "--weld-tolerance", "1"}, "not_implemented: "},
+      {{"square.obj", "-o", "o.obj", "--max-edge-length", "1", "--max-edge-fraction", "1"}, "exclude each other"},
       {{"square.obj", "-o", "o.obj", "--workers", "0"}, "--workers"},
       {{"square.obj", "other.obj", "-o", "o.obj"}, "unexpected argument other.obj"},
       {{"square.obj", "-o", "-", "--report", "-"}, "standard output"},
@@ -182,6 +183,28 @@ TEST_F(Cli, failure_is_told_with_file_and_line_and_exits_with_1) {
   EXPECT_EQ(run({"square.obj", "-o", "no/such/folder.obj"}).status, 1);
   EXPECT_EQ(run({"-", "-o", "out.obj"}, "").status, 1);
   EXPECT_EQ(file_count(), 2u);
+}
+
+TEST_F(Cli, a_result_beyond_its_bound_is_the_meshs_failure_not_misuse) {
+  const Outcome outcome = run({"square.obj", "-o", "out.obj", "--refine", "false", "--max-output-faces", "1"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_THAT(outcome.err, HasSubstr("output_too_large: "));
+  EXPECT_EQ(file_count(), 1u);
+}
+
+TEST_F(Cli, refinement_is_on_unless_it_is_turned_off) {
+  // A strip of 1 by 10: two triangles have 6 degrees.
+  write("strip.obj", "v 0 0 0\nv 10 0 0\nv 10 1 0\nv 0 1 0\nf 1 2 3 4\n");
+  const auto faces = [&](std::vector<std::string> options) {
+    options.insert(options.begin(), {"strip.obj", "-o", "out.obj", "--report", "report.json"});
+    const Outcome outcome = run(options);
+    EXPECT_EQ(outcome.status, 0) << outcome.err;
+    return nlohmann::json::parse(read("report.json"))["output"]["faces"].get<int>();
+  };
+  EXPECT_EQ(faces({"--refine", "false"}), 2);
+  const int refined = faces({});
+  EXPECT_GT(refined, 2);
+  EXPECT_GT(faces({"--max-edge-length", "0.3", "--min-angle-deg", "30"}), refined);
 }
 
 TEST_F(Cli, a_failure_leaves_an_older_output_as_it_was) {
@@ -211,6 +234,7 @@ TEST_F(Cli, help_lists_every_option_with_its_default) {
   EXPECT_EQ(help.status, 0);
   EXPECT_THAT(help.out, HasSubstr("--max-radius-edge-ratio"));
   EXPECT_THAT(help.out, HasSubstr("[dominant_edge]"));
+  EXPECT_THAT(help.out, HasSubstr("[25]"));
   const Outcome version = run({"--version"});
   EXPECT_EQ(version.status, 0);
   EXPECT_THAT(version.out, StartsWith("remesh "));

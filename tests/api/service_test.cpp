@@ -3,14 +3,20 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 #include "api/options.h"
+#include "core/base/vec.h"
 
 namespace remesh::api {
 namespace {
 
 using nlohmann::json;
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -41,6 +47,9 @@ f 8//1 6//1 4//1
 constexpr std::string_view kCube = R"({"vertices":[[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,1],[1,0,1],[1,1,1],[0,1,1]],
 "faces":[[3,2,1,0],[4,5,6,7],[0,1,5,4],[1,2,6,5],[2,3,7,6],[3,0,4,7]]})";
 
+// A triangle with a corner of 10 degrees, and one of 30 and one of 140.
+constexpr std::string_view kWedge = "v 0 0 0\nv 10 0 0\nv 7.9 1.393 0\nf 1 2 3\n";
+
 Response remesh(const Request& request, const Limits& limits = {}) {
   RunControl control;
   return run_remesh(request, limits, control);
@@ -68,7 +77,7 @@ std::string header(const Response& response, std::string_view name) {
 }
 
 TEST(RunRemesh, the_listing_of_the_specification_is_one_ring) {
-  const Response response = remesh(request_of(kRing, "model/obj", {{"format", "json"}}));
+  const Response response = remesh(request_of(kRing, "model/obj", {{"format", "json"}, {"refine", "false"}}));
   EXPECT_EQ(response.status, 200);
   EXPECT_EQ(response.content_type, "application/json");
   const json answer = json::parse(response.body);
@@ -93,7 +102,7 @@ TEST(RunRemesh, the_listing_of_the_specification_is_one_ring) {
 }
 
 TEST(RunRemesh, an_obj_comes_back_as_an_obj_with_its_summary) {
-  Request request = request_of(kRing, "application/x-www-form-urlencoded", {}, "*/*");
+  Request request = request_of(kRing, "application/x-www-form-urlencoded", {{"refine", "false"}}, "*/*");
   request.file_name = "/tmp/../my ring.OBJ";
   const Response response = remesh(request);
   EXPECT_EQ(response.content_type, "model/obj");
@@ -109,7 +118,7 @@ TEST(RunRemesh, an_obj_comes_back_as_an_obj_with_its_summary) {
 }
 
 TEST(RunRemesh, the_report_has_every_field_of_the_contract) {
-  const json report = json::parse(remesh(request_of(kCube)).body)["report"];
+  const json report = json::parse(remesh(request_of(kCube, "", {{"refine", "false"}})).body)["report"];
   const auto keys = [](const json& object) {
     std::set<std::string> names;
     for (const auto& [name, value] : object.items()) names.insert(name);
@@ -143,23 +152,153 @@ TEST(RunRemesh, the_report_has_every_field_of_the_contract) {
   EXPECT_TRUE(report["timing_ms"].contains("total"));
 }
 
+// The angles of a triangle of an answer's mesh, in degrees, by the law of cosines.
+std::array<double, 3> angles_deg(const json& mesh, const json& face) {
+  std::array<Vec3, 3> p;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const json& v = mesh["vertices"][face[i].get<std::size_t>()];
+    p[i] = {v[0], v[1], v[2]};
+  }
+  std::array<double, 3> angles{};
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double a = norm(p[(i + 2) % 3] - p[(i + 1) % 3]);
+    const double b = norm(p[(i + 1) % 3] - p[i]);
+    const double c = norm(p[(i + 2) % 3] - p[i]);
+    angles[i] = std::acos((b * b + c * c - a * a) / (2 * b * c)) * 180 / std::numbers::pi;
+  }
+  return angles;
+}
+
+std::size_t count_below(const json& mesh, double degrees) {
+  const json& faces = mesh["faces"];
+  return static_cast<std::size_t>(std::count_if(faces.begin(), faces.end(), [&](const json& face) {
+    const auto angles = angles_deg(mesh, face);
+    return *std::min_element(angles.begin(), angles.end()) < degrees;
+  }));
+}
+
+TEST(RunRemesh, refinement_is_on_at_25_degrees_unless_it_is_turned_off) {
+  const json answer = json::parse(remesh(request_of(kRing, "", {{"format", "json"}})).body);
+  const json& report = answer["report"];
+  EXPECT_EQ(report["options"]["refine"], true);
+  EXPECT_EQ(report["options"]["min_angle_deg"], 25);
+  EXPECT_TRUE(report["options"]["gradation"].is_null());
+  EXPECT_EQ(report["verified"]["quality"], true);
+  EXPECT_EQ(report["unrefined"], json::array());
+  EXPECT_DOUBLE_EQ(report["output"]["area"].get<double>(), 28);
+  EXPECT_EQ(count_below(answer["mesh"], 25), 0u);
+  EXPECT_GE(report["output"]["quality"]["min_angle_deg"].get<double>(), 25);
+}
+
+TEST(RunRemesh, the_sizes_asked_for_hold) {
+  const Fields query{{"max_edge_length", "0.1"}, {"min_angle_deg", "30"}};
+  const json answer = json::parse(remesh(request_of(kCube, "", query)).body);
+  const json& output = answer["report"]["output"];
+  EXPECT_EQ(answer["report"]["verified"]["quality"], true);
+  EXPECT_LE(output["quality"]["edge_length"]["max"].get<double>(), 0.1 * (1 + 1e-12));
+  EXPECT_EQ(count_below(answer["mesh"], 30), 0u);
+  EXPECT_EQ(output["closed"], true);
+  EXPECT_DOUBLE_EQ(output["volume"].get<double>(), 1);
+  EXPECT_GT(answer["report"]["predicted_faces"].get<double>(), 1000);
+
+  const Fields by_area{{"max_area", "0.01"}};
+  EXPECT_LE(json::parse(remesh(request_of(kCube, "", by_area)).body)["report"]["output"]["quality"]["area"]["max"]
+                .get<double>(),
+            0.01);
+  const Fields by_fraction{{"max_edge_fraction", "0.1"}};
+  EXPECT_LE(
+      json::parse(remesh(request_of(kCube, "", by_fraction)).body)["report"]["output"]["quality"]["edge_length"]["max"]
+          .get<double>(),
+      0.1 * std::sqrt(3.0) * (1 + 1e-12));
+}
+
+TEST(RunRemesh, what_misses_the_bound_is_listed_with_reason_and_place) {
+  const json answer = json::parse(remesh(request_of(kWedge, "", {{"format", "json"}})).body);
+  const json& unrefined = answer["report"]["unrefined"];
+  EXPECT_EQ(answer["report"]["verified"]["quality"], true);
+  std::size_t listed = 0;
+  for (const json& entry : unrefined) {
+    EXPECT_THAT(entry["reason"].get<std::string>(), testing::AnyOf("input_angle", "across_input_angle"));
+    EXPECT_EQ(entry["places"].size(), std::min<std::size_t>(entry["count"], 100));
+    listed += entry["count"].get<std::size_t>();
+    for (const json& place : entry["places"]) {
+      EXPECT_GT(place[0].get<double>(), 0);
+      EXPECT_LT(place[0].get<double>(), 10);
+      EXPECT_EQ(place[2].get<double>(), 0);
+    }
+  }
+  EXPECT_GT(listed, 0u);
+  EXPECT_EQ(listed, count_below(answer["mesh"], 25));
+}
+
+TEST(RunRemesh, a_mesh_format_tells_what_misses_the_bound_in_its_comments) {
+  const Response response = remesh(request_of(kWedge));
+  EXPECT_THAT(response.body, HasSubstr("\n# unrefined: input_angle: 1\n"));
+  EXPECT_THAT(header(response, "Remesh-Summary"), StartsWith("input_faces=1, output_faces="));
+  EXPECT_THAT(header(response, "Remesh-Summary"), HasSubstr(", patches=1, kept=0, min_angle_deg="));
+  EXPECT_THAT(header(response, "Remesh-Summary"), HasSubstr("verified=1, warnings="));
+}
+
+TEST(RunRemesh, a_thin_plate_is_meshed_as_fine_as_it_is_thin) {
+  const std::string plate =
+      R"({"vertices":[[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,0.1],[1,0,0.1],[1,1,0.1],[0,1,0.1]],
+          "faces":[[3,2,1,0],[4,5,6,7],[0,1,5,4],[1,2,6,5],[2,3,7,6],[3,0,4,7]]})";
+  const json report = json::parse(remesh(request_of(plate, "", {{"proximity", "1"}})).body)["report"];
+  EXPECT_NEAR(report["smallest_gap"].get<double>(), 0.1, 1e-12);
+  EXPECT_EQ(report["options"]["proximity"], 1);
+  EXPECT_EQ(report["options"]["gradation"], 1.5);
+  const json plain = json::parse(remesh(request_of(plate)).body)["report"];
+  EXPECT_TRUE(plain["smallest_gap"].is_null());
+  EXPECT_TRUE(plain["options"]["gradation"].is_null());
+  EXPECT_GT(report["output"]["faces"], plain["output"]["faces"]);
+  RunControl control;
+  const json analysis = json::parse(run_analyze(request_of(plate), {}, control).body)["report"];
+  EXPECT_NEAR(analysis["smallest_gap"].get<double>(), 0.1, 1e-12);
+}
+
+TEST(RunRemesh, a_result_that_must_be_too_large_is_refused_before_the_work) {
+  try {
+    // Six unit squares in triangles of at most 4.4e-9: over a thousand million of them.
+    remesh(request_of(kCube, "", {{"max_edge_length", "0.0001"}, {"max_output_faces", "1000"}}));
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, Code::kOutputTooLarge);
+    EXPECT_EQ(error.option, "max_output_faces");
+    EXPECT_EQ(error.limit, 1000u);
+  }
+}
+
+TEST(RunRemesh, boundaries_are_not_split_where_they_must_not_be) {
+  const Fields query{{"format", "json"}, {"split_boundaries", "false"}, {"max_edge_length", "1"}};
+  const json answer = json::parse(remesh(request_of(kRing, "", query)).body);
+  EXPECT_EQ(answer["report"]["output"]["boundary_edges"], 8);
+  EXPECT_EQ(answer["report"]["verified"]["quality"], true);
+  ASSERT_FALSE(answer["report"]["unrefined"].empty());
+  EXPECT_EQ(answer["report"]["unrefined"][0]["reason"], "boundary_locked");
+}
+
 TEST(RunRemesh, an_open_surface_is_not_ready_for_a_volume_mesher) {
-  const json ready = json::parse(remesh(request_of(kRing, "", {{"format", "json"}})).body)["report"]["volume_ready"];
+  const json ready = json::parse(
+      remesh(request_of(kRing, "", {{"format", "json"}, {"refine", "false"}})).body)["report"]["volume_ready"];
   EXPECT_EQ(ready["ready"], false);
   EXPECT_EQ(ready["reasons"], json({{{"code", "open_boundary"}, {"count", 8}, {"places", json::array()}}}));
 }
 
 TEST(RunRemesh, the_options_of_a_report_can_be_sent_again) {
-  const json first = json::parse(remesh(request_of(kCube)).body);
-  const json again{{"mesh", json::parse(kCube)}, {"options", first["report"]["options"]}};
-  const json second = json::parse(remesh(request_of(again.dump())).body);
-  EXPECT_EQ(second["report"]["options"], first["report"]["options"]);
-  EXPECT_EQ(second["mesh"], first["mesh"]);
+  for (const Fields& query : {Fields{}, Fields{{"refine", "false"}}, Fields{{"max_radius_edge_ratio", "1.1"}},
+                              Fields{{"proximity", "1"}, {"max_edge_fraction", "0.2"}}}) {
+    const json first = json::parse(remesh(request_of(kCube, "", query)).body);
+    const json again{{"mesh", json::parse(kCube)}, {"options", first["report"]["options"]}};
+    const json second = json::parse(remesh(request_of(again.dump())).body);
+    EXPECT_EQ(second["report"]["options"], first["report"]["options"]);
+    EXPECT_EQ(second["mesh"], first["mesh"]);
+  }
 }
 
 TEST(RunRemesh, an_answer_can_be_sent_again) {
-  const Response first = remesh(request_of(kCube));
-  const json second = json::parse(remesh(request_of(first.body)).body);
+  const Fields query{{"refine", "false"}};
+  const Response first = remesh(request_of(kCube, "", query));
+  const json second = json::parse(remesh(request_of(first.body, "", query)).body);
   EXPECT_EQ(second["mesh"]["vertices"], json::parse(first.body)["mesh"]["vertices"]);
   EXPECT_EQ(second["report"]["diagnostics"][0]["code"], "attribute_dropped");
 }
@@ -168,7 +307,7 @@ TEST(RunRemesh, groups_given_as_numbers_come_back_as_numbers) {
   const json request{{"vertices", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {0, 1, 0}}},
                      {"faces", {{0, 1, 4, 5}, {1, 2, 3, 4}}},
                      {"face_groups", {40, -2}}};
-  const json mesh = json::parse(remesh(request_of(request.dump())).body)["mesh"];
+  const json mesh = json::parse(remesh(request_of(request.dump(), "", {{"refine", "false"}})).body)["mesh"];
   ASSERT_EQ(mesh["faces"].size(), 4u);
   for (std::size_t f = 0; f < 4; ++f) {
     EXPECT_EQ(mesh["face_groups"][f], mesh["face_source"][f] == 0 ? 40 : -2);
@@ -202,14 +341,14 @@ TEST(RunRemesh, bad_input_has_its_code) {
   EXPECT_EQ(code_of(request_of(kRing, "", {}, "model/stl")), Code::kNotAcceptable);
   EXPECT_EQ(code_of(request_of(kRing, "", {{"format", "vtu"}})), Code::kNotAcceptable);
   EXPECT_EQ(code_of(request_of(kRing, "", {{"max_edge", "1"}})), Code::kUnknownOption);
-  EXPECT_EQ(code_of(request_of(kRing, "", {{"refine", "true"}})), Code::kNotImplemented);
+  EXPECT_EQ(code_of(request_of(kRing, "", {{"weld_tolerance", "1"}})), Code::kNotImplemented);
   EXPECT_EQ(code_of(request_of(
-                R"({"mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]]},"options":{"refine":true}})")),
+                R"({"mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,0]],"faces":[[0,1,2]]},"options":{"weld_tolerance":1}})")),
             Code::kNotImplemented);
 }
 
 TEST(RunRemesh, options_are_refused_before_the_mesh_is_read) {
-  EXPECT_EQ(code_of(request_of("no mesh at all", "", {{"max_area", "1"}})), Code::kNotImplemented);
+  EXPECT_EQ(code_of(request_of("no mesh at all", "", {{"weld_tolerance", "1"}})), Code::kNotImplemented);
 }
 
 TEST(RunRemesh, limits_hold) {
@@ -220,6 +359,9 @@ TEST(RunRemesh, limits_hold) {
   limits.max_faces = 7;
   EXPECT_EQ(code_of(request_of(kRing), limits), Code::kMeshTooLarge);
   EXPECT_EQ(code_of(request_of(kCube, "", {{"max_output_faces", "50000001"}})), Code::kInvalidOption);
+  limits = {};
+  limits.max_output_faces = 11;
+  EXPECT_EQ(code_of(request_of(kCube), limits), Code::kOutputTooLarge);
 }
 
 TEST(RunRemesh, a_stopped_request_ends_at_once) {
@@ -270,7 +412,9 @@ TEST(Capabilities, they_tell_options_formats_and_limits) {
   EXPECT_EQ(answer["options"].size(), option_table().size());
   EXPECT_EQ(answer["options"][1]["name"], "min_angle_deg");
   EXPECT_EQ(answer["options"][1]["maximum"], 33);
-  EXPECT_EQ(answer["options"][1]["implemented"], false);
+  EXPECT_EQ(answer["options"][1]["default"], 25);
+  EXPECT_EQ(answer["options"][1]["unset"], "auto");
+  EXPECT_EQ(answer["options"][1]["implemented"], true);
   EXPECT_EQ(answer["formats"]["input"], json({{{"name", "obj"}, {"media_type", "model/obj"}},
                                               {{"name", "json"}, {"media_type", "application/json"}}}));
 }
@@ -292,6 +436,15 @@ TEST(Openapi, its_parameters_are_the_table_of_options) {
     EXPECT_EQ(schema.value("maximum", json()), option.value("maximum", json()));
     const bool says_not_yet = parameter["description"].get<std::string>().find("ot implemented") != std::string::npos;
     EXPECT_EQ(says_not_yet, !option["implemented"].get<bool>());
+    if (parameter.contains("example")) {
+      OptionReader reader;
+      EXPECT_NO_THROW(reader.add(name, parameter["example"].dump()));
+      EXPECT_NO_THROW(reader.check());
+    }
+    if (option.contains("excludes")) {
+      EXPECT_THAT(parameter["description"].get<std::string>(),
+                  AllOf(HasSubstr("Excludes"), HasSubstr("`" + option["excludes"].get<std::string>() + "`")));
+    }
     EXPECT_TRUE(document["components"]["schemas"]["Options"]["properties"].contains(name));
     for (const char* path : {"/v1/remesh", "/v1/analyze"}) {
       const json& parameters = document["paths"][path]["post"]["parameters"];
@@ -320,7 +473,9 @@ TEST(Openapi, every_reference_has_its_target) {
 
 TEST(Openapi, the_report_schema_names_what_a_report_has) {
   const json document = json::parse(openapi().body);
-  const json report = json::parse(remesh(request_of(kCube)).body)["report"];
+  // A wedge: its corner of 10 degrees cannot reach the bound.
+  const Response answer = remesh(request_of(kWedge, "", {{"format", "json"}, {"proximity", "1"}}));
+  const json report = json::parse(answer.body)["report"];
   const json& schemas = document["components"]["schemas"];
   const auto expect_same_keys = [](const json& schema, const json& value) {
     for (const auto& [key, member] : value.items()) EXPECT_TRUE(schema["properties"].contains(key)) << key;
@@ -332,16 +487,42 @@ TEST(Openapi, the_report_schema_names_what_a_report_has) {
   expect_same_keys(schemas["Patch"], report["patches"][0]);
   expect_same_keys(schemas["Verified"], report["verified"]);
   expect_same_keys(schemas["Tolerance"], report["tolerance"]);
+  ASSERT_FALSE(report["unrefined"].empty());
+  expect_same_keys(schemas["Unrefined"], report["unrefined"][0]);
 }
 
 TEST(Openapi, its_examples_are_answered) {
   const json document = json::parse(openapi().body);
   const json& content = document["components"]["requestBodies"]["Mesh"]["content"];
   EXPECT_EQ(remesh(request_of(content["model/obj"]["example"].get<std::string>(), "model/obj")).status, 200);
+  const std::map<std::string, std::size_t> patches{
+      {"bare", 1}, {"with_options", 2}, {"for_a_volume_mesher", 6}, {"for_a_size", 1}};
   const json& examples = content["application/json"]["examples"];
-  EXPECT_EQ(json::parse(remesh(request_of(examples["bare"]["value"].dump())).body)["report"]["patches"].size(), 1u);
-  EXPECT_EQ(json::parse(remesh(request_of(examples["with_options"]["value"].dump())).body)["report"]["patches"].size(),
-            2u);
+  EXPECT_EQ(examples.size(), patches.size());
+  for (const auto& [name, count] : patches) {
+    const json report = json::parse(remesh(request_of(examples[name]["value"].dump())).body)["report"];
+    EXPECT_EQ(report["patches"].size(), count) << name;
+    EXPECT_EQ(report["verified"]["quality"], true) << name;
+  }
+}
+
+TEST(Openapi, its_problems_are_as_they_are_sent) {
+  const json document = json::parse(openapi().body);
+  const json& content = document["components"]["responses"]["Problem"]["content"]["application/problem+json"];
+  const std::map<std::string, Code> codes{{"index_out_of_range", Code::kIndexOutOfRange},
+                                          {"output_too_large", Code::kOutputTooLarge},
+                                          {"invalid_option", Code::kInvalidOption}};
+  EXPECT_EQ(content["examples"].size(), codes.size());
+  for (const auto& [name, code] : codes) {
+    const json& shown = content["examples"][name]["value"];
+    Error error(code, Stage::kRead, shown["detail"].get<std::string>());
+    if (shown.contains("element")) error.at_element(shown["element"]);
+    if (shown.contains("option")) error.for_option(shown["option"]);
+    if (shown.contains("limit")) error.with_limit(shown["limit"]);
+    const Response response = to_response(to_problem(error), shown["request_id"].get<std::string>());
+    EXPECT_EQ(response.status, shown["status"]);
+    EXPECT_EQ(json::parse(response.body), shown);
+  }
 }
 
 }  // namespace

@@ -2,25 +2,40 @@
 # The README's curl does what the README says, against a real daemon.
 . "$(dirname "$0")/daemon.sh"
 
-command=$(grep -m 1 '^curl ' "$root/README.md") || fail "the README has no curl"
-[[ $command == *localhost:8080* ]] || fail "the README's curl asks somebody else: $command"
+# the curls of the README, in their order: refined, not refined, ...
+mapfile -t commands < <(grep '^curl ' "$root/README.md")
+[ "${#commands[@]}" -ge 2 ] || fail "the README has no curls"
 
 start_daemon
 # the same words, but for the port, in a copy of the folder that its file stands in
 mkdir -p "$work/tests"
 cp -r "$root/tests/data" "$work/tests/data"
 cd "$work"
-bash -euc "${command//localhost:8080/$address}" || fail "$command"
+for command in "${commands[@]}"; do
+  [[ $command == *localhost:8080* ]] || fail "this curl of the README asks somebody else: $command"
+  bash -euc "${command//localhost:8080/$address}" || fail "$command"
+done
 
-[ "$(count_faces out.obj)" -gt 0 ] || fail "no face came back"
-[ "$(count_faces out.obj)" -lt 600 ] || fail "the bracket has 4800 faces and came back with $(count_faces out.obj)"
-grep -v '^#' out.obj | grep '^v ' | sort >kept
+coarse_faces=$(count_faces coarse.obj)
+[ "$coarse_faces" -gt 0 ] || fail "no face came back"
+[ "$coarse_faces" -lt 600 ] || fail "the bracket has 4800 faces and came back with $coarse_faces"
+grep '^v ' coarse.obj | sort >kept
 grep '^v ' tests/data/bracket.obj | sort >given
 [ -z "$(comm -23 kept given)" ] || fail "a vertex came back that was not sent: $(comm -23 kept given | head -n 1)"
+[ "$(count_faces out.obj)" -gt "$coarse_faces" ] || fail "refined it has no more faces"
+grep '^v ' out.obj | sort >refined
+[ -z "$(comm -23 kept refined)" ] || fail "refinement lost a vertex: $(comm -23 kept refined | head -n 1)"
+grep '^# unrefined: ' out.obj || true
 
-summary=$(curl -sS -o /dev/null -D - --data-binary @tests/data/bracket.obj "http://$address/v1/remesh" |
-  tr -d '\r' | sed -n 's/^[Rr]emesh-[Ss]ummary: //p')
-echo "$summary"
-[[ $summary == *input_faces=4800* && $summary == *patches=115* && $summary == *verified=1* ]] ||
-  fail "the summary says: $summary"
+# field SUMMARY NAME
+field() { sed -n "s/.*$2=\\([^,]*\\).*/\\1/p" <<<"$1"; }
+for query in '' '?refine=false'; do
+  summary=$(curl -sS -o /dev/null -D - --data-binary @tests/data/bracket.obj "http://$address/v1/remesh$query" |
+    tr -d '\r' | sed -n 's/^[Rr]emesh-[Ss]ummary: //p')
+  echo "$summary"
+  [[ $summary == *input_faces=4800* && $summary == *patches=115* && $summary == *verified=1* ]] ||
+    fail "the summary says: $summary"
+  [ -n "$query" ] || awk -v angle="$(field "$summary" min_angle_deg)" 'BEGIN { exit !(angle >= 25) }' ||
+    fail "angles below 25 degrees: $summary"
+done
 stop_daemon

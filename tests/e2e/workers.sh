@@ -10,20 +10,34 @@ else
   echo "SKIPPED in part: $shared is not there, only the project's own mesh is tried"
 fi
 
+# What is asked for, as query and as flags.
+queries=('refine=false' 'min_angle_deg=25' 'proximity=1&min_angle_deg=20&max_edge_fraction=0.1')
+as_flags() {
+  local pair
+  for pair in ${1//&/ }; do
+    pair=${pair//_/-}
+    printf -- '--%s\n' "$pair"
+  done
+}
+
 for run in 1 2 8 8; do
   start_daemon --workers "$run"
   for i in "${!meshes[@]}"; do
     mesh=${meshes[$i]}
-    curl -sSf --data-binary "@$mesh" -H 'Content-Type: model/obj' "http://$address/v1/remesh" -o "$work/http" ||
-      fail "the daemon refuses $mesh"
-    "$remesh" "$mesh" -o "$work/cli.obj" --workers "$run" 2>"$work/cli.log" ||
-      fail "remesh refuses $mesh: $(cat "$work/cli.log")"
-    for way in http cli.obj; do
-      [ -e "$work/first-$i-$way" ] || cp "$work/$way" "$work/first-$i-$way"
-      cmp "$work/first-$i-$way" "$work/$way" || fail "$mesh differs with $run workers ($way)"
+    for query in "${queries[@]}"; do
+      mapfile -t flags < <(as_flags "$query")
+      curl -sSf --data-binary "@$mesh" -H 'Content-Type: model/obj' "http://$address/v1/remesh?$query" -o "$work/http" ||
+        fail "the daemon refuses $mesh with $query"
+      "$remesh" "$mesh" -o "$work/cli.obj" --workers "$run" "${flags[@]}" 2>"$work/cli.log" ||
+        fail "remesh refuses $mesh with ${flags[*]}: $(cat "$work/cli.log")"
+      for way in http cli.obj; do
+        first="$work/first-$i-$query-$way"
+        [ -e "$first" ] || cp "$work/$way" "$first"
+        cmp "$first" "$work/$way" || fail "$mesh differs with $run workers ($way, $query)"
+      done
+      grep '^[vf] ' "$work/http" >"$work/http.vf"
+      grep '^[vf] ' "$work/cli.obj" | cmp - "$work/http.vf" || fail "$mesh: daemon and command line differ ($query)"
     done
-    grep '^[vf] ' "$work/http" >"$work/http.vf"
-    grep '^[vf] ' "$work/cli.obj" | cmp - "$work/http.vf" || fail "$mesh: daemon and command line differ"
   done
   stop_daemon
 done

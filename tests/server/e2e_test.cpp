@@ -123,7 +123,7 @@ TEST(EndToEnd, the_small_routes_answer) {
 
 TEST(EndToEnd, a_square_with_a_hole_comes_back_as_one_patch_of_eight_triangles) {
   const Daemon daemon;
-  const Answer answer = post(daemon.port(), "/v1/remesh", kFrame, "Accept: application/json\r\n");
+  const Answer answer = post(daemon.port(), "/v1/remesh?refine=false", kFrame, "Accept: application/json\r\n");
   ASSERT_EQ(answer.status, 200) << answer.body;
   const auto result = nlohmann::json::parse(answer.body);
   EXPECT_EQ(result["mesh"]["faces"].size(), 8u);
@@ -132,6 +132,31 @@ TEST(EndToEnd, a_square_with_a_hole_comes_back_as_one_patch_of_eight_triangles) 
   ASSERT_EQ(result["report"]["patches"].size(), 1u);
   EXPECT_EQ(result["report"]["patches"][0]["loops"], 2);
   EXPECT_EQ(result["report"]["patches"][0]["essential_vertices"], 8);
+}
+
+TEST(EndToEnd, a_plain_request_is_refined) {
+  const Daemon daemon;
+  const Answer answer = post(daemon.port(), "/v1/remesh", kFrame, "Accept: application/json\r\n");
+  ASSERT_EQ(answer.status, 200) << answer.body;
+  const auto report = nlohmann::json::parse(answer.body)["report"];
+  EXPECT_GT(report["output"]["faces"], 8u);
+  EXPECT_DOUBLE_EQ(report["output"]["area"].get<double>(), 28);
+  EXPECT_GE(report["output"]["quality"]["min_angle_deg"], 25.0);
+  EXPECT_EQ(report["verified"]["quality"], true);
+}
+
+TEST(EndToEnd, what_must_get_too_large_is_refused_at_once) {
+  const Daemon daemon({"--max-output-faces", "1000"});
+  // 28 units squared in triangles of at most 4.4e-9: 6e9 of them.
+  const auto start = std::chrono::steady_clock::now();
+  const Answer answer = post(daemon.port(), "/v1/remesh?max_edge_length=0.0001", kFrame);
+  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(1000));
+  EXPECT_EQ(answer.status, 422);
+  EXPECT_EQ(code_of(answer), "output_too_large");
+  const auto problem = nlohmann::json::parse(answer.body);
+  EXPECT_EQ(problem["option"], "max_output_faces");
+  EXPECT_EQ(problem["limit"], 1000);
+  EXPECT_EQ(post(daemon.port(), "/v1/remesh", kFrame).status, 200);
 }
 
 TEST(EndToEnd, plain_curl_gets_an_obj_back) {
@@ -144,7 +169,7 @@ TEST(EndToEnd, plain_curl_gets_an_obj_back) {
   std::fputs(kFrame.c_str(), file);
   std::fclose(file);
   EXPECT_EQ(run("curl -sSf --data-binary @" + in + " http://127.0.0.1:" + std::to_string(daemon.port()) +
-                "/v1/remesh -o " + out),
+                "/v1/remesh?refine=false -o " + out),
             0);
   EXPECT_EQ(run("test $(grep -c '^f ' " + out + ") = 8"), 0);
   std::remove(in.c_str());
@@ -191,22 +216,28 @@ TEST(EndToEnd, after_each_bad_input_the_next_request_is_served) {
 TEST(EndToEnd, a_running_request_ends_soon_after_its_delete) {
   const Daemon daemon;
   const std::string id = "end-to-end-cancel-1";
-  RawClient client(daemon.port());
-  ASSERT_TRUE(client.send(post_text("/v1/remesh", bumpy_sheet(400), "X-Request-Id: " + id + "\r\n")));
   const std::string path = "/v1/requests/" + id;
-  ASSERT_TRUE(eventually([&] { return get(daemon.port(), path).status == 200; }));
-  EXPECT_EQ(ask(daemon.port(), "DELETE " + path + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
-  const auto start = std::chrono::steady_clock::now();
-  EXPECT_EQ(code_of(Answer::parse(client.receive())), "cancelled");
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(1000));
-  EXPECT_EQ(get(daemon.port(), path).status, 404);
+  // Work in all stages, and a million triangles of refinement alone.
+  const std::pair<std::string, std::string> requests[] = {{"/v1/remesh?refine=false", bumpy_sheet(400)},
+                                                          {"/v1/remesh?max_edge_length=0.01", kFrame}};
+  for (const auto& [target, mesh] : requests) {
+    SCOPED_TRACE(target);
+    RawClient client(daemon.port());
+    ASSERT_TRUE(client.send(post_text(target, mesh, "X-Request-Id: " + id + "\r\n")));
+    ASSERT_TRUE(eventually([&] { return get(daemon.port(), path).status == 200; }));
+    EXPECT_EQ(ask(daemon.port(), "DELETE " + path + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
+    const auto start = std::chrono::steady_clock::now();
+    EXPECT_EQ(code_of(Answer::parse(client.receive())), "cancelled");
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(1000));
+    EXPECT_EQ(get(daemon.port(), path).status, 404);
+  }
 }
 
 TEST(EndToEnd, a_stop_lets_the_running_request_finish_and_exits_with_0) {
   Daemon daemon;
   RawClient client(daemon.port());
   const std::string id = "end-to-end-drain-01";
-  ASSERT_TRUE(client.send(post_text("/v1/remesh", bumpy_sheet(200), "X-Request-Id: " + id + "\r\n")));
+  ASSERT_TRUE(client.send(post_text("/v1/remesh?refine=false", bumpy_sheet(200), "X-Request-Id: " + id + "\r\n")));
   ASSERT_TRUE(eventually([&] { return get(daemon.port(), "/v1/requests/" + id).status == 200; }));
   daemon.send_signal(SIGTERM);
   EXPECT_EQ(Answer::parse(client.receive()).status, 200);

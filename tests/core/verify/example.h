@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -27,10 +28,15 @@ struct Example {
   std::vector<PatchId> face_patch;
   std::vector<Vec2> corner_uv;
   double plane_tolerance = 0;
+  std::optional<Goals> goals;  ///< none: nothing was refined
+  std::vector<FaceId> unrefined;
+  std::vector<UnrefinedReason> reasons;
 
   Verdict verify() const {
     RunControl control;
-    return remesh::verify({surface, surface_patch, frames, positions, faces, face_patch, corner_uv, plane_tolerance},
+    const RefinementClaim refinement{goals.value_or(Goals()), unrefined, reasons};
+    return remesh::verify({surface, surface_patch, frames, positions, faces, face_patch, corner_uv, plane_tolerance,
+                           goals ? &refinement : nullptr},
                           control);
   }
   Vec2 project(PatchId p, const Vec3& point) const {
@@ -225,6 +231,11 @@ inline Example scaled(Example e, double factor) {
     frame.scale = std::ldexp(frame.scale, std::ilogb(factor) + 1);
   }
   e.plane_tolerance *= factor;
+  if (e.goals) {
+    e.goals->max_edge_length *= factor;
+    e.goals->min_edge_length *= factor;
+    e.goals->max_area = e.goals->max_area * factor * factor;
+  }
   e.project();
   e.make_delaunay();
   return e;
@@ -234,7 +245,8 @@ inline ::testing::AssertionResult is_verified(const Example& e) {
   const Verdict v = e.verify();
   if (v.all_true() && v.failed_patches.empty()) return ::testing::AssertionSuccess();
   auto failure = ::testing::AssertionFailure();
-  failure << "surface " << v.surface << ", conforming " << v.conforming << ", delaunay " << v.delaunay;
+  failure << "surface " << v.surface << ", conforming " << v.conforming << ", delaunay " << v.delaunay << ", quality "
+          << v.quality.value_or(true);
   for (const std::string& words : v.failures) failure << "\n  " << words;
   return failure;
 }
