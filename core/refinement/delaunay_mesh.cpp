@@ -6,13 +6,14 @@
 
 namespace remesh {
 
-DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::vector<Vec2> points, std::span<const std::uint32_t> sides)
+DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::vector<Vec2> points, std::span<const std::uint32_t> sides,
+                           std::span<const std::uint32_t> number)
     : points_(std::move(points)), edge_at_(points_.size(), kNone), live_triangles_(mesh.triangle_count()) {
   const std::uint32_t n = mesh.half_edge_count();
   corner_.resize(n);
   twin_.resize(n);
   for (std::uint32_t h = 0; h < n; ++h) {
-    corner_[h] = mesh.from(h);
+    corner_[h] = number.empty() ? mesh.from(h) : number[mesh.from(h)];
     twin_[h] = mesh.twin(h);
     edge_at_[corner_[h]] = h;
   }

@@ -20,9 +20,12 @@ class DelaunayMesh {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
+  DelaunayMesh() = default;
   /// Input:  a constrained Delaunay triangulation of `points`; `sides` are its constrained half-edges: all on the rim,
   ///         and of inner constraints those that stay constraints (both half-edges). Their order numbers the sides.
-  DelaunayMesh(const Triangulation2d& mesh, std::vector<Vec2> points, std::span<const std::uint32_t> sides);
+  ///         `number` of a vertex of `mesh` is its index in `points`; empty: the same.
+  DelaunayMesh(const Triangulation2d& mesh, std::vector<Vec2> points, std::span<const std::uint32_t> sides,
+               std::span<const std::uint32_t> number = {});
 
   std::uint32_t triangle_slots() const { return static_cast<std::uint32_t>(corner_.size() / 3); }
   std::uint32_t triangle_count() const { return live_triangles_; }

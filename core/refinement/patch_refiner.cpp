@@ -4,8 +4,11 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <tuple>
 
+#include "core/refinement/even_fill.h"
+#include "core/stages/patch_triangulation.h"
 #include "core/stages/projection.h"
 
 namespace remesh {
@@ -37,6 +40,8 @@ Criteria::Criteria(const Goals& goals, const SizeField& field)
       min_edge_length(goals.min_edge_length),
       split_boundaries(goals.split_boundaries),
       sizes(field) {
+  // The equilateral triangle of the largest area; a little less, since not all are equilateral.
+  even_size = std::min(field.largest(), 0.95 * std::sqrt(4 / std::numbers::sqrt3 * goals.max_area));
   const double bound = goals.min_angle_deg > 0 ? (goals.min_angle_deg + kAngleMargin) * std::numbers::pi / 180 : 0;
   // Without a bound, sizes alone may still not make slivers.
   constexpr double kUsualBound = 20 * std::numbers::pi / 180;
@@ -46,48 +51,164 @@ Criteria::Criteria(const Goals& goals, const SizeField& field)
   off_centre = kOffCentre / (2 * std::tan(shape / 2));
 }
 
-PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria)
+PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria,
+                           const IdVector<SegmentId, std::vector<double>>& cuts, RunControl& control)
     : patch_(patch),
       segments_(segments),
       criteria_(criteria),
       corner_count_(static_cast<std::uint32_t>(patch.vertices.size())),
-      mesh_(patch.mesh, patch.uv, half_edges_of(segments, id)),
       segment_(corner_count_),
       value_(corner_count_, std::numeric_limits<double>::infinity()) {
-  for (const std::uint32_t i : segments.sides_of_patch(id)) {
-    const SegmentSide& side = segments.all_sides()[i];
-    const Segment& segment = segments[side.segment];
-    const std::uint32_t a = patch.mesh.from(side.half_edge), b = patch.mesh.to(side.half_edge);
-    const auto index = static_cast<std::uint32_t>(sides_.size());
-    // The sides of a segment stand together: two of one patch are those of a slit.
-    const bool is_second = !sides_.empty() && sides_.back().segment == side.segment;
-    if (is_second)
-      sides_.back().partner = index;
-    else
-      chains_.push_back({side.segment, {index}});
-    sides_.push_back({side.segment, 0, 1, static_cast<std::uint32_t>(chains_.size() - 1), is_second ? index - 1 : kNone,
-                      patch.vertices[a] == segment.from});
+  collect_corners(id);
+  if (!start_evenly(id, cuts, control)) {
+    collect_sides(id);
+    mesh_ = DelaunayMesh(patch.mesh, patch.uv, half_edges_of(segments, id));
+  }
+  state_.assign(mesh_.triangle_slots(), State::kUnknown);
+  for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) classify(t);
+  for (std::size_t c = 0; c < chains_.size() && !impossible_.is_valid(); ++c)
+    if (!cuts[chains_[c].segment].empty()) take_over(chains_[c].segment, cuts[chains_[c].segment]);
+}
+
+/// Which segments meet at which corner, and the corners' floors.
+void PatchRefiner::collect_corners(PatchId id) {
+  for (const std::uint32_t i : segments_.sides_of_patch(id)) {
+    const SegmentSide& side = segments_.all_sides()[i];
+    const std::uint32_t a = patch_.mesh.from(side.half_edge), b = patch_.mesh.to(side.half_edge);
     for (const auto& [corner, other] : {std::pair(a, b), std::pair(b, a)}) {
-      corner_segments_.push_back({corner, patch.vertices[other], side.segment});
-      value_[corner] = std::min(value_[corner], segment.floor);
+      corner_segments_.push_back({corner, patch_.vertices[other], side.segment});
+      value_[corner] = std::min(value_[corner], segments_[side.segment].floor);
     }
   }
   const auto key = [](const CornerSegment& c) { return std::tuple(c.corner, c.other, c.segment); };
   std::sort(corner_segments_.begin(), corner_segments_.end(),
             [&](const CornerSegment& a, const CornerSegment& b) { return key(a) < key(b); });
-  // Vertices inside the patch: a floor by what is next to them.
-  for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
-    const std::uint32_t a = patch.mesh.from(h), b = patch.mesh.to(h);
-    const double length = norm(patch.uv[b] - patch.uv[a]) * patch.frame.scale;
-    for (const std::uint32_t v : {a, b}) {
-      const auto at = std::lower_bound(corner_segments_.begin(), corner_segments_.end(), v,
-                                       [](const CornerSegment& c, std::uint32_t w) { return c.corner < w; });
-      if (at == corner_segments_.end() || at->corner != v)
-        value_[v] = std::max(criteria.min_edge_length, std::min(value_[v], length * 0x1p-6));
+  // Vertices inside the patch have a floor by what is next to them.
+  std::vector<std::uint8_t> is_inside(corner_count_, 0);
+  for (std::uint32_t v = 0; v < corner_count_; ++v) is_inside[v] = std::isinf(value_[v]);
+  for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); ++h)
+    for (const std::uint32_t v : {patch_.mesh.from(h), patch_.mesh.to(h)})
+      if (is_inside[v] != 0) {
+        const double length = norm(patch_.uv[patch_.mesh.to(h)] - patch_.uv[patch_.mesh.from(h)]);
+        value_[v] = std::max(criteria_.min_edge_length, std::min(value_[v], length * patch_.frame.scale * 0x1p-6));
+      }
+}
+
+/// The sides as they are in the patch's mesh: one a segment, or two of a slit, which stand together.
+void PatchRefiner::collect_sides(PatchId id) {
+  for (const std::uint32_t i : segments_.sides_of_patch(id)) {
+    const SegmentSide& side = segments_.all_sides()[i];
+    const auto index = static_cast<std::uint32_t>(sides_.size());
+    const bool is_second = !sides_.empty() && sides_.back().segment == side.segment;
+    if (is_second)
+      sides_.back().partner = index;
+    else
+      chains_.push_back({side.segment, {index}});
+    const bool is_forward = patch_.vertices[patch_.mesh.from(side.half_edge)] == segments_[side.segment].from;
+    sides_.push_back({side.segment, 0, 1, static_cast<std::uint32_t>(chains_.size() - 1), is_second ? index - 1 : kNone,
+                      is_forward});
+  }
+}
+
+/// Where one size is asked for everywhere: the patch is triangulated anew from its cut boundary and a lattice of points
+/// inside. Returns false where that would change nothing, or rounding forbids it.
+bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, RunControl& control) {
+  const double size = criteria_.even_size / patch_.frame.scale;
+  if (!criteria_.sizes.is_uniform() || !std::isfinite(size)) return false;
+  // Vertices: the corners, then the cuts; pieces from one to the next, side by side.
+  struct Piece {
+    std::uint32_t from, to, side;
+  };
+  std::vector<Vec2> points = patch_.uv;
+  std::vector<Piece> pieces;
+  collect_sides(id);
+  const auto original = static_cast<std::uint32_t>(sides_.size());
+  const auto own = segments_.sides_of_patch(id);
+  std::uint32_t first_of_chain = 0;
+  for (std::uint32_t s = 0; s < original; ++s) {
+    const Side side = sides_[s];
+    const SegmentSide& source = segments_.all_sides()[own[s]];
+    const std::vector<double>& at = cuts[side.segment];
+    const auto n = static_cast<std::uint32_t>(at.size());
+    const bool is_second = side.partner != kNone && side.partner < s;
+    if (!is_second) {
+      first_of_chain = static_cast<std::uint32_t>(points.size());
+      for (const double t : at) {
+        points.push_back(to_plane(patch_.frame, segments_.position(side.segment, t)));
+        segment_.push_back(side.segment);
+        value_.push_back(t);
+      }
+    }
+    const std::uint32_t begin = patch_.mesh.from(source.half_edge), end = patch_.mesh.to(source.half_edge);
+    const auto vertex = [&](std::uint32_t k) {  // k-th along the segment
+      if (k == 0) return side.is_forward ? begin : end;
+      return k == n + 1 ? (side.is_forward ? end : begin) : first_of_chain + k - 1;
+    };
+    for (std::uint32_t k = 0; k <= n; ++k) {
+      const std::uint32_t index = k == 0 ? s : static_cast<std::uint32_t>(sides_.size());
+      if (k > 0) {
+        sides_.push_back(side);
+        sides_[index].partner = kNone;
+        if (!is_second) chains_[side.chain].sides.push_back(index);
+      }
+      sides_[index].t0 = k == 0 ? 0 : at[k - 1];
+      sides_[index].t1 = k == n ? 1 : at[k];
+      pieces.push_back(
+          {side.is_forward ? vertex(k) : vertex(k + 1), side.is_forward ? vertex(k + 1) : vertex(k), index});
+    }
+    if (is_second)
+      for (std::uint32_t k = 0; k < n; ++k) {
+        const auto a = static_cast<std::uint32_t>(sides_.size()) - n + k, b = chains_[side.chain].sides[k + 1];
+        sides_[a].partner = b;
+        sides_[b].partner = a;
+      }
+  }
+  std::vector<std::array<Vec2, 2>> rim;
+  for (const Piece& piece : pieces) rim.push_back({points[piece.from], points[piece.to]});
+  for (const Vec2 p : even_fill(rim, size, control)) {
+    points.push_back(on_grid(p));
+    segment_.emplace_back();
+    value_.push_back(std::max(criteria_.min_edge_length, criteria_.even_size * 0x1p-6));
+  }
+  if (points.size() > corner_count_) {
+    const auto n = static_cast<std::uint32_t>(points.size());
+    std::vector<std::uint32_t> order(n), rank(n);
+    std::iota(order.begin(), order.end(), 0u);
+    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return points[a] < points[b]; });
+    std::vector<Vec2> sorted(n);
+    bool is_distinct = true;
+    for (std::uint32_t k = 0; k < n; ++k) {
+      rank[order[k]] = k;
+      sorted[k] = points[order[k]];
+      is_distinct = is_distinct && (k == 0 || sorted[k] != sorted[k - 1]);
+    }
+    std::vector<Segment> loop_edges;
+    for (const Piece& piece : pieces) loop_edges.push_back({rank[piece.from], rank[piece.to]});
+    PatchTriangulation made;
+    if (is_distinct) made = triangulate_patch(sorted, loop_edges, control);
+    if (is_distinct && made.outcome == Outcome::kDone && made.mesh.triangle_count() > 0) {
+      // Constrained half-edges are found again by their ends.
+      std::sort(pieces.begin(), pieces.end(),
+                [](const Piece& a, const Piece& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
+      std::vector<std::uint32_t> half_edge(sides_.size(), kNone);
+      for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h) {
+        if (!made.mesh.is_constrained(h)) continue;
+        const std::uint32_t from = order[made.mesh.from(h)], to = order[made.mesh.to(h)];
+        const auto piece = std::lower_bound(pieces.begin(), pieces.end(), std::pair(from, to),
+                                            [](const Piece& p, auto e) { return std::pair(p.from, p.to) < e; });
+        if (piece != pieces.end() && piece->from == from && piece->to == to) half_edge[piece->side] = h;
+      }
+      if (std::find(half_edge.begin(), half_edge.end(), kNone) == half_edge.end()) {
+        mesh_ = DelaunayMesh(made.mesh, std::move(points), half_edge, order);
+        return true;
+      }
     }
   }
-  state_.assign(mesh_.triangle_slots(), State::kUnknown);
-  for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) classify(t);
+  segment_.resize(corner_count_);
+  value_.resize(corner_count_);
+  sides_.clear();
+  chains_.clear();
+  return false;
 }
 
 bool PatchRefiner::has_work(const PatchMesh& patch, const Criteria& criteria) {
@@ -182,7 +303,7 @@ bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const
   const bool a_is_cut = a >= corner_count_, b_is_cut = b >= corner_count_;
   if (a_is_cut && b_is_cut) {
     if (segment_[a] == segment_[b]) return false;
-    const Segment &s = segments_[segment_[a]], &u = segments_[segment_[b]];
+    const BoundarySegment &s = segments_[segment_[a]], &u = segments_[segment_[b]];
     for (int i = 0; i < 2; ++i)
       for (int j = 0; j < 2; ++j)
         if ((i == 0 ? s.from : s.to) == (j == 0 ? u.from : u.to) && is_same_shell(distance_to(a, i), distance_to(b, j)))
@@ -191,7 +312,7 @@ bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const
   }
   if (a_is_cut != b_is_cut) {
     const std::uint32_t cut = a_is_cut ? a : b, corner = a_is_cut ? b : a;
-    const Segment& s = segments_[segment_[cut]];
+    const BoundarySegment& s = segments_[segment_[cut]];
     const auto [first, last] = segments_at(corner);
     for (int i = 0; i < 2; ++i) {
       const VertexId end = i == 0 ? s.from : s.to;

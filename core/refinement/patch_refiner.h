@@ -35,6 +35,7 @@ struct Criteria {
   double lens;        ///< squared cosine beyond which an apex over a piece encroaches on it
   double off_centre;  ///< height of an off-centre over the shortest edge, per its length
   double max_area;    ///< model units
+  double even_size;   ///< edge of the triangles that fill wide areas; infinity: none
   double min_edge_length;
   bool split_boundaries;
   const SizeField& sizes;
@@ -48,7 +49,9 @@ struct Criteria {
 ///          triangulation and Bowyer-Watson algorithm, 1993 (sizes).
 class PatchRefiner {
  public:
-  PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria);
+  /// `cuts`: of every segment, ascending; those of the patch's segments are made.
+  PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria,
+               const IdVector<SegmentId, std::vector<double>>& cuts, RunControl& control);
 
   /// Would refinement change the patch at all? Cheap, before anything is built.
   static bool has_work(const PatchMesh& patch, const Criteria& criteria);
@@ -107,6 +110,9 @@ class PatchRefiner {
     bool is_too_large;
   };
 
+  void collect_corners(PatchId id);
+  void collect_sides(PatchId id);
+  bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, RunControl& control);
   Shape shape_of(std::uint32_t t) const;
   bool is_too_large(std::uint32_t t, double longest_squared, double twice_area) const;
   void classify(std::uint32_t t);

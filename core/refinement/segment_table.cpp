@@ -73,7 +73,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   for (std::size_t i = 0; i < uses.size(); ++i) {
     if (i == 0 || uses[i].key() != uses[i - 1].key()) {
       if (i > 0) begin_.push_back(static_cast<std::uint32_t>(i));
-      Segment segment;
+      BoundarySegment segment;
       segment.from = uses[i].from;
       segment.to = uses[i].to;
       segment.length = norm(surface.positions[segment.to] - surface.positions[segment.from]);
@@ -127,7 +127,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   std::vector<double> feature(segments_.size());
   std::vector<double> roundings(segments_.size());
   for (std::size_t s = 0; s < segments_.size(); ++s) {
-    const Segment& segment = segments_[SegmentId(s)];
+    const BoundarySegment& segment = segments_[SegmentId(s)];
     feature[s] = segment.length;
     roundings[s] =
         0x1p-52 * std::max(magnitude(surface.positions[segment.from]), magnitude(surface.positions[segment.to]));
@@ -163,7 +163,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   }
 
   for (std::uint32_t s = 0; s < segments_.size(); ++s) {
-    Segment& segment = segments_[SegmentId(s)];
+    BoundarySegment& segment = segments_[SegmentId(s)];
     const double noise = kRoundings * roundings[s];
     if (!(feature[s] > noise)) segment.is_locked = true;
     double size = feature[s];
@@ -178,7 +178,7 @@ Vec3 SegmentTable::position(SegmentId s, double t) const {
   return t <= 0.5 ? from + t * (to - from) : to + (1 - t) * (from - to);
 }
 
-std::optional<double> SegmentTable::place_cut(const Segment& s, double t0, double t1) const {
+std::optional<double> SegmentTable::place_cut(const BoundarySegment& s, double t0, double t1) const {
   const double length = (t1 - t0) * s.length;
   const bool at_from = t0 == 0 && s.shell_base[0] > 0;
   const bool at_to = t1 == 1 && s.shell_base[1] > 0;
@@ -193,7 +193,7 @@ std::optional<double> SegmentTable::place_cut(const Segment& s, double t0, doubl
 }
 
 std::optional<double> SegmentTable::cut(SegmentId id, double t0, double t1) const {
-  const Segment& s = segments_[id];
+  const BoundarySegment& s = segments_[id];
   if (s.is_locked) return std::nullopt;
   const std::optional<double> t = place_cut(s, t0, t1);
   if (t && std::min(*t - t0, t1 - *t) * s.length < s.floor) return std::nullopt;
@@ -201,7 +201,7 @@ std::optional<double> SegmentTable::cut(SegmentId id, double t0, double t1) cons
 }
 
 std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes) const {
-  const Segment& s = segments_[id];
+  const BoundarySegment& s = segments_[id];
   std::vector<double> cuts;
   if (s.is_locked || !std::isfinite(sizes.largest())) return cuts;
   double parts = std::ceil(s.length / sizes.largest() * (1 - 1e-12));

@@ -22,7 +22,7 @@ struct SegmentTag {
 using SegmentId = Id<SegmentTag>;
 
 /// An edge between two vertices that stay. Places on it are parameters from 0 (`from`) to 1 (`to`).
-struct Segment {
+struct BoundarySegment {
   VertexId from, to;  ///< by position, the smaller one first
   double length = 0;
   /// Around each end: the shells at base * 2^k on which pieces there are cut, so that segments that meet at a small
@@ -50,7 +50,7 @@ class SegmentTable {
                const SizeField& sizes, const Goals& goals, RunControl& control);
 
   std::size_t size() const { return segments_.size(); }
-  const Segment& operator[](SegmentId s) const { return segments_[s]; }
+  const BoundarySegment& operator[](SegmentId s) const { return segments_[s]; }
   /// The sides along a segment, by patch and half-edge.
   std::span<const SegmentSide> sides(SegmentId s) const {
     return std::span(sides_).subspan(begin_[s.value], begin_[s.value + 1] - begin_[s.value]);
@@ -74,11 +74,11 @@ class SegmentTable {
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
 
  private:
-  std::optional<double> place_cut(const Segment& s, double t0, double t1) const;
+  std::optional<double> place_cut(const BoundarySegment& s, double t0, double t1) const;
 
   const Surface& surface_;
   double min_edge_length_;
-  IdVector<SegmentId, Segment> segments_;
+  IdVector<SegmentId, BoundarySegment> segments_;
   std::vector<SegmentSide> sides_;
   std::vector<std::uint32_t> begin_;
   std::vector<std::uint32_t> by_patch_;

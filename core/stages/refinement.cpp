@@ -108,7 +108,8 @@ class Rounds {
       control_.check();
       const std::uint32_t i = order[k], p = dirty_[i];
       std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
-      if (!refiner) refiner = std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_);
+      if (!refiner)
+        refiner = std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_, control_);
       auto message = std::lower_bound(messages_.begin(), messages_.end(), Message{PatchId(p), SegmentId(0), 0});
       for (; message != messages_.end() && message->patch == PatchId(p); ++message)
         if (!refiner->impossible().is_valid()) refiner->take_over(message->segment, cuts_[message->segment]);
