@@ -6,11 +6,12 @@
 namespace remesh {
 namespace {
 
-double distance_to_segment(Vec2 a, Vec2 b, Vec2 p) {
+double squared_distance(Vec2 a, Vec2 b, Vec2 p) {
   const Vec2 ab = b - a;
   const double length_squared = dot(ab, ab);
   const double t = length_squared > 0 ? std::clamp(dot(p - a, ab) / length_squared, 0.0, 1.0) : 0.0;
-  return norm(p - (a + t * ab));
+  const Vec2 d = p - (a + t * ab);
+  return dot(d, d);
 }
 
 /// The angle from ab to ac, counter-clockwise and at most a half turn: of a triangle's corner.
@@ -25,31 +26,31 @@ class FeatureSearch {
     const Mesh& mesh = patch_.mesh;
     const std::uint32_t a = mesh.from(h), b = mesh.to(h);
     const Vec2 pa = patch_.uv[a], pb = patch_.uv[b];
-    double best = norm(pb - pa);
+    double best = dot(pb - pa, pb - pa);
     queue_.assign(1, h);
     seen_[h / 3] = h;
     for (std::size_t i = 0; i < queue_.size(); ++i) {
       const std::uint32_t entry = queue_[i];
       const std::uint32_t v = mesh.apex(entry);
-      if (v != a && v != b) best = std::min(best, distance_to_segment(pa, pb, patch_.uv[v]));
+      if (v != a && v != b) best = std::min(best, squared_distance(pa, pb, patch_.uv[v]));
       for (const std::uint32_t e : {Mesh::next(entry), Mesh::previous(entry)}) {
         const std::uint32_t c = mesh.from(e), d = mesh.to(e);
         const Vec2 pc = patch_.uv[c], pd = patch_.uv[d];
         if (mesh.is_constrained(e)) {
           if (c != a && c != b && d != a && d != b)
-            best = std::min({best, distance_to_segment(pc, pd, pa), distance_to_segment(pc, pd, pb)});
+            best = std::min({best, squared_distance(pc, pd, pa), squared_distance(pc, pd, pb)});
           continue;
         }
         const std::uint32_t g = mesh.twin(e);
         if (seen_[g / 3] == h || queue_.size() >= kMostTriangles) continue;
-        const double away = std::min({distance_to_segment(pa, pb, pc), distance_to_segment(pa, pb, pd),
-                                      distance_to_segment(pc, pd, pa), distance_to_segment(pc, pd, pb)});
+        const double away = std::min({squared_distance(pa, pb, pc), squared_distance(pa, pb, pd),
+                                      squared_distance(pc, pd, pa), squared_distance(pc, pd, pb)});
         if (away >= best) continue;
         seen_[g / 3] = h;
         queue_.push_back(g);
       }
     }
-    return best;
+    return std::sqrt(best);
   }
 
  private:

@@ -16,8 +16,9 @@ namespace {
 
 /// Angles are measured in space in the end, on rounded coordinates: refinement aims this much higher.
 constexpr double kAngleMargin = 0.01;
-/// The off-centre's height, of the one at which the new triangle just meets the bound.
-constexpr double kOffCentre = 0.95;
+/// The off-centre's height, of the one at which the new triangle just meets the bound. Measured on stars and plates:
+/// lower costs faces where holes crowd, higher along fine boundaries.
+constexpr double kOffCentre = 0.85;
 /// Edges that are to fill an area are aimed at this share of the largest that is allowed.
 constexpr double kTargetShare = 0.85;
 /// Edges may be longer than their size by rounding.
@@ -83,6 +84,9 @@ void PatchRefiner::collect_corners(PatchId id) {
   const auto key = [](const CornerSegment& c) { return std::tuple(c.corner, c.other, c.segment); };
   std::sort(corner_segments_.begin(), corner_segments_.end(),
             [&](const CornerSegment& a, const CornerSegment& b) { return key(a) < key(b); });
+  corner_begin_.assign(corner_count_ + 1, 0);
+  for (const CornerSegment& c : corner_segments_) ++corner_begin_[c.corner + 1];
+  std::partial_sum(corner_begin_.begin(), corner_begin_.end(), corner_begin_.begin());
   // Vertices inside the patch have a floor by what is next to them.
   std::vector<std::uint8_t> is_inside(corner_count_, 0);
   for (std::uint32_t v = 0; v < corner_count_; ++v) is_inside[v] = std::isinf(value_[v]);
@@ -290,10 +294,8 @@ bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const
     return std::fabs(from_a - from_b) <= kSameShell * from_a && chord < from_a * (1 - kSameShell);
   };
   const auto segments_at = [&](std::uint32_t corner) {
-    const auto less = [](const CornerSegment& c, std::uint32_t w) { return c.corner < w; };
-    const auto greater = [](std::uint32_t w, const CornerSegment& c) { return w < c.corner; };
-    return std::pair(std::lower_bound(corner_segments_.begin(), corner_segments_.end(), corner, less),
-                     std::upper_bound(corner_segments_.begin(), corner_segments_.end(), corner, greater));
+    return std::pair(corner_segments_.begin() + corner_begin_[corner],
+                     corner_segments_.begin() + corner_begin_[corner + 1]);
   };
   // Distance from a cut vertex to that end of its segment.
   const auto distance_to = [&](std::uint32_t v, int end) {
@@ -364,20 +366,20 @@ void PatchRefiner::classify_changed() {
 }
 
 void PatchRefiner::push(const Task& task, double shortest_squared) {
+  // Squared lengths within the frame are at most 8.
   int exponent = 0;
   const double mantissa = std::frexp(shortest_squared, &exponent);
-  // Coordinates are within [-1, 1]: squares are below 2^4.
-  const auto bucket = static_cast<std::size_t>(std::max(0, 2 * (4 - exponent) + (mantissa < 0.70710678 ? 1 : 0)));
-  if (bucket >= buckets_.size()) buckets_.resize(bucket + 1);
-  buckets_[bucket].push_back(task);
+  const auto queue = static_cast<std::size_t>(std::max(0, 8 * (4 - exponent) + static_cast<int>(16 * (1 - mantissa))));
+  if (queue >= queues_.size()) queues_.resize(queue + 1);
+  queues_[queue].tasks.push_back(task);
   ++waiting_;
 }
 
 bool PatchRefiner::pop(Task& task) {
-  while (!buckets_.empty() && buckets_.back().empty()) buckets_.pop_back();
-  if (buckets_.empty()) return false;
-  task = buckets_.back().back();
-  buckets_.back().pop_back();
+  while (!queues_.empty() && queues_.back().done == queues_.back().tasks.size()) queues_.pop_back();
+  if (queues_.empty()) return false;
+  Queue& queue = queues_.back();
+  task = queue.tasks[queue.done++];
   --waiting_;
   return true;
 }

@@ -158,9 +158,15 @@ class PatchRefiner {
     SegmentId segment;
   };
   std::vector<CornerSegment> corner_segments_;
-  std::vector<Chain> chains_;  ///< by segment
+  std::vector<std::uint32_t> corner_begin_;  ///< segments of corner v: [corner_begin_[v], corner_begin_[v + 1])
+  std::vector<Chain> chains_;                ///< by segment
 
-  std::vector<std::vector<Task>> buckets_;  ///< the higher, the shorter the shortest edge
+  /// First in, first out: layer after layer, where all are alike.
+  struct Queue {
+    std::vector<Task> tasks;
+    std::size_t done = 0;
+  };
+  std::vector<Queue> queues_;  ///< the higher, the shorter the shortest edge: eight an octave of its square
   std::size_t waiting_ = 0;
   std::uint64_t quota_ = 0;
   std::vector<Cut> own_cuts_;
