@@ -33,7 +33,7 @@ std::string words(const Finding& finding) {
   const std::string id = std::to_string(finding.element);
   switch (finding.fault) {
     case Fault::kMalformed: return "the claim is malformed";
-    case Fault::kMovedVertex: return "output vertex " + id + " is no vertex of the input";
+    case Fault::kMovedVertex: return "output vertex " + id + " is no vertex of the input, nor a new one by itself";
     case Fault::kForeignVertex: return "vertex " + id + " is used, and is not the patch's in the input";
     case Fault::kLostVertex: return "vertex " + id + ", where others meet the patch, is gone";
     case Fault::kNoFaces: return "no faces are left";

@@ -12,7 +12,7 @@ namespace remesh::verification {
 
 enum class Fault : std::uint8_t {
   kMalformed,         ///< the claim's arrays do not fit together
-  kMovedVertex,       ///< an output vertex has no input vertex's coordinates, or another one has them too
+  kMovedVertex,       ///< an output vertex is neither the input's nor new, or another one is in its place
   kForeignVertex,     ///< a patch uses a vertex that it has not in the input
   kLostVertex,        ///< a patch dropped a vertex at which it is joined to others
   kNoFaces,           ///< a patch came back without faces

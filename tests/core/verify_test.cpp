@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 #include <limits>
-#include <random>
 
 #include "tests/core/verify/cases.h"
 #include "tests/support/shapes.h"

@@ -1,0 +1,107 @@
+/// The edges that bound patches, as a graph, and its chains: runs of edges through vertices that do not count.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/verify/edge_table.h"
+
+namespace remesh::verification {
+
+/// A run of edges between two vertices that count.
+struct Chain {
+  VertexId low, high;       ///< its ends
+  std::uint32_t edge = 0;   ///< one of its edges: whose uses are those of all
+  bool is_flipped = false;  ///< that edge, from its smaller vertex, runs from `high` to `low`
+};
+
+/// Why a run does not end at a vertex that counts.
+enum class Stray {
+  kNoPassage,  ///< it comes to a vertex at which not two edges with the same uses meet
+  kLoop,       ///< it comes back to itself
+};
+
+class BoundaryGraph {
+ public:
+  /// Input:  edges from list_boundary.
+  BoundaryGraph(std::size_t vertex_count, std::vector<Edge> edges);
+
+  std::span<const Edge> edges() const { return edges_; }
+  /// Does a bounding edge end there?
+  bool has(VertexId v) const { return degree_[v.value] > 0; }
+  /// Exactly two edges meet there, with the same patches on the same sides: it is inside one seam.
+  bool is_passage(VertexId v) const {
+    return degree_[v.value] == 2 && is_passage(v, incident_[v.value][0], incident_[v.value][1]);
+  }
+  /// The vertices before and after a passage.
+  std::array<VertexId, 2> neighbours(VertexId passage) const {
+    const auto& [a, b] = incident_[passage.value];
+    return {edges_[a].other(passage), edges_[b].other(passage)};
+  }
+  /// Is a vertex inside a seam of that patch?
+  bool is_passage_of(VertexId v, PatchId patch) const {
+    return degree_[v.value] == 2 && has_patch(edges_[incident_[v.value][0]].uses, patch);
+  }
+
+  /// Cuts the graph at all vertices v for which not is_inner(v).
+  /// Output: on_chain(chain, its vertices from end to end) for each run between two of these;
+  ///         on_stray(edge, vertex, why) for edges of the others.
+  template <class IsInner, class OnChain, class OnStray>
+  void for_each_chain(RunControl& control, const IsInner& is_inner, const OnChain& on_chain,
+                      const OnStray& on_stray) const {
+    std::vector<bool> is_walked(edges_.size(), false);
+    std::vector<VertexId> run;
+    const auto walk = [&](VertexId start, std::uint32_t first) {
+      run.assign(1, start);
+      std::uint32_t e = first;
+      VertexId v = start;
+      for (;;) {
+        is_walked[e] = true;
+        v = edges_[e].other(v);
+        run.push_back(v);
+        if (!is_inner(v)) break;
+        if (degree_[v.value] != 2) return on_stray(edges_[e], v, Stray::kNoPassage);
+        const std::uint32_t next = incident_[v.value][0] == e ? incident_[v.value][1] : incident_[v.value][0];
+        if (is_walked[next]) return on_stray(edges_[e], v, Stray::kLoop);  // no edge of a sound surface
+        if (!is_passage(v, e, next)) {
+          on_stray(edges_[e], v, Stray::kNoPassage);
+          return on_stray(edges_[next], v, Stray::kNoPassage);
+        }
+        e = next;
+      }
+      const bool is_upwards = start < v;
+      const bool is_flipped = (edges_[first].low == start) != is_upwards;
+      on_chain(Chain{std::min(start, v), std::max(start, v), first, is_flipped}, std::span<const VertexId>(run));
+    };
+    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+      if (e % kCheckEvery == 0) control.check();
+      if (is_walked[e]) continue;
+      if (!is_inner(edges_[e].low))
+        walk(edges_[e].low, e);
+      else if (!is_inner(edges_[e].high))
+        walk(edges_[e].high, e);
+    }
+    // No vertex that counts leads to the others.
+    for (std::uint32_t e = 0; e < edges_.size(); ++e)
+      if (!is_walked[e]) on_stray(edges_[e], edges_[e].low, Stray::kLoop);
+  }
+
+ private:
+  static constexpr std::size_t kCheckEvery = 8192;
+
+  /// Both edges have v as an end; they are walked in one sense if v is the larger end of one and the smaller of the
+  /// other.
+  bool is_passage(VertexId v, std::uint32_t a, std::uint32_t b) const {
+    return have_same_uses(edges_[a].uses, edges_[b].uses, (edges_[a].low == v) == (edges_[b].low == v));
+  }
+
+  std::vector<Edge> edges_;
+  std::vector<std::uint32_t> degree_;
+  std::vector<std::array<std::uint32_t, 2>> incident_;  ///< the first two edges of each vertex
+};
+
+}  // namespace remesh::verification

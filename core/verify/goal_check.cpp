@@ -1,0 +1,231 @@
+#include "core/verify/goal_check.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <optional>
+
+#include "core/base/blocks.h"
+#include "core/verify/straight_lines.h"
+
+namespace remesh::verification {
+namespace {
+
+constexpr std::size_t kBlock = 8192;
+/// What is nearer to a bound than this share of it may count as on either side.
+constexpr double kMargin = 1e-9;
+
+/// How a number stands to a bound that it is not to cross.
+enum class Standing { kMeets, kOnTheEdge, kMisses };
+
+Standing at_most(double value, double bound) {
+  if (value > bound * (1 + kMargin)) return Standing::kMisses;
+  return value < bound * (1 - kMargin) ? Standing::kMeets : Standing::kOnTheEdge;
+}
+Standing at_least(double value, double bound) {
+  if (bound == 0) return Standing::kMeets;
+  if (value < bound * (1 - kMargin)) return Standing::kMisses;
+  return value > bound * (1 + kMargin) ? Standing::kMeets : Standing::kOnTheEdge;
+}
+
+/// Lengths, angles and area of a triangle. Side and angle i are opposite of corner i.
+class Triangle3 {
+ public:
+  std::array<double, 3> side{};
+  double area = 0;
+
+  Triangle3(const Vec3& a, const Vec3& b, const Vec3& c) : along_{c - b, a - c, b - a} {
+    const double unit =
+        std::max({largest_coordinate(along_[0]), largest_coordinate(along_[1]), largest_coordinate(along_[2])});
+    if (unit == 0) return;
+    for (Vec3& v : along_) v = (1 / unit) * v;
+    for (int i = 0; i < 3; ++i) side[i] = std::sqrt(norm_squared(along_[i])) * unit;
+    // The two shorter sides have the smaller rounding.
+    const auto longest = std::max_element(side.begin(), side.end()) - side.begin();
+    twice_area_ = std::sqrt(norm_squared(cross(along_[(longest + 1) % 3], along_[(longest + 2) % 3])));
+    area = twice_area_ * unit * unit / 2;
+  }
+
+  /// 0 where a side has no length.
+  double angle(int i) const { return std::atan2(twice_area_, 0 - dot(along_[(i + 1) % 3], along_[(i + 2) % 3])); }
+  double longest_side() const { return *std::max_element(side.begin(), side.end()); }
+  double shortest_side() const { return *std::min_element(side.begin(), side.end()); }
+  double least_angle() const {
+    return angle(static_cast<int>(std::min_element(side.begin(), side.end()) - side.begin()));
+  }
+
+ private:
+  std::array<Vec3, 3> along_;  ///< the sides, in units of the largest coordinate
+  double twice_area_ = 0;
+};
+
+class GoalCheck {
+ public:
+  GoalCheck(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges, const BoundaryGraph& seams,
+            Findings& findings, RunControl& control)
+      : claim_(refinement),
+        model_(model),
+        edges_(edges),
+        seams_(seams),
+        findings_(findings),
+        control_(control),
+        min_angle_(refinement.goals.min_angle_deg * std::numbers::pi / 180),
+        // One factor after the other: the square of the scale may not be a number.
+        max_area_(refinement.goals.max_area * model.scale * model.scale),
+        max_length_(refinement.goals.max_edge_length * model.scale),
+        min_length_(refinement.goals.min_edge_length * model.scale) {}
+
+  void run() {
+    if (model_.output.count() > claim_.goals.max_faces) findings_.add(PatchId(), Fault::kTooManyFaces);
+    if (!claim_.goals.split_boundaries) check_locked_boundary();
+    const bool is_any_across = std::find(claim_.reasons.begin(), claim_.reasons.end(),
+                                         UnrefinedReason::kAcrossInputAngle) != claim_.reasons.end();
+    if (is_any_across || min_length_ > 0) lines_.emplace(model_, seams_, control_);
+    check_faces();
+    if (min_length_ > 0) check_new_edges();
+  }
+
+ private:
+  using Found = std::vector<Finding>;
+
+  void check_locked_boundary() {
+    for (const Edge& edge : seams_.edges())
+      for (const VertexId v : {edge.low, edge.high})
+        if (model_.is_new(v))
+          for (const Use& use : edge.uses) findings_.add(use.patch, Fault::kLockedBoundary, v.value);
+  }
+
+  void check_faces() {
+    const auto blocks =
+        map_blocks<Found>(model_.output.count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+          Found found;
+          auto listed = std::lower_bound(claim_.unrefined.begin(), claim_.unrefined.end(), FaceId(begin));
+          for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
+            const bool is_listed = listed != claim_.unrefined.end() && *listed == FaceId(f);
+            const Triangle3 face = measure(f);
+            const Standing size = size_of(face);
+            const Standing standing = std::max(size, angle_of(face.least_angle()));
+            const auto report = [&](Fault fault) { found.push_back({model_.output.patch[f], fault, f}); };
+            if (!is_listed) {
+              if (standing == Standing::kMisses) report(Fault::kUnlisted);
+              continue;
+            }
+            const UnrefinedReason reason = claim_.reasons[listed++ - claim_.unrefined.begin()];
+            if (standing == Standing::kMeets)
+              report(Fault::kListedInVain);
+            else if (!is_reason(reason, f, face, size != Standing::kMisses))
+              report(Fault::kCertificate);
+          }
+          return found;
+        });
+    for (const Found& found : blocks) findings_.add(found);
+  }
+
+  Triangle3 measure(std::uint32_t f) const {
+    const auto corner = model_.output.face(f);
+    return {model_.points[corner[0].value], model_.points[corner[1].value], model_.points[corner[2].value]};
+  }
+
+  Standing size_of(const Triangle3& face) const {
+    return std::max(at_most(face.longest_side(), max_length_), at_most(face.area, max_area_));
+  }
+  Standing angle_of(double angle) const { return at_least(angle, min_angle_); }
+
+  bool is_reason(UnrefinedReason reason, std::uint32_t f, const Triangle3& face, bool is_small_enough) const {
+    switch (reason) {
+      // Input angles explain angles, not sizes.
+      case UnrefinedReason::kInputAngle: return is_small_enough && is_at_input_angle(f, face);
+      case UnrefinedReason::kAcrossInputAngle: return is_small_enough && is_across_input_angle(f, face);
+      case UnrefinedReason::kMinEdgeLength: return min_length_ > 0;
+      case UnrefinedReason::kBudget: return claim_.goals.max_faces < std::numeric_limits<std::uint64_t>::max();
+      case UnrefinedReason::kSizeFloor:
+      case UnrefinedReason::kBoundaryLocked: return true;
+    }
+    return false;
+  }
+
+  /// The only angle below the bound is at a vertex of the input, and between two edges of the patch's boundary.
+  bool is_at_input_angle(std::uint32_t f, const Triangle3& face) const {
+    const auto corner = model_.output.face(f);
+    for (int i = 0; i < 3; ++i) {
+      if (angle_of(face.angle(i)) == Standing::kMeets) continue;
+      const VertexId at = corner[i], left = corner[(i + 1) % 3], right = corner[(i + 2) % 3];
+      if (at.value < model_.surface_vertex_count && is_bounding(at, left) && is_bounding(at, right) &&
+          angle_of(face.angle((i + 1) % 3)) != Standing::kMisses &&
+          angle_of(face.angle((i + 2) % 3)) != Standing::kMisses)
+        return true;
+    }
+    return false;
+  }
+
+  bool is_bounding(VertexId a, VertexId b) const {
+    return !Edge{std::min(a, b), std::max(a, b), edges_.find(a, b)}.is_interior();
+  }
+
+  /// The ends of the shortest side are on two lines that meet, equally far from there, and nearer to each other.
+  bool is_across_input_angle(std::uint32_t f, const Triangle3& face) const {
+    const auto corner = model_.output.face(f);
+    const double shortest = face.shortest_side();
+    for (int i = 0; i < 3; ++i) {
+      if (face.side[i] > shortest * (1 + kMargin)) continue;
+      const VertexId a = corner[(i + 1) % 3], b = corner[(i + 2) % 3];
+      const Vec3 &pa = model_.points[a.value], &pb = model_.points[b.value];
+      const bool is_found = lines_->any_meeting(a, b, model_.output.patch[f], [&](VertexId at) {
+        const Vec3& p = model_.points[at.value];
+        const double to_a = norm(pa - p), to_b = norm(pb - p);
+        const double noise = Model::rounding(std::max(largest_coordinate(pa), largest_coordinate(pb)));
+        return std::fabs(to_a - to_b) <= kMargin * to_a + noise && face.side[i] <= (1 + kMargin) * to_a;
+      });
+      if (is_found) return true;
+    }
+    return false;
+  }
+
+  /// Edges with a new end are as long as they must be; but inside a patch, where lines meet under 60 degrees, those
+  /// from one to the other are as short as the angle makes them.
+  void check_new_edges() {
+    const auto blocks =
+        map_blocks<Found>(edges_.vertex_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+          Found found;
+          edges_.for_each_edge(begin, end, [&](const Edge& edge) {
+            if (!model_.is_new(edge.low) && !model_.is_new(edge.high)) return;
+            const Vec3 &a = model_.points[edge.low.value], &b = model_.points[edge.high.value];
+            const double noise = Model::rounding(std::max(largest_coordinate(a), largest_coordinate(b)));
+            if (!(norm(b - a) < min_length_ * (1 - kMargin) - noise)) return;
+            if (edge.is_interior() && is_in_input_angle(edge)) return;
+            for (const Use& use : edge.uses) found.push_back({use.patch, Fault::kShortEdge, edge.low.value});
+          });
+          return found;
+        });
+    for (const Found& found : blocks) findings_.add(found);
+  }
+
+  bool is_in_input_angle(const Edge& edge) const {
+    return lines_->any_meeting(edge.low, edge.high, edge.uses[0].patch, [&](VertexId at) {
+      const Vec3 to_low = model_.points[edge.low.value] - model_.points[at.value];
+      const Vec3 to_high = model_.points[edge.high.value] - model_.points[at.value];
+      return 2 * dot(to_low, to_high) > norm(to_low) * norm(to_high) * (1 - kMargin);
+    });
+  }
+
+  const RefinementClaim& claim_;
+  const Model& model_;
+  const EdgeTable& edges_;
+  const BoundaryGraph& seams_;
+  Findings& findings_;
+  RunControl& control_;
+  // In the model's scale; radians.
+  const double min_angle_, max_area_, max_length_, min_length_;
+  std::optional<StraightLines> lines_;  ///< where one of the tests needs them
+};
+
+}  // namespace
+
+void check_goals(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges,
+                 const BoundaryGraph& seams, Findings& findings, RunControl& control) {
+  GoalCheck(refinement, model, edges, seams, findings, control).run();
+}
+
+}  // namespace remesh::verification

@@ -1,0 +1,21 @@
+/// Refinement's goals: are the faces that miss them the listed ones, and what is listed for an input angle at one?
+#pragma once
+
+#include "core/base/run_control.h"
+#include "core/verify.h"
+#include "core/verify/boundary_graph.h"
+#include "core/verify/edge_table.h"
+#include "core/verify/findings.h"
+#include "core/verify/model.h"
+
+namespace remesh::verification {
+
+/// Reports kUnlisted, kListedInVain, kCertificate, kShortEdge, kLockedBoundary, kTooManyFaces.
+/// Measures are of the output's doubles. Two that compute them differ in the last places; what is within 1e-9 of a
+/// bound may be listed or not.
+/// Input:  the output's edges, and those of them that bound patches.
+/// Cost:   O(n log n).
+void check_goals(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges,
+                 const BoundaryGraph& seams, Findings& findings, RunControl& control);
+
+}  // namespace remesh::verification

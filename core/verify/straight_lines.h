@@ -1,0 +1,62 @@
+/// Where the straight lines of a patch's boundary meet: what certificates of small input angles rest on.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/verify/boundary_graph.h"
+#include "core/verify/model.h"
+
+namespace remesh::verification {
+
+/// The output's bounding edges, joined to maximal straight lines. These are the chains between vertices that stay, but
+/// for vertices that stay without need: one that lies on the line of two edges ends none (a new vertex may happen to
+/// have a dropped one's coordinates).
+class StraightLines {
+ public:
+  StraightLines(const Model& model, const BoundaryGraph& seams, RunControl& control);
+
+  /// Calls is_wanted(corner) for the corners in which a line of the patch through a and another one through b end,
+  /// until it says yes; returns whether it did. Cost:   O(min(lines at a, lines at b) log n). Summed over the edges of
+  /// a triangulated patch that is O(n log n):
+  ///         its edges can be given to their ends such that no vertex has more than three, whatever its degree.
+  template <class IsWanted>
+  bool any_meeting(VertexId a, VertexId b, PatchId patch, const IsWanted& is_wanted) const {
+    std::array<Reach, 2> of_a, of_b;
+    std::span<const Reach> few = reaches(a, patch, of_a), many = reaches(b, patch, of_b);
+    if (few.size() > many.size()) std::swap(few, many);
+    for (const Reach& reach : few)
+      for (const Reach& other : towards(many, reach.end))
+        if (other.line != reach.line && is_wanted(reach.end)) return true;
+    return false;
+  }
+
+ private:
+  /// From a vertex one gets to `end` along `line`.
+  struct Reach {
+    VertexId from;
+    PatchId patch;
+    VertexId end;
+    std::uint32_t line = 0;
+    friend constexpr auto operator<=>(const Reach&, const Reach&) = default;
+  };
+
+  /// By end. `inner` is filled where the vertex is inside a line.
+  std::span<const Reach> reaches(VertexId v, PatchId patch, std::array<Reach, 2>& inner) const;
+  static std::span<const Reach> towards(std::span<const Reach> reaches, VertexId end);
+
+  struct Line {
+    VertexId low, high;
+    std::span<const Use> uses;
+  };
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  std::vector<Line> lines_;
+  std::vector<std::uint32_t> line_of_;  ///< the line that a vertex is inside of
+  std::vector<Reach> reaches_;          ///< of the lines' ends, in order
+};
+
+}  // namespace remesh::verification

@@ -1,0 +1,334 @@
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "tests/core/verify/refined.h"
+
+namespace remesh {
+namespace {
+
+constexpr UnrefinedReason kAllReasons[] = {UnrefinedReason::kInputAngle, UnrefinedReason::kAcrossInputAngle,
+                                           UnrefinedReason::kSizeFloor,  UnrefinedReason::kMinEdgeLength,
+                                           UnrefinedReason::kBudget,     UnrefinedReason::kBoundaryLocked};
+
+/// The verdict on quality; all else must be right.
+bool is_good(const Example& e) {
+  const Verdict v = e.verify();
+  EXPECT_TRUE(v.surface && v.conforming && v.delaunay) << all_words(v);
+  EXPECT_EQ(v.quality.value(), v.failures.empty()) << all_words(v);
+  return v.quality.value();
+}
+
+Vec3 on_ray(double degrees, double radius) {
+  const double angle = degrees * 3.14159265358979323846 / 180;
+  return {radius * std::cos(angle), radius * std::sin(angle), 0};
+}
+
+double least_angle_deg(const Example& e, std::size_t f) {
+  double least = 180;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3& at = e.positions[e.faces[f][i].value];
+    const Vec3 a = normalized(e.positions[e.faces[f][(i + 1) % 3].value] - at);
+    const Vec3 b = normalized(e.positions[e.faces[f][(i + 2) % 3].value] - at);
+    least = std::min(least, std::acos(dot(a, b)) * 180 / 3.14159265358979323846);
+  }
+  return least;
+}
+
+/// A wedge whose every face below the bound is listed: the first for its corner, the others for what is across.
+Example certified_wedge(double degrees, int shells, double bound) {
+  Example e = wedge(degrees, shells, bound);
+  for (std::size_t f = 0; f < e.faces.size(); ++f)
+    if (least_angle_deg(e, f) < bound)
+      list(e, f,
+           f == e.face_at({0, 0, 0}, on_ray(0, 1), on_ray(degrees, 1)) ? UnrefinedReason::kInputAngle
+                                                                       : UnrefinedReason::kAcrossInputAngle);
+  return e;
+}
+
+/// Does the reason hold for any of the listed faces? Each is asked alone, the others get one that always holds.
+bool is_any_certified(Example e, UnrefinedReason reason) {
+  bool is_any = false;
+  for (std::size_t i = 0; i < e.unrefined.size(); ++i) {
+    std::fill(e.reasons.begin(), e.reasons.end(), UnrefinedReason::kSizeFloor);
+    EXPECT_TRUE(is_good(e));
+    e.reasons[i] = reason;
+    is_any = is_good(e) || is_any;
+  }
+  return is_any;
+}
+
+// Faces and bounds.
+
+TEST(VerifyGoals, bounds_that_all_faces_meet_are_met) {
+  Example e = refined_cube(2);
+  *e.goals = angle_goal(33);
+  e.goals->max_edge_length = std::sqrt(0.5);
+  e.goals->max_area = 0.125;
+  e.goals->min_edge_length = 0.5;
+  e.goals->max_faces = e.faces.size();
+  EXPECT_TRUE(is_good(e));
+  for (const double scale : {1e-100, 1e100}) EXPECT_TRUE(is_good(scaled(e, scale)));
+}
+
+TEST(VerifyGoals, each_bound_that_faces_miss_is_found) {
+  const std::function<void(Goals&)> tighten[] = {
+      [](Goals& g) { g.min_angle_deg = 45.001; }, [](Goals& g) { g.max_edge_length = 0.70710; },
+      [](Goals& g) { g.max_area = 0.12499; },     [](Goals& g) { g.min_edge_length = 0.50001; },
+      [](Goals& g) { g.max_faces = 47; },         [](Goals& g) { g.split_boundaries = false; }};
+  for (const auto& change : tighten) {
+    Example e = refined_cube(2);
+    ASSERT_TRUE(is_good(e));
+    change(*e.goals);
+    EXPECT_FALSE(is_good(e));
+  }
+}
+
+TEST(VerifyGoals, the_faces_listed_are_exactly_those_that_miss) {
+  // One corner of the square is far out: two of its four triangles have small angles.
+  Example e = refined(shapes::from_lists({{0, 0, 0}, {9, 0, 0}, {2, 2, 0}, {0, 2, 0}}, {{0, 1, 2}, {0, 2, 3}}),
+                      shapes::from_lists({{0, 0, 0}, {9, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1.5, 1, 0}},
+                                         {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}),
+                      angle_goal(25));
+  for (std::size_t f = 0; f < e.faces.size(); ++f)
+    if (least_angle_deg(e, f) < 25) list(e, f, UnrefinedReason::kSizeFloor);
+  ASSERT_EQ(e.unrefined.size(), 2u);
+  EXPECT_TRUE(is_good(e));
+  for (std::size_t f = 0; f < e.faces.size(); ++f) {
+    Example other = e;
+    const auto at = std::find(other.unrefined.begin(), other.unrefined.end(), FaceId(f));
+    if (at == other.unrefined.end()) {
+      list(other, f, UnrefinedReason::kSizeFloor);
+    } else {
+      other.reasons.pop_back();
+      other.unrefined.erase(at);
+    }
+    EXPECT_FALSE(is_good(other)) << f;
+    EXPECT_TRUE(blames(other.verify(), other.face_patch[f]));
+  }
+}
+
+TEST(VerifyGoals, at_a_bound_to_rounding_a_face_may_be_listed_or_not) {
+  for (const double share : {1 - 1e-12, 1.0, 1 + 1e-12}) {
+    Example e = refined_cube(2);
+    e.goals->max_edge_length = share * std::sqrt(0.5);
+    e.goals->min_angle_deg = share * 45;
+    EXPECT_TRUE(is_good(e));
+    for (std::size_t f = 0; f < e.faces.size(); f += 2) list(e, f, UnrefinedReason::kSizeFloor);
+    EXPECT_TRUE(is_good(e));
+  }
+}
+
+TEST(VerifyGoals, a_face_of_no_area_kept_as_it_is_counts_as_below_any_angle) {
+  const PolygonMesh flat = shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {1, 0, 0}}, {{0, 1, 2}});
+  Example e = refined(Example());
+  e.surface = shapes::surface(flat);
+  e.surface_patch.assign(1, PatchId(0));
+  e.frames.push_back({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 2, 0x1p-40});
+  e.positions = flat.positions.items();
+  e.faces = {{VertexId(0), VertexId(1), VertexId(2)}};
+  e.face_patch = {PatchId(0)};
+  e.plane_tolerance = 1e-9;
+  e.project();
+  EXPECT_TRUE(is_good(e));
+  *e.goals = angle_goal(1);
+  EXPECT_FALSE(is_good(e));
+  for (const UnrefinedReason reason : kAllReasons) {
+    Example listed = e;
+    list(listed, 0, reason);
+    EXPECT_EQ(is_good(listed), reason == UnrefinedReason::kSizeFloor || reason == UnrefinedReason::kBoundaryLocked);
+  }
+}
+
+// Reasons.
+
+TEST(VerifyGoals, certificates_of_input_angles_hold_at_input_angles) {
+  for (const double degrees : {3.0, 10.0, 20.0, 24.0}) {
+    const Example e = certified_wedge(degrees, 4, 25);
+    ASSERT_GE(e.unrefined.size(), 1u);
+    EXPECT_TRUE(is_good(e)) << degrees;
+  }
+}
+
+TEST(VerifyGoals, certificates_hold_where_a_vertex_stays_in_the_line_of_the_shells) {
+  // The input has a vertex where the second shell is: the sides are two chains each, and one line.
+  Example with = certified_wedge(5, 4, 25);
+  with.surface = shapes::surface(
+      shapes::from_lists({{0, 0, 0}, on_ray(0, 2), on_ray(0, 4), on_ray(5, 4)}, {{0, 1, 3}, {1, 2, 3}}));
+  with.surface_patch.assign(2, PatchId(0));
+  EXPECT_TRUE(is_good(with));
+}
+
+TEST(VerifyGoals, a_wrong_certificate_is_found) {
+  const Example e = certified_wedge(10, 4, 25);
+  ASSERT_GE(e.unrefined.size(), 3u);
+  for (std::size_t i = 0; i < e.unrefined.size(); ++i) {
+    Example other = e;
+    const bool is_corner = e.reasons[i] == UnrefinedReason::kInputAngle;
+    other.reasons[i] = is_corner ? UnrefinedReason::kAcrossInputAngle : UnrefinedReason::kInputAngle;
+    // The corner's own triangle has both: its shortest side joins the first shell's points.
+    EXPECT_EQ(is_good(other), is_corner) << i;
+  }
+}
+
+TEST(VerifyGoals, points_on_different_shells_certify_nothing) {
+  // The second shell's left point is a little further out.
+  Example e = certified_wedge(10, 4, 25);
+  move_vertex(e, e.positions[4], on_ray(10, 2.01));
+  e.make_delaunay();
+  EXPECT_FALSE(is_good(e));
+  // To rounding it may be.
+  e = certified_wedge(10, 4, 25);
+  move_vertex(e, e.positions[4], (1 + 1e-13) * e.positions[4]);
+  e.make_delaunay();
+  EXPECT_TRUE(e.verify().quality.value());
+}
+
+TEST(VerifyGoals, a_longer_side_across_an_input_angle_certifies_nothing) {
+  // A flat triangle stands across the corner, its longest side on one shell.
+  const std::vector<Vec3> points{{0, 0, 0}, on_ray(0, 4), on_ray(40, 4), on_ray(40, 3), on_ray(0, 3), on_ray(20, 3.21)};
+  Example e =
+      refined(shapes::from_lists({points[0], points[1], points[2]}, {{0, 1, 2}}),
+              shapes::from_lists(points, {{0, 4, 3}, {4, 5, 3}, {4, 1, 5}, {1, 2, 5}, {2, 3, 5}}), angle_goal(25));
+  const std::size_t flat = e.face_at(points[3], points[4], points[5]);
+  ASSERT_LT(least_angle_deg(e, flat), 25);
+  for (std::size_t f = 0; f < e.faces.size(); ++f)
+    if (least_angle_deg(e, f) < 25) list(e, f, UnrefinedReason::kSizeFloor);
+  EXPECT_FALSE(is_any_certified(e, UnrefinedReason::kAcrossInputAngle));
+}
+
+TEST(VerifyGoals, a_side_of_new_vertices_across_a_right_angle_certifies_nothing) {
+  // A corner cut by a short edge, under a far point: the shortest edge's ends are as far from the corner, at 90
+  // degrees.
+  const PolygonMesh input = shapes::sheet(4, 4, 1, 1);
+  Example e = refined(input, input, angle_goal(25));
+  split_edge(e, {0, 0, 0}, {4, 0, 0}, {0.5, 0, 0});
+  split_edge(e, {0, 0, 0}, {0, 4, 0}, {0, 0.5, 0});
+  std::size_t needles = 0;
+  for (std::size_t f = 0; f < e.faces.size(); ++f)
+    if (least_angle_deg(e, f) < 25) {
+      list(e, f, UnrefinedReason::kAcrossInputAngle);
+      ++needles;
+    }
+  ASSERT_GE(needles, 1u);
+  EXPECT_FALSE(is_good(e));
+  for (UnrefinedReason& reason : e.reasons) reason = UnrefinedReason::kSizeFloor;
+  EXPECT_TRUE(is_good(e));
+}
+
+TEST(VerifyGoals, an_input_angle_that_an_inner_edge_divides_certifies_nothing) {
+  // Forty degrees, halved by an edge to a new vertex inside.
+  const std::vector<Vec3> points{{0, 0, 0}, on_ray(0, 3), on_ray(40, 3), on_ray(20, 2)};
+  Example e = refined(shapes::from_lists({points[0], points[1], points[2]}, {{0, 1, 2}}),
+                      shapes::from_lists(points, {{0, 1, 3}, {1, 2, 3}, {2, 0, 3}}), angle_goal(15));
+  e.goals->min_angle_deg = 20.5;
+  for (std::size_t f = 0; f < e.faces.size(); ++f)
+    if (least_angle_deg(e, f) < 20.5) list(e, f, UnrefinedReason::kSizeFloor);
+  ASSERT_EQ(e.unrefined.size(), 2u);
+  EXPECT_FALSE(is_any_certified(e, UnrefinedReason::kInputAngle));
+}
+
+TEST(VerifyGoals, an_input_angle_does_not_explain_another_small_one) {
+  // A triangle of 10 and 12 degrees: at either the other one is below the bound as well.
+  const PolygonMesh needle = shapes::from_lists({{0, 0, 0}, {10, 0, 0}, {5.5, 1, 0}}, {{0, 1, 2}});
+  Example e = refined(needle, needle, angle_goal(25));
+  list(e, 0, UnrefinedReason::kInputAngle);
+  EXPECT_FALSE(is_good(e));
+  e.reasons[0] = UnrefinedReason::kBoundaryLocked;
+  EXPECT_TRUE(is_good(e));
+}
+
+TEST(VerifyGoals, an_input_angle_does_not_explain_a_size) {
+  Example e = certified_wedge(10, 4, 25);
+  ASSERT_TRUE(is_any_certified(e, UnrefinedReason::kInputAngle));
+  ASSERT_TRUE(is_any_certified(e, UnrefinedReason::kAcrossInputAngle));
+  e.goals->max_edge_length = 0.9;
+  for (std::size_t f = 0; f < e.faces.size(); ++f)
+    if (std::find(e.unrefined.begin(), e.unrefined.end(), FaceId(f)) == e.unrefined.end())
+      list(e, f, UnrefinedReason::kSizeFloor);
+  EXPECT_FALSE(is_any_certified(e, UnrefinedReason::kInputAngle));
+  EXPECT_FALSE(is_any_certified(e, UnrefinedReason::kAcrossInputAngle));
+}
+
+TEST(VerifyGoals, floors_and_budgets_are_reasons_only_where_there_are_some) {
+  Example e = refined(shapes::sheet(2, 2, 1, 1), shapes::sheet(2, 2, 1, 1), no_goals());
+  e.goals->max_edge_length = 1;
+  for (const UnrefinedReason reason : {UnrefinedReason::kMinEdgeLength, UnrefinedReason::kBudget}) {
+    Example listed = e;
+    for (std::size_t f = 0; f < e.faces.size(); ++f) list(listed, f, reason);
+    EXPECT_FALSE(is_good(listed));
+    listed.goals->min_edge_length = 0.1;
+    listed.goals->max_faces = 2;
+    EXPECT_TRUE(is_good(listed));
+  }
+}
+
+// Least lengths.
+
+TEST(VerifyGoals, what_was_short_before_may_stay_short) {
+  Example e = cube();
+  *(e.goals = no_goals());
+  e.goals->min_edge_length = 10;
+  EXPECT_TRUE(is_good(e));
+}
+
+TEST(VerifyGoals, short_edges_are_allowed_across_a_small_input_angle_only) {
+  Example e = certified_wedge(10, 4, 25);
+  // The shells are a unit apart; the shortest edge across is a sixth.
+  e.goals->min_edge_length = 1;
+  EXPECT_TRUE(is_good(e));
+  e.goals->min_edge_length = 1.01;
+  EXPECT_FALSE(is_good(e));
+
+  // From side to side of a strip.
+  const PolygonMesh strip = shapes::from_lists({{0, 0, 0}, {8, 0, 0}, {8, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
+  e = refined(strip, strip);
+  split_edge(e, {0, 0, 0}, {8, 0, 0}, {4, 0, 0});
+  split_edge(e, {8, 1, 0}, {0, 1, 0}, {4, 1, 0});
+  e.goals->min_edge_length = 1;
+  EXPECT_TRUE(is_good(e));
+  e.goals->min_edge_length = 1.01;
+  EXPECT_FALSE(is_good(e));
+}
+
+// The list itself.
+
+TEST(VerifyGoals, a_list_that_does_not_fit_together_fails_as_a_whole) {
+  const std::function<void(Example&)> spoil[] = {[](Example& e) { e.reasons.pop_back(); },
+                                                 [](Example& e) { std::swap(e.unrefined[0], e.unrefined[1]); },
+                                                 [](Example& e) { e.unrefined[1] = e.unrefined[0]; },
+                                                 [](Example& e) { e.unrefined.back() = FaceId(e.faces.size()); },
+                                                 [](Example& e) { e.goals->max_area = std::nan(""); }};
+  for (const auto& change : spoil) {
+    Example e = certified_wedge(10, 4, 25);
+    change(e);
+    const Verdict v = e.verify();
+    EXPECT_FALSE(v.surface || v.conforming || v.delaunay || v.quality.value());
+  }
+}
+
+TEST(VerifyGoals, gives_the_same_verdict_for_any_number_of_threads) {
+  Example e = refined_cube(4);
+  e.goals->max_edge_length = 0.3;
+  e.goals->min_edge_length = 0.26;
+  for (std::size_t f = 0; f < e.faces.size(); f += 5) list(e, f, kAllReasons[f % 6]);
+  std::vector<Verdict> verdicts;
+  for (const std::size_t threads : {1, 2, 8}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    verdicts.push_back(e.verify());
+  }
+  EXPECT_FALSE(verdicts[0].quality.value());
+  for (const Verdict& v : verdicts) {
+    EXPECT_EQ(v.failures, verdicts[0].failures);
+    EXPECT_EQ(v.failed_patches, verdicts[0].failed_patches);
+  }
+}
+
+}  // namespace
+}  // namespace remesh
