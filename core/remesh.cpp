@@ -15,6 +15,9 @@
 #include "core/mesh/adjacency.h"
 #include "core/mesh/face_geometry.h"
 #include "core/quality.h"
+#include "core/refinement/gap_search.h"
+#include "core/refinement/segment_table.h"
+#include "core/refinement/size_field.h"
 #include "core/stages/assembly.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/coplanar_regions.h"
@@ -94,6 +97,8 @@ class Run {
     Ladder ladder = make_ladder();
     find_patches(ladder);
     summarise(ladder);
+    watch_.enter(Stage::kRefinement);
+    report_.smallest_gap = GapSearch(surface_, *adjacency_, patches_, report_.plane_tolerance, control_).smallest(control_);
     report_.timing_ms = watch_.finish();
     return std::move(report_);
   }
@@ -190,7 +195,6 @@ class Run {
     watch_.enter(Stage::kWeld);
     choose_tolerance();
     goals_ = goals_of(options_, report_.input.bounding_box.diagonal());
-    sizes_ = std::make_unique<SizeField>(goals_.max_edge_length);
     // Faces without a plane are split, faces without an area dropped; nothing opens.
     if (mend_faces(surface_, local_tolerance(), as_it_is_, report_.diagnostics, control_)) find_edges();
     geometry_ = face_geometry(surface_, control_);
@@ -265,8 +269,18 @@ class Run {
     frozen_.resize(patches_.count(), 0);
     for (std::size_t p = 0; p < patches_.count(); ++p)
       if (ladder.is_kept(patches_.faces_of(PatchId(p))[0])) frozen_[p] = 1;
-    refinement_ = refine(surface_, patches_, frozen_, goals_, *sizes_, meshes_, control_);
+    refinement_ = refine(surface_, patches_, frozen_, goals_, size_field(), meshes_, control_);
     report_.refinement_rounds = refinement_.rounds;
+  }
+
+  SizeField size_field() {
+    if (goals_.proximity == 0 && goals_.gradation == 0) return SizeField(goals_.max_edge_length);
+    std::unique_ptr<GapSearch> gaps;
+    if (goals_.proximity > 0) {
+      gaps = std::make_unique<GapSearch>(surface_, *adjacency_, patches_, report_.plane_tolerance, control_);
+      report_.smallest_gap = gaps->smallest(control_);
+    }
+    return SizeField(surface_, gaps.get(), segment_ends(meshes_), goals_, report_.plane_tolerance, control_);
   }
 
   /// Patches whose refinement failed the check stay as they were before it. Returns whether that is a change.
@@ -404,7 +418,6 @@ class Run {
   IdVector<VertexId, std::uint8_t> essential_;
   std::vector<PatchMesh> meshes_;
   Goals goals_;
-  std::unique_ptr<SizeField> sizes_;
   std::vector<std::uint8_t> frozen_;  ///< per patch: not refined
   Refinement refinement_;
   Assembled assembled_;

@@ -17,10 +17,10 @@ namespace remesh {
 ///
 /// A patch that is joined to this one counts only where the way through the air is much shorter than the way over the
 /// surface: less than a third of the shortest way through a vertex or edge that the two share, straight on both sides
-/// of it. So two faces that meet at an edge see each other only if the angle between them is under 37 degrees. Of each
-/// triangle of the other patch its nearest point is the one that is tested: a further one can only count where the ways
-/// are within 6 % of that third. (The air way grows at a right angle or more from there, the surface way at most as
-/// fast: 3 becomes 8^(1/2) at best.)
+/// of it. Of each triangle of the other patch its nearest point is the one that is tested: a further one can only count
+/// where the ways are within 6 % of that third. (From there the way through the air grows at a right angle or more, the
+/// way over the surface at most as fast: 3 becomes 8^(1/2) at best.) So two faces that meet at an edge see each other
+/// below 37 degrees, and above 39 degrees never.
 ///
 /// What is within the plane tolerance touches; there is no gap there. Places on the same patch are never a gap.
 /// Source: REFINEMENT, rule 9.
@@ -36,10 +36,10 @@ class GapSearch {
   /// Cost:   O(log n) and what is nearer than the answer.
   double at(const Vec3& place, PatchId patch, double limit) const;
 
-  /// The smallest gap of the whole surface; empty if no two facets face each other so. Between patches that share no
-  /// vertex it is exact, but for faces that touch or cross; between those that do, it is looked for at the corners
-  /// where three to sixteen patches meet. (A wedge has no smallest gap, but it has ends.)
-  /// Holds:  the same for any number of threads.
+  /// The smallest gap of the whole surface; empty if there is none. Between patches that share no vertex it is exact,
+  /// pairs of triangles that touch or cross left out; between those that do, it is looked for at the corners where
+  /// three to sixteen patches meet. (A wedge has no smallest gap, but it has ends.) Holds:  the same for any number of
+  /// threads.
   std::optional<double> smallest(RunControl& control) const;
 
   /// The faces as triangles: the same surface for whoever walks over it.

@@ -118,7 +118,9 @@ void PatchRefiner::collect_sides(PatchId id) {
 /// inside. Returns false where that would change nothing, or rounding forbids it.
 bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, RunControl& control) {
   const double size = criteria_.even_size / patch_.frame.scale;
-  if (!criteria_.sizes.is_uniform() || !std::isfinite(size)) return false;
+  // Stretched to fit, the lattice's edges are down to half the size.
+  if (!criteria_.sizes.is_uniform() || !std::isfinite(size) || criteria_.min_edge_length > criteria_.even_size / 2)
+    return false;
   // Vertices: the corners, then the cuts; pieces from one to the next, side by side.
   struct Piece {
     std::uint32_t from, to, side;
@@ -271,7 +273,7 @@ bool PatchRefiner::is_too_large(std::uint32_t t, double longest_squared, double 
   const std::uint32_t h = 3 * t;
   const Vec2 centre =
       (1.0 / 3) * (mesh_.point(mesh_.from(h)) + mesh_.point(mesh_.from(h + 1)) + mesh_.point(mesh_.from(h + 2)));
-  return longest > criteria_.sizes.at(to_space(centre)) * kSizeMargin;
+  return !criteria_.sizes.allows(longest / kSizeMargin, to_space(centre));
 }
 
 bool PatchRefiner::is_at_input_angle(std::uint32_t shortest) const {
@@ -343,20 +345,24 @@ bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const
   return false;
 }
 
+/// Why a triangle with that shortest edge may have a small angle.
+PatchRefiner::State PatchRefiner::excuse(std::uint32_t shortest) const {
+  if (is_at_input_angle(shortest)) return State::kInputAngle;
+  if (is_across_input_angle(mesh_.from(shortest), mesh_.to(shortest))) return State::kAcrossInputAngle;
+  return State::kUnknown;
+}
+
 void PatchRefiner::classify(std::uint32_t t) {
   if (!mesh_.is_live(t)) return;
   state_[t] = State::kGood;
   const Shape shape = shape_of(t);
   if (!shape.is_sharp && !shape.is_too_large) return;
   const std::uint32_t h = shape.shortest;
-  if (shape.is_sharp) {
-    if (is_at_input_angle(h))
-      state_[t] = State::kInputAngle;
-    else if (is_across_input_angle(mesh_.from(h), mesh_.to(h)))
-      state_[t] = State::kAcrossInputAngle;
-    if (state_[t] != State::kGood && !shape.is_too_large) return;
+  if (!shape.is_too_large) {
+    state_[t] = excuse(h);
+    if (state_[t] != State::kUnknown) return;
   }
-  if (state_[t] == State::kGood) state_[t] = State::kUnknown;
+  state_[t] = State::kUnknown;
   push({h, mesh_.from(h), mesh_.to(h), mesh_.apex(h)}, shape.shortest_squared);
 }
 
@@ -555,7 +561,7 @@ void PatchRefiner::treat(const Task& task) {
   if (mesh_.from(h) != task.a || mesh_.to(h) != task.b || mesh_.apex(h) != task.c) return;
   const std::uint32_t t = h / 3;
   const Shape shape = shape_of(t);
-  const bool is_for_angle = shape.is_sharp && state_[t] == State::kUnknown;
+  const bool is_for_angle = shape.is_sharp && excuse(shape.shortest) == State::kUnknown;
   const double floor = std::min(floor_of(task.a), floor_of(task.b));
   const Vec2 p = steiner_point(shape);
   encroached_.clear();
@@ -582,7 +588,7 @@ void PatchRefiner::treat(const Task& task) {
           segments_[sides_[sides[0]].segment].floor <= criteria_.min_edge_length ? State::kMinEdge : State::kSizeFloor;
   }
   if (shape.is_too_large && split_too_large(t)) return;
-  if (is_for_angle || shape.is_too_large) state_[t] = state_[t] == State::kUnknown ? why : state_[t];
+  state_[t] = why;
 }
 
 void PatchRefiner::run(std::uint64_t quota, RunControl& control) {

@@ -115,6 +115,7 @@ class PatchRefiner {
   bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, RunControl& control);
   Shape shape_of(std::uint32_t t) const;
   bool is_too_large(std::uint32_t t, double longest_squared, double twice_area) const;
+  State excuse(std::uint32_t shortest) const;
   void classify(std::uint32_t t);
   void classify_changed();
   bool is_at_input_angle(std::uint32_t h) const;

@@ -63,6 +63,19 @@ double magnitude(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y
 
 }  // namespace
 
+std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes) {
+  std::vector<std::array<VertexId, 2>> ends;
+  for (const PatchMesh& patch : meshes)
+    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+      if (!patch.mesh.is_constrained(h) || patch.is_held(h)) continue;
+      const auto [low, high] = std::minmax(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]);
+      ends.push_back({low, high});
+    }
+  tbb::parallel_sort(ends.begin(), ends.end());
+  ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+  return ends;
+}
+
 SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>& meshes,
                            const std::vector<std::uint8_t>& is_frozen, const SizeField& sizes, const Goals& goals,
                            RunControl& control)
@@ -165,11 +178,14 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   for (std::uint32_t s = 0; s < segments_.size(); ++s) {
     BoundarySegment& segment = segments_[SegmentId(s)];
     const double noise = kRoundings * roundings[s];
-    if (!(feature[s] > noise)) segment.is_locked = true;
+    // What is narrower than the shortest edge allowed cannot be cut across.
+    if (!(feature[s] > noise) || feature[s] < goals.min_edge_length) segment.is_locked = true;
     double size = feature[s];
     for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(SegmentId(s), t)));
     const double angle = std::min(sharpest[2 * s], sharpest[2 * s + 1]);
-    segment.floor = std::max({goals.min_edge_length, kFloorShare * size, noise / std::sin(angle)});
+    // Shells at an angle below 60 degrees are nearer to each other than to the corner.
+    const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
+    segment.floor = std::max({shortest_piece, kFloorShare * size, noise / std::sin(angle)});
   }
 }
 
@@ -205,7 +221,7 @@ std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes
   std::vector<double> cuts;
   if (s.is_locked || !std::isfinite(sizes.largest())) return cuts;
   double parts = std::ceil(s.length / sizes.largest() * (1 - 1e-12));
-  if (min_edge_length_ > 0) parts = std::min(parts, std::floor(s.length / min_edge_length_));
+  if (min_edge_length_ > 0) parts = std::min(parts, std::floor(s.length / s.floor));
   const auto n = static_cast<std::uint64_t>(std::max(1.0, parts));
   for (std::uint64_t i = 1; i < n; ++i) cuts.push_back(static_cast<double>(i) / static_cast<double>(n));
   if (sizes.is_uniform()) return cuts;

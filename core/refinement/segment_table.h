@@ -39,6 +39,9 @@ struct SegmentSide {
   std::uint32_t half_edge;  ///< in the patch's mesh
 };
 
+/// The ends of every segment, the smaller id first, each once; ascending.
+std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes);
+
 /// Segments, what limits their pieces, and who has them. Where a piece is cut depends on that piece alone: the cuts of
 /// a segment form one binary tree, whoever asks for them and when, so patches can cut on their own and agree later.
 class SegmentTable {

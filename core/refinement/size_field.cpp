@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -23,6 +25,46 @@ constexpr double kNaturalSlope = 1;
 /// A segment's samples. One box about a segment askew to the axes reaches far beside it.
 constexpr int kPiecesOfSegment = 2;
 
+/// A convex piece of a triangle: what a box leaves of it.
+class Piece {
+ public:
+  Piece(const Corners3& triangle, const Box3& box) {
+    for (const Vec3& p : triangle) corners_[size_++] = p;
+    for (int axis = 0; axis < 3; ++axis) {
+      clip(axis, 1, box.min[axis]);
+      clip(axis, -1, -box.max[axis]);
+    }
+  }
+
+  std::span<const Vec3> corners() const { return std::span(corners_).first(size_); }
+
+ private:
+  /// Keeps the part where sign times the coordinate is at least `least`.
+  void clip(int axis, double sign, double least) {
+    const auto height = [&](const Vec3& p) { return sign * p[axis] - least; };
+    if (std::all_of(corners().begin(), corners().end(), [&](const Vec3& p) { return height(p) >= 0; })) return;
+    std::array<Vec3, kMostCorners> kept;
+    std::size_t count = 0;
+    const auto keep = [&](const Vec3& p) {
+      if (count < kMostCorners) kept[count++] = p;
+    };
+    for (std::size_t i = 0; i < size_; ++i) {
+      const Vec3 &p = corners_[i], &q = corners_[(i + 1) % size_];
+      const double from = height(p), to = height(q);
+      if (from >= 0) keep(p);
+      if ((from >= 0) != (to >= 0)) keep(p + (from / (from - to)) * (q - p));
+    }
+    corners_ = kept;
+    size_ = count;
+  }
+
+  /// Three and one more for each of the box's sides; rounding may make a few more along a side, which say nothing new.
+  static constexpr std::size_t kMostCorners = 12;
+
+  std::array<Vec3, kMostCorners> corners_;
+  std::size_t size_ = 0;
+};
+
 }  // namespace
 
 /// Gathers the samples, in local units.
@@ -30,9 +72,8 @@ class SizeField::Sampler {
  public:
   Sampler(const Surface& surface, const Goals& goals, double plane_tolerance, RunControl& control)
       : surface_(surface), control_(control), proximity_(goals.proximity) {
-    Box3 box;
-    for (const Vec3& p : surface.local) box.add(p);
-    floor_ = std::max({goals.min_edge_length / surface.unit, kFloor * box.diagonal(),
+    for (const Vec3& p : surface.local) box_.add(p);
+    floor_ = std::max({goals.min_edge_length / surface.unit, kFloor * box_.diagonal(),
                        kFloorTolerances * plane_tolerance / surface.unit});
     largest_ = goals.max_edge_length / surface.unit;
   }
@@ -43,26 +84,20 @@ class SizeField::Sampler {
   const std::vector<Samples::Entry>& samples() const { return samples_; }
 
  private:
-  /// A part of a patch: some of its triangles, or a piece of one.
+  /// What lies of a patch in a box. Boxes rather than triangles are cut, since triangles may be needles, many of them
+  /// side by side within one gap.
   struct Cell {
     PatchId patch;
-    std::uint32_t begin = 0, end = 0;  ///< in triangles_; equal: a piece
-    Corners3 corners;                  ///< of a piece
+    Box3 box;
+    std::vector<std::uint32_t> triangles;  ///< of the patch; all those that reach into the box
   };
   struct Output {
     std::vector<Samples::Entry> samples;
     std::vector<Cell> cells;
   };
-  /// What a cell is judged by.
-  struct Extent {
-    Vec3 middle;  ///< a point of the cell
-    double reach = 0;
-    FloatBox box;
-  };
 
-  Extent extent(const Cell& cell) const;
-  void look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out);
-  void cut(const Cell& cell, std::vector<Cell>& cells);
+  void look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const;
+  void cut(const GapSearch& gaps, const Cell& cell, const Box3& box, std::vector<Cell>& cells) const;
   /// Looks at n cells, `cell_at(i)`, in parallel; the output in their order.
   template <class CellAt>
   std::vector<Cell> look_at_all(const GapSearch& gaps, std::size_t n, const CellAt& cell_at);
@@ -70,107 +105,83 @@ class SizeField::Sampler {
   Corners3 corners(const Triangle& t) const {
     return {surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]]};
   }
-  Cell cell(PatchId patch, std::uint32_t begin, std::uint32_t end) const {
-    if (end - begin > 1) return {patch, begin, end, {}};
-    return {patch, 0, 0, corners(triangles_[begin])};
-  }
   void add(const FloatBox& box, double size, std::vector<Samples::Entry>& to) const {
     to.push_back({box, {FloatBox::rounded_down(std::max(size, floor_))}});
   }
 
   const Surface& surface_;
   RunControl& control_;
+  Box3 box_;
   double proximity_;
   double floor_;
   double largest_;
-  std::vector<Triangle> triangles_;  ///< patch after patch; cutting a cell sorts its own
   std::vector<Samples::Entry> samples_;
 };
 
-namespace {
-
-Vec3 centroid(const Corners3& t) { return (1.0 / 3) * (t[0] + t[1] + t[2]); }
-
-}  // namespace
-
-SizeField::Sampler::Extent SizeField::Sampler::extent(const Cell& cell) const {
-  Extent e;
-  double squared_reach = 0;
-  const auto reach_for = [&](const Corners3& triangle) {
-    for (const Vec3& p : triangle) squared_reach = std::max(squared_reach, norm_squared(p - e.middle));
-  };
-  if (cell.begin == cell.end) {
-    for (const Vec3& p : cell.corners) e.box.add(p);
-    e.middle = centroid(cell.corners);
-    reach_for(cell.corners);
-  } else {
-    Box3 box;
-    for (std::uint32_t t = cell.begin; t < cell.end; ++t)
-      for (const Vec3& p : corners(triangles_[t])) box.add(p);
-    e.box.add(box.min);
-    e.box.add(box.max);
-    // The triangle in the middle of the box stands for all.
-    double nearest = HUGE_VAL;
-    for (std::uint32_t t = cell.begin; t < cell.end; ++t) {
-      const Vec3 c = centroid(corners(triangles_[t]));
-      const double d = norm_squared(c - 0.5 * (box.min + box.max));
-      if (d < nearest) {
-        nearest = d;
-        e.middle = c;
-      }
+void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const {
+  const auto triangles = gaps.triangles_of(cell.patch);
+  std::vector<Vec3> outline;  // of all pieces
+  Box3 box;
+  for (const std::uint32_t t : cell.triangles) {
+    control_.check();
+    for (const Vec3& p : Piece(corners(triangles[t]), cell.box).corners()) {
+      outline.push_back(p);
+      box.add(p);
     }
-    for (std::uint32_t t = cell.begin; t < cell.end; ++t) reach_for(corners(triangles_[t]));
   }
-  e.reach = std::sqrt(squared_reach);
-  return e;
-}
+  if (outline.empty()) return;
+  // The place of the patch that is nearest to the middle of the box stands for all.
+  const Vec3 centre = 0.5 * (box.min + box.max);
+  Vec3 middle;
+  double nearest = HUGE_VAL;
+  for (const std::uint32_t t : cell.triangles) {
+    const Vec3 p = nearest_on_triangle(centre, corners(triangles[t]));
+    if (norm_squared(p - centre) >= nearest) continue;
+    nearest = norm_squared(p - centre);
+    middle = p;
+  }
+  double squared_reach = 0;
+  for (const Vec3& p : outline) squared_reach = std::max(squared_reach, norm_squared(p - middle));
+  const double reach = std::sqrt(squared_reach);
 
-void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) {
-  const Extent e = extent(cell);
   // Beyond that, no place of the cell has a gap that asks for less than the largest size.
-  const double limit = proximity_ * largest_ + e.reach;
+  const double limit = proximity_ * largest_ + reach;
   const double gap =
-      gaps.at(surface_.centre + surface_.unit * e.middle, cell.patch, limit * surface_.unit) / surface_.unit;
+      gaps.at(surface_.centre + surface_.unit * middle, cell.patch, limit * surface_.unit) / surface_.unit;
   if (gap == HUGE_VAL) return;
-  if (may_cut && e.reach > kReach * std::max(gap, proximity_ * floor_)) {
-    cut(cell, out.cells);
-  } else if (gap / proximity_ < largest_) {
-    add(e.box, gap / proximity_, out.samples);
+  if (may_cut && reach > kReach * std::max(gap, proximity_ * floor_)) {
+    cut(gaps, cell, box, out.cells);
+  } else if (std::max(gap / proximity_, floor_) < largest_) {
+    FloatBox whole;
+    whole.add(box.min);
+    whole.add(box.max);
+    add(whole, gap / proximity_, out.samples);
   }
 }
 
-void SizeField::Sampler::cut(const Cell& cell, std::vector<Cell>& cells) {
-  if (cell.begin == cell.end) {
-    // Across the longest side, so that needles become short.
-    const Corners3& p = cell.corners;
-    int longest = 0;
-    for (int i = 1; i < 3; ++i)
-      if (norm_squared(p[(i + 1) % 3] - p[i]) > norm_squared(p[(longest + 1) % 3] - p[longest])) longest = i;
-    const Vec3 &a = p[longest], &b = p[(longest + 1) % 3], &c = p[(longest + 2) % 3];
-    const Vec3 middle = 0.5 * (a + b);
-    cells.push_back({cell.patch, 0, 0, {a, middle, c}});
-    cells.push_back({cell.patch, 0, 0, {middle, b, c}});
-    return;
-  }
-  Box3 centres;
-  for (std::uint32_t t = cell.begin; t < cell.end; ++t) centres.add(centroid(corners(triangles_[t])));
-  const Vec3 size = centres.max - centres.min;
+/// `box` is about what the cell really holds.
+void SizeField::Sampler::cut(const GapSearch& gaps, const Cell& cell, const Box3& box, std::vector<Cell>& cells) const {
+  const auto triangles = gaps.triangles_of(cell.patch);
+  const Vec3 size = box.max - box.min;
   const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  const std::uint32_t middle = cell.begin + (cell.end - cell.begin) / 2;
-  std::nth_element(triangles_.begin() + cell.begin, triangles_.begin() + middle, triangles_.begin() + cell.end,
-                   [&](const Triangle& s, const Triangle& t) {
-                     return std::pair(centroid(corners(s))[axis], s) < std::pair(centroid(corners(t))[axis], t);
-                   });
-  cells.push_back(this->cell(cell.patch, cell.begin, middle));
-  cells.push_back(this->cell(cell.patch, middle, cell.end));
+  const double middle = 0.5 * (box.min[axis] + box.max[axis]);
+  Cell low{cell.patch, box, {}}, high{cell.patch, box, {}};
+  low.box.max[axis] = high.box.min[axis] = middle;
+  for (const std::uint32_t t : cell.triangles) {
+    const auto [a, b, c] = corners(triangles[t]);
+    if (std::max({a[axis], b[axis], c[axis]}) > middle) high.triangles.push_back(t);
+    if (std::min({a[axis], b[axis], c[axis]}) <= middle) low.triangles.push_back(t);
+  }
+  cells.push_back(std::move(low));
+  cells.push_back(std::move(high));
 }
 
 template <class CellAt>
 std::vector<SizeField::Sampler::Cell> SizeField::Sampler::look_at_all(const GapSearch& gaps, std::size_t n,
                                                                       const CellAt& cell_at) {
   constexpr std::size_t kBlock = 64;
-  const bool may_cut = samples_.size() + n <= kMostSamples / 2;
-  const std::vector<Output> found = map_blocks<Output>(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
+  const bool may_cut = samples_.size() + n <= std::max(kMostSamples, 4 * gaps.patch_count()) / 2;
+  std::vector<Output> found = map_blocks<Output>(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
     Output out;
     for (std::size_t i = begin; i < end; ++i) {
       control_.check();
@@ -179,24 +190,23 @@ std::vector<SizeField::Sampler::Cell> SizeField::Sampler::look_at_all(const GapS
     return out;
   });
   std::vector<Cell> cells;
-  for (const Output& out : found) {
+  for (Output& out : found) {
     samples_.insert(samples_.end(), out.samples.begin(), out.samples.end());
-    cells.insert(cells.end(), out.cells.begin(), out.cells.end());
+    std::move(out.cells.begin(), out.cells.end(), std::back_inserter(cells));
   }
   return cells;
 }
 
 void SizeField::Sampler::sample_gaps(const GapSearch& gaps) {
-  std::vector<std::uint32_t> begin{0};
-  for (std::size_t p = 0; p < gaps.patch_count(); ++p) {
-    const auto of_patch = gaps.triangles_of(PatchId(p));
-    triangles_.insert(triangles_.end(), of_patch.begin(), of_patch.end());
-    begin.push_back(static_cast<std::uint32_t>(triangles_.size()));
-  }
+  const auto whole_patch = [&](std::size_t p) {
+    Cell cell{PatchId(p), box_, std::vector<std::uint32_t>(gaps.triangles_of(PatchId(p)).size())};
+    std::iota(cell.triangles.begin(), cell.triangles.end(), 0u);
+    return cell;
+  };
   // Whole patches first, then what they are cut into, round by round.
-  std::vector<Cell> cells =
-      look_at_all(gaps, gaps.patch_count(), [&](std::size_t p) { return cell(PatchId(p), begin[p], begin[p + 1]); });
-  while (!cells.empty()) cells = look_at_all(gaps, cells.size(), [&](std::size_t i) { return cells[i]; });
+  std::vector<Cell> cells = look_at_all(gaps, gaps.patch_count(), whole_patch);
+  while (!cells.empty())
+    cells = look_at_all(gaps, cells.size(), [&](std::size_t i) -> const Cell& { return cells[i]; });
 }
 
 void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>> segments) {
@@ -229,21 +239,29 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
 
 /// Monotone in the box and in the size, rounding included: no node promises more than its samples keep, and the answer
 /// does not depend on the order of the search.
-inline double SizeField::value(const Samples::Entry& sample, const Vec3& p) const {
+inline double SizeField::size_from(const Samples::Entry& sample, const Vec3& p) const {
   return sample.tag.value + slope_ * std::sqrt(squared_distance(sample.box, p));
 }
 
-double SizeField::at(const Vec3& place, Hint& hint) const {
+double SizeField::at(const Vec3& place) const {
   if (is_uniform()) return largest_;
-  const Vec3 p = (1 / unit_) * (place - centre_);
-  double best = std::min(largest_ / unit_, value(samples_[hint.slot], p));
+  const Vec3 p = local(place);
+  double best = largest_ / unit_;
   samples_.search(
-      best, [&](const Samples::Entry& entry) { return value(entry, p); },
-      [&](std::size_t slot) {
-        best = value(samples_[slot], p);
-        hint.slot = static_cast<std::uint32_t>(slot);
-      });
+      best, [&](const Samples::Entry& entry) { return size_from(entry, p); },
+      [&](std::size_t slot) { best = size_from(samples_[slot], p); });
   return best * unit_;
+}
+
+bool SizeField::allows(double length, const Vec3& place) const {
+  if (!(length <= largest_)) return false;
+  const Vec3 p = local(place);
+  const double wanted = length / unit_;
+  double best = wanted;
+  samples_.search(
+      best, [&](const Samples::Entry& entry) { return size_from(entry, p); },
+      [&](std::size_t) { best = -1; });  // one is enough
+  return best == wanted;
 }
 
 }  // namespace remesh

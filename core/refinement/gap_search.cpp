@@ -1,0 +1,231 @@
+#include "core/refinement/gap_search.h"
+
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <utility>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/geometry/triangle_intersection.h"
+#include "core/refinement/box_tree.h"
+#include "core/refinement/distances.h"
+#include "core/refinement/patch_contacts.h"
+#include "core/stages/polygon_split.h"
+
+namespace remesh {
+namespace {
+
+/// A neighbour counts if the way over the surface is longer than this times the gap.
+constexpr double kDetour = 3;
+
+/// More than any distance between two points is wrong by, in local units: what the boxes are larger by, so that nothing
+/// nearer than the best so far is ever passed over, and the answer does not depend on the order of the search.
+constexpr double kRounding = 0x1p-48;
+
+/// At vertices of more patches than this, the smallest gap is not looked for: each would be searched for each.
+constexpr std::size_t kMostPatchesAtCorner = 16;
+
+/// What is known of all triangles in a node of the tree, if it is the same.
+struct Common {
+  PatchId patch;
+  VertexId hub;  ///< the vertex of the patch where the most patches meet
+
+  void join(const Common& other) {
+    if (patch != other.patch) patch = PatchId();
+    if (hub != other.hub) hub = VertexId();
+  }
+};
+using TriangleBoxes = BoxTree<Common>;
+
+/// The least square of a gap so far, for many threads; local units.
+class SharedLeast {
+ public:
+  double get() const { return value_.load(std::memory_order_relaxed); }
+  void lower(double to) {
+    double now = get();
+    while (to < now && !value_.compare_exchange_weak(now, to, std::memory_order_relaxed)) {
+    }
+  }
+
+ private:
+  std::atomic<double> value_{HUGE_VAL};
+};
+
+/// Remembers answers to `are_joined` for the patches seen last: for two with long borders, it is long to tell.
+class JoinedMemory {
+ public:
+  explicit JoinedMemory(const PatchContacts& contacts) : contacts_(contacts) {}
+
+  bool operator()(PatchId p, PatchId q) {
+    if (q < p) std::swap(p, q);
+    Answer& a = answers_[(p.value * 31u + q.value) % answers_.size()];
+    if (a.p != p || a.q != q) a = {p, q, contacts_.are_joined(p, q)};
+    return a.are_joined;
+  }
+
+ private:
+  struct Answer {
+    PatchId p, q;
+    bool are_joined = false;
+  };
+  const PatchContacts& contacts_;
+  std::array<Answer, 64> answers_;
+};
+
+}  // namespace
+
+class GapSearch::Index {
+ public:
+  Index(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
+        RunControl& control)
+      : surface_(surface),
+        contacts_(surface, adjacency, patches, control),
+        touching_squared_(std::pow(plane_tolerance / surface.unit, 2)) {
+    find_triangles(patches, control);
+    find_boxes(control);
+  }
+
+  double at(const Vec3& place, PatchId patch, double limit) const;
+  std::optional<double> smallest(RunControl& control) const;
+
+  std::size_t patch_count() const { return triangle_begin_.size() - 1; }
+  std::span<const Triangle> triangles_of(PatchId p) const {
+    return std::span(triangles_)
+        .subspan(triangle_begin_[p.value], triangle_begin_[p.value + 1] - triangle_begin_[p.value]);
+  }
+
+ private:
+  void find_triangles(const PatchSet& patches, RunControl& control);
+  void find_boxes(RunControl& control);
+  void look_at_corners(SharedLeast& least, RunControl& control) const;
+  void look_between_triangles(SharedLeast& least, RunControl& control) const;
+  double squared_gap(const Vec3& p, PatchId patch, double below) const;
+
+  const Triangle& triangle(std::size_t slot) const { return triangles_[tree_.number(slot)]; }
+  Corners3 corners(std::size_t slot) const {
+    const auto& [a, b, c] = triangle(slot);
+    return {surface_.local[a], surface_.local[b], surface_.local[c]};
+  }
+
+  const Surface& surface_;
+  PatchContacts contacts_;
+  double touching_squared_;                    ///< local units
+  std::vector<Triangle> triangles_;            ///< patch after patch
+  std::vector<std::uint32_t> triangle_begin_;  ///< by patch
+  TriangleBoxes tree_;
+};
+
+void GapSearch::Index::find_triangles(const PatchSet& patches, RunControl& control) {
+  triangles_.reserve(surface_.face_count());
+  triangle_begin_.reserve(patches.count() + 1);
+  triangle_begin_.push_back(0);
+  std::vector<Vec3> points;
+  std::uint32_t faces = 0;
+  for (std::size_t p = 0; p < patches.count(); ++p) {
+    for (const FaceId f : patches.faces_of(PatchId(p))) {
+      if (++faces % 4096 == 0) control.check();
+      const auto loop = surface_.face(f);
+      if (loop.size() == 3) {
+        triangles_.push_back({loop[0], loop[1], loop[2]});
+        continue;
+      }
+      points.clear();
+      for (const VertexId v : loop) points.push_back(surface_.local[v]);
+      for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles)
+        triangles_.push_back({loop[a], loop[b], loop[c]});
+    }
+    triangle_begin_.push_back(static_cast<std::uint32_t>(triangles_.size()));
+  }
+}
+
+void GapSearch::Index::find_boxes(RunControl& control) {
+  std::vector<TriangleBoxes::Entry> entries(triangles_.size());
+  for_blocks(patch_count(), 1024, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const Common common{PatchId(p), contacts_.busiest_vertex(PatchId(p))};
+      for (std::uint32_t t = triangle_begin_[p]; t < triangle_begin_[p + 1]; ++t) {
+        entries[t].tag = common;
+        for (const VertexId v : triangles_[t])
+          for (const double e : {-kRounding, kRounding}) entries[t].box.add(surface_.local[v] + Vec3{e, e, e});
+      }
+    }
+  });
+  tree_ = TriangleBoxes(entries, control);
+}
+
+double GapSearch::Index::at(const Vec3& place, PatchId patch, double limit) const {
+  const double below = limit / surface_.unit;
+  const double found = squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below);
+  return std::sqrt(found) * surface_.unit;
+}
+
+/// In local units; infinity if it is not below that square.
+double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below) const {
+  double best = below;
+  tree_.search(
+      best, [&](const TriangleBoxes::Entry& e) { return e.tag.patch == patch ? HUGE_VAL : squared_distance(e.box, p); },
+      [&](std::size_t slot) {
+        const Vec3 q = nearest_on_triangle(p, corners(slot));
+        const double d = norm_squared(q - p);
+        if (d >= best || d <= touching_squared_) return;
+        if (!contacts_.has_way(patch, p, tree_[slot].tag.patch, q, kDetour * std::sqrt(d))) best = d;
+      });
+  return best < below ? best : HUGE_VAL;
+}
+
+std::optional<double> GapSearch::Index::smallest(RunControl& control) const {
+  SharedLeast least;
+  // Corners first: it is cheap, and what it finds makes the rest short.
+  look_at_corners(least, control);
+  look_between_triangles(least, control);
+  return least.get() < HUGE_VAL ? std::optional(std::sqrt(least.get()) * surface_.unit) : std::nullopt;
+}
+
+void GapSearch::Index::look_at_corners(SharedLeast& least, RunControl& control) const {
+  for_blocks(surface_.vertex_count(), 256, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto around = contacts_.patches_at(VertexId(i));
+      if (around.size() < 3 || around.size() > kMostPatchesAtCorner) continue;
+      control.check();
+      for (const PatchId p : around) least.lower(squared_gap(surface_.local[VertexId(i)], p, least.get()));
+    }
+  });
+}
+
+void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& control) const {
+  for_blocks(tree_.size(), 256, control, [&](std::size_t begin, std::size_t end) {
+    JoinedMemory are_joined(contacts_);
+    for (std::size_t slot = begin; slot < end; ++slot) {
+      control.check();
+      const auto& [box, mine] = tree_[slot];
+      const Corners3 here = corners(slot);
+      double best = least.get();
+      tree_.search(
+          best,
+          [&](const TriangleBoxes::Entry& e) {
+            const bool is_joined = e.tag.patch == mine.patch || (e.tag.hub.is_valid() && e.tag.hub == mine.hub);
+            return is_joined ? HUGE_VAL : squared_distance(e.box, box);
+          },
+          [&](std::size_t other) {
+            if (other < slot || are_joined(mine.patch, tree_[other].tag.patch)) return;
+            const double d = squared_distance(here, corners(other));
+            if (d >= best || d <= touching_squared_) return;
+            if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
+          });
+      least.lower(best);
+    }
+  });
+}
+
+GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
+                     double plane_tolerance, RunControl& control)
+    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control)) {}
+GapSearch::~GapSearch() = default;
+
+double GapSearch::at(const Vec3& place, PatchId patch, double limit) const { return index_->at(place, patch, limit); }
+std::optional<double> GapSearch::smallest(RunControl& control) const { return index_->smallest(control); }
+std::size_t GapSearch::patch_count() const { return index_->patch_count(); }
+std::span<const Triangle> GapSearch::triangles_of(PatchId patch) const { return index_->triangles_of(patch); }
+
+}  // namespace remesh

@@ -1,0 +1,143 @@
+#include "core/refinement/patch_contacts.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace remesh {
+namespace {
+
+/// From p over the segment a-b to q, both unfolded into one plane about its line.
+double way_over(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
+  const double length = norm(b - a);
+  if (!(length > 0)) return norm(p - a) + norm(q - a);
+  const Vec3 along = (1 / length) * (b - a);
+  const double s = dot(p - a, along), t = dot(q - a, along);
+  const double p_off = norm((p - a) - s * along), q_off = norm((q - a) - t * along);
+  const double off = p_off + q_off;
+  const double crossing = std::clamp(off > 0 ? s + (t - s) * (p_off / off) : s, 0.0, length);
+  return std::hypot(crossing - s, p_off) + std::hypot(crossing - t, q_off);
+}
+
+}  // namespace
+
+PatchContacts::PatchContacts(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
+                             RunControl& control)
+    : surface_(surface), adjacency_(adjacency), patches_(patches), tree_of_(patches.count(), kNoTree) {
+  find_vertex_patches(control);
+  find_borders(control);
+  for (std::size_t p = 0; p < patches.count(); ++p)
+    if (border(PatchId(p)).size() > kLongBorder) add_tree(PatchId(p), control);
+}
+
+void PatchContacts::find_vertex_patches(RunControl& control) {
+  // Patch after patch, so that each vertex gets its patches in ascending order: first counted, then entered.
+  const auto each = [&](const auto& visit) {
+    IdVector<VertexId, PatchId> last(surface_.vertex_count());
+    for (std::size_t p = 0; p < patches_.count(); ++p) {
+      if (p % 1024 == 0) control.check();
+      for (const FaceId f : patches_.faces_of(PatchId(p)))
+        for (const VertexId v : surface_.face(f)) {
+          if (last[v] == PatchId(p)) continue;
+          last[v] = PatchId(p);
+          visit(v, PatchId(p));
+        }
+    }
+  };
+  vertex_begin_.assign(surface_.vertex_count() + 1, 0);
+  each([&](VertexId v, PatchId) { ++vertex_begin_[v.value + 1]; });
+  for (std::size_t v = 0; v < surface_.vertex_count(); ++v) vertex_begin_[v + 1] += vertex_begin_[v];
+  vertex_patches_.resize(vertex_begin_.back());
+  std::vector<std::uint32_t> end(vertex_begin_.begin(), vertex_begin_.end() - 1);
+  each([&](VertexId v, PatchId p) { vertex_patches_[end[v.value]++] = p; });
+}
+
+void PatchContacts::find_borders(RunControl& control) {
+  IdVector<VertexId, PatchId> last(surface_.vertex_count());  // the last patch that has this vertex on its border
+  border_begin_.assign(1, 0);
+  for (std::size_t i = 0; i < patches_.count(); ++i) {
+    if (i % 1024 == 0) control.check();
+    const PatchId p(i);
+    // The border's half-edges first; then vertices inside the patch that others touch.
+    for (const bool is_border : {true, false})
+      for (const FaceId f : patches_.faces_of(p))
+        for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
+          const VertexId v = adjacency_.from(h);
+          if (patches_at(v).size() < 2) continue;
+          if (is_border ? !is_patch_boundary(adjacency_, patches_, h) : last[v] == p) continue;
+          last[v] = p;
+          border_.push_back(h);
+        }
+    border_begin_.push_back(static_cast<std::uint32_t>(border_.size()));
+  }
+}
+
+void PatchContacts::add_tree(PatchId p, RunControl& control) {
+  std::vector<BoxTree<NoTag>::Entry> entries;
+  entries.reserve(border(p).size());
+  for (const std::uint32_t h : border(p)) {
+    FloatBox box;
+    box.add(surface_.local[adjacency_.from(h)]);
+    box.add(surface_.local[adjacency_.to(h)]);
+    entries.push_back({box, {}});
+  }
+  tree_of_[p] = static_cast<std::uint32_t>(trees_.size());
+  trees_.emplace_back(entries, control);
+}
+
+VertexId PatchContacts::busiest_vertex(PatchId p) const {
+  VertexId busiest;
+  for (const std::uint32_t h : border(p)) {
+    const VertexId v = adjacency_.from(h);
+    const std::size_t most = busiest.is_valid() ? patches_at(busiest).size() : 0;
+    if (patches_at(v).size() > most || (patches_at(v).size() == most && v < busiest)) busiest = v;
+  }
+  return busiest;
+}
+
+bool PatchContacts::is_at(VertexId v, PatchId p) const {
+  constexpr std::size_t kFew = 8;
+  const auto all = patches_at(v);
+  return all.size() <= kFew ? std::find(all.begin(), all.end(), p) != all.end()
+                            : std::binary_search(all.begin(), all.end(), p);
+}
+
+bool PatchContacts::is_along(std::uint32_t half_edge, PatchId p) const {
+  const auto around = adjacency_.half_edges(adjacency_.edge_of(half_edge));
+  return std::any_of(around.begin(), around.end(),
+                     [&](std::uint32_t h) { return patches_.of_face[adjacency_.face_of(h)] == p; });
+}
+
+bool PatchContacts::are_joined(PatchId p, PatchId q) const {
+  if (border(q).size() < border(p).size()) std::swap(p, q);
+  const auto corners = border(p);
+  return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t h) { return is_at(adjacency_.from(h), q); });
+}
+
+double PatchContacts::way(std::uint32_t half_edge, PatchId other, const Vec3& from, const Vec3& to) const {
+  const VertexId v = adjacency_.from(half_edge);
+  if (!is_at(v, other)) return HUGE_VAL;
+  const Vec3& a = surface_.local[v];
+  return way_over(a, is_along(half_edge, other) ? surface_.local[adjacency_.to(half_edge)] : a, from, to);
+}
+
+bool PatchContacts::has_way(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double most) const {
+  if (border(q).size() < border(p).size()) std::swap(p, q);
+  const auto corners = border(p);
+  if (tree_of_[p] == kNoTree)
+    return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t h) { return way(h, q, from, to) <= most; });
+  const BoxTree<NoTag>& tree = trees_[tree_of_[p]];
+  bool is_found = false;
+  double best = std::nextafter(most, HUGE_VAL);
+  tree.search(
+      best,
+      [&](const auto& entry) {
+        return std::sqrt(squared_distance(entry.box, from)) + std::sqrt(squared_distance(entry.box, to));
+      },
+      [&](std::size_t slot) {
+        is_found = is_found || way(corners[tree.number(slot)], q, from, to) <= most;
+        if (is_found) best = -1;
+      });
+  return is_found;
+}
+
+}  // namespace remesh

@@ -1,0 +1,97 @@
+#include "core/refinement/box_tree.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "tests/support/random.h"
+
+namespace remesh {
+namespace {
+
+struct Least {
+  float value = HUGE_VALF;
+  void join(Least other) { value = std::min(value, other.value); }
+};
+using Tree = BoxTree<Least>;
+
+std::vector<Tree::Entry> boxes(int n) {
+  Random random(1);
+  std::vector<Tree::Entry> entries(n);
+  for (Tree::Entry& e : entries) {
+    const Vec3 p{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    e.box.add(p);
+    e.box.add(p + Vec3{random.uniform(0, 0.1), random.uniform(0, 0.1), 0});
+    e.tag.value = static_cast<float>(random.unit());
+  }
+  return entries;
+}
+
+TEST(box_tree, boxes_in_single_precision_hold_what_was_added) {
+  Random random(2);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 p{random.uniform(-1, 1), random.uniform(-1, 1), 0.5};
+    FloatBox box;
+    box.add(p);
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_LE(box.min[axis], p[axis]);
+      EXPECT_GE(box.max[axis], p[axis]);
+      EXPECT_LE(box.max[axis] - box.min[axis], 2e-7);
+    }
+    EXPECT_EQ(box.min[2], box.max[2]);
+    EXPECT_EQ(squared_distance(box, p), 0);
+  }
+}
+
+TEST(box_tree, the_best_of_all_is_found_for_any_number_of_boxes) {
+  RunControl control;
+  for (const int n : {0, 1, 2, 4, 5, 8, 9, 31, 1000, 20000}) {
+    const std::vector<Tree::Entry> entries = boxes(n);
+    const Tree tree(entries, control);
+    ASSERT_EQ(tree.size(), entries.size());
+    Random random(3);
+    for (int i = 0; i < 20; ++i) {
+      const Vec3 p{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
+      const auto value = [&](const Tree::Entry& e) { return e.tag.value + std::sqrt(squared_distance(e.box, p)); };
+      double expected = HUGE_VAL, best = HUGE_VAL;
+      for (const Tree::Entry& e : entries) expected = std::min(expected, value(e));
+      std::size_t visits = 0, found = 0;
+      tree.search(best, value, [&](std::size_t slot) {
+        ++visits;
+        found = slot;
+        best = value(tree[slot]);
+      });
+      EXPECT_EQ(best, expected);
+      if (n > 0) EXPECT_EQ(value(entries[tree.number(found)]), expected);
+      EXPECT_LE(visits, 200u);
+    }
+  }
+}
+
+TEST(box_tree, what_has_no_finite_bound_is_never_visited) {
+  RunControl control;
+  const Tree tree(boxes(100), control);
+  const double best = HUGE_VAL;
+  tree.search(
+      best, [](const Tree::Entry&) { return HUGE_VAL; }, [](std::size_t) { FAIL(); });
+}
+
+TEST(box_tree, the_slots_are_the_same_for_any_number_of_threads) {
+  RunControl control;
+  const std::vector<Tree::Entry> entries = boxes(30000);
+  const auto order = [&](int threads) {
+    return tbb::task_arena(threads).execute([&] {
+      const Tree tree(entries, control);
+      std::vector<std::uint32_t> numbers(tree.size());
+      for (std::size_t slot = 0; slot < tree.size(); ++slot) numbers[slot] = tree.number(slot);
+      return numbers;
+    });
+  };
+  EXPECT_EQ(order(1), order(4));
+}
+
+}  // namespace
+}  // namespace remesh

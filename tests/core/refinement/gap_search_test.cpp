@@ -1,0 +1,377 @@
+#include "core/refinement/gap_search.h"
+
+#include <CGAL/Simple_cartesian.h>
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+#include <vector>
+
+#include "tests/support/polygons.h"
+#include "tests/support/random.h"
+#include "tests/support/shapes.h"
+#include "tests/support/stage_chain.h"
+
+namespace remesh {
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+constexpr double kTolerance = 1e-6;
+
+struct Scene {
+  explicit Scene(const PolygonMesh& mesh)
+      : chain(mesh, kTolerance), gaps(chain.surface, chain.adjacency, chain.patches, kTolerance, chain.control) {}
+
+  /// The gap at a place on the patch that an input face belongs to.
+  double at(std::size_t input_face, const Vec3& place, double limit = kFar) const {
+    return gaps.at(place, chain.patch_of(input_face), limit);
+  }
+  std::optional<double> smallest() const { return gaps.smallest(chain.control); }
+
+  StageChain chain;
+  GapSearch gaps;
+};
+
+/// The rule word for word: every triangle of every other patch, every vertex and edge that two patches share.
+class BruteForce {
+ public:
+  explicit BruteForce(const Scene& scene) : scene_(scene) {
+    const StageChain& chain = scene.chain;
+    vertices_.resize(scene.gaps.patch_count());
+    edges_.resize(scene.gaps.patch_count());
+    for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
+      const PatchId p = chain.patches.of_face[FaceId(f)];
+      const auto loop = chain.surface.face(FaceId(f));
+      for (std::size_t i = 0; i < loop.size(); ++i) {
+        vertices_[p.value].insert(loop[i]);
+        edges_[p.value].insert(std::minmax(loop[i], loop[(i + 1) % loop.size()]));
+      }
+    }
+  }
+
+  double at(const Vec3& place, PatchId p) const {
+    double least = kFar;
+    for (std::size_t q = 0; q < scene_.gaps.patch_count(); ++q) {
+      if (PatchId(q) == p) continue;
+      for (const Triangle& t : scene_.gaps.triangles_of(PatchId(q))) {
+        if (std::sqrt(CGAL::squared_distance(point(place), triangle(t))) > least) continue;
+        const Vec3 nearest = nearest_on(place, t);
+        const double d = norm(nearest - place);
+        if (d > kTolerance && d < least && 3 * d < way(place, p, nearest, PatchId(q))) least = d;
+      }
+    }
+    return least;
+  }
+
+  /// Over all pairs of patches that share no vertex and do not touch.
+  double smallest_between_strangers() const {
+    double least = kFar;
+    for (std::uint32_t p = 0; p < scene_.gaps.patch_count(); ++p)
+      for (std::uint32_t q = p + 1; q < scene_.gaps.patch_count(); ++q) {
+        if (!shared(vertices_[p], vertices_[q]).empty()) continue;
+        for (const Triangle& s : scene_.gaps.triangles_of(PatchId(p)))
+          for (const Triangle& t : scene_.gaps.triangles_of(PatchId(q))) {
+            const double d = std::sqrt(CGAL::squared_distance(triangle(s), triangle(t)));
+            if (d > kTolerance) least = std::min(least, d);
+          }
+      }
+    return least;
+  }
+
+ private:
+  using Kernel = CGAL::Simple_cartesian<double>;
+
+  static Kernel::Point_3 point(const Vec3& p) { return {p.x, p.y, p.z}; }
+  const Vec3& position(VertexId v) const { return scene_.chain.surface.positions[v]; }
+  Kernel::Triangle_3 triangle(const Triangle& t) const {
+    return {point(position(t[0])), point(position(t[1])), point(position(t[2]))};
+  }
+
+  /// By halving: the distance is convex along every line.
+  template <class Function>
+  static double argmin(const Function& function) {
+    double low = 0, high = 1;
+    for (int i = 0; i < 80; ++i) {
+      const double a = low + (high - low) / 3, b = high - (high - low) / 3;
+      (function(a) < function(b) ? high : low) = function(a) < function(b) ? b : a;
+    }
+    return 0.5 * (low + high);
+  }
+  Vec3 nearest_on(const Vec3& place, const Triangle& t) const {
+    const Vec3 &a = position(t[0]), &b = position(t[1]), &c = position(t[2]);
+    const Vec3 normal = cross(b - a, c - a);
+    const Vec3 foot = place - (dot(place - a, normal) / dot(normal, normal)) * normal;
+    if (std::abs(std::sqrt(CGAL::squared_distance(point(place), triangle(t))) - norm(foot - place)) < 1e-12)
+      return foot;
+    Vec3 nearest = a;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 &from = position(t[i]), &to = position(t[(i + 1) % 3]);
+      const auto on = [&](double s) { return from + s * (to - from); };
+      const Vec3 q = on(argmin([&](double s) { return norm(on(s) - place); }));
+      if (norm(q - place) < norm(nearest - place)) nearest = q;
+    }
+    return nearest;
+  }
+
+  template <class Set>
+  static std::vector<typename Set::value_type> shared(const Set& a, const Set& b) {
+    std::vector<typename Set::value_type> both;
+    std::set_intersection(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both));
+    return both;
+  }
+  double way(const Vec3& from, PatchId p, const Vec3& to, PatchId q) const {
+    double least = kFar;
+    for (const VertexId v : shared(vertices_[p.value], vertices_[q.value]))
+      least = std::min(least, norm(position(v) - from) + norm(position(v) - to));
+    for (const auto& [v, w] : shared(edges_[p.value], edges_[q.value])) {
+      const auto over = [&, v = v, w = w](double s) {
+        const Vec3 c = position(v) + s * (position(w) - position(v));
+        return norm(c - from) + norm(c - to);
+      };
+      least = std::min(least, over(argmin(over)));
+    }
+    return least;
+  }
+
+  const Scene& scene_;
+  std::vector<std::set<VertexId>> vertices_;
+  std::vector<std::set<std::pair<VertexId, VertexId>>> edges_;
+};
+
+PolygonMesh cube_in_cube() {
+  return shapes::joined(shapes::box({1, 1, 1}, 2),
+                        shapes::turned_over(shapes::moved(shapes::box({0.9, 0.9, 0.9}, 3), {0.05, 0.05, 0.05})));
+}
+/// A prism over a triangle with that angle at the origin and two sides of length 1; its sides are the faces 2, 3, 4
+/// (the first side lies in y = 0), its caps 0 and 1.
+PolygonMesh wedge(double degrees, double length) {
+  const double a = degrees * std::numbers::pi / 180;
+  return shapes::prism({{0, 0}, {1, 0}, {std::cos(a), std::sin(a)}}, length);
+}
+std::size_t face_through(const PolygonMesh& mesh, const std::vector<Vec3>& points) {
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const auto loop = mesh.face(FaceId(f));
+    if (std::all_of(points.begin(), points.end(), [&](const Vec3& p) {
+          return std::any_of(loop.begin(), loop.end(), [&](VertexId v) { return norm(mesh.positions[v] - p) < 1e-12; });
+        }))
+      return f;
+  }
+  throw std::invalid_argument("no such face");
+}
+PolygonMesh random_boxes(int seed) {
+  Random random(static_cast<std::uint64_t>(seed));
+  PolygonMesh mesh;
+  for (int i = 0; i < 5; ++i) {
+    const Vec3 size{random.uniform(0.1, 1), random.uniform(0.1, 1), random.uniform(0.1, 1)};
+    const Vec3 place{random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-3, 3)};
+    PolygonMesh box = shapes::rotated(shapes::box(size, 1 + random.below(3)),
+                                      {random.uniform(-1, 1), random.uniform(-1, 1), 1}, random.uniform(0, 360));
+    mesh = i == 0 ? shapes::moved(box, place) : shapes::joined(mesh, shapes::moved(box, place));
+  }
+  return mesh;
+}
+
+TEST(gap_search, parallel_plates_see_each_other) {
+  const Scene scene(shapes::joined(shapes::sheet(4, 4, 3, 3), shapes::moved(shapes::sheet(4, 4, 2, 2), {0, 0, 0.25})));
+  EXPECT_DOUBLE_EQ(scene.at(0, {1.7, 2.1, 0}), 0.25);
+  EXPECT_DOUBLE_EQ(scene.at(0, {0, 4, 0}), 0.25);
+  EXPECT_EQ(scene.smallest(), 0.25);
+}
+
+TEST(gap_search, a_gap_that_is_not_below_the_limit_is_none) {
+  const Scene scene(shapes::joined(shapes::sheet(4, 4, 1, 1), shapes::moved(shapes::sheet(4, 4, 1, 1), {0, 0, 0.25})));
+  EXPECT_EQ(scene.at(0, {1, 1, 0}, 0.26), 0.25);
+  EXPECT_EQ(scene.at(0, {1, 1, 0}, 0.25), kFar);
+}
+
+TEST(gap_search, the_wall_of_a_hollow_cube_is_its_gap) {
+  const Scene scene(cube_in_cube());
+  EXPECT_NEAR(*scene.smallest(), 0.05, 1e-12);
+  EXPECT_NEAR(scene.at(0, scene.chain.geometry[FaceId(0)].centre + scene.chain.surface.centre, 1), 0.05, 0.5);
+}
+
+TEST(gap_search, a_cube_sees_its_other_side_and_no_neighbour) {
+  const PolygonMesh mesh = shapes::quad_box({1, 1, 1});
+  const Scene scene(mesh);
+  const std::size_t bottom = face_through(mesh, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  for (const double x : {0.5, 0.1, 0.001}) EXPECT_DOUBLE_EQ(scene.at(bottom, {x, 0.5, 0}), 1);
+  EXPECT_EQ(scene.smallest(), 1);
+}
+
+TEST(gap_search, a_single_sheet_and_a_tetrahedron_have_no_gap) {
+  EXPECT_EQ(Scene(shapes::sheet(1, 1, 2, 2)).smallest(), std::nullopt);
+  EXPECT_EQ(Scene(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                                     {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}}))
+                .smallest(),
+            std::nullopt);
+}
+
+TEST(gap_search, the_two_arms_of_an_L_do_not_see_each_other_and_a_U_does) {
+  const PolygonMesh l = shapes::l_bracket(2);
+  EXPECT_EQ(Scene(l).smallest(), 1);  // across the arms
+  // A U with a slot 1/8 wide.
+  const std::vector<Vec2> outline = {{0, 0}, {2, 0}, {2, 2}, {1.125, 2}, {1.125, 1}, {1, 1}, {1, 2}, {0, 2}};
+  const PolygonMesh u = shapes::prism(outline, 1);
+  const Scene scene(u);
+  const std::size_t wall = face_through(u, {{1, 1, 0}, {1, 2, 0}, {1, 1, 1}, {1, 2, 1}});
+  EXPECT_EQ(scene.smallest(), 0.125);
+  EXPECT_DOUBLE_EQ(scene.at(wall, {1, 1.5, 0.5}), 0.125);
+  EXPECT_DOUBLE_EQ(scene.at(wall, {1, 1.001, 0.001}), 0.125);
+  const std::size_t floor = face_through(u, {{1, 1, 0}, {1.125, 1, 0}, {1, 1, 1}});
+  // The outer side, which is a little nearer than the bottom; not the walls beside it.
+  EXPECT_DOUBLE_EQ(scene.at(floor, {1.0625, 1, 0.5}), 0.9375);
+}
+
+TEST(gap_search, a_step_of_a_Z_is_the_gap_between_the_sheets_it_joins) {
+  const Scene scene(shapes::from_lists(
+      {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0.1}, {1, 1, 0.1}, {0, 0, 0.1}, {0, 1, 0.1}},
+      {{0, 1, 2, 3}, {1, 4, 5, 2}, {4, 6, 7, 5}}));
+  EXPECT_DOUBLE_EQ(scene.at(0, {0.5, 0.5, 0}), 0.1);
+  EXPECT_DOUBLE_EQ(scene.at(2, {0.99, 0.5, 0.1}), 0.1);
+  EXPECT_EQ(scene.at(1, {1, 0.5, 0.05}), kFar);
+  EXPECT_DOUBLE_EQ(*scene.smallest(), 0.1);
+}
+
+TEST(gap_search, faces_that_meet_see_each_other_below_37_degrees_and_above_39_never) {
+  for (const double degrees : {5.0, 30.0, 36.0}) {
+    const PolygonMesh mesh = wedge(degrees, 3);
+    const Scene scene(mesh);
+    const std::size_t side = face_through(mesh, {{0, 0, 0}, {1, 0, 0}, {0, 0, 3}});
+    const double sine = std::sin(degrees * std::numbers::pi / 180);
+    for (const double r : {0.9, 0.5, 0.001}) EXPECT_NEAR(scene.at(side, {r, 0, 1.5}), r * sine, 1e-12) << degrees;
+    EXPECT_NEAR(*scene.smallest(), sine, 1e-12) << degrees;  // at the ends
+  }
+  for (const double degrees : {39.0, 45.0, 60.0, 90.0}) {
+    const PolygonMesh mesh = wedge(degrees, 3);
+    const Scene scene(mesh);
+    const std::size_t side = face_through(mesh, {{0, 0, 0}, {1, 0, 0}, {0, 0, 3}});
+    for (const double r : {0.9, 0.5, 0.001}) EXPECT_EQ(scene.at(side, {r, 0, 1.5}), kFar) << degrees;
+    EXPECT_NEAR(*scene.smallest(), 3, 1e-12) << degrees;  // from cap to cap
+  }
+}
+
+TEST(gap_search, a_slot_beside_a_shared_edge_is_seen_though_the_two_faces_are_joined) {
+  // A floor and a wall that share the edge from x = 0 to 1; beyond, the wall's foot is 1/16 above the floor.
+  const Scene scene(shapes::from_lists(
+      {{0, 0, 0}, {1, 0, 0}, {9, 0, 0}, {9, 2, 0}, {0, 2, 0}, {1, 0, 0.0625}, {9, 0, 0.0625}, {9, 0, 2}, {0, 0, 2}},
+      {{0, 1, 2, 3, 4}, {1, 0, 8, 7, 6, 5}}));
+  EXPECT_DOUBLE_EQ(scene.at(0, {5, 0, 0}), 0.0625);
+  EXPECT_EQ(scene.at(0, {0.5, 0.01, 0}), kFar);
+  EXPECT_EQ(scene.at(0, {1.01, 0, 0}), kFar);  // the way round is short there
+}
+
+TEST(gap_search, a_concave_polygon_is_not_where_its_notch_is) {
+  // A small sheet hovers over the slot of a U-shaped polygon.
+  const PolygonMesh u = shapes::polygon({{0, 0}, {7, 0}, {7, 4}, {5, 4}, {5, 1}, {2, 1}, {2, 4}, {0, 4}});
+  const Scene scene(shapes::joined(u, shapes::moved(shapes::sheet(0.5, 0.5, 1, 1), {3.25, 2.5, 0.5})));
+  EXPECT_DOUBLE_EQ(scene.at(1, {3.5, 2.75, 0.5}), std::hypot(1.5, 0.5));
+}
+
+TEST(gap_search, what_touches_is_no_gap) {
+  // A small cube stands on the side of a large one.
+  const PolygonMesh mesh =
+      shapes::joined(shapes::quad_box({1, 1, 1}), shapes::moved(shapes::quad_box({0.5, 0.5, 0.5}), {1, 0.25, 0.25}));
+  const Scene scene(mesh);
+  const std::size_t foot = face_through(mesh, {{1, 0.25, 0.25}, {1, 0.75, 0.25}, {1, 0.75, 0.75}});
+  EXPECT_DOUBLE_EQ(scene.at(foot, {1, 0.5, 0.5}), 0.5);  // its own other side, and the large one's sides
+  const std::size_t under = face_through(mesh, {{1, 0, 0}, {1, 1, 0}, {1, 1, 1}});
+  EXPECT_DOUBLE_EQ(scene.at(under, {1, 0.5, 0.5}), 0.25);  // the small one's sides, not its foot
+}
+
+TEST(gap_search, facets_that_have_one_between_them_are_as_far_as_that_one_is_wide) {
+  constexpr int kSides = 3000;
+  const Scene scene(shapes::cylinder(kSides, 1, 1));
+  EXPECT_NEAR(*scene.smallest(), 2 * std::sin(std::numbers::pi / kSides), 1e-9);
+  // A cap has all facets for neighbours; it sees the other cap.
+  for (std::size_t f = 0; f < 2; ++f) {
+    const double z = scene.chain.surface.positions[scene.chain.surface.face(FaceId(f))[0]].z;
+    EXPECT_DOUBLE_EQ(scene.at(f, {0.3, 0.2, z}), 1);
+    EXPECT_DOUBLE_EQ(scene.at(f, {0.999, 0, z}), 1);
+  }
+}
+
+TEST(gap_search, agrees_with_the_rule_applied_to_every_triangle) {
+  std::vector<PolygonMesh> meshes = {
+      cube_in_cube(),    wedge(20, 0.7),         shapes::l_bracket(2), shapes::cylinder(40, 1, 0.3),
+      shapes::sphere(1), shapes::three_pages(2), shapes::ring(2)};
+  for (const int seed : {1, 2, 3}) {
+    meshes.push_back(random_boxes(seed));
+    meshes.push_back(
+        shapes::rotated(shapes::prism(polygons::star_with_holes(static_cast<std::uint64_t>(seed), 30, 0).outer, 0.4),
+                        {1, 2, 3}, 40.0 * seed));
+  }
+  for (std::size_t m = 0; m < meshes.size(); ++m) {
+    const Scene scene(meshes[m]);
+    const BruteForce oracle(scene);
+    Random random(m);
+    int seen = 0;
+    for (int i = 0; i < 60; ++i) {
+      const PatchId p(random.below(static_cast<int>(scene.gaps.patch_count())));
+      const auto triangles = scene.gaps.triangles_of(p);
+      const Triangle& t = triangles[random.below(static_cast<int>(triangles.size()))];
+      const double u = random.unit(), v = random.unit() * (1 - u);
+      const auto& at = scene.chain.surface.positions;
+      const Vec3 place = at[t[0]] + u * (at[t[1]] - at[t[0]]) + v * (at[t[2]] - at[t[0]]);
+      const double expected = oracle.at(place, p);
+      seen += expected < kFar;
+      if (expected < kFar) {
+        EXPECT_NEAR(scene.gaps.at(place, p, kFar), expected, 1e-9) << "mesh " << m;
+      } else {
+        EXPECT_EQ(scene.gaps.at(place, p, kFar), kFar) << "mesh " << m;
+      }
+    }
+    const double strangers = oracle.smallest_between_strangers();
+    const std::optional<double> smallest = scene.smallest();
+    if (strangers < kFar) {
+      ASSERT_TRUE(smallest.has_value());
+      EXPECT_LE(*smallest, strangers + 1e-12) << "mesh " << m;
+      double at_corners = kFar;
+      for (std::uint32_t v = 0; v < scene.chain.surface.vertex_count(); ++v) {
+        std::set<PatchId> around;
+        for (std::uint32_t h = 0; h < scene.chain.surface.corners.size(); ++h)
+          if (scene.chain.adjacency.from(h) == VertexId(v))
+            around.insert(scene.chain.patches.of_face[scene.chain.adjacency.face_of(h)]);
+        if (around.size() < 3) continue;
+        for (const PatchId p : around)
+          at_corners = std::min(at_corners, oracle.at(scene.chain.surface.positions[VertexId(v)], p));
+      }
+      EXPECT_NEAR(*smallest, std::min(strangers, at_corners), 1e-9) << "mesh " << m;
+      EXPECT_GT(seen, 0) << "mesh " << m;
+    }
+  }
+}
+
+TEST(gap_search, scaling_by_a_power_of_two_scales_the_gaps_exactly) {
+  const PolygonMesh mesh = random_boxes(7);
+  const StageChain one(mesh, kTolerance), eight(shapes::scaled(mesh, 8), 8 * kTolerance);
+  const GapSearch a(one.surface, one.adjacency, one.patches, kTolerance, one.control);
+  const GapSearch b(eight.surface, eight.adjacency, eight.patches, 8 * kTolerance, eight.control);
+  EXPECT_EQ(8 * *a.smallest(one.control), *b.smallest(eight.control));
+  for (std::uint32_t v = 0; v < one.surface.vertex_count(); ++v) {
+    const PatchId p(v % a.patch_count());
+    EXPECT_EQ(8 * a.at(one.surface.positions[VertexId(v)], p, kFar),
+              b.at(8 * one.surface.positions[VertexId(v)], p, kFar));
+  }
+}
+
+TEST(gap_search, the_smallest_gap_is_the_same_for_any_number_of_threads) {
+  const Scene scene(shapes::joined(shapes::rotated(shapes::cylinder(300, 1, 1), {1, 2, 3}, 50),
+                                   shapes::moved(random_boxes(5), {5, 0, 0})));
+  const auto with = [&](int threads) { return tbb::task_arena(threads).execute([&] { return scene.smallest(); }); };
+  for (int i = 0; i < 10; ++i) ASSERT_EQ(with(1), with(4));
+}
+
+TEST(gap_search, can_be_cancelled) {
+  const Scene scene(cube_in_cube());
+  RunControl control;
+  control.cancel();
+  EXPECT_THROW(scene.gaps.smallest(control), Error);
+  EXPECT_THROW(GapSearch(scene.chain.surface, scene.chain.adjacency, scene.chain.patches, kTolerance, control), Error);
+}
+
+}  // namespace
+}  // namespace remesh

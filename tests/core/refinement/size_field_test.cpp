@@ -1,0 +1,240 @@
+#include "core/refinement/size_field.h"
+
+#include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <vector>
+
+#include "tests/support/random.h"
+#include "tests/support/shapes.h"
+#include "tests/support/stage_chain.h"
+
+namespace remesh {
+namespace {
+
+constexpr double kFar = std::numeric_limits<double>::infinity();
+/// Sizes are kept in single precision, rounded down.
+constexpr double kSingle = 1e-6;
+
+Goals goals(double proximity, double gradation) {
+  Goals g;
+  g.max_edge_length = kFar;
+  g.max_area = kFar;
+  g.max_faces = 1u << 30;
+  g.proximity = proximity;
+  g.gradation = gradation;
+  return g;
+}
+
+struct Scene {
+  Scene(const PolygonMesh& mesh, const Goals& goals, double tolerance = 1e-6)
+      : chain(mesh, tolerance),
+        gaps(chain.surface, chain.adjacency, chain.patches, tolerance, chain.control),
+        sizes(chain.surface, goals.proximity > 0 ? &gaps : nullptr, segments(chain), goals, tolerance, chain.control) {}
+
+  /// Chords between the essential vertices of each loop.
+  static std::vector<std::array<VertexId, 2>> segments(const StageChain& chain) {
+    std::vector<std::array<VertexId, 2>> found;
+    for (std::uint32_t l = 0; l + 1 < chain.loops.loop_begin.size(); ++l) {
+      std::vector<VertexId> corners;
+      for (const std::uint32_t h : chain.loops.loop(l))
+        if (chain.essential[chain.adjacency.from(h)]) corners.push_back(chain.adjacency.from(h));
+      for (std::size_t i = 0; i < corners.size(); ++i) found.push_back({corners[i], corners[(i + 1) % corners.size()]});
+    }
+    return found;
+  }
+  struct Place {
+    Vec3 point;
+    PatchId patch;
+  };
+  Place place(Random& random) const {
+    const PatchId p(random.below(static_cast<int>(gaps.patch_count())));
+    const auto triangles = gaps.triangles_of(p);
+    const Triangle& t = triangles[random.below(static_cast<int>(triangles.size()))];
+    const double u = random.unit(), v = random.unit() * (1 - u);
+    const auto& at = chain.surface.positions;
+    return {at[t[0]] + u * (at[t[1]] - at[t[0]]) + v * (at[t[2]] - at[t[0]]), p};
+  }
+
+  StageChain chain;
+  GapSearch gaps;
+  SizeField sizes;
+};
+
+PolygonMesh plates(double distance, int n = 3) {
+  return shapes::joined(shapes::sheet(4, 4, n, n), shapes::moved(shapes::sheet(4, 4, 2, 2), {0, 0, distance}));
+}
+/// A plate 1/16 thick from which a block rises, with a slot in it.
+PolygonMesh thick_and_thin() {
+  const std::vector<Vec2> outline = {{0, 0},        {4, 0},     {4, 0.0625}, {2, 0.0625}, {2, 1},      {1.5625, 1},
+                                     {1.5625, 0.5}, {1.5, 0.5}, {1.5, 1},    {1, 1},      {1, 0.0625}, {0, 0.0625}};
+  return shapes::rotated(shapes::prism(outline, 2), {1, 2, 3}, 35);
+}
+
+TEST(size_field, without_proximity_and_gradation_it_is_the_same_everywhere) {
+  EXPECT_EQ(SizeField().at({1, 2, 3}), kFar);
+  EXPECT_TRUE(SizeField(0.5).is_uniform());
+  EXPECT_EQ(SizeField(0.5).at({1, 2, 3}), 0.5);
+  EXPECT_TRUE(SizeField(0.5).allows(0.5, {1, 2, 3}));
+  EXPECT_FALSE(SizeField(0.5).allows(0.51, {1, 2, 3}));
+  Goals g = goals(0, 0);
+  g.max_edge_length = 0.25;
+  const Scene scene(shapes::box({1, 1, 1}), g);
+  EXPECT_TRUE(scene.sizes.is_uniform());
+  EXPECT_EQ(scene.sizes.at({0, 0, 0}), 0.25);
+}
+
+TEST(size_field, between_plates_it_is_the_gap_over_the_proximity_and_grows_away_from_them) {
+  for (const double proximity : {0.5, 1.0, 3.0})
+    for (const double gradation : {1.2, 1.5, 4.0}) {
+      const Scene scene(plates(0.125, 7), goals(proximity, gradation));
+      const double size = 0.125 / proximity;
+      Random random(1);
+      for (int i = 0; i < 100; ++i) EXPECT_NEAR(scene.sizes.at(scene.place(random).point), size, kSingle);
+      EXPECT_NEAR(scene.sizes.at({2, -0.5, 0}), size + (gradation - 1) * 0.5, kSingle * gradation);
+      EXPECT_NEAR(scene.sizes.at({2, 2, -3}), size + (gradation - 1) * 3, 3 * kSingle * gradation);
+    }
+}
+
+TEST(size_field, samples_are_as_many_as_faces_of_that_size_whatever_the_input_faces_are) {
+  // 4 x 4 at a size of 1/4: two plates, 4^2 / (1/4)^2 = 256 squares each. Cells are halved, so there may be four in
+  // one, and a few segments.
+  for (const int n : {1, 5, 40}) {
+    const Scene scene(plates(0.25, n), goals(1, 1.5));
+    EXPECT_GE(scene.sizes.sample_count(), 2 * 256u) << n;
+    EXPECT_LE(scene.sizes.sample_count(), 2 * 4 * 256 + 16u) << n;
+  }
+}
+
+TEST(size_field, sizes_are_at_least_the_floor_and_at_most_the_largest_edge) {
+  const double diagonal = std::sqrt(32 + 1e-8);
+  EXPECT_NEAR(Scene(plates(1e-4), goals(0.0625, 1.5)).sizes.at({1, 1, 0}), 1.6e-3, kSingle * 1e-3);
+  EXPECT_NEAR(Scene(plates(1e-4), goals(0.1, 1.5)).sizes.at({1, 1, 0}), diagonal / 4096, kSingle * 1e-3);
+  EXPECT_NEAR(Scene(plates(1e-2), goals(1, 1.5), 0.003).sizes.at({1, 1, 0}), 0.03, kSingle);
+  Goals g = goals(1, 1.5);
+  g.min_edge_length = 0.5;
+  EXPECT_NEAR(Scene(plates(0.1), g).sizes.at({1, 1, 0}), 0.5, kSingle);
+  g.min_edge_length = 0;
+  g.max_edge_length = 0.25;
+  const Scene coarse(plates(1), g);
+  EXPECT_EQ(coarse.sizes.at({1, 1, 0}), 0.25);
+  EXPECT_TRUE(coarse.sizes.is_uniform());  // nothing finer to say
+}
+
+TEST(size_field, no_place_has_more_than_twice_what_its_gap_asks_for) {
+  for (const PolygonMesh& mesh :
+       {thick_and_thin(), shapes::cylinder(24, 1, 0.2),
+        shapes::joined(shapes::sheet(4, 4, 9, 2),
+                       shapes::rotated(shapes::moved(shapes::sheet(1, 1, 1, 1), {1, 1, 0.05}), {1, 0, 0}, 5))}) {
+    const Scene scene(mesh, goals(1, 1.5));
+    Random random(3);
+    int finer = 0;
+    for (int i = 0; i < 2000; ++i) {
+      const auto [point, patch] = scene.place(random);
+      const double gap = scene.gaps.at(point, patch, kFar);
+      EXPECT_LE(scene.sizes.at(point), 2 * gap * (1 + kSingle));
+      finer += scene.sizes.at(point) < 0.5 * gap;
+    }
+    EXPECT_LT(finer, 2000);  // it is not small everywhere
+  }
+}
+
+TEST(size_field, it_is_what_the_gaps_ask_for_graded_and_not_much_less) {
+  // Against the graded gaps of many places: at() is about the least of them.
+  const Scene scene(thick_and_thin(), goals(1, 1.5));
+  Random random(4);
+  std::vector<std::pair<Vec3, double>> seen;
+  for (int i = 0; i < 20000; ++i) {
+    const auto [point, patch] = scene.place(random);
+    const double gap = scene.gaps.at(point, patch, kFar);
+    if (gap < kFar) seen.push_back({point, gap});
+  }
+  for (const auto& [v, w] : Scene::segments(scene.chain)) {
+    const Vec3 &a = scene.chain.surface.positions[v], &b = scene.chain.surface.positions[w];
+    for (int i = 0; i <= 64; ++i) seen.push_back({a + (i / 64.0) * (b - a), norm(b - a)});
+  }
+  for (int i = 0; i < 200; ++i) {
+    const Vec3 point = scene.place(random).point;
+    double graded = kFar;
+    for (const auto& [place, size] : seen) graded = std::min(graded, size + 0.5 * norm(place - point));
+    EXPECT_LE(scene.sizes.at(point), 1.5 * graded);
+    EXPECT_GE(scene.sizes.at(point), 0.6 * graded);
+  }
+}
+
+TEST(size_field, it_grows_by_no_more_than_the_slope) {
+  for (const double gradation : {1.1, 1.5, 3.0}) {
+    const Scene scene(thick_and_thin(), goals(1, gradation));
+    Random random(5);
+    for (int i = 0; i < 5000; ++i) {
+      const Vec3 x = scene.place(random).point;
+      const Vec3 y = i % 2 ? scene.place(random).point
+                           : x + 0.01 * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+      EXPECT_LE(std::abs(scene.sizes.at(x) - scene.sizes.at(y)), (gradation - 1) * norm(x - y) + 1e-12);
+    }
+  }
+}
+
+TEST(size_field, gradation_alone_grades_away_from_short_segments) {
+  // A plate with a nick: two segments of 1/32 in a border of 4.
+  const Scene scene(
+      shapes::polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 2.03125}, {0.03125, 2.03125}, {0.03125, 2}, {0, 2}}),
+      goals(0, 1.25));
+  EXPECT_NEAR(scene.sizes.at({0, 2, 0}), 0.03125, kSingle);
+  EXPECT_NEAR(scene.sizes.at({1.03125, 2, 0}), 0.03125 + 0.25, kSingle);
+  EXPECT_NEAR(scene.sizes.at({0, 1, 0}), 0.03125 + 0.25, kSingle);  // on a segment of length 2
+  EXPECT_NEAR(scene.sizes.at({0, 3.03125, 7}), 0.03125 + 0.25 * std::hypot(1, 7), 10 * kSingle);
+  // Far from all: the segments' own lengths bound it.
+  const Scene square(shapes::polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}}), goals(0, 1.25));
+  EXPECT_NEAR(square.sizes.at({1, 0, 0}), 4, 4 * kSingle);
+  EXPECT_NEAR(square.sizes.at({2, 2, 0}), 4 + 0.25 * 2, 4 * kSingle);
+}
+
+TEST(size_field, a_length_is_allowed_if_it_is_at_most_the_size) {
+  const Scene scene(thick_and_thin(), goals(1, 1.5));
+  Random random(6);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 x = scene.place(random).point;
+    const double size = scene.sizes.at(x);
+    EXPECT_TRUE(scene.sizes.allows(size * random.uniform(0.3, 0.999999), x));
+    EXPECT_FALSE(scene.sizes.allows(size * random.uniform(1.000001, 2), x));
+  }
+}
+
+TEST(size_field, scaling_by_a_power_of_two_scales_it_exactly) {
+  const Scene one(thick_and_thin(), goals(1, 1.5));
+  const Scene big(shapes::scaled(thick_and_thin(), 1024), goals(1, 1.5), 1024e-6);
+  EXPECT_EQ(one.sizes.sample_count(), big.sizes.sample_count());
+  Random random(7);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 x = one.place(random).point;
+    EXPECT_EQ(1024 * one.sizes.at(x), big.sizes.at(1024 * x));
+  }
+}
+
+TEST(size_field, it_is_the_same_for_any_number_of_threads) {
+  const auto with = [](int threads) {
+    return tbb::task_arena(threads).execute([] { return std::make_unique<Scene>(thick_and_thin(), goals(2, 1.3)); });
+  };
+  const auto one = with(1), four = with(4);
+  EXPECT_EQ(one->sizes.sample_count(), four->sizes.sample_count());
+  Random random(8);
+  for (int i = 0; i < 2000; ++i) {
+    const Vec3 x = one->place(random).point;
+    EXPECT_EQ(one->sizes.at(x), four->sizes.at(x));
+  }
+}
+
+TEST(size_field, can_be_cancelled) {
+  const StageChain chain(thick_and_thin());
+  const GapSearch gaps(chain.surface, chain.adjacency, chain.patches, 1e-6, chain.control);
+  RunControl control;
+  control.cancel();
+  EXPECT_THROW(SizeField(chain.surface, &gaps, {}, goals(1, 1.5), 1e-6, control), Error);
+}
+
+}  // namespace
+}  // namespace remesh
