@@ -8,25 +8,25 @@
 namespace remesh {
 namespace {
 
-/// No point of the lattice is nearer to the boundary's points than this, in sizes. Smaller, and the rim gets flat
+/// No point of a lattice is nearer to the boundary's points than this, in sizes. Smaller, and the rim gets flat
 /// triangles that refinement must mend; larger, and it gets holes that refinement must fill.
 constexpr double kClearance = 0.6;
 
-/// The boundary's points by cells of one size, to ask what is near.
+/// Points in square cells, to ask what is near.
 class PointGrid {
  public:
-  PointGrid(std::vector<Vec2> points, Vec2 origin, double cell)
-      : points_(std::move(points)), origin_(origin), cell_(cell) {
+  PointGrid(std::span<const Vec2> points, Vec2 origin, double cell)
+      : points_(points.begin(), points.end()), origin_(origin), cell_(cell) {
     std::sort(points_.begin(), points_.end(), [&](Vec2 a, Vec2 b) { return key(a) < key(b); });
     keys_.reserve(points_.size());
     for (const Vec2 p : points_) keys_.push_back(key(p));
   }
 
   bool has_point_within(Vec2 p, double distance) const {
-    const auto [row, column] = key(p);
-    for (std::int64_t r = row - 1; r <= row + 1; ++r) {
-      auto at = std::lower_bound(keys_.begin(), keys_.end(), Key{r, column - 1});
-      for (; at != keys_.end() && at->first == r && at->second <= column + 1; ++at) {
+    const Key low = key({p.x - distance, p.y - distance}), high = key({p.x + distance, p.y + distance});
+    for (std::int64_t row = low.first; row <= high.first; ++row) {
+      auto at = std::lower_bound(keys_.begin(), keys_.end(), Key{row, low.second});
+      for (; at != keys_.end() && at->first == row && at->second <= high.second; ++at) {
         const Vec2 d = points_[static_cast<std::size_t>(at - keys_.begin())] - p;
         if (dot(d, d) < distance * distance) return true;
       }
@@ -47,53 +47,141 @@ class PointGrid {
   std::vector<Key> keys_;
 };
 
+/// The triangles' sizes: the edge of a lattice that suits most of them, and the largest.
+struct Spacing {
+  double best, largest;
+};
+
+/// A lattice and its halvings give each place the largest edge among them that is allowed there. The best edge makes
+/// the fewest points of that: tried are sizes that differ by a 32nd of an octave.
+Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes) {
+  constexpr int kSteps = 32;
+  std::array<double, kSteps> points{}, smallest{};
+  double largest = 0;
+  for (const auto& [a, b, c] : triangles) {
+    const double size = sizes.at((1.0 / 3) * (a + b + c));
+    int octave = 0;
+    const double part = 2 * std::frexp(size, &octave);  // from 1 to 2
+    const auto step = static_cast<std::size_t>(std::min(kSteps - 1.0, std::floor(kSteps * std::log2(part))));
+    points[step] += cross(b - a, c - a) / (size * size);
+    if (smallest[step] == 0 || part < smallest[step]) smallest[step] = part;
+    largest = std::max(largest, size);
+  }
+  double best = 1, least = HUGE_VAL;
+  for (std::size_t i = 0; i < kSteps; ++i) {
+    if (smallest[i] == 0) continue;
+    double cost = 0;
+    for (std::size_t j = 0; j < kSteps; ++j) {
+      if (smallest[j] == 0) continue;
+      double ratio = smallest[j] / smallest[i];
+      if (ratio < 1) ratio *= 2;
+      cost += points[j] * ratio * ratio;
+    }
+    if (cost < least) {
+      least = cost;
+      best = smallest[i];
+    }
+  }
+  return {best, largest};
+}
+
+/// Walks the cells of the lattices: parallelograms, each with four of half its edge.
+class Lattice {
+ public:
+  Lattice(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes) : sizes_(sizes) {
+    Vec2 high = low_ = triangles[0][0];
+    for (const auto& triangle : triangles)
+      for (const Vec2 p : triangle) {
+        low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
+        high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+      }
+    const Spacing spacing = best_spacing(triangles, sizes);
+    // The coarsest lattice: its edge is allowed somewhere.
+    edge_ = std::ldexp(spacing.best, std::ilogb(spacing.largest / spacing.best * (1 + 1e-12)));
+    double x = edge_, y = edge_ * std::numbers::sqrt3 / 2;
+    if (sizes.slope == 0) {
+      x = (high.x - low_.x) / std::ceil((high.x - low_.x) / x);
+      y = (high.y - low_.y) / std::ceil((high.y - low_.y) / y);
+    }
+    along_ = {x, 0};
+    up_ = {x / 2, y};
+    const double extent = 2 * std::max(high.x - low_.x, high.y - low_.y);
+    levels_above_ = std::max(0, std::ilogb(extent / std::min(x, y)) + 1);
+  }
+
+  Vec2 origin() const { return low_; }
+  double edge() const { return edge_; }
+
+  /// Adds the points in a triangle; stops above `most`.
+  void collect(const std::array<Vec2, 3>& triangle, std::size_t most, std::vector<Vec2>& points) {
+    // The box's lower left corner is the lattice's origin; rows lean to the right, so cells begin left of it.
+    stack_ = {{-levels_above_, -1, 0}, {-levels_above_, 0, 0}};
+    while (!stack_.empty() && points.size() <= most) {
+      const Cell cell = stack_.back();
+      stack_.pop_back();
+      const double share = std::ldexp(1.0, -cell.level);
+      const auto place = [&](double i, double j) { return low_ + (share * i) * along_ + (share * j) * up_; };
+      const double i = static_cast<double>(cell.i), j = static_cast<double>(cell.j);
+      const Vec2 centre = place(i + 0.5, j + 0.5);
+      const double radius = share * edge_;
+      if (is_apart(triangle, centre, radius)) continue;
+      if (cell.level >= 0) {
+        const Vec2 corner = place(i, j);
+        const bool is_new = cell.level == 0 || cell.i % 2 != 0 || cell.j % 2 != 0;
+        if (is_new && is_inside(triangle, corner) && (cell.level == 0 || !sizes_.allows(2 * radius * kAlmost, corner)))
+          points.push_back(corner);
+      }
+      if (cell.level < 0 || !sizes_.allows(radius * kAlmost + sizes_.slope * radius, centre))
+        for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)})
+          stack_.push_back({cell.level + 1, 2 * cell.i + di, 2 * cell.j + dj});
+    }
+  }
+
+ private:
+  static constexpr double kAlmost = 1 - 1e-9;
+  struct Cell {
+    int level;
+    std::int64_t i, j;
+  };
+
+  static bool is_inside(const std::array<Vec2, 3>& t, Vec2 p) {
+    return cross(t[1] - t[0], p - t[0]) >= 0 && cross(t[2] - t[1], p - t[1]) >= 0 && cross(t[0] - t[2], p - t[2]) >= 0;
+  }
+  static bool is_apart(const std::array<Vec2, 3>& t, Vec2 centre, double radius) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec2 side = t[(k + 1) % 3] - t[k];
+      const double outside = -cross(side, centre - t[k]);
+      if (outside > 0 && outside * outside > radius * radius * dot(side, side)) return true;
+    }
+    return false;
+  }
+
+  const PlaneSizes& sizes_;
+  Vec2 low_, along_, up_;
+  double edge_ = 0;
+  int levels_above_ = 0;
+  std::vector<Cell> stack_;
+};
+
 }  // namespace
 
-std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 2>> pieces, double size, RunControl& control) {
-  Vec2 low = pieces[0][0], high = low;
-  std::vector<Vec2> rim;
-  for (const auto& [a, b] : pieces) {
-    low = {std::min(low.x, a.x), std::min(low.y, a.y)};
-    high = {std::max(high.x, a.x), std::max(high.y, a.y)};
-    rim.push_back(a);
-    rim.push_back(0.5 * (a + b));
-  }
-  const double rows = std::ceil((high.y - low.y) / (size * std::numbers::sqrt3 / 2));
-  const double columns = std::ceil((high.x - low.x) / size);
-  const double row_height = (high.y - low.y) / rows, step = (high.x - low.x) / columns;
-
-  // Where the rows meet the boundary.
-  struct Crossing {
-    std::int64_t row;
-    double x;
-    bool operator<(const Crossing& other) const { return row != other.row ? row < other.row : x < other.x; }
-  };
-  std::vector<Crossing> crossings;
-  for (const auto& [a, b] : pieces) {
-    const Vec2 from = a.y <= b.y ? a : b, to = a.y <= b.y ? b : a;
-    // A row at exactly a point's height meets the piece above it only.
-    auto row = static_cast<std::int64_t>(std::ceil((from.y - low.y) / row_height));
-    for (; low.y + static_cast<double>(row) * row_height < to.y; ++row) {
-      const double y = low.y + static_cast<double>(row) * row_height;
-      if (y < from.y) continue;
-      crossings.push_back({row, from.x + (y - from.y) / (to.y - from.y) * (to.x - from.x)});
-    }
-  }
-  std::sort(crossings.begin(), crossings.end());
-
-  const PointGrid grid(std::move(rim), low, size);
+std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
+                            const PlaneSizes& sizes, std::size_t most, RunControl& control) {
+  Lattice lattice(triangles, sizes);
+  const PointGrid grid(boundary, lattice.origin(), lattice.edge());
   std::vector<Vec2> points;
-  for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
-    if (i % 256 == 0) control.check();
-    const Crossing &in = crossings[i], &out = crossings[i + 1];
-    if (in.row != out.row) break;  // rounding has lost one: better no more points than wrong ones
-    const double y = low.y + static_cast<double>(in.row) * row_height;
-    const double shift = in.row % 2 == 0 ? 0 : 0.5;
-    for (double column = std::ceil((in.x - low.x) / step - shift); low.x + (column + shift) * step < out.x; ++column) {
-      const Vec2 p{low.x + (column + shift) * step, y};
-      if (p.x > in.x && !grid.has_point_within(p, kClearance * size)) points.push_back(p);
-    }
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    if (t % 64 == 0) control.check();
+    const std::size_t before = points.size();
+    lattice.collect(triangles[t], most, points);
+    if (points.size() > most) return {};
+    const auto is_near = [&](Vec2 p) { return grid.has_point_within(p, kClearance * sizes.at(p)); };
+    points.erase(std::remove_if(points.begin() + static_cast<std::ptrdiff_t>(before), points.end(), is_near),
+                 points.end());
   }
+  // A point on an edge belongs to both triangles there.
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
   return points;
 }
 

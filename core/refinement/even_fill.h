@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -10,11 +11,21 @@
 
 namespace remesh {
 
-/// Points of a lattice of nearly equilateral triangles, whose edges are at most `size`, inside a region and away from
-/// its boundary: what lies between is left to refinement. Rows run along x; the lattice is stretched to fit the box.
-/// Input:  the boundary as directed pieces no longer than `size`, the region on their left.
-/// Output: rows from below to above, each from left to right.
-/// Cost:   O(p log p + n) for p pieces and n points of the lattice in the box's rows that the region meets.
-std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 2>> pieces, double size, RunControl& control);
+/// The longest edge at each place of the plane: it changes by at most `slope` per length.
+struct PlaneSizes {
+  std::function<double(Vec2)> at;
+  std::function<bool(double, Vec2)> allows;  ///< is a length at most the size there? May be faster
+  double slope = 0;                          ///< 0: the same everywhere
+};
+
+/// Points of lattices of equilateral triangles, whose edges are at most the size there, inside a region and away from
+/// its boundary: what lies between is left to refinement. Each lattice has half the edges of the next coarser one, and
+/// all its points; rows run along x. Of one size, the lattice is stretched to fit the region's box.
+/// Input:  triangles that cover the region; the points of its boundary, no further apart than the size there.
+/// Output: in lexicographic order; empty if there would be more than `most`.
+/// Cost:   O((t + n) log n) for t triangles and n points, where the triangles are a Delaunay triangulation of the
+///         boundary.
+std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
+                            const PlaneSizes& sizes, std::size_t most, RunControl& control);
 
 }  // namespace remesh

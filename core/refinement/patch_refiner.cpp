@@ -2,13 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <numeric>
-#include <tuple>
 
-#include "core/refinement/even_fill.h"
-#include "core/stages/patch_triangulation.h"
 #include "core/stages/projection.h"
 
 namespace remesh {
@@ -28,12 +23,6 @@ constexpr double kSameShell = 1e-9;
 
 double squared_length(Vec2 a) { return dot(a, a); }
 
-std::vector<std::uint32_t> half_edges_of(const SegmentTable& segments, PatchId p) {
-  std::vector<std::uint32_t> half_edges;
-  for (const std::uint32_t i : segments.sides_of_patch(p)) half_edges.push_back(segments.all_sides()[i].half_edge);
-  return half_edges;
-}
-
 }  // namespace
 
 Criteria::Criteria(const Goals& goals, const SizeField& field)
@@ -50,171 +39,6 @@ Criteria::Criteria(const Goals& goals, const SizeField& field)
   tangent = std::tan(bound);
   lens = std::cos(2 * shape) * std::cos(2 * shape);
   off_centre = kOffCentre / (2 * std::tan(shape / 2));
-}
-
-PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria,
-                           const IdVector<SegmentId, std::vector<double>>& cuts, RunControl& control)
-    : patch_(patch),
-      segments_(segments),
-      criteria_(criteria),
-      corner_count_(static_cast<std::uint32_t>(patch.vertices.size())),
-      segment_(corner_count_),
-      value_(corner_count_, std::numeric_limits<double>::infinity()) {
-  collect_corners(id);
-  if (!start_evenly(id, cuts, control)) {
-    collect_sides(id);
-    mesh_ = DelaunayMesh(patch.mesh, patch.uv, half_edges_of(segments, id));
-  }
-  state_.assign(mesh_.triangle_slots(), State::kUnknown);
-  for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) classify(t);
-  for (std::size_t c = 0; c < chains_.size() && !impossible_.is_valid(); ++c)
-    if (!cuts[chains_[c].segment].empty()) take_over(chains_[c].segment, cuts[chains_[c].segment]);
-}
-
-/// Which segments meet at which corner, and the corners' floors.
-void PatchRefiner::collect_corners(PatchId id) {
-  for (const std::uint32_t i : segments_.sides_of_patch(id)) {
-    const SegmentSide& side = segments_.all_sides()[i];
-    const std::uint32_t a = patch_.mesh.from(side.half_edge), b = patch_.mesh.to(side.half_edge);
-    for (const auto& [corner, other] : {std::pair(a, b), std::pair(b, a)}) {
-      corner_segments_.push_back({corner, patch_.vertices[other], side.segment});
-      value_[corner] = std::min(value_[corner], segments_[side.segment].floor);
-    }
-  }
-  const auto key = [](const CornerSegment& c) { return std::tuple(c.corner, c.other, c.segment); };
-  std::sort(corner_segments_.begin(), corner_segments_.end(),
-            [&](const CornerSegment& a, const CornerSegment& b) { return key(a) < key(b); });
-  corner_begin_.assign(corner_count_ + 1, 0);
-  for (const CornerSegment& c : corner_segments_) ++corner_begin_[c.corner + 1];
-  std::partial_sum(corner_begin_.begin(), corner_begin_.end(), corner_begin_.begin());
-  // Vertices inside the patch have a floor by what is next to them.
-  std::vector<std::uint8_t> is_inside(corner_count_, 0);
-  for (std::uint32_t v = 0; v < corner_count_; ++v) is_inside[v] = std::isinf(value_[v]);
-  for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); ++h)
-    for (const std::uint32_t v : {patch_.mesh.from(h), patch_.mesh.to(h)})
-      if (is_inside[v] != 0) {
-        const double length = norm(patch_.uv[patch_.mesh.to(h)] - patch_.uv[patch_.mesh.from(h)]);
-        value_[v] = std::max(criteria_.min_edge_length, std::min(value_[v], length * patch_.frame.scale * 0x1p-6));
-      }
-}
-
-/// The sides as they are in the patch's mesh: one a segment, or two of a slit, which stand together.
-void PatchRefiner::collect_sides(PatchId id) {
-  for (const std::uint32_t i : segments_.sides_of_patch(id)) {
-    const SegmentSide& side = segments_.all_sides()[i];
-    const auto index = static_cast<std::uint32_t>(sides_.size());
-    const bool is_second = !sides_.empty() && sides_.back().segment == side.segment;
-    if (is_second)
-      sides_.back().partner = index;
-    else
-      chains_.push_back({side.segment, {index}});
-    const bool is_forward = patch_.vertices[patch_.mesh.from(side.half_edge)] == segments_[side.segment].from;
-    sides_.push_back({side.segment, 0, 1, static_cast<std::uint32_t>(chains_.size() - 1), is_second ? index - 1 : kNone,
-                      is_forward});
-  }
-}
-
-/// Where one size is asked for everywhere: the patch is triangulated anew from its cut boundary and a lattice of points
-/// inside. Returns false where that would change nothing, or rounding forbids it.
-bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, RunControl& control) {
-  const double size = criteria_.even_size / patch_.frame.scale;
-  // Stretched to fit, the lattice's edges are down to half the size.
-  if (!criteria_.sizes.is_uniform() || !std::isfinite(size) || criteria_.min_edge_length > criteria_.even_size / 2)
-    return false;
-  // Vertices: the corners, then the cuts; pieces from one to the next, side by side.
-  struct Piece {
-    std::uint32_t from, to, side;
-  };
-  std::vector<Vec2> points = patch_.uv;
-  std::vector<Piece> pieces;
-  collect_sides(id);
-  const auto original = static_cast<std::uint32_t>(sides_.size());
-  const auto own = segments_.sides_of_patch(id);
-  std::uint32_t first_of_chain = 0;
-  for (std::uint32_t s = 0; s < original; ++s) {
-    const Side side = sides_[s];
-    const SegmentSide& source = segments_.all_sides()[own[s]];
-    const std::vector<double>& at = cuts[side.segment];
-    const auto n = static_cast<std::uint32_t>(at.size());
-    const bool is_second = side.partner != kNone && side.partner < s;
-    if (!is_second) {
-      first_of_chain = static_cast<std::uint32_t>(points.size());
-      for (const double t : at) {
-        points.push_back(to_plane(patch_.frame, segments_.position(side.segment, t)));
-        segment_.push_back(side.segment);
-        value_.push_back(t);
-      }
-    }
-    const std::uint32_t begin = patch_.mesh.from(source.half_edge), end = patch_.mesh.to(source.half_edge);
-    const auto vertex = [&](std::uint32_t k) {  // k-th along the segment
-      if (k == 0) return side.is_forward ? begin : end;
-      return k == n + 1 ? (side.is_forward ? end : begin) : first_of_chain + k - 1;
-    };
-    for (std::uint32_t k = 0; k <= n; ++k) {
-      const std::uint32_t index = k == 0 ? s : static_cast<std::uint32_t>(sides_.size());
-      if (k > 0) {
-        sides_.push_back(side);
-        sides_[index].partner = kNone;
-        if (!is_second) chains_[side.chain].sides.push_back(index);
-      }
-      sides_[index].t0 = k == 0 ? 0 : at[k - 1];
-      sides_[index].t1 = k == n ? 1 : at[k];
-      pieces.push_back(
-          {side.is_forward ? vertex(k) : vertex(k + 1), side.is_forward ? vertex(k + 1) : vertex(k), index});
-    }
-    if (is_second)
-      for (std::uint32_t k = 0; k < n; ++k) {
-        const auto a = static_cast<std::uint32_t>(sides_.size()) - n + k, b = chains_[side.chain].sides[k + 1];
-        sides_[a].partner = b;
-        sides_[b].partner = a;
-      }
-  }
-  std::vector<std::array<Vec2, 2>> rim;
-  for (const Piece& piece : pieces) rim.push_back({points[piece.from], points[piece.to]});
-  for (const Vec2 p : even_fill(rim, size, control)) {
-    points.push_back(on_grid(p));
-    segment_.emplace_back();
-    value_.push_back(std::max(criteria_.min_edge_length, criteria_.even_size * 0x1p-6));
-  }
-  if (points.size() > corner_count_) {
-    const auto n = static_cast<std::uint32_t>(points.size());
-    std::vector<std::uint32_t> order(n), rank(n);
-    std::iota(order.begin(), order.end(), 0u);
-    std::sort(order.begin(), order.end(), [&](auto a, auto b) { return points[a] < points[b]; });
-    std::vector<Vec2> sorted(n);
-    bool is_distinct = true;
-    for (std::uint32_t k = 0; k < n; ++k) {
-      rank[order[k]] = k;
-      sorted[k] = points[order[k]];
-      is_distinct = is_distinct && (k == 0 || sorted[k] != sorted[k - 1]);
-    }
-    std::vector<Segment> loop_edges;
-    for (const Piece& piece : pieces) loop_edges.push_back({rank[piece.from], rank[piece.to]});
-    PatchTriangulation made;
-    if (is_distinct) made = triangulate_patch(sorted, loop_edges, control);
-    if (is_distinct && made.outcome == Outcome::kDone && made.mesh.triangle_count() > 0) {
-      // Constrained half-edges are found again by their ends.
-      std::sort(pieces.begin(), pieces.end(),
-                [](const Piece& a, const Piece& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
-      std::vector<std::uint32_t> half_edge(sides_.size(), kNone);
-      for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h) {
-        if (!made.mesh.is_constrained(h)) continue;
-        const std::uint32_t from = order[made.mesh.from(h)], to = order[made.mesh.to(h)];
-        const auto piece = std::lower_bound(pieces.begin(), pieces.end(), std::pair(from, to),
-                                            [](const Piece& p, auto e) { return std::pair(p.from, p.to) < e; });
-        if (piece != pieces.end() && piece->from == from && piece->to == to) half_edge[piece->side] = h;
-      }
-      if (std::find(half_edge.begin(), half_edge.end(), kNone) == half_edge.end()) {
-        mesh_ = DelaunayMesh(made.mesh, std::move(points), half_edge, order);
-        return true;
-      }
-    }
-  }
-  segment_.resize(corner_count_);
-  value_.resize(corner_count_);
-  sides_.clear();
-  chains_.clear();
-  return false;
 }
 
 bool PatchRefiner::has_work(const PatchMesh& patch, const Criteria& criteria) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -49,9 +50,10 @@ struct Criteria {
 ///          triangulation and Bowyer-Watson algorithm, 1993 (sizes).
 class PatchRefiner {
  public:
-  /// `cuts`: of every segment, ascending; those of the patch's segments are made.
+  /// `cuts`: of every segment, ascending; those of the patch's segments are made. Where there are sizes, wide areas are
+  /// filled evenly at once, with at most about `quota` triangles.
   PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria,
-               const IdVector<SegmentId, std::vector<double>>& cuts, RunControl& control);
+               const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota, RunControl& control);
 
   /// Would refinement change the patch at all? Cheap, before anything is built.
   static bool has_work(const PatchMesh& patch, const Criteria& criteria);
@@ -112,7 +114,8 @@ class PatchRefiner {
 
   void collect_corners(PatchId id);
   void collect_sides(PatchId id);
-  bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, RunControl& control);
+  bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
+                    RunControl& control);
   Shape shape_of(std::uint32_t t) const;
   bool is_too_large(std::uint32_t t, double longest_squared, double twice_area) const;
   State excuse(std::uint32_t shortest) const;

@@ -219,32 +219,32 @@ std::optional<double> SegmentTable::cut(SegmentId id, double t0, double t1) cons
 std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes) const {
   const BoundarySegment& s = segments_[id];
   std::vector<double> cuts;
-  if (s.is_locked || !std::isfinite(sizes.largest())) return cuts;
-  double parts = std::ceil(s.length / sizes.largest() * (1 - 1e-12));
+  if (s.is_locked || (sizes.is_uniform() && !std::isfinite(sizes.largest()))) return cuts;
+  // The way along the segment, counted in sizes, from step to step: each about half the size before.
+  std::vector<std::pair<double, double>> way{{0, 0}};  // parameter, sizes so far
+  double size = sizes.is_uniform() ? sizes.largest() : sizes.at(position(id, 0));
+  while (way.back().first < 1) {
+    const auto [t, count] = way.back();
+    double next = sizes.is_uniform() ? 1 : t + size / 2 / s.length;
+    if (!(next < 1 - 1e-9)) next = 1;
+    if (!sizes.is_uniform()) size = sizes.at(position(id, t + (next - t) / 2));
+    way.emplace_back(next, count + (next - t) * s.length / size);
+  }
+  double parts = std::ceil(way.back().second * (1 - 1e-12));
   if (min_edge_length_ > 0) parts = std::min(parts, std::floor(s.length / s.floor));
   const auto n = static_cast<std::uint64_t>(std::max(1.0, parts));
-  for (std::uint64_t i = 1; i < n; ++i) cuts.push_back(static_cast<double>(i) / static_cast<double>(n));
-  if (sizes.is_uniform()) return cuts;
-
-  // Where sizes vary: piece by piece, from the last one, as the tree of cuts has it.
-  std::vector<double> fine, waiting;
-  waiting.push_back(1);
-  waiting.insert(waiting.end(), cuts.rbegin(), cuts.rend());
-  double t0 = 0;
-  while (!waiting.empty()) {
-    const double t1 = waiting.back();
-    const double size =
-        std::min({sizes.at(position(id, t0)), sizes.at(position(id, t0 + (t1 - t0) / 2)), sizes.at(position(id, t1))});
-    const std::optional<double> t = (t1 - t0) * s.length > size * (1 + 1e-9) ? cut(id, t0, t1) : std::nullopt;
-    if (t) {
-      waiting.push_back(*t);
+  std::size_t k = 1;
+  for (std::uint64_t i = 1; i < n; ++i) {
+    if (sizes.is_uniform()) {
+      cuts.push_back(static_cast<double>(i) / static_cast<double>(n));
       continue;
     }
-    waiting.pop_back();
-    if (t1 < 1) fine.push_back(t1);
-    t0 = t1;
+    const double wanted = way.back().second * static_cast<double>(i) / static_cast<double>(n);
+    while (way[k].second < wanted) ++k;
+    const double part = (wanted - way[k - 1].second) / (way[k].second - way[k - 1].second);
+    cuts.push_back(way[k - 1].first + part * (way[k].first - way[k - 1].first));
   }
-  return fine;
+  return cuts;
 }
 
 }  // namespace remesh

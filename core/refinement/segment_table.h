@@ -72,8 +72,8 @@ class SegmentTable {
   /// segment is locked or a half would be shorter than the floor.
   std::optional<double> cut(SegmentId s, double t0, double t1) const;
 
-  /// The parameters at which a segment is cut for its size, before anything else: equal parts no longer than the
-  /// largest size, these again wherever sizes are smaller. Ascending.
+  /// The parameters at which a segment is cut for its size, before anything else: into the fewest parts that are no
+  /// longer than the size there, equal where it is. Ascending.
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
 
  private:

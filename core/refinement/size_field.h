@@ -47,6 +47,7 @@ class SizeField {
   /// Is it the same everywhere? Then `largest()` is all there is to know.
   bool is_uniform() const { return samples_.size() == 0; }
   double largest() const { return largest_; }
+  double slope() const { return slope_; }
   std::size_t sample_count() const { return samples_.size(); }
 
   /// The size at a place, model units. May be called from any thread.

@@ -108,12 +108,17 @@ class Rounds {
       control_.check();
       const std::uint32_t i = order[k], p = dirty_[i];
       std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
+      const std::uint32_t before = refiner ? refiner->triangle_count() : meshes_[p].mesh.triangle_count();
       if (!refiner)
-        refiner = std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_, control_);
+        refiner =
+            std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_, quota_[i], control_);
       auto message = std::lower_bound(messages_.begin(), messages_.end(), Message{PatchId(p), SegmentId(0), 0});
       for (; message != messages_.end() && message->patch == PatchId(p); ++message)
         if (!refiner->impossible().is_valid()) refiner->take_over(message->segment, cuts_[message->segment]);
-      if (!refiner->impossible().is_valid()) refiner->run(quota_[i], control_);
+      if (!refiner->impossible().is_valid()) {
+        const std::uint64_t made = refiner->triangle_count() - std::min(refiner->triangle_count(), before);
+        refiner->run(quota_[i] - std::min<std::uint64_t>(quota_[i], made), control_);
+      }
     };
     tbb::parallel_for(std::size_t{0}, large, refine_one);
     tbb::parallel_for(tbb::blocked_range<std::size_t>(large, order.size(), 16), [&](const auto& range) {
@@ -173,7 +178,8 @@ class Rounds {
       const auto sides = segments_.sides(s);
       // A segment of one patch alone has nobody to tell.
       if (sides.front().patch == sides.back().patch) continue;
-      for (const SegmentSide& side : sides) messages_.push_back({side.patch, s, static_cast<std::uint64_t>(to - first)});
+      for (const SegmentSide& side : sides)
+        messages_.push_back({side.patch, s, static_cast<std::uint64_t>(to - first)});
     }
     sort_messages();
     dirty_ = std::move(unfinished);

@@ -1,0 +1,251 @@
+/// How a patch begins: as it was triangulated, or triangulated anew with cuts for its sizes and points inside.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <numeric>
+#include <tuple>
+
+#include "core/refinement/even_fill.h"
+#include "core/refinement/patch_refiner.h"
+#include "core/stages/patch_triangulation.h"
+#include "core/stages/projection.h"
+
+namespace remesh {
+namespace {
+
+std::vector<std::uint32_t> half_edges_of(const SegmentTable& segments, PatchId p) {
+  std::vector<std::uint32_t> half_edges;
+  for (const std::uint32_t i : segments.sides_of_patch(p)) half_edges.push_back(segments.all_sides()[i].half_edge);
+  return half_edges;
+}
+
+/// A piece of the boundary between two vertices, the patch on its left.
+struct Piece {
+  std::uint32_t from, to, side;
+};
+
+struct Triangulated {
+  Triangulation2d mesh;
+  std::vector<std::uint32_t> number;     ///< of each of the mesh's vertices, in `points`
+  std::vector<std::uint32_t> half_edge;  ///< of each side
+};
+
+/// Triangulates points between pieces; nothing if rounding forbids it.
+std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::vector<Piece> pieces,
+                                        std::size_t side_count, RunControl& control) {
+  const auto n = static_cast<std::uint32_t>(points.size());
+  Triangulated result;
+  std::vector<std::uint32_t>& order = result.number;
+  std::vector<std::uint32_t> rank(n);
+  order.resize(n);
+  std::iota(order.begin(), order.end(), 0u);
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return points[a] < points[b]; });
+  std::vector<Vec2> sorted(n);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    rank[order[k]] = k;
+    sorted[k] = points[order[k]];
+    if (k > 0 && sorted[k] == sorted[k - 1]) return std::nullopt;
+  }
+  std::vector<Segment> loop_edges;
+  loop_edges.reserve(pieces.size());
+  for (const Piece& piece : pieces) loop_edges.push_back({rank[piece.from], rank[piece.to]});
+  PatchTriangulation made = triangulate_patch(sorted, loop_edges, control);
+  if (made.outcome != Outcome::kDone) return std::nullopt;
+
+  // Constrained half-edges are found again by their ends.
+  std::sort(pieces.begin(), pieces.end(),
+            [](const Piece& a, const Piece& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
+  result.half_edge.assign(side_count, DelaunayMesh::kNone);
+  for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h) {
+    if (!made.mesh.is_constrained(h)) continue;
+    const std::pair ends(order[made.mesh.from(h)], order[made.mesh.to(h)]);
+    const auto piece = std::lower_bound(pieces.begin(), pieces.end(), ends,
+                                        [](const Piece& p, const auto& e) { return std::pair(p.from, p.to) < e; });
+    if (piece != pieces.end() && std::pair(piece->from, piece->to) == ends) result.half_edge[piece->side] = h;
+  }
+  if (std::find(result.half_edge.begin(), result.half_edge.end(), DelaunayMesh::kNone) != result.half_edge.end())
+    return std::nullopt;
+  result.mesh = std::move(made.mesh);
+  return result;
+}
+
+std::vector<std::array<Vec2, 3>> triangles_of(const Triangulation2d& mesh, const std::vector<Vec2>& points,
+                                              const std::vector<std::uint32_t>& number) {
+  std::vector<std::array<Vec2, 3>> triangles;
+  triangles.reserve(mesh.triangle_count());
+  const auto point = [&](std::uint32_t h) { return points[number.empty() ? mesh.from(h) : number[mesh.from(h)]]; };
+  for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3)
+    triangles.push_back({point(h), point(h + 1), point(h + 2)});
+  return triangles;
+}
+
+}  // namespace
+
+PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria,
+                           const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
+                           RunControl& control)
+    : patch_(patch),
+      segments_(segments),
+      criteria_(criteria),
+      corner_count_(static_cast<std::uint32_t>(patch.vertices.size())),
+      segment_(corner_count_),
+      value_(corner_count_, std::numeric_limits<double>::infinity()) {
+  collect_corners(id);
+  collect_sides(id);
+  if (!start_evenly(id, cuts, quota, control)) {
+    segment_.resize(corner_count_);
+    value_.resize(corner_count_);
+    sides_.clear();
+    chains_.clear();
+    collect_sides(id);
+    mesh_ = DelaunayMesh(patch.mesh, patch.uv, half_edges_of(segments, id));
+  }
+  state_.assign(mesh_.triangle_slots(), State::kUnknown);
+  for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) classify(t);
+  for (std::size_t c = 0; c < chains_.size() && !impossible_.is_valid(); ++c)
+    if (!cuts[chains_[c].segment].empty()) take_over(chains_[c].segment, cuts[chains_[c].segment]);
+}
+
+/// Which segments meet at which corner, and the corners' floors.
+void PatchRefiner::collect_corners(PatchId id) {
+  for (const std::uint32_t i : segments_.sides_of_patch(id)) {
+    const SegmentSide& side = segments_.all_sides()[i];
+    const std::uint32_t a = patch_.mesh.from(side.half_edge), b = patch_.mesh.to(side.half_edge);
+    for (const auto& [corner, other] : {std::pair(a, b), std::pair(b, a)}) {
+      corner_segments_.push_back({corner, patch_.vertices[other], side.segment});
+      value_[corner] = std::min(value_[corner], segments_[side.segment].floor);
+    }
+  }
+  const auto key = [](const CornerSegment& c) { return std::tuple(c.corner, c.other, c.segment); };
+  std::sort(corner_segments_.begin(), corner_segments_.end(),
+            [&](const CornerSegment& a, const CornerSegment& b) { return key(a) < key(b); });
+  corner_begin_.assign(corner_count_ + 1, 0);
+  for (const CornerSegment& c : corner_segments_) ++corner_begin_[c.corner + 1];
+  std::partial_sum(corner_begin_.begin(), corner_begin_.end(), corner_begin_.begin());
+  // Vertices inside the patch have a floor by what is next to them.
+  std::vector<std::uint8_t> is_inside(corner_count_, 0);
+  for (std::uint32_t v = 0; v < corner_count_; ++v) is_inside[v] = std::isinf(value_[v]);
+  for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); ++h)
+    for (const std::uint32_t v : {patch_.mesh.from(h), patch_.mesh.to(h)})
+      if (is_inside[v] != 0) {
+        const double length = norm(patch_.uv[patch_.mesh.to(h)] - patch_.uv[patch_.mesh.from(h)]);
+        value_[v] = std::max(criteria_.min_edge_length, std::min(value_[v], length * patch_.frame.scale * 0x1p-6));
+      }
+}
+
+/// The sides as they are in the patch's mesh: one a segment, or two of a slit, which stand together.
+void PatchRefiner::collect_sides(PatchId id) {
+  for (const std::uint32_t i : segments_.sides_of_patch(id)) {
+    const SegmentSide& side = segments_.all_sides()[i];
+    const auto index = static_cast<std::uint32_t>(sides_.size());
+    const bool is_second = !sides_.empty() && sides_.back().segment == side.segment;
+    if (is_second)
+      sides_.back().partner = index;
+    else
+      chains_.push_back({side.segment, {index}});
+    const bool is_forward = patch_.vertices[patch_.mesh.from(side.half_edge)] == segments_[side.segment].from;
+    sides_.push_back({side.segment, 0, 1, static_cast<std::uint32_t>(chains_.size() - 1), is_second ? index - 1 : kNone,
+                      is_forward});
+  }
+}
+
+/// Where there are sizes, the patch is triangulated anew from its cut boundary and lattices of points inside. Returns
+/// false where that would change nothing, or rounding forbids it; vertices and sides are as they may be then.
+bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
+                                RunControl& control) {
+  const SizeField& sizes = criteria_.sizes;
+  const double scale = patch_.frame.scale;
+  if (sizes.is_uniform() && !std::isfinite(criteria_.even_size)) return false;
+
+  // Vertices: the corners, then the cuts; pieces from one to the next, side by side.
+  std::vector<Vec2> points = patch_.uv;
+  std::vector<Piece> pieces;
+  const auto original = static_cast<std::uint32_t>(sides_.size());
+  const auto own = segments_.sides_of_patch(id);
+  std::uint32_t first_cut = 0;
+  for (std::uint32_t s = 0; s < original; ++s) {
+    const Side side = sides_[s];
+    const std::vector<double>& at = cuts[side.segment];
+    const auto n = static_cast<std::uint32_t>(at.size());
+    const bool is_second = side.partner != kNone && side.partner < s;
+    if (!is_second) {
+      first_cut = static_cast<std::uint32_t>(points.size());
+      for (const double t : at) {
+        points.push_back(to_plane(patch_.frame, segments_.position(side.segment, t)));
+        segment_.push_back(side.segment);
+        value_.push_back(t);
+      }
+    }
+    const std::uint32_t h = segments_.all_sides()[own[s]].half_edge;
+    const std::uint32_t begin = side.is_forward ? patch_.mesh.from(h) : patch_.mesh.to(h);
+    const std::uint32_t end = side.is_forward ? patch_.mesh.to(h) : patch_.mesh.from(h);
+    for (std::uint32_t k = 0; k <= n; ++k) {
+      // The piece between the k-th vertex along the segment and the next.
+      const std::uint32_t index = k == 0 ? s : static_cast<std::uint32_t>(sides_.size());
+      if (k > 0) {
+        sides_.push_back(side);
+        std::vector<std::uint32_t>& chain = chains_[side.chain].sides;
+        sides_[index].partner = kNone;
+        if (is_second) {
+          sides_[index].partner = chain[k];
+          sides_[chain[k]].partner = index;
+        } else {
+          chain.push_back(index);
+        }
+      }
+      sides_[index].t0 = k == 0 ? 0 : at[k - 1];
+      sides_[index].t1 = k == n ? 1 : at[k];
+      const std::uint32_t a = k == 0 ? begin : first_cut + k - 1, b = k == n ? end : first_cut + k;
+      pieces.push_back({side.is_forward ? a : b, side.is_forward ? b : a, index});
+    }
+  }
+  const bool has_cuts = points.size() > corner_count_;
+  std::optional<Triangulated> made;
+  if (has_cuts) {
+    made = triangulate(points, pieces, sides_.size(), control);
+    if (!made) return false;
+  }
+
+  // Lattices do not ask how short their edges are: half the size they may be.
+  PlaneSizes plane_sizes;
+  if (sizes.is_uniform()) {
+    const double size = criteria_.even_size / scale;
+    plane_sizes = {[size](Vec2) { return size; }, [size](double length, Vec2) { return length <= size; }};
+  } else {
+    plane_sizes = {[&](Vec2 p) { return std::min(sizes.at(to_space(p)), criteria_.even_size) / scale; },
+                   [&](double length, Vec2 p) {
+                     return length * scale <= criteria_.even_size && sizes.allows(length * scale, to_space(p));
+                   },
+                   sizes.slope()};
+  }
+  const std::vector<std::array<Vec2, 3>> triangles =
+      made ? triangles_of(made->mesh, points, made->number) : triangles_of(patch_.mesh, patch_.uv, {});
+  std::vector<Vec2> boundary = points;
+  for (const Piece& piece : pieces) boundary.push_back(0.5 * (points[piece.from] + points[piece.to]));
+  const std::size_t most = std::min<std::uint64_t>(quota / 3, std::uint64_t{1} << 27);
+  const std::size_t before = points.size();
+  for (const Vec2 p : even_fill(triangles, boundary, plane_sizes, most, control)) {
+    const double size = plane_sizes.at(p) * scale;
+    if (size / 2 < criteria_.min_edge_length) continue;
+    points.push_back(on_grid(p));
+    segment_.emplace_back();
+    value_.push_back(std::max(criteria_.min_edge_length, size * 0x1p-6));
+  }
+  if (points.size() > before) {
+    std::optional<Triangulated> filled = triangulate(points, pieces, sides_.size(), control);
+    if (filled) {
+      made = std::move(filled);
+    } else {
+      points.resize(before);
+      segment_.resize(before);
+      value_.resize(before);
+    }
+  }
+  if (!made) return false;
+  quota_ = quota - std::min<std::uint64_t>(quota, made->mesh.triangle_count());
+  mesh_ = DelaunayMesh(made->mesh, std::move(points), made->half_edge, made->number);
+  return true;
+}
+
+}  // namespace remesh
