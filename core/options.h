@@ -32,7 +32,7 @@ struct Barriers {
 
 /// Lengths are in model units, angles in degrees. An empty optional means: the default of the contract.
 struct Options {
-  bool refine = false;
+  bool refine = true;
   std::optional<double> min_angle_deg;          ///< 0 to 33
   std::optional<double> max_radius_edge_ratio;  ///< instead of min_angle_deg
   std::optional<double> max_edge_length;        ///< > 0

@@ -16,6 +16,7 @@
 #include "core/mesh/face_geometry.h"
 #include "core/quality.h"
 #include "core/refinement/gap_search.h"
+#include "core/refinement/prediction.h"
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
 #include "core/stages/assembly.h"
@@ -25,6 +26,7 @@
 #include "core/stages/face_source.h"
 #include "core/stages/findings.h"
 #include "core/stages/ladder.h"
+#include "core/stages/lifting.h"
 #include "core/stages/mend_faces.h"
 #include "core/stages/patch_meshing.h"
 #include "core/stages/patch_summary.h"
@@ -96,9 +98,16 @@ class Run {
     prepare();
     Ladder ladder = make_ladder();
     find_patches(ladder);
-    summarise(ladder);
+    // Triangulated, but not kept: what refinement would make of it is told by its triangles.
+    watch_.enter(Stage::kTriangulation);
+    mesh_all_patches();
     watch_.enter(Stage::kRefinement);
-    report_.smallest_gap = GapSearch(surface_, *adjacency_, patches_, report_.plane_tolerance, control_).smallest(control_);
+    const SizeField sizes = size_field();
+    if (is_refined()) predicted_faces_ = static_cast<std::uint64_t>(predict(meshes_, goals_, sizes, control_).expected);
+    if (goals_.proximity == 0)
+      report_.smallest_gap =
+          GapSearch(surface_, *adjacency_, patches_, report_.plane_tolerance, control_).smallest(control_);
+    summarise(ladder);
     report_.timing_ms = watch_.finish();
     return std::move(report_);
   }
@@ -118,13 +127,16 @@ class Run {
       find_patches(ladder);
       // Every patch, in parallel: projection, lexicographic triangulation, flips, recovery of the loops, carving.
       watch_.enter(Stage::kTriangulation);
-      meshes_ = mesh_patches(surface_, *adjacency_, patches_, loops_, essential_,
-                             {options_.reference_axis, options_.reference_direction}, control_);
+      mesh_all_patches();
       std::vector<FailedPatch> failed = failed_meshes();
       // The patches' triangles become one mesh, in which no edge inside a patch is the edge of another one.
       watch_.enter(Stage::kAssembly);
-      if (failed.empty())
-        for (const PatchId p : resolve_chords(meshes_, control_)) failed.push_back({p, PatchReason::kOverlappingFaces});
+      if (failed.empty()) {
+        const std::vector<PatchId> conflicts = resolve_chords(meshes_, control_);
+        // Refinement may split what could not be flipped.
+        if (!is_refined())
+          for (const PatchId p : conflicts) failed.push_back({p, PatchReason::kOverlappingFaces});
+      }
       if (failed.empty()) {
         // All patches together: angles, sizes, what is left of conflicts between them.
         refine_patches(ladder);
@@ -156,6 +168,11 @@ class Run {
     summarise(ladder);
     for (std::size_t p = 0; p < meshes_.size(); ++p) report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
     return true;
+  }
+
+  void mesh_all_patches() {
+    meshes_ = mesh_patches(surface_, *adjacency_, patches_, loops_, essential_,
+                           {options_.reference_axis, options_.reference_direction}, control_);
   }
 
   std::size_t count_faces(const std::vector<FailedPatch>& failed) const {
@@ -269,8 +286,30 @@ class Run {
     frozen_.resize(patches_.count(), 0);
     for (std::size_t p = 0; p < patches_.count(); ++p)
       if (ladder.is_kept(patches_.faces_of(PatchId(p))[0])) frozen_[p] = 1;
-    refinement_ = refine(surface_, patches_, frozen_, goals_, size_field(), meshes_, control_);
+    const SizeField sizes = size_field();
+    const Prediction prediction = predict(meshes_, goals_, sizes, control_);
+    refuse_if_hopeless(prediction);
+    predicted_faces_ = static_cast<std::uint64_t>(prediction.expected);
+    refinement_ = refine(surface_, patches_, frozen_, goals_, sizes, meshes_, control_);
     report_.refinement_rounds = refinement_.rounds;
+    lift_new_vertices(surface_, patches_, meshes_, refinement_.first_inner, report_.plane_tolerance,
+                      refinement_.new_positions, control_);
+  }
+
+  /// Before anything is allocated by it: what must have more faces than allowed is not begun.
+  void refuse_if_hopeless(const Prediction& prediction) const {
+    // Half-edges are numbered in 31 bits.
+    constexpr std::uint64_t kMostFaces = std::uint64_t{1} << 29;
+    const std::uint64_t most = std::min(goals_.max_faces, kMostFaces);
+    if (prediction.least > static_cast<double>(most))
+      throw Error(
+          Code::kOutputTooLarge, Stage::kRefinement,
+          "with these sizes the result has at least " + count_text(prediction.least) + " faces, more than allowed")
+          .for_option("max_output_faces")
+          .with_limit(most);
+  }
+  static std::string count_text(double count) {
+    return count < 1e15 ? std::to_string(static_cast<std::uint64_t>(count)) : "10^15";
   }
 
   SizeField size_field() {
@@ -353,7 +392,7 @@ class Run {
     PatchSummaries summaries =
         summarise_patches(surface_, *adjacency_, geometry_, patches_, loops_, essential_, ladder, control_);
     report_.patches = std::move(summaries.patches);
-    report_.predicted_faces = summaries.triangles;
+    report_.predicted_faces = is_refined() ? predicted_faces_ : summaries.triangles;
     report_.volume_bound = summaries.volume_bound;
   }
 
@@ -419,6 +458,7 @@ class Run {
   std::vector<PatchMesh> meshes_;
   Goals goals_;
   std::vector<std::uint8_t> frozen_;  ///< per patch: not refined
+  std::uint64_t predicted_faces_ = 0;
   Refinement refinement_;
   Assembled assembled_;
   UnrefinedFaces unrefined_;

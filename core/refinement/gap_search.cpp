@@ -23,6 +23,9 @@ constexpr double kDetour = 3;
 /// nearer than the best so far is ever passed over, and the answer does not depend on the order of the search.
 constexpr double kRounding = 0x1p-48;
 
+/// Room for rounding where a patch is told to be hidden.
+constexpr double kHidden = 1 + 1e-6;
+
 /// At vertices of more patches than this, the smallest gap is not looked for: each would be searched for each.
 constexpr std::size_t kMostPatchesAtCorner = 16;
 
@@ -73,6 +76,36 @@ class JoinedMemory {
   std::array<Answer, 64> answers_;
 };
 
+/// Which patches are hidden, from where on, from one place. If a vertex or edge that both share is within d of the
+/// place, then over it it is at most 3 d to whatever is d away: nothing of that patch counts from there on.
+class HiddenPatches {
+ public:
+  HiddenPatches(const PatchContacts& contacts, const Vec3& place, PatchId patch)
+      : contacts_(contacts), place_(place), patch_(patch) {}
+
+  /// Is it hidden at that distance (a square) and beyond?
+  bool operator()(PatchId p, double squared) {
+    Known& known = known_[p.value % known_.size()];
+    if (known.patch != p) known = {p, -1, HUGE_VAL};
+    if (squared <= known.seen) return false;
+    if (squared >= known.hidden) return true;
+    const bool is_hidden = contacts_.are_joined_within(patch_, p, place_, kHidden * std::sqrt(squared));
+    (is_hidden ? known.hidden : known.seen) = squared;
+    return is_hidden;
+  }
+
+ private:
+  struct Known {
+    PatchId patch;
+    double seen = -1;  ///< squares of distances
+    double hidden = HUGE_VAL;
+  };
+  const PatchContacts& contacts_;
+  const Vec3& place_;
+  PatchId patch_;
+  std::array<Known, 8> known_;
+};
+
 }  // namespace
 
 class GapSearch::Index {
@@ -83,6 +116,7 @@ class GapSearch::Index {
         contacts_(surface, adjacency, patches, control),
         touching_squared_(std::pow(plane_tolerance / surface.unit, 2)) {
     find_triangles(patches, control);
+    find_planes(patches, control);
     find_boxes(control);
   }
 
@@ -97,11 +131,18 @@ class GapSearch::Index {
 
  private:
   void find_triangles(const PatchSet& patches, RunControl& control);
+  void find_planes(const PatchSet& patches, RunControl& control);
   void find_boxes(RunControl& control);
   void look_at_corners(SharedLeast& least, RunControl& control) const;
   void look_between_triangles(SharedLeast& least, RunControl& control) const;
   double squared_gap(const Vec3& p, PatchId patch, double below) const;
 
+  /// What is known of the distance to a patch by its plane: a square.
+  double squared_height(const Vec3& p, PatchId patch) const {
+    const Slab& slab = slabs_[patch];
+    const double height = std::max(0.0, std::fabs(slab.plane.distance(p)) - slab.half_thickness);
+    return height * height;
+  }
   const Triangle& triangle(std::size_t slot) const { return triangles_[tree_.number(slot)]; }
   Corners3 corners(std::size_t slot) const {
     const auto& [a, b, c] = triangle(slot);
@@ -113,6 +154,12 @@ class GapSearch::Index {
   double touching_squared_;                    ///< local units
   std::vector<Triangle> triangles_;            ///< patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< by patch
+  /// Where all of a patch is.
+  struct Slab {
+    Plane plane;
+    double half_thickness = 0;
+  };
+  IdVector<PatchId, Slab> slabs_;
   TriangleBoxes tree_;
 };
 
@@ -139,6 +186,20 @@ void GapSearch::Index::find_triangles(const PatchSet& patches, RunControl& contr
   }
 }
 
+void GapSearch::Index::find_planes(const PatchSet& patches, RunControl& control) {
+  slabs_.resize(patch_count());
+  for_blocks(patch_count(), 1024, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      Slab& slab = slabs_[PatchId(p)];
+      slab.plane = patches.planes[PatchId(p)];
+      for (const Triangle& t : triangles_of(PatchId(p)))
+        for (const VertexId v : t)
+          slab.half_thickness = std::max(slab.half_thickness, std::fabs(slab.plane.distance(surface_.local[v])));
+      slab.half_thickness += kRounding;
+    }
+  });
+}
+
 void GapSearch::Index::find_boxes(RunControl& control) {
   std::vector<TriangleBoxes::Entry> entries(triangles_.size());
   for_blocks(patch_count(), 1024, control, [&](std::size_t begin, std::size_t end) {
@@ -163,13 +224,23 @@ double GapSearch::Index::at(const Vec3& place, PatchId patch, double limit) cons
 /// In local units; infinity if it is not below that square.
 double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below) const {
   double best = below;
+  HiddenPatches is_hidden(contacts_, p, patch);
   tree_.search(
-      best, [&](const TriangleBoxes::Entry& e) { return e.tag.patch == patch ? HUGE_VAL : squared_distance(e.box, p); },
+      best,
+      [&](const TriangleBoxes::Entry& e) {
+        const PatchId other = e.tag.patch;
+        if (other == patch) return HUGE_VAL;
+        double least = squared_distance(e.box, p);
+        if (!other.is_valid() || least >= best) return least;
+        least = std::max(least, squared_height(p, other));
+        return least < best && is_hidden(other, least) ? HUGE_VAL : least;
+      },
       [&](std::size_t slot) {
+        const PatchId other = tree_[slot].tag.patch;
         const Vec3 q = nearest_on_triangle(p, corners(slot));
         const double d = norm_squared(q - p);
-        if (d >= best || d <= touching_squared_) return;
-        if (!contacts_.has_way(patch, p, tree_[slot].tag.patch, q, kDetour * std::sqrt(d))) best = d;
+        if (d >= best || d <= touching_squared_ || is_hidden(other, d)) return;
+        if (!contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) best = d;
       });
   return best < below ? best : HUGE_VAL;
 }

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "core/refinement/distances.h"
 
 namespace remesh {
 namespace {
@@ -113,31 +116,43 @@ bool PatchContacts::are_joined(PatchId p, PatchId q) const {
   return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t h) { return is_at(adjacency_.from(h), q); });
 }
 
-double PatchContacts::way(std::uint32_t half_edge, PatchId other, const Vec3& from, const Vec3& to) const {
-  const VertexId v = adjacency_.from(half_edge);
-  if (!is_at(v, other)) return HUGE_VAL;
-  const Vec3& a = surface_.local[v];
-  return way_over(a, is_along(half_edge, other) ? surface_.local[adjacency_.to(half_edge)] : a, from, to);
-}
-
-bool PatchContacts::has_way(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double most) const {
+template <class Bound, class IsWanted>
+bool PatchContacts::any_shared(PatchId p, PatchId q, double most, const Bound& bound, const IsWanted& is_wanted) const {
   if (border(q).size() < border(p).size()) std::swap(p, q);
   const auto corners = border(p);
-  if (tree_of_[p] == kNoTree)
-    return std::any_of(corners.begin(), corners.end(), [&](std::uint32_t h) { return way(h, q, from, to) <= most; });
+  const auto is_wanted_at = [&](std::uint32_t h) {
+    const VertexId v = adjacency_.from(h);
+    if (!is_at(v, q)) return false;
+    const Vec3& a = surface_.local[v];
+    return is_wanted(a, is_along(h, q) ? surface_.local[adjacency_.to(h)] : a);
+  };
+  if (tree_of_[p] == kNoTree) return std::any_of(corners.begin(), corners.end(), is_wanted_at);
   const BoxTree<NoTag>& tree = trees_[tree_of_[p]];
   bool is_found = false;
   double best = std::nextafter(most, HUGE_VAL);
   tree.search(
-      best,
-      [&](const auto& entry) {
-        return std::sqrt(squared_distance(entry.box, from)) + std::sqrt(squared_distance(entry.box, to));
-      },
+      best, [&](const auto& entry) { return bound(entry.box); },
       [&](std::size_t slot) {
-        is_found = is_found || way(corners[tree.number(slot)], q, from, to) <= most;
+        is_found = is_found || is_wanted_at(corners[tree.number(slot)]);
         if (is_found) best = -1;
       });
   return is_found;
+}
+
+bool PatchContacts::are_joined_within(PatchId p, PatchId q, const Vec3& place, double distance) const {
+  const double squared = distance * distance;
+  return any_shared(
+      p, q, squared, [&](const FloatBox& box) { return squared_distance(box, place); },
+      [&](const Vec3& a, const Vec3& b) { return norm_squared(nearest_on_segment(place, a, b) - place) <= squared; });
+}
+
+bool PatchContacts::has_way(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double most) const {
+  return any_shared(
+      p, q, most,
+      [&](const FloatBox& box) {
+        return std::sqrt(squared_distance(box, from)) + std::sqrt(squared_distance(box, to));
+      },
+      [&](const Vec3& a, const Vec3& b) { return way_over(a, b, from, to) <= most; });
 }
 
 }  // namespace remesh

@@ -32,6 +32,9 @@ class PatchContacts {
 
   /// Do they share a vertex?
   bool are_joined(PatchId p, PatchId q) const;
+  /// Is there a vertex or edge that both share, and a part of it within `distance` of a place? Local units.
+  /// Cost: linear in the smaller border if that is small, else O(log n) and what lies so near.
+  bool are_joined_within(PatchId p, PatchId q, const Vec3& place, double distance) const;
   /// Is there a vertex or edge that both share, and a way from `from` on p over it to `to` on q, straight on either
   /// side and at most `most` long? Local units.
   /// Cost: linear in the smaller border if that is small, else O(log n) and what lies between the places.
@@ -55,7 +58,10 @@ class PatchContacts {
   }
   bool is_at(VertexId v, PatchId p) const;
   bool is_along(std::uint32_t half_edge, PatchId p) const;
-  double way(std::uint32_t half_edge, PatchId other, const Vec3& from, const Vec3& to) const;
+  /// Whether is_wanted(a, b) for what p and q share: an edge a-b, or a vertex a = b. `bound` is the least for a box,
+  /// and what is above `most` is not asked for.
+  template <class Bound, class IsWanted>
+  bool any_shared(PatchId p, PatchId q, double most, const Bound& bound, const IsWanted& is_wanted) const;
 
   const Surface& surface_;
   const Adjacency& adjacency_;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/geometry/predicates.h"
 #include "core/stages/projection.h"
 
 namespace remesh {
@@ -353,7 +354,17 @@ void PatchRefiner::take_over(SegmentId segment, std::span<const double> cuts) {
   }
 }
 
-bool PatchRefiner::split_edge(VertexId, VertexId) { return false; }
+void PatchRefiner::insert_point(Vec2 p) {
+  for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) {
+    if (!mesh_.is_live(t)) continue;
+    const auto is_left_of = [&](std::uint32_t h) {
+      return orient2d(mesh_.point(mesh_.from(h)), mesh_.point(mesh_.to(h)), p) >= 0;
+    };
+    if (!is_left_of(3 * t) || !is_left_of(3 * t + 1) || !is_left_of(3 * t + 2)) continue;
+    insert(on_grid(p), t, 0, true);
+    return;
+  }
+}
 
 PatchRefiner::State PatchRefiner::refusal(double floor) const {
   if (!criteria_.split_boundaries && !encroached_.empty()) return State::kLocked;

@@ -62,8 +62,8 @@ class PatchRefiner {
   /// ascending.
   void take_over(SegmentId segment, std::span<const double> cuts);
 
-  /// Splits an edge inside the patch at its middle, for the chord rule. Returns false if there is no room.
-  bool split_edge(VertexId a, VertexId b);
+  /// Puts a point inside, wherever it is; where there is no room for it, nothing happens.
+  void insert_point(Vec2 p);
 
   /// Works until nothing is left to do or `quota` more triangles (in all patches) would be made.
   void run(std::uint64_t quota, RunControl& control);

@@ -1,13 +1,14 @@
 #include "core/stages/refinement.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <memory>
 #include <numeric>
-#include <string>
+#include <tuple>
 
 #include "core/base/blocks.h"
 #include "core/refinement/patch_refiner.h"
@@ -36,7 +37,9 @@ class Rounds {
         segments_(surface, meshes, is_frozen, sizes, goals, control) {}
 
   Refinement run() {
-    do {
+    points_.resize(meshes_.size());
+    // A few times in all: each answers to what rounding or other patches made impossible the time before.
+    for (int attempt = 0;; ++attempt) {
       begin();
       while (!dirty_.empty() && impossible_.empty()) {
         ++result_.rounds;
@@ -44,9 +47,12 @@ class Rounds {
         exchange_cuts();
       }
       for (const SegmentId s : impossible_) segments_.lock(s);
-    } while (!impossible_.empty());
-    finish();
-    return std::move(result_);
+      if (!impossible_.empty()) continue;
+      std::vector<PatchMesh> refined = finish();
+      if (!split_chords(refined, attempt)) continue;
+      meshes_ = std::move(refined);
+      return std::move(result_);
+    }
   }
 
  private:
@@ -72,10 +78,12 @@ class Rounds {
     for_blocks(segments_.size(), 1024, control_, [&](std::size_t from, std::size_t to) {
       for (std::size_t s = from; s < to; ++s) cuts_[SegmentId(s)] = segments_.size_cuts(SegmentId(s), sizes_);
     });
+    result_.new_positions.clear();
+    result_.reason.clear();
     std::vector<std::uint8_t> is_dirty(n, 0);
     for_blocks(n, 256, control_, [&](std::size_t from, std::size_t to) {
       for (std::size_t p = from; p < to; ++p)
-        is_dirty[p] = is_frozen_[p] == 0 && PatchRefiner::has_work(meshes_[p], criteria_);
+        is_dirty[p] = is_frozen_[p] == 0 && (!points_[p].empty() || PatchRefiner::has_work(meshes_[p], criteria_));
     });
     for (const SegmentSide& side : segments_.all_sides()) {
       if (cuts_[side.segment].empty()) continue;
@@ -109,9 +117,11 @@ class Rounds {
       const std::uint32_t i = order[k], p = dirty_[i];
       std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
       const std::uint32_t before = refiner ? refiner->triangle_count() : meshes_[p].mesh.triangle_count();
-      if (!refiner)
+      if (!refiner) {
         refiner =
             std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_, quota_[i], control_);
+        for (const Vec2 point : points_[p]) refiner->insert_point(point);
+      }
       auto message = std::lower_bound(messages_.begin(), messages_.end(), Message{PatchId(p), SegmentId(0), 0});
       for (; message != messages_.end() && message->patch == PatchId(p); ++message)
         if (!refiner->impossible().is_valid()) refiner->take_over(message->segment, cuts_[message->segment]);
@@ -188,8 +198,9 @@ class Rounds {
     dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
   }
 
-  void finish() {
-    // New vertices: those on segments, segment after segment, then those inside patches.
+  /// The patches as they are now, with ids for new vertices: those on segments, segment after segment, then those
+  /// inside patches.
+  std::vector<PatchMesh> finish() {
     const std::size_t old = surface_.vertex_count();
     std::vector<std::uint32_t> first(segments_.size() + 1, 0);
     for (std::size_t s = 0; s < segments_.size(); ++s) {
@@ -197,30 +208,71 @@ class Rounds {
       first[s + 1] = first[s] + static_cast<std::uint32_t>(cuts.size());
       for (const double t : cuts) result_.new_positions.push_back(segments_.position(SegmentId(s), t));
     }
+    std::vector<PatchMesh> refined(meshes_.size());
     for (std::size_t p = 0; p < meshes_.size(); ++p) {
       if (p % 1024 == 0) control_.check();
       if (!refiners_[p]) {
+        refined[p] = meshes_[p];
         result_.reason.insert(result_.reason.end(), meshes_[p].mesh.triangle_count(), UnrefinedReason::kBoundaryLocked);
         continue;
       }
-      PatchRefiner::Refined refined = refiners_[p]->finish();
+      PatchRefiner::Refined patch = refiners_[p]->finish();
       refiners_[p].reset();
       const Vec3 offset = plane_offset(PatchId(p));
-      for (std::size_t v = 0; v < refined.cuts.size(); ++v) {
-        if (refined.patch.vertices[v].is_valid()) continue;
-        const Cut& cut = refined.cuts[v];
+      for (std::size_t v = 0; v < patch.cuts.size(); ++v) {
+        if (patch.patch.vertices[v].is_valid()) continue;
+        const Cut& cut = patch.cuts[v];
         if (cut.segment.is_valid()) {
           const std::vector<double>& cuts = cuts_[cut.segment];
           const auto k = std::lower_bound(cuts.begin(), cuts.end(), cut.t) - cuts.begin();
-          refined.patch.vertices[v] = VertexId(old + first[cut.segment.value] + static_cast<std::size_t>(k));
+          patch.patch.vertices[v] = VertexId(old + first[cut.segment.value] + static_cast<std::size_t>(k));
         } else {
-          refined.patch.vertices[v] = VertexId(old + result_.new_positions.size());
-          result_.new_positions.push_back(to_space(meshes_[p].frame, refined.patch.uv[v]) + offset);
+          patch.patch.vertices[v] = VertexId(old + result_.new_positions.size());
+          result_.new_positions.push_back(to_space(meshes_[p].frame, patch.patch.uv[v]) + offset);
         }
       }
-      result_.reason.insert(result_.reason.end(), refined.reason.begin(), refined.reason.end());
-      meshes_[p] = std::move(refined.patch);
+      result_.reason.insert(result_.reason.end(), patch.reason.begin(), patch.reason.end());
+      refined[p] = std::move(patch.patch);
     }
+    result_.first_inner = first[segments_.size()];
+    return refined;
+  }
+
+  /// The chord rule: an edge inside one patch must not be an edge of another. In all but the patch of lowest id (in
+  /// all, if a segment is there) it gets a point in its middle, next time. Returns whether all is well, or as well as
+  /// it gets.
+  bool split_chords(const std::vector<PatchMesh>& refined, int attempt) {
+    struct Use {
+      VertexId low, high;
+      bool is_inside;
+      std::uint32_t patch, half_edge;
+      auto key() const { return std::tie(low, high, is_inside, patch); }
+    };
+    std::vector<Use> uses;
+    for (std::uint32_t p = 0; p < refined.size(); ++p) {
+      if (p % 1024 == 0) control_.check();
+      const PatchMesh& patch = refined[p];
+      for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+        const std::uint32_t twin = patch.mesh.twin(h);
+        if (twin != Triangulation2d::kNone && twin < h) continue;
+        const auto [low, high] = std::minmax(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]);
+        if (high.value >= surface_.vertex_count() + result_.first_inner) continue;
+        uses.push_back({low, high, twin != Triangulation2d::kNone && !patch.mesh.is_constrained(h), p, h});
+      }
+    }
+    tbb::parallel_sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return a.key() < b.key(); });
+    bool is_well = true;
+    for (std::size_t i = 1; i < uses.size(); ++i) {
+      if (!uses[i].is_inside || std::tie(uses[i].low, uses[i].high) != std::tie(uses[i - 1].low, uses[i - 1].high))
+        continue;
+      if (is_frozen_[uses[i].patch] != 0) continue;
+      const PatchMesh& patch = refined[uses[i].patch];
+      const std::uint32_t h = uses[i].half_edge;
+      points_[uses[i].patch].push_back(0.5 * (patch.uv[patch.mesh.from(h)] + patch.uv[patch.mesh.to(h)]));
+      is_well = false;
+    }
+    constexpr int kMostAttempts = 8;
+    return is_well || attempt >= kMostAttempts;
   }
 
   /// From the plane of the frame, which has a vertex as its origin, to the plane that fits the patch best; null if they
@@ -250,6 +302,7 @@ class Rounds {
   std::vector<std::uint64_t> quota_;  ///< one per dirty patch
   std::vector<Message> messages_;     ///< sorted
   std::vector<SegmentId> impossible_;
+  std::vector<std::vector<Vec2>> points_;  ///< of each patch: to be put in at the beginning
   Refinement result_;
 };
 

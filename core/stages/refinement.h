@@ -17,6 +17,7 @@ namespace remesh {
 /// A triangle that may not meet the goals knows why; the others have any value.
 struct Refinement {
   std::vector<Vec3> new_positions;      ///< of the vertices from surface.vertex_count() on
+  std::size_t first_inner = 0;          ///< from here on they are inside patches
   std::vector<UnrefinedReason> reason;  ///< one per triangle, patch after patch
   std::uint32_t rounds = 0;
 };
