@@ -319,7 +319,10 @@ class Run {
       gaps = std::make_unique<GapSearch>(surface_, *adjacency_, patches_, report_.plane_tolerance, control_);
       report_.smallest_gap = gaps->smallest(control_);
     }
-    return SizeField(surface_, gaps.get(), segment_ends(meshes_), goals_, report_.plane_tolerance, control_);
+    // Sizes grow from short segments, too, where that is asked for; else the bound on angles sees to it.
+    std::vector<std::array<VertexId, 2>> segments;
+    if (options_.gradation) segments = segment_ends(meshes_);
+    return SizeField(surface_, gaps.get(), segments, goals_, report_.plane_tolerance, control_);
   }
 
   /// Patches whose refinement failed the check stay as they were before it. Returns whether that is a change.

@@ -5,15 +5,15 @@
 namespace remesh {
 namespace {
 
-/// Of two segments, where neither nearest point is an end; else infinity.
-double squared_distance_inside(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+/// Between two segments, where neither nearest point is an end; else infinitely long.
+Vec3 way_inside(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 ab = b - a, cd = d - c, ac = c - a;
   const Vec3 normal = cross(ab, cd);
   const double n = norm_squared(normal);
   const double s = dot(cross(ac, cd), normal), t = dot(cross(ac, ab), normal);
-  if (!(s > 0 && s < n && t > 0 && t < n)) return HUGE_VAL;
+  if (!(s > 0 && s < n && t > 0 && t < n)) return {HUGE_VAL, 0, 0};
   // Between points of the two, not along the normal: that one means nothing where they are almost parallel.
-  return norm_squared((c + (t / n) * cd) - (a + (s / n) * ab));
+  return (c + (t / n) * cd) - (a + (s / n) * ab);
 }
 
 }  // namespace
@@ -44,14 +44,16 @@ Vec3 nearest_on_triangle(const Vec3& p, const Corners3& triangle) {
   return nearest;
 }
 
-double squared_distance(const Corners3& s, const Corners3& t) {
-  double least = HUGE_VAL;
-  for (const Vec3& p : s) least = std::min(least, norm_squared(nearest_on_triangle(p, t) - p));
-  for (const Vec3& p : t) least = std::min(least, norm_squared(nearest_on_triangle(p, s) - p));
+Vec3 shortest_way(const Corners3& s, const Corners3& t) {
+  Vec3 shortest{HUGE_VAL, 0, 0};
+  const auto offer = [&](const Vec3& way) {
+    if (norm_squared(way) < norm_squared(shortest)) shortest = way;
+  };
+  for (const Vec3& p : s) offer(nearest_on_triangle(p, t) - p);
+  for (const Vec3& p : t) offer(p - nearest_on_triangle(p, s));
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j)
-      least = std::min(least, squared_distance_inside(s[i], s[(i + 1) % 3], t[j], t[(j + 1) % 3]));
-  return least;
+    for (int j = 0; j < 3; ++j) offer(way_inside(s[i], s[(i + 1) % 3], t[j], t[(j + 1) % 3]));
+  return shortest;
 }
 
 }  // namespace remesh

@@ -13,8 +13,8 @@ using Corners3 = std::array<Vec3, 3>;
 Vec3 nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b);
 Vec3 nearest_on_triangle(const Vec3& p, const Corners3& triangle);
 
-/// The square of the distance between two triangles that do not cross. Where they do, it is not 0, but some distance
-/// between their borders and faces.
-double squared_distance(const Corners3& s, const Corners3& t);
+/// From one triangle to another that does not cross it, by the shortest way. Where they cross, it is not null, but some
+/// way between their borders and faces.
+Vec3 shortest_way(const Corners3& s, const Corners3& t);
 
 }  // namespace remesh

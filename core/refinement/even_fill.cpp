@@ -98,6 +98,8 @@ class Lattice {
     const Spacing spacing = best_spacing(triangles, sizes);
     // The coarsest lattice: its edge is allowed somewhere.
     edge_ = std::ldexp(spacing.best, std::ilogb(spacing.largest / spacing.best * (1 + 1e-12)));
+    // Where sizes vary, even the same gap is not everywhere the same to the last digits.
+    if (sizes.slope > 0) edge_ *= kJustBelow;
     double x = edge_, y = edge_ * std::numbers::sqrt3 / 2;
     if (sizes.slope == 0) {
       x = (high.x - low_.x) / std::ceil((high.x - low_.x) / x);
@@ -139,6 +141,7 @@ class Lattice {
 
  private:
   static constexpr double kAlmost = 1 - 1e-9;
+  static constexpr double kJustBelow = 1 - 1e-3;
   struct Cell {
     int level;
     std::int64_t i, j;

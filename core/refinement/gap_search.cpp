@@ -1,8 +1,10 @@
 #include "core/refinement/gap_search.h"
 
+#include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -18,6 +20,10 @@ namespace {
 
 /// A neighbour counts if the way over the surface is longer than this times the gap.
 constexpr double kDetour = 3;
+
+/// What faces a patch is above it at more than 51 degrees (the square of the sine): two planes that meet see each other
+/// below 39 degrees, as by the detour. Without it, every second facet of a round hole would be a gap to the first.
+constexpr double kSteep = 0.604;
 
 /// More than any distance between two points is wrong by, in local units: what the boxes are larger by, so that nothing
 /// nearer than the best so far is ever passed over, and the answer does not depend on the order of the search.
@@ -61,6 +67,7 @@ class JoinedMemory {
   explicit JoinedMemory(const PatchContacts& contacts) : contacts_(contacts) {}
 
   bool operator()(PatchId p, PatchId q) {
+    if (p == q) return true;
     if (q < p) std::swap(p, q);
     Answer& a = answers_[(p.value * 31u + q.value) % answers_.size()];
     if (a.p != p || a.q != q) a = {p, q, contacts_.are_joined(p, q)};
@@ -76,19 +83,27 @@ class JoinedMemory {
   std::array<Answer, 64> answers_;
 };
 
-/// Which patches are hidden, from where on, from one place. If a vertex or edge that both share is within d of the
-/// place, then over it it is at most 3 d to whatever is d away: nothing of that patch counts from there on.
+/// Where all of a patch is.
+struct Slab {
+  Plane plane;
+  double half_thickness = 0;
+
+  double distance(const Vec3& p) const { return std::max(0.0, std::fabs(plane.distance(p)) - half_thickness); }
+};
+
+/// Which patches are hidden from one place, and from where on: all their triangles need not be looked at one by one.
 class HiddenPatches {
  public:
   HiddenPatches(const PatchContacts& contacts, const Vec3& place, PatchId patch)
       : contacts_(contacts), place_(place), patch_(patch) {}
 
-  /// Is it hidden at that distance (a square) and beyond?
-  bool operator()(PatchId p, double squared) {
+  /// Does nothing of p count that is at that distance (a square) or beyond?
+  bool operator()(PatchId p, const Slab& slab, double squared) {
     Known& known = known_[p.value % known_.size()];
-    if (known.patch != p) known = {p, -1, HUGE_VAL};
-    if (squared <= known.seen) return false;
+    if (known.patch != p) known = {p, -1, is_hidden_in_plane(p, slab) ? 0 : HUGE_VAL};
     if (squared >= known.hidden) return true;
+    if (squared <= known.seen) return false;
+    // If what both share is within d of the place, then over it, it is at most 3 d to whatever is d away.
     const bool is_hidden = contacts_.are_joined_within(patch_, p, place_, kHidden * std::sqrt(squared));
     (is_hidden ? known.hidden : known.seen) = squared;
     return is_hidden;
@@ -100,6 +115,16 @@ class HiddenPatches {
     double seen = -1;  ///< squares of distances
     double hidden = HUGE_VAL;
   };
+
+  /// To a point of a plane, t from the place's foot, it is d = (h^2 + t^2)^(1/2) through the air, and over the surface
+  /// at most t more than to the foot. 3 d - t is nowhere less than 8^(1/2) h.
+  bool is_hidden_in_plane(PatchId p, const Slab& slab) const {
+    const double height = slab.distance(place_);
+    if (!(height > 0)) return false;
+    const Vec3 foot = place_ - slab.plane.distance(place_) * slab.plane.normal;
+    return contacts_.has_way(patch_, place_, p, foot, std::sqrt(kDetour * kDetour - 1) * height);
+  }
+
   const PatchContacts& contacts_;
   const Vec3& place_;
   PatchId patch_;
@@ -111,11 +136,11 @@ class HiddenPatches {
 class GapSearch::Index {
  public:
   Index(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
-        RunControl& control)
+        RunControl& control, std::span<const PatchMesh> meshes)
       : surface_(surface),
         contacts_(surface, adjacency, patches, control),
         touching_squared_(std::pow(plane_tolerance / surface.unit, 2)) {
-    find_triangles(patches, control);
+    find_triangles(patches, meshes, control);
     find_planes(patches, control);
     find_boxes(control);
   }
@@ -130,19 +155,30 @@ class GapSearch::Index {
   }
 
  private:
-  void find_triangles(const PatchSet& patches, RunControl& control);
+  void find_triangles(const PatchSet& patches, std::span<const PatchMesh> meshes, RunControl& control);
+  void add_faces(std::span<const FaceId> faces, RunControl& control);
   void find_planes(const PatchSet& patches, RunControl& control);
   void find_boxes(RunControl& control);
   void look_at_corners(SharedLeast& least, RunControl& control) const;
   void look_between_triangles(SharedLeast& least, RunControl& control) const;
   double squared_gap(const Vec3& p, PatchId patch, double below) const;
-
-  /// What is known of the distance to a patch by its plane: a square.
-  double squared_height(const Vec3& p, PatchId patch) const {
-    const Slab& slab = slabs_[patch];
-    const double height = std::max(0.0, std::fabs(slab.plane.distance(p)) - slab.half_thickness);
-    return height * height;
+  bool is_steep(const Vec3& way, PatchId patch) const {
+    const double up = dot(way, slabs_[patch].plane.normal);
+    return up * up > kSteep * norm_squared(way);
   }
+
+  /// Can any way from p to a place in the box be steep?
+  bool may_be_steep(const Vec3& p, const FloatBox& box, double squared_distance, PatchId patch) const {
+    const Vec3& normal = slabs_[patch].plane.normal;
+    double up = 0, half = 0;  // of the box's centre; of the box
+    for (int axis = 0; axis < 3; ++axis) {
+      up += normal[axis] * (0.5 * (double{box.min[axis]} + box.max[axis]) - p[axis]);
+      half += std::fabs(normal[axis]) * 0.5 * (double{box.max[axis]} - box.min[axis]);
+    }
+    const double most = std::fabs(up) + half + kRounding;
+    return most * most > kSteep * squared_distance;
+  }
+
   const Triangle& triangle(std::size_t slot) const { return triangles_[tree_.number(slot)]; }
   Corners3 corners(std::size_t slot) const {
     const auto& [a, b, c] = triangle(slot);
@@ -154,35 +190,38 @@ class GapSearch::Index {
   double touching_squared_;                    ///< local units
   std::vector<Triangle> triangles_;            ///< patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< by patch
-  /// Where all of a patch is.
-  struct Slab {
-    Plane plane;
-    double half_thickness = 0;
-  };
   IdVector<PatchId, Slab> slabs_;
   TriangleBoxes tree_;
 };
 
-void GapSearch::Index::find_triangles(const PatchSet& patches, RunControl& control) {
-  triangles_.reserve(surface_.face_count());
+void GapSearch::Index::find_triangles(const PatchSet& patches, std::span<const PatchMesh> meshes, RunControl& control) {
   triangle_begin_.reserve(patches.count() + 1);
   triangle_begin_.push_back(0);
-  std::vector<Vec3> points;
-  std::uint32_t faces = 0;
   for (std::size_t p = 0; p < patches.count(); ++p) {
-    for (const FaceId f : patches.faces_of(PatchId(p))) {
-      if (++faces % 4096 == 0) control.check();
-      const auto loop = surface_.face(f);
-      if (loop.size() == 3) {
-        triangles_.push_back({loop[0], loop[1], loop[2]});
-        continue;
-      }
-      points.clear();
-      for (const VertexId v : loop) points.push_back(surface_.local[v]);
-      for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles)
-        triangles_.push_back({loop[a], loop[b], loop[c]});
+    if (p % 1024 == 0) control.check();
+    if (meshes.empty() || meshes[p].mesh.triangle_count() == 0) {
+      add_faces(patches.faces_of(PatchId(p)), control);
+    } else {
+      const auto& [vertices, mesh] = std::tie(meshes[p].vertices, meshes[p].mesh);
+      for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3)
+        triangles_.push_back({vertices[mesh.from(h)], vertices[mesh.from(h + 1)], vertices[mesh.from(h + 2)]});
     }
     triangle_begin_.push_back(static_cast<std::uint32_t>(triangles_.size()));
+  }
+}
+
+void GapSearch::Index::add_faces(std::span<const FaceId> faces, RunControl& control) {
+  std::vector<Vec3> points;
+  for (const FaceId f : faces) {
+    const auto loop = surface_.face(f);
+    if (loop.size() == 3) {
+      triangles_.push_back({loop[0], loop[1], loop[2]});
+      continue;
+    }
+    points.clear();
+    for (const VertexId v : loop) points.push_back(surface_.local[v]);
+    for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles)
+      triangles_.push_back({loop[a], loop[b], loop[c]});
   }
 }
 
@@ -231,15 +270,17 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below)
         const PatchId other = e.tag.patch;
         if (other == patch) return HUGE_VAL;
         double least = squared_distance(e.box, p);
+        if (!may_be_steep(p, e.box, least, patch)) return HUGE_VAL;
         if (!other.is_valid() || least >= best) return least;
-        least = std::max(least, squared_height(p, other));
-        return least < best && is_hidden(other, least) ? HUGE_VAL : least;
+        least = std::max(least, std::pow(slabs_[other].distance(p), 2));
+        return least < best && is_hidden(other, slabs_[other], least) ? HUGE_VAL : least;
       },
       [&](std::size_t slot) {
         const PatchId other = tree_[slot].tag.patch;
         const Vec3 q = nearest_on_triangle(p, corners(slot));
         const double d = norm_squared(q - p);
-        if (d >= best || d <= touching_squared_ || is_hidden(other, d)) return;
+        if (d >= best || d <= touching_squared_ || !is_steep(q - p, patch) || is_hidden(other, slabs_[other], d))
+          return;
         if (!contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) best = d;
       });
   return best < below ? best : HUGE_VAL;
@@ -275,13 +316,18 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
       tree_.search(
           best,
           [&](const TriangleBoxes::Entry& e) {
-            const bool is_joined = e.tag.patch == mine.patch || (e.tag.hub.is_valid() && e.tag.hub == mine.hub);
-            return is_joined ? HUGE_VAL : squared_distance(e.box, box);
+            const double least = squared_distance(e.box, box);
+            if (least >= best) return least;
+            const bool is_joined = (e.tag.hub.is_valid() && e.tag.hub == mine.hub) ||
+                                   (e.tag.patch.is_valid() && are_joined(mine.patch, e.tag.patch));
+            return is_joined ? HUGE_VAL : least;
           },
           [&](std::size_t other) {
-            if (other < slot || are_joined(mine.patch, tree_[other].tag.patch)) return;
-            const double d = squared_distance(here, corners(other));
+            if (other < slot) return;
+            const Vec3 way = shortest_way(here, corners(other));
+            const double d = norm_squared(way);
             if (d >= best || d <= touching_squared_) return;
+            if (!is_steep(way, mine.patch) && !is_steep(way, tree_[other].tag.patch)) return;
             if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
           });
       least.lower(best);
@@ -290,8 +336,8 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
 }
 
 GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
-                     double plane_tolerance, RunControl& control)
-    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control)) {}
+                     double plane_tolerance, RunControl& control, std::span<const PatchMesh> meshes)
+    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, meshes)) {}
 GapSearch::~GapSearch() = default;
 
 double GapSearch::at(const Vec3& place, PatchId patch, double limit) const { return index_->at(place, patch, limit); }

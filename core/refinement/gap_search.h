@@ -9,11 +9,15 @@
 #include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
+#include "core/stages/patch_meshing.h"
 #include "core/stages/patches.h"
 
 namespace remesh {
 
 /// Answers, for places on the surface, how far the nearest other patch is - across a thin wall, a slot, a shell.
+///
+/// What counts is what a place faces: the way there leaves its plane at more than 51 degrees. So the next facets but
+/// one around a round hole are no gap, the opposite ones are.
 ///
 /// A patch that is joined to this one counts only where the way through the air is much shorter than the way over the
 /// surface: less than a third of the shortest way through a vertex or edge that the two share, straight on both sides
@@ -26,10 +30,11 @@ namespace remesh {
 /// Source: REFINEMENT, rule 9.
 class GapSearch {
  public:
-  /// Builds a tree of boxes over the input's faces. Surface, adjacency and patches must outlive this.
-  /// Input:  the plane tolerance in model units.
+  /// Builds a tree of boxes over the patches' triangles. Surface, adjacency and patches must outlive this.
+  /// Input:  the plane tolerance in model units; `meshes`, one a patch and not yet refined, or none at all: a patch
+  ///         without one is taken by its input faces, which are the same places, but may be a great many.
   GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
-            RunControl& control);
+            RunControl& control, std::span<const PatchMesh> meshes = {});
   ~GapSearch();
 
   /// The gap at a place of that patch, model units; infinity if it is not less than `limit`.
@@ -42,7 +47,7 @@ class GapSearch {
   /// threads.
   std::optional<double> smallest(RunControl& control) const;
 
-  /// The faces as triangles: the same surface for whoever walks over it.
+  /// The triangles that are searched: the same surface for whoever walks over it.
   std::size_t patch_count() const;
   std::span<const Triangle> triangles_of(PatchId patch) const;
 

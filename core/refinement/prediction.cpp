@@ -13,6 +13,9 @@ namespace {
 /// Faces of a refined area, per equilateral face of the size asked for. Measured on cubes and plates.
 constexpr double kFacesPerIdeal = 1.45;
 
+/// Flat triangles are not filled further than floors allow.
+constexpr double kMostOfFlat = 64;
+
 /// Area of the equilateral triangle with that edge.
 double ideal_area(double edge) { return std::numbers::sqrt3 / 4 * edge * edge; }
 
@@ -57,7 +60,7 @@ class PatchPrediction {
     // The smallest angle's height over its reach.
     const double sharpness = tangent / (2 * area / (longest * longest));
     if (sharpness <= 1) return 1;
-    return 1 + 2 * std::log2(sharpness) + (shortest > 2 * height ? shortest / height : 0);
+    return 1 + 2 * std::log2(sharpness) + (shortest > 2 * height ? std::min(shortest / height, kMostOfFlat) : 0);
   }
 
   double faces_for_size(const Vec2 (&p)[3], double area) const {

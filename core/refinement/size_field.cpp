@@ -149,7 +149,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   const double gap =
       gaps.at(surface_.centre + surface_.unit * middle, cell.patch, limit * surface_.unit) / surface_.unit;
   if (gap == HUGE_VAL) return;
-  if (may_cut && reach > kReach * std::max(gap, proximity_ * floor_)) {
+  if (may_cut && reach > kReach * std::max(gap, std::max(proximity_, 1.0) * floor_)) {
     cut(gaps, cell, box, out.cells);
   } else if (std::max(gap / proximity_, floor_) < largest_) {
     FloatBox whole;

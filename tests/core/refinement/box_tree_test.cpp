@@ -65,7 +65,9 @@ TEST(box_tree, the_best_of_all_is_found_for_any_number_of_boxes) {
         best = value(tree[slot]);
       });
       EXPECT_EQ(best, expected);
-      if (n > 0) EXPECT_EQ(value(entries[tree.number(found)]), expected);
+      if (n > 0) {
+        EXPECT_EQ(value(entries[tree.number(found)]), expected);
+      }
       EXPECT_LE(visits, 200u);
     }
   }

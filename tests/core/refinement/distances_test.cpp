@@ -48,15 +48,15 @@ TEST(distances, triangles_that_do_not_cross_are_as_far_apart_as_the_oracle_says)
     const double expected = CGAL::squared_distance(triangle(s), triangle(t));
     if (!(expected > 0)) continue;
     ++apart;
-    EXPECT_NEAR(squared_distance(s, t), expected, 1e-12);
+    EXPECT_NEAR(norm_squared(shortest_way(s, t)), expected, 1e-12);
   }
   EXPECT_GT(apart, 1000);
 }
 
 TEST(distances, crossing_edges_are_nearest_between_their_ends) {
   // Two needles across each other, 1/2 apart.
-  EXPECT_DOUBLE_EQ(squared_distance({Vec3{-1, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 0, -1}},
-                                    {Vec3{0, -1, 0.5}, Vec3{0, 1, 0.5}, Vec3{0, 0, 2}}),
+  EXPECT_DOUBLE_EQ(norm_squared(shortest_way({Vec3{-1, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 0, -1}},
+                                             {Vec3{0, -1, 0.5}, Vec3{0, 1, 0.5}, Vec3{0, 0, 2}})),
                    0.25);
 }
 

@@ -110,9 +110,12 @@ TEST(size_field, samples_are_as_many_as_faces_of_that_size_whatever_the_input_fa
 }
 
 TEST(size_field, sizes_are_at_least_the_floor_and_at_most_the_largest_edge) {
+  // A small plate close to a large one.
   const double diagonal = std::sqrt(32 + 1e-8);
-  EXPECT_NEAR(Scene(plates(1e-4), goals(0.0625, 1.5)).sizes.at({1, 1, 0}), 1.6e-3, kSingle * 1e-3);
-  EXPECT_NEAR(Scene(plates(1e-4), goals(0.1, 1.5)).sizes.at({1, 1, 0}), diagonal / 4096, kSingle * 1e-3);
+  const PolygonMesh close =
+      shapes::joined(shapes::sheet(4, 4, 3, 3), shapes::moved(shapes::sheet(0.0625, 0.0625, 1, 1), {1, 1, 1e-4}));
+  EXPECT_NEAR(Scene(close, goals(1, 1.5)).sizes.at({1.03, 1.04, 0}), diagonal / 4096, kSingle * 1e-3);
+  EXPECT_NEAR(Scene(close, goals(0.0625, 1.5)).sizes.at({1.03, 1.04, 0}), 1.6e-3, kSingle * 1e-3);
   EXPECT_NEAR(Scene(plates(1e-2), goals(1, 1.5), 0.003).sizes.at({1, 1, 0}), 0.03, kSingle);
   Goals g = goals(1, 1.5);
   g.min_edge_length = 0.5;

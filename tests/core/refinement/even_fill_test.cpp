@@ -1,0 +1,151 @@
+#include "core/refinement/even_fill.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/stages/patch_triangulation.h"
+#include "tests/support/polygons.h"
+
+namespace remesh {
+namespace {
+
+/// A region, its boundary cut into pieces no longer than the size there, and the triangles between.
+struct Region {
+  std::vector<std::array<Vec2, 3>> triangles;
+  std::vector<Vec2> boundary;
+};
+
+Region region(const polygons::Polygon& polygon, const PlaneSizes& sizes) {
+  polygons::Polygon cut;
+  Region result;
+  const auto cut_loop = [&](const polygons::Loop& loop) {
+    polygons::Loop pieces;
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const Vec2 a = loop[i], b = loop[(i + 1) % loop.size()];
+      const double size = std::min(sizes.at(a), sizes.at(b));
+      const int n = static_cast<int>(std::ceil(norm(b - a) / size * (1 - 1e-12)));
+      for (int k = 0; k < n; ++k) pieces.push_back(a + (static_cast<double>(k) / n) * (b - a));
+    }
+    return pieces;
+  };
+  cut.outer = cut_loop(polygon.outer);
+  for (const polygons::Loop& hole : polygon.holes) cut.holes.push_back(cut_loop(hole));
+  const polygons::PatchInput input = polygons::patch_input(cut);
+  RunControl control;
+  const PatchTriangulation made = triangulate_patch(input.points, input.edges, control);
+  EXPECT_EQ(made.outcome, Outcome::kDone);
+  for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); h += 3)
+    result.triangles.push_back(
+        {input.points[made.mesh.from(h)], input.points[made.mesh.from(h + 1)], input.points[made.mesh.from(h + 2)]});
+  result.boundary = input.points;
+  return result;
+}
+
+PlaneSizes uniform(double size) {
+  return {[size](Vec2) { return size; }, [size](double length, Vec2) { return length <= size; }, 0};
+}
+/// Finest at the left.
+PlaneSizes growing(double least, double slope) {
+  const auto at = [=](Vec2 p) { return least + slope * std::max(0.0, p.x); };
+  return {at, [=](double length, Vec2 p) { return length <= at(p); }, slope};
+}
+
+std::vector<Vec2> fill(const Region& region, const PlaneSizes& sizes, std::size_t most = 1'000'000) {
+  RunControl control;
+  return even_fill(region.triangles, region.boundary, sizes, most, control);
+}
+
+bool is_inside(const Region& region, Vec2 p) {
+  return std::any_of(region.triangles.begin(), region.triangles.end(), [&](const auto& t) {
+    return cross(t[1] - t[0], p - t[0]) >= 0 && cross(t[2] - t[1], p - t[1]) >= 0 && cross(t[0] - t[2], p - t[2]) >= 0;
+  });
+}
+
+/// To the nearest of the points, p itself left out.
+double nearest(const std::vector<Vec2>& points, Vec2 p) {
+  double least = HUGE_VAL;
+  for (const Vec2 q : points)
+    if (q != p) least = std::min(least, norm(q - p));
+  return least;
+}
+
+const polygons::Polygon& square() {
+  static const polygons::Polygon polygon{{{0, 0}, {1, 0}, {1, 1}, {0, 1}}, {}};
+  return polygon;
+}
+
+void expect_holds(const Region& region, const PlaneSizes& sizes) {
+  const std::vector<Vec2> points = fill(region, sizes);
+  ASSERT_GT(points.size(), 20u);
+  EXPECT_TRUE(std::is_sorted(points.begin(), points.end()));
+  EXPECT_EQ(std::adjacent_find(points.begin(), points.end()), points.end());
+  std::vector<Vec2> all = points;
+  all.insert(all.end(), region.boundary.begin(), region.boundary.end());
+  for (const Vec2 p : points) {
+    ASSERT_TRUE(is_inside(region, p));
+    EXPECT_GE(nearest(region.boundary, p), 0.5 * sizes.at(p));
+    // No further from the others than the size, no nearer than the finest lattice beside it.
+    EXPECT_LE(nearest(all, p), sizes.at(p) * (1 + 1e-9));
+    EXPECT_GE(nearest(points, p), 0.25 * sizes.at(p));
+  }
+  // No hole is left: wherever one stands, a point or the boundary is near.
+  for (const auto& t : region.triangles) {
+    const Vec2 centre = (1.0 / 3) * (t[0] + t[1] + t[2]);
+    EXPECT_LE(nearest(all, centre), 1.2 * sizes.at(centre));
+  }
+}
+
+TEST(even_fill, of_one_size_it_is_a_lattice_away_from_the_boundary) {
+  for (const double size : {0.1, 0.03}) expect_holds(region(square(), uniform(size)), uniform(size));
+  expect_holds(region(polygons::star_with_holes(2, 30, 2), uniform(0.04)), uniform(0.04));
+}
+
+TEST(even_fill, of_sizes_that_grow_it_is_as_coarse_as_they_allow) {
+  for (const double slope : {0.1, 0.4}) {
+    const PlaneSizes sizes = growing(0.02, slope);
+    expect_holds(region(square(), sizes), sizes);
+  }
+}
+
+TEST(even_fill, it_scales_by_powers_of_two) {
+  const Region one = region(square(), uniform(0.07));
+  Region two = one;
+  for (auto& t : two.triangles)
+    for (Vec2& p : t) p = 8 * p;
+  for (Vec2& p : two.boundary) p = 8 * p;
+  std::vector<Vec2> scaled = fill(one, uniform(0.07));
+  for (Vec2& p : scaled) p = 8 * p;
+  EXPECT_EQ(fill(two, uniform(8 * 0.07)), scaled);
+}
+
+TEST(even_fill, a_side_that_is_a_whole_number_of_sizes_has_that_many_whatever_its_length) {
+  const std::size_t expected = fill(region(square(), uniform(0.1)), uniform(0.1)).size();
+  for (const double side : {3.0, 3.7, 0.3, 7.1, 1e-3, 123.0}) {
+    const polygons::Polygon other{{{0, 0}, {side, 0}, {side, side}, {0, side}}, {}};
+    EXPECT_EQ(fill(region(other, uniform(0.1 * side)), uniform(0.1 * side)).size(), expected) << side;
+  }
+}
+
+TEST(even_fill, more_points_than_allowed_are_none) {
+  const Region square_region = region(square(), uniform(0.05));
+  const std::size_t all = fill(square_region, uniform(0.05)).size();
+  EXPECT_TRUE(fill(square_region, uniform(0.05), all / 2).empty());
+  EXPECT_EQ(fill(square_region, uniform(0.05), 2 * all).size(), all);
+}
+
+TEST(even_fill, a_region_narrower_than_the_size_stays_empty) {
+  const polygons::Polygon strip{{{0, 0}, {10, 0}, {10, 0.5}, {0, 0.5}}, {}};
+  EXPECT_TRUE(fill(region(strip, uniform(1)), uniform(1)).empty());
+}
+
+TEST(even_fill, it_can_be_stopped) {
+  const Region square_region = region(square(), uniform(0.01));
+  RunControl control;
+  control.cancel();
+  EXPECT_THROW(even_fill(square_region.triangles, square_region.boundary, uniform(0.01), 1'000'000, control), Error);
+}
+
+}  // namespace
+}  // namespace remesh
