@@ -14,7 +14,7 @@ namespace remesh {
 namespace {
 
 /// Of the box's diagonal: no size is smaller for a gap's sake.
-constexpr double kFloor = 0x1p-12;
+constexpr double kFloor = 0x1p-11;
 /// In plane tolerances.
 constexpr double kFloorTolerances = 10;
 /// A cell reaches at most this part of the gap in its middle. Smaller, and there are more samples than faces to come;

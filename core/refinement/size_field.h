@@ -27,7 +27,7 @@ class SizeField {
   /// The same size everywhere.
   explicit SizeField(double size = std::numeric_limits<double>::infinity()) : largest_(size) {}
 
-  /// With goals.proximity > 0: size = max(gap / proximity, floor), floor = max(goals.min_edge_length, 2^-12 of the
+  /// With goals.proximity > 0: size = max(gap / proximity, floor), floor = max(goals.min_edge_length, 2^-11 of the
   /// box's diagonal, 10 plane tolerances). Each patch is cut into cells until a cell reaches from its middle at most
   /// half the gap there; all of it is given the size of its middle. So at() is at most twice what any place asks for
   /// (where the gap shrinks as fast as one can come nearer); across a wall or a slot of one width it is exact. A joined
