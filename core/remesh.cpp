@@ -166,6 +166,7 @@ class Run {
       }
     }
     summarise(ladder);
+    if (options_.refine) warn_of_curves();
     for (std::size_t p = 0; p < meshes_.size(); ++p) report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
     return true;
   }
@@ -399,6 +400,21 @@ class Run {
     report_.volume_bound = summaries.volume_bound;
   }
 
+  /// Where most facets are patches of their own, they stand for a curved surface, and a bound on angles or sizes in
+  /// each of them makes many faces.
+  void warn_of_curves() {
+    Diagnostic warning{DiagnosticCode::kCurvedSurface, 0, {}, ""};
+    for (std::size_t p = 0; p < patches_.count(); ++p) {
+      const auto faces = patches_.faces_of(PatchId(p));
+      if (faces.size() == 1) warning.add(surface_.face_source[faces[0]].value);
+    }
+    if (2 * warning.count <= surface_.face_count() || surface_.face_count() < kFewFacets) return;
+    warning.message = "most facets are patches of their own, as of a curved surface: refinement makes many faces there";
+    report_.diagnostics.push_back(std::move(warning));
+  }
+  /// A dozen polygons are a polyhedron.
+  static constexpr std::size_t kFewFacets = 50;
+
   Result finish(bool want_face_source) {
     Result result;
     watch_.enter(Stage::kQuality);
@@ -499,11 +515,16 @@ void check_options(const Options& options) {
     invalid("max_radius_edge_ratio", "excludes min_angle_deg: give one of them");
   if (options.max_edge_length && options.max_edge_fraction)
     invalid("max_edge_fraction", "excludes max_edge_length: give one of them");
-  positive(options.max_radius_edge_ratio, "max_radius_edge_ratio");
+  // 1 / (2 sin 33 degrees), the contract's figure.
+  constexpr double kLeastRatio = 0.918;
+  if (options.max_radius_edge_ratio && !(*options.max_radius_edge_ratio >= kLeastRatio))
+    invalid("max_radius_edge_ratio", "must be a number of at least 0.918 (33 degrees)");
   positive(options.max_edge_length, "max_edge_length");
   positive(options.max_edge_fraction, "max_edge_fraction");
   positive(options.max_area, "max_area");
   positive(options.min_edge_length, "min_edge_length");
+  if (options.min_edge_length && options.max_edge_length && *options.min_edge_length > *options.max_edge_length)
+    invalid("min_edge_length", "must not be above max_edge_length");
   positive(options.plane_tolerance, "plane_tolerance");
   if (!(options.proximity >= 0 && std::isfinite(options.proximity))) invalid("proximity", "must not be negative");
   if (options.gradation && !(*options.gradation > 1 && std::isfinite(*options.gradation)))

@@ -1,6 +1,7 @@
 #include "core/refinement/patch_refiner.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -198,9 +199,10 @@ void PatchRefiner::classify_changed() {
 
 void PatchRefiner::push(const Task& task, double shortest_squared) {
   // Squared lengths within the frame are at most 8.
-  int exponent = 0;
-  const double mantissa = std::frexp(shortest_squared, &exponent);
-  const auto queue = static_cast<std::size_t>(std::max(0, 8 * (4 - exponent) + static_cast<int>(16 * (1 - mantissa))));
+  // The exponent and three bits of the mantissa, as the number has them.
+  const auto bits = static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(shortest_squared) >> 49);
+  constexpr std::int64_t kLargest = (1023 + 4) << 3;
+  const auto queue = static_cast<std::size_t>(std::max<std::int64_t>(0, kLargest - bits));
   if (queue >= queues_.size()) queues_.resize(queue + 1);
   queues_[queue].tasks.push_back(task);
   ++waiting_;

@@ -185,7 +185,7 @@ TEST(RunRemesh, refinement_is_on_at_25_degrees_unless_it_is_turned_off) {
   EXPECT_TRUE(report["options"]["gradation"].is_null());
   EXPECT_EQ(report["verified"]["quality"], true);
   EXPECT_EQ(report["unrefined"], json::array());
-  EXPECT_DOUBLE_EQ(report["output"]["area"].get<double>(), 28);
+  EXPECT_NEAR(report["output"]["area"].get<double>(), 28, 1e-11);
   EXPECT_EQ(count_below(answer["mesh"], 25), 0u);
   EXPECT_GE(report["output"]["quality"]["min_angle_deg"].get<double>(), 25);
 }
@@ -195,10 +195,10 @@ TEST(RunRemesh, the_sizes_asked_for_hold) {
   const json answer = json::parse(remesh(request_of(kCube, "", query)).body);
   const json& output = answer["report"]["output"];
   EXPECT_EQ(answer["report"]["verified"]["quality"], true);
-  EXPECT_LE(output["quality"]["edge_length"]["max"].get<double>(), 0.1 * (1 + 1e-12));
+  EXPECT_LE(output["quality"]["edge_length"]["max"].get<double>(), 0.1 * (1 + 1e-11));
   EXPECT_EQ(count_below(answer["mesh"], 30), 0u);
   EXPECT_EQ(output["closed"], true);
-  EXPECT_DOUBLE_EQ(output["volume"].get<double>(), 1);
+  EXPECT_NEAR(output["volume"].get<double>(), 1, 1e-12);
   EXPECT_GT(answer["report"]["predicted_faces"].get<double>(), 1000);
 
   const Fields by_area{{"max_area", "0.01"}};
@@ -209,7 +209,7 @@ TEST(RunRemesh, the_sizes_asked_for_hold) {
   EXPECT_LE(
       json::parse(remesh(request_of(kCube, "", by_fraction)).body)["report"]["output"]["quality"]["edge_length"]["max"]
           .get<double>(),
-      0.1 * std::sqrt(3.0) * (1 + 1e-12));
+      0.1 * std::sqrt(3.0) * (1 + 1e-11));
 }
 
 TEST(RunRemesh, what_misses_the_bound_is_listed_with_reason_and_place) {
@@ -219,7 +219,7 @@ TEST(RunRemesh, what_misses_the_bound_is_listed_with_reason_and_place) {
   std::size_t listed = 0;
   for (const json& entry : unrefined) {
     EXPECT_THAT(entry["reason"].get<std::string>(), testing::AnyOf("input_angle", "across_input_angle"));
-    EXPECT_EQ(entry["places"].size(), std::min<std::size_t>(entry["count"], 100));
+    EXPECT_EQ(entry["places"].size(), std::min(entry["count"].get<std::size_t>(), std::size_t{100}));
     listed += entry["count"].get<std::size_t>();
     for (const json& place : entry["places"]) {
       EXPECT_GT(place[0].get<double>(), 0);

@@ -14,21 +14,19 @@
 #include <vector>
 
 #include "core/io/obj.h"
-#include "core/mesh/face_geometry.h"
 #include "core/remesh.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/carving.h"
 #include "core/stages/constraint_recovery.h"
-#include "core/stages/coplanar_regions.h"
 #include "core/stages/delaunay_flips.h"
 #include "core/stages/essential_vertices.h"
 #include "core/stages/lexicographic_triangulation.h"
-#include "core/stages/mend_faces.h"
-#include "core/stages/patches.h"
 #include "core/stages/projection.h"
-#include "core/stages/weld.h"
 #include "tests/figures/bracket.h"
+#include "tests/figures/part.h"
+#include "tests/figures/refined_patch.h"
 #include "tests/figures/render.h"
+#include "tests/figures/style.h"
 #include "tests/figures/svg.h"
 
 namespace remesh::figures {
@@ -36,53 +34,10 @@ namespace {
 
 constexpr std::size_t kPartFaces = 4800;
 
-const Colour kInk{0.10, 0.15, 0.22};
-const Colour kFaint{0.72, 0.76, 0.81};
-const Colour kPaper{0.93, 0.96, 0.99};
-const Colour kOuter{0.09, 0.39, 0.67};
-const Colour kHole{0.85, 0.37, 0.05};
-const Colour kMissing{0.80, 0.10, 0.16};
-
-/// 4800 as "4,800".
-std::string count(std::size_t n) {
-  std::string text = std::to_string(n);
-  for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, ',');
-  return text;
-}
-
 void write_file(const std::filesystem::path& path, const std::string& text) {
   std::ofstream out(path, std::ios::binary);
   if (!(out << text).flush()) throw std::runtime_error("cannot write " + path.string());
   std::cout << path.string() << ": " << text.size() / 1024 << " KiB\n";
-}
-
-Triangle corners_of(const Surface& surface, FaceId f) {
-  const auto corners = surface.face(f);
-  return {corners[0], corners[1], corners[2]};
-}
-
-/// The part as the stages see it, up to its patches.
-struct Part {
-  Surface surface;
-  Adjacency adjacency;  // looks into the surface's arrays, which stay where they are when the surface is moved
-  PatchSet patches;
-  double tolerance;  // local units
-};
-
-Part make_part(const PolygonMesh& mesh, double plane_tolerance, RunControl& control) {
-  std::vector<Diagnostic> diagnostics;
-  Surface surface = weld(mesh, Barriers{}, diagnostics, control);
-  const double tolerance = plane_tolerance / surface.unit;
-  mend_faces(surface, tolerance, {}, diagnostics, control);
-  Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners);
-  const IdVector<FaceId, std::uint32_t> zone(surface.face_count(), 0);
-  const IdVector<FaceId, std::uint8_t> rung(surface.face_count(), 0);
-  Regions regions;
-  regions.of_face.resize(surface.face_count());
-  coplanar_regions(surface, adjacency, face_geometry(surface, control),
-                   {tolerance, Options{}.normal_tolerance, &zone, &rung}, regions, control);
-  PatchSet set = patches(surface, adjacency, regions, control);
-  return {std::move(surface), std::move(adjacency), std::move(set), tolerance};
 }
 
 Shape shape_of(const Part& part) {
@@ -121,6 +76,26 @@ std::string regions_and_result(const Part& part, const Result& result) {
   Panel output("assembly", count(result.mesh.faces.size()) + " faces, the same patches");
   draw(shape_of(result), Paint::kPatches, 0.5, output);
   return to_svg({input, output}, 420, 400);
+}
+
+/// What a user chooses between: the shape decides, one size for all, the gaps decide.
+std::string three_settings(const PolygonMesh& mesh, RunControl& control) {
+  std::vector<Panel> panels;
+  const auto add = [&](const std::string& title, const Options& options) {
+    const Result result = remesh_surface(mesh, options, RunSettings{}, control);
+    const Quality& quality = result.report.output.quality;
+    panels.emplace_back(title, count(result.mesh.faces.size()) + " triangles, edges " +
+                                   number(quality.edge_length.min) + " to " + number(quality.edge_length.max) + " mm");
+    draw(shape_of(result), Paint::kSizes, 0.3, panels.back());
+  };
+  Options options;
+  add("the default: min_angle_deg 25", options);
+  options.max_edge_length = 5;
+  add("max_edge_length 5", options);
+  options.max_edge_length.reset();
+  options.proximity = 1;
+  add("proximity 1", options);
+  return to_svg(panels, 330, 310);
 }
 
 /// One patch on its way through the plane.
@@ -274,13 +249,17 @@ void draw_all(const std::filesystem::path& folder, const std::filesystem::path& 
   RunControl control;
   const PolygonMesh mesh = make_bracket(kPartFaces);
   write_file(part_file, to_obj(mesh, control));
-  const Result result = remesh_surface(mesh, Options{}, RunSettings{}, control);
+  Options options;
+  options.refine = false;
+  const Result result = remesh_surface(mesh, options, RunSettings{}, control);
   const Part part = make_part(mesh, result.report.plane_tolerance, control);
   write_file(folder / "before_after.svg", before_and_after(part, result));
   write_file(folder / "patches.svg", regions_and_result(part, result));
   PatchFigures patch(part, upper_face_of_base(part), control);
   write_file(folder / "essential_vertices.svg", patch.loops_and_essential_vertices());
   write_file(folder / "triangulation.svg", patch.triangulation());
+  write_file(folder / "refinement.svg", refinement_of_patch(part, upper_face_of_base(part), control));
+  write_file(folder / "three_settings.svg", three_settings(mesh, control));
 }
 
 }  // namespace

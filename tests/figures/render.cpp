@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <string>
 #include <utility>
 
 namespace remesh::figures {
@@ -23,6 +24,7 @@ Vec2 project(const Vec3& p) { return {dot(p, kRight), dot(p, kUp)}; }
 /// A face that looks at the viewer, in picture coordinates.
 struct Facet {
   std::size_t face;
+  std::uint32_t patch;
   std::array<Vec2, 3> corners;  // counter-clockwise
   Vec2 low, high;               // their box
   Vec3 plane;                   // depth = plane.x * u + plane.y * v + plane.z, larger is nearer
@@ -31,7 +33,7 @@ struct Facet {
 };
 
 Facet make_facet(const Shape& shape, std::size_t face, const Vec3& normal) {
-  Facet facet{face, {}, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}, {}};
+  Facet facet{face, shape.patch[face], {}, {HUGE_VAL, HUGE_VAL}, {-HUGE_VAL, -HUGE_VAL}, {}};
   for (std::size_t k = 0; k < 3; ++k) {
     const Vec2 p = project(shape.positions[shape.faces[face][k]]);
     facet.corners[k] = p;
@@ -77,8 +79,8 @@ double nearer_by(const Facet& a, const Facet& b) {
   return a.depth(middle) - b.depth(middle);
 }
 
-/// The order to paint in: who is covered comes before who covers it.
-std::vector<std::size_t> paint_order(const std::vector<Facet>& facets) {
+/// The order to paint in, in runs that are each of one patch: who is covered comes before who covers it.
+std::vector<std::vector<std::size_t>> paint_order(const std::vector<Facet>& facets) {
   std::vector<std::vector<std::size_t>> covered_by(facets.size());
   std::vector<std::size_t> waits_for(facets.size(), 0);
   std::vector<std::size_t> by_x(facets.size());
@@ -89,7 +91,7 @@ std::vector<std::size_t> paint_order(const std::vector<Facet>& facets) {
     const Facet& a = facets[by_x[i]];
     for (std::size_t j = i + 1; j < by_x.size() && facets[by_x[j]].low.x < a.high.x; ++j) {
       const Facet& b = facets[by_x[j]];
-      if (b.low.y >= a.high.y || a.low.y >= b.high.y) continue;
+      if (a.patch == b.patch || b.low.y >= a.high.y || a.low.y >= b.high.y) continue;
       const double nearer = nearer_by(a, b);
       if (nearer == 0) continue;
       const auto [below, above] = nearer > 0 ? std::pair(by_x[j], by_x[i]) : std::pair(by_x[i], by_x[j]);
@@ -97,20 +99,44 @@ std::vector<std::size_t> paint_order(const std::vector<Facet>& facets) {
       ++waits_for[above];
     }
   }
-  std::vector<std::size_t> order;
+  std::map<std::uint32_t, std::vector<std::size_t>> ready;  // by patch; those that cover nobody who is to be painted
   for (std::size_t i = 0; i < facets.size(); ++i)
-    if (waits_for[i] == 0) order.push_back(i);
-  for (std::size_t next = 0; next < order.size(); ++next)
-    for (const std::size_t above : covered_by[order[next]])
-      if (--waits_for[above] == 0) order.push_back(above);
+    if (waits_for[i] == 0) ready[facets[i].patch].push_back(i);
+  std::vector<std::vector<std::size_t>> runs;
+  while (!ready.empty()) {
+    // The longest run, so that there are few.
+    const auto longest = std::max_element(
+        ready.begin(), ready.end(), [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
+    const std::uint32_t patch = longest->first;
+    std::vector<std::size_t>& run = runs.emplace_back(std::move(longest->second));
+    ready.erase(longest);
+    for (std::size_t next = 0; next < run.size(); ++next)
+      for (const std::size_t above : covered_by[run[next]])
+        if (--waits_for[above] == 0) (facets[above].patch == patch ? run : ready[facets[above].patch]).push_back(above);
+  }
   for (std::size_t i = 0; i < facets.size(); ++i)  // facets that cover each other in a ring: drawn last, as they come
-    if (waits_for[i] != 0) order.push_back(i);
-  return order;
+    if (waits_for[i] != 0) runs.push_back({i});
+  return runs;
 }
 
 Colour shade(const Colour& base, const Vec3& normal) {
   const double light = 1.5 * (dot(normal, kLight) - 0.45);
   return light < 0 ? mix(base, kDark, -0.45 * light) : mix(base, kWhite, light);
+}
+
+/// By the longest edge, in steps: warm where that is short.
+Colour colour_of_size(const Shape& shape, std::size_t face) {
+  constexpr double kSmall = 1, kLarge = 32;  // millimetres of the part that is shown
+  constexpr int kSteps = 24;
+  double longest = 0;
+  for (std::size_t k = 0; k < 3; ++k)
+    longest = std::max(longest,
+                       norm(shape.positions[shape.faces[face][(k + 1) % 3]] - shape.positions[shape.faces[face][k]]));
+  const double at = std::clamp(std::log(longest / kSmall) / std::log(kLarge / kSmall), 0.0, 1.0);
+  const double step = 3 * std::round(kSteps * at) / kSteps;
+  const std::array<Colour, 4> scale{{{0.93, 0.49, 0.30}, {0.98, 0.83, 0.53}, {0.66, 0.83, 0.80}, {0.36, 0.58, 0.77}}};
+  const auto low = static_cast<std::size_t>(std::min(2.0, step));
+  return mix(scale[low], scale[low + 1], step - static_cast<double>(low));
 }
 
 }  // namespace
@@ -131,17 +157,32 @@ void draw(const Shape& shape, Paint paint, double mesh_line_width, Panel& panel)
     normals.push_back(normal);
   }
 
-  for (const std::size_t i : paint_order(facets)) {
-    const Facet& facet = facets[i];
-    const auto& face = shape.faces[facet.face];
-    const std::uint32_t patch = shape.patch[facet.face];
-    const Colour fill = paint == Paint::kPatches ? mix(colour_of(patch), shade(colour_of(patch), normals[i]), 0.5)
-                                                 : shade(kMetal, normals[i]);
-    panel.polygon({facet.corners.begin(), facet.corners.end()}, fill, mix(fill, kDark, 0.62), mesh_line_width);
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto beside = patch_at.find({face[(k + 1) % 3], face[k]});
-      if (beside == patch_at.end() || beside->second != patch)
-        panel.line(facet.corners[k], facet.corners[(k + 1) % 3], kDark, 1.1);
+  const auto colour = [&](std::size_t i) {
+    const auto tinted = [&](const Colour& base) { return mix(base, shade(base, normals[i]), 0.5); };
+    switch (paint) {
+      case Paint::kPatches: return tinted(colour_of(facets[i].patch));
+      case Paint::kSizes: return tinted(colour_of_size(shape, facets[i].face));
+      case Paint::kLight: break;
+    }
+    return shade(kMetal, normals[i]);
+  };
+  for (const std::vector<std::size_t>& run : paint_order(facets)) {
+    // In one plane nobody covers anybody: like colours can stand together.
+    std::map<std::string, std::vector<std::size_t>> by_colour;
+    for (const std::size_t i : run) by_colour[hex(colour(i))].push_back(i);
+    for (const auto& [name, alike] : by_colour) {
+      const Colour fill = colour(alike.front());
+      for (const std::size_t i : alike)
+        panel.polygon({facets[i].corners.begin(), facets[i].corners.end()}, fill, mix(fill, kDark, 0.62),
+                      mesh_line_width);
+    }
+    for (const std::size_t i : run) {
+      const auto& face = shape.faces[facets[i].face];
+      for (std::size_t k = 0; k < 3; ++k) {
+        const auto beside = patch_at.find({face[(k + 1) % 3], face[k]});
+        if (beside == patch_at.end() || beside->second != facets[i].patch)
+          panel.line(facets[i].corners[k], facets[i].corners[(k + 1) % 3], kDark, 1.1);
+      }
     }
   }
 }

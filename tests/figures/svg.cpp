@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
+#include <utility>
 
 namespace remesh::figures {
 namespace {
@@ -10,15 +12,47 @@ namespace {
 constexpr double kMargin = 16;
 constexpr double kCaptionHeight = 58;
 
-/// A number with at most two decimals.
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.2f", value);
-  std::string result = text;
-  result.erase(result.find_last_not_of('0') + 1);
-  if (result.back() == '.') result.pop_back();
-  return result == "-0" ? "0" : result;
-}
+/// The data of a path: points in hundredths, each relative to the one before, which is half as long as absolute ones.
+class Path {
+ public:
+  void move_to(Vec2 p) {
+    text_ += 'm';
+    step(p);
+    start_ = at_;
+  }
+  void line_to(Vec2 p) { step(p); }  // needs no letter after a move
+  void close() {
+    text_ += 'z';
+    at_ = start_;
+  }
+  const std::string& text() const { return text_; }
+
+ private:
+  struct Place {
+    long x = 0, y = 0;
+  };
+
+  void step(Vec2 to) {
+    const Place from = std::exchange(at_, {std::lround(100 * to.x), std::lround(100 * to.y)});
+    append(at_.x - from.x);
+    append(at_.y - from.y);
+  }
+  /// A letter or a minus parts a number from the one before, else a space does.
+  void append(long hundredths) {
+    if (hundredths < 0)
+      text_ += '-';
+    else if (text_.back() != 'm')
+      text_ += ' ';
+    const long whole = std::labs(hundredths) / 100, rest = std::labs(hundredths) % 100;
+    if (whole > 0 || rest == 0) text_ += std::to_string(whole);
+    if (rest == 0) return;
+    text_ += rest < 10 ? ".0" : ".";
+    text_ += std::to_string(rest % 10 == 0 ? rest / 10 : rest);
+  }
+
+  std::string text_;
+  Place at_, start_;
+};
 
 std::string escaped(std::string_view text) {
   std::string result;
@@ -34,6 +68,15 @@ std::string escaped(std::string_view text) {
 }
 
 }  // namespace
+
+std::string number(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", value);
+  std::string result = text;
+  result.erase(result.find_last_not_of('0') + 1);
+  if (result.back() == '.') result.pop_back();
+  return result == "-0" ? "0" : result;
+}
 
 Colour mix(const Colour& a, const Colour& b, double amount) {
   const auto between = [amount](double x, double y) { return x + amount * (y - x); };
@@ -88,7 +131,8 @@ std::string to_svg(const std::vector<Panel>& panels, double panel_width, double 
     extents.push_back(extent);
   }
 
-  const std::size_t columns = std::min<std::size_t>(panels.size(), 2), rows = (panels.size() + columns - 1) / columns;
+  const std::size_t columns = panels.size() == 3 ? 3 : std::min<std::size_t>(panels.size(), 2);
+  const std::size_t rows = (panels.size() + columns - 1) / columns;
   const std::string width = number(panel_width * static_cast<double>(columns));
   const std::string height = number((panel_height + kCaptionHeight) * static_cast<double>(rows));
   std::string svg = "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 " + width + " " + height + "\" width=\"" +
@@ -101,30 +145,35 @@ std::string to_svg(const std::vector<Panel>& panels, double panel_width, double 
     const double top = static_cast<double>(i / columns) * (panel_height + kCaptionHeight);
     const Vec2 centre{(static_cast<double>(i % columns) + 0.5) * panel_width, top + 0.5 * panel_height};
     const auto place = [&](Vec2 p) {
-      return number(centre.x + scale * (p.x - middle.x)) + " " + number(centre.y - scale * (p.y - middle.y));
+      return Vec2{centre.x + scale * (p.x - middle.x), centre.y - scale * (p.y - middle.y)};
     };
-    std::string open_stroke;  // the group that the last element stands in
-    const auto in_group = [&](const std::string& stroke) {
-      if (stroke == open_stroke) return;
-      if (!open_stroke.empty()) svg += "</g>\n";
-      if (!stroke.empty()) svg += "<g " + stroke + ">\n";
-      open_stroke = stroke;
-    };
-    for (const auto& element : panels[i].elements_) {
-      if (element.kind == Panel::Element::Kind::kDot) {
-        in_group("");
-        std::string at = place(element.points[0]);
-        at.replace(at.find(' '), 1, "\" cy=\"");
-        svg += "<circle cx=\"" + at + "\" r=\"" + number(element.width) + "\" fill=\"" + hex(element.fill) + "\"/>\n";
+    const auto& elements = panels[i].elements_;
+    for (std::size_t from = 0, to = 0; from < elements.size(); from = to) {
+      // What looks alike and stands together is one path.
+      const auto& first = elements[from];
+      while (to < elements.size() && elements[to].is_like(first)) ++to;
+      svg += first.kind == Panel::Element::Kind::kDot ? "<g" : "<path";
+      if (first.kind != Panel::Element::Kind::kLine) svg += " fill=\"" + hex(first.fill) + "\"";
+      if (first.kind == Panel::Element::Kind::kDot) {
+        svg += ">\n";
+        for (std::size_t e = from; e < to; ++e) {
+          const Vec2 at = place(elements[e].points[0]);
+          svg +=
+              "<circle cx=\"" + number(at.x) + "\" cy=\"" + number(at.y) + "\" r=\"" + number(first.width) + "\"/>\n";
+        }
+        svg += "</g>\n";
         continue;
       }
-      in_group("stroke=\"" + hex(element.stroke) + "\" stroke-width=\"" + number(element.width) + "\"");
-      svg += "<path d=\"M";
-      for (std::size_t k = 0; k < element.points.size(); ++k) svg += (k > 0 ? "L" : "") + place(element.points[k]);
-      if (element.kind == Panel::Element::Kind::kPolygon) svg += "Z\" fill=\"" + hex(element.fill);
-      svg += "\"/>\n";
+      Path path;
+      for (std::size_t e = from; e < to; ++e) {
+        const std::vector<Vec2>& points = elements[e].points;
+        path.move_to(place(points[0]));
+        for (std::size_t k = 1; k < points.size(); ++k) path.line_to(place(points[k]));
+        if (first.kind == Panel::Element::Kind::kPolygon) path.close();
+      }
+      svg += " stroke=\"" + hex(first.stroke) + "\" stroke-width=\"" + number(first.width) + "\" d=\"" + path.text() +
+             "\"/>\n";
     }
-    in_group("");
     const std::string x = number(centre.x);
     svg += "<text x=\"" + x + "\" y=\"" + number(top + panel_height + 14) +
            "\" font-size=\"17\" font-weight=\"bold\" " + "fill=\"#1d2733\">" + escaped(panels[i].title_) + "</text>\n";

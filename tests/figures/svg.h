@@ -15,6 +15,8 @@ struct Colour {
   double red = 0;
   double green = 0;
   double blue = 0;
+
+  friend bool operator==(const Colour&, const Colour&) = default;
 };
 
 /// `amount` of `b` in `a`.
@@ -22,6 +24,8 @@ Colour mix(const Colour& a, const Colour& b, double amount);
 /// Colours that differ well from their neighbours in number; the same for the same number, always.
 Colour colour_of(std::uint32_t number);
 std::string hex(const Colour& colour);
+/// With at most two decimals.
+std::string number(double value);
 
 /// One picture: SVG elements in its own coordinates (x to the right, y upwards), and what stands below it.
 /// Strokes are in units of the final picture and do not grow with the scale.
@@ -42,6 +46,10 @@ class Panel {
     Colour fill;
     Colour stroke;
     double width;  ///< of the stroke; the radius of a dot
+
+    bool is_like(const Element& other) const {
+      return kind == other.kind && fill == other.fill && stroke == other.stroke && width == other.width;
+    }
   };
 
   std::string title_;
@@ -49,7 +57,7 @@ class Panel {
   std::vector<Element> elements_;
 };
 
-/// Panels in rows of two, each fitted into its field, the same scale for all.
+/// Panels in rows of two, three in one row; each fitted into its field, the same scale for all.
 std::string to_svg(const std::vector<Panel>& panels, double panel_width, double panel_height);
 
 }  // namespace remesh::figures

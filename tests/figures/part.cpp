@@ -1,0 +1,37 @@
+#include "tests/figures/part.h"
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "core/mesh/face_geometry.h"
+#include "core/options.h"
+#include "core/report.h"
+#include "core/stages/coplanar_regions.h"
+#include "core/stages/mend_faces.h"
+#include "core/stages/weld.h"
+
+namespace remesh::figures {
+
+Part make_part(const PolygonMesh& mesh, double plane_tolerance, RunControl& control) {
+  std::vector<Diagnostic> diagnostics;
+  Surface surface = weld(mesh, Barriers{}, diagnostics, control);
+  const double tolerance = plane_tolerance / surface.unit;
+  mend_faces(surface, tolerance, {}, diagnostics, control);
+  Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners);
+  const IdVector<FaceId, std::uint32_t> zone(surface.face_count(), 0);
+  const IdVector<FaceId, std::uint8_t> rung(surface.face_count(), 0);
+  Regions regions;
+  regions.of_face.resize(surface.face_count());
+  coplanar_regions(surface, adjacency, face_geometry(surface, control),
+                   {tolerance, Options{}.normal_tolerance, &zone, &rung}, regions, control);
+  PatchSet set = patches(surface, adjacency, regions, control);
+  return {std::move(surface), std::move(adjacency), std::move(set), tolerance};
+}
+
+Triangle corners_of(const Surface& surface, FaceId f) {
+  const auto corners = surface.face(f);
+  return {corners[0], corners[1], corners[2]};
+}
+
+}  // namespace remesh::figures

@@ -1,0 +1,136 @@
+#include "tests/figures/refined_patch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numbers>
+#include <vector>
+
+#include "core/refinement/goals.h"
+#include "core/refinement/patch_refiner.h"
+#include "core/refinement/segment_table.h"
+#include "core/refinement/size_field.h"
+#include "core/stages/boundary_loops.h"
+#include "core/stages/essential_vertices.h"
+#include "core/stages/patch_meshing.h"
+#include "core/stages/refinement.h"
+#include "tests/figures/style.h"
+#include "tests/figures/svg.h"
+
+namespace remesh::figures {
+namespace {
+
+const Colour kBad{0.97, 0.80, 0.78};
+const Colour kNeighbour{0.13, 0.53, 0.33};
+constexpr double kLargestEdge = 6;
+
+class Figure {
+ public:
+  Figure(const Part& part, PatchId patch, RunControl& control) : part_(part), patch_(patch), control_(control) {
+    const BoundaryLoops loops = boundary_loops(part.surface, part.adjacency, part.patches, control);
+    const auto essential =
+        essential_vertices(part.surface, part.adjacency, part.patches,
+                           IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0), part.tolerance, control);
+    meshes_ = mesh_patches(part.surface, part.adjacency, part.patches, loops, essential, {}, control);
+    frozen_.assign(meshes_.size(), 0);
+  }
+
+  std::string draw() {
+    const Goals goals = goals_of(Options{}, 0);
+    tangent_ = std::tan(goals.min_angle_deg * std::numbers::pi / 180);
+    const PatchMesh& start = meshes_[patch_.value];
+    Panel before("before", count(start.mesh.triangle_count()) + " triangles; red: an angle below 25 degrees");
+    draw_triangles(start, before);
+    draw_points(start, start, start, before);
+
+    const PatchMesh alone = refine_alone(goals);
+    Panel first("round 1", "the patch alone: it also cuts its own boundary (orange)");
+    draw_triangles(alone, first);
+    draw_points(alone, start, alone, first);
+
+    std::uint32_t rounds = 0;
+    const PatchMesh refined = refine_all(goals, rounds);
+    Panel last("round " + std::to_string(rounds),
+               count(refined.mesh.triangle_count()) + " triangles, with the cuts that neighbours made (green)");
+    draw_triangles(refined, last);
+    draw_points(refined, start, alone, last);
+
+    Options options;
+    options.max_edge_length = kLargestEdge;
+    const PatchMesh even = refine_all(goals_of(options, 0), rounds);
+    Panel sizes("max_edge_length 6", "equal pieces on the boundary, a lattice inside");
+    draw_triangles(even, sizes);
+    return to_svg({before, first, last, sizes}, 420, 330);
+  }
+
+ private:
+  /// What the patch does by itself in the first round.
+  PatchMesh refine_alone(const Goals& goals) {
+    const SizeField sizes(goals.max_edge_length);
+    const SegmentTable segments(part_.surface, meshes_, frozen_, sizes, goals, control_);
+    const IdVector<SegmentId, std::vector<double>> no_cuts(segments.size());
+    constexpr std::uint64_t kNoQuota = std::numeric_limits<std::uint64_t>::max();
+    const Criteria criteria(goals, sizes);
+    PatchRefiner refiner(meshes_[patch_.value], patch_, segments, criteria, no_cuts, kNoQuota, control_);
+    refiner.run(kNoQuota, control_);
+    return refiner.finish().patch;
+  }
+
+  PatchMesh refine_all(const Goals& goals, std::uint32_t& rounds) {
+    std::vector<PatchMesh> meshes = meshes_;
+    const SizeField sizes(goals.max_edge_length);
+    rounds = refine(part_.surface, part_.patches, frozen_, goals, sizes, meshes, control_).rounds;
+    return meshes[patch_.value];
+  }
+
+  bool is_bad(Vec2 a, Vec2 b, Vec2 c) const {
+    const auto is_sharp = [&](Vec2 at, Vec2 p, Vec2 q) {
+      return cross(p - at, q - at) < tangent_ * dot(p - at, q - at);
+    };
+    return is_sharp(a, b, c) || is_sharp(b, c, a) || is_sharp(c, a, b);
+  }
+
+  void draw_triangles(const PatchMesh& patch, Panel& panel) const {
+    const Triangulation2d& mesh = patch.mesh;
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
+      const Vec2 a = patch.uv[mesh.from(h)], b = patch.uv[mesh.to(h)], c = patch.uv[mesh.apex(h)];
+      panel.polygon({a, b, c}, is_bad(a, b, c) ? kBad : kPaper, mix(kInk, kFaint, 0.4), 0.6);
+    }
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h)
+      if (mesh.is_constrained(h)) panel.line(patch.uv[mesh.from(h)], patch.uv[mesh.to(h)], kOuter, 1.6);
+  }
+
+  /// The corners; the cuts in the boundary that `alone` has too, and those that it has not.
+  void draw_points(const PatchMesh& patch, const PatchMesh& start, const PatchMesh& alone, Panel& panel) const {
+    std::vector<std::uint8_t> is_on_boundary(patch.uv.size(), 0);
+    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
+      if (patch.mesh.is_constrained(h)) is_on_boundary[patch.mesh.from(h)] = 1;
+    const auto has = [](const PatchMesh& in, Vec2 p) {
+      return std::find(in.uv.begin(), in.uv.end(), p) != in.uv.end();
+    };
+    for (std::size_t v = 0; v < patch.uv.size(); ++v) {
+      if (is_on_boundary[v] == 0) continue;
+      const Vec2 p = patch.uv[v];
+      if (has(start, p))
+        panel.dot(p, 2, kInk);
+      else
+        panel.dot(p, 2.6, has(alone, p) ? kHole : kNeighbour);
+    }
+  }
+
+  const Part& part_;
+  PatchId patch_;
+  RunControl& control_;
+  std::vector<PatchMesh> meshes_;  // of all patches, before refinement
+  std::vector<std::uint8_t> frozen_;
+  double tangent_ = 0;  // of the bound on angles
+};
+
+}  // namespace
+
+std::string refinement_of_patch(const Part& part, PatchId patch, RunControl& control) {
+  return Figure(part, patch, control).draw();
+}
+
+}  // namespace remesh::figures

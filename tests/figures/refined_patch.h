@@ -1,0 +1,15 @@
+/// The figure of the stage refinement.
+#pragma once
+
+#include <string>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "tests/figures/part.h"
+
+namespace remesh::figures {
+
+/// One patch before, during and after the refinement of all patches, and the same with a largest edge; as SVG.
+std::string refinement_of_patch(const Part& part, PatchId patch, RunControl& control);
+
+}  // namespace remesh::figures

@@ -1,0 +1,346 @@
+#!/usr/bin/env python3
+"""Does a volume mesher like what the remesher makes? Meshes the inside of parts with TetGen and Gmsh, from the part as
+it is and from the remesher's output, and compares.
+
+For each closed part: whether the mesher succeeds, the number of tetrahedra, and the worst (smallest) dihedral angle,
+over all tetrahedra and over those apart that touch no sharp edge: an edge of the input with a dihedral angle under 30
+degrees, where the input itself asks for flat tetrahedra.
+
+  tetgen -pYq1.4   keeps the surface as it is: what the surface is worth
+  tetgen -pq1.4    may split its facets: the number of tetrahedra to compare with
+  gmsh -3          keeps the surface
+
+Writes a Markdown table to standard output, what it is doing to standard error. Exit code: 0 if from every part that
+TetGen can mesh, it also meshes the remesher's output, within --at-least and --at-most; 1 if not; 2 for misuse.
+"""
+
+import argparse
+import dataclasses
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+import dihedral
+import surface_files
+
+DEFAULT_REMESH_OPTIONS = ["--proximity", "1", "--min-angle-deg", "20"]
+SHARP_DEG = 30
+FEW = 1000  # tetrahedra, too few to compare
+
+
+class ToolFailed(Exception):
+    """In two or three words, for the table."""
+
+
+@dataclasses.dataclass
+class Volume:
+    """What a volume mesher made of a surface, or why nothing."""
+
+    tetrahedra: int = 0
+    worst_deg: float = 0.0
+    worst_apart_deg: float = 0.0  # over tetrahedra that touch no sharp edge
+    worst_place: tuple = ()  # the centroid of the one that worst_apart_deg is of
+    failure: str = ""
+
+
+@dataclasses.dataclass
+class Row:
+    """A part, or its remeshed form."""
+
+    part: str
+    surface: str
+    faces: int = 0
+    least_angle_deg: float = 0.0
+    volumes: dict = dataclasses.field(default_factory=dict)  # by mesher
+    note: str = ""
+
+
+def run(command, folder, seconds):
+    """Errors: ToolFailed - it took too long. Output: exit code, or minus the signal that ended it; all that it said."""
+    with subprocess.Popen(
+        command,
+        cwd=folder,
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.STDOUT,
+        text=True,
+        errors="replace",
+        start_new_session=True,
+    ) as process:
+        try:
+            output, _ = process.communicate(timeout=seconds)
+        except BaseException as error:
+            os.killpg(process.pid, signal.SIGKILL)
+            if isinstance(error, subprocess.TimeoutExpired):
+                raise ToolFailed(f"no end in {seconds:g} s") from error
+            raise
+    return process.returncode, output
+
+
+def how_it_ended(code):
+    if code == -signal.SIGABRT:
+        return "gave up"
+    return f"{signal.Signals(-code).name}" if code < 0 else f"exit code {code}"
+
+
+def tetgen(switches):
+    """A mesher: TetGen with these switches."""
+
+    def mesh(surface, folder, seconds):
+        surface_files.write_smesh(surface, folder / "part.smesh")
+        # By lines, so that what it said is not lost when it ends by an exception, as Debian's does.
+        code, output = run(["stdbuf", "-oL", "tetgen", switches, "part.smesh"], folder, seconds)
+        if code != 0 or not (folder / "part.1.ele").exists():
+            if "intersect" in output:
+                raise ToolFailed("self-intersection")
+            stages = re.findall(r"^(\w.*\w) ?\.\.\.", output, re.MULTILINE)
+            raise ToolFailed(f"{how_it_ended(code)} {stages[-1].lower() if stages else 'reading'}")
+        with open(folder / "part.1.node", encoding="ascii") as lines:
+            rows = (line.split() for line in lines if not line.startswith("#"))
+            next(rows)
+            points = {row[0]: tuple(map(float, row[1:4])) for row in rows if row}
+        with open(folder / "part.1.ele", encoding="ascii") as lines:
+            rows = (line.split() for line in lines if not line.startswith("#"))
+            next(rows)
+            return points, [row[1:5] for row in rows if row]
+
+    return mesh
+
+
+def gmsh(surface, folder, seconds):
+    """A mesher: Gmsh fills the volume inside one discrete surface."""
+    surface_files.write_msh(in_triangles(surface), folder / "part.msh")
+    (folder / "part.geo").write_text('Merge "part.msh";\nSurface Loop(1) = {1};\nVolume(1) = {1};\nMesh.SaveAll = 1;\n')
+    code, output = run(["gmsh", "-3", "-nt", "1", "-format", "msh2", "-o", "out.msh", "part.geo"], folder, seconds)
+    if "intersect" in output or "overlapping" in output:
+        raise ToolFailed("self-intersection")
+    if code != 0 or not (folder / "out.msh").exists():
+        error = re.search(r"^Error +: (.{,40})", output, re.MULTILINE)
+        raise ToolFailed(error.group(1).strip().lower() if error else how_it_ended(code))
+    points, tetrahedra = {}, []
+    section = ""
+    with open(folder / "out.msh", encoding="ascii") as lines:
+        for line in lines:
+            row = line.split()
+            if line.startswith("$"):
+                section = row[0]
+            elif section == "$Nodes" and len(row) == 4:
+                points[row[0]] = tuple(map(float, row[1:4]))
+            elif section == "$Elements" and len(row) > 6 and row[1] == "4":
+                tetrahedra.append(row[-4:])
+    # It goes on after an error in the volume, and writes the surface alone.
+    if not tetrahedra or "Error" in output:
+        raise ToolFailed("no volume")
+    return points, tetrahedra
+
+
+def in_triangles(surface):
+    """Errors: ToolFailed - a face is not convex, and may have no fan of triangles."""
+    triangles = []
+    for face in surface.faces:
+        whole = dihedral.face_normal(surface, face)
+        for b, c in zip(face[1:], face[2:]):
+            part = dihedral.face_normal(surface, (face[0], b, c))
+            if dihedral.dot(whole, part) <= 0 and len(face) > 3:
+                raise ToolFailed("concave polygon")
+            triangles.append((face[0], b, c))
+    return surface_files.Surface(surface.points, triangles)
+
+
+MESHERS = {"tetgen -pYq1.4": tetgen("-pYq1.4"), "tetgen -pq1.4": tetgen("-pq1.4"), "gmsh -3": gmsh}
+KEPT, SPLIT = "tetgen -pYq1.4", "tetgen -pq1.4"
+
+
+def mesh_volume(mesher, surface, sharp, seconds):
+    """Runs a mesher in a folder of its own. `sharp`: tells of a point whether it lies on a sharp edge."""
+    with tempfile.TemporaryDirectory(prefix="volume-check-") as folder:
+        try:
+            points, tetrahedra = mesher(surface, pathlib.Path(folder), seconds)
+        except ToolFailed as failure:
+            return Volume(failure=str(failure))
+    if not tetrahedra:
+        return Volume(failure="no tetrahedra")
+    is_sharp = {p: points[p] in sharp for p in points}
+    volume = Volume(len(tetrahedra), 180.0, 180.0)
+    for corners in tetrahedra:
+        angle = dihedral.least_dihedral(*(points[p] for p in corners))
+        volume.worst_deg = min(volume.worst_deg, angle)
+        if angle < volume.worst_apart_deg and not any(is_sharp[p] for p in corners):
+            volume.worst_apart_deg = angle
+            volume.worst_place = tuple(sum(points[p][k] for p in corners) / 4 for k in range(3))
+    return volume
+
+
+def remesh(program, options, path, surface, seconds):
+    """Errors: ToolFailed; NotASurface - what came back cannot be read."""
+    with tempfile.TemporaryDirectory(prefix="volume-check-") as name:
+        folder = pathlib.Path(name)
+        given = pathlib.Path(path).resolve()
+        if given.suffix.lower() != ".obj":  # what the program does not read itself
+            given = folder / "in.obj"
+            surface_files.write_obj(surface, given)
+        code, output = run([program, str(given), "-o", "out.obj", *options], folder, seconds)
+        if code != 0:
+            said = output.strip().splitlines() or [how_it_ended(code)]
+            raise ToolFailed(said[-1])
+        return surface_files.read_surface(folder / "out.obj")
+
+
+def check_part(path, program, options, seconds, meshers):
+    """The two rows of a part."""
+    before = Row(path.name, "input")
+    after = Row(path.name, "output")
+    try:
+        surface = surface_files.read_surface(path)
+    except (surface_files.NotASurface, OSError) as error:
+        before.note = str(error)
+        return before, after
+    before.faces, before.least_angle_deg = len(surface.faces), dihedral.least_corner(surface)
+    if not surface.is_closed():
+        before.note = "open"
+        return before, after
+    diagonal = surface.diagonal()
+    sharp = dihedral.NearSegments(dihedral.sharp_edges(surface, SHARP_DEG), 1e-6 * diagonal, diagonal / 50)
+
+    started = time.monotonic()
+    try:
+        output = remesh(program, options, path, surface, seconds)
+        after.faces, after.least_angle_deg = len(output.faces), dihedral.least_corner(output)
+        say(f"  remeshed in {time.monotonic() - started:.1f} s: {before.faces} faces to {after.faces}")
+    except (ToolFailed, surface_files.NotASurface) as failure:
+        output = None
+        after.note = f"remesh: {failure}"
+    for name, mesher in meshers.items():
+        before.volumes[name] = mesh_volume(mesher, surface, sharp, seconds)
+        say(f"  {name} of the input: {describe(before.volumes[name])}")
+        if output is not None:
+            after.volumes[name] = mesh_volume(mesher, output, sharp, seconds)
+            say(f"  {name} of the output: {describe(after.volumes[name])}")
+    return before, after
+
+
+def failures_of(before, after, at_least, at_most):
+    """What the output fails at, in words. A part that TetGen cannot mesh is no measure of it."""
+    could = {name: volume for name, volume in before.volumes.items() if not volume.failure}
+    if KEPT not in could and SPLIT not in could:
+        return []
+    if after.note:
+        return [after.note]
+    kept = after.volumes[KEPT]
+    if kept.failure:
+        return [f"{KEPT}: {kept.failure}"]
+    failures = []
+    if kept.worst_apart_deg < at_least:
+        failures.append(f"worst dihedral {kept.worst_apart_deg:.3g} degrees, not {at_least:g}")
+    if SPLIT in could and kept.tetrahedra > max(FEW, at_most * could[SPLIT].tetrahedra):
+        failures.append(f"{kept.tetrahedra} tetrahedra, over {at_most:g} times {could[SPLIT].tetrahedra}")
+    return failures
+
+
+def describe(volume):
+    if volume.failure:
+        return volume.failure
+    return (
+        f"{volume.tetrahedra} tetrahedra, worst dihedral {volume.worst_deg:.3g} degrees, "
+        f"apart from sharp edges {volume.worst_apart_deg:.3g} at "
+        + ", ".join(f"{x:.6g}" for x in volume.worst_place)
+    )
+
+
+def say(text):
+    print(text, file=sys.stderr, flush=True)
+
+
+def print_table(rows, meshers):
+    titles = ["part", "surface", "faces", "least angle"]
+    for name in meshers:
+        titles += [name, "worst dihedral", "apart"]
+    table = [titles]
+    for row in rows:
+        cells = [row.part, row.surface, str(row.faces or ""), f"{row.least_angle_deg:.3g}" if row.faces else ""]
+        for name in meshers:
+            volume = row.volumes.get(name)
+            if volume is None:
+                cells += ["", "", ""]
+            elif volume.failure:
+                cells += [volume.failure, "", ""]
+            else:
+                cells += [str(volume.tetrahedra), f"{volume.worst_deg:.3g}", f"{volume.worst_apart_deg:.3g}"]
+        if row.note:
+            cells[4] = row.note
+        table.append([cell.replace("|", "\\|") for cell in cells])
+    widths = [max(len(row[column]) for row in table) for column in range(len(titles))]
+    table.insert(1, ["-" * width for width in widths])
+    for row in table:
+        print("| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |")
+
+
+def parse_arguments(arguments):
+    end = arguments.index("--") if "--" in arguments else len(arguments)
+    parser = argparse.ArgumentParser(
+        description=__doc__,
+        formatter_class=argparse.RawDescriptionHelpFormatter,
+        epilog="What follows -- are the options for remesh; by default: " + " ".join(DEFAULT_REMESH_OPTIONS),
+    )
+    parser.add_argument("paths", nargs="+", metavar="PATH", help="a folder (with those below it), or a mesh file")
+    parser.add_argument("--remesh", default="build/release/remesh", help="the program; by default %(default)s")
+    parser.add_argument("--time-limit", type=float, default=120, metavar="S", help="for each run (%(default)s)")
+    parser.add_argument("--at-least", type=float, default=3, metavar="DEG", help="of the worst dihedral (%(default)s)")
+    parser.add_argument(
+        "--at-most",
+        type=float,
+        default=1.5,
+        metavar="TIMES",
+        help=f"the tetrahedra of the output under {KEPT} to those of the input under {SPLIT} (%(default)s); "
+        f"up to {FEW} always are well",
+    )
+    parser.add_argument("--without-gmsh", action="store_true", help="TetGen only")
+    parsed = parser.parse_args(arguments[:end])
+    parsed.options = arguments[end + 1 :] or DEFAULT_REMESH_OPTIONS
+    program = shutil.which(parsed.remesh)
+    if program is None:
+        parser.error(f"there is no program {parsed.remesh}; --remesh says where it is")
+    parsed.remesh = str(pathlib.Path(program).resolve())
+    for tool in ["tetgen"] + ([] if parsed.without_gmsh else ["gmsh"]):
+        if shutil.which(tool) is None:
+            parser.error(f"{tool} is not installed: it is a package of Debian")
+    parsed.files = []
+    for path in map(pathlib.Path, parsed.paths):
+        found = sorted(p for p in path.rglob("*") if p.is_file()) if path.is_dir() else [path]
+        parsed.files += [p for p in found if surface_files.is_surface_file(p)]
+    if not parsed.files:
+        parser.error("no OBJ, OFF, PLY or STL file there")
+    return parsed
+
+
+def main(arguments):
+    asked = parse_arguments(arguments)
+    signal.signal(signal.SIGTERM, lambda *_: sys.exit(128 + signal.SIGTERM))  # so that a tool that runs ends, too
+    meshers = {name: mesher for name, mesher in MESHERS.items() if name != "gmsh -3" or not asked.without_gmsh}
+    rows, failures = [], []
+    for path in asked.files:
+        say(str(path))
+        before, after = check_part(path, asked.remesh, asked.options, asked.time_limit, meshers)
+        if before.note:
+            say(f"  {before.note}")
+            rows.append(before)
+            continue
+        rows += [before, after]
+        for failure in failures_of(before, after, asked.at_least, asked.at_most):
+            say(f"  FAILED: {failure}")
+            failures.append(f"{path.name}: {failure}")
+    print_table(rows, meshers)
+    print(f"\nremesh {' '.join(asked.options)}: " + (f"{len(failures)} failed" if failures else "all well"))
+    for failure in failures:
+        print(f"- {failure}")
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
