@@ -9,8 +9,9 @@ namespace remesh {
 namespace {
 
 /// No point of a lattice is nearer to the boundary's points than this, in sizes. Smaller, and the rim gets flat
-/// triangles that refinement must mend; larger, and it gets holes that refinement must fill.
-constexpr double kClearance = 0.6;
+/// triangles that refinement must mend; larger, and it gets holes that refinement must fill. From 0.5 to 0.8 counts
+/// differ by 2 %; at 0.8 the tetrahedra behind thin walls had the best dihedral angles.
+constexpr double kClearance = 0.8;
 
 /// Points in square cells, to ask what is near.
 class PointGrid {
