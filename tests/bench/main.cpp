@@ -1,5 +1,6 @@
-/// Prints how the time of triangulating and of remeshing grows with the size of the input, beside CGAL's.
-/// Usage: remesh_bench [max_size [workers]]; sizes are the decades from 10,000 to max_size (1,000,000).
+/// Prints how the time of triangulating and of remeshing grows with the size of the input, beside CGAL's, and what
+/// refinement makes of regions of one size, beside CGAL's, too.
+/// Usage: remesh_bench [--only PART] [max_size [workers]]; sizes are the decades from 10,000 to max_size (1,000,000).
 /// Every time is the median of three runs, in milliseconds; the factor behind it is the growth over one decade.
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_triangulation_2.h>
@@ -7,11 +8,12 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,34 +22,16 @@
 #include "core/stages/delaunay_flips.h"
 #include "core/stages/lexicographic_triangulation.h"
 #include "core/stages/patch_triangulation.h"
+#include "tests/bench/refinement.h"
+#include "tests/bench/timing.h"
 #include "tests/support/polygons.h"
 #include "tests/support/shapes.h"
 
-namespace remesh {
+namespace remesh::bench {
 namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-constexpr int kRuns = 3;
 constexpr int kSweepLimit = 100000;  // on grids it takes minutes above
-
-template <class Work>
-double milliseconds(const Work& work) {
-  const auto start = std::chrono::steady_clock::now();
-  work();
-  return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
-}
-
-double median(std::vector<double> times) {
-  std::sort(times.begin(), times.end());
-  return times[times.size() / 2];
-}
-
-template <class Work>
-double median_milliseconds(const Work& work) {
-  std::vector<double> times;
-  for (int run = 0; run < kRuns; ++run) times.push_back(milliseconds(work));
-  return median(std::move(times));
-}
 
 /// One line per thing that was measured, one column per size.
 class Table {
@@ -76,6 +60,7 @@ class Table {
       }
       std::printf("\n");
     }
+    std::fflush(stdout);
   }
 
  private:
@@ -143,6 +128,8 @@ void measure_polygons(const std::string& title, const std::vector<int>& sizes, p
 
 void measure_surfaces(const std::string& title, const std::vector<int>& sizes, int workers, PolygonMesh (*make)(int)) {
   const RunSettings settings{.workers = workers};
+  Options options;
+  options.refine = false;
   Table table(title, sizes);
   for (const int size : sizes) {
     const PolygonMesh mesh = make(size);
@@ -151,7 +138,7 @@ void measure_surfaces(const std::string& title, const std::vector<int>& sizes, i
     for (int run = 0; run < kRuns; ++run) {
       RunControl control;
       Report report;
-      totals.push_back(milliseconds([&] { report = remesh_surface(mesh, Options{}, settings, control).report; }));
+      totals.push_back(milliseconds([&] { report = remesh_surface(mesh, options, settings, control).report; }));
       for (const StageTime& time : report.timing_ms) {
         auto stage = std::find_if(stages.begin(), stages.end(), [&](const auto& s) { return s.first == time.stage; });
         if (stage == stages.end()) stage = stages.insert(stages.end(), {time.stage, {}});
@@ -185,33 +172,67 @@ PolygonMesh sphere(int size) {
   return shapes::sphere(levels);
 }
 
-void run(int max_size, int workers) {
+struct Part {
+  std::string_view name;
+  std::function<void(const std::vector<int>& sizes, int workers)> run;
+};
+
+const std::vector<Part>& parts() {
+  static const std::vector<Part> all{
+      {"points",
+       [](const std::vector<int>& sizes, int workers) {
+         tbb::task_arena(workers).execute([&] {
+           measure_points("scattered points", sizes, scattered);
+           measure_points("square grid of points", sizes, square_grid);
+           measure_points("points on a circle", sizes, circle);
+         });
+       }},
+      {"polygons",
+       [](const std::vector<int>& sizes, int workers) {
+         tbb::task_arena(workers).execute([&] {
+           measure_polygons("corners of a sieve", sizes, sieve);
+           measure_polygons("corners of a comb", sizes, comb);
+           measure_polygons("corners of a star", sizes, star);
+         });
+       }},
+      {"surfaces",
+       [](const std::vector<int>& sizes, int workers) {
+         measure_surfaces("faces of a box", sizes, workers, box);
+         measure_surfaces("faces of a turned box", sizes, workers, turned_box);
+         measure_surfaces("faces of a sphere", sizes, workers, sphere);
+       }},
+      {"refinement", [](const std::vector<int>&, int) { measure_refinement(); }},
+  };
+  return all;
+}
+
+int usage() {
+  std::fprintf(stderr, "usage: remesh_bench [--only PART] [max_size of at least 10000 [workers]]\nparts:");
+  for (const Part& part : parts()) std::fprintf(stderr, " %s", std::string(part.name).c_str());
+  std::fprintf(stderr, "\n");
+  return 2;
+}
+
+int run(std::vector<std::string> arguments) {
+  std::string only;
+  if (!arguments.empty() && arguments[0] == "--only") {
+    if (arguments.size() < 2) return usage();
+    only = arguments[1];
+    arguments.erase(arguments.begin(), arguments.begin() + 2);
+    if (std::none_of(parts().begin(), parts().end(), [&](const Part& part) { return part.name == only; }))
+      return usage();
+  }
+  const int max_size = arguments.empty() ? 1000000 : std::atoi(arguments[0].c_str());
+  const int workers = arguments.size() < 2 ? 1 : std::atoi(arguments[1].c_str());
+  if (arguments.size() > 2 || max_size < 10000 || max_size > 100000000 || workers < 1) return usage();
   std::vector<int> sizes;
   for (int size = 10000; size <= max_size; size *= 10) sizes.push_back(size);
-
-  tbb::task_arena(workers).execute([&] {
-    measure_points("scattered points", sizes, scattered);
-    measure_points("square grid of points", sizes, square_grid);
-    measure_points("points on a circle", sizes, circle);
-    measure_polygons("corners of a sieve", sizes, sieve);
-    measure_polygons("corners of a comb", sizes, comb);
-    measure_polygons("corners of a star", sizes, star);
-  });
-  measure_surfaces("faces of a box", sizes, workers, box);
-  measure_surfaces("faces of a turned box", sizes, workers, turned_box);
-  measure_surfaces("faces of a sphere", sizes, workers, sphere);
+  for (const Part& part : parts())
+    if (only.empty() || part.name == only) part.run(sizes, workers);
+  return 0;
 }
 
 }  // namespace
-}  // namespace remesh
+}  // namespace remesh::bench
 
-int main(int argc, char** argv) {
-  const int max_size = argc > 1 ? std::atoi(argv[1]) : 1000000;
-  const int workers = argc > 2 ? std::atoi(argv[2]) : 1;
-  if (max_size < 10000 || max_size > 100000000 || workers < 1) {
-    std::fprintf(stderr, "usage: remesh_bench [max_size of at least 10000 [workers]]\n");
-    return 1;
-  }
-  remesh::run(max_size, workers);
-  return 0;
-}
+int main(int argc, char** argv) { return remesh::bench::run({argv + 1, argv + argc}); }

@@ -1,4 +1,3 @@
-/// Refinement beside CGAL's Mesh_2, on the same planar regions and for the same bound.
 #include "tests/bench/refinement.h"
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
@@ -9,36 +8,29 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "core/remesh.h"
 #include "core/stages/patch_triangulation.h"
+#include "tests/bench/timing.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 
-namespace remesh {
+namespace remesh::bench {
 namespace {
 
-/// CGAL's bound: its criterion 0.125 is the squared sine of the angle... of half the ratio's inverse: 20.7 degrees.
+/// CGAL's bound is a squared sine: 20.7 degrees. Ours is a little higher.
 constexpr double kCgalBound = 0.125;
 constexpr double kDegrees = 20.705;
-constexpr int kRuns = 3;
-
-using Clock = std::chrono::steady_clock;
-double seconds_since(Clock::time_point start) { return std::chrono::duration<double>(Clock::now() - start).count(); }
-
-double median(std::vector<double> times) {
-  std::sort(times.begin(), times.end());
-  return times[times.size() / 2];
-}
 
 struct Outcome {
-  double seconds = 0;
+  double ms = 0;  ///< of triangulation and refinement; of three runs the one in the middle
   std::uint64_t triangles = 0;
 };
 
@@ -55,16 +47,13 @@ PolygonMesh mesh_of(const polygons::PatchInput& input) {
   return mesh;
 }
 
-/// Triangulation and refinement of the patch, one thread.
-Outcome refine_ours(const PolygonMesh& mesh) {
-  Options options;
-  options.refine = true;
-  options.min_angle_deg = kDegrees;
+/// One run on one thread.
+Outcome refine_ours(const PolygonMesh& mesh, const Options& options) {
   RunControl control;
   const Result result = remesh_surface(mesh, options, {}, control);
   Outcome outcome;
   for (const StageTime& time : result.report.timing_ms)
-    if (time.stage == Stage::kTriangulation || time.stage == Stage::kRefinement) outcome.seconds += time.ms / 1000;
+    if (time.stage == Stage::kTriangulation || time.stage == Stage::kRefinement) outcome.ms += time.ms;
   outcome.triangles = result.mesh.faces.size();
   return outcome;
 }
@@ -90,14 +79,15 @@ Outcome refine_cgal(const polygons::PatchInput& input, const std::vector<Kernel:
   for (const Vec2 p : input.points) points.emplace_back(p.x, p.y);
   std::vector<std::pair<std::size_t, std::size_t>> edges;
   for (const Segment& edge : input.edges) edges.emplace_back(edge[0], edge[1]);
-  const auto start = Clock::now();
+  Outcome outcome;
   Cdt cdt;
-  cdt.insert_constraints(points.begin(), points.end(), edges.begin(), edges.end());
-  CGAL::Delaunay_mesher_2<Cdt, CGAL::Delaunay_mesh_size_criteria_2<Cdt>> mesher(cdt);
-  mesher.set_seeds(seeds.begin(), seeds.end(), false);
-  mesher.set_criteria(CGAL::Delaunay_mesh_size_criteria_2<Cdt>(kCgalBound, 0));
-  mesher.refine_mesh();
-  Outcome outcome{seconds_since(start), 0};
+  outcome.ms = milliseconds([&] {
+    cdt.insert_constraints(points.begin(), points.end(), edges.begin(), edges.end());
+    CGAL::Delaunay_mesher_2<Cdt, CGAL::Delaunay_mesh_size_criteria_2<Cdt>> mesher(cdt);
+    mesher.set_seeds(seeds.begin(), seeds.end(), false);
+    mesher.set_criteria(CGAL::Delaunay_mesh_size_criteria_2<Cdt>(kCgalBound, 0));
+    mesher.refine_mesh();
+  });
   for (auto f = cdt.finite_faces_begin(); f != cdt.finite_faces_end(); ++f) outcome.triangles += f->is_in_domain();
   return outcome;
 }
@@ -107,19 +97,23 @@ void compare(const char* name, const polygons::Polygon& polygon) {
   const PolygonMesh mesh = mesh_of(input);
   std::vector<Kernel::Point_2> seeds;
   for (const polygons::Loop& hole : polygon.holes) seeds.push_back(point_inside(hole));
-  std::vector<double> ours, theirs;
-  Outcome a, b;
+  Options options;
+  options.min_angle_deg = kDegrees;
+  std::vector<double> times_of_ours, times_of_theirs;
+  Outcome ours, theirs;
   // Alternating, so that both see the same moods of the machine.
   for (int run = 0; run < kRuns; ++run) {
-    a = refine_ours(mesh);
-    b = refine_cgal(input, seeds);
-    ours.push_back(a.seconds);
-    theirs.push_back(b.seconds);
+    ours = refine_ours(mesh, options);
+    theirs = refine_cgal(input, seeds);
+    times_of_ours.push_back(ours.ms);
+    times_of_theirs.push_back(theirs.ms);
   }
+  ours.ms = median(times_of_ours);
+  theirs.ms = median(times_of_theirs);
   std::printf("  %-34s%10zu%12llu%12llu%9.3f%10.3f%10.3f%9.3f\n", name, input.edges.size(),
-              static_cast<unsigned long long>(a.triangles), static_cast<unsigned long long>(b.triangles),
-              static_cast<double>(a.triangles) / static_cast<double>(b.triangles), median(ours), median(theirs),
-              median(ours) / median(theirs));
+              static_cast<unsigned long long>(ours.triangles), static_cast<unsigned long long>(theirs.triangles),
+              static_cast<double>(ours.triangles) / static_cast<double>(theirs.triangles), ours.ms / 1000,
+              theirs.ms / 1000, ours.ms / theirs.ms);
   std::fflush(stdout);
 }
 
@@ -139,7 +133,8 @@ polygons::Polygon plate(int holes_a_side, int corners) {
       for (int k = 0; k < corners; ++k) {
         const double angle = -2 * std::numbers::pi * (k + 0.5) / corners;
         const double x = radius * std::cos(angle);
-        hole.push_back({on_grid(centre.x + x + (x > 0 ? stretch : -stretch)), on_grid(centre.y + radius * std::sin(angle))});
+        hole.push_back(
+            {on_grid(centre.x + x + (x > 0 ? stretch : -stretch)), on_grid(centre.y + radius * std::sin(angle))});
       }
       plate.holes.push_back(std::move(hole));
     }
@@ -174,29 +169,62 @@ polygons::Polygon smooth_star(int corners, int holes_a_side) {
   return star;
 }
 
-void time_tiny_patches() {
-  // The same area in patches of two triangles and in six large ones.
-  const auto per_face = [](const PolygonMesh& mesh, double min_angle_deg) {
-    std::vector<double> times;
-    for (int run = 0; run < kRuns; ++run) {
-      Options options;
-      options.refine = true;
-      options.min_angle_deg = min_angle_deg;
-      RunControl control;
-      const Result result = remesh_surface(mesh, options, {}, control);
-      double ms = 0;
-      for (const StageTime& time : result.report.timing_ms)
-        if (time.stage == Stage::kTriangulation || time.stage == Stage::kRefinement) ms += time.ms;
-      times.push_back(1e6 * ms / static_cast<double>(result.mesh.faces.size()));
-    }
-    return median(times);
+/// nx x ny parallelograms of two triangles, `width` x 1 seen from above, over which the surface goes up and down so
+/// that no two beside each other have one plane: z is a sum of one height a column and one a row.
+PolygonMesh facets(int nx, int ny, double width) {
+  Random random(11);
+  const auto zigzag = [&](int n, double length) {
+    std::vector<double> heights;
+    for (int i = 0; i <= n; ++i) heights.push_back(length * (i % 2 == 0 ? 0.25 : 0) + random.integer(1, 200) * 0x1p-11);
+    return heights;
   };
-  (void)per_face;
+  const std::vector<double> of_column = zigzag(nx, width), of_row = zigzag(ny, 1);
+  PolygonMesh mesh;
+  for (int j = 0; j <= ny; ++j)
+    for (int i = 0; i <= nx; ++i) mesh.positions.push_back({i * width, 1.0 * j, of_column[i] + of_row[j]});
+  const auto vertex = [&](int i, int j) { return VertexId(static_cast<std::uint32_t>(j * (nx + 1) + i)); };
+  for (int j = 0; j < ny; ++j)
+    for (int i = 0; i < nx; ++i)
+      for (const auto& [b, c] :
+           {std::pair(vertex(i + 1, j), vertex(i + 1, j + 1)), std::pair(vertex(i + 1, j + 1), vertex(i, j + 1))}) {
+        for (const VertexId v : {vertex(i, j), b, c}) mesh.corners.push_back(v);
+        mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+      }
+  return mesh;
+}
+
+/// Prints the time per face of the output; returns it, in nanoseconds.
+double time_per_face(const char* name, const PolygonMesh& mesh, const Options& options, double of_large_patch) {
+  std::vector<double> times;
+  Outcome outcome;
+  for (int run = 0; run < kRuns; ++run) {
+    outcome = refine_ours(mesh, options);
+    times.push_back(1e6 * outcome.ms / static_cast<double>(outcome.triangles));
+  }
+  const double time = median(times);
+  std::printf("  %-44s%10zu%12llu%12.0f", name, mesh.face_count(), static_cast<unsigned long long>(outcome.triangles),
+              time);
+  std::printf(of_large_patch > 0 ? "%9.2f\n" : "\n", time / of_large_patch);
+  std::fflush(stdout);
+  return time;
+}
+
+void time_tiny_patches() {
+  std::printf("\ntiny patches beside one large patch, 25 degrees, one core, triangulation and refinement\n");
+  std::printf("  %-44s%10s%12s%12s%9s\n", "surface", "faces in", "faces out", "ns a face", "ratio");
+  const double large = time_per_face("one patch: plate, 2,500 holes of 12 corners",
+                                     mesh_of(polygons::patch_input(plate(50, 12))), {}, 0);
+  Options even;
+  even.max_edge_length = 1.0 / 256;
+  time_per_face("one patch: square, by its largest edge", shapes::sheet(1, 1, 1, 1), even, large);
+  time_per_face("patches of 2 triangles, good as they are", facets(354, 354, 1), {}, large);
+  time_per_face("patches of 2 triangles, 4 times as wide as high", facets(125, 125, 4), {}, large);
+  time_per_face("the same, 250,000 faces in", facets(354, 354, 4), {}, large);
 }
 
 }  // namespace
 
-void bench_refinement() {
+void measure_refinement() {
   std::printf("\nrefinement to 20.7 degrees, one core, seconds with the triangulation (median of %d)\n", kRuns);
   std::printf("  %-34s%10s%12s%12s%9s%10s%10s%9s\n", "region", "edges", "triangles", "of CGAL", "ratio", "seconds",
               "of CGAL", "ratio");
@@ -207,4 +235,4 @@ void bench_refinement() {
   time_tiny_patches();
 }
 
-}  // namespace remesh
+}  // namespace remesh::bench

@@ -1,8 +1,10 @@
+/// Refinement, measured.
 #pragma once
 
-namespace remesh {
+namespace remesh::bench {
 
-/// Prints triangles and times of refinement beside CGAL's Mesh_2.
-void bench_refinement();
+/// Prints triangles and times beside those of CGAL's Mesh_2, on the same planar regions and for the same bound, and the
+/// time per face in patches of two triangles beside that in one large patch.
+void measure_refinement();
 
-}  // namespace remesh
+}  // namespace remesh::bench
