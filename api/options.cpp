@@ -97,8 +97,7 @@ const std::array<OptionSpec, 19> kTable{{
     {.name = "gradation",
      .type = OptionType::kNumber,
      .field = &Options::gradation,
-     .help =
-         "largest factor by which the sizes of neighbouring edges may grow; auto: 1.5 with proximity, else unbounded",
+     .help = "largest factor by which the sizes of neighbouring edges may grow; auto: 1.5 around the gaps of proximity",
      .unset = "auto",
      .minimum = 1,
      .above_minimum = true,
@@ -431,9 +430,7 @@ std::string option_text(const OptionSpec& spec, const RequestOptions& options) {
 RequestOptions with_defaults(RequestOptions options) {
   Options& core = options.core;
   if (!core.refine) return options;
-  const Goals goals = goals_of(core, /*diagonal=*/1);  // lengths stay as they were given
-  if (!core.max_radius_edge_ratio) core.min_angle_deg = goals.min_angle_deg;
-  if (goals.gradation > 0) core.gradation = goals.gradation;
+  if (!core.max_radius_edge_ratio) core.min_angle_deg = goals_of(core, /*diagonal=*/1).min_angle_deg;
   return options;
 }
 

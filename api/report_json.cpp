@@ -340,6 +340,7 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   if (is_remesh) {
     json.key("unrefined");
     write_unrefined(json, report.unrefined);
+    member(json, "refinement_rounds", std::uint64_t{report.refinement_rounds});
     json.key("verified");
     write_verdict(json, report.verified);
   }

@@ -106,7 +106,7 @@ class Run {
     if (is_refined()) predicted_faces_ = static_cast<std::uint64_t>(predict(meshes_, goals_, sizes, control_).expected);
     if (goals_.proximity == 0)
       report_.smallest_gap =
-          GapSearch(surface_, *adjacency_, patches_, report_.plane_tolerance, control_).smallest(control_);
+          GapSearch(surface_, *adjacency_, patches_, report_.plane_tolerance, control_, meshes_).smallest(control_);
     summarise(ladder);
     report_.timing_ms = watch_.finish();
     return std::move(report_);
@@ -317,12 +317,13 @@ class Run {
     if (goals_.proximity == 0 && goals_.gradation == 0) return SizeField(goals_.max_edge_length);
     std::unique_ptr<GapSearch> gaps;
     if (goals_.proximity > 0) {
-      gaps = std::make_unique<GapSearch>(surface_, *adjacency_, patches_, report_.plane_tolerance, control_);
+      gaps = std::make_unique<GapSearch>(surface_, *adjacency_, patches_, report_.plane_tolerance, control_, meshes_);
       report_.smallest_gap = gaps->smallest(control_);
     }
-    // Sizes grow from short segments, too, where that is asked for; else the bound on angles sees to it.
+    // With proximity it is the gaps' sizes that grow; around short segments the bound on angles sees to it. Alone,
+    // gradation is about these.
     std::vector<std::array<VertexId, 2>> segments;
-    if (options_.gradation) segments = segment_ends(meshes_);
+    if (!gaps) segments = segment_ends(meshes_);
     return SizeField(surface_, gaps.get(), segments, goals_, report_.plane_tolerance, control_);
   }
 

@@ -32,18 +32,24 @@ constexpr double kRounding = 0x1p-48;
 /// Room for rounding where a patch is told to be hidden.
 constexpr double kHidden = 1 + 1e-6;
 
-/// At vertices of more patches than this, the smallest gap is not looked for: each would be searched for each.
+/// Where each patch at a vertex is asked for each, vertices of more patches than this are left out.
 constexpr std::size_t kMostPatchesAtCorner = 16;
+/// So many corners of a patch are asked for the smallest gap, evenly spread.
+constexpr std::size_t kMostCornersOfPatch = 64;
 
 /// What is known of all triangles in a node of the tree, if it is the same.
 struct Common {
   PatchId patch;
-  VertexId hub;  ///< the vertex of the patch where the most patches meet
+  VertexId hub;                    ///< see hubs_
+  std::array<PatchId, 2> largest;  ///< joined to it, by their borders
 
   void join(const Common& other) {
     if (patch != other.patch) patch = PatchId();
     if (hub != other.hub) hub = VertexId();
+    for (PatchId& p : largest)
+      if (!other.is_joined_to(p)) p = PatchId();
   }
+  bool is_joined_to(PatchId p) const { return p == largest[0] || p == largest[1]; }
 };
 using TriangleBoxes = BoxTree<Common>;
 
@@ -82,6 +88,9 @@ class JoinedMemory {
   const PatchContacts& contacts_;
   std::array<Answer, 64> answers_;
 };
+
+/// What is looked for: what the patch faces at the place, or also what is beside it.
+enum class What { kFaced, kAll };
 
 /// Where all of a patch is.
 struct Slab {
@@ -145,7 +154,11 @@ class GapSearch::Index {
     find_boxes(control);
   }
 
-  double at(const Vec3& place, PatchId patch, double limit) const;
+  double distance(const Vec3& place, PatchId patch, double limit, What what) const {
+    const double below = limit / surface_.unit;
+    const double found = squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below, what);
+    return std::sqrt(found) * surface_.unit;
+  }
   std::optional<double> smallest(RunControl& control) const;
 
   std::size_t patch_count() const { return triangle_begin_.size() - 1; }
@@ -161,22 +174,32 @@ class GapSearch::Index {
   void find_boxes(RunControl& control);
   void look_at_corners(SharedLeast& least, RunControl& control) const;
   void look_between_triangles(SharedLeast& least, RunControl& control) const;
-  double squared_gap(const Vec3& p, PatchId patch, double below) const;
+  double squared_gap(const Vec3& p, PatchId patch, double below, What what) const;
   bool is_steep(const Vec3& way, PatchId patch) const {
     const double up = dot(way, slabs_[patch].plane.normal);
     return up * up > kSteep * norm_squared(way);
   }
 
-  /// Can any way from p to a place in the box be steep?
-  bool may_be_steep(const Vec3& p, const FloatBox& box, double squared_distance, PatchId patch) const {
-    const Vec3& normal = slabs_[patch].plane.normal;
-    double up = 0, half = 0;  // of the box's centre; of the box
+  /// Can any way from the patch to a place in the box be steep, if none is shorter than that (a square)?
+  bool may_be_steep(PatchId patch, const FloatBox& box, double squared_distance) const {
+    const Slab& slab = slabs_[patch];
+    Vec3 centre, half;
     for (int axis = 0; axis < 3; ++axis) {
-      up += normal[axis] * (0.5 * (double{box.min[axis]} + box.max[axis]) - p[axis]);
-      half += std::fabs(normal[axis]) * 0.5 * (double{box.max[axis]} - box.min[axis]);
+      centre[axis] = 0.5 * (double{box.min[axis]} + box.max[axis]);
+      half[axis] = std::fabs(slab.plane.normal[axis]) * 0.5 * (double{box.max[axis]} - box.min[axis]);
     }
-    const double most = std::fabs(up) + half + kRounding;
-    return most * most > kSteep * squared_distance;
+    const double up = std::fabs(slab.plane.distance(centre)) + half.x + half.y + half.z + slab.half_thickness;
+    return up * up > kSteep * squared_distance;
+  }
+
+  /// Is it at most three times as far to all of the box over the vertex that its patches and this one share?
+  bool is_hidden_by_hub(const TriangleBoxes::Entry& e, const Vec3& p, PatchId patch, double squared_distance) const {
+    if (!e.tag.hub.is_valid() || e.tag.hub != hubs_[patch]) return false;
+    const Vec3& hub = surface_.local[e.tag.hub];
+    Vec3 farthest;
+    for (int axis = 0; axis < 3; ++axis)
+      farthest[axis] = std::max(std::fabs(e.box.min[axis] - hub[axis]), std::fabs(e.box.max[axis] - hub[axis]));
+    return norm(p - hub) + norm(farthest) <= kDetour * std::sqrt(squared_distance);
   }
 
   const Triangle& triangle(std::size_t slot) const { return triangles_[tree_.number(slot)]; }
@@ -191,6 +214,7 @@ class GapSearch::Index {
   std::vector<Triangle> triangles_;            ///< patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< by patch
   IdVector<PatchId, Slab> slabs_;
+  IdVector<PatchId, VertexId> hubs_;  ///< the vertex of the patch where the most patches meet
   TriangleBoxes tree_;
 };
 
@@ -241,9 +265,12 @@ void GapSearch::Index::find_planes(const PatchSet& patches, RunControl& control)
 
 void GapSearch::Index::find_boxes(RunControl& control) {
   std::vector<TriangleBoxes::Entry> entries(triangles_.size());
+  hubs_.resize(patch_count());
   for_blocks(patch_count(), 1024, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      const Common common{PatchId(p), contacts_.busiest_vertex(PatchId(p))};
+      hubs_[PatchId(p)] = contacts_.busiest_vertex(PatchId(p));
+      const Common common{PatchId(p), hubs_[PatchId(p)],
+                          contacts_.largest_neighbours(PatchId(p), kMostPatchesAtCorner)};
       for (std::uint32_t t = triangle_begin_[p]; t < triangle_begin_[p + 1]; ++t) {
         entries[t].tag = common;
         for (const VertexId v : triangles_[t])
@@ -254,14 +281,9 @@ void GapSearch::Index::find_boxes(RunControl& control) {
   tree_ = TriangleBoxes(entries, control);
 }
 
-double GapSearch::Index::at(const Vec3& place, PatchId patch, double limit) const {
-  const double below = limit / surface_.unit;
-  const double found = squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below);
-  return std::sqrt(found) * surface_.unit;
-}
-
 /// In local units; infinity if it is not below that square.
-double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below) const {
+double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what) const {
+  const bool is_all = what == What::kAll;
   double best = below;
   HiddenPatches is_hidden(contacts_, p, patch);
   tree_.search(
@@ -270,7 +292,7 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below)
         const PatchId other = e.tag.patch;
         if (other == patch) return HUGE_VAL;
         double least = squared_distance(e.box, p);
-        if (!may_be_steep(p, e.box, least, patch)) return HUGE_VAL;
+        if (!(is_all || may_be_steep(patch, e.box, least)) || is_hidden_by_hub(e, p, patch, least)) return HUGE_VAL;
         if (!other.is_valid() || least >= best) return least;
         least = std::max(least, std::pow(slabs_[other].distance(p), 2));
         return least < best && is_hidden(other, slabs_[other], least) ? HUGE_VAL : least;
@@ -279,7 +301,8 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below)
         const PatchId other = tree_[slot].tag.patch;
         const Vec3 q = nearest_on_triangle(p, corners(slot));
         const double d = norm_squared(q - p);
-        if (d >= best || d <= touching_squared_ || !is_steep(q - p, patch) || is_hidden(other, slabs_[other], d))
+        if (d >= best || d <= touching_squared_ || !(is_all || is_steep(q - p, patch)) ||
+            is_hidden(other, slabs_[other], d))
           return;
         if (!contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) best = d;
       });
@@ -295,12 +318,14 @@ std::optional<double> GapSearch::Index::smallest(RunControl& control) const {
 }
 
 void GapSearch::Index::look_at_corners(SharedLeast& least, RunControl& control) const {
-  for_blocks(surface_.vertex_count(), 256, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto around = contacts_.patches_at(VertexId(i));
-      if (around.size() < 3 || around.size() > kMostPatchesAtCorner) continue;
-      control.check();
-      for (const PatchId p : around) least.lower(squared_gap(surface_.local[VertexId(i)], p, least.get()));
+  for_blocks(patch_count(), 64, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const std::vector<VertexId> corners = contacts_.corners(PatchId(p), 3, kMostPatchesAtCorner);
+      const std::size_t step = 1 + corners.size() / kMostCornersOfPatch;
+      for (std::size_t i = 0; i < corners.size(); i += step) {
+        control.check();
+        least.lower(squared_gap(surface_.local[corners[i]], PatchId(p), least.get(), What::kFaced));
+      }
     }
   });
 }
@@ -310,7 +335,8 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
     JoinedMemory are_joined(contacts_);
     for (std::size_t slot = begin; slot < end; ++slot) {
       control.check();
-      const auto& [box, mine] = tree_[slot];
+      const FloatBox& box = tree_[slot].box;
+      const Common& mine = tree_[slot].tag;
       const Corners3 here = corners(slot);
       double best = least.get();
       tree_.search(
@@ -318,16 +344,16 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
           [&](const TriangleBoxes::Entry& e) {
             const double least = squared_distance(e.box, box);
             if (least >= best) return least;
-            const bool is_joined = (e.tag.hub.is_valid() && e.tag.hub == mine.hub) ||
+            if (!may_be_steep(mine.patch, e.box, least)) return HUGE_VAL;
+            const bool is_joined = (e.tag.hub.is_valid() && e.tag.hub == mine.hub) || e.tag.is_joined_to(mine.patch) ||
                                    (e.tag.patch.is_valid() && are_joined(mine.patch, e.tag.patch));
             return is_joined ? HUGE_VAL : least;
           },
           [&](std::size_t other) {
-            if (other < slot) return;
             const Vec3 way = shortest_way(here, corners(other));
             const double d = norm_squared(way);
             if (d >= best || d <= touching_squared_) return;
-            if (!is_steep(way, mine.patch) && !is_steep(way, tree_[other].tag.patch)) return;
+            if (!is_steep(way, mine.patch)) return;  // if it is from the other side, it is found from there
             if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
           });
       least.lower(best);
@@ -340,7 +366,12 @@ GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const P
     : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, meshes)) {}
 GapSearch::~GapSearch() = default;
 
-double GapSearch::at(const Vec3& place, PatchId patch, double limit) const { return index_->at(place, patch, limit); }
+double GapSearch::at(const Vec3& place, PatchId patch, double limit) const {
+  return index_->distance(place, patch, limit, What::kFaced);
+}
+double GapSearch::nearest(const Vec3& place, PatchId patch, double limit) const {
+  return index_->distance(place, patch, limit, What::kAll);
+}
 std::optional<double> GapSearch::smallest(RunControl& control) const { return index_->smallest(control); }
 std::size_t GapSearch::patch_count() const { return index_->patch_count(); }
 std::span<const Triangle> GapSearch::triangles_of(PatchId patch) const { return index_->triangles_of(patch); }

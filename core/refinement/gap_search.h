@@ -24,7 +24,8 @@ namespace remesh {
 /// of it. Of each triangle of the other patch its nearest point is the one that is tested: a further one can only count
 /// where the ways are within 6 % of that third. (From there the way through the air grows at a right angle or more, the
 /// way over the surface at most as fast: 3 becomes 8^(1/2) at best.) So two faces that meet at an edge see each other
-/// below 37 degrees, and above 39 degrees never.
+/// below 37 degrees, and above 39 degrees never. Nor is a triangle faced whose nearest point is not: seen aslant, what
+/// is a gap depends on the triangles.
 ///
 /// What is within the plane tolerance touches; there is no gap there. Places on the same patch are never a gap.
 /// Source: REFINEMENT, rule 9.
@@ -41,10 +42,14 @@ class GapSearch {
   /// Cost:   O(log n) and what is nearer than the answer.
   double at(const Vec3& place, PatchId patch, double limit) const;
 
+  /// The same, but for all that would count if it were faced: what another place near this one may face.
+  double nearest(const Vec3& place, PatchId patch, double limit) const;
+
   /// The smallest gap of the whole surface; empty if there is none. Between patches that share no vertex it is exact,
   /// pairs of triangles that touch or cross left out; between those that do, it is looked for at the corners where
-  /// three to sixteen patches meet. (A wedge has no smallest gap, but it has ends.) Holds:  the same for any number of
-  /// threads.
+  /// three to sixteen patches meet, at most some 64 of each patch. (A wedge has no smallest gap, but it has ends.)
+  /// Input:  meshes given to the constructor, or few faces a patch: else it may take as long as n^1.5.
+  /// Holds:  the same for any number of threads.
   std::optional<double> smallest(RunControl& control) const;
 
   /// The triangles that are searched: the same surface for whoever walks over it.

@@ -97,6 +97,34 @@ VertexId PatchContacts::busiest_vertex(PatchId p) const {
   return busiest;
 }
 
+std::vector<VertexId> PatchContacts::corners(PatchId p, std::size_t least_patches, std::size_t most_patches) const {
+  std::vector<VertexId> found;
+  for (const std::uint32_t h : border(p)) {
+    const std::size_t patches = patches_at(adjacency_.from(h)).size();
+    if (patches >= least_patches && patches <= most_patches) found.push_back(adjacency_.from(h));
+  }
+  return found;
+}
+
+std::array<PatchId, 2> PatchContacts::largest_neighbours(PatchId p, std::size_t most_patches) const {
+  std::array<PatchId, 2> largest;
+  const auto is_larger = [&](PatchId q, PatchId than) {
+    if (!than.is_valid() || border(q).size() != border(than).size())
+      return !than.is_valid() || border(q).size() > border(than).size();
+    return q < than;
+  };
+  for (const VertexId v : corners(p, 2, most_patches))
+    for (const PatchId q : patches_at(v)) {
+      if (q == p || q == largest[0] || q == largest[1]) continue;
+      if (is_larger(q, largest[0])) {
+        largest = {q, largest[0]};
+      } else if (is_larger(q, largest[1])) {
+        largest[1] = q;
+      }
+    }
+  return largest;
+}
+
 bool PatchContacts::is_at(VertexId v, PatchId p) const {
   constexpr std::size_t kFew = 8;
   const auto all = patches_at(v);

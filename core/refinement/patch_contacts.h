@@ -1,6 +1,7 @@
 /// Where patches are joined, and how far it is from one to the other over the surface.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -29,6 +30,11 @@ class PatchContacts {
   }
   /// The vertex of p at which the most patches meet; none if p is joined to no other.
   VertexId busiest_vertex(PatchId p) const;
+
+  /// The two patches with the longest borders that are joined to p at vertices of at most so many patches.
+  std::array<PatchId, 2> largest_neighbours(PatchId p, std::size_t most_patches) const;
+  /// The vertices of p's border where so many patches meet, in the order of its faces.
+  std::vector<VertexId> corners(PatchId p, std::size_t least_patches, std::size_t most_patches) const;
 
   /// Do they share a vertex?
   bool are_joined(PatchId p, PatchId q) const;

@@ -20,6 +20,9 @@ constexpr double kFloorTolerances = 10;
 /// A cell reaches at most this part of the gap in its middle. Smaller, and there are more samples than faces to come;
 /// larger, and a gap that shrinks towards the cell's end is seen too late.
 constexpr double kReach = 0.5;
+/// Of the box's diagonal. Larger cells are cut also where only what is beside their middle is near: another place of
+/// theirs may face it. For smaller ones that would cost as many cells as a curved surface has facets' widths.
+constexpr double kCoarse = 0x1p-6;
 /// Sizes between samples where no gradation is asked for: a gap grows by no more than the way from it.
 constexpr double kNaturalSlope = 1;
 /// A segment's samples. One box about a segment askew to the axes reaches far beside it.
@@ -76,6 +79,7 @@ class SizeField::Sampler {
     floor_ = std::max({goals.min_edge_length / surface.unit, kFloor * box_.diagonal(),
                        kFloorTolerances * plane_tolerance / surface.unit});
     largest_ = goals.max_edge_length / surface.unit;
+    coarse_ = kCoarse * box_.diagonal();
   }
 
   void sample_gaps(const GapSearch& gaps);
@@ -115,6 +119,7 @@ class SizeField::Sampler {
   double proximity_;
   double floor_;
   double largest_;
+  double coarse_;
   std::vector<Samples::Entry> samples_;
 };
 
@@ -145,18 +150,24 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   const double reach = std::sqrt(squared_reach);
 
   // Beyond that, no place of the cell has a gap that asks for less than the largest size.
-  const double limit = proximity_ * largest_ + reach;
-  const double gap =
-      gaps.at(surface_.centre + surface_.unit * middle, cell.patch, limit * surface_.unit) / surface_.unit;
-  if (gap == HUGE_VAL) return;
-  if (may_cut && reach > kReach * std::max(gap, std::max(proximity_, 1.0) * floor_)) {
+  const double limit = (proximity_ * largest_ + reach) * surface_.unit;
+  const Vec3 place = surface_.centre + surface_.unit * middle;
+  const double gap = gaps.at(place, cell.patch, limit) / surface_.unit;
+  const auto is_too_large_for = [&](double distance) {
+    return distance < HUGE_VAL && reach > kReach * std::max(distance, std::max(proximity_, 1.0) * floor_);
+  };
+  // What the middle does not face, another place of the cell may.
+  if (may_cut && (is_too_large_for(gap) ||
+                  (reach > coarse_ && is_too_large_for(gaps.nearest(place, cell.patch, limit) / surface_.unit)))) {
     cut(gaps, cell, box, out.cells);
-  } else if (std::max(gap / proximity_, floor_) < largest_) {
-    FloatBox whole;
-    whole.add(box.min);
-    whole.add(box.max);
-    add(whole, gap / proximity_, out.samples);
+    return;
   }
+  const double size = std::max(gap / proximity_, floor_);
+  if (size >= largest_ || size == HUGE_VAL) return;
+  FloatBox whole;
+  whole.add(box.min);
+  whole.add(box.max);
+  add(whole, size, out.samples);
 }
 
 /// `box` is about what the cell really holds.

@@ -21,6 +21,7 @@
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 #include "tests/support/triangulation_checks.h"
+#include "tests/support/unrefined_options.h"
 
 namespace remesh {
 namespace {
@@ -167,7 +168,7 @@ Loop bridged(const Polygon& polygon) {
 
 Segment undirected(std::uint32_t a, std::uint32_t b) { return {std::min(a, b), std::max(a, b)}; }
 
-Result remeshed(const PolygonMesh& mesh, const Options& options = {}) {
+Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined()) {
   RunControl control;
   return remesh_surface(mesh, options, RunSettings{}, control);
 }
@@ -416,7 +417,7 @@ TEST(random_surfaces, noise_around_the_tolerance_never_breaks_the_result) {
       for (char& cell : row) cell = random.chance(0.6) ? '#' : '.';
     rows[2][2] = '#';
     PolygonMesh mesh = shapes::blocks({rows.begin(), rows.end()}, random.integer(1, 4));
-    Options options;
+    Options options = unrefined();
     options.plane_tolerance = std::pow(10, random.uniform(-5, -0.7));
     const double noise = *options.plane_tolerance * std::pow(10, random.uniform(-1.5, 1));
     for (Vec3& p : mesh.positions) {

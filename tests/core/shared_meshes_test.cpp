@@ -14,6 +14,8 @@
 
 #include "core/io/obj.h"
 #include "core/remesh.h"
+#include "tests/support/refined_checks.h"
+#include "tests/support/unrefined_options.h"
 
 namespace remesh {
 namespace {
@@ -93,7 +95,7 @@ TEST_F(SharedMeshes, every_obj_with_faces_comes_back_verified_and_as_closed_as_i
     if (fact.at("faces") == "0") continue;
     RunControl control;
     try {
-      const Result result = remesh_surface(read(name), Options{}, RunSettings{2, false}, control);
+      const Result result = remesh_surface(read(name), unrefined(), RunSettings{2, false}, control);
       EXPECT_TRUE(result.report.verified.all_true());
       if (result.report.input.closed) {
         EXPECT_TRUE(result.report.output.closed);
@@ -125,7 +127,7 @@ TEST_F(SharedMeshes, the_listing_of_section_1_1_and_its_cut_and_turned_versions_
                            "seed/TestSurface3_multiface_rotated.obj"}) {
     SCOPED_TRACE(name);
     RunControl control;
-    const Result result = remesh_surface(read(name), Options{}, RunSettings{}, control);
+    const Result result = remesh_surface(read(name), unrefined(), RunSettings{}, control);
     ASSERT_EQ(result.report.patches.size(), 1u);
     EXPECT_EQ(result.report.patches[0].loops, 2u);
     EXPECT_EQ(result.report.patches[0].essential_vertices, 8u);
@@ -137,10 +139,67 @@ TEST_F(SharedMeshes, the_listing_of_section_1_1_and_its_cut_and_turned_versions_
 
 TEST_F(SharedMeshes, the_square_cut_into_686_faces_is_two_triangles_again) {
   RunControl control;
-  const Result result = remesh_surface(read("seed/TriangleMesh2x2Cuts.obj"), Options{}, RunSettings{}, control);
+  const Result result = remesh_surface(read("seed/TriangleMesh2x2Cuts.obj"), unrefined(), RunSettings{}, control);
   EXPECT_EQ(result.mesh.positions.size(), 4u);
   EXPECT_EQ(result.mesh.faces.size(), 2u);
   EXPECT_EQ(result.report.output.area, 4);
+}
+
+class RefinedSharedMeshes : public SharedMeshes, public testing::WithParamInterface<double> {};
+
+TEST_P(RefinedSharedMeshes, every_manifold_obj_ends_verified_and_lists_what_is_left) {
+  constexpr std::uint64_t kLargestInput = 200'000;
+  const auto facts = read_facts();
+  Options options;
+  options.min_angle_deg = GetParam();
+  options.max_output_faces = 500'000;
+  int tested = 0;
+  for (const std::string& name : obj_files()) {
+    SCOPED_TRACE(name);
+    const Facts& fact = facts.at(name);
+    const std::uint64_t faces = std::stoull(fact.at("faces"));
+    if (faces == 0 || faces > kLargestInput || fact.at("nonmanifold_edges") != "0") continue;
+    RunControl control;
+    try {
+      const Result result = remesh_surface(read(name), options, RunSettings{2, false}, control);
+      EXPECT_TRUE(result.report.verified.all_true());
+      EXPECT_EQ(result.report.output.closed, result.report.input.closed);
+      EXPECT_LE(result.mesh.faces.size(), *options.max_output_faces);
+      const Bounds bounds = bounds_of(options);
+      EXPECT_LE(faces_beyond(result.mesh, bounds, 1e-8).size(), listed(result.report));
+      EXPECT_GE(faces_beyond(result.mesh, bounds, -1e-8).size(), listed(result.report));
+      EXPECT_EQ(listed(result.report, UnrefinedReason::kBoundaryLocked), 0u) << listed_in_words(result.report);
+      EXPECT_EQ(listed(result.report, UnrefinedReason::kMinEdgeLength), 0u) << listed_in_words(result.report);
+      if (GetParam() <= 25 && !name.starts_with("polygons/")) {
+        EXPECT_EQ(listed(result.report, UnrefinedReason::kSizeFloor), 0u) << listed_in_words(result.report);
+      }
+      if (GetParam() <= 25) {
+        EXPECT_EQ(listed(result.report, UnrefinedReason::kBudget), 0u) << listed_in_words(result.report);
+      }
+      ++tested;
+    } catch (const Error& error) {
+      ADD_FAILURE() << code_name(error.code) << ": " << error.what();
+    }
+  }
+  EXPECT_GE(tested, 20);
+}
+
+INSTANTIATE_TEST_SUITE_P(, RefinedSharedMeshes, testing::Values(25.0, 30.0, 33.0),
+                         [](const auto& info) { return "at_" + std::to_string(static_cast<int>(info.param)); });
+
+TEST_F(SharedMeshes, the_reference_square_is_refined_as_well_with_fewer_triangles_than_its_reference) {
+  // TestSurface5_simplices_MESHED.obj: 827 triangles, no edge above 0.599, no angle below 28.58 degrees.
+  Options options;
+  options.max_edge_length = 0.599;
+  options.min_angle_deg = 28.58;
+  const PolygonMesh mesh = read("seed/TestSurface5_simplices.obj");
+  RunControl control;
+  const Result result = remesh_surface(mesh, options, RunSettings{}, control);
+  expect_promises(mesh, options, result, 1e-7);  // its coordinates are rounded
+  EXPECT_LT(result.mesh.faces.size(), 827u);
+  EXPECT_LE(longest_edge(result.mesh), 0.599 * (1 + 1e-9));
+  EXPECT_GE(smallest_angle_deg(result.mesh), 28.58);
+  EXPECT_EQ(listed(result.report), 0u);
 }
 
 }  // namespace

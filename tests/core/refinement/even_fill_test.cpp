@@ -25,7 +25,7 @@ Region region(const polygons::Polygon& polygon, const PlaneSizes& sizes) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const Vec2 a = loop[i], b = loop[(i + 1) % loop.size()];
       const double size = std::min(sizes.at(a), sizes.at(b));
-      const int n = static_cast<int>(std::ceil(norm(b - a) / size * (1 - 1e-12)));
+      const int n = static_cast<int>(std::ceil(norm(b - a) / size * (1 - 1e-11)));
       for (int k = 0; k < n; ++k) pieces.push_back(a + (static_cast<double>(k) / n) * (b - a));
     }
     return pieces;
@@ -122,10 +122,13 @@ TEST(even_fill, it_scales_by_powers_of_two) {
 
 TEST(even_fill, a_side_that_is_a_whole_number_of_sizes_has_that_many_whatever_its_length) {
   const std::size_t expected = fill(region(square(), uniform(0.1)), uniform(0.1)).size();
-  for (const double side : {3.0, 3.7, 0.3, 7.1, 1e-3, 123.0}) {
-    const polygons::Polygon other{{{0, 0}, {side, 0}, {side, side}, {0, side}}, {}};
-    EXPECT_EQ(fill(region(other, uniform(0.1 * side)), uniform(0.1 * side)).size(), expected) << side;
-  }
+  for (const double length : {3.0, 3.7, 0.3, 7.1, 1e-3, 123.0})
+    for (const double hair : {1.0, 1 - 1e-12, 1 + 1e-12}) {  // what rounding to the patch's grid may do
+      const double side = hair * length;
+      const PlaneSizes sizes = uniform(0.1 * length);
+      const polygons::Polygon other{{{0, 0}, {side, 0}, {side, side}, {0, side}}, {}};
+      EXPECT_EQ(fill(region(other, sizes), sizes).size(), expected) << side;
+    }
 }
 
 TEST(even_fill, more_points_than_allowed_are_none) {

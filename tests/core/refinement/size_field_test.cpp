@@ -99,6 +99,19 @@ TEST(size_field, between_plates_it_is_the_gap_over_the_proximity_and_grows_away_
     }
 }
 
+TEST(size_field, plates_that_overlap_in_a_corner_are_seen_there) {
+  // The middle of neither faces the other one, and a wall farther off is faced by both.
+  for (const double wall : {20.0, 5.0}) {
+    const Scene scene(
+        shapes::joined(shapes::joined(shapes::sheet(4, 4, 1, 1), shapes::moved(shapes::sheet(4, 4, 1, 1), {3, 3, 0.1})),
+                       shapes::moved(shapes::sheet(20, 20, 1, 1), {-5, -5, -wall})),
+        goals(1, 1.5));
+    EXPECT_NEAR(scene.sizes.at({3.5, 3.5, 0}), 0.1, kSingle);
+    EXPECT_NEAR(scene.sizes.at({3.5, 3.5, 0.1}), 0.1, kSingle);
+    EXPECT_GT(scene.sizes.at({1, 1, 0}), 0.5);
+  }
+}
+
 TEST(size_field, samples_are_as_many_as_faces_of_that_size_whatever_the_input_faces_are) {
   // 4 x 4 at a size of 1/4: two plates, 4^2 / (1/4)^2 = 256 squares each. Cells are halved, so there may be four in
   // one, and a few segments.
@@ -114,8 +127,8 @@ TEST(size_field, sizes_are_at_least_the_floor_and_at_most_the_largest_edge) {
   const double diagonal = std::sqrt(32 + 1e-8);
   const PolygonMesh close =
       shapes::joined(shapes::sheet(4, 4, 3, 3), shapes::moved(shapes::sheet(0.0625, 0.0625, 1, 1), {1, 1, 1e-4}));
-  EXPECT_NEAR(Scene(close, goals(1, 1.5)).sizes.at({1.03, 1.04, 0}), diagonal / 4096, kSingle * 1e-3);
-  EXPECT_NEAR(Scene(close, goals(0.0625, 1.5)).sizes.at({1.03, 1.04, 0}), 1.6e-3, kSingle * 1e-3);
+  EXPECT_NEAR(Scene(close, goals(1, 1.5)).sizes.at({1.03, 1.04, 0}), diagonal / 2048, kSingle * 1e-3);
+  EXPECT_NEAR(Scene(close, goals(0.03125, 1.5)).sizes.at({1.03, 1.04, 0}), 3.2e-3, kSingle * 1e-2);
   EXPECT_NEAR(Scene(plates(1e-2), goals(1, 1.5), 0.003).sizes.at({1, 1, 0}), 0.03, kSingle);
   Goals g = goals(1, 1.5);
   g.min_edge_length = 0.5;

@@ -1,0 +1,287 @@
+#include "core/refinement/patch_refiner.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+
+#include "tests/support/polygons.h"
+#include "tests/support/shapes.h"
+#include "tests/support/solids.h"
+#include "tests/support/stage_chain.h"
+#include "tests/support/triangulation_checks.h"
+
+namespace remesh {
+namespace {
+
+constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
+
+Options with_angle(double degrees) {
+  Options options;
+  options.min_angle_deg = degrees;
+  return options;
+}
+
+/// The first patch of a surface, ready to be refined alone.
+struct Subject {
+  explicit Subject(const PolygonMesh& mesh, const Options& options = {})
+      : chain(mesh),
+        goals(goals_of(options, 1)),
+        sizes(goals.max_edge_length),
+        criteria(goals, sizes),
+        table(chain.surface, chain.meshes, std::vector<std::uint8_t>(chain.meshes.size(), 0), sizes, goals,
+              chain.control),
+        cuts(table.size()) {
+    for (std::uint32_t s = 0; s < table.size(); ++s) cuts[SegmentId(s)] = table.size_cuts(SegmentId(s), sizes);
+  }
+
+  PatchRefiner refiner(std::uint64_t quota = kNoLimit) {
+    return PatchRefiner(chain.meshes[0], PatchId(0), table, criteria, cuts, quota, chain.control);
+  }
+  PatchRefiner::Refined run() {
+    PatchRefiner refiner = this->refiner();
+    refiner.run(kNoLimit, chain.control);
+    EXPECT_TRUE(refiner.is_done());
+    EXPECT_FALSE(refiner.impossible().is_valid());
+    return refiner.finish();
+  }
+
+  StageChain chain;
+  Goals goals;
+  SizeField sizes;
+  Criteria criteria;
+  SegmentTable table;
+  IdVector<SegmentId, std::vector<double>> cuts;
+};
+
+struct Measures {
+  double smallest_angle_deg = 180, longest = 0, area = 0;
+};
+
+Measures measure(const PatchMesh& patch) {
+  Measures m;
+  for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+    const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
+    m.smallest_angle_deg =
+        std::min(m.smallest_angle_deg, std::atan2(cross(b - a, c - a), dot(b - a, c - a)) * 180 / std::numbers::pi);
+    m.longest = std::max(m.longest, norm(b - a) * patch.frame.scale);
+    m.area += cross(b - a, c - a) / 6 * patch.frame.scale * patch.frame.scale;
+  }
+  return m;
+}
+
+/// A valid constrained Delaunay triangulation whose new vertices are where their cuts say; nothing has been lost.
+void expect_sound(const Subject& subject, const PatchRefiner::Refined& refined) {
+  const PatchMesh& patch = refined.patch;
+  ASSERT_EQ(patch.uv.size(), patch.vertices.size());
+  ASSERT_EQ(refined.cuts.size(), patch.vertices.size());
+  ASSERT_EQ(refined.reason.size(), patch.mesh.triangle_count());
+  expect_valid(patch.uv, patch.mesh);
+  expect_locally_delaunay(patch.uv, patch.mesh);
+  EXPECT_NEAR(measure(patch).area / measure(subject.chain.meshes[0]).area, 1, 1e-11);
+  std::size_t corners = 0;
+  const auto& first = subject.chain.meshes[0].frame;
+  for (std::size_t v = 0; v < patch.vertices.size(); ++v) {
+    if (patch.vertices[v].is_valid()) {
+      ++corners;
+      EXPECT_FALSE(refined.cuts[v].segment.is_valid());
+    } else if (refined.cuts[v].segment.is_valid()) {
+      const Vec3 p = subject.table.position(refined.cuts[v].segment, refined.cuts[v].t);
+      const Vec3 on_plane =
+          first.origin + (first.scale * patch.uv[v].x) * first.x_axis + (first.scale * patch.uv[v].y) * first.y_axis;
+      EXPECT_LT(norm(p - on_plane), 1e-11 * first.scale);
+    }
+  }
+  EXPECT_EQ(corners, subject.chain.meshes[0].vertices.size());
+}
+
+TEST(patch_refiner, every_angle_meets_the_bound_where_the_input_has_no_smaller_one) {
+  for (const double degrees : {10.0, 20.7, 25.0, 30.0, 33.0})
+    for (const auto& polygon : {polygons::Polygon{{{0, 0}, {20, 0}, {20, 1}, {0, 1}}, {}}, polygons::l_shape(),
+                                polygons::sieve(3), polygons::comb(4, 3), polygons::rectilinear_with_holes(5, 6)}) {
+      Subject subject(solids::region(polygon), with_angle(degrees));
+      const PatchRefiner::Refined refined = subject.run();
+      expect_sound(subject, refined);
+      EXPECT_GE(measure(refined.patch).smallest_angle_deg, degrees);
+    }
+}
+
+TEST(patch_refiner, at_a_small_input_angle_what_misses_the_bound_has_an_excuse) {
+  for (const double tip : {1.0, 10.0, 24.0}) {
+    const double angle = tip * std::numbers::pi / 180;
+    Subject subject(shapes::polygon({{0, 0}, {7, 0}, {7 * std::cos(angle), 7 * std::sin(angle) + 0.5}}),
+                    with_angle(30));
+    const PatchRefiner::Refined refined = subject.run();
+    expect_sound(subject, refined);
+    std::map<UnrefinedReason, int> missed;
+    const PatchMesh& patch = refined.patch;
+    for (std::uint32_t t = 0; t < patch.mesh.triangle_count(); ++t)
+      for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
+        const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
+        if (std::atan2(cross(b - a, c - a), dot(b - a, c - a)) < 30 * std::numbers::pi / 180)
+          ++missed[refined.reason[t]];
+      }
+    EXPECT_EQ(missed[UnrefinedReason::kInputAngle], 1);
+    missed.erase(UnrefinedReason::kInputAngle);
+    missed.erase(UnrefinedReason::kAcrossInputAngle);
+    EXPECT_TRUE(missed.empty());
+  }
+}
+
+TEST(patch_refiner, no_edge_and_no_area_is_above_its_bound) {
+  for (const double length : {0.5, 0.2, 0.07}) {
+    Options options;
+    options.max_edge_length = length;
+    Subject subject(solids::region(polygons::l_shape()), options);
+    const PatchRefiner::Refined refined = subject.run();
+    expect_sound(subject, refined);
+    EXPECT_LE(measure(refined.patch).longest, length * (1 + 1e-9));
+    EXPECT_GE(measure(refined.patch).smallest_angle_deg, 25);
+  }
+  Options options;
+  options.max_area = 0.01;
+  Subject subject(solids::region(polygons::l_shape()), options);
+  const PatchRefiner::Refined refined = subject.run();
+  for (std::uint32_t h = 0; h < refined.patch.mesh.half_edge_count(); h += 3) {
+    const PatchMesh& patch = refined.patch;
+    const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
+    EXPECT_LE(cross(b - a, c - a) / 2 * patch.frame.scale * patch.frame.scale, 0.01 * (1 + 1e-9));
+  }
+}
+
+TEST(patch_refiner, has_work_is_false_only_where_nothing_would_change) {
+  const auto has_work = [](const PolygonMesh& mesh, const Options& options) {
+    const Subject subject(mesh, options);
+    return PatchRefiner::has_work(subject.chain.meshes[0], subject.criteria);
+  };
+  const PolygonMesh square = shapes::sheet(1, 1, 1, 1), strip = shapes::sheet(10, 1, 1, 1);
+  EXPECT_FALSE(has_work(square, with_angle(30)));
+  EXPECT_TRUE(has_work(strip, with_angle(30)));
+  Options size;
+  size.max_edge_length = 2;
+  EXPECT_FALSE(has_work(square, size));
+  size.max_edge_length = 1;
+  EXPECT_TRUE(has_work(square, size)) << "the diagonal";
+  Options area;
+  area.max_area = 0.5;
+  EXPECT_FALSE(has_work(square, area));
+  area.max_area = 0.49;
+  EXPECT_TRUE(has_work(square, area));
+}
+
+TEST(patch_refiner, its_own_cuts_are_told_once_and_are_all_there_are) {
+  Subject subject(shapes::sheet(10, 1, 1, 1), with_angle(30));
+  PatchRefiner refiner = subject.refiner();
+  refiner.run(kNoLimit, subject.chain.control);
+  std::vector<Cut> own = refiner.take_own_cuts();
+  EXPECT_TRUE(refiner.take_own_cuts().empty());
+  std::sort(own.begin(), own.end());
+  std::vector<Cut> in_result;
+  for (const Cut& cut : refiner.finish().cuts)
+    if (cut.segment.is_valid()) in_result.push_back(cut);
+  std::sort(in_result.begin(), in_result.end());
+  EXPECT_GT(own.size(), 10u);
+  EXPECT_EQ(own, in_result);
+}
+
+TEST(patch_refiner, cuts_of_others_are_taken_over_each_once) {
+  Subject subject(shapes::sheet(4, 1, 1, 1), with_angle(20));
+  PatchRefiner refiner = subject.refiner();
+  const std::vector<double> some{0.25, 0.5}, all{0.125, 0.25, 0.5, 0.75};
+  for (const auto& cuts : {some, all, all}) refiner.take_over(SegmentId(0), cuts);
+  EXPECT_TRUE(refiner.take_own_cuts().empty()) << "what others cut is not told again";
+  refiner.run(0, subject.chain.control);
+  const PatchRefiner::Refined refined = refiner.finish();
+  expect_sound(subject, refined);
+  std::vector<double> found;
+  for (const Cut& cut : refined.cuts)
+    if (cut.segment == SegmentId(0)) found.push_back(cut.t);
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, all);
+}
+
+TEST(patch_refiner, the_cuts_of_two_patches_are_of_one_tree) {
+  // Whatever two patches ask for first, their cuts fit together: taken over by either, both end alike.
+  Subject subject(shapes::box({10, 1, 0.3}), with_angle(30));
+  std::vector<std::vector<Cut>> own;
+  for (std::uint32_t p = 0; p < 6; ++p) {
+    PatchRefiner refiner(subject.chain.meshes[p], PatchId(p), subject.table, subject.criteria, subject.cuts, kNoLimit,
+                         subject.chain.control);
+    refiner.run(kNoLimit, subject.chain.control);
+    own.push_back(refiner.take_own_cuts());
+  }
+  for (std::uint32_t s = 0; s < subject.table.size(); ++s) {
+    std::vector<double> cuts;
+    for (const auto& list : own)
+      for (const Cut& cut : list)
+        if (cut.segment == SegmentId(s)) cuts.push_back(cut.t);
+    std::sort(cuts.begin(), cuts.end());
+    cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
+    // A tree: each piece's parent was cut at one place only, so pieces are halves of halves.
+    double shortest = 1, last = 0;
+    cuts.push_back(1);
+    for (const double t : cuts) {
+      shortest = std::min(shortest, t - last);
+      last = t;
+    }
+    EXPECT_GE(shortest * subject.table[SegmentId(s)].length, subject.table[SegmentId(s)].floor);
+  }
+}
+
+TEST(patch_refiner, it_stops_at_its_quota_and_goes_on_from_there) {
+  Subject subject(shapes::sheet(100, 1, 1, 1), with_angle(30));
+  PatchRefiner refiner = subject.refiner();
+  const std::uint32_t before = refiner.triangle_count();
+  refiner.run(50, subject.chain.control);
+  EXPECT_FALSE(refiner.is_done());
+  EXPECT_GT(refiner.triangle_count(), before);
+  EXPECT_LE(refiner.triangle_count(), before + 50);
+  const PatchRefiner::Refined half = refiner.finish();
+  expect_sound(subject, half);
+  EXPECT_NE(std::count(half.reason.begin(), half.reason.end(), UnrefinedReason::kBudget), 0);
+  refiner.run(kNoLimit, subject.chain.control);
+  EXPECT_TRUE(refiner.is_done());
+  EXPECT_GE(measure(refiner.finish().patch).smallest_angle_deg, 30);
+}
+
+TEST(patch_refiner, boundaries_that_are_locked_get_no_vertex) {
+  Options options = with_angle(30);
+  options.split_boundaries = false;
+  Subject subject(shapes::sheet(10, 1, 1, 1), options);
+  const PatchRefiner::Refined refined = subject.run();
+  expect_sound(subject, refined);
+  for (const Cut& cut : refined.cuts) EXPECT_FALSE(cut.segment.is_valid());
+  EXPECT_NE(std::count(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBoundaryLocked), 0);
+}
+
+TEST(patch_refiner, a_point_is_inserted_where_there_is_room) {
+  Subject subject(shapes::sheet(1, 1, 1, 1), with_angle(0));
+  PatchRefiner refiner = subject.refiner();
+  const std::uint32_t before = refiner.triangle_count();
+  const auto& uv = subject.chain.meshes[0].uv;
+  Vec2 middle;
+  for (const Vec2 p : uv) middle = middle + (1.0 / static_cast<double>(uv.size())) * p;
+  refiner.insert_point(middle);
+  EXPECT_EQ(refiner.triangle_count(), before + 2);
+  refiner.insert_point(middle);
+  refiner.insert_point(uv[0]);
+  EXPECT_EQ(refiner.triangle_count(), before + 2);
+}
+
+TEST(patch_refiner, it_can_be_stopped) {
+  Options options;
+  options.max_edge_length = 0.005;
+  Subject subject(shapes::sheet(1, 1, 1, 1), options);
+  RunControl control;
+  control.cancel();
+  EXPECT_THROW(PatchRefiner(subject.chain.meshes[0], PatchId(0), subject.table, subject.criteria, subject.cuts,
+                            kNoLimit, control)
+                   .run(kNoLimit, control),
+               Error);
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,358 @@
+#include "core/refinement/segment_table.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+#include "tests/support/shapes.h"
+#include "tests/support/solids.h"
+#include "tests/support/stage_chain.h"
+
+namespace remesh {
+namespace {
+
+constexpr double kNoSize = std::numeric_limits<double>::infinity();
+
+Goals goals(double min_edge_length = 0) {
+  Options options;
+  if (min_edge_length > 0) options.min_edge_length = min_edge_length;
+  return goals_of(options, 1);
+}
+
+/// The segments of a surface and what they were made from.
+struct Subject {
+  explicit Subject(const PolygonMesh& mesh, const Goals& goals = remesh::goals_of({}, 1), double size = kNoSize)
+      : chain(mesh), sizes(size), frozen(chain.meshes.size(), 0), table(make(goals)) {}
+
+  SegmentTable make(const Goals& goals) {
+    return SegmentTable(chain.surface, chain.meshes, frozen, sizes, goals, chain.control);
+  }
+  SegmentId between(const Vec3& a, const Vec3& b) const {
+    for (std::uint32_t s = 0; s < table.size(); ++s) {
+      const std::set<VertexId> ends{table[SegmentId(s)].from, table[SegmentId(s)].to};
+      if (ends == std::set<VertexId>{chain.at(a), chain.at(b)}) return SegmentId(s);
+    }
+    ADD_FAILURE() << "no segment there";
+    return SegmentId(0);
+  }
+  /// How far from that end the piece next to it is cut, if only there is a cut: on the whole segment at first, then on
+  /// what is left at that end.
+  std::vector<double> shells_at(const Vec3& end, SegmentId s) const {
+    std::vector<double> shells;
+    const bool is_from = table[s].from == chain.at(end);
+    for (double t = is_from ? 1 : 0;;) {
+      const auto cut = is_from ? table.cut(s, 0, t) : table.cut(s, t, 1);
+      if (!cut) return shells;
+      t = *cut;
+      shells.push_back((is_from ? t : 1 - t) * table[s].length);
+    }
+  }
+
+  StageChain chain;
+  SizeField sizes;
+  std::vector<std::uint8_t> frozen;
+  SegmentTable table;
+};
+
+/// All places at which a segment can ever be cut, ascending, as long as the pieces stay longer than `least`.
+std::vector<double> all_cuts(const SegmentTable& table, SegmentId s, double least = 0) {
+  std::vector<double> places;
+  std::vector<std::pair<double, double>> pieces{{0, 1}};
+  while (!pieces.empty()) {
+    const auto [t0, t1] = pieces.back();
+    pieces.pop_back();
+    if ((t1 - t0) * table[s].length < least) continue;
+    const auto cut = table.cut(s, t0, t1);
+    if (!cut) continue;
+    EXPECT_GT(*cut, t0);
+    EXPECT_LT(*cut, t1);
+    places.push_back(*cut);
+    pieces.push_back({t0, *cut});
+    pieces.push_back({*cut, t1});
+  }
+  std::sort(places.begin(), places.end());
+  return places;
+}
+
+double shortest_piece(const std::vector<double>& cuts, double length) {
+  double shortest = length, last = 0;
+  for (const double t : cuts) {
+    shortest = std::min(shortest, (t - last) * length);
+    last = t;
+  }
+  return std::min(shortest, (1 - last) * length);
+}
+
+PolygonMesh triangle(double degrees, double first, double second) {
+  const double angle = degrees * std::numbers::pi / 180;
+  return shapes::polygon({{0, 0}, {first, 0}, {second * std::cos(angle), second * std::sin(angle)}});
+}
+
+TEST(segment_table, a_box_has_twelve_segments_of_two_sides_each) {
+  const Subject subject(shapes::box({1, 2, 3}, 2));
+  ASSERT_EQ(subject.table.size(), 12u);
+  EXPECT_EQ(subject.table.all_sides().size(), 24u);
+  std::multiset<double> lengths;
+  for (std::uint32_t s = 0; s < 12; ++s) {
+    const BoundarySegment& segment = subject.table[SegmentId(s)];
+    lengths.insert(segment.length);
+    EXPECT_LT(subject.chain.surface.positions[segment.from], subject.chain.surface.positions[segment.to]);
+    EXPECT_EQ(segment.shell_base[0], 0) << "right angles need no shells";
+    EXPECT_EQ(segment.shell_base[1], 0);
+    EXPECT_FALSE(segment.is_locked);
+    const auto sides = subject.table.sides(SegmentId(s));
+    ASSERT_EQ(sides.size(), 2u);
+    EXPECT_LT(sides[0].patch, sides[1].patch);
+    for (const SegmentSide& side : sides) {
+      const PatchMesh& patch = subject.chain.meshes[side.patch.value];
+      const std::set<VertexId> ends{patch.vertices[patch.mesh.from(side.half_edge)],
+                                    patch.vertices[patch.mesh.to(side.half_edge)]};
+      EXPECT_EQ(ends, (std::set<VertexId>{segment.from, segment.to}));
+    }
+  }
+  EXPECT_EQ(lengths, (std::multiset<double>{1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3}));
+  for (std::uint32_t p = 0; p < 6; ++p) EXPECT_EQ(subject.table.sides_of_patch(PatchId(p)).size(), 4u);
+}
+
+TEST(segment_table, an_edge_of_three_patches_is_one_segment) {
+  const Subject subject(shapes::three_pages());
+  ASSERT_EQ(subject.table.size(), 10u);
+  EXPECT_EQ(subject.table.sides(subject.between({0, 0, 0}, {0, 0, 1})).size(), 3u);
+}
+
+TEST(segment_table, an_edge_with_one_patch_on_both_sides_is_one_segment) {
+  // A plate with a fin, whose foot is in the plate's inside.
+  const Subject subject(
+      shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {1, 2, 0}, {3, 2, 0}, {3, 2, 1}, {1, 2, 1}},
+                         {{0, 1, 4}, {1, 5, 4}, {1, 2, 5}, {2, 3, 5}, {3, 4, 5}, {3, 0, 4}, {4, 5, 6}, {4, 6, 7}}));
+  const auto sides = subject.table.sides(subject.between({1, 2, 0}, {3, 2, 0}));
+  ASSERT_EQ(sides.size(), 3u);
+  EXPECT_EQ(std::set<PatchId>({sides[0].patch, sides[1].patch, sides[2].patch}).size(), 2u);
+}
+
+TEST(segment_table, where_no_segment_is_near_a_piece_is_cut_in_the_middle) {
+  const Subject subject(shapes::box({1, 1, 1}));
+  for (std::uint32_t s = 0; s < 12; ++s) {
+    EXPECT_EQ(subject.table.cut(SegmentId(s), 0, 1), 0.5);
+    EXPECT_EQ(subject.table.cut(SegmentId(s), 0.25, 0.5), 0.375);
+  }
+}
+
+TEST(segment_table, segments_at_a_small_angle_are_cut_on_common_shells) {
+  for (const double degrees : {1.0, 20.0, 59.0}) {
+    // The small angle at the origin, with sides of 5 and 3; all other angles are right or more.
+    const double angle = degrees * std::numbers::pi / 180;
+    const Vec3 first_end{5, 0, 0}, second_end{3 * std::cos(angle), 3 * std::sin(angle), 0};
+    const Subject subject(shapes::polygon({{0, 0},
+                                           {5, 0},
+                                           {5, 5},
+                                           {second_end.x - std::sin(angle), second_end.y + std::cos(angle)},
+                                           {second_end.x, second_end.y}}));
+    const std::vector<double> on_first = subject.shells_at({0, 0, 0}, subject.between({0, 0, 0}, first_end)),
+                              on_second = subject.shells_at({0, 0, 0}, subject.between({0, 0, 0}, second_end));
+    ASSERT_GE(on_first.size(), 2u) << degrees;
+    ASSERT_GE(on_second.size(), 2u) << degrees;
+    // A third of the shortest segment, times a power of two.
+    for (const auto& shells : {on_first, on_second})
+      for (std::size_t i = 0; i < shells.size(); ++i) {
+        const double octave = std::log2(shells[i]);
+        EXPECT_NEAR(octave, std::round(octave), 1e-9) << degrees;
+        if (i > 0) {
+          EXPECT_NEAR(shells[i] / shells[i - 1], 0.5, 1e-9) << degrees;
+        }
+      }
+    // What the first cut leaves is long enough on both sides.
+    EXPECT_GE(on_first[0], 5.0 / 4);
+    EXPECT_LE(on_first[0], 5.0 * 3 / 4);
+  }
+}
+
+TEST(segment_table, at_sixty_degrees_there_are_no_shells) {
+  const Subject subject(triangle(60, 1, 1));
+  for (std::uint32_t s = 0; s < 3; ++s) EXPECT_EQ(subject.table[SegmentId(s)].shell_base[0], 0);
+}
+
+TEST(segment_table, a_cluster_reaches_over_all_patches_around_a_vertex) {
+  // 20 facets, each with its own two spokes at a small angle: one cluster, one base, a third of the shortest spoke.
+  PolygonMesh fan = solids::needle_fan(20, 2);
+  Vec3& tip = fan.positions[VertexId(5)];
+  tip = 0.5 * tip;
+  const Subject subject(fan);
+  const double expected = norm(tip) / 3;
+  for (std::uint32_t v = 1; v <= 21; ++v) {
+    const SegmentId s = subject.between({0, 0, 0}, fan.positions[VertexId(v)]);
+    const bool is_from = subject.table[s].from == subject.chain.at({0, 0, 0});
+    EXPECT_DOUBLE_EQ(subject.table[s].shell_base[is_from ? 0 : 1], expected) << v;
+  }
+}
+
+TEST(segment_table, angles_of_different_patches_at_a_vertex_are_different_clusters) {
+  // Two sharp corners that share only their tip.
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {3, 1, 0}, {-6, 0, 0}, {-6, -1, 1}}, {{0, 1, 2}, {0, 3, 4}});
+  const Subject subject(mesh);
+  const auto base = [&](std::uint32_t v) {
+    const SegmentId s = subject.between({0, 0, 0}, mesh.positions[VertexId(v)]);
+    return subject.table[s].shell_base[subject.table[s].from == subject.chain.at({0, 0, 0}) ? 0 : 1];
+  };
+  EXPECT_DOUBLE_EQ(base(1), 1);
+  EXPECT_DOUBLE_EQ(base(2), 1);
+  EXPECT_DOUBLE_EQ(base(3), 2);
+  EXPECT_DOUBLE_EQ(base(4), 2);
+}
+
+TEST(segment_table, no_cut_makes_a_piece_shorter_than_the_floor) {
+  for (const PolygonMesh& mesh : {shapes::box({1, 2, 3}), triangle(3, 1, 1.3), solids::needle_fan(5, 10)}) {
+    const Subject subject(mesh);
+    for (std::uint32_t s = 0; s < subject.table.size(); ++s) {
+      const BoundarySegment& segment = subject.table[SegmentId(s)];
+      EXPECT_GT(segment.floor, 0);
+      EXPECT_LE(segment.floor, segment.length / 8);
+      const std::vector<double> cuts = all_cuts(subject.table, SegmentId(s));
+      ASSERT_GT(cuts.size(), 7u);
+      EXPECT_GE(shortest_piece(cuts, segment.length), segment.floor * (1 - 1e-12));
+    }
+  }
+}
+
+TEST(segment_table, the_floor_follows_what_is_near) {
+  // A long segment beside another one: the nearer, the lower.
+  double last = HUGE_VAL;
+  for (const double width : {1.0, 0.1, 0.01, 0.001}) {
+    const Subject subject(shapes::polygon({{0, 0}, {1, 0}, {1, width}, {0, width}}));
+    const double floor = subject.table[subject.between({0, 0, 0}, {1, 0, 0})].floor;
+    EXPECT_LT(floor, last);
+    EXPECT_LE(floor, width / 2);
+    last = floor;
+  }
+}
+
+TEST(segment_table, a_shortest_edge_is_a_floor) {
+  const Subject subject(shapes::box({1, 1, 1}), goals(0.3));
+  for (std::uint32_t s = 0; s < 12; ++s) {
+    EXPECT_GE(subject.table[SegmentId(s)].floor, 0.3);
+    EXPECT_EQ(all_cuts(subject.table, SegmentId(s)), (std::vector<double>{0.5}));
+  }
+  // On shells at a sharp corner, the two segments' cuts are that far from each other, too.
+  const Subject sharp(triangle(20, 1, 1), goals(0.05));
+  const double apart = 2 * std::sin(10 * std::numbers::pi / 180);
+  const SegmentId side = sharp.between({0, 0, 0}, {1, 0, 0});
+  for (const double shell : sharp.shells_at({0, 0, 0}, side)) EXPECT_GE(shell * apart, 0.05);
+}
+
+TEST(segment_table, sizes_divide_evenly_into_the_fewest_parts) {
+  for (const auto& [length, size, parts] :
+       {std::tuple(1.0, 0.1, 10), std::tuple(3.7, 0.37, 10), std::tuple(1.0, 0.3, 4), std::tuple(0.7, 0.1, 7),
+        std::tuple(1.0, 1.0, 1), std::tuple(1.0, 2.0, 1), std::tuple(1.0, 0.99, 2)}) {
+    const Subject subject(shapes::box({length, length, length}), remesh::goals_of({}, 1), size);
+    for (std::uint32_t s = 0; s < 12; ++s) {
+      const std::vector<double> cuts = subject.table.size_cuts(SegmentId(s), subject.sizes);
+      ASSERT_EQ(cuts.size(), static_cast<std::size_t>(parts - 1)) << length << " by " << size;
+      for (std::size_t i = 0; i < cuts.size(); ++i)
+        EXPECT_NEAR(cuts[i], static_cast<double>(i + 1) / parts, 1e-15) << length << " by " << size;
+    }
+  }
+}
+
+TEST(segment_table, without_a_size_nothing_is_cut_for_it) {
+  const Subject subject(shapes::box({1, 1, 1}));
+  for (std::uint32_t s = 0; s < 12; ++s) EXPECT_TRUE(subject.table.size_cuts(SegmentId(s), subject.sizes).empty());
+}
+
+TEST(segment_table, sizes_that_grow_are_followed_along_a_segment) {
+  const PolygonMesh mesh = shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0.05, 8}, {0, 7.95}});
+  Options options;
+  options.gradation = 1.3;
+  const Goals graded = goals_of(options, 1);
+  StageChain chain(mesh);
+  const SizeField sizes(chain.surface, nullptr, segment_ends(chain.meshes), graded, 1e-6, chain.control);
+  const SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(1, 0), sizes, graded, chain.control);
+  std::size_t cuts_in_all = 0;
+  for (std::uint32_t s = 0; s < table.size(); ++s) {
+    std::vector<double> cuts = table.size_cuts(SegmentId(s), sizes);
+    cuts_in_all += cuts.size();
+    EXPECT_TRUE(std::is_sorted(cuts.begin(), cuts.end()));
+    cuts.insert(cuts.begin(), 0);
+    cuts.push_back(1);
+    for (std::size_t i = 1; i < cuts.size(); ++i) {
+      const double length = (cuts[i] - cuts[i - 1]) * table[SegmentId(s)].length;
+      const double size = sizes.at(table.position(SegmentId(s), (cuts[i] + cuts[i - 1]) / 2));
+      EXPECT_LE(length, 1.1 * size);
+    }
+  }
+  EXPECT_GT(cuts_in_all, 10u);
+}
+
+TEST(segment_table, sizes_below_the_shortest_edge_give_way) {
+  const Subject subject(shapes::box({1, 1, 1}), goals(0.3), 0.1);
+  for (std::uint32_t s = 0; s < 12; ++s) {
+    const std::vector<double> cuts = subject.table.size_cuts(SegmentId(s), subject.sizes);
+    EXPECT_EQ(cuts.size(), 2u);
+    EXPECT_GE(shortest_piece(cuts, 1), 0.3);
+  }
+}
+
+TEST(segment_table, locked_segments_stay_as_they_are) {
+  Options options;
+  options.split_boundaries = false;
+  const Subject all(shapes::box({1, 1, 1}), goals_of(options, 1), 0.1);
+  for (std::uint32_t s = 0; s < 12; ++s) {
+    EXPECT_TRUE(all.table[SegmentId(s)].is_locked);
+    EXPECT_EQ(all.table.cut(SegmentId(s), 0, 1), std::nullopt);
+    EXPECT_TRUE(all.table.size_cuts(SegmentId(s), all.sizes).empty());
+  }
+
+  Subject one(shapes::box({1, 1, 1}), goals(), 0.1);
+  one.frozen[2] = 1;
+  SegmentTable table = one.make(goals());
+  std::size_t locked = 0;
+  for (std::uint32_t s = 0; s < 12; ++s) {
+    const auto sides = table.sides(SegmentId(s));
+    const bool is_beside = std::any_of(sides.begin(), sides.end(), [](const auto& x) { return x.patch == PatchId(2); });
+    EXPECT_EQ(table[SegmentId(s)].is_locked, is_beside);
+    locked += table[SegmentId(s)].is_locked;
+  }
+  EXPECT_EQ(locked, 4u);
+  for (std::uint32_t s = 0; s < 12; ++s) table.lock(SegmentId(s));
+  EXPECT_EQ(table.cut(SegmentId(0), 0, 1), std::nullopt);
+}
+
+TEST(segment_table, places_are_the_same_from_either_end) {
+  const Subject subject(shapes::rotated(shapes::box({1, 2, 3}), {1, 2, 3}, 33));
+  for (std::uint32_t s = 0; s < 12; ++s) {
+    const BoundarySegment& segment = subject.table[SegmentId(s)];
+    const Vec3 &from = subject.chain.surface.positions[segment.from], &to = subject.chain.surface.positions[segment.to];
+    EXPECT_EQ(subject.table.position(SegmentId(s), 0), from);
+    EXPECT_EQ(subject.table.position(SegmentId(s), 1), to);
+    for (const double t : {0.1, 0.25, 0.5, 0.9}) {
+      const Vec3 p = subject.table.position(SegmentId(s), t);
+      EXPECT_NEAR(norm(p - from), t * segment.length, 1e-15 * 16);
+      EXPECT_NEAR(norm(p - to), (1 - t) * segment.length, 1e-15 * 16);
+    }
+  }
+}
+
+TEST(segment_table, it_scales_by_powers_of_two) {
+  const PolygonMesh mesh = solids::needle_fan(7, 8);
+  const Subject one(mesh), large(shapes::scaled(mesh, 0x1p20));
+  ASSERT_EQ(one.table.size(), large.table.size());
+  for (std::uint32_t s = 0; s < one.table.size(); ++s) {
+    EXPECT_EQ(0x1p20 * one.table[SegmentId(s)].floor, large.table[SegmentId(s)].floor);
+    EXPECT_EQ(all_cuts(one.table, SegmentId(s)), all_cuts(large.table, SegmentId(s)));
+  }
+}
+
+TEST(segment_ends, each_segment_is_named_once) {
+  const StageChain chain(shapes::box({1, 1, 1}, 3));
+  const auto ends = segment_ends(chain.meshes);
+  EXPECT_EQ(ends.size(), 12u);
+  EXPECT_TRUE(std::is_sorted(ends.begin(), ends.end()));
+  for (const auto& [a, b] : ends) EXPECT_LT(a, b);
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,530 @@
+// Refinement through the pipeline's entry: analytic answers, hard inputs, and every option that steers it. What is
+// asserted is measured here (tests/support/refined_checks.h), not taken from the report.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <thread>
+
+#include "core/io/obj.h"
+#include "core/remesh.h"
+#include "tests/support/polygons.h"
+#include "tests/support/refined_checks.h"
+#include "tests/support/shapes.h"
+#include "tests/support/solids.h"
+
+namespace remesh {
+namespace {
+
+Result refined(const PolygonMesh& mesh, const Options& options = {}, int workers = 2) {
+  RunControl control;
+  return remesh_surface(mesh, options, RunSettings{workers, false}, control);
+}
+
+Options with_angle(double degrees) {
+  Options options;
+  options.min_angle_deg = degrees;
+  return options;
+}
+
+Options with_length(double length) {
+  Options options;
+  options.max_edge_length = length;
+  return options;
+}
+
+constexpr double kHair = 1 + 1e-9;
+
+std::string bytes(const Result& result) {
+  RunControl control;
+  std::string text = write_obj(result.mesh, {}, control);
+  for (const PatchId p : result.face_patch) text += std::to_string(p.value) + ' ';
+  return text + listed_in_words(result.report);
+}
+
+// A cube with a size.
+
+class RefinedCube : public testing::TestWithParam<double> {};
+
+TEST_P(RefinedCube, has_even_edges_sizes_and_sides) {
+  const double side = GetParam(), size = 0.1 * side;
+  const PolygonMesh cube = shapes::box({side, side, side});
+  const Options options = with_length(size);
+  const Result result = refined(cube, options);
+  expect_promises(cube, options, result);
+  EXPECT_TRUE(result.report.output.closed);
+  EXPECT_NEAR(*result.report.output.volume / (side * side * side), 1, 1e-12);
+  EXPECT_LE(longest_edge(result.mesh), size * kHair);
+  EXPECT_GE(smallest_angle_deg(result.mesh), 25);
+  EXPECT_LE(result.mesh.faces.size(), 2600u);
+  EXPECT_EQ(listed(result.report), 0u);
+
+  // Each edge of the cube: its vertices are at the tenths, and there is no other.
+  std::map<std::pair<int, std::pair<double, double>>, std::vector<double>> on_edge;
+  for (const Vec3& p : result.mesh.positions)
+    for (int axis = 0; axis < 3; ++axis) {
+      const double u = p[(axis + 1) % 3], v = p[(axis + 2) % 3];
+      if ((u == 0 || u == side) && (v == 0 || v == side)) on_edge[{axis, {u, v}}].push_back(p[axis]);
+    }
+  ASSERT_EQ(on_edge.size(), 12u);
+  for (auto& [edge, places] : on_edge) {
+    std::sort(places.begin(), places.end());
+    ASSERT_EQ(places.size(), 11u);
+    for (std::size_t i = 0; i <= 10; ++i) EXPECT_NEAR(places[i], size * static_cast<double>(i), 1e-12 * side);
+  }
+
+  const auto [least, most] =
+      std::minmax_element(result.report.patches.begin(), result.report.patches.end(),
+                          [](const auto& a, const auto& b) { return a.output_faces < b.output_faces; });
+  EXPECT_LE(static_cast<double>(most->output_faces), 1.05 * static_cast<double>(least->output_faces));
+}
+
+INSTANTIATE_TEST_SUITE_P(, RefinedCube, testing::Values(1.0, 3.7, 1e-6, 1e9));
+
+// Hard inputs: they end, and what is left is said.
+
+struct HardCase {
+  std::string name;
+  std::function<PolygonMesh()> make;
+  std::optional<std::uint64_t> max_faces;
+
+  friend std::ostream& operator<<(std::ostream& out, const HardCase& hard) { return out << hard.name; }
+};
+
+class HardInput : public testing::TestWithParam<std::tuple<HardCase, double>> {};
+
+TEST_P(HardInput, ends_soon_and_says_what_is_left) {
+  const auto& [hard, degrees] = GetParam();
+  const PolygonMesh mesh = hard.make();
+  Options options = with_angle(degrees);
+  options.max_output_faces = hard.max_faces;
+  const auto start = std::chrono::steady_clock::now();
+  const Result result = refined(mesh, options);
+  // The promise is 10 s; the margin is for slow builds and busy machines.
+  EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 30);
+  expect_promises(mesh, options, result);
+  if (hard.max_faces) {
+    EXPECT_LE(result.mesh.faces.size(), *hard.max_faces);
+  }
+  EXPECT_TRUE(hard.max_faces || listed(result.report, UnrefinedReason::kBudget) == 0);
+}
+
+PolygonMesh wedge() { return shapes::polygon({{0, 0}, {1, 0}, {std::cos(0.0174532925), std::sin(0.0174532925)}}); }
+
+INSTANTIATE_TEST_SUITE_P(
+    , HardInput,
+    testing::Combine(
+        testing::Values(HardCase{"a_wedge_of_one_degree", wedge, {}},
+                        HardCase{"a_solid_wedge_of_one_degree",
+                                 [] {
+                                   return shapes::prism({{0, 0}, {1, 0}, {1, 0.0174550649}}, 0.3);
+                                 },
+                                 {}},
+                        HardCase{"a_wedge_beside_a_square",
+                                 [] {
+                                   return shapes::polygon({{0, 0}, {4, 0}, {4, -1}, {5, -1}, {5, 0.0872}});
+                                 },
+                                 {}},
+                        HardCase{"needles_around_a_vertex", [] { return solids::needle_fan(50, 1); }, {}},
+                        HardCase{"a_plate_a_million_times_as_wide_as_high",
+                                 [] {
+                                   return shapes::box({1e6, 1e6, 1});
+                                 },
+                                 20'000},
+                        HardCase{"a_plate_with_room_for_more",
+                                 [] {
+                                   return shapes::box({1e6, 1e6, 1});
+                                 },
+                                 200'000},
+                        HardCase{"a_bar_a_million_times_as_long_as_wide",
+                                 [] {
+                                   return shapes::box({1e6, 1, 1});
+                                 },
+                                 20'000},
+                        HardCase{"squares_a_billionth_apart", [] { return solids::nested_squares(3, 1e-9); }, 20'000},
+                        HardCase{"squares_a_millionth_apart", [] { return solids::nested_squares(3, 1e-6); }, 20'000},
+                        HardCase{"a_thousand_holes", [] { return solids::region(polygons::sieve(32)); }, {}},
+                        HardCase{"a_comb", [] { return solids::region(polygons::comb(20, 100)); }, {}}),
+        testing::Values(25.0, 30.0, 33.0)),
+    [](const auto& info) {
+      return std::get<0>(info.param).name + "_at_" + std::to_string(static_cast<int>(std::get<1>(info.param)));
+    });
+
+TEST(refinement, a_triangle_that_is_a_wedge_stays_as_it_is) {
+  const Result result = refined(wedge());
+  EXPECT_EQ(result.mesh.faces.size(), 1u);
+  EXPECT_EQ(listed(result.report, UnrefinedReason::kInputAngle), 1u);
+}
+
+// The same result.
+
+std::vector<std::pair<PolygonMesh, Options>> various() {
+  Options fine = with_angle(30);
+  fine.max_edge_length = 0.15;
+  Options close;
+  close.proximity = 1;
+  Options few = with_length(0.1);
+  few.max_output_faces = 7000;
+  return {{solids::extrusion(polygons::star_with_holes(7, 30, 3), 0.3), {}},
+          {solids::cut_cube(3, 20), with_angle(28)},
+          {shapes::blocks({"##.", ".##", "##."}), fine},
+          {solids::tube(2, 1, 0.1), close},
+          {shapes::box({2, 2, 2}), few},
+          {solids::needle_fan(20, 3), with_angle(30)}};
+}
+
+TEST(refinement, bytes_are_the_same_for_any_number_of_workers_and_on_every_run) {
+  for (const auto& [mesh, options] : various()) {
+    const std::string expected = bytes(refined(mesh, options, 1));
+    for (const int workers : {2, 8, 2}) EXPECT_EQ(bytes(refined(mesh, options, workers)), expected) << workers;
+  }
+}
+
+TEST(refinement, scaling_by_powers_of_two_scales_the_result) {
+  for (const auto& [mesh, options] : various()) {
+    const Result expected = refined(mesh, options);
+    for (const int k : {-30, -1, 1, 20}) {
+      const double scale = std::ldexp(1.0, k);
+      Options scaled = options;
+      if (scaled.max_edge_length) *scaled.max_edge_length *= scale;
+      const Result result = refined(shapes::scaled(mesh, scale), scaled);
+      ASSERT_EQ(result.mesh.faces.items(), expected.mesh.faces.items()) << k;
+      for (std::uint32_t v = 0; v < result.mesh.positions.size(); ++v)
+        ASSERT_EQ(result.mesh.positions[VertexId(v)], scale * expected.mesh.positions[VertexId(v)]) << k;
+    }
+  }
+}
+
+TEST(refinement, turned_moved_scaled_and_renumbered_inputs_have_nearly_as_many_faces) {
+  for (const auto& [mesh, options] : various()) {
+    if (options.max_output_faces) continue;
+    const Result expected = refined(mesh, options);
+    const auto faces = static_cast<double>(expected.mesh.faces.size());
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+      const PolygonMesh other = shapes::moved(
+          shapes::rotated(shapes::renumbered(mesh, seed), {1, 2.0 * seed, -3}, 40 * seed), {1, -2, 0.5 * seed});
+      const Result result = refined(other, options);
+      SCOPED_TRACE(result.report.input.faces);
+      expect_promises(other, options, result);
+      EXPECT_NEAR(static_cast<double>(result.mesh.faces.size()) / faces, 1, 0.06);
+      EXPECT_EQ(result.report.patches.size(), expected.report.patches.size());
+    }
+    Options options3 = options;
+    if (options3.max_edge_length) *options3.max_edge_length *= 3;
+    const Result scaled = refined(shapes::scaled(mesh, 3), options3);
+    EXPECT_NEAR(static_cast<double>(scaled.mesh.faces.size()) / faces, 1, 0.06);
+  }
+}
+
+// Options.
+
+TEST(refinement, without_it_nothing_is_inserted_and_there_is_no_verdict_on_quality) {
+  Options options;
+  options.refine = false;
+  options.max_edge_length = 0.1;
+  const Result result = refined(shapes::box({1, 1, 1}, 3), options);
+  EXPECT_EQ(result.mesh.faces.size(), 12u);
+  EXPECT_FALSE(result.report.verified.quality.has_value());
+  EXPECT_TRUE(result.report.unrefined.empty());
+}
+
+TEST(refinement, the_default_bound_is_25_degrees_and_a_ratio_says_the_same) {
+  const PolygonMesh mesh = shapes::box({1, 2, 7});
+  const Result result = refined(mesh);
+  expect_promises(mesh, {}, result);
+  EXPECT_GE(smallest_angle_deg(result.mesh), 25);
+  Options ratio;
+  ratio.max_radius_edge_ratio = 0.5 / std::sin(25 * 3.14159265358979324 / 180);
+  EXPECT_EQ(bytes(refined(mesh, ratio)), bytes(result));
+}
+
+TEST(refinement, sizes_alone_are_met_without_a_bound_on_angles) {
+  Options options = with_angle(0);
+  options.max_edge_length = 0.21;
+  const PolygonMesh mesh = shapes::l_bracket();
+  const Result result = refined(mesh, options);
+  expect_promises(mesh, options, result);
+  EXPECT_LE(longest_edge(result.mesh), 0.21 * kHair);
+  EXPECT_EQ(listed(result.report), 0u);
+}
+
+TEST(refinement, a_fraction_is_of_the_boxs_diagonal) {
+  const PolygonMesh mesh = shapes::box({1, 2, 2});
+  Options fraction;
+  fraction.max_edge_fraction = 0.125;
+  EXPECT_EQ(bytes(refined(mesh, fraction)), bytes(refined(mesh, with_length(0.375))));
+}
+
+TEST(refinement, no_triangle_is_larger_than_the_largest_area) {
+  for (const double area : {0.1, 0.01, 0.001}) {
+    Options options;
+    options.max_area = area;
+    const PolygonMesh mesh = shapes::box({1, 2, 1});
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_EQ(listed(result.report), 0u);
+    // It is no more than about twice as fine as asked.
+    EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 10 / area * 2.2);
+  }
+}
+
+TEST(refinement, it_makes_nothing_shorter_than_the_shortest_edge) {
+  const PolygonMesh mesh = solids::extrusion(polygons::star_with_holes(3, 40, 3), 0.1);
+  const double own = shortest_edge(refined(mesh, with_angle(0)).mesh);
+  for (const double length : {0.3 * own, own, 3 * own}) {
+    Options options = with_angle(30);
+    options.min_edge_length = length;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_GE(shortest_edge(result.mesh), std::min(own, length) / kHair);
+  }
+}
+
+TEST(refinement, a_size_below_the_shortest_edge_gives_way_to_it) {
+  Options options = with_length(0.1);
+  options.min_edge_length = 0.15;
+  const PolygonMesh mesh = shapes::box({1, 1, 1});
+  const Result result = refined(mesh, options);
+  expect_promises(mesh, options, result);
+  EXPECT_GE(shortest_edge(result.mesh), 0.15 / kHair);
+  EXPECT_GT(listed(result.report, UnrefinedReason::kMinEdgeLength), 0u);
+}
+
+/// Vertices of the output on an edge of the box [0, size]^3.
+std::size_t vertices_on_box_edges(const TriangleMesh& mesh, double size) {
+  std::size_t count = 0;
+  for (const Vec3& p : mesh.positions) {
+    int faces = 0;
+    for (int axis = 0; axis < 3; ++axis) faces += p[axis] == 0 || p[axis] == size;
+    count += faces >= 2;
+  }
+  return count;
+}
+
+TEST(refinement, boundaries_that_must_not_be_split_get_no_vertex) {
+  for (const double length : {0.5, 0.1}) {
+    Options options = with_length(length);
+    options.split_boundaries = false;
+    const PolygonMesh mesh = shapes::box({1, 1, 1});
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_EQ(vertices_on_box_edges(result.mesh, 1), 8u);
+    EXPECT_GT(listed(result.report, UnrefinedReason::kBoundaryLocked), 0u);
+    EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kBoundaryLocked));
+    // What cannot be reached is not chased: no more faces than if the boundaries could be split.
+    EXPECT_LE(result.mesh.faces.size(), refined(mesh, with_length(length)).mesh.faces.size());
+  }
+}
+
+TEST(refinement, boundary_vertices_that_are_to_stay_do) {
+  Options options = with_length(0.3);
+  options.keep_boundary_vertices = true;
+  const PolygonMesh mesh = shapes::box({1, 1, 1}, 3);
+  const Result result = refined(mesh, options);
+  expect_promises(mesh, options, result);
+  const std::set<Vec3> output(result.mesh.positions.begin(), result.mesh.positions.end());
+  std::size_t kept = 0;
+  for (const Vec3& p : mesh.positions) {
+    int faces = 0;
+    for (int axis = 0; axis < 3; ++axis) faces += p[axis] == 0 || p[axis] == 1;
+    if (faces < 2) continue;
+    ++kept;
+    EXPECT_TRUE(output.count(p));
+  }
+  EXPECT_EQ(kept, 32u);
+}
+
+TEST(refinement, labels_are_boundaries_that_are_cut_alike_on_both_sides) {
+  PolygonMesh mesh = shapes::sheet(2, 1, 2, 1);
+  mesh.labels.group.names = {"left", "right"};
+  mesh.labels.group.of_face.items() = {0, 0, 1, 1};
+  const Result result = refined(mesh, with_length(0.17));
+  ASSERT_TRUE(result.report.verified.all_true());
+  for (std::uint32_t f = 0; f < result.mesh.faces.size(); ++f) {
+    const Triangle& t = result.mesh.faces[FaceId(f)];
+    for (const VertexId v : t) {
+      const double x = result.mesh.positions[v].x;
+      EXPECT_TRUE(result.mesh.labels.group.of_face[FaceId(f)] == 0 ? x <= 1 : x >= 1);
+    }
+  }
+}
+
+// The budget.
+
+TEST(refinement, a_budget_is_never_exceeded_and_what_it_leaves_is_listed) {
+  const PolygonMesh mesh = solids::extrusion(polygons::star_with_holes(11, 40, 3), 0.4);
+  const Options unlimited = with_angle(30);
+  const std::uint64_t all = refined(mesh, unlimited).mesh.faces.size();
+  const std::uint64_t least = refined(mesh, with_angle(0)).mesh.faces.size();
+  ASSERT_GT(all, least + 100);
+  for (const std::uint64_t budget : {least, least + 1, least + 50, (least + all) / 2, all - 1}) {
+    Options options = unlimited;
+    options.max_output_faces = budget;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_LE(result.mesh.faces.size(), budget);
+    EXPECT_GT(listed(result.report, UnrefinedReason::kBudget), 0u);
+  }
+}
+
+TEST(refinement, a_budget_is_nearly_used_up) {
+  const PolygonMesh mesh = shapes::box({100, 1, 1});
+  Options options = with_angle(30);
+  const auto all = static_cast<double>(refined(mesh, options).mesh.faces.size());
+  for (const double share : {0.3, 0.6, 0.9}) {
+    options.max_output_faces = static_cast<std::uint64_t>(share * all);
+    const Result result = refined(mesh, options);
+    EXPECT_LE(result.mesh.faces.size(), *options.max_output_faces);
+    EXPECT_GT(static_cast<double>(result.mesh.faces.size()), 0.5 * share * all);
+  }
+}
+
+TEST(refinement, a_result_that_must_be_larger_than_allowed_is_refused_at_once) {
+  for (const double length : {0.01, 1e-4, 1e-7, 1e-12, 1e-300}) {
+    Options options = with_length(length);
+    options.max_output_faces = 10'000;
+    RunControl control;
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      remesh_surface(shapes::box({1, 1, 1}), options, {}, control);
+      ADD_FAILURE() << length << " was not refused";
+    } catch (const Error& error) {
+      EXPECT_EQ(code_name(error.code), code_name(Code::kOutputTooLarge)) << length;
+      EXPECT_EQ(error.limit, 10'000u);
+    }
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 1);
+  }
+}
+
+// Sizes that see the third dimension.
+
+double distance_to_outer_walls(const Vec3& p, double width) { return std::min({p.x, p.y, width - p.x, width - p.y}); }
+
+TEST(refinement, between_two_plates_no_edge_is_longer_than_the_gap) {
+  for (const double gap : {0.25, 0.1}) {
+    const PolygonMesh plate = shapes::sheet(2, 2, 1, 1);
+    const PolygonMesh mesh = shapes::joined(plate, shapes::moved(plate, {0, 0, gap}));
+    Options options;
+    options.proximity = 1;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_LE(longest_edge(result.mesh), gap * kHair);
+    ASSERT_TRUE(result.report.smallest_gap.has_value());
+    EXPECT_NEAR(*result.report.smallest_gap, gap, 1e-9);
+    // Of equilateral triangles it would take these; near the rims there are more.
+    const double triangles = 2 * 4 / (gap * gap * std::sqrt(3) / 4);
+    EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 3 * triangles);
+    // Twice as fine where asked.
+    options.proximity = 2;
+    EXPECT_LE(longest_edge(refined(mesh, options).mesh), gap / 2 * kHair);
+  }
+}
+
+TEST(refinement, across_the_walls_of_a_tube_no_edge_is_longer_than_they_are_thick) {
+  const double width = 2, thick = 0.1;
+  const PolygonMesh mesh = solids::tube(width, 0.5, thick);
+  Options options;
+  options.proximity = 1;
+  options.min_angle_deg = 20;
+  const Result result = refined(mesh, options);
+  expect_promises(mesh, options, result);
+  std::size_t on_walls = 0;
+  for (const Triangle& t : result.mesh.faces)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 &a = result.mesh.positions[t[k]], &b = result.mesh.positions[t[(k + 1) % 3]];
+      const bool is_outside = distance_to_outer_walls(a, width) == 0 && distance_to_outer_walls(b, width) == 0;
+      if (!is_outside) continue;
+      ++on_walls;
+      // Every place of an outer wall has the inner one a wall's thickness away, but near the upright edges, where the
+      // inner wall ends: the distance is the diagonal's there.
+      EXPECT_LE(norm(b - a), thick * std::sqrt(2) * kHair);
+    }
+  EXPECT_GT(on_walls, 1000u);
+}
+
+TEST(refinement, sizes_grow_no_faster_than_asked) {
+  // A plate with one short edge: from there on, edges may be twice as long from one to the next.
+  const PolygonMesh mesh = shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0.05, 8}, {0, 7.95}});
+  std::size_t before = 0;
+  for (const double gradation : {3.0, 1.5, 1.2}) {
+    Options options;
+    options.gradation = gradation;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_GT(result.mesh.faces.size(), before) << gradation;
+    before = result.mesh.faces.size();
+    // Each edge is at most the short one plus (gradation - 1) times the way there, by the report's own definition.
+    const Vec3 near{0.025, 7.975, 0};
+    for (const Triangle& t : result.mesh.faces)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 &a = result.mesh.positions[t[k]], &b = result.mesh.positions[t[(k + 1) % 3]];
+        const double way = std::max(norm(a - near), norm(b - near));
+        EXPECT_LE(norm(b - a), 0.075 + (gradation - 1) * way);
+      }
+  }
+}
+
+// Stopping.
+
+TEST(refinement, a_stop_while_refining_is_obeyed_soon) {
+  using Clock = std::chrono::steady_clock;
+  Options large = with_angle(25);
+  large.max_output_faces = 200'000;
+  const std::vector<std::pair<PolygonMesh, Options>> cases = {
+      {shapes::box({1e6, 1e6, 1}), large},
+      {shapes::box({1, 1, 1}), with_length(0.002)},
+      {solids::region(polygons::star_with_holes(1, 20'000, 60)), with_angle(33)}};
+  for (const auto& [mesh, options] : cases)
+    for (const int wait_ms : {50, 300, 1000}) {
+      RunControl control;
+      Clock::time_point asked;
+      std::thread watcher([&] {
+        std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+        asked = Clock::now();
+        control.cancel();
+      });
+      bool is_stopped = false;
+      try {
+        remesh_surface(mesh, options, {2, false}, control);
+      } catch (const Error& error) {
+        is_stopped = error.code == Code::kCancelled;
+      }
+      const Clock::time_point ended = Clock::now();
+      watcher.join();
+      if (!is_stopped) continue;  // a machine so fast that it was done before
+      // The promise is 100 ms; the margin is for slow builds and busy machines.
+      EXPECT_LT(std::chrono::duration<double>(ended - asked).count(), 1.0) << "asked after " << wait_ms << " ms";
+    }
+}
+
+// Surfaces that share more than edges.
+
+TEST(refinement, two_sheets_in_one_place_stay_two_and_say_what_is_left) {
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2, 3}, {3, 2, 1, 0}});
+  for (const double length : {1.0, 0.3, 0.07}) {
+    const Options options = with_length(length);
+    const Result result = refined(mesh, options);
+    EXPECT_TRUE(result.report.verified.all_true());
+    EXPECT_TRUE(result.report.output.closed);
+    EXPECT_EQ(result.report.output.area, 2);
+    EXPECT_EQ(faces_beyond(result.mesh, bounds_of(options), 1e-8).size(), listed(result.report));
+  }
+}
+
+TEST(refinement, pages_on_one_spine_cut_it_alike) {
+  const PolygonMesh mesh = shapes::three_pages();
+  const Options options = with_length(0.2);
+  const Result result = refined(mesh, options);
+  expect_promises(mesh, options, result);
+  EXPECT_EQ(result.report.output.non_manifold_edges, 5u);
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,14 @@
+/// Options of a run that stops at the triangulation of what stays.
+#pragma once
+
+#include "core/options.h"
+
+namespace remesh {
+
+inline Options unrefined() {
+  Options options;
+  options.refine = false;
+  return options;
+}
+
+}  // namespace remesh
