@@ -142,6 +142,8 @@ class Run {
         refine_patches(ladder);
         watch_.enter(Stage::kAssembly);
         assemble();
+        if (is_over_budget()) continue;
+        refuse_if_too_large();
         // The independent check of the promises.
         watch_.enter(Stage::kVerify);
         report_.verified = check();
@@ -213,6 +215,7 @@ class Run {
     watch_.enter(Stage::kWeld);
     choose_tolerance();
     goals_ = goals_of(options_, report_.input.bounding_box.diagonal());
+    budget_ = goals_.max_faces;
     // Faces without a plane are split, faces without an area dropped; nothing opens.
     if (mend_faces(surface_, local_tolerance(), as_it_is_, report_.diagnostics, control_)) find_edges();
     geometry_ = face_geometry(surface_, control_);
@@ -291,7 +294,11 @@ class Run {
     const Prediction prediction = predict(meshes_, goals_, sizes, control_);
     refuse_if_hopeless(prediction);
     predicted_faces_ = static_cast<std::uint64_t>(prediction.expected);
-    refinement_ = refine(surface_, patches_, frozen_, goals_, sizes, meshes_, control_);
+    Goals within_budget = goals_;
+    within_budget.max_faces = budget_;
+    refinement_ = refine(surface_, patches_, frozen_, within_budget, sizes, meshes_, control_);
+    if (is_budget_too_small())
+      std::fill(refinement_.reason.begin(), refinement_.reason.end(), UnrefinedReason::kBudget);
     report_.refinement_rounds = refinement_.rounds;
     lift_new_vertices(surface_, patches_, meshes_, refinement_.first_inner, report_.plane_tolerance,
                       refinement_.new_positions, control_);
@@ -327,6 +334,20 @@ class Run {
     return SizeField(surface_, gaps.get(), segments, goals_, report_.plane_tolerance, control_);
   }
 
+  static constexpr int kMostRetries = 6;
+  bool is_budget_too_small() const { return retries_ > kMostRetries; }
+
+  /// A refinement may overshoot its budget by what patches do for each other at the end: then it gets less, once or
+  /// twice more.
+  bool is_over_budget() {
+    const std::uint64_t faces = assembled_.faces.size();
+    if (!is_refined() || faces <= goals_.max_faces || retries_ > kMostRetries) return false;
+    // Sizes on boundaries alone may be too much: then nothing is refined at all.
+    if (++retries_ > kMostRetries) frozen_.assign(patches_.count(), 1);
+    budget_ -= std::min(budget_, (faces - goals_.max_faces) * (std::uint64_t{1} << retries_));
+    return true;
+  }
+
   /// Patches whose refinement failed the check stay as they were before it. Returns whether that is a change.
   bool freeze(const std::vector<PatchId>& failed) {
     if (!is_refined()) return false;
@@ -340,7 +361,6 @@ class Run {
 
   void assemble() {
     assembled_ = assembly(surface_.vertex_count() + refinement_.new_positions.size(), meshes_, control_);
-    refuse_if_too_large();
     positions_.clear();
     positions_.reserve(assembled_.vertex.size());
     for (const VertexId v : assembled_.vertex)
@@ -479,6 +499,8 @@ class Run {
   Goals goals_;
   std::vector<std::uint8_t> frozen_;  ///< per patch: not refined
   std::uint64_t predicted_faces_ = 0;
+  std::uint64_t budget_ = 0;  ///< faces that refinement may make it
+  int retries_ = 0;
   Refinement refinement_;
   Assembled assembled_;
   UnrefinedFaces unrefined_;

@@ -12,6 +12,8 @@ namespace {
 /// triangles that refinement must mend; larger, and it gets holes that refinement must fill. From 0.5 to 0.8 counts
 /// differ by 2 %; at 0.8 the tetrahedra behind thin walls had the best dihedral angles.
 constexpr double kClearance = 0.8;
+/// Of one size and stretched to fit, every second row ends half a size from the side, and may.
+constexpr double kClearanceOfOneSize = 0.49;
 
 /// Points in square cells, to ask what is near.
 class PointGrid {
@@ -103,8 +105,10 @@ class Lattice {
     if (sizes.slope > 0) edge_ *= kJustBelow;
     double x = edge_, y = edge_ * std::numbers::sqrt3 / 2;
     if (sizes.slope == 0) {
-      x = (high.x - low_.x) / std::ceil((high.x - low_.x) / x);
-      y = (high.y - low_.y) / std::ceil((high.y - low_.y) / y);
+      // Ten sizes are ten columns, whatever the last digits say.
+      constexpr double kHair = 1 - 1e-11;
+      x = (high.x - low_.x) / std::ceil((high.x - low_.x) / x * kHair);
+      y = (high.y - low_.y) / std::ceil((high.y - low_.y) / y * kHair);
     }
     along_ = {x, 0};
     up_ = {x / 2, y};
@@ -173,13 +177,14 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
                             const PlaneSizes& sizes, std::size_t most, RunControl& control) {
   Lattice lattice(triangles, sizes);
   const PointGrid grid(boundary, lattice.origin(), lattice.edge());
+  const double clearance = sizes.slope == 0 ? kClearanceOfOneSize : kClearance;
   std::vector<Vec2> points;
   for (std::size_t t = 0; t < triangles.size(); ++t) {
     if (t % 64 == 0) control.check();
     const std::size_t before = points.size();
     lattice.collect(triangles[t], most, points);
     if (points.size() > most) return {};
-    const auto is_near = [&](Vec2 p) { return grid.has_point_within(p, kClearance * sizes.at(p)); };
+    const auto is_near = [&](Vec2 p) { return grid.has_point_within(p, clearance * sizes.at(p)); };
     points.erase(std::remove_if(points.begin() + static_cast<std::ptrdiff_t>(before), points.end(), is_near),
                  points.end());
   }

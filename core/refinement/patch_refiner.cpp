@@ -342,17 +342,28 @@ void PatchRefiner::take_over(SegmentId segment, std::span<const double> cuts) {
   std::vector<std::uint32_t> pieces = chain->sides;
   std::sort(pieces.begin(), pieces.end(),
             [&](std::uint32_t a, std::uint32_t b) { return sides_[a].t0 < sides_[b].t0; });
-  // Piece by piece, the cuts inside it, ascending.
-  std::size_t i = 0;
-  for (std::uint32_t piece : pieces) {
-    const double end = sides_[piece].t1;
-    while (i < cuts.size() && cuts[i] <= sides_[piece].t0) ++i;
-    for (; i < cuts.size() && cuts[i] < end; ++i) {
-      const auto fresh = static_cast<std::uint32_t>(sides_.size());
-      if (!cut_side_at(piece, cuts[i])) return;
-      // What is left of the piece is in front of the cut.
-      if (sides_[piece].t0 != cuts[i]) piece = fresh;
-    }
+  // Piece by piece, the cuts inside it: the middle one first, so that no vertex gets them all as neighbours.
+  struct Range {
+    std::uint32_t piece;
+    std::size_t first, last;
+  };
+  std::vector<Range> waiting;
+  for (const std::uint32_t piece : pieces) {
+    const auto first = std::upper_bound(cuts.begin(), cuts.end(), sides_[piece].t0);
+    const auto last = std::lower_bound(first, cuts.end(), sides_[piece].t1);
+    waiting.push_back(
+        {piece, static_cast<std::size_t>(first - cuts.begin()), static_cast<std::size_t>(last - cuts.begin())});
+  }
+  while (!waiting.empty()) {
+    const Range range = waiting.back();
+    waiting.pop_back();
+    if (range.first == range.last) continue;
+    const std::size_t middle = range.first + (range.last - range.first) / 2;
+    const auto fresh = static_cast<std::uint32_t>(sides_.size());
+    if (!cut_side_at(range.piece, cuts[middle])) return;
+    const bool is_before = sides_[range.piece].t1 == cuts[middle];
+    waiting.push_back({is_before ? range.piece : fresh, range.first, middle});
+    waiting.push_back({is_before ? fresh : range.piece, middle + 1, range.last});
   }
 }
 
@@ -375,7 +386,7 @@ PatchRefiner::State PatchRefiner::refusal(double floor) const {
 
 /// What is too large must be split, wherever there is room: at its circumcentre, at last in the middle of its longest
 /// edge.
-bool PatchRefiner::split_too_large(std::uint32_t t) {
+bool PatchRefiner::split_too_large(std::uint32_t t, double floor) {
   std::uint32_t longest = 3 * t;
   const auto length = [&](std::uint32_t h) {
     return squared_length(mesh_.point(mesh_.to(h)) - mesh_.point(mesh_.from(h)));
@@ -387,10 +398,26 @@ bool PatchRefiner::split_too_large(std::uint32_t t) {
   const Vec2 base = b - a, side = c - a;
   const double along = dot(side, side - base) / (2 * cross(base, side));
   const Vec2 circumcentre = a + 0.5 * base + along * Vec2{-base.y, base.x};
-  const double floor = criteria_.min_edge_length;
   if (std::isfinite(along) && insert(on_grid(circumcentre), t, floor, false) == Attempt::kDone) return true;
   if (mesh_.is_constrained(longest)) return insert(on_grid((1.0 / 3) * (a + b + c)), t, floor, true) == Attempt::kDone;
   return insert(on_grid(a + 0.5 * base), t, floor, true) == Attempt::kDone;
+}
+
+/// Is the longest edge a piece of the boundary that is too long and cannot be cut?
+bool PatchRefiner::is_held_large(std::uint32_t t) const {
+  std::uint32_t longest = 3 * t;
+  const auto squared = [&](std::uint32_t h) {
+    return squared_length(mesh_.point(mesh_.to(h)) - mesh_.point(mesh_.from(h)));
+  };
+  for (const std::uint32_t h : {3 * t + 1, 3 * t + 2})
+    if (squared(h) > squared(longest)) longest = h;
+  if (!mesh_.is_constrained(longest)) return false;
+  const Vec2 middle = 0.5 * (mesh_.point(mesh_.from(longest)) + mesh_.point(mesh_.to(longest)));
+  const double length = std::sqrt(squared(longest)) * patch_.frame.scale;
+  if (criteria_.sizes.allows(length / kSizeMargin, to_space(middle)) && !std::isfinite(criteria_.max_area))
+    return false;
+  const Side& side = sides_[mesh_.side(longest)];
+  return !segments_.cut(side.segment, side.t0, side.t1).has_value();
 }
 
 void PatchRefiner::treat(const Task& task) {
@@ -400,6 +427,12 @@ void PatchRefiner::treat(const Task& task) {
   const Shape shape = shape_of(t);
   const bool is_for_angle = shape.is_sharp && excuse(shape.shortest) == State::kUnknown;
   const double floor = std::min(floor_of(task.a), floor_of(task.b));
+  // An edge that is too long and cannot be cut keeps its triangle too large, whatever is put inside.
+  const bool is_hopeless = shape.is_too_large && is_held_large(t);
+  if (is_hopeless && !is_for_angle) {
+    state_[t] = State::kLocked;
+    return;
+  }
   const Vec2 p = steiner_point(shape);
   encroached_.clear();
   const Attempt attempt = std::isfinite(p.x) && std::isfinite(p.y) ? insert(p, t, floor, false) : Attempt::kTooNear;
@@ -424,7 +457,7 @@ void PatchRefiner::treat(const Task& task) {
       why =
           segments_[sides_[sides[0]].segment].floor <= criteria_.min_edge_length ? State::kMinEdge : State::kSizeFloor;
   }
-  if (shape.is_too_large && split_too_large(t)) return;
+  if (shape.is_too_large && !is_hopeless && split_too_large(t, floor)) return;
   state_[t] = why;
 }
 

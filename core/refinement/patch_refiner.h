@@ -137,7 +137,8 @@ class PatchRefiner {
   void set_vertex(std::uint32_t v, SegmentId segment, double value);
   enum class Attempt { kDone, kEncroached, kTooNear };
   Attempt insert(Vec2 p, std::uint32_t triangle, double floor, bool may_encroach);
-  bool split_too_large(std::uint32_t t);
+  bool split_too_large(std::uint32_t t, double floor);
+  bool is_held_large(std::uint32_t t) const;
   State refusal(double floor) const;
 
   Vec3 to_space(Vec2 uv) const;

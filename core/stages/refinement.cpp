@@ -149,6 +149,9 @@ class Rounds {
       return std::max<std::uint64_t>(1, refiners_[p] ? refiners_[p]->waiting() : meshes_[p].mesh.triangle_count());
     };
     for (const std::uint32_t p : dirty_) waiting += share(p);
+    // A step may make a few faces more than its quota has left.
+    constexpr std::uint64_t kLastStep = 1;
+    faces += kLastStep * dirty_.size();
     const double left = goals_.max_faces > faces ? static_cast<double>(goals_.max_faces - faces) : 0;
     for (std::size_t i = 0; i < dirty_.size(); ++i)
       quota_[i] =

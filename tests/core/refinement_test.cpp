@@ -286,8 +286,9 @@ TEST(refinement, it_makes_nothing_shorter_than_the_shortest_edge) {
   }
 }
 
-TEST(refinement, a_size_below_the_shortest_edge_gives_way_to_it) {
-  Options options = with_length(0.1);
+TEST(refinement, the_shortest_edge_goes_before_the_longest) {
+  // Edges of the cube: six parts are too long, seven too short.
+  Options options = with_length(0.16);
   options.min_edge_length = 0.15;
   const PolygonMesh mesh = shapes::box({1, 1, 1});
   const Result result = refined(mesh, options);

@@ -550,6 +550,11 @@ TEST(check_options, each_option_at_fault_is_named) {
       {"max_edge_fraction", Code::kInvalidOption, [](Options& o) { o.max_edge_length = o.max_edge_fraction = 1; }},
       {"max_area", Code::kInvalidOption, [](Options& o) { o.max_area = -1; }},
       {"min_edge_length", Code::kInvalidOption, [](Options& o) { o.min_edge_length = HUGE_VAL; }},
+      {"min_edge_length", Code::kInvalidOption,
+       [](Options& o) {
+         o.min_edge_length = 2;
+         o.max_edge_length = 1;
+       }},
       {"proximity", Code::kInvalidOption, [](Options& o) { o.proximity = -1; }},
       {"gradation", Code::kInvalidOption, [](Options& o) { o.gradation = 1; }},
       {"weld_tolerance", Code::kNotImplemented, [](Options& o) { o.weld_tolerance = 1e-3; }},
