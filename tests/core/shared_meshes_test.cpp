@@ -15,6 +15,7 @@
 #include "core/io/obj.h"
 #include "core/remesh.h"
 #include "tests/support/refined_checks.h"
+#include "tests/support/shared_meshes.h"
 #include "tests/support/unrefined_options.h"
 
 namespace remesh {
@@ -22,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kMeshes = fs::path(REMESHD_SOURCE_DIR) / ".." / "shared" / "meshes";
+const fs::path kMeshes = test::shared_meshes_folder();
 
 using Facts = std::map<std::string, std::string>;
 

@@ -17,6 +17,7 @@
 #include "tests/support/cgal_intersection.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
+#include "tests/support/shared_meshes.h"
 
 namespace remesh {
 namespace {
@@ -166,7 +167,7 @@ std::size_t proper_pairs(const TriangleMesh& mesh) {
 }
 
 TEST(self_intersections, counts_of_real_meshes_are_those_computed_by_other_means) {
-  const fs::path meshes = fs::path(REMESHD_SOURCE_DIR) / "../shared/meshes";
+  const fs::path meshes = test::shared_meshes_folder();
   std::ifstream facts(meshes / "facts.tsv");
   if (!facts) GTEST_SKIP() << "NOT TESTED: the collection of meshes is not at " << meshes;
   std::vector<std::string> columns;

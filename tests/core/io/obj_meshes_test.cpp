@@ -17,13 +17,14 @@
 #include <vector>
 
 #include "core/io/obj.h"
+#include "tests/support/shared_meshes.h"
 
 namespace remesh {
 namespace {
 
 namespace fs = std::filesystem;
 
-const fs::path kMeshes = fs::path(REMESHD_SOURCE_DIR) / "../shared/meshes";
+const fs::path kMeshes = test::shared_meshes_folder();
 
 /// The file's bytes, unpacked if its name ends in `.gz`.
 std::string content(const fs::path& path) {
