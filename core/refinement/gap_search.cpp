@@ -187,7 +187,7 @@ class GapSearch::Index {
   /// one solid? Then it meets the surface between: the riser, where they are the treads of a step.
   bool is_blocked(const Vec3& way, PatchId from, PatchId to) const {
     if (solids_[from] == kOpen || solids_[from] != solids_[to]) return false;
-    return (dot(way, slabs_[from].plane.normal) > 0) == (dot(way, slabs_[to].plane.normal) > 0);
+    return dot(way, slabs_[from].plane.normal) * dot(way, slabs_[to].plane.normal) > 0;
   }
 
   /// Can any way from the patch to a place in the box be steep, if none is shorter than that (a square)?
@@ -276,16 +276,13 @@ void GapSearch::Index::find_planes(const PatchSet& patches, RunControl& control)
 }
 
 void GapSearch::Index::find_solids(const Adjacency& adjacency, const PatchSet& patches, RunControl& control) {
-  IdVector<FaceId, PatchId> patch_of(surface_.face_count());
-  for (std::size_t p = 0; p < patches.count(); ++p)
-    for (const FaceId f : patches.faces_of(PatchId(p))) patch_of[f] = PatchId(p);
   UnionFind components(patches.count());
   std::vector<std::uint8_t> is_open(patches.count(), 0);
   for (std::size_t e = 0; e < adjacency.edge_count(); ++e) {
     if (e % 65536 == 0) control.check();
     const auto around = adjacency.half_edges(EdgeId(e));
-    const PatchId first = patch_of[adjacency.face_of(around[0])];
-    for (const std::uint32_t h : around) components.join(first.value, patch_of[adjacency.face_of(h)].value);
+    const PatchId first = patches.of_face[adjacency.face_of(around[0])];
+    for (const std::uint32_t h : around) components.join(first.value, patches.of_face[adjacency.face_of(h)].value);
     if (adjacency.twin(around[0]) == Adjacency::kNone) is_open[first.value] = 1;
   }
   for (std::uint32_t p = 0; p < patches.count(); ++p)
