@@ -167,9 +167,8 @@ class PatchRefiner {
   std::vector<double> value_;       ///< of such a vertex its parameter, of others their floor
   std::vector<Side> sides_;         ///< numbered as in mesh_
   std::vector<State> state_;        ///< of each triangle
-  /// Corners with their segments here: corner, the segment's other end, the segment; sorted.
+  /// A segment at a corner: its other end, and which it is; sorted at each corner.
   struct CornerSegment {
-    std::uint32_t corner;
     VertexId other;
     SegmentId segment;
   };
