@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <string_view>
 #include <utility>
@@ -54,40 +55,25 @@ std::string typed(std::string_view type, std::string_view name) {
   return "type=\"" + std::string(type) + "\" Name=\"" + std::string(name) + "\"";
 }
 
-/// Two hyphens would end a comment, as would one before its end.
-std::string in_comment(std::string line) {
-  for (std::size_t i = 1; i < line.size(); ++i) {
-    if (line[i] == '-' && line[i - 1] == '-') line[i] = ' ';
-  }
-  for (char& c : line) {
-    if (static_cast<unsigned char>(c) >= 0x80) c = '?';  // names may be in any encoding, XML must be in one
-  }
-  return line;
-}
-
-/// VTK writes an array of strings as the codes of their bytes, a zero after each.
-void write_names(std::string& out, std::string_view kind, const LabelSet& set) {
-  out += "<Array type=\"String\" Name=\"" + std::string(kind) + "_names\" NumberOfTuples=\"" +
-         std::to_string(set.names.size()) + "\" format=\"ascii\">\n";
-  for (const std::string& name : set.names) {
-    for (const char c : name) {
-      append_integer(out, c == '\0' ? ' ' : static_cast<unsigned char>(c));
-      out += ' ';
+/// A comment that stays one, in UTF-8: two hyphens would end it, and names may be in any encoding.
+void append_comment(std::string& out, std::string_view line) {
+  out += "<!-- ";
+  char last = ' ';
+  while (!line.empty()) {
+    const std::size_t length = utf8_length(line);
+    const bool is_kept = length > 0 && !(line.front() == '-' && last == '-');
+    if (is_kept) {
+      out += line.substr(0, length);
+    } else {
+      out += '?';
     }
-    out += "0\n";
+    last = is_kept ? line.front() : '?';
+    line.remove_prefix(std::max<std::size_t>(length, 1));
   }
-  out += "</Array>\n";
+  out += " -->\n";
 }
 
 using LabelKinds = std::array<std::pair<std::string_view, const LabelSet*>, 3>;
-
-void write_field_data(std::string& out, const LabelKinds& kinds) {
-  out += "<FieldData>\n";
-  for (const auto& [kind, set] : kinds) {
-    if (set->is_used()) write_names(out, kind, *set);
-  }
-  out += "</FieldData>\n";
-}
 
 void write_points(std::string& out, const TriangleMesh& mesh, WriteProgress& progress) {
   DataArray points(typed("Float64", "Points") + " NumberOfComponents=\"3\"",
@@ -156,12 +142,17 @@ std::string write_vtu(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>&
   WriteProgress progress(mesh.positions.size() + mesh.faces.size(), control);
   std::string out = "<?xml version=\"1.0\"?>\n";
   for (const std::string& comment : comments) {
-    for (const std::string& line : comment_lines(comment)) out += "<!-- " + in_comment(line) + " -->\n";
+    for (const std::string& line : comment_lines(comment)) append_comment(out, line);
+  }
+  for (const auto& [kind, set] : kinds) {
+    for (std::size_t i = 0; set->is_used() && i < set->names.size(); ++i) {
+      append_comment(out,
+                     std::string(kind) + " " + std::to_string(i) + ": " + without_control_characters(set->names[i]));
+    }
   }
   out +=
       "<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" header_type=\"UInt64\">\n"
       "<UnstructuredGrid>\n";
-  write_field_data(out, kinds);
   out += "<Piece NumberOfPoints=\"" + std::to_string(mesh.positions.size()) + "\" NumberOfCells=\"" +
          std::to_string(mesh.faces.size()) + "\">\n";
   write_points(out, mesh, progress);
