@@ -83,13 +83,6 @@ bool is_continue_expected(const RequestHead& head) {
   return head.minor_version >= 1 && expectation == "100-continue";
 }
 
-void refuse_content_coding(const RequestHead& head) {
-  const std::string_view coding = head.header("content-encoding");
-  if (coding.empty() || coding == "identity") return;
-  throw HttpError(415, "unsupported_media_type",
-                  "compressed bodies are not supported: send it without Content-Encoding");
-}
-
 }  // namespace
 
 std::optional<PendingBody> read_head(Connection& connection, const GateLimits& limits, RequestHead& head) {
@@ -107,7 +100,6 @@ std::string read_body(Connection& connection, const GateLimits& limits, const Re
   if (kind == Framing::Kind::kLength && length > max_body) {
     throw HttpError(413, "body_too_large", "the body is larger than this resource takes").with_limit(max_body);
   }
-  refuse_content_coding(head);
 
   if (pending.early.empty() && is_continue_expected(head)) {
     connection.write_all("HTTP/1.1 100 Continue\r\n\r\n", {limits.head_timeout, limits.min_body_rate});

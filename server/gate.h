@@ -32,8 +32,8 @@ struct PendingBody {
 /// Errors:  HttpError - 400, 408, 411, 414, 431, 501; ConnectionLost.
 std::optional<PendingBody> read_head(Connection& connection, const GateLimits& limits, RequestHead& head);
 
-/// Reads the body behind a head, decoded. Says 100 Continue where the client waits for it.
-/// Errors:  HttpError - 400, 408, 413 (longer than `max_body`), 415; ConnectionLost.
+/// Reads the body behind a head, out of its chunks; what Content-Encoding says is left to whoever takes it. Says 100
+/// Continue where the client waits for it. Errors:  HttpError - 400, 408, 413 (longer than `max_body`); ConnectionLost.
 std::string read_body(Connection& connection, const GateLimits& limits, const RequestHead& head,
                       const PendingBody& pending, std::uint64_t max_body);
 

@@ -19,6 +19,7 @@ class Job {
       : running_(std::move(running)), limits_(limits.api), operation_(std::move(operation)) {
     body_ = std::move(request.body);
     input_.content_type = request.header("content-type");
+    input_.content_encoding = request.header("content-encoding");
     input_.accept = request.header("accept");
     input_.query = std::move(request.query);
     input_.body = body_;
