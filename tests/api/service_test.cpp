@@ -374,8 +374,8 @@ TEST(RunRemesh, every_format_goes_out_and_what_is_read_comes_in_again_as_the_sam
 
 TEST(RunRemesh, a_compressed_body_and_a_compressed_mesh_are_what_is_in_them) {
   RunControl control;
-  const std::string expected = remesh(request_of(kCube)).body;
-  const std::string compressed = gzip(kCube, control);
+  const std::string expected = remesh(request_of(kRing)).body;
+  const std::string compressed = gzip(kRing, control);
   EXPECT_EQ(remesh(request_of(compressed)).body, expected);
   EXPECT_EQ(remesh(request_of(compressed, "model/obj")).body, expected);
 
@@ -396,22 +396,22 @@ TEST(RunRemesh, a_compressed_body_and_a_compressed_mesh_are_what_is_in_them) {
 
 TEST(RunRemesh, what_cannot_be_decompressed_has_its_code) {
   RunControl control;
-  const std::string compressed = gzip(kCube, control);
+  const std::string compressed = gzip(kRing, control);
   const auto with_coding = [&](std::string_view body, const char* coding) {
     Request request = request_of(body);
     request.content_encoding = coding;
     return request;
   };
-  EXPECT_EQ(code_of(with_coding(kCube, "gzip")), Code::kMalformedRequest);
+  EXPECT_EQ(code_of(with_coding(kRing, "gzip")), Code::kMalformedRequest);
   EXPECT_EQ(code_of(with_coding(std::string_view(compressed).substr(0, 30), "gzip")), Code::kMalformedRequest);
   EXPECT_EQ(code_of(request_of(std::string_view(compressed).substr(0, 30))), Code::kInvalidMesh);
-  EXPECT_EQ(code_of(with_coding(kCube, "br")), Code::kUnsupportedMediaType);
+  EXPECT_EQ(code_of(with_coding(kRing, "br")), Code::kUnsupportedMediaType);
 
   Limits limits;
-  limits.max_decompressed = kCube.size() - 1;
+  limits.max_decompressed = kRing.size() - 1;
   EXPECT_EQ(code_of(request_of(compressed), limits), Code::kDecompressedTooLarge);
   EXPECT_EQ(code_of(with_coding(compressed, "gzip"), limits), Code::kDecompressedTooLarge);
-  limits.max_decompressed = kCube.size();
+  limits.max_decompressed = kRing.size();
   EXPECT_EQ(remesh(request_of(compressed), limits).status, 200);
 }
 
