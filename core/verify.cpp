@@ -101,6 +101,9 @@ constexpr std::size_t kMostPairs = 100'000;
 std::vector<std::pair<FaceId, FaceId>> check_intersections(const Claim& claim,
                                                            const std::vector<std::uint8_t>& is_positive,
                                                            Findings& findings, RunControl& control) {
+  // What is nowhere intersects nothing, and has failed already.
+  if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); }))
+    return {};
   std::vector<Vec3> normals;
   normals.reserve(claim.frames.size());
   for (const Frame& frame : claim.frames) normals.push_back(frame.normal);

@@ -26,13 +26,18 @@ class Pieces {
 
   InsideOut find() {
     connect();
-    measure();
     InsideOut result;
     std::vector<std::uint32_t> negative;
-    for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
+    add_volumes();
+    for (std::uint32_t p = 0; p < pieces_.size(); ++p)
+      if (pieces_[p].is_closed && pieces_[p].volume < 0) negative.push_back(p);
+    if (negative.empty()) return result;
+    measure();
+    const auto is_flat = [&](std::uint32_t p) {
       const Piece& piece = pieces_[p];
-      if (piece.is_closed && piece.volume < -kNoVolume * piece.area * piece.box.diagonal()) negative.push_back(p);
-    }
+      return piece.volume >= -kNoVolume * piece.area * piece.box.diagonal();
+    };
+    negative.erase(std::remove_if(negative.begin(), negative.end(), is_flat), negative.end());
     const auto closed = std::count_if(pieces_.begin(), pieces_.end(), [](const Piece& p) { return p.is_closed; });
     if (closed > 1 && !negative.empty()) drop_cavities(negative);
     if (negative.empty()) return result;
@@ -82,20 +87,33 @@ class Pieces {
     }
   }
 
-  void measure() {
+  Vec3 twice_area_of(std::span<const VertexId> loop) const {
+    const Vec3 first = positions_[loop[0].value];
+    Vec3 sum;
+    for (std::size_t i = 1; i + 1 < loop.size(); ++i)
+      sum += cross(positions_[loop[i].value] - first, positions_[loop[i + 1].value] - first);
+    return sum;
+  }
+
+  void add_volumes() {
     for (std::uint32_t f = 0; f < face_count(); ++f) {
       if (f % 4096 == 0) control_.check();
       Piece& piece = pieces_[piece_of_[f]];
       if (!piece.is_closed) continue;
-      const auto loop = face(f);
       // From a point of the piece: far from it the volume would drown in rounding.
-      const Vec3 origin = positions_[face(piece.first.value)[0].value], first = positions_[loop[0].value] - origin;
-      Vec3 twice_area;
-      for (std::size_t i = 1; i + 1 < loop.size(); ++i)
-        twice_area += cross(positions_[loop[i].value] - origin - first, positions_[loop[i + 1].value] - origin - first);
-      piece.volume += dot(first, twice_area) / 6;
-      piece.area += norm(twice_area) / 2;
-      for (const VertexId v : loop) {
+      const Vec3 from = positions_[face(piece.first.value)[0].value];
+      piece.volume += dot(positions_[face(f)[0].value] - from, twice_area_of(face(f))) / 6;
+    }
+  }
+
+  /// What is asked of negative pieces only.
+  void measure() {
+    for (std::uint32_t f = 0; f < face_count(); ++f) {
+      if (f % 4096 == 0) control_.check();
+      Piece& piece = pieces_[piece_of_[f]];
+      if (!piece.is_closed || piece.volume >= 0) continue;
+      piece.area += norm(twice_area_of(face(f))) / 2;
+      for (const VertexId v : face(f)) {
         piece.box.add(positions_[v.value]);
         piece.least = std::min(piece.least, positions_[v.value]);
       }

@@ -227,7 +227,7 @@ TEST_F(Cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "-o", "o.obj", "--plane-tolerance", "wide"}, "invalid_option: plane_tolerance must be"},
       {{"square.obj", "-o", "o.obj", "--plane-tolerance", "1", "--plane-tolerance", "2"}, "--plane-tolerance"},
       {{"square.obj", "-o", "o.obj", "--refine"}, "--refine"},
-      {{"square.obj", "-o", "o.obj", "--weld-tolerance", "1"}, "not_implemented: "},
+      {{"square.obj", "-o", "o.obj", "--weld-tolerance", "-1"}, "invalid_option: weld_tolerance must be"},
       {{"square.obj", "-o", "o.obj", "--max-edge-length", "1", "--max-edge-fraction", "1"}, "exclude each other"},
       {{"square.obj", "-o", "o.obj", "--workers", "0"}, "--workers"},
       {{"square.obj", "other.obj", "-o", "o.obj"}, "unexpected argument other.obj"},

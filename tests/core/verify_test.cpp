@@ -28,13 +28,25 @@ TEST(Verify, correct_claims_are_verified) {
        example(shapes::two_squares_touching_at_a_vertex(3), shapes::two_squares_touching_at_a_vertex(1))},
       {"cubes that share an edge", example(shapes::blocks({".#", "#."}, 2), shapes::blocks({".#", "#."}, 1))},
       {"three pages", example(shapes::three_pages(3), shapes::three_pages(1))},
-      {"double sheet", example(shapes::double_sheet(1), shapes::double_sheet(1))},
       {"cylinder", example(shapes::cylinder(12, 1, 2), shapes::fan_triangulated(shapes::cylinder(12, 1, 2)))},
       {"sphere", example(shapes::sphere(2), shapes::sphere(2))},
       {"inside out",
        example(shapes::turned_over(shapes::box({1, 1, 1}, 2)), shapes::turned_over(shapes::box({1, 1, 1})))},
   };
   for (const auto& [name, e] : all) EXPECT_TRUE(is_verified(e)) << name;
+}
+
+TEST(Verify, faces_may_intersect_only_where_their_patches_do_in_the_input) {
+  Example e = example(shapes::double_sheet(1), shapes::double_sheet(1));
+  const Verdict v = e.verify();
+  EXPECT_FALSE(v.conforming);
+  EXPECT_TRUE(v.surface && v.delaunay);
+  EXPECT_EQ(v.failed_patches, (std::vector<PatchId>{PatchId(0), PatchId(1)}));
+  EXPECT_EQ(v.intersections.size(), 2u);  // each face lies on its back
+  e.intersecting_patches = {{PatchId(0), PatchId(0)}};
+  EXPECT_FALSE(e.verify().conforming);
+  e.intersecting_patches = {{PatchId(0), PatchId(1)}};
+  EXPECT_TRUE(is_verified(e));
 }
 
 TEST(Verify, rounding_noise_of_a_rotation_is_within_tolerance) {

@@ -44,7 +44,7 @@ good
 expect 413 body_too_large /v1/remesh --data-binary "@$work/big.obj"
 good
 expect 400 unknown_option '/v1/remesh?refin=true' --data-binary "@$work/good.obj"
-expect 501 not_implemented '/v1/remesh?weld_tolerance=1' --data-binary "@$work/good.obj"
+expect 400 invalid_option '/v1/remesh?weld_tolerance=-1' --data-binary "@$work/good.obj"
 expect 400 invalid_option '/v1/remesh?max_edge_length=1&max_edge_fraction=0.1' --data-binary "@$work/good.obj"
 expect 422 output_too_large '/v1/remesh?max_edge_length=1e-6' --data-binary "@$work/good.obj"
 grep -q '"limit": *50000000' "$work/body" || fail "the limit is not told: $(cat "$work/body")"

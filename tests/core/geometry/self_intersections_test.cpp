@@ -5,6 +5,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -28,10 +29,10 @@ using Pairs = std::vector<std::pair<FaceId, FaceId>>;
 
 constexpr std::size_t kNoLimit = std::size_t{1} << 32;
 
-SelfIntersections find(const TriangleMesh& mesh, const std::vector<std::uint8_t>* moved = nullptr,
+SelfIntersections find(const TriangleMesh& mesh, const std::vector<std::uint32_t>& pieces = {},
                        std::size_t max_pairs = kNoLimit) {
   RunControl control;
-  return self_intersections(mesh.positions.items(), mesh.faces.items(), moved, max_pairs, control);
+  return self_intersections(mesh.positions.items(), mesh.faces.items(), pieces, max_pairs, control);
 }
 
 /// Random triangles over the points of a grid of n^3, corners repeated now and then.
@@ -74,28 +75,81 @@ TEST(self_intersections, all_pairs_of_a_soup_are_those_of_the_oracle) {
   }
 }
 
-TEST(self_intersections, of_marked_faces_all_pairs_are_found_and_no_others) {
+TEST(self_intersections, faces_of_one_piece_are_not_held_against_each_other) {
   const TriangleMesh mesh = crumbs(1, 10, 5000);
   const Pairs all = find(mesh).pairs;
   ASSERT_GT(all.size(), 100);
-  for (const double share : {0.0, 0.01, 0.5, 1.0}) {
+  for (const int count : {1, 2, 100}) {
     Random random(2);
-    std::vector<std::uint8_t> moved(mesh.faces.size());
-    for (std::uint8_t& mark : moved) mark = random.chance(share);
+    std::vector<std::uint32_t> pieces(mesh.faces.size());
+    for (std::uint32_t& piece : pieces) {
+      piece = static_cast<std::uint32_t>(random.below(count));
+      if (random.chance(0.2)) piece = kNoPiece;
+    }
     Pairs expected;
-    std::copy_if(all.begin(), all.end(), std::back_inserter(expected),
-                 [&](const auto& pair) { return moved[pair.first.value] || moved[pair.second.value]; });
-    EXPECT_EQ(find(mesh, &moved).pairs, expected);
+    std::copy_if(all.begin(), all.end(), std::back_inserter(expected), [&](const auto& pair) {
+      const std::uint32_t p = pieces[pair.first.value], q = pieces[pair.second.value];
+      return p != q || p == kNoPiece;
+    });
+    EXPECT_LT(expected.size(), all.size());
+    EXPECT_EQ(find(mesh, pieces).pairs, expected);
   }
+}
+
+/// A fan of n needles around the origin, spokes one long that go up and down in turn; every `odd`th reaches across the
+/// next one.
+TriangleMesh fan(int n, int odd) {
+  TriangleMesh mesh;
+  mesh.positions.push_back({});
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * 3.14159265358979 * i / n, height = 0.1 * (i % 2);
+    mesh.positions.push_back({std::cos(angle), std::sin(angle), height});
+  }
+  for (int i = 0; i < n; ++i) {
+    const int reach = i % odd == 0 ? 2 : 1;
+    mesh.faces.push_back({VertexId(0), VertexId(1 + i), VertexId(1 + (i + reach) % n)});
+  }
+  return mesh;
+}
+
+TEST(self_intersections, around_a_vertex_of_very_many_faces_the_pairs_are_those_of_the_oracle) {
+  const TriangleMesh mesh = fan(400, 7);
+  const CgalIntersection oracle(mesh.positions.items());
+  Pairs expected;
+  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+    for (std::uint32_t g = f + 1; g < mesh.faces.size(); ++g)
+      if (oracle(mesh.faces[FaceId(f)], mesh.faces[FaceId(g)])) expected.emplace_back(FaceId(f), FaceId(g));
+  ASSERT_GT(expected.size(), 20);
+  EXPECT_EQ(find(mesh).pairs, expected);
+}
+
+TEST(self_intersections, several_vertices_of_very_many_faces_count_each_pair_once) {
+  // All faces have one of three corners, many have two of them.
+  Random random(3);
+  TriangleMesh mesh;
+  for (int i = 0; i < 200; ++i) mesh.positions.push_back({random.unit(), random.unit(), random.unit()});
+  for (int i = 0; i < 900; ++i)
+    mesh.faces.push_back(
+        {VertexId(i % 3), VertexId(random.below(2) ? 3 + i % 197 : (i + 1) % 3), VertexId(3 + (7 * i + 1) % 197)});
+  const CgalIntersection oracle(mesh.positions.items());
+  Pairs expected;
+  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+    for (std::uint32_t g = f + 1; g < mesh.faces.size(); ++g)
+      if (oracle(mesh.faces[FaceId(f)], mesh.faces[FaceId(g)])) expected.emplace_back(FaceId(f), FaceId(g));
+  EXPECT_EQ(find(mesh).pairs, expected);
+}
+
+TEST(self_intersections, a_fan_of_a_hundred_thousand_needles_does_not_take_quadratic_time) {
+  EXPECT_EQ(find(fan(100'000, 1'000'000)).pairs.size(), 2u);  // 5e9 pairs share the vertex; one needle is too wide
 }
 
 TEST(self_intersections, past_the_limit_just_so_many_pairs_are_given) {
   const TriangleMesh mesh = crumbs(3, 20, 50000);
   const Pairs all = find(mesh).pairs;
   ASSERT_GT(all.size(), 10000);
-  EXPECT_TRUE(find(mesh, nullptr, all.size()).is_complete);
+  EXPECT_TRUE(find(mesh, {}, all.size()).is_complete);
   for (const std::size_t limit : {std::size_t{0}, std::size_t{1}, std::size_t{100}, all.size() / 2, all.size() - 1}) {
-    const SelfIntersections some = find(mesh, nullptr, limit);
+    const SelfIntersections some = find(mesh, {}, limit);
     EXPECT_FALSE(some.is_complete);
     EXPECT_EQ(some.pairs.size(), limit);
     EXPECT_TRUE(std::includes(all.begin(), all.end(), some.pairs.begin(), some.pairs.end()));
@@ -106,10 +160,10 @@ TEST(self_intersections, any_number_of_threads_gives_the_same_pairs) {
   const tbb::global_control more_threads_than_cores(tbb::global_control::max_allowed_parallelism, 8);
   const TriangleMesh mesh = crumbs(4, 20, 50000);
   for (const std::size_t limit : {kNoLimit, std::size_t{1000}}) {
-    const Pairs expected = tbb::task_arena(1).execute([&] { return find(mesh, nullptr, limit).pairs; });
+    const Pairs expected = tbb::task_arena(1).execute([&] { return find(mesh, {}, limit).pairs; });
     ASSERT_GE(expected.size(), 1000);
     for (const int threads : {2, 8})
-      EXPECT_EQ(tbb::task_arena(threads).execute([&] { return find(mesh, nullptr, limit).pairs; }), expected);
+      EXPECT_EQ(tbb::task_arena(threads).execute([&] { return find(mesh, {}, limit).pairs; }), expected);
   }
 }
 
@@ -117,7 +171,7 @@ TEST(self_intersections, many_copies_of_one_face_do_not_take_quadratic_time_once
   TriangleMesh mesh;
   for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}}) mesh.positions.push_back(p);
   mesh.faces.assign(300'000, {VertexId(0), VertexId(1), VertexId(2)});  // 4.5e10 pairs
-  const SelfIntersections found = find(mesh, nullptr, 1000);
+  const SelfIntersections found = find(mesh, {}, 1000);
   EXPECT_FALSE(found.is_complete);
   EXPECT_EQ(found.pairs.size(), 1000);
 }
@@ -152,7 +206,7 @@ TEST(self_intersections, a_stop_is_obeyed) {
   const TriangleMesh mesh = crumbs(6, 10, 1000);
   RunControl control;
   control.cancel();
-  EXPECT_THROW(self_intersections(mesh.positions.items(), mesh.faces.items(), nullptr, kNoLimit, control), Error);
+  EXPECT_THROW(self_intersections(mesh.positions.items(), mesh.faces.items(), {}, kNoLimit, control), Error);
 }
 
 /// Pairs of faces that have area: facts.tsv leaves those without it out of this column.

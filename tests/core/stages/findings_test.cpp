@@ -4,7 +4,6 @@
 
 #include <map>
 
-#include "core/quality.h"
 #include "core/stages/weld.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -17,10 +16,8 @@ std::map<DiagnosticCode, Diagnostic> defects_of(const PolygonMesh& mesh) {
   std::vector<Diagnostic> diagnostics;
   const Surface surface = weld(mesh, {}, diagnostics, control);
   const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners);
-  const MeshStatistics statistics =
-      measure_surface(surface.positions.items(), surface.face_begin, surface.corners, edges, control);
   diagnostics.clear();
-  find_defects(surface, edges, statistics, diagnostics);
+  find_defects(surface, edges, diagnostics, control);
   std::map<DiagnosticCode, Diagnostic> found;
   for (const Diagnostic& d : diagnostics) found[d.code] = d;
   return found;
@@ -42,17 +39,23 @@ TEST(find_defects, edges_of_three_faces_are_counted) {
   EXPECT_FALSE(found.count(DiagnosticCode::kInconsistentWinding));
 }
 
-TEST(find_defects, neighbours_that_look_opposite_ways_are_counted) {
-  const auto found =
-      defects_of(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 1, 3}}));
-  EXPECT_EQ(found.at(DiagnosticCode::kInconsistentWinding).count, 1u);
-  EXPECT_FALSE(found.count(DiagnosticCode::kNonManifoldEdge));
+TEST(find_defects, a_vertex_that_joins_what_no_edge_joins_is_counted) {
+  // Two squares that touch; two cones tip to tip; and a sheet of which a corner is used twice.
+  EXPECT_EQ(defects_of(shapes::two_squares_touching_at_a_vertex(3)).at(DiagnosticCode::kNonManifoldVertex).count, 1u);
+  const PolygonMesh tips =
+      shapes::welded(shapes::joined(shapes::sphere(1), shapes::moved(shapes::sphere(1), {2, 0, 0})));
+  const auto found = defects_of(tips);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found.at(DiagnosticCode::kNonManifoldVertex).count, 1u);
+  const std::uint64_t v = found.at(DiagnosticCode::kNonManifoldVertex).elements.at(0);
+  EXPECT_EQ(tips.positions[VertexId(static_cast<std::size_t>(v))], (Vec3{1, 0, 0}));
 }
 
-TEST(find_defects, a_closed_surface_turned_over_is_inside_out) {
-  const auto found = defects_of(shapes::turned_over(shapes::box({1, 1, 1}, 2)));
-  ASSERT_EQ(found.size(), 1u);
-  EXPECT_EQ(found.at(DiagnosticCode::kInsideOut).count, 1u);
+TEST(find_defects, neither_edges_of_many_faces_nor_odd_winding_make_a_pinched_vertex) {
+  EXPECT_FALSE(defects_of(shapes::three_pages(3)).count(DiagnosticCode::kNonManifoldVertex));
+  PolygonMesh mesh = shapes::sheet(4, 4, 4, 4);
+  for (std::size_t f = 0; f < mesh.face_count(); f += 3) std::swap(mesh.corners[3 * f], mesh.corners[3 * f + 1]);
+  EXPECT_FALSE(defects_of(mesh).count(DiagnosticCode::kNonManifoldVertex));
 }
 
 TEST(find_defects, the_first_hundred_elements_are_listed_and_all_are_counted) {

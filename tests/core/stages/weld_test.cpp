@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "tests/support/random.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 
@@ -116,6 +117,65 @@ TEST(weld, labels_are_numbered_in_order_of_first_use) {
   groups_only.material = false;
   EXPECT_EQ(welded(mesh, groups_only).surface.face_label.items(), (std::vector<std::uint32_t>{0, 1, 1, 0}));
   EXPECT_EQ(welded(mesh, {false, false, false}).surface.face_label.items(), (std::vector<std::uint32_t>{0, 0, 0, 0}));
+}
+
+Welded welded_within(const PolygonMesh& mesh, double tolerance) {
+  Welded result;
+  RunControl control;
+  result.surface = weld(mesh, {}, result.diagnostics, control, tolerance);
+  return result;
+}
+
+/// A vertex at each place, all in one face.
+PolygonMesh at(const std::vector<Vec3>& places) {
+  std::vector<std::uint32_t> loop(places.size());
+  for (std::uint32_t i = 0; i < loop.size(); ++i) loop[i] = i;
+  return shapes::from_lists(places, {loop});
+}
+
+TEST(weld, within_a_tolerance_the_smallest_stands_for_its_neighbours) {
+  const Welded result =
+      welded_within(at({{1.01, 0, 0}, {0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0.02}, {1, 0, 0}}), 0.03);
+  EXPECT_EQ(corner_numbers(result.surface), (std::vector<std::uint32_t>{0, 1, 0, 2, 0, 0}));
+  EXPECT_EQ(result.surface.positions[VertexId(0)], (Vec3{1, 0, 0}));
+  EXPECT_EQ(result.surface.vertex_source[VertexId(0)], VertexId(2));
+  ASSERT_NE(result.find(DiagnosticCode::kDuplicateVertex), nullptr);
+  EXPECT_EQ(result.find(DiagnosticCode::kDuplicateVertex)->elements, (std::vector<std::uint64_t>{0, 4, 5}));
+  EXPECT_EQ(result.diagnostics.size(), 1u);
+}
+
+TEST(weld, a_chain_of_near_vertices_does_not_collapse_and_is_reported) {
+  std::vector<Vec3> places;
+  for (int i = 0; i < 10; ++i) places.push_back({0.9 * i, 0, 0});
+  const Welded result = welded_within(at(places), 1);
+  EXPECT_EQ(result.surface.vertex_count(), 5u);
+  ASSERT_EQ(result.diagnostics.size(), 2u);
+  EXPECT_EQ(result.diagnostics[0].count, 5u);
+  EXPECT_EQ(result.diagnostics[1].code, DiagnosticCode::kDuplicateVertex);
+  EXPECT_EQ(result.diagnostics[1].count, 4u);
+}
+
+TEST(weld, no_vertex_moves_further_than_the_tolerance_and_those_that_stay_are_further_apart) {
+  for (const double scale : {1.0, 1e-200, 1e200}) {
+    Random random(5);
+    std::vector<Vec3> places;
+    for (int i = 0; i < 2000; ++i)
+      places.push_back({scale * random.unit(), scale * random.unit(), scale * 0.1 * random.unit()});
+    const double tolerance = 0.03 * scale;
+    const Welded result = welded_within(at(places), tolerance);
+    EXPECT_GT(result.surface.vertex_count(), 100u);
+    for (std::size_t i = 0; i < places.size(); ++i)
+      EXPECT_LE(norm(result.surface.positions[result.surface.corners[i]] - places[i]), tolerance);
+    for (std::uint32_t v = 0; v < result.surface.vertex_count(); ++v)
+      for (std::uint32_t w = 0; w < v; ++w)
+        EXPECT_GT(norm(result.surface.positions[VertexId(v)] - result.surface.positions[VertexId(w)]), tolerance);
+  }
+}
+
+TEST(weld, a_tolerance_below_all_distances_changes_nothing) {
+  const PolygonMesh mesh = shapes::box({1, 2, 3}, 4);
+  for (const double tolerance : {1e-300, 1e-15, 0.1})
+    EXPECT_EQ(welded_within(mesh, tolerance).surface.positions.items(), welded(mesh).surface.positions.items());
 }
 
 }  // namespace

@@ -31,12 +31,14 @@ struct Example {
   std::optional<Goals> goals;  ///< none: nothing was refined
   std::vector<FaceId> unrefined;
   std::vector<UnrefinedReason> reasons;
+  std::vector<std::pair<PatchId, PatchId>> intersecting_patches;  ///< of the input
 
   Verdict verify() const {
     RunControl control;
     const RefinementClaim refinement{goals.value_or(Goals()), unrefined, reasons};
+    const InputIntersections known{intersecting_patches, true};
     return remesh::verify({surface, surface_patch, frames, positions, faces, face_patch, corner_uv, plane_tolerance,
-                           goals ? &refinement : nullptr},
+                           goals ? &refinement : nullptr, &known},
                           control);
   }
   Vec2 project(PatchId p, const Vec3& point) const {

@@ -1,0 +1,84 @@
+#include "core/geometry/patch_intersections.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+#include "tests/support/random.h"
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+/// A surface with a patch for each normal that its faces have, to three digits.
+struct Patched {
+  explicit Patched(const PolygonMesh& mesh) : triangles(shapes::triangles(mesh)) {
+    std::map<std::array<int, 4>, PatchId> numbers;
+    for (const auto& [a, b, c] : triangles.faces) {
+      const Vec3 p = triangles.positions[a];
+      const Vec3 n = normalized(cross(triangles.positions[b] - p, triangles.positions[c] - p));
+      const auto digits = [](double x) { return static_cast<int>(std::lround(1000 * x)); };
+      const auto [found, is_new] =
+          numbers.try_emplace({digits(n.x), digits(n.y), digits(n.z), digits(dot(n, p))}, PatchId(normals.size()));
+      if (is_new) normals.push_back(n);
+      patch.push_back(found->second);
+    }
+    simple.assign(normals.size(), 1);
+  }
+
+  SelfIntersections find() const {
+    RunControl control;
+    return patch_intersections({triangles.positions.items(), triangles.faces.items(), patch, normals, simple},
+                               1'000'000, control);
+  }
+  SelfIntersections find_all() const {
+    RunControl control;
+    return self_intersections(triangles.positions.items(), triangles.faces.items(), {}, 1'000'000, control);
+  }
+
+  TriangleMesh triangles;
+  std::vector<PatchId> patch;
+  std::vector<Vec3> normals;
+  std::vector<std::uint8_t> simple;
+};
+
+TEST(patch_intersections, of_simple_patches_all_pairs_are_found) {
+  int with_pairs = 0;
+  for (int seed = 0; seed < 40; ++seed) {
+    Random random(seed);
+    PolygonMesh mesh = shapes::box({1, 1, 1}, 6);
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 at{2 * random.unit() - 1, 2 * random.unit() - 1, 2 * random.unit() - 1};
+      PolygonMesh more = shapes::box({0.5 + random.unit(), 0.7, 0.9}, 5);
+      if (seed % 2) more = shapes::rotated(more, {random.unit(), 1, random.unit()}, 360 * random.unit());
+      mesh = shapes::joined(mesh, shapes::moved(more, at));
+    }
+    const Patched patched(seed % 3 ? mesh : shapes::scaled(mesh, 1e200));
+    const SelfIntersections expected = patched.find_all();
+    with_pairs += !expected.pairs.empty();
+    EXPECT_EQ(patched.find().pairs, expected.pairs) << seed;
+  }
+  EXPECT_GT(with_pairs, 30);
+}
+
+TEST(patch_intersections, touching_from_one_patch_to_another_counts) {
+  // A box that stands on the other one, corners inside faces.
+  const Patched patched(
+      shapes::joined(shapes::box({4, 4, 1}, 9), shapes::moved(shapes::box({1, 1, 1}, 4), {1.3, 1.3, 1})));
+  const SelfIntersections expected = patched.find_all();
+  ASSERT_GT(expected.pairs.size(), 10u);
+  EXPECT_EQ(patched.find().pairs, expected.pairs);
+}
+
+TEST(patch_intersections, inside_a_large_patch_faces_are_looked_at_only_if_it_is_not_simple) {
+  PolygonMesh mesh = shapes::joined(shapes::sheet(4, 4, 8, 8), shapes::moved(shapes::sheet(4, 4, 8, 8), {1.1, 1.3, 0}));
+  Patched patched(mesh);
+  ASSERT_EQ(patched.normals.size(), 1u);
+  EXPECT_TRUE(patched.find().pairs.empty());
+  patched.simple[0] = 0;
+  EXPECT_EQ(patched.find().pairs, patched.find_all().pairs);
+  EXPECT_FALSE(patched.find().pairs.empty());
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,102 @@
+#include "core/volume_ready.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include "core/geometry/self_intersections.h"
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+std::map<DiagnosticCode, VolumeObstacle> obstacles_of(const PolygonMesh& mesh) {
+  RunControl control;
+  const TriangleMesh triangles = shapes::triangles(mesh);
+  const auto& positions = triangles.positions.items();
+  const auto& faces = triangles.faces.items();
+  const SelfIntersections found = self_intersections(positions, faces, {}, 1'000'000, control);
+  std::map<DiagnosticCode, VolumeObstacle> by_code;
+  for (VolumeObstacle& o : find_volume_obstacles(positions, faces, found.pairs, 1e-9, control)) {
+    EXPECT_EQ(o.places.size(), std::min<std::size_t>(o.count, VolumeObstacle::kMaxPlaces));
+    by_code[o.code] = std::move(o);
+  }
+  return by_code;
+}
+
+/// A roof of two pages that meet under this angle, closed below and at its ends.
+PolygonMesh wedge(double degrees) {
+  const double h = std::tan(degrees * std::numbers::pi / 180);
+  return shapes::from_lists({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, h}, {1, 1, h}},
+                            {{0, 1, 3}, {0, 3, 2}, {0, 4, 5}, {0, 5, 1}, {2, 3, 5}, {2, 5, 4}, {0, 2, 4}, {1, 5, 3}});
+}
+
+TEST(find_volume_obstacles, solids_have_none) {
+  EXPECT_TRUE(obstacles_of(shapes::box({1, 2, 3}, 3)).empty());
+  EXPECT_TRUE(obstacles_of(shapes::sphere(3)).empty());
+  EXPECT_TRUE(obstacles_of(wedge(1)).empty());
+  EXPECT_TRUE(
+      obstacles_of(shapes::joined(shapes::box({1, 1, 1}), shapes::moved(shapes::box({1, 1, 1}), {3, 0, 0}))).empty());
+}
+
+TEST(find_volume_obstacles, open_edges_are_located_in_their_middles) {
+  const auto found = obstacles_of(shapes::sheet(2, 2, 1, 1));
+  ASSERT_EQ(found.size(), 1u);
+  const VolumeObstacle& open = found.at(DiagnosticCode::kOpenBoundary);
+  EXPECT_EQ(open.count, 4u);
+  EXPECT_NE(std::find(open.places.begin(), open.places.end(), Vec3{1, 0, 0}), open.places.end());
+}
+
+TEST(find_volume_obstacles, edges_of_more_faces_and_of_odd_winding_are_counted) {
+  EXPECT_EQ(obstacles_of(shapes::three_pages()).at(DiagnosticCode::kNonManifoldEdge).count, 1u);
+  PolygonMesh mesh = shapes::box({1, 1, 1});
+  std::swap(mesh.corners[0], mesh.corners[1]);
+  EXPECT_EQ(obstacles_of(mesh).at(DiagnosticCode::kInconsistentWinding).count, 3u);
+}
+
+TEST(find_volume_obstacles, angles_between_faces_are_small_from_a_tenth_of_a_degree_down) {
+  EXPECT_TRUE(obstacles_of(wedge(0.11)).empty());
+  const auto found = obstacles_of(wedge(0.09));
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found.at(DiagnosticCode::kSmallDihedral).count, 1u);
+  EXPECT_EQ(found.at(DiagnosticCode::kSmallDihedral).places.at(0), (Vec3{0, 0.5, 0}));
+}
+
+TEST(find_volume_obstacles, around_an_edge_of_many_faces_small_angles_are_found) {
+  for (const int pages : {3, 20}) {
+    std::vector<Vec3> points{{0, 0, 0}, {0, 0, 1}};
+    std::vector<std::vector<std::uint32_t>> faces;
+    for (int i = 0; i < pages; ++i) {
+      const double angle = i + 1 == pages ? 1e-4 : 2 * std::numbers::pi * i / pages;
+      points.push_back({std::cos(angle), std::sin(angle), 0.5});
+      faces.push_back({0, 1, static_cast<std::uint32_t>(i + 2)});
+    }
+    EXPECT_EQ(obstacles_of(shapes::from_lists(points, faces)).at(DiagnosticCode::kSmallDihedral).count, 1u) << pages;
+  }
+}
+
+TEST(find_volume_obstacles, doubled_and_crossing_and_overlapping_faces_are_told_apart) {
+  EXPECT_EQ(obstacles_of(shapes::double_sheet(2)).at(DiagnosticCode::kDuplicateFace).count,
+            shapes::double_sheet(2).face_count() / 2);
+  EXPECT_FALSE(obstacles_of(shapes::double_sheet(2)).count(DiagnosticCode::kOverlappingFaces));
+  const PolygonMesh flat = shapes::sheet(2, 2, 1, 1);
+  const auto lying = obstacles_of(shapes::joined(flat, shapes::moved(flat, {0.5, 0.25, 0})));
+  EXPECT_GT(lying.at(DiagnosticCode::kOverlappingFaces).count, 0u);
+  const PolygonMesh cut = shapes::from_lists({{0.5, 0.6, -1}, {0.7, 0.6, -1}, {0.6, 0.7, 2}}, {{0, 1, 2}});
+  const auto crossing = obstacles_of(shapes::joined(flat, cut));
+  EXPECT_EQ(crossing.at(DiagnosticCode::kSelfIntersection).count, 1u);
+  EXPECT_FALSE(crossing.count(DiagnosticCode::kOverlappingFaces));
+}
+
+TEST(find_volume_obstacles, pieces_inside_out_are_located) {
+  const PolygonMesh mesh =
+      shapes::joined(shapes::box({1, 1, 1}), shapes::moved(shapes::turned_over(shapes::box({1, 1, 1})), {3, 0, 0}));
+  const auto found = obstacles_of(mesh);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_GE(found.at(DiagnosticCode::kInsideOut).places.at(0).x, 3);
+}
+
+}  // namespace
+}  // namespace remesh
