@@ -71,7 +71,7 @@ void set_up(Format format, Level level) {
   logger().set_level(spdlog_level(level));
 }
 
-std::string render(Format format, std::string_view event, std::initializer_list<Field> fields) {
+std::string render(Format format, std::string_view event, const std::vector<Field>& fields) {
   const bool is_json = format == Format::kJson;
   std::string line = is_json ? "\"event\":" + quoted(event) : std::string(event);
   for (const Field& field : fields) {
@@ -81,8 +81,10 @@ std::string render(Format format, std::string_view event, std::initializer_list<
   return line;
 }
 
-void write(Level level, std::string_view event, std::initializer_list<Field> fields) {
-  if (!logger().should_log(spdlog_level(level))) return;
+bool is_written(Level level) { return logger().should_log(spdlog_level(level)); }
+
+void write(Level level, std::string_view event, const std::vector<Field>& fields) {
+  if (!is_written(level)) return;
   logger().log(spdlog_level(level), render(active_format, event, fields));
 }
 
