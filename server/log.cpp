@@ -1,5 +1,6 @@
 #include "server/log.h"
 
+#include <spdlog/async.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -50,9 +51,14 @@ spdlog::level::level_enum spdlog_level(Level level) {
   return spdlog::level::err;
 }
 
+/// Lines that may wait while nobody takes them; then the oldest are dropped. A log that stalls must not stall requests.
+constexpr std::size_t kMaxWaiting = 8192;
+
 spdlog::logger& logger() {
-  static const std::shared_ptr<spdlog::logger> instance = [] {
-    auto made = std::make_shared<spdlog::logger>("remeshd", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  static const auto writer = std::make_shared<spdlog::details::thread_pool>(kMaxWaiting, 1);
+  static const auto instance = [] {
+    auto made = std::make_shared<spdlog::async_logger>("remeshd", std::make_shared<spdlog::sinks::stderr_sink_mt>(),
+                                                       writer, spdlog::async_overflow_policy::overrun_oldest);
     made->flush_on(spdlog::level::info);
     return made;
   }();

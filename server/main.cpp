@@ -4,6 +4,7 @@
 #include <exception>
 #include <iostream>
 #include <optional>
+#include <vector>
 
 #include "server/config.h"
 #include "server/http_server.h"
@@ -56,10 +57,11 @@ int serve(const Config& config) {
 
   Service service(config, Operations{});
   service.start();
-  log::write(log::Level::kInfo, "listening",
-             {{"address", Address{config.bind.host, service.port()}.text()},
-              {"version", std::string(REMESHD_VERSION)},
-              {"workers", std::int64_t{config.workers}}});
+  std::vector<log::Field> fields{{"address", Address{config.bind.host, service.port()}.text()}};
+  if (config.ops_bind) fields.push_back({"ops_address", Address{config.ops_bind->host, service.ops_port()}.text()});
+  fields.push_back({"version", std::string(REMESHD_VERSION)});
+  fields.push_back({"workers", std::int64_t{config.workers}});
+  log::write(log::Level::kInfo, "listening", fields);
 
   while (wait_for_signal(signals, std::nullopt) == SIGHUP) reload_keys(service);
   log::write(log::Level::kInfo, "draining", {{"at_most", format_duration(config.drain_time)}});

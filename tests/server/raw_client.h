@@ -3,6 +3,7 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -55,6 +56,12 @@ class RawClient {
       text.append(buffer.data(), static_cast<std::size_t>(got));
     }
     return text;
+  }
+
+  /// True when there is something to receive, or the end.
+  bool has_input() const {
+    pollfd entry{socket_, POLLIN, 0};
+    return ::poll(&entry, 1, 0) > 0;
   }
 
   void close_sending() { ::shutdown(socket_, SHUT_WR); }
