@@ -61,7 +61,8 @@ const std::vector<Choice<log::Format>> kFormats{
 const std::vector<Choice<log::Level>> kLevels{{"debug", log::Level::kDebug},
                                               {"info", log::Level::kInfo},
                                               {"warning", log::Level::kWarning},
-                                              {"error", log::Level::kError}};
+                                              {"error", log::Level::kError},
+                                              {"off", log::Level::kOff}};
 
 template <typename T>
 T parse_choice(const std::vector<Choice<T>>& choices, const std::string& text) {
@@ -163,7 +164,7 @@ const std::vector<Setting>& settings() {
       {"--log-format", "auto (text on a terminal, else json), text or json",
        [](Config& c, const auto& text) { c.log_format = parse_choice(kFormats, text); },
        [](const Config& c) { return choice_name(kFormats, c.log_format); }},
-      {"--log-level", "debug, info, warning or error",
+      {"--log-level", "debug, info, warning, error or off",
        [](Config& c, const auto& text) { c.log_level = parse_choice(kLevels, text); },
        [](const Config& c) { return choice_name(kLevels, c.log_level); }},
   };

@@ -28,8 +28,8 @@ struct Config {
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;
   std::uint64_t max_output_faces = 50'000'000;
-  int max_running = 0;              ///< 0 while not told: the workers' number
-  std::size_t queue_size = 0;       ///< 0 while not told: 4 a worker, at least 16
+  int max_running = 0;         ///< 0 while not told: the workers' number
+  std::size_t queue_size = 0;  ///< 0 while not told: 4 a worker, at least 16
   std::uint64_t memory_budget = 1ull << 30;
   std::chrono::milliseconds request_timeout{300'000};
   std::chrono::milliseconds drain_time{25'000};

@@ -86,6 +86,10 @@ class Connection {
   std::uint64_t bytes_read() const { return read_; }
 
  private:
+  /// The socket is closed whatever fails after this.
+  struct Owned {};
+  Connection(int socket, Owned) noexcept : socket_(socket) {}
+
   int socket_;
   std::string peer_address_;
   Pace write_pace_;

@@ -4,9 +4,9 @@
 #include <httplib.h>
 
 #include <condition_variable>
+#include <exception>
 #include <functional>
 #include <mutex>
-#include <system_error>
 #include <thread>
 
 namespace remesh::server {
@@ -27,7 +27,7 @@ class ConnectionThreads : public httplib::TaskQueue {
         serve();
         leave();
       }).detach();
-    } catch (const std::system_error&) {
+    } catch (const std::exception&) {  // no thread, or no memory for one
       leave();
       serve();
     }

@@ -208,7 +208,7 @@ class HttpServer::Listener : public httplib::Server {
     // The library ends its loop on any error of accept() that it does not know, and closes the socket: a second
     // descriptor for it lets the loop begin again.
     const int spare = ::dup(svr_sock_);
-    while (!listen_after_bind() && !stopping_) {
+    while (!listen_once() && !stopping_) {
       log::write(log::Level::kWarning, "accept failed, listening again", {});
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       svr_sock_ = ::dup(spare);
@@ -217,9 +217,19 @@ class HttpServer::Listener : public httplib::Server {
     accepting_ = false;
   }
 
-  bool process_and_close_socket(socket_t socket) override {
+  /// Output: false - the library gave up, and the socket is closed.
+  bool listen_once() {
     try {
-      Connection connection(socket);
+      return listen_after_bind();
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
+
+  bool process_and_close_socket(socket_t socket) override {
+    std::optional<Connection> accepted;
+    try {
+      Connection& connection = accepted.emplace(socket);
       const Counted open(open_);
       if (std::this_thread::get_id() == listener_thread_ || open_ > settings_.max_connections) {
         refuse(connection, HttpError(503, "overloaded", "too many connections"));
@@ -235,8 +245,23 @@ class HttpServer::Listener : public httplib::Server {
       serve(connection);
     } catch (const std::exception& error) {
       log::write(log::Level::kError, "connection failed", {{"error", std::string(error.what())}});
+      if (accepted) excuse(*accepted);
     }
     return true;
+  }
+
+  /// The last resort, where there is not even memory for an answer.
+  static void excuse(Connection& connection) {
+    if (connection.bytes_written() > 0) return;
+    try {
+      connection.write_all(
+          "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nRetry-After: 2\r\n"
+          "Connection: close\r\n\r\n"
+          "{\"type\":\"urn:remeshd:problem:out_of_memory\",\"title\":\"Out of memory\",\"status\":503,"
+          "\"detail\":\"not enough memory for this request now\",\"code\":\"out_of_memory\"}\n");
+      connection.finish(kRefusalLinger);
+    } catch (const ConnectionLost&) {
+    }
   }
 
   void refuse(Connection& connection, const HttpError& reason) {

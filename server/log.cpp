@@ -47,6 +47,7 @@ spdlog::level::level_enum spdlog_level(Level level) {
     case Level::kInfo: return spdlog::level::info;
     case Level::kWarning: return spdlog::level::warn;
     case Level::kError: return spdlog::level::err;
+    case Level::kOff: return spdlog::level::off;
   }
   return spdlog::level::err;
 }

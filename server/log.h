@@ -10,7 +10,7 @@
 
 namespace remesh::server::log {
 
-enum class Level { kDebug, kInfo, kWarning, kError };
+enum class Level { kDebug, kInfo, kWarning, kError, kOff };
 enum class Format { kAuto, kText, kJson };  ///< kAuto: text on a terminal
 
 struct Field {

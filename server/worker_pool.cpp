@@ -45,8 +45,9 @@ class WorkerPool::BusyThreads : public tbb::task_scheduler_observer {
 WorkerPool::WorkerPool(int max_running, std::size_t queue_size, int workers)
     : parallelism_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(workers)),
       max_running_(static_cast<std::size_t>(max_running)),
-      queue_size_(queue_size) {
-  for (std::size_t i = 0; i < 2 * max_running_; ++i) threads_.emplace_back([this, workers] { work(workers); });
+      queue_size_(queue_size),
+      running_(2 * max_running_) {
+  for (std::size_t i = 0; i < running_.size(); ++i) threads_.emplace_back([this, i, workers] { work(i, workers); });
 }
 
 WorkerPool::~WorkerPool() {
@@ -87,7 +88,7 @@ bool WorkerPool::is_full(JobSize size) const {
 
 std::size_t WorkerPool::running() const {
   const std::lock_guard lock(mutex_);
-  return running_.size();
+  return running_count_;
 }
 
 std::size_t WorkerPool::queued() const {
@@ -98,24 +99,24 @@ std::size_t WorkerPool::queued() const {
 bool WorkerPool::is_full_locked(JobSize size) const {
   const std::size_t places = size == JobSize::kSmall ? queue_size_ : queue_size_ - queue_size_ / 4;
   // Those that a free thread has not taken yet do not wait.
-  const std::size_t free = max_running_ - std::min(max_running_, running_.size());
+  const std::size_t free = max_running_ - std::min(max_running_, running_count_);
   return queue_.size() >= places + free;
 }
 
 bool WorkerPool::may_start_locked(JobSize size) const {
-  if (running_.size() < max_running_) return true;
-  if (size == JobSize::kLarge || running_.size() == 2 * max_running_) return false;
+  if (running_count_ < max_running_) return true;
+  if (size == JobSize::kLarge || running_count_ == running_.size()) return false;
   const Clock::time_point long_ago = Clock::now() - kLong;
-  return std::all_of(running_.begin(), running_.end(), [&](const Running& running) {
-    return running.size == JobSize::kLarge || running.start <= long_ago;
+  return std::all_of(running_.begin(), running_.end(), [&](const std::optional<Running>& running) {
+    return !running || running->size == JobSize::kLarge || running->start <= long_ago;
   });
 }
 
 Clock::time_point WorkerPool::next_change_locked() const {
-  if (queue_.empty() || running_.size() == 2 * max_running_) return Clock::time_point::max();
+  if (queue_.empty() || running_count_ == running_.size()) return Clock::time_point::max();
   Clock::time_point last = Clock::time_point::min();
-  for (const Running& running : running_) {
-    if (running.size == JobSize::kSmall) last = std::max(last, running.start + kLong);
+  for (const std::optional<Running>& running : running_) {
+    if (running && running->size == JobSize::kSmall) last = std::max(last, running->start + kLong);
   }
   return last > Clock::now() ? last : Clock::time_point::max();
 }
@@ -129,7 +130,7 @@ std::optional<WorkerPool::Entry> WorkerPool::take_locked() {
   return taken;
 }
 
-void WorkerPool::work(int workers) {
+void WorkerPool::work(std::size_t place, int workers) {
   // One arena a thread: a huge mesh can take idle cores, but never the thread that a small one runs on.
   tbb::task_arena arena(workers);
   const BusyThreads observer(arena, busy_threads_);
@@ -145,13 +146,15 @@ void WorkerPool::work(int workers) {
       }
       continue;
     }
-    const auto running = running_.insert(running_.end(), {entry->size, Clock::now()});
+    running_[place] = Running{entry->size, Clock::now()};
+    ++running_count_;
     if (!queue_.empty()) changed_.notify_one();  // somebody must know when the next place may open
     lock.unlock();
     arena.execute(entry->job);
     entry.reset();  // what it holds is freed outside the lock
     lock.lock();
-    running_.erase(running);
+    running_[place].reset();
+    --running_count_;
     changed_.notify_all();  // another thread may now take what it could not
   }
 }

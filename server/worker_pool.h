@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
-#include <list>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -63,7 +62,8 @@ class WorkerPool {
   };
   class BusyThreads;
 
-  void work(int workers);
+  /// `place`: of this thread in `running_`.
+  void work(std::size_t place, int workers);
   bool is_full_locked(JobSize size) const;
   bool may_start_locked(JobSize size) const;
   /// When a place may open although no job ends; the maximum where that cannot be.
@@ -77,7 +77,8 @@ class WorkerPool {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Entry> queue_;
-  std::list<Running> running_;
+  std::vector<std::optional<Running>> running_;  ///< one a thread, so that starting a job takes no memory
+  std::size_t running_count_ = 0;
   Ticket next_ticket_ = 1;
   bool stopping_ = false;
   std::atomic<std::size_t> busy_threads_{0};
