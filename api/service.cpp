@@ -110,6 +110,22 @@ std::string server_timing(const StageTimes& times) {
   return text + "total;dur=" + number_text(times.total());
 }
 
+/// `output_faces` is left to a remeshing.
+WorkDone work_done(const Report& report, const StageTimes& times) {
+  WorkDone done;
+  done.input_faces = report.input.faces;
+  for (const PatchSummary& patch : report.patches) {
+    ++(patch.status == PatchStatus::kRemeshed  ? done.remeshed
+       : patch.status == PatchStatus::kReduced ? done.reduced
+                                               : done.kept);
+  }
+  for (int s = 0; s < kStageCount; ++s) {
+    const Stage stage = static_cast<Stage>(s);
+    if (times.ran(stage)) done.stages_ms.emplace_back(stage_name(stage), times.of(stage));
+  }
+  return done;
+}
+
 }  // namespace
 
 Response run_remesh(const Request& request, const Limits& limits, RunControl& control) {
@@ -123,6 +139,8 @@ Response run_remesh(const Request& request, const Limits& limits, RunControl& co
   response.body = std::move(answer.body);
   response.headers = {{"Remesh-Summary", remesh_summary(answer.report)},
                       {"Server-Timing", server_timing(answer.times)}};
+  response.done = work_done(answer.report, answer.times);
+  response.done->output_faces = answer.report.output.faces;
   if (answer.format != Format::kJson) {
     response.headers.emplace_back("Content-Disposition",
                                   "attachment; filename=\"" + safe_file_name(parsed.file_name, answer.format) + "\"");
@@ -145,6 +163,8 @@ Response run_analyze(const Request& request, const Limits& limits, RunControl& c
   response.content_type = media_type(Format::kJson);
   response.body = json.take();
   response.headers = {{"Server-Timing", server_timing(answer.times)}};
+  response.done = work_done(answer.report, answer.times);
+  response.done->remeshed = response.done->reduced = response.done->kept = 0;
   return response;
 }
 

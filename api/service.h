@@ -44,12 +44,21 @@ struct Request {
   std::string file_name;  ///< of the upload, if it had one; not trusted
 };
 
+/// A piece of work in numbers, for whoever counts what a daemon does.
+struct WorkDone {
+  std::uint64_t input_faces = 0;
+  std::uint64_t output_faces = 0;                              ///< 0 of an analysis
+  std::uint64_t remeshed = 0, reduced = 0, kept = 0;           ///< patches
+  std::vector<std::pair<std::string_view, double>> stages_ms;  ///< those that ran
+};
+
 /// What goes back: `headers` beyond Content-Type (Remesh-Summary, Server-Timing, Content-Disposition).
 struct Response {
   int status = 200;
   std::string content_type;
   std::string body;
   Fields headers;
+  std::optional<WorkDone> done = std::nullopt;
 };
 
 /// POST /v1/remesh and POST /v1/analyze, whole: options, reading, the pipeline, writing.

@@ -2,12 +2,14 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 #include <memory>
 #include <stdexcept>
 #include <vector>
 
-#include "server/cpu_limit.h"
+#include "server/api_keys.h"
+#include "server/machine_limits.h"
 
 namespace remesh::server {
 namespace {
@@ -59,7 +61,8 @@ const std::vector<Choice<log::Format>> kFormats{
 const std::vector<Choice<log::Level>> kLevels{{"debug", log::Level::kDebug},
                                               {"info", log::Level::kInfo},
                                               {"warning", log::Level::kWarning},
-                                              {"error", log::Level::kError}};
+                                              {"error", log::Level::kError},
+                                              {"off", log::Level::kOff}};
 
 template <typename T>
 T parse_choice(const std::vector<Choice<T>>& choices, const std::string& text) {
@@ -106,10 +109,17 @@ const std::vector<Setting>& settings() {
       {"--allow-anonymous", "listen beyond loopback although anyone may then use this server",
        [](Config& c, const auto& text) { c.allow_anonymous = parse_bool(text); },
        [](const Config& c) { return c.allow_anonymous ? "true" : "false"; }, true},
+      {"--api-key-file", "file with a key a line that clients must show one of (none: off); read again on SIGHUP",
+       [](Config& c, const auto& text) { c.api_key_file = text == "none" ? "" : text; },
+       [](const Config& c) { return c.api_key_file.empty() ? "none" : c.api_key_file; }},
+      {"--cors-origin", "origins whose pages may use this server, separated by commas; * (none: no page)",
+       [](Config& c, const auto& text) { c.cors = text == "none" ? Cors() : Cors(text); },
+       [](const Config& c) { return c.cors.text(); }},
       {"--workers", "threads for one request (default: the cores that this process may use)",
        [](Config& c, const auto& text) { c.workers = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.workers); }},
-      {"--max-running", "requests that compute at once (default: the workers' number)",
+      {"--max-running",
+       "requests that compute at once; while all are long, small ones pass (default: the workers' number)",
        [](Config& c, const auto& text) { c.max_running = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.max_running); }},
       {"--queue-size", "requests that may wait for a worker (default: 4 a worker, at least 16)",
@@ -131,9 +141,15 @@ const std::vector<Setting>& settings() {
           "--max-faces", "faces of an input mesh", [](Config & c) -> auto& { return c.max_faces; }),
       count(
           "--max-output-faces", "faces of a result", [](Config & c) -> auto& { return c.max_output_faces; }),
+      bytes(
+          "--memory-budget", "memory of all requests together (default: 70 % of what this process may use)",
+          [](Config & c) -> auto& { return c.memory_budget; }),
       {"--max-connections", "open connections",
        [](Config& c, const auto& text) { c.max_connections = between(1, 100'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.max_connections); }},
+      {"--max-connections-per-address", "open connections from one IPv4 address or IPv6 /64 network",
+       [](Config& c, const auto& text) { c.max_connections_per_address = between(1, 100'000, parse_count(text)); },
+       [](const Config& c) { return std::to_string(c.max_connections_per_address); }},
       {"--max-head", "size of a request's head",
        [](Config& c, const auto& text) { c.gate.head.max_bytes = between(1024, 16 << 20, parse_bytes(text)); },
        [](const Config& c) { return format_bytes(c.gate.head.max_bytes); }},
@@ -154,21 +170,29 @@ const std::vector<Setting>& settings() {
       {"--log-format", "auto (text on a terminal, else json), text or json",
        [](Config& c, const auto& text) { c.log_format = parse_choice(kFormats, text); },
        [](const Config& c) { return choice_name(kFormats, c.log_format); }},
-      {"--log-level", "debug, info, warning or error",
+      {"--log-level", "debug, info, warning, error or off",
        [](Config& c, const auto& text) { c.log_level = parse_choice(kLevels, text); },
        [](const Config& c) { return choice_name(kLevels, c.log_level); }},
   };
   return table;
 }
 
+/// 70 % of what may be used, in whole MiB.
+std::uint64_t default_memory_budget() {
+  constexpr std::uint64_t kMebibyte = 1 << 20;
+  return std::max<std::uint64_t>(1, usable_memory() / 10 * 7 / kMebibyte) * kMebibyte;
+}
+
 /// What depends on several settings. Errors: std::invalid_argument.
 void complete(Config& config, Command command) {
   if (config.max_running == 0) config.max_running = config.workers;
   if (config.queue_size == 0) config.queue_size = static_cast<std::size_t>(std::max(16, 4 * config.workers));
-  if (command != Command::kHealth && !config.bind.is_loopback() && !config.allow_anonymous) {
-    throw std::invalid_argument(
-        "--bind " + config.bind.text() +
-        " is reachable from other machines: add --allow-anonymous if anyone there may use this server");
+  if (command == Command::kHealth) return;
+  const bool has_keys = !ApiKeys(config.api_key_file, config.api_key).is_open();
+  if (!has_keys && !config.bind.is_loopback() && !config.allow_anonymous) {
+    throw std::invalid_argument("--bind " + config.bind.text() +
+                                " is reachable from other machines: set --api-key-file or REMESHD_API_KEY, or "
+                                "--allow-anonymous if anyone there may use this server");
   }
 }
 
@@ -191,6 +215,8 @@ Invocation read_command_line(int argc, const char* const* argv, std::ostream& ou
   Invocation invocation;
   Config& config = invocation.config;
   config.workers = usable_cores();
+  config.memory_budget = default_memory_budget();
+  if (const char* key = std::getenv("REMESHD_API_KEY")) config.api_key = key;
 
   CLI::App app("remeshd: re-triangulates surface meshes, over HTTP", "remeshd");
   app.set_version_flag("--version", "remeshd " REMESHD_VERSION);

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "api/service.h"
+#include "server/cors.h"
 #include "server/gate.h"
 #include "server/log.h"
 #include "server/units.h"
@@ -17,7 +18,10 @@ namespace remesh::server {
 struct Config {
   Address bind{"127.0.0.1", 8080};
   std::optional<Address> ops_bind;  ///< liveness and readiness on a port of their own
+  std::string api_key_file;         ///< empty: none
+  std::string api_key;              ///< from the environment only: a flag would show in the list of processes
   bool allow_anonymous = false;     ///< to listen beyond loopback, as long as there are no keys to ask for
+  Cors cors;
 
   int workers = 1;
   std::uint64_t max_body = 256ull << 20;
@@ -28,10 +32,12 @@ struct Config {
   std::uint64_t max_output_faces = 50'000'000;
   int max_running = 0;         ///< 0 while not told: the workers' number
   std::size_t queue_size = 0;  ///< 0 while not told: 4 a worker, at least 16
+  std::uint64_t memory_budget = 1ull << 30;
   std::chrono::milliseconds request_timeout{300'000};
   std::chrono::milliseconds drain_time{25'000};
 
   std::size_t max_connections = 512;
+  std::size_t max_connections_per_address = 64;
   GateLimits gate;
 
   log::Format log_format = log::Format::kAuto;

@@ -76,7 +76,8 @@ void Event::clear() noexcept {
 
 bool Event::wait(Clock::time_point until) const { return wait_for(fd_, POLLIN, until); }
 
-Connection::Connection(int socket) : socket_(socket), peer_address_(address_of_peer(socket)) {
+Connection::Connection(int socket) : Connection(socket, Owned{}) {
+  peer_address_ = address_of_peer(socket_);
   ::fcntl(socket_, F_SETFD, FD_CLOEXEC);
   ::fcntl(socket_, F_SETFL, ::fcntl(socket_, F_GETFL) | O_NONBLOCK);
   const int yes = 1;

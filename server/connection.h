@@ -12,6 +12,10 @@ namespace remesh::server {
 
 using Clock = std::chrono::steady_clock;
 
+inline double milliseconds_between(Clock::time_point from, Clock::time_point to) {
+  return std::chrono::duration<double, std::milli>(to - from).count();
+}
+
 /// How slow a transfer may be: `grace` plus the time that its bytes take at `min_rate` bytes a second.
 struct Pace {
   std::chrono::milliseconds grace{10'000};
@@ -82,6 +86,10 @@ class Connection {
   std::uint64_t bytes_read() const { return read_; }
 
  private:
+  /// The socket is closed whatever fails after this.
+  struct Owned {};
+  Connection(int socket, Owned) noexcept : socket_(socket) {}
+
   int socket_;
   std::string peer_address_;
   Pace write_pace_;

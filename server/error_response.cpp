@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "server/log.h"
+#include "server/memory_budget.h"
 
 namespace remesh::server {
 namespace {
@@ -16,7 +17,9 @@ Response respond(const api::Problem& problem, std::string_view request_id, const
   Response response;
   static_cast<api::Response&>(response) = api::to_response(problem, request_id);
   response.headers.insert(response.headers.end(), headers.begin(), headers.end());
-  if (response.status == 503) response.headers.emplace_back("Retry-After", kRetryAfterSeconds);
+  response.problem_code = problem.code;
+  if (response.status == 503 || response.status == 429)
+    response.headers.emplace_back("Retry-After", kRetryAfterSeconds);
   return response;
 }
 
@@ -43,7 +46,7 @@ Response error_response(const std::exception_ptr& failure, std::string_view requ
     return respond(problem, request_id);
   } catch (const std::bad_alloc&) {
     log::write(log::Level::kError, "out of memory", {{"id", std::string(request_id)}});
-    return respond(HttpError(503, "out_of_memory", "not enough memory for this request now").problem, request_id);
+    return respond(out_of_memory().problem, request_id);
   } catch (const std::system_error& error) {
     const int number = error.code().value();
     if (number != EMFILE && number != ENFILE && number != EAGAIN) return respond_internal(error.what(), request_id);

@@ -4,11 +4,14 @@
 #include <array>
 
 #include "server/chunked_decoder.h"
+#include "server/text.h"
 
 namespace remesh::server {
 namespace {
 
 constexpr std::size_t kReadSize = 64 << 10;
+/// What a body of unknown length reserves first.
+constexpr std::size_t kReserveStep = 1 << 20;
 
 /// The bytes up to the end of the head, in `bytes`; what came behind it stays there. Output: the head's length, 0 when
 /// the client left without a word.
@@ -36,14 +39,15 @@ std::size_t receive_head(Connection& connection, const GateLimits& limits, std::
 /// Reads a body as `framing` delimits it; `early` is what arrived with the head.
 class BodyReader {
  public:
-  BodyReader(Connection& connection, const GateLimits& limits)
-      : connection_(connection), pace_{limits.head_timeout, limits.min_body_rate} {}
+  BodyReader(Connection& connection, const GateLimits& limits, const Reserve& reserve)
+      : connection_(connection), reserve_(reserve), pace_{limits.head_timeout, limits.min_body_rate} {}
 
   void read_length(std::string_view early, std::uint64_t length, std::string& body) {
     // Untouched memory costs nothing yet, and growing step by step would copy a large body again and again.
     body.reserve(static_cast<std::size_t>(length));
     body = early.substr(0, static_cast<std::size_t>(std::min<std::uint64_t>(length, early.size())));
     while (body.size() < length) {
+      reserve_next(body.size(), length);
       const std::size_t want = static_cast<std::size_t>(std::min<std::uint64_t>(kReadSize, length - body.size()));
       body.append(buffer_.data(), read(want, body.size()));
     }
@@ -53,12 +57,20 @@ class BodyReader {
     ChunkedDecoder decoder(max_body);
     decoder.decode(early, body);
     while (!decoder.is_done()) {
+      reserve_next(body.size(), max_body);
       const std::size_t got = read(kReadSize, body.size());
       decoder.decode(std::string_view(buffer_.data(), got), body);
     }
   }
 
  private:
+  /// Reserves what the next reads need, in few and growing steps: never more than a slow client has a use for.
+  void reserve_next(std::size_t received, std::uint64_t most) {
+    if (received + kReadSize <= reserved_ || reserved_ == most) return;
+    reserved_ = std::min<std::uint64_t>(received + std::max(kReserveStep, received / 4), most);
+    reserve_(reserved_, reserved_);
+  }
+
   std::size_t read(std::size_t want, std::uint64_t received) {
     std::size_t got = 0;
     try {
@@ -71,16 +83,15 @@ class BodyReader {
   }
 
   Connection& connection_;
+  const Reserve& reserve_;
+  std::uint64_t reserved_ = 0;
   Pace pace_;
   Clock::time_point start_ = Clock::now();
   std::array<char, kReadSize> buffer_;
 };
 
 bool is_continue_expected(const RequestHead& head) {
-  std::string expectation(head.header("expect"));
-  std::transform(expectation.begin(), expectation.end(), expectation.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
-  return head.minor_version >= 1 && expectation == "100-continue";
+  return head.minor_version >= 1 && lower_case(head.header("expect")) == "100-continue";
 }
 
 }  // namespace
@@ -94,23 +105,26 @@ std::optional<PendingBody> read_head(Connection& connection, const GateLimits& l
 }
 
 std::string read_body(Connection& connection, const GateLimits& limits, const RequestHead& head,
-                      const PendingBody& pending, std::uint64_t max_body) {
+                      const PendingBody& pending, std::uint64_t max_body, const Reserve& reserve) {
   const auto [kind, length] = pending.framing;
   if (kind == Framing::Kind::kNone || (kind == Framing::Kind::kLength && length == 0)) return {};
   if (kind == Framing::Kind::kLength && length > max_body) {
     throw HttpError(413, "body_too_large", "the body is larger than this resource takes").with_limit(max_body);
   }
+  // Before the client sends it all: is there room for it now?
+  if (kind == Framing::Kind::kLength) reserve(0, length);
 
   if (pending.early.empty() && is_continue_expected(head)) {
     connection.write_all("HTTP/1.1 100 Continue\r\n\r\n", {limits.head_timeout, limits.min_body_rate});
   }
-  BodyReader reader(connection, limits);
+  BodyReader reader(connection, limits, reserve);
   std::string body;
   if (kind == Framing::Kind::kLength) {
     reader.read_length(pending.early, length, body);
   } else {
     reader.read_chunked(pending.early, max_body, body);
   }
+  reserve(body.size(), body.size());  // also what came with the head
   return body;
 }
 

@@ -4,6 +4,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 
@@ -32,9 +33,14 @@ struct PendingBody {
 /// Errors:  HttpError - 400, 408, 411, 414, 431, 501; ConnectionLost.
 std::optional<PendingBody> read_head(Connection& connection, const GateLimits& limits, RequestHead& head);
 
+/// Asked while a body is read: `held` bytes of it are about to be in memory, and `expected` ones are to come in all, as
+/// far as that is known. Throws HttpError to refuse.
+using Reserve = std::function<void(std::uint64_t held, std::uint64_t expected)>;
+
 /// Reads the body behind a head, out of its chunks; what Content-Encoding says is left to whoever takes it. Says 100
-/// Continue where the client waits for it. Errors:  HttpError - 400, 408, 413 (longer than `max_body`); ConnectionLost.
+/// Continue where the client waits for it.
+/// Errors:  HttpError - 400, 408, 413 (longer than `max_body`), what `reserve` throws; ConnectionLost.
 std::string read_body(Connection& connection, const GateLimits& limits, const RequestHead& head,
-                      const PendingBody& pending, std::uint64_t max_body);
+                      const PendingBody& pending, std::uint64_t max_body, const Reserve& reserve);
 
 }  // namespace remesh::server

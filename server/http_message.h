@@ -3,6 +3,8 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -11,6 +13,8 @@
 #include "api/service.h"
 
 namespace remesh::server {
+
+class MemoryShare;
 
 using api::Fields;
 
@@ -26,15 +30,25 @@ struct RequestHead {
   std::string_view header(std::string_view name) const;
 };
 
+/// Where a request's time went, in milliseconds, as far as it came.
+struct Timing {
+  std::optional<double> body;   ///< receiving it
+  std::optional<double> queue;  ///< waiting for a worker
+  std::optional<double> work;
+};
+
 struct Request : RequestHead {
   std::string id;    ///< the X-Request-Id of the answer: what the client sent if that is usable, else given
   std::string body;  ///< decoded
+  Timing timing;
+  std::shared_ptr<MemoryShare> memory;  ///< what it holds, until its answer is sent; may be none
 };
 
 /// `next_piece`, if set, stands for the body: it is called for one piece after another, may take its time, and ends the
 /// answer with an empty one. The closing of the connection ends such a body for the client.
 struct Response : api::Response {
   std::function<std::string()> next_piece;
+  std::string problem_code;  ///< of an error
 };
 
 /// Ends a request with an error that HTTP itself knows (not found, overloaded, ...), as remesh::Error does for the

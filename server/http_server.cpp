@@ -16,8 +16,12 @@
 #include <stdexcept>
 #include <thread>
 
+#include "server/address_counts.h"
+#include "server/connection_threads.h"
 #include "server/error_response.h"
+#include "server/exchange.h"
 #include "server/log.h"
+#include "server/memory_budget.h"
 #include "server/request_registry.h"
 
 namespace remesh::server {
@@ -31,72 +35,6 @@ constexpr std::chrono::milliseconds kLinger{2000};
 constexpr std::chrono::milliseconds kRefusalLinger{200};
 /// The library matches paths with std::regex, which recurses for every character; no route of ours is nearly as long.
 constexpr std::size_t kMaxPath = 1024;
-
-/// A thread a connection: a slow client holds nothing but its own.
-class ConnectionThreads : public httplib::TaskQueue {
- public:
-  explicit ConnectionThreads(std::size_t max_threads) : max_threads_(max_threads) {}
-
-  void enqueue(std::function<void()> serve) override {
-    {
-      const std::lock_guard lock(mutex_);
-      if (running_ >= max_threads_) return serve();  // in the listener's thread, which only refuses
-      ++running_;
-    }
-    try {
-      std::thread([this, serve] {
-        serve();
-        leave();
-      }).detach();
-    } catch (const std::system_error&) {
-      leave();
-      serve();
-    }
-  }
-
-  void shutdown() override {
-    std::unique_lock lock(mutex_);
-    idle_.wait(lock, [this] { return running_ == 0; });
-  }
-
- private:
-  void leave() {
-    // Told under the lock: once `shutdown` returns, this object is gone.
-    const std::lock_guard lock(mutex_);
-    --running_;
-    idle_.notify_all();
-  }
-
-  const std::size_t max_threads_;
-  std::mutex mutex_;
-  std::condition_variable idle_;
-  std::size_t running_ = 0;
-};
-
-/// Counts up for the time of a scope.
-class Counted {
- public:
-  explicit Counted(std::atomic<std::size_t>& counter) : counter_(counter) { ++counter_; }
-  ~Counted() { --counter_; }
-  Counted(const Counted&) = delete;
-  Counted& operator=(const Counted&) = delete;
-
- private:
-  std::atomic<std::size_t>& counter_;
-};
-
-/// One request on its way to its answer.
-struct Exchange {
-  explicit Exchange(Connection& client) : connection(client) {}
-
-  Connection& connection;
-  Request request;
-  PendingBody pending;
-  std::exception_ptr refusal;     ///< why it must not reach a route
-  std::optional<Counted> active;  ///< from its admission on
-  bool is_read = false;           ///< head and body, all of it
-  int status = 0;                 ///< of the answer; 0 while there is none
-};
 
 /// Hands its own head to httplib, whose answer it takes to the client.
 class ExchangeStream : public httplib::Stream {
@@ -201,63 +139,22 @@ std::string one_line(std::string value) {
   return value;
 }
 
-/// Gives httplib the answer to write.
-void give(Exchange& exchange, Response answer, httplib::Response& out) {
-  exchange.status = answer.status;
-  out.status = answer.status;
-  out.set_header("Date", http_date());
-  out.set_header("X-Request-Id", exchange.request.id);
-  for (const auto& [name, value] : answer.headers) out.set_header(name, one_line(value));
-  const std::string content_type = one_line(answer.content_type);
-  if (answer.next_piece) {
-    out.set_content_provider(content_type, [next = std::move(answer.next_piece)](std::size_t, httplib::DataSink& sink) {
-      const std::string piece = next();
-      if (!piece.empty()) return sink.write(piece.data(), piece.size());
-      sink.done();
-      return true;
-    });
-    return;
-  }
-  if (!content_type.empty()) out.set_header("Content-Type", content_type);
-  out.body = std::move(answer.body);  // set_content would copy it
-}
-
-void give_failure(Exchange& exchange, const std::exception_ptr& failure, httplib::Response& out) {
-  give(exchange, error_response(failure, exchange.request.id), out);
-}
-
 std::string name_request(const RequestHead& head) {
   const std::string_view sent = head.header("x-request-id");
   return is_request_id(sent) ? std::string(sent) : new_request_id();
-}
-
-void log_access(const Exchange& exchange, Clock::time_point start, const char* outcome) {
-  const Connection& connection = exchange.connection;
-  const Request& request = exchange.request;
-  const bool is_probe = request.path == "/livez" || request.path == "/readyz";
-  log::write(is_probe ? log::Level::kDebug : log::Level::kInfo, "request",
-             {{"id", request.id},
-              {"method", request.method},
-              {"path", request.path},
-              {"status", std::int64_t{exchange.status}},
-              {"bytes_in", static_cast<std::int64_t>(connection.bytes_read())},
-              {"bytes_out", static_cast<std::int64_t>(connection.bytes_written())},
-              {"ms", std::chrono::duration<double, std::milli>(Clock::now() - start).count()},
-              {"peer", connection.peer_address()},
-              {"outcome", std::string(outcome)}});
 }
 
 }  // namespace
 
 class HttpServer::Listener : public httplib::Server {
  public:
-  Listener(const std::vector<Route>& routes, const GateLimits& limits, std::size_t max_connections)
-      : limits_(limits), max_connections_(max_connections) {
+  Listener(const std::vector<Route>& routes, const HttpSettings& settings)
+      : settings_(settings), addresses_(settings.max_connections_per_address) {
     set_default_headers({{"X-Content-Type-Options", "nosniff"}});
     set_payload_max_length(0);  // bodies do not pass through the library
     register_routes(routes);
     register_ways_out();
-    new_task_queue = [this] { return new ConnectionThreads(max_connections_ + kRefusers); };
+    new_task_queue = [this] { return new ConnectionThreads(settings_.max_connections + kRefusers); };
     // The library's own options let two daemons share a port in silence.
     set_socket_options([](socket_t socket) {
       const int yes = 1;
@@ -303,6 +200,7 @@ class HttpServer::Listener : public httplib::Server {
 
   int port() const { return port_; }
   std::size_t active_requests() const { return active_; }
+  std::size_t open_connections() const { return open_; }
 
  private:
   void accept_connections() {
@@ -310,7 +208,7 @@ class HttpServer::Listener : public httplib::Server {
     // The library ends its loop on any error of accept() that it does not know, and closes the socket: a second
     // descriptor for it lets the loop begin again.
     const int spare = ::dup(svr_sock_);
-    while (!listen_after_bind() && !stopping_) {
+    while (!listen_once() && !stopping_) {
       log::write(log::Level::kWarning, "accept failed, listening again", {});
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       svr_sock_ = ::dup(spare);
@@ -319,49 +217,82 @@ class HttpServer::Listener : public httplib::Server {
     accepting_ = false;
   }
 
-  bool process_and_close_socket(socket_t socket) override {
+  /// Output: false - the library gave up, and the socket is closed.
+  bool listen_once() {
     try {
-      Connection connection(socket);
+      return listen_after_bind();
+    } catch (const std::exception&) {
+      return false;
+    }
+  }
+
+  bool process_and_close_socket(socket_t socket) override {
+    std::optional<Connection> accepted;
+    try {
+      Connection& connection = accepted.emplace(socket);
       const Counted open(open_);
-      if (std::this_thread::get_id() == listener_thread_ || open_ > max_connections_) {
-        refuse(connection);
+      if (std::this_thread::get_id() == listener_thread_ || open_ > settings_.max_connections) {
+        refuse(connection, HttpError(503, "overloaded", "too many connections"));
+        return true;
+      }
+      const std::optional<AddressCounts::Place> place = addresses_.enter(connection.peer_address());
+      if (!place) {
+        refuse(connection, HttpError(429, "rate_limited", "too many connections from this address")
+                               .with_limit(settings_.max_connections_per_address));
         return true;
       }
       const OpenSocket registered(*this, socket);
       serve(connection);
     } catch (const std::exception& error) {
       log::write(log::Level::kError, "connection failed", {{"error", std::string(error.what())}});
+      if (accepted) excuse(*accepted);
     }
     return true;
   }
 
-  void refuse(Connection& connection) {
+  /// The last resort, where there is not even memory for an answer.
+  static void excuse(Connection& connection) {
+    if (connection.bytes_written() > 0) return;
+    try {
+      connection.write_all(
+          "HTTP/1.1 503 Service Unavailable\r\nContent-Type: application/problem+json\r\nRetry-After: 2\r\n"
+          "Connection: close\r\n\r\n"
+          "{\"type\":\"urn:remeshd:problem:out_of_memory\",\"title\":\"Out of memory\",\"status\":503,"
+          "\"detail\":\"not enough memory for this request now\",\"code\":\"out_of_memory\"}\n");
+      connection.finish(kRefusalLinger);
+    } catch (const ConnectionLost&) {
+    }
+  }
+
+  void refuse(Connection& connection, const HttpError& reason) {
     Exchange exchange(connection);
     exchange.request.id = new_request_id();
-    exchange.refusal = std::make_exception_ptr(HttpError(503, "overloaded", "too many connections"));
+    exchange.refusal = std::make_exception_ptr(reason);
     try {
       answer(exchange);
     } catch (const ConnectionLost&) {
-      return;
+      return account_for(exchange, Outcome::kClientGone, settings_.metrics);
     }
-    const bool is_listener = std::this_thread::get_id() == listener_thread_;
-    connection.finish(is_listener ? std::chrono::milliseconds(0) : kRefusalLinger);
+    account_for(exchange, Outcome::kAnswered, settings_.metrics);
+    // Patience costs a thread, and many clients that are refused must not take those of others.
+    const bool is_crowded =
+        std::this_thread::get_id() == listener_thread_ || open_ > settings_.max_connections / 2 + kRefusers / 2;
+    connection.finish(is_crowded ? std::chrono::milliseconds(0) : kRefusalLinger);
   }
 
   /// One connection: one request, one answer.
   void serve(Connection& connection) {
-    const Clock::time_point start = Clock::now();
-    connection.set_write_pace({limits_.write_timeout, limits_.min_body_rate});
+    connection.set_write_pace({settings_.gate.write_timeout, settings_.gate.min_body_rate});
     Exchange exchange(connection);
     try {
       if (!take_head(exchange)) return;
       answer(exchange);
     } catch (const ConnectionLost&) {
-      log_access(exchange, start, "client_gone");
-      return;
+      return account_for(exchange, Outcome::kClientGone, settings_.metrics);
     }
-    log_access(exchange, start, "answered");
+    account_for(exchange, Outcome::kAnswered, settings_.metrics);
     exchange.active.reset();
+    exchange.request.memory.reset();
     // A client whose request was read whole mostly has nothing more to say; any other may be in the middle of its
     // upload.
     const bool is_silent = exchange.is_read && !connection.has_unread_input();
@@ -372,7 +303,7 @@ class HttpServer::Listener : public httplib::Server {
   bool take_head(Exchange& exchange) const {
     RequestHead& head = exchange.request;
     try {
-      std::optional<PendingBody> pending = read_head(exchange.connection, limits_, head);
+      std::optional<PendingBody> pending = read_head(exchange.connection, settings_.gate, head);
       if (!pending) return false;
       exchange.pending = std::move(*pending);
       check_routable(head);
@@ -399,11 +330,57 @@ class HttpServer::Listener : public httplib::Server {
     process_request(stream, /*close_connection=*/true, is_closed, nullptr);
   }
 
-  /// A route has taken the request: reads the body that it lets in.
+  /// A route has taken the request: lets it in, and reads the body that it may have.
+  void take_in(Exchange& exchange, const Route& route) {
+    exchange.route = route.path;
+    if (!route.is_open && settings_.keys != nullptr && !settings_.keys->admits(exchange.request)) {
+      throw HttpError(401, "unauthorized", "an API key is needed: send it as Authorization: Bearer KEY")
+          .with_header("WWW-Authenticate", "Bearer");
+    }
+    const Admission admission = route.admit ? route.admit(exchange.request) : Admission{};
+    exchange.request.memory = admission.memory;
+    take_body(exchange, admission.max_body);
+  }
+
   void take_body(Exchange& exchange, std::uint64_t max_body) {
+    const Clock::time_point start = Clock::now();
+    Request& request = exchange.request;
     exchange.active.emplace(active_);
-    exchange.request.body = read_body(exchange.connection, limits_, exchange.request, exchange.pending, max_body);
+    request.body = read_body(exchange.connection, settings_.gate, request, exchange.pending, max_body,
+                             [&](std::uint64_t held, std::uint64_t expected) {
+                               if (request.memory) request.memory->hold_body(held, expected);
+                             });
     exchange.is_read = true;
+    request.timing.body = milliseconds_between(start, Clock::now());
+  }
+
+  /// Gives httplib the answer to write.
+  void give(Exchange& exchange, Response answer, httplib::Response& out) const {
+    exchange.status = answer.status;
+    exchange.problem_code = std::move(answer.problem_code);
+    exchange.done = std::move(answer.done);
+    out.status = answer.status;
+    out.set_header("Date", http_date());
+    out.set_header("X-Request-Id", exchange.request.id);
+    for (const auto& [name, value] : answer.headers) out.set_header(name, one_line(value));
+    for (const auto& [name, value] : settings_.cors.headers(exchange.request)) out.set_header(name, value);
+    const std::string content_type = one_line(answer.content_type);
+    if (answer.next_piece) {
+      out.set_content_provider(content_type,
+                               [next = std::move(answer.next_piece)](std::size_t, httplib::DataSink& sink) {
+                                 const std::string piece = next();
+                                 if (!piece.empty()) return sink.write(piece.data(), piece.size());
+                                 sink.done();
+                                 return true;
+                               });
+      return;
+    }
+    if (!content_type.empty()) out.set_header("Content-Type", content_type);
+    out.body = std::move(answer.body);  // set_content would copy it
+  }
+
+  void give_failure(Exchange& exchange, const std::exception_ptr& failure, httplib::Response& out) const {
+    give(exchange, error_response(failure, exchange.request.id), out);
   }
 
   void register_routes(const std::vector<Route>& routes) {
@@ -411,13 +388,13 @@ class HttpServer::Listener : public httplib::Server {
     for (const Route& route : routes) {
       on(route.method, regex_of(route.path), [this, route](const httplib::Request& routed, httplib::Response& out) {
         Exchange& exchange = *current_exchange;
-        take_body(exchange, route.admit ? route.admit() : 0);
+        take_in(exchange, route);
         const std::string parameter = routed.matches.size() > 1 ? routed.matches[1].str() : "";
         give(exchange, route.handle({exchange.request, exchange.connection, parameter}), out);
       });
       if (seen.insert(route.path).second) register_other_methods(routes, route.path);
     }
-    register_options(regex_of("*"), "OPTIONS");
+    register_options("*", "OPTIONS");
   }
 
   /// What the methods without a route of their own get at a path.
@@ -431,20 +408,26 @@ class HttpServer::Listener : public httplib::Server {
     }
     allow += "OPTIONS";
     for (const std::string& method : others) {
-      on(method, regex_of(path), [allow](const httplib::Request&, httplib::Response&) {
+      on(method, regex_of(path), [allow, path](const httplib::Request&, httplib::Response&) {
+        current_exchange->route = path;
         throw HttpError(405, "method_not_allowed", "this path takes " + allow).with_header("Allow", allow);
       });
     }
-    register_options(regex_of(path), allow);
+    register_options(path, allow);
   }
 
-  void register_options(const std::string& regex, const std::string& allow) {
-    on("OPTIONS", regex, [this, allow](const httplib::Request&, httplib::Response& out) {
-      take_body(*current_exchange, 0);
+  void register_options(const std::string& path, const std::string& allow) {
+    on("OPTIONS", regex_of(path), [this, path, allow](const httplib::Request&, httplib::Response& out) {
+      Exchange& exchange = *current_exchange;
+      exchange.route = path;
+      take_body(exchange, 0);
       Response response;
       response.status = 204;
       response.headers.emplace_back("Allow", allow);
-      give(*current_exchange, std::move(response), out);
+      give(exchange, std::move(response), out);
+      for (const auto& [name, value] : settings_.cors.headers(exchange.request, allow)) {
+        if (!out.has_header(name.c_str())) out.set_header(name, value);
+      }
     });
   }
 
@@ -473,7 +456,7 @@ class HttpServer::Listener : public httplib::Server {
       if (current_exchange->refusal) std::rethrow_exception(current_exchange->refusal);
       return Handled::Unhandled;
     });
-    set_exception_handler([](const httplib::Request&, httplib::Response& out, std::exception_ptr failure) {
+    set_exception_handler([this](const httplib::Request&, httplib::Response& out, std::exception_ptr failure) {
       try {
         std::rethrow_exception(failure);
       } catch (const ConnectionLost&) {
@@ -483,7 +466,7 @@ class HttpServer::Listener : public httplib::Server {
       }
     });
     // Called for every status from 400 on, also for those that a handler gave.
-    set_error_handler(httplib::Server::HandlerWithResponse([](const httplib::Request&, httplib::Response& out) {
+    set_error_handler(httplib::Server::HandlerWithResponse([this](const httplib::Request&, httplib::Response& out) {
       if (current_exchange->status != 0) return Handled::Unhandled;
       give_failure(*current_exchange, std::make_exception_ptr(not_found()), out);
       return Handled::Handled;
@@ -514,8 +497,8 @@ class HttpServer::Listener : public httplib::Server {
     int socket_;
   };
 
-  const GateLimits limits_;
-  const std::size_t max_connections_;
+  const HttpSettings settings_;
+  AddressCounts addresses_;
   int port_ = -1;
   std::thread thread_;
   std::atomic<std::thread::id> listener_thread_{};
@@ -527,14 +510,15 @@ class HttpServer::Listener : public httplib::Server {
   std::set<int> sockets_;
 };
 
-HttpServer::HttpServer(const std::vector<Route>& routes, const GateLimits& limits, std::size_t max_connections)
-    : listener_(std::make_unique<Listener>(routes, limits, max_connections)) {}
+HttpServer::HttpServer(const std::vector<Route>& routes, const HttpSettings& settings)
+    : listener_(std::make_unique<Listener>(routes, settings)) {}
 HttpServer::~HttpServer() { stop(); }
 void HttpServer::bind(const Address& address) { listener_->bind(address); }
 int HttpServer::port() const { return listener_->port(); }
 void HttpServer::start() { listener_->start(); }
 void HttpServer::stop() { listener_->stop_all(); }
 std::size_t HttpServer::active_requests() const { return listener_->active_requests(); }
+std::size_t HttpServer::open_connections() const { return listener_->open_connections(); }
 
 int probe(const Address& address, const std::string& path) {
   httplib::Client client(address.host, address.port);

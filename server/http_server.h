@@ -13,16 +13,28 @@
 #include <string>
 #include <vector>
 
+#include "server/api_keys.h"
+#include "server/cors.h"
 #include "server/gate.h"
+#include "server/metrics.h"
 #include "server/route.h"
 #include "server/units.h"
 
 namespace remesh::server {
 
+struct HttpSettings {
+  GateLimits gate;
+  std::size_t max_connections = 512;
+  std::size_t max_connections_per_address = 64;
+  const ApiKeys* keys = nullptr;  ///< what to ask for; none: nothing
+  Cors cors;
+  Metrics* metrics = nullptr;  ///< where to count; none: nowhere
+};
+
 class HttpServer {
  public:
   /// Beside the routes themselves, each path answers OPTIONS, and other methods with 405; both say what is allowed.
-  HttpServer(const std::vector<Route>& routes, const GateLimits& limits, std::size_t max_connections);
+  HttpServer(const std::vector<Route>& routes, const HttpSettings& settings);
   /// Stops.
   ~HttpServer();
 
@@ -36,6 +48,7 @@ class HttpServer {
 
   /// Requests whose head was admitted and whose answer is not sent yet.
   std::size_t active_requests() const;
+  std::size_t open_connections() const;
 
  private:
   class Listener;

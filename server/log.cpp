@@ -1,5 +1,6 @@
 #include "server/log.h"
 
+#include <spdlog/async.h>
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
@@ -46,13 +47,19 @@ spdlog::level::level_enum spdlog_level(Level level) {
     case Level::kInfo: return spdlog::level::info;
     case Level::kWarning: return spdlog::level::warn;
     case Level::kError: return spdlog::level::err;
+    case Level::kOff: return spdlog::level::off;
   }
   return spdlog::level::err;
 }
 
+/// Lines that may wait while nobody takes them; then the oldest are dropped. A log that stalls must not stall requests.
+constexpr std::size_t kMaxWaiting = 8192;
+
 spdlog::logger& logger() {
-  static const std::shared_ptr<spdlog::logger> instance = [] {
-    auto made = std::make_shared<spdlog::logger>("remeshd", std::make_shared<spdlog::sinks::stderr_sink_mt>());
+  static const auto writer = std::make_shared<spdlog::details::thread_pool>(kMaxWaiting, 1);
+  static const auto instance = [] {
+    auto made = std::make_shared<spdlog::async_logger>("remeshd", std::make_shared<spdlog::sinks::stderr_sink_mt>(),
+                                                       writer, spdlog::async_overflow_policy::overrun_oldest);
     made->flush_on(spdlog::level::info);
     return made;
   }();
@@ -71,7 +78,7 @@ void set_up(Format format, Level level) {
   logger().set_level(spdlog_level(level));
 }
 
-std::string render(Format format, std::string_view event, std::initializer_list<Field> fields) {
+std::string render(Format format, std::string_view event, const std::vector<Field>& fields) {
   const bool is_json = format == Format::kJson;
   std::string line = is_json ? "\"event\":" + quoted(event) : std::string(event);
   for (const Field& field : fields) {
@@ -81,8 +88,10 @@ std::string render(Format format, std::string_view event, std::initializer_list<
   return line;
 }
 
-void write(Level level, std::string_view event, std::initializer_list<Field> fields) {
-  if (!logger().should_log(spdlog_level(level))) return;
+bool is_written(Level level) { return logger().should_log(spdlog_level(level)); }
+
+void write(Level level, std::string_view event, const std::vector<Field>& fields) {
+  if (!is_written(level)) return;
   logger().log(spdlog_level(level), render(active_format, event, fields));
 }
 

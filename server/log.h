@@ -3,14 +3,14 @@
 #pragma once
 
 #include <cstdint>
-#include <initializer_list>
 #include <string>
 #include <string_view>
 #include <variant>
+#include <vector>
 
 namespace remesh::server::log {
 
-enum class Level { kDebug, kInfo, kWarning, kError };
+enum class Level { kDebug, kInfo, kWarning, kError, kOff };
 enum class Format { kAuto, kText, kJson };  ///< kAuto: text on a terminal
 
 struct Field {
@@ -21,10 +21,13 @@ struct Field {
 /// Sets the log up; before that, it is text from level info on.
 void set_up(Format format, Level level);
 
+/// Whether `write` would write.
+bool is_written(Level level);
+
 /// Writes one line. Values from outside are safe: whatever could break the line is escaped.
-void write(Level level, std::string_view event, std::initializer_list<Field> fields = {});
+void write(Level level, std::string_view event, const std::vector<Field>& fields = {});
 
 /// The line's payload without time and level, as `write` makes it.
-std::string render(Format format, std::string_view event, std::initializer_list<Field> fields);
+std::string render(Format format, std::string_view event, const std::vector<Field>& fields);
 
 }  // namespace remesh::server::log

@@ -4,6 +4,7 @@
 #include <exception>
 #include <iostream>
 #include <optional>
+#include <vector>
 
 #include "server/config.h"
 #include "server/http_server.h"
@@ -24,7 +25,16 @@ sigset_t stop_signals() {
   return signals;
 }
 
-/// Waits for a signal to stop. Output: its number, or 0 when the time is over.
+void reload_keys(Service& service) {
+  try {
+    service.reload_keys();
+    log::write(log::Level::kInfo, "keys read again");
+  } catch (const std::exception& error) {
+    log::write(log::Level::kError, "the old keys stay", {{"error", std::string(error.what())}});
+  }
+}
+
+/// Waits for one of the signals. Output: its number, or 0 when the time is over.
 int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::milliseconds> time) {
   if (!time) {
     int number = 0;
@@ -40,23 +50,26 @@ int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::millisec
 int serve(const Config& config) {
   // Blocked before any thread exists, so that all inherit it and only this one waits for them; that also makes the
   // process stoppable as number 1 of a container, where unhandled signals are ignored.
-  const sigset_t signals = stop_signals();
+  sigset_t signals = stop_signals();
+  sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
 
   Service service(config, Operations{});
   service.start();
-  log::write(log::Level::kInfo, "listening",
-             {{"address", Address{config.bind.host, service.port()}.text()},
-              {"version", std::string(REMESHD_VERSION)},
-              {"workers", std::int64_t{config.workers}}});
+  std::vector<log::Field> fields{{"address", Address{config.bind.host, service.port()}.text()}};
+  if (config.ops_bind) fields.push_back({"ops_address", Address{config.ops_bind->host, service.ops_port()}.text()});
+  fields.push_back({"version", std::string(REMESHD_VERSION)});
+  fields.push_back({"workers", std::int64_t{config.workers}});
+  log::write(log::Level::kInfo, "listening", fields);
 
-  wait_for_signal(signals, std::nullopt);
+  while (wait_for_signal(signals, std::nullopt) == SIGHUP) reload_keys(service);
   log::write(log::Level::kInfo, "draining", {{"at_most", format_duration(config.drain_time)}});
   service.begin_drain();
   const Clock::time_point deadline = Clock::now() + config.drain_time;
   while (!service.is_idle() && Clock::now() < deadline) {
-    if (wait_for_signal(signals, std::chrono::milliseconds(20)) != 0) break;  // asked twice: at once
+    const int again = wait_for_signal(stop_signals(), std::chrono::milliseconds(20));
+    if (again != 0) break;  // asked twice: at once
   }
   service.stop();
   log::write(log::Level::kInfo, "stopped");

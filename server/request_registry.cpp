@@ -31,6 +31,15 @@ std::shared_ptr<RunningRequest> RequestRegistry::find(const std::string& id) con
   return found == running_.end() ? nullptr : found->second;
 }
 
+std::vector<std::shared_ptr<RunningRequest>> RequestRegistry::computing() const {
+  const std::lock_guard lock(mutex_);
+  std::vector<std::shared_ptr<RunningRequest>> found;
+  for (const auto& [id, request] : running_) {
+    if (request->is_computing) found.push_back(request);
+  }
+  return found;
+}
+
 void RequestRegistry::cancel_all() {
   const std::lock_guard lock(mutex_);
   for (const auto& [id, request] : running_) request->cancel();

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "core/base/run_control.h"
 #include "server/connection.h"
@@ -23,13 +24,23 @@ struct RunningRequest {
     control.cancel();
     changed.set();
   }
+  /// Ends it for the memory that it takes; `was_alone`: nobody else can be blamed.
+  void evict(bool was_alone) {
+    eviction = was_alone ? Eviction::kAlone : Eviction::kAmongOthers;
+    cancel();
+  }
   double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
   const std::string id;
   const Clock::time_point start = Clock::now();
   RunControl control;
   Event changed;  ///< the work has started or ended, or was cancelled
+  std::atomic<bool> is_computing{false};
   std::atomic<bool> has_ended{false};
+
+  enum class Eviction { kNone, kAmongOthers, kAlone };
+  std::atomic<Eviction> eviction{Eviction::kNone};
+  std::uint64_t growth = 0;  ///< of the process's memory, its share in it: see MemoryWatch, which alone uses it
 };
 
 /// `{"id": ..., "stage": ..., "fraction": ..., "elapsed_s": ...}`
@@ -57,6 +68,7 @@ class RequestRegistry {
   /// Enters a request under that id, or under a new one when the id is running already.
   Entry add(const std::string& id);
   std::shared_ptr<RunningRequest> find(const std::string& id) const;
+  std::vector<std::shared_ptr<RunningRequest>> computing() const;
   void cancel_all();
 
  private:

@@ -3,10 +3,12 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "server/connection.h"
 #include "server/http_message.h"
+#include "server/memory_budget.h"
 
 namespace remesh::server {
 
@@ -18,12 +20,19 @@ struct Call {
 };
 using Handler = std::function<Response(const Call&)>;
 
+/// On what terms a request with a body is let in.
+struct Admission {
+  std::uint64_t max_body = 0;                     ///< bytes
+  std::shared_ptr<MemoryShare> memory = nullptr;  ///< what it reserves; none: not counted
+};
+
 struct Route {
   std::string method;  ///< GET answers HEAD too
   std::string path;    ///< a segment "{id}" stands for any one segment
   Handler handle;
-  /// Before the body is read: the bytes it may have. Throws HttpError to refuse it. Without it, a body is refused.
-  std::function<std::uint64_t()> admit = nullptr;
+  /// Before the body is read; throws HttpError to refuse it. Without it, a body is refused.
+  std::function<Admission(const RequestHead&)> admit = nullptr;
+  bool is_open = false;  ///< to clients without an API key, too
 };
 
 }  // namespace remesh::server

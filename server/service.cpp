@@ -49,11 +49,13 @@ HttpError draining() { return HttpError(503, "draining", "this server is about t
 
 // The one list of what can be asked.
 std::vector<Route> Service::routes() {
-  const auto work_body = [this] { return admit_work(); };
+  const auto work_body = [this](const RequestHead& head) { return admit_work(head); };
   std::vector<Route> list = ops_routes();
-  list.push_back({"GET", "/", [](const Call&) {
+  list.push_back({"GET", "/",
+                  [](const Call&) {
                     return plain(200, "remeshd: POST a mesh to /v1/remesh; /openapi.json describes everything.\n");
-                  }});
+                  },
+                  nullptr, /*is_open=*/true});
   list.push_back({"GET", "/openapi.json", [this](const Call&) { return wrap(operations_.openapi()); }});
   list.push_back(
       {"GET", "/v1/capabilities", [this](const Call&) { return wrap(operations_.capabilities(work_limits_.api)); }});
@@ -68,17 +70,37 @@ std::vector<Route> Service::routes() {
 }
 
 std::vector<Route> Service::ops_routes() {
-  return {{"GET", "/livez", [](const Call&) { return plain(200, "alive\n"); }},
-          {"GET", "/readyz", [this](const Call&) { return readiness(); }}};
+  return {{"GET", "/livez", [](const Call&) { return plain(200, "alive\n"); }, nullptr, /*is_open=*/true},
+          {"GET", "/readyz", [this](const Call&) { return readiness(); }, nullptr, /*is_open=*/true},
+          {"GET", "/metrics", [this](const Call&) { return show_metrics(); }}};
 }
 
 Service::Service(const Config& config, Operations operations)
     : config_(config),
       operations_(std::move(operations)),
-      work_limits_{config.api_limits(), config.request_timeout},
+      work_limits_{config.api_limits(), config.request_timeout, config.memory_budget},
+      keys_(config.api_key_file, config.api_key),
+      memory_(config.memory_budget),
+      memory_watch_(memory_, registry_),
       pool_(config.max_running, config.queue_size, config.workers),
-      http_(routes(), config.gate, config.max_connections) {
-  if (config.ops_bind) ops_ = std::make_unique<HttpServer>(ops_routes(), config.gate, kOpsConnections);
+      http_(routes(), http_settings()) {
+  if (!config.ops_bind) return;
+  // Neither keys nor counts: who reaches this port may look, and looking is no work.
+  HttpSettings settings;
+  settings.gate = config.gate;
+  settings.max_connections = settings.max_connections_per_address = kOpsConnections;
+  ops_ = std::make_unique<HttpServer>(ops_routes(), settings);
+}
+
+HttpSettings Service::http_settings() {
+  HttpSettings settings;
+  settings.gate = config_.gate;
+  settings.max_connections = config_.max_connections;
+  settings.max_connections_per_address = config_.max_connections_per_address;
+  settings.keys = &keys_;
+  settings.cors = config_.cors;
+  settings.metrics = &metrics_;
+  return settings;
 }
 
 Service::~Service() { stop(); }
@@ -100,20 +122,39 @@ void Service::stop() {
   if (ops_) ops_->stop();
 }
 
-std::uint64_t Service::admit_work() const {
+Admission Service::admit_work(const RequestHead& head) {
   if (draining_) throw draining();
-  if (pool_.is_full()) throw overloaded();
-  return config_.max_body;
+  const Framing body = framing(head);
+  // Of a body in chunks nobody knows; the queue asks again once it is there.
+  if (pool_.is_full(size_of_job(body.length))) throw overloaded();
+  return {config_.max_body, memory_.open_share()};
 }
 
 Response Service::work(const Operation& operation, const Call& call) {
   if (stopping_) throw draining();  // its upload took longer than the others had
   try {
-    return wrap(run_in_pool(pool_, registry_, work_limits_, operation, call.request, call.connection));
+    Response response = wrap(run_in_pool(pool_, registry_, work_limits_, operation, call.request, call.connection));
+    if (call.request.memory) call.request.memory->hold_answer(response.body.size());
+    return response;
   } catch (const Error& error) {
     if (stopping_ && error.code == Code::kCancelled) throw draining();
     throw;
   }
+}
+
+Response Service::show_metrics() const {
+  Gauges gauges;
+  gauges.connections = http_.open_connections();
+  gauges.running = pool_.running();
+  gauges.queued = pool_.queued();
+  gauges.workers = config_.workers;
+  gauges.busy = pool_.busy_threads();
+  gauges.memory_reserved = memory_.reserved();
+  gauges.is_ready = !draining_;
+  Response response;
+  response.content_type = "text/plain; version=0.0.4; charset=utf-8";
+  response.body = metrics_.text(gauges);
+  return response;
 }
 
 Response Service::readiness() const {

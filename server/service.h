@@ -6,8 +6,12 @@
 #include <memory>
 #include <vector>
 
+#include "server/api_keys.h"
 #include "server/config.h"
 #include "server/http_server.h"
+#include "server/memory_budget.h"
+#include "server/memory_watch.h"
+#include "server/metrics.h"
 #include "server/request_registry.h"
 #include "server/route.h"
 #include "server/work.h"
@@ -35,6 +39,9 @@ class Service {
   int port() const { return http_.port(); }
   int ops_port() const { return ops_ ? ops_->port() : 0; }
 
+  /// Reads the API keys again. Errors: std::invalid_argument - see ApiKeys; the old ones stay.
+  void reload_keys() { keys_.reload(); }
+
   /// From now on not ready, and taking no new work; what was taken is finished.
   void begin_drain() { draining_ = true; }
   /// True when no request is open any more.
@@ -45,7 +52,9 @@ class Service {
  private:
   std::vector<Route> routes();
   std::vector<Route> ops_routes();
-  std::uint64_t admit_work() const;
+  HttpSettings http_settings();
+  Admission admit_work(const RequestHead& head);
+  Response show_metrics() const;
   Response work(const Operation& operation, const Call& call);
   Response readiness() const;
   Response show_request(const Call& call);
@@ -57,7 +66,11 @@ class Service {
   const WorkLimits work_limits_;
   std::atomic<bool> draining_{false};
   std::atomic<bool> stopping_{false};
+  ApiKeys keys_;
+  Metrics metrics_;
   RequestRegistry registry_;
+  MemoryBudget memory_;
+  MemoryWatch memory_watch_;
   WorkerPool pool_;
   HttpServer http_;
   std::unique_ptr<HttpServer> ops_;

@@ -1,17 +1,53 @@
 #include "server/worker_pool.h"
 
 #include <tbb/task_arena.h>
+#include <tbb/task_scheduler_observer.h>
+
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 
 #include <algorithm>
 
 namespace remesh::server {
 
+namespace {
+
+/// Geometry yields to the threads that answer: these need little time, but at once.
+constexpr int kNiceness = 5;
+
+void be_nice() {
+  // Of this thread alone, which Linux allows; where it does not work, it is no harm.
+  static thread_local const int set = ::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), kNiceness);
+  (void)set;
+}
+
+}  // namespace
+
+/// Counts the threads that enter and leave an arena, and sets them behind those that answer.
+class WorkerPool::BusyThreads : public tbb::task_scheduler_observer {
+ public:
+  BusyThreads(tbb::task_arena& arena, std::atomic<std::size_t>& counter)
+      : tbb::task_scheduler_observer(arena), counter_(counter) {
+    observe(true);
+  }
+  ~BusyThreads() override { observe(false); }
+  void on_scheduler_entry(bool) override {
+    ++counter_;
+    be_nice();
+  }
+  void on_scheduler_exit(bool) override { --counter_; }
+
+ private:
+  std::atomic<std::size_t>& counter_;
+};
+
 WorkerPool::WorkerPool(int max_running, std::size_t queue_size, int workers)
     : parallelism_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(workers)),
-      queue_size_(queue_size) {
-  // The lock: a thread must not look at `threads_` while it grows.
-  const std::lock_guard lock(mutex_);
-  for (int i = 0; i < max_running; ++i) threads_.emplace_back([this, workers] { work(workers); });
+      max_running_(static_cast<std::size_t>(max_running)),
+      queue_size_(queue_size),
+      running_(2 * max_running_) {
+  for (std::size_t i = 0; i < running_.size(); ++i) threads_.emplace_back([this, i, workers] { work(i, workers); });
 }
 
 WorkerPool::~WorkerPool() {
@@ -24,13 +60,13 @@ WorkerPool::~WorkerPool() {
   for (std::thread& thread : threads_) thread.join();
 }
 
-std::optional<WorkerPool::Ticket> WorkerPool::try_submit(std::function<void()> job) {
+std::optional<WorkerPool::Ticket> WorkerPool::try_submit(std::function<void()> job, JobSize size) {
   Ticket ticket = 0;
   {
     const std::lock_guard lock(mutex_);
-    if (stopping_ || is_full_locked()) return std::nullopt;
+    if (stopping_ || is_full_locked(size)) return std::nullopt;
     ticket = next_ticket_++;
-    queue_.push_back({ticket, std::move(job)});
+    queue_.push_back({ticket, size, std::move(job)});
   }
   changed_.notify_one();
   return ticket;
@@ -45,14 +81,14 @@ bool WorkerPool::withdraw(Ticket ticket) {
   return true;
 }
 
-bool WorkerPool::is_full() const {
+bool WorkerPool::is_full(JobSize size) const {
   const std::lock_guard lock(mutex_);
-  return stopping_ || is_full_locked();
+  return stopping_ || is_full_locked(size);
 }
 
 std::size_t WorkerPool::running() const {
   const std::lock_guard lock(mutex_);
-  return running_;
+  return running_count_;
 }
 
 std::size_t WorkerPool::queued() const {
@@ -60,21 +96,66 @@ std::size_t WorkerPool::queued() const {
   return queue_.size();
 }
 
-void WorkerPool::work(int workers) {
+bool WorkerPool::is_full_locked(JobSize size) const {
+  const std::size_t places = size == JobSize::kSmall ? queue_size_ : queue_size_ - queue_size_ / 4;
+  // Those that a free thread has not taken yet do not wait.
+  const std::size_t free = max_running_ - std::min(max_running_, running_count_);
+  return queue_.size() >= places + free;
+}
+
+bool WorkerPool::may_start_locked(JobSize size) const {
+  if (running_count_ < max_running_) return true;
+  if (size == JobSize::kLarge || running_count_ == running_.size()) return false;
+  const Clock::time_point long_ago = Clock::now() - kLong;
+  return std::all_of(running_.begin(), running_.end(), [&](const std::optional<Running>& running) {
+    return !running || running->size == JobSize::kLarge || running->start <= long_ago;
+  });
+}
+
+Clock::time_point WorkerPool::next_change_locked() const {
+  if (queue_.empty() || running_count_ == running_.size()) return Clock::time_point::max();
+  Clock::time_point last = Clock::time_point::min();
+  for (const std::optional<Running>& running : running_) {
+    if (running && running->size == JobSize::kSmall) last = std::max(last, running->start + kLong);
+  }
+  return last > Clock::now() ? last : Clock::time_point::max();
+}
+
+std::optional<WorkerPool::Entry> WorkerPool::take_locked() {
+  const auto entry = std::find_if(queue_.begin(), queue_.end(),
+                                  [this](const Entry& candidate) { return may_start_locked(candidate.size); });
+  if (entry == queue_.end()) return std::nullopt;
+  Entry taken = std::move(*entry);
+  queue_.erase(entry);
+  return taken;
+}
+
+void WorkerPool::work(std::size_t place, int workers) {
   // One arena a thread: a huge mesh can take idle cores, but never the thread that a small one runs on.
   tbb::task_arena arena(workers);
+  const BusyThreads observer(arena, busy_threads_);
   std::unique_lock lock(mutex_);
-  for (;;) {
-    changed_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
-    if (stopping_) return;
-    std::function<void()> job = std::move(queue_.front().job);
-    queue_.pop_front();
-    ++running_;
+  while (!stopping_) {
+    std::optional<Entry> entry = take_locked();
+    if (!entry) {
+      const Clock::time_point until = next_change_locked();
+      if (until == Clock::time_point::max()) {
+        changed_.wait(lock);
+      } else {
+        changed_.wait_until(lock, until);
+      }
+      continue;
+    }
+    running_[place] = Running{entry->size, Clock::now()};
+    ++running_count_;
+    if (!queue_.empty()) changed_.notify_one();  // somebody must know when the next place may open
     lock.unlock();
-    arena.execute(job);
-    job = nullptr;  // what it holds is freed outside the lock
+    arena.execute(entry->job);
+    entry.reset();  // what it holds is freed outside the lock
     lock.lock();
-    --running_;
+    running_[place].reset();
+    --running_count_;
+    changed_.notify_all();  // another thread may now take what it could not
   }
 }
 

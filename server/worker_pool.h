@@ -3,6 +3,8 @@
 
 #include <tbb/global_control.h>
 
+#include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <cstdint>
 #include <deque>
@@ -12,10 +14,22 @@
 #include <thread>
 #include <vector>
 
+#include "server/connection.h"
+
 namespace remesh::server {
 
+/// What a job is expected to take, by the size of its mesh.
+enum class JobSize { kSmall, kLarge };
+
+/// First come, first served, with two exceptions so that huge meshes cannot starve small ones:
+/// - While every place is held by a job that is large or has run for more than `kLong`, small jobs pass, one at a time,
+/// on
+///   places beyond `max_running`, of which there are as many again.
+/// - The last quarter of the queue is for small jobs.
 class WorkerPool {
  public:
+  static constexpr std::chrono::milliseconds kLong{1000};
+
   /// At most `max_running` jobs run at once, each in a TBB arena of `workers` threads; `queue_size` more may wait.
   WorkerPool(int max_running, std::size_t queue_size, int workers);
   /// Waits for the jobs that run; those that wait are dropped.
@@ -24,36 +38,51 @@ class WorkerPool {
   WorkerPool& operator=(const WorkerPool&) = delete;
 
   using Ticket = std::uint64_t;
-  /// Queues a job, first come first served; it must not throw. Output: nothing when all threads are busy and the queue
-  /// is full.
-  std::optional<Ticket> try_submit(std::function<void()> job);
+  /// Queues a job; it must not throw. Output: nothing when no thread is free and the queue is full.
+  std::optional<Ticket> try_submit(std::function<void()> job, JobSize size = JobSize::kSmall);
   /// Takes a job back. Output: false when it has started.
   bool withdraw(Ticket ticket);
 
   /// True when `try_submit` would refuse now.
-  bool is_full() const;
+  bool is_full(JobSize size = JobSize::kSmall) const;
   std::size_t running() const;
   std::size_t queued() const;
+  /// Threads that are inside the arenas.
+  std::size_t busy_threads() const { return busy_threads_; }
 
  private:
   struct Entry {
     Ticket ticket;
+    JobSize size;
     std::function<void()> job;
   };
+  struct Running {
+    JobSize size;
+    Clock::time_point start;
+  };
+  class BusyThreads;
 
-  void work(int workers);
-  bool is_full_locked() const { return queue_.size() + running_ >= threads_.size() + queue_size_; }
+  /// `place`: of this thread in `running_`.
+  void work(std::size_t place, int workers);
+  bool is_full_locked(JobSize size) const;
+  bool may_start_locked(JobSize size) const;
+  /// When a place may open although no job ends; the maximum where that cannot be.
+  Clock::time_point next_change_locked() const;
+  std::optional<Entry> take_locked();
 
   /// All arenas share this many threads, as many as asked for even where the machine has fewer cores.
   const tbb::global_control parallelism_;
+  const std::size_t max_running_;
+  const std::size_t queue_size_;
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Entry> queue_;
-  std::vector<std::thread> threads_;
-  const std::size_t queue_size_;
-  std::size_t running_ = 0;
+  std::vector<std::optional<Running>> running_;  ///< one a thread, so that starting a job takes no memory
+  std::size_t running_count_ = 0;
   Ticket next_ticket_ = 1;
   bool stopping_ = false;
+  std::atomic<std::size_t> busy_threads_{0};
+  std::vector<std::thread> threads_;
 };
 
 }  // namespace remesh::server

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <vector>
 
-#include "server/cpu_limit.h"
+#include "server/machine_limits.h"
 
 namespace remesh::server {
 namespace {

@@ -1,112 +1,24 @@
 /// The real binary in a process of its own, with the real geometry.
-#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
+#include "tests/server/daemon.h"
 #include "tests/server/raw_client.h"
+#include "tests/server/small_meshes.h"
 
 namespace remesh::server {
 namespace {
 
-/// `remeshd` on a free port; killed with the test if it still runs.
-class Daemon {
- public:
-  explicit Daemon(std::vector<std::string> flags = {}) {
-    flags.insert(flags.begin(), {REMESHD_PATH, "--bind", "127.0.0.1:0", "--log-format", "json"});
-    std::vector<char*> arguments;
-    for (std::string& flag : flags) arguments.push_back(flag.data());
-    arguments.push_back(nullptr);
-    std::array<int, 2> pipe_ends{};
-    if (::pipe(pipe_ends.data()) != 0) throw std::runtime_error("pipe");
-    child_ = ::fork();
-    if (child_ == 0) {
-      ::dup2(pipe_ends[1], STDERR_FILENO);
-      ::close(pipe_ends[0]);
-      ::close(pipe_ends[1]);
-      ::execv(arguments[0], arguments.data());
-      ::_exit(127);
-    }
-    ::close(pipe_ends[1]);
-    log_ = ::fdopen(pipe_ends[0], "r");
-    const std::string line = read_line();
-    const auto event = nlohmann::json::parse(line, nullptr, false);
-    if (!event.is_object() || event.value("event", "") != "listening") throw std::runtime_error("no start: " + line);
-    const std::string address = event["address"];
-    port_ = std::stoi(address.substr(address.rfind(':') + 1));
-  }
-  ~Daemon() {
-    if (child_ > 0) ::kill(child_, SIGKILL);
-    if (child_ > 0) ::waitpid(child_, nullptr, 0);
-    std::fclose(log_);
-  }
-  Daemon(const Daemon&) = delete;
-  Daemon& operator=(const Daemon&) = delete;
-
-  int port() const { return port_; }
-  void send_signal(int number) const { ::kill(child_, number); }
-  /// The exit code, or minus the signal that ended it.
-  int wait() {
-    int status = 0;
-    ::waitpid(child_, &status, 0);
-    child_ = -1;
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
-  }
-  /// What is left of the log, once the daemon has ended.
-  std::string rest_of_log() {
-    std::string log;
-    for (std::string line = read_line(); !line.empty(); line = read_line()) log += line;
-    return log;
-  }
-
- private:
-  std::string read_line() {
-    std::array<char, 4096> buffer{};
-    return std::fgets(buffer.data(), buffer.size(), log_) == nullptr ? "" : buffer.data();
-  }
-
-  pid_t child_ = -1;
-  std::FILE* log_ = nullptr;
-  int port_ = 0;
-};
-
 int run(const std::string& command) {
   const int status = std::system(command.c_str());
   return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-}
-
-/// A square of side 8 with a square hole of side 6: area 28, of eight triangles.
-const std::string kFrame =
-    "v -4 -4 1\nv 4 -4 1\nv -4 4 1\nv 4 4 1\nv -3 -3 1\nv 3 -3 1\nv -3 3 1\nv 3 3 1\n"
-    "f 5 3 1\nf 4 7 8\nf 1 2 6\nf 5 7 3\nf 1 6 5\nf 6 2 4\nf 4 3 7\nf 8 6 4\n";
-
-/// A bumpy sheet of 2 n² triangles, hardly two of them in one plane: work for a while.
-std::string bumpy_sheet(int n) {
-  std::string text;
-  unsigned state = 1;
-  for (int y = 0; y <= n; ++y) {
-    for (int x = 0; x <= n; ++x) {
-      state = state * 1664525u + 1013904223u;
-      text += "v " + std::to_string(x) + " " + std::to_string(y) + " 0." + std::to_string(1000 + (state >> 16) % 9000) +
-              "\n";
-    }
-  }
-  for (int y = 0; y < n; ++y) {
-    for (int x = 0; x < n; ++x) {
-      const int a = y * (n + 1) + x + 1;
-      const int b = a + n + 1;
-      text += "f " + std::to_string(a) + " " + std::to_string(a + 1) + " " + std::to_string(b + 1) + "\n";
-      text += "f " + std::to_string(a) + " " + std::to_string(b + 1) + " " + std::to_string(b) + "\n";
-    }
-  }
-  return text;
 }
 
 std::string code_of(const Answer& answer) {
@@ -242,7 +154,7 @@ TEST(EndToEnd, a_stop_lets_the_running_request_finish_and_exits_with_0) {
   daemon.send_signal(SIGTERM);
   EXPECT_EQ(Answer::parse(client.receive()).status, 200);
   EXPECT_EQ(daemon.wait(), 0);
-  EXPECT_NE(daemon.rest_of_log().find("\"event\":\"stopped\""), std::string::npos);
+  EXPECT_NE(daemon.log().find("\"event\":\"stopped\""), std::string::npos);
 }
 
 TEST(EndToEnd, an_idle_daemon_stops_at_once) {

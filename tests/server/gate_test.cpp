@@ -6,6 +6,7 @@
 
 #include <array>
 #include <thread>
+#include <vector>
 
 namespace remesh::server {
 namespace {
@@ -37,7 +38,7 @@ class Gate : public ::testing::Test {
     try {
       const std::optional<PendingBody> pending = read_head(*connection_, limits_, request_);
       is_request_ = pending.has_value();
-      if (is_request_) request_.body = read_body(*connection_, limits_, request_, *pending, max_body_);
+      if (is_request_) request_.body = read_body(*connection_, limits_, request_, *pending, max_body_, reserve_);
       return 200;
     } catch (const HttpError& error) {
       limit_ = error.problem.limit;
@@ -49,6 +50,8 @@ class Gate : public ::testing::Test {
   int client_ = -1;
   GateLimits limits_;
   std::uint64_t max_body_ = 100;
+  std::vector<std::pair<std::uint64_t, std::uint64_t>> reserved_;
+  Reserve reserve_ = [this](std::uint64_t held, std::uint64_t expected) { reserved_.emplace_back(held, expected); };
   Request request_;
   bool is_request_ = false;
   std::optional<std::uint64_t> limit_;

@@ -53,7 +53,7 @@ class HttpServerTest : public ::testing::Test {
   }
 
   HttpServer server_{{{"GET", "/", named("root")},
-                      {"POST", "/v1/remesh", named("remesh"), [] { return std::uint64_t{77}; }},
+                      {"POST", "/v1/remesh", named("remesh"), [](const RequestHead&) { return Admission{77}; }},
                       {"GET", "/v1/requests/{id}", named("show")},
                       {"DELETE", "/v1/requests/{id}", named("cancel")},
                       {"GET", "/v1/requests/{id}/events", named("follow")},
@@ -62,8 +62,7 @@ class HttpServerTest : public ::testing::Test {
                       {"GET", "/pieces", in_pieces},
                       {"GET", "/large", large},
                       {"GET", "/nothing", [](const Call&) { return Response(); }}},
-                     GateLimits{},
-                     10};
+                     HttpSettings{}};
 };
 
 TEST_F(HttpServerTest, method_and_path_find_their_handler) {
@@ -205,7 +204,7 @@ TEST_F(HttpServerTest, a_client_that_leaves_in_the_middle_leaves_nothing_behind)
 }
 
 TEST(HttpServerRoutes, a_method_that_cannot_be_routed_is_a_defect_that_shows_at_once) {
-  const auto make = [] { HttpServer server({{"BREW", "/", named("tea")}}, GateLimits{}, 1); };
+  const auto make = [] { HttpServer server({{"BREW", "/", named("tea")}}, HttpSettings{}); };
   EXPECT_THROW(make(), std::logic_error);
 }
 

@@ -3,6 +3,8 @@
 
 #include <arpa/inet.h>
 #include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -16,9 +18,21 @@ namespace remesh::server {
 
 class RawClient {
  public:
-  explicit RawClient(int port) : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+  /// From an address of this machine of the test's choice.
+  /// `receive_buffer`: of a client that takes little, so that an answer waits at the server.
+  explicit RawClient(int port, const char* from = "127.0.0.1", int receive_buffer = 0)
+      : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
+    if (receive_buffer > 0) {
+      ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
+      // Small segments, or the other side makes its buffer large.
+      const int segment = 536;
+      ::setsockopt(socket_, IPPROTO_TCP, TCP_MAXSEG, &segment, sizeof segment);
+    }
     sockaddr_in address{};
     address.sin_family = AF_INET;
+    ::inet_pton(AF_INET, from, &address.sin_addr);
+    if (::bind(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0)
+      throw std::runtime_error("cannot send from there");
     address.sin_port = htons(static_cast<std::uint16_t>(port));
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
     if (::connect(socket_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
@@ -51,6 +65,18 @@ class RawClient {
       text.append(buffer.data(), static_cast<std::size_t>(got));
     }
     return text;
+  }
+
+  /// Takes one byte if there is one.
+  void receive_byte() {
+    char byte = 0;
+    [[maybe_unused]] const ssize_t got = ::recv(socket_, &byte, 1, MSG_DONTWAIT);
+  }
+
+  /// True when there is something to receive, or the end.
+  bool has_input() const {
+    pollfd entry{socket_, POLLIN, 0};
+    return ::poll(&entry, 1, 0) > 0;
   }
 
   void close_sending() { ::shutdown(socket_, SHUT_WR); }

@@ -4,103 +4,16 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
-#include <new>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <vector>
 
-#include "tests/server/raw_client.h"
+#include "tests/server/stub_service.h"
 
 namespace remesh::server {
 namespace {
 
-using std::chrono::milliseconds;
-
-std::string code_of(const Answer& answer) {
-  if (answer.header("Content-Type") != "application/problem+json") return "";
-  const auto problem = nlohmann::json::parse(answer.body, nullptr, false);
-  return problem.is_object() ? problem.value("code", "") : "";
-}
-
-/// Does what the body says: "echo ...", "block" (until released, or told to stop), "deaf" (the same, but cannot be
-/// told), "throw", "no memory".
-class Stub {
- public:
-  api::Response operator()(const api::Request& request, const api::Limits&, RunControl& control) {
-    ++calls;
-    const std::string_view body = request.body;
-    if (body.empty()) throw Error(Code::kEmptyMesh, Stage::kRead, "the body is empty");
-    if (body == "throw") throw std::runtime_error("a secret of the server");
-    if (body == "no memory") throw std::bad_alloc();
-    if (body == "line 3") throw Error(Code::kInvalidMesh, Stage::kRead, "no number").at_line(3);
-    if (body == "block" || body == "deaf") {
-      ++blocked;
-      control.enter(Stage::kTriangulation);
-      control.progress(0.5);
-      while (!released) {
-        std::this_thread::sleep_for(milliseconds(2));
-        if (body == "deaf" || !control.is_stopped()) continue;
-        ++stopped;
-        control.check();
-      }
-    }
-    api::Response response;
-    response.content_type = "model/obj";
-    response.body = std::to_string(body.size()) + " " + request.content_type + " " + request.accept;
-    for (const auto& [name, value] : request.query) response.body += " " + name + "=" + value;
-    return response;
-  }
-
-  std::atomic<int> calls{0}, blocked{0}, stopped{0};
-  std::atomic<bool> released{false};
-};
-
-class ServiceTest : public ::testing::Test {
- protected:
-  ServiceTest() {
-    config_.bind.port = 0;
-    config_.workers = 1;
-    config_.max_running = 1;
-    config_.queue_size = 1;
-    config_.max_body = 1000;
-    config_.gate.head_timeout = milliseconds(300);
-  }
-  ~ServiceTest() override { stub_.released = true; }
-
-  void start() {
-    log::set_up(log::Format::kText, log::Level::kError);
-    Operations operations;
-    operations.remesh = std::ref(stub_);
-    operations.analyze = std::ref(stub_);
-    operations.capabilities = [](const api::Limits& limits) {
-      return api::Response{200, "application/json", std::to_string(limits.max_body), {}};
-    };
-    operations.openapi = [] { return api::Response{200, "application/json", "{}", {}}; };
-    service_ = std::make_unique<Service>(config_, std::move(operations));
-    service_->start();
-    port_ = service_->port();
-  }
-  /// A request that blocks until the stub is released; returns once it computes.
-  std::unique_ptr<RawClient> start_blocking(const std::string& fields = "", const std::string& body = "block") {
-    const int before = stub_.blocked;
-    auto client = std::make_unique<RawClient>(port_);
-    client->send(post_text("/v1/remesh", body, fields));
-    EXPECT_TRUE(eventually([&] { return stub_.blocked > before; }));
-    return client;
-  }
-  void expect_well() {
-    const Answer answer = post(port_, "/v1/remesh", "good");
-    EXPECT_EQ(answer.status, 200);
-  }
-
-  Config config_;
-  Stub stub_;
-  std::unique_ptr<Service> service_;
-  int port_ = 0;
-};
-
-const std::string kId = "abcdefgh-12345678";
-const std::string kIdField = "X-Request-Id: " + kId + "\r\n";
+using ServiceTest = StubService;
 
 TEST_F(ServiceTest, a_request_reaches_the_operation_as_it_was_sent) {
   start();
@@ -317,6 +230,7 @@ TEST_F(ServiceTest, waiting_too_long_for_a_worker_is_overload_not_timeout) {
 
 TEST_F(ServiceTest, slow_clients_hold_nobody_up) {
   config_.gate.head_timeout = milliseconds(5000);
+  config_.max_connections_per_address = config_.max_connections;
   start();
   std::vector<std::unique_ptr<RawClient>> slow;
   for (int i = 0; i < 200; ++i) {

@@ -87,5 +87,47 @@ TEST(WorkerPool, a_long_job_does_not_hold_up_short_ones_while_a_thread_is_free) 
   gate.set_value();
 }
 
+TEST(WorkerPool, small_jobs_pass_while_large_ones_hold_every_place) {
+  std::promise<void> gate;
+  const std::shared_future<void> open(gate.get_future());
+  std::atomic<int> small = 0;
+  WorkerPool pool(2, 8, 1);
+  const auto wait = [&] { open.wait(); };
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(pool.try_submit(wait, JobSize::kLarge));
+  ASSERT_TRUE(eventually([&] { return pool.running() == 2; }));
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(pool.try_submit([&] { ++small; }));
+  EXPECT_TRUE(eventually([&] { return small == 3; }));
+  EXPECT_EQ(pool.running(), 2u);
+  gate.set_value();
+  EXPECT_TRUE(eventually([&] { return pool.running() == 0 && pool.queued() == 0; }));
+}
+
+TEST(WorkerPool, small_jobs_pass_those_that_have_run_for_long) {
+  std::promise<void> gate;
+  const std::shared_future<void> open(gate.get_future());
+  std::atomic<bool> ran = false;
+  WorkerPool pool(1, 8, 1);
+  ASSERT_TRUE(pool.try_submit([&] { open.wait(); }));
+  ASSERT_TRUE(pool.try_submit([&] { ran = true; }));
+  EXPECT_FALSE(ran);
+  const auto start = Clock::now();
+  EXPECT_TRUE(eventually([&] { return ran.load(); }));
+  EXPECT_GT(Clock::now() - start, WorkerPool::kLong / 2);
+  EXPECT_LT(Clock::now() - start, WorkerPool::kLong * 3);
+  gate.set_value();
+}
+
+TEST(WorkerPool, large_jobs_leave_small_ones_a_part_of_the_queue) {
+  std::promise<void> gate;
+  const std::shared_future<void> open(gate.get_future());
+  WorkerPool pool(1, 4, 1);
+  const auto wait = [&] { open.wait(); };
+  for (int i = 0; i < 4; ++i) ASSERT_TRUE(pool.try_submit(wait, JobSize::kLarge));
+  EXPECT_TRUE(pool.is_full(JobSize::kLarge));
+  EXPECT_FALSE(pool.try_submit(wait, JobSize::kLarge));
+  EXPECT_TRUE(pool.try_submit([] {}, JobSize::kSmall));
+  gate.set_value();
+}
+
 }  // namespace
 }  // namespace remesh::server

@@ -1,4 +1,7 @@
+/// What this process may use of the machine that it runs on.
 #pragma once
+
+#include <cstdint>
 
 namespace remesh::server {
 
@@ -7,5 +10,12 @@ int usable_cores();
 
 /// The cores that a cgroup v2 `cpu.max` grants ("150000 100000" is 1.5, rounded up to 2), or 0 for no limit.
 int cores_of_quota(const char* cpu_max);
+
+/// The bytes of memory this process may use: of the machine, its control group and its limit on address space the
+/// least.
+std::uint64_t usable_memory();
+
+/// The bytes of memory it uses now; 0 where that cannot be told.
+std::uint64_t resident_memory();
 
 }  // namespace remesh::server

@@ -1,0 +1,21 @@
+/// SHA-256 and Base64, from OpenSSL.
+#pragma once
+
+#include <array>
+#include <string>
+#include <string_view>
+
+namespace remesh::server {
+
+using Sha256 = std::array<unsigned char, 32>;
+
+/// Errors: std::bad_alloc.
+Sha256 sha256(std::string_view bytes);
+
+/// Equal or not, in a time that does not tell where they differ.
+bool equal_in_constant_time(const Sha256& a, const Sha256& b);
+
+/// The value of a `Repr-Digest` field (RFC 9530): `sha-256=:...:`.
+std::string repr_digest(std::string_view bytes);
+
+}  // namespace remesh::server

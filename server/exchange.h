@@ -1,0 +1,55 @@
+/// One request on its way to its answer, and what is told of it afterwards.
+#pragma once
+
+#include <atomic>
+#include <cstddef>
+#include <exception>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "api/service.h"
+#include "server/connection.h"
+#include "server/gate.h"
+#include "server/http_message.h"
+#include "server/metrics.h"
+
+namespace remesh::server {
+
+/// Counts up for the time of a scope.
+class Counted {
+ public:
+  explicit Counted(std::atomic<std::size_t>& counter) : counter_(counter) { ++counter_; }
+  ~Counted() { --counter_; }
+  Counted(const Counted&) = delete;
+  Counted& operator=(const Counted&) = delete;
+
+ private:
+  std::atomic<std::size_t>& counter_;
+};
+
+struct Exchange {
+  explicit Exchange(Connection& client) : connection(client) {}
+
+  Connection& connection;
+  const Clock::time_point start = Clock::now();
+  Request request;
+  PendingBody pending;
+  std::exception_ptr refusal;     ///< why it must not reach a route
+  std::optional<Counted> active;  ///< from its admission on
+  bool is_read = false;           ///< head and body, all of it
+
+  // What is known of the answer.
+  std::string_view route = "none";  ///< the path of the route, with names for what varies
+  int status = 0;                   ///< 0 while there is none
+  std::string problem_code;         ///< of an error
+  std::optional<api::WorkDone> done;
+};
+
+enum class Outcome { kAnswered, kClientGone };
+
+/// Writes the line of the access log, and counts: an exchange is over.
+/// Holds:  never a body, a key or a query in the log.
+void account_for(const Exchange& exchange, Outcome outcome, Metrics* metrics);
+
+}  // namespace remesh::server

@@ -1,0 +1,35 @@
+#include "server/memory_budget.h"
+
+#include <algorithm>
+
+namespace remesh::server {
+
+HttpError never_fits(std::uint64_t limit) {
+  return HttpError(413, "mesh_too_large", "the work on this mesh takes more memory than this server may use")
+      .with_limit(limit);
+}
+
+HttpError out_of_memory() {
+  return HttpError(503, "out_of_memory", "not enough memory for this request now: try again shortly");
+}
+
+void MemoryShare::hold_body(std::uint64_t held, std::uint64_t expected) {
+  const std::uint64_t most = std::max(held, expected);
+  if (most > budget_.limit_ / MemoryBudget::kWorkPerBodyByte) throw never_fits(budget_.limit_);
+  const std::uint64_t wanted = std::max(bytes_, held * MemoryBudget::kWorkPerBodyByte);
+  const std::uint64_t at_most = std::max(bytes_, most * MemoryBudget::kWorkPerBodyByte);
+  std::uint64_t reserved = budget_.reserved_;
+  do {
+    const std::uint64_t others = std::max<std::uint64_t>(reserved, budget_.resident_) - std::min(reserved, bytes_);
+    if (others + at_most > budget_.limit_) throw out_of_memory();
+  } while (!budget_.reserved_.compare_exchange_weak(reserved, reserved - bytes_ + wanted));
+  bytes_ = wanted;
+}
+
+void MemoryShare::resize(std::uint64_t bytes) {
+  budget_.reserved_ += bytes;
+  budget_.reserved_ -= bytes_;
+  bytes_ = bytes;
+}
+
+}  // namespace remesh::server

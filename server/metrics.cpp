@@ -1,0 +1,166 @@
+#include "server/metrics.h"
+
+#include <dirent.h>
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <sstream>
+
+#include "core/base/error.h"
+#include "core/remesh.h"
+#include "server/machine_limits.h"
+
+namespace remesh::server {
+namespace {
+
+using prometheus::Counter;
+using prometheus::Family;
+using prometheus::Gauge;
+using prometheus::Histogram;
+
+const Histogram::BucketBoundaries kSeconds{0.001, 0.005, 0.02, 0.1, 0.5, 2, 10, 60, 300};
+const Histogram::BucketBoundaries kFaces{100, 1e3, 1e4, 1e5, 1e6, 1e7};
+
+/// Anything else that a client sends in place of a method is "other".
+std::string method_label(std::string_view method) {
+  constexpr std::array<std::string_view, 8> kMethods{"GET",   "HEAD",   "POST",    "PUT",
+                                                     "PATCH", "DELETE", "OPTIONS", "none"};
+  return std::find(kMethods.begin(), kMethods.end(), method) != kMethods.end() ? std::string(method) : "other";
+}
+
+std::size_t open_descriptors() {
+  DIR* folder = ::opendir("/proc/self/fd");
+  if (folder == nullptr) return 0;
+  std::size_t count = 0;
+  while (::readdir(folder) != nullptr) ++count;
+  ::closedir(folder);
+  return count - 3;  // ".", ".." and the folder itself
+}
+
+double seconds_of(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
+}
+
+/// Adds values that are read at the time of a look.
+class Snapshot {
+ public:
+  void gauge(const char* name, const char* help, double value) { add<Gauge>(name, help).Set(value); }
+  void counter(const char* name, const char* help, double value) { add<Counter>(name, help).Increment(value); }
+
+  void process() {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    counter("process_cpu_seconds_total", "Time of processors, user and system.",
+            seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime));
+    gauge("process_resident_memory_bytes", "Memory in use.", static_cast<double>(resident_memory()));
+    gauge("process_open_fds", "Open file descriptors.", static_cast<double>(open_descriptors()));
+    rlimit files{};
+    ::getrlimit(RLIMIT_NOFILE, &files);
+    gauge("process_max_fds", "File descriptors that may be open.", static_cast<double>(files.rlim_cur));
+  }
+
+  std::vector<prometheus::MetricFamily> collect() const { return registry_.Collect(); }
+
+ private:
+  template <typename Metric>
+  Metric& add(const char* name, const char* help) {
+    return prometheus::detail::Builder<Metric>().Name(name).Help(help).Register(registry_).Add({});
+  }
+
+  prometheus::Registry registry_;
+};
+
+}  // namespace
+
+struct Metrics::Families {
+  prometheus::Registry registry;
+  const double start_seconds =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+
+  Family<Counter>& requests = prometheus::BuildCounter()
+                                  .Name("remeshd_http_requests_total")
+                                  .Help("Requests that are over; code 499: the client left before its answer.")
+                                  .Register(registry);
+  Family<Histogram>& durations = prometheus::BuildHistogram()
+                                     .Name("remeshd_http_request_duration_seconds")
+                                     .Help("Time from a request's connection to its answer.")
+                                     .Register(registry);
+  Family<Counter>& rejections = prometheus::BuildCounter()
+                                    .Name("remeshd_http_rejected_total")
+                                    .Help("Requests that a limit turned away, by the code of their problem.")
+                                    .Register(registry);
+  Family<Histogram>& stages = prometheus::BuildHistogram()
+                                  .Name("remeshd_stage_duration_seconds")
+                                  .Help("Time of each stage of the pipeline.")
+                                  .Register(registry);
+  Family<Counter>& patches =
+      prometheus::BuildCounter().Name("remeshd_patches_total").Help("Patches of results.").Register(registry);
+  Histogram& input_faces = prometheus::BuildHistogram()
+                               .Name("remeshd_input_faces")
+                               .Help("Faces of meshes that came in.")
+                               .Register(registry)
+                               .Add({}, kFaces);
+  Histogram& output_faces = prometheus::BuildHistogram()
+                                .Name("remeshd_output_faces")
+                                .Help("Faces of meshes that went out.")
+                                .Register(registry)
+                                .Add({}, kFaces);
+  Gauge& build_info = prometheus::BuildGauge()
+                          .Name("remeshd_build_info")
+                          .Help("Always 1; the version is a label.")
+                          .Register(registry)
+                          .Add({{"version", version()}});
+};
+
+Metrics::Metrics() : families_(std::make_unique<Families>()) { families_->build_info.Set(1); }
+Metrics::~Metrics() = default;
+
+void Metrics::count_request(std::string_view route, std::string_view method, int status, double seconds) {
+  const std::string path(route);
+  families_->requests.Add({{"route", path}, {"method", method_label(method)}, {"code", std::to_string(status)}})
+      .Increment();
+  families_->durations.Add({{"route", path}}, kSeconds).Observe(seconds);
+}
+
+void Metrics::count_rejection(const std::string& reason) {
+  families_->rejections.Add({{"reason", reason}}).Increment();
+}
+
+void Metrics::count_work(const api::WorkDone& done) {
+  for (const auto& [stage, ms] : done.stages_ms)
+    families_->stages.Add({{"stage", std::string(stage)}}, kSeconds).Observe(ms / 1000);
+  families_->patches.Add({{"status", "remeshed"}}).Increment(static_cast<double>(done.remeshed));
+  families_->patches.Add({{"status", "reduced"}}).Increment(static_cast<double>(done.reduced));
+  families_->patches.Add({{"status", "kept"}}).Increment(static_cast<double>(done.kept));
+  families_->input_faces.Observe(static_cast<double>(done.input_faces));
+  if (done.output_faces > 0) families_->output_faces.Observe(static_cast<double>(done.output_faces));
+}
+
+std::string Metrics::text(const Gauges& gauges) const {
+  Snapshot now;
+  now.gauge("remeshd_http_connections", "Open connections.", static_cast<double>(gauges.connections));
+  now.gauge("remeshd_requests_running", "Requests that compute.", static_cast<double>(gauges.running));
+  now.gauge("remeshd_requests_queued", "Requests that wait for a worker.", static_cast<double>(gauges.queued));
+  now.gauge("remeshd_workers", "Threads that requests may compute on.", gauges.workers);
+  now.gauge("remeshd_workers_busy", "Threads of requests that compute.", static_cast<double>(gauges.busy));
+  now.gauge("remeshd_memory_reserved_bytes", "Memory that requests have reserved.",
+            static_cast<double>(gauges.memory_reserved));
+  now.gauge("remeshd_ready", "1 while new work is taken.", gauges.is_ready ? 1 : 0);
+  now.gauge("process_start_time_seconds", "Start of the process since the epoch.", families_->start_seconds);
+  now.process();
+
+  std::ostringstream out;
+  const prometheus::TextSerializer serializer;
+  serializer.Serialize(out, families_->registry.Collect());
+  serializer.Serialize(out, now.collect());
+  return out.str();
+}
+
+}  // namespace remesh::server

@@ -1,0 +1,91 @@
+#include <algorithm>
+#include <atomic>
+#include <cstdio>
+#include <string>
+#include <thread>
+
+#include "tests/load/client.h"
+#include "tests/load/scenarios.h"
+#include "tests/server/daemon.h"
+#include "tests/server/small_meshes.h"
+
+namespace remesh::load {
+namespace {
+
+constexpr std::uint64_t kBudget = 512ull << 20;
+
+/// Requests served a second by clients that ask again as soon as they have their answer, few enough to find a place.
+double peak_throughput(int port, const std::string& request, double seconds) {
+  std::atomic<int> served = 0;
+  const Clock::time_point end = Clock::now() + std::chrono::milliseconds(static_cast<int>(seconds * 1000));
+  in_parallel(8, [&](std::size_t) {
+    while (Clock::now() < end) served += perform(port, request).status == 200 ? 1 : 0;
+  });
+  return served / seconds;
+}
+
+}  // namespace
+
+int overload(double seconds) {
+  const server::Daemon daemon({"--memory-budget", std::to_string(kBudget), "--max-connections-per-address", "512",
+                               "--ops-bind", "127.0.0.1:0"});
+  const int port = daemon.port();
+  const std::string request = post_text("/v1/remesh?refine=false", server::bumpy_sheet(40));
+  peak_throughput(port, request, 1);  // warm
+  const double peak = peak_throughput(port, request, std::clamp(seconds / 4, 2.0, 10.0));
+  const double rate = 3 * peak;
+
+  // At fixed times, whatever became of those before. As many threads as can be waiting at once.
+  const auto total = static_cast<std::size_t>(rate * seconds);
+  std::atomic<std::size_t> next = 0;
+  std::atomic<std::size_t> served = 0;
+  std::atomic<std::size_t> rejected = 0;
+  std::atomic<std::size_t> lost = 0;
+  std::atomic<std::size_t> other = 0;
+  Times rejections;
+  Times live;
+  std::uint64_t memory = 0;
+  std::atomic<bool> goes_on = true;
+  std::thread watcher([&] {
+    while (goes_on) {
+      memory = std::max(memory, daemon.memory("VmRSS"));
+      live.add(perform(daemon.ops_port(), get_text("/livez")).ms);
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    }
+  });
+  const Lateness lateness;
+  const Clock::time_point start = Clock::now();
+  in_parallel(64, [&](std::size_t) {
+    for (std::size_t i = next++; i < total; i = next++) {
+      const auto due = std::chrono::duration<double>(static_cast<double>(i) / rate);
+      std::this_thread::sleep_until(start + std::chrono::duration_cast<Clock::duration>(due));
+      const Outcome outcome = perform(port, request);
+      if (outcome.status == 200) ++served;
+      if (outcome.status == 503) ++rejected;
+      if (outcome.status == 0) ++lost;
+      if (outcome.status == 503) rejections.add(outcome.ms);
+      if (outcome.status != 0 && outcome.status != 200 && outcome.status != 503) ++other;
+    }
+  });
+  const double took = std::chrono::duration<double>(Clock::now() - start).count();
+  goes_on = false;
+  watcher.join();
+  std::printf("the machine itself is late by %.1f ms\n", lateness.ms());
+
+  Verdict verdict;
+  const double throughput = static_cast<double>(served) / took;
+  std::printf("peak %.1f a second; %.1f a second asked for %.0f s: %zu served, %zu rejected\n", peak,
+              static_cast<double>(total) / took, took, served.load(), rejected.load());
+  verdict.expect(static_cast<double>(total) / took > 2.5 * peak, "the load was about three times the peak");
+  verdict.expect(throughput >= 0.95 * peak, "served: " + with_unit(100 * throughput / peak, "% of the peak"));
+  verdict.expect(rejections.quantile(0.99) <= 10 + lateness.ms(),
+                 "99 % of the rejections within 10 ms: " + with_unit(rejections.quantile(0.99), "ms, at most ") +
+                     with_unit(rejections.quantile(1), "ms"));
+  verdict.expect(lost == 0 && other == 0, "no request without an answer, none with a wrong one");
+  verdict.expect(memory < kBudget, "memory at most " + with_unit(static_cast<double>(memory) / (1 << 20), "MiB"));
+  verdict.expect(live.quantile(1) < 50 + lateness.ms(),
+                 "/livez on the operations port within " + with_unit(live.quantile(1), "ms"));
+  return verdict.exit_code();
+}
+
+}  // namespace remesh::load

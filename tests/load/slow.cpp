@@ -1,0 +1,96 @@
+#include <atomic>
+#include <cstdio>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/load/client.h"
+#include "tests/load/scenarios.h"
+#include "tests/server/daemon.h"
+#include "tests/server/raw_client.h"
+#include "tests/server/small_meshes.h"
+
+namespace remesh::load {
+namespace {
+
+using server::RawClient;
+using Clients = std::vector<std::unique_ptr<RawClient>>;
+
+/// Every few seconds a byte each, while `goes_on`.
+void trickle(const Clients& senders, const Clients& readers, const std::atomic<bool>& goes_on) {
+  while (goes_on) {
+    for (const auto& client : senders) client->send("a");
+    for (const auto& client : readers) client->receive_byte();
+    for (int i = 0; i < 20 && goes_on; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+}
+
+double usual_ms(int port, const std::string& request, int times) {
+  Times all;
+  for (int i = 0; i < times; ++i) all.add(perform(port, request).ms);
+  return all.quantile(0.5);
+}
+
+}  // namespace
+
+int slow(std::size_t connections) {
+  const server::Daemon daemon({"--max-connections", "2000", "--max-connections-per-address", "2000", "--queue-size",
+                               "1000", "--ops-bind", "127.0.0.1:0", "--head-timeout", "100s"});
+  const int port = daemon.port();
+  const std::string real = post_text("/v1/remesh?refine=false", server::bumpy_sheet(40));
+  const double usual = usual_ms(port, real, 5);
+
+  Clients senders;
+  for (std::size_t i = 0; i < connections; ++i) {
+    senders.push_back(std::make_unique<RawClient>(port));
+    // Half of them in the head, half in the body.
+    senders.back()->send(i % 2 == 0 ? "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nX-Slow: "
+                                    : "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 100000\r\n\r\n");
+  }
+  // Answers that no buffer on the way holds, to clients that hardly read.
+  const std::string large = post_text("/v1/remesh?refine=false&format=json", server::bumpy_sheet(15));
+  Clients readers;
+  for (std::size_t i = 0; i < connections; ++i) {
+    readers.push_back(std::make_unique<RawClient>(port, "127.0.0.1", /*receive_buffer=*/4096));
+    readers.back()->send(large);
+  }
+  const std::string connected = "remeshd_http_connections";
+  for (int i = 0; i < 600; ++i) {
+    const std::string metrics = fetch(daemon.ops_port(), "/metrics");
+    if (metric(metrics, "remeshd_requests_queued") == 0 && metric(metrics, "remeshd_requests_running") == 0) break;
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+
+  std::atomic<bool> goes_on = true;
+  std::thread slow_ones([&] { trickle(senders, readers, goes_on); });
+  const double held = metric(fetch(daemon.ops_port(), "/metrics"), connected);
+  Times live;
+  Times ops;
+  Times work;
+  const Lateness lateness;
+  for (int i = 0; i < 40; ++i) {
+    live.add(perform(port, get_text("/livez")).ms);
+    ops.add(perform(daemon.ops_port(), get_text("/livez")).ms);
+    if (i % 4 == 0) work.add(perform(port, real).ms);
+    std::this_thread::sleep_for(std::chrono::milliseconds(50));
+  }
+  goes_on = false;
+  slow_ones.join();
+  std::printf("the machine itself is late by %.1f ms\n", lateness.ms());
+
+  Verdict verdict;
+  std::printf("%zu slow senders, %zu slow readers; a request usually takes %.1f ms\n", connections, connections, usual);
+  verdict.expect(held >= static_cast<double>(2 * connections),
+                 "all slow connections are held open: " + with_unit(held, "connections"));
+  verdict.expect(live.quantile(1) < 50 + lateness.ms(),
+                 "/livez answers within 50 ms: at most " + with_unit(live.quantile(1), "ms"));
+  verdict.expect(ops.quantile(1) < 50 + lateness.ms(),
+                 "and on the operations port: at most " + with_unit(ops.quantile(1), "ms"));
+  verdict.expect(work.quantile(1) < usual + 1000,
+                 "a real request takes at most a second more: at most " + with_unit(work.quantile(1), "ms"));
+  std::printf("memory: %.0f MiB\n", static_cast<double>(daemon.memory("VmRSS")) / (1 << 20));
+  return verdict.exit_code();
+}
+
+}  // namespace remesh::load

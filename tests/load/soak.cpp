@@ -1,0 +1,144 @@
+#include <array>
+#include <atomic>
+#include <cstdio>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "tests/load/client.h"
+#include "tests/load/scenarios.h"
+#include "tests/server/daemon.h"
+#include "tests/server/small_meshes.h"
+
+namespace remesh::load {
+namespace {
+
+enum class Kind { kGood, kBroken, kCut };
+
+struct Sample {
+  Kind kind;
+  std::string bytes;
+};
+
+std::vector<Sample> samples() {
+  const std::string& frame = server::kFrame;
+  const std::string head = "POST /v1/remesh HTTP/1.1\r\nHost: x\r\n";
+  const std::string chunked = head + "Transfer-Encoding: chunked\r\n\r\n";
+  return {
+      {Kind::kGood, post_text("/v1/remesh", frame)},
+      {Kind::kGood, post_text("/v1/remesh?format=json", frame)},
+      {Kind::kGood, post_text("/v1/analyze", frame)},
+      {Kind::kGood, post_text("/v1/remesh?refine=false", server::bumpy_sheet(6))},
+      {Kind::kGood, get_text("/v1/capabilities")},
+      {Kind::kGood, get_text("/openapi.json")},
+      {Kind::kGood, get_text("/readyz")},
+      {Kind::kGood, chunked + "4\r\nv 0 \r\n0\r\n\r\n"},
+      {Kind::kBroken, post_text("/v1/remesh", frame + "f 1 2 99\n")},
+      {Kind::kBroken, post_text("/v1/remesh?refin=true", frame)},
+      {Kind::kBroken, "GET /livez HTTP/1.1\nHost: x\n\n"},
+      {Kind::kBroken, chunked + "0x5\r\nhello\r\n0\r\n\r\n"},
+      {Kind::kBroken, head + "\r\n"},
+      {Kind::kBroken, get_text("/nowhere")},
+      {Kind::kCut, post_text("/v1/remesh?max_edge_fraction=0.02", frame)},
+      {Kind::kCut, head + "Content-Length: 5000\r\n\r\nv 0 0 0\n"},
+      {Kind::kCut, get_text("/openapi.json")},
+  };
+}
+
+/// The n-th request: a tenth broken, a tenth cut off.
+const Sample& choose(const std::vector<Sample>& all, std::size_t n) {
+  const Kind kind = n % 10 == 3 ? Kind::kBroken : n % 10 == 7 ? Kind::kCut : Kind::kGood;
+  std::size_t skip = n / 10;
+  for (std::size_t i = 0;; i = (i + 1) % all.size()) {
+    if (all[i].kind == kind && skip-- % 8 == 0) return all[i];
+  }
+}
+
+double all_requests(const std::string& metrics) {
+  double sum = 0;
+  for (std::size_t at = metrics.find("\nremeshd_http_requests_total{"); at != std::string::npos;
+       at = metrics.find("\nremeshd_http_requests_total{", at + 1))
+    sum += std::stod(metrics.substr(metrics.find("} ", at) + 2));
+  return sum;
+}
+
+double with_code(const std::string& metrics, int code) {
+  const std::string label = "code=\"" + std::to_string(code) + "\"";
+  double sum = 0;
+  for (std::size_t at = metrics.find("\nremeshd_http_requests_total{" + label); at != std::string::npos;
+       at = metrics.find("\nremeshd_http_requests_total{" + label, at + 1))
+    sum += std::stod(metrics.substr(metrics.find("} ", at) + 2));
+  return sum;
+}
+
+/// What the daemon holds once all is quiet.
+struct Holding {
+  double memory_mib = 0;
+  std::size_t descriptors = 0;
+};
+
+Holding measure(const server::Daemon& daemon) {
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  return {static_cast<double>(daemon.memory("VmRSS")) / (1 << 20), daemon.descriptors()};
+}
+
+}  // namespace
+
+int soak(std::size_t requests) {
+  server::Daemon daemon({"--ops-bind", "127.0.0.1:0", "--log-level", "info"});
+  const std::vector<Sample> all = samples();
+  std::array<std::atomic<std::size_t>, 600> answered{};
+  std::atomic<std::size_t> cut = 0;
+  std::atomic<std::size_t> lost = 0;
+  std::size_t done = 0;
+  const auto run_until = [&](std::size_t end) {
+    std::atomic<std::size_t> next = done;
+    in_parallel(8, [&](std::size_t) {
+      for (std::size_t n = next++; n < end; n = next++) {
+        const Sample& sample = choose(all, n);
+        if (sample.kind == Kind::kCut) {
+          send_and_leave(daemon.port(), sample.bytes);
+          ++cut;
+          continue;
+        }
+        const int status = perform(daemon.port(), sample.bytes).status;
+        if (status == 0) ++lost;
+        ++answered[static_cast<std::size_t>(status)];
+      }
+    });
+    done = end;
+  };
+
+  const Clock::time_point start = Clock::now();
+  run_until(requests / 5);  // what caches and arenas take once is no growth
+  const Holding before = measure(daemon);
+  run_until(requests);
+  const Holding after = measure(daemon);
+  const std::string metrics = fetch(daemon.ops_port(), "/metrics");
+
+  Verdict verdict;
+  std::printf("%zu requests in %.0f s, %zu cut off\n", requests,
+              std::chrono::duration<double>(Clock::now() - start).count(), cut.load());
+  verdict.expect(lost == 0, "no request without an answer");
+  const double growth = 100 * (after.memory_mib / before.memory_mib - 1);
+  verdict.expect(growth < 5, "memory: " + with_unit(before.memory_mib, "MiB, then ") +
+                                 with_unit(after.memory_mib, "MiB: growth ") + with_unit(growth, "%"));
+  verdict.expect(after.descriptors <= before.descriptors,
+                 "descriptors: " + std::to_string(before.descriptors) + ", then " + std::to_string(after.descriptors));
+  verdict.expect(all_requests(metrics) == static_cast<double>(requests),
+                 "/metrics counts all: " + with_unit(all_requests(metrics), "requests"));
+  for (std::size_t code = 200; code < answered.size(); ++code) {
+    if (answered[code] == 0) continue;
+    const double counted = with_code(metrics, static_cast<int>(code));
+    // Those that were cut off may have been answered before the daemon could know.
+    const bool may_be_more = code == 200 || code == 400;
+    const auto seen = static_cast<double>(answered[code]);
+    verdict.expect(may_be_more ? counted >= seen && counted <= seen + static_cast<double>(cut) : counted == seen,
+                   "status " + std::to_string(code) + ": " + with_unit(seen, "seen, ") + with_unit(counted, "counted"));
+  }
+  daemon.send_signal(SIGTERM);
+  verdict.expect(daemon.wait() == 0, "it stops with exit code 0");
+  return verdict.exit_code();
+}
+
+}  // namespace remesh::load

@@ -1,0 +1,191 @@
+/// Who may ask: keys, origins, addresses.
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <fstream>
+#include <stdexcept>
+
+#include "server/address_counts.h"
+#include "server/api_keys.h"
+#include "server/cors.h"
+#include "tests/server/stub_service.h"
+
+namespace remesh::server {
+namespace {
+
+const std::string kKey = "0123456789abcdef-key";
+const std::string kOtherKey = "fedcba9876543210-key";
+
+/// A file that is removed with the test.
+class KeyFile {
+ public:
+  explicit KeyFile(const std::string& text)
+      : path_(::testing::TempDir() + "remeshd_keys_" + std::to_string(::getpid()) + "_" +
+              ::testing::UnitTest::GetInstance()->current_test_info()->name()) {
+    write(text);
+  }
+  ~KeyFile() { std::remove(path_.c_str()); }
+  void write(const std::string& text) const { std::ofstream(path_) << text; }
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+RequestHead with_header(const std::string& name, const std::string& value) {
+  RequestHead head;
+  head.headers.emplace_back(name, value);
+  return head;
+}
+
+TEST(ApiKeys, without_any_all_are_admitted) {
+  const ApiKeys keys("", "");
+  EXPECT_TRUE(keys.is_open());
+  EXPECT_TRUE(keys.admits(RequestHead()));
+}
+
+TEST(ApiKeys, a_key_is_shown_as_bearer_or_in_a_field_of_its_own) {
+  const ApiKeys keys("", kKey);
+  EXPECT_TRUE(keys.admits(with_header("authorization", "Bearer " + kKey)));
+  EXPECT_TRUE(keys.admits(with_header("authorization", "bearer  " + kKey)));
+  EXPECT_TRUE(keys.admits(with_header("x-api-key", kKey)));
+  for (const std::string& wrong : {std::string(), kOtherKey, kKey + "x", kKey.substr(1), "Basic " + kKey}) {
+    EXPECT_FALSE(keys.admits(with_header("x-api-key", wrong))) << wrong;
+    EXPECT_FALSE(keys.admits(with_header("authorization", wrong))) << wrong;
+    EXPECT_FALSE(keys.admits(with_header("authorization", "Bearer " + wrong))) << wrong;
+  }
+  EXPECT_FALSE(keys.admits(RequestHead()));
+}
+
+TEST(ApiKeys, a_file_is_read_again_and_the_old_keys_stay_where_it_is_wrong) {
+  const KeyFile file("# the first\n\n  " + kKey + "\r\n");
+  ApiKeys keys(file.path(), "");
+  EXPECT_EQ(keys.count(), 1u);
+  EXPECT_TRUE(keys.admits(with_header("x-api-key", kKey)));
+  file.write(kOtherKey + "\n");
+  keys.reload();
+  EXPECT_FALSE(keys.admits(with_header("x-api-key", kKey)));
+  EXPECT_TRUE(keys.admits(with_header("x-api-key", kOtherKey)));
+  for (const char* bad : {"", "# nothing\n", "short\n", "0123456789 abcdefghij\n"}) {
+    file.write(bad);
+    EXPECT_THROW(keys.reload(), std::invalid_argument) << bad;
+    EXPECT_TRUE(keys.admits(with_header("x-api-key", kOtherKey)));
+  }
+}
+
+TEST(ApiKeys, a_missing_file_and_a_short_key_are_errors) {
+  EXPECT_THROW(ApiKeys("/nowhere/keys", ""), std::invalid_argument);
+  EXPECT_THROW(ApiKeys("", "short"), std::invalid_argument);
+}
+
+std::string value_of(const Fields& fields, const std::string& name) {
+  for (const auto& [key, value] : fields) {
+    if (key == name) return value;
+  }
+  return "";
+}
+
+TEST(Cors, no_page_may_unless_it_is_listed) {
+  const RequestHead head = with_header("origin", "https://tool.example");
+  EXPECT_TRUE(Cors().headers(head).empty());
+  const Cors cors("https://other.example, https://tool.example");
+  EXPECT_EQ(value_of(cors.headers(head), "Access-Control-Allow-Origin"), "https://tool.example");
+  EXPECT_EQ(value_of(cors.headers(head), "Vary"), "Origin");
+  const Fields stranger = cors.headers(with_header("origin", "https://evil.example"));
+  EXPECT_EQ(value_of(stranger, "Access-Control-Allow-Origin"), "");
+  EXPECT_EQ(value_of(stranger, "Vary"), "Origin");
+  EXPECT_EQ(value_of(Cors("*").headers(head), "Access-Control-Allow-Origin"), "*");
+}
+
+TEST(Cors, what_is_no_origin_is_an_error) {
+  for (const char* bad : {"tool.example", "https://", "https://tool.example/path", "null"})
+    EXPECT_THROW(Cors{bad}, std::invalid_argument) << bad;
+}
+
+TEST(AddressCounts, each_address_has_its_own_places) {
+  AddressCounts counts(2);
+  auto first = counts.enter("10.0.0.1");
+  const auto second = counts.enter("10.0.0.1");
+  EXPECT_TRUE(first && second);
+  EXPECT_FALSE(counts.enter("10.0.0.1"));
+  EXPECT_TRUE(counts.enter("10.0.0.2"));
+  first.reset();
+  EXPECT_TRUE(counts.enter("10.0.0.1"));
+}
+
+TEST(AddressCounts, a_client_is_an_ipv4_address_or_an_ipv6_network) {
+  EXPECT_EQ(client_key("::ffff:10.0.0.1"), client_key("10.0.0.1"));
+  EXPECT_EQ(client_key("2001:db8:1:2:aaaa::1"), client_key("2001:db8:1:2:bbbb::2"));
+  EXPECT_NE(client_key("2001:db8:1:2::1"), client_key("2001:db8:1:3::1"));
+}
+
+using AccessTest = StubService;
+
+TEST_F(AccessTest, with_a_key_only_the_page_and_the_probes_are_open) {
+  config_.api_key = kKey;
+  start();
+  for (const char* path : {"/", "/livez", "/readyz"}) EXPECT_EQ(get(port_, path).status, 200) << path;
+  for (const char* path : {"/metrics", "/openapi.json", "/v1/capabilities", "/v1/requests/0123456789abcdef"}) {
+    const Answer answer = get(port_, path);
+    EXPECT_EQ(answer.status, 401) << path;
+    EXPECT_EQ(code_of(answer), "unauthorized");
+    EXPECT_EQ(answer.header("WWW-Authenticate"), "Bearer");
+  }
+  EXPECT_EQ(post(port_, "/v1/remesh", "good", "X-API-Key: " + kKey + "\r\n").status, 200);
+  EXPECT_EQ(post(port_, "/v1/remesh", "good", "Authorization: Bearer " + kKey + "\r\n").status, 200);
+}
+
+TEST_F(AccessTest, without_the_key_no_byte_of_a_body_is_read) {
+  config_.api_key = kKey;
+  start();
+  RawClient client(port_);
+  client.send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\nExpect: 100-continue\r\n\r\n");
+  EXPECT_EQ(Answer::parse(client.receive()).status, 401);
+}
+
+TEST_F(AccessTest, the_operations_port_asks_for_no_key) {
+  config_.api_key = kKey;
+  config_.ops_bind = Address{"127.0.0.1", 0};
+  start();
+  for (const char* path : {"/livez", "/readyz", "/metrics"}) EXPECT_EQ(get(service_->ops_port(), path).status, 200);
+  EXPECT_EQ(get(service_->ops_port(), "/v1/capabilities").status, 404);
+}
+
+TEST_F(AccessTest, a_page_of_an_allowed_origin_may_ask_and_see_errors) {
+  config_.cors = Cors("https://tool.example");
+  config_.api_key = kKey;
+  start();
+  const std::string origin = "Origin: https://tool.example\r\n";
+  const Answer preflight = ask(port_,
+                               "OPTIONS /v1/remesh HTTP/1.1\r\nHost: x\r\nAccess-Control-Request-Method: POST\r\n"
+                               "Access-Control-Request-Headers: x-api-key\r\n" +
+                                   origin + "\r\n");
+  EXPECT_EQ(preflight.status, 204);
+  EXPECT_EQ(preflight.header("Access-Control-Allow-Origin"), "https://tool.example");
+  EXPECT_NE(preflight.header("Access-Control-Allow-Methods").find("POST"), std::string::npos);
+  EXPECT_NE(preflight.header("Access-Control-Allow-Headers").find("X-API-Key"), std::string::npos);
+  EXPECT_EQ(post(port_, "/v1/remesh", "good", origin).header("Access-Control-Allow-Origin"), "https://tool.example");
+  EXPECT_EQ(post(port_, "/v1/remesh", "good", "Origin: https://evil.example\r\n").header("Access-Control-Allow-Origin"),
+            "");
+}
+
+TEST_F(AccessTest, one_address_cannot_shut_out_another) {
+  config_.max_connections = 6;
+  config_.max_connections_per_address = 3;
+  config_.gate.head_timeout = milliseconds(5000);
+  start();
+  std::vector<std::unique_ptr<RawClient>> hogs;
+  for (int i = 0; i < 3; ++i) hogs.push_back(std::make_unique<RawClient>(port_));
+  for (const auto& hog : hogs) hog->send("GET /");
+  ASSERT_TRUE(eventually([&] { return get(port_, "/livez").status == 429; }));
+  const Answer refused = get(port_, "/livez");
+  EXPECT_EQ(code_of(refused), "rate_limited");
+  EXPECT_FALSE(refused.header("Retry-After").empty());
+  RawClient other(port_, "127.0.0.2");
+  other.send("GET /livez HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_EQ(Answer::parse(other.receive()).status, 200);
+}
+
+}  // namespace
+}  // namespace remesh::server

@@ -1,0 +1,200 @@
+/// What hostile clients send, against the real binary: each gets the status of the contract at once, then the
+/// connection closes; the daemon's memory stays where it was.
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include <chrono>
+#include <string>
+#include <vector>
+
+#include "tests/server/daemon.h"
+#include "tests/server/raw_client.h"
+
+namespace remesh::server {
+namespace {
+
+constexpr std::uint64_t kMebibyte = 1 << 20;
+constexpr std::uint64_t kMaxGrowth = 64 * kMebibyte;
+
+struct Attack {
+  std::string name;
+  std::string bytes;
+  int status;
+  std::string code;
+};
+
+const std::string kPost = "POST /v1/remesh HTTP/1.1\r\nHost: x\r\n";
+const std::string kChunked = kPost + "Transfer-Encoding: chunked\r\n\r\n";
+
+std::string repeated(const std::string& text, std::size_t times) {
+  std::string all;
+  all.reserve(text.size() * times);
+  for (std::size_t i = 0; i < times; ++i) all += text;
+  return all;
+}
+
+std::string with_length(const std::string& fields, const std::string& body) {
+  return kPost + fields + "Content-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
+}
+
+std::vector<Attack> attacks() {
+  const std::string bad = "malformed_request";
+  std::vector<Attack> list{
+      {"no length", kPost + "\r\n", 411, "length_required"},
+      {"10 GB announced", kPost + "Content-Length: 10000000000\r\n\r\n", 413, "body_too_large"},
+      {"10 GB in one chunk", kChunked + "2540BE400\r\n", 413, "body_too_large"},
+      {"100,000 fields", kPost + repeated("A: b\r\n", 100'000) + "\r\n", 431, "header_fields_too_large"},
+      {"101 fields", kPost + repeated("A: b\r\n", 100) + "\r\n", 431, "header_fields_too_large"},
+      {"a field of 100 kB", kPost + "A: " + std::string(100'000, 'b') + "\r\n\r\n", 431, "header_fields_too_large"},
+      {"a path of 100 kB", "GET /" + std::string(100'000, 'b') + " HTTP/1.1\r\nHost: x\r\n\r\n", 414, "uri_too_long"},
+      {"length and chunks", kPost + "Content-Length: 5\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400, bad},
+      {"chunks and length", kPost + "Transfer-Encoding: chunked\r\nContent-Length: 5\r\n\r\n0\r\n\r\n", 400, bad},
+      {"two lengths", kPost + "Content-Length: 5\r\nContent-Length: 6\r\n\r\nhello", 400, bad},
+      {"one length twice", kPost + "Content-Length: 5\r\nContent-Length: 5\r\n\r\nhello", 400, bad},
+      {"chunked twice", kPost + "Transfer-Encoding: chunked\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400, bad},
+      {"chunks of gzip", kPost + "Transfer-Encoding: gzip, chunked\r\n\r\n0\r\n\r\n", 501, "not_implemented"},
+      {"chunks in 1.0", "POST /v1/remesh HTTP/1.0\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n", 400, bad},
+      {"no blank line end", "GET /livez HTTP/1.1\nHost: x\n\n", 400, bad},
+      {"one bare line feed", "GET /livez HTTP/1.1\r\nHost: x\nA: b\r\n\r\n", 400, bad},
+      {"a carriage return in a line", "GET /livez HTTP/1.1\r\nHost: x\rA: b\r\n\r\n", 400, bad},
+      {"a folded field", "GET /livez HTTP/1.1\r\nHost: x\r\nA: b\r\n  c\r\n\r\n", 400, bad},
+      {"a blank before the colon", "GET /livez HTTP/1.1\r\nHost : x\r\n\r\n", 400, bad},
+      {"no name", "GET /livez HTTP/1.1\r\nHost: x\r\n: b\r\n\r\n", 400, bad},
+      {"a NUL in a field", std::string("GET /livez HTTP/1.1\r\nHost: x\r\nA: \0\r\n\r\n", 41), 400, bad},
+      {"a NUL in the path", "GET /livez%00 HTTP/1.1\r\nHost: x\r\n\r\n", 400, bad},
+      {"half an escape", "GET /livez%0 HTTP/1.1\r\nHost: x\r\n\r\n", 400, bad},
+      {"an escaped line end", "GET /livez%0d%0aA:%20b HTTP/1.1\r\nHost: x\r\n\r\n", 404, "not_found"},
+      {"no host", "GET /livez HTTP/1.1\r\n\r\n", 400, bad},
+      {"two hosts", "GET /livez HTTP/1.1\r\nHost: x\r\nHost: y\r\n\r\n", 400, bad},
+      {"no version", "GET /livez\r\n\r\n", 400, bad},
+      {"HTTP/2", "PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n", 400, bad},
+      {"TLS", std::string("\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03", 11), 400, bad},
+      {"an empty line first", "\r\nGET /livez HTTP/1.1\r\nHost: x\r\n\r\n", 400, bad},
+      {"an unknown method", "BREW /livez HTTP/1.1\r\nHost: x\r\n\r\n", 501, "not_implemented"},
+      {"a body where none is taken", "GET /livez HTTP/1.1\r\nHost: x\r\nContent-Length: 5\r\n\r\nhello", 413,
+       "body_too_large"},
+      {"another body coding", with_length("Content-Encoding: br\r\n", "hello"), 415, "unsupported_media_type"},
+      {"JSON a million deep", with_length("Content-Type: application/json\r\n", "{\"x\":" + repeated("[", 1'000'000)),
+       400, "malformed_json"},
+      {"a mesh a million deep",
+       with_length("Content-Type: application/json\r\n", "{\"vertices\":" + repeated("[", 1'000'000)), 422,
+       "invalid_mesh"},
+      {"objects a million deep", with_length("Content-Type: application/json\r\n", repeated("{\"mesh\":", 1'000'000)),
+       400, "malformed_json"},
+      {"10,000 parts",
+       with_length("Content-Type: multipart/form-data; boundary=b\r\n",
+                   repeated("--b\r\nContent-Disposition: form-data; name=\"mesh\"\r\n\r\nx\r\n", 10'000) + "--b--\r\n"),
+       400, "malformed_multipart"},
+      {"an endless boundary",
+       with_length("Content-Type: multipart/form-data; boundary=" + std::string(5'000, 'b') + "\r\n", "x"), 400,
+       "malformed_multipart"},
+      {"100,000 options",
+       "POST /v1/remesh?" + repeated("a&", 15'000) + " HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\n\r\nx", 400,
+       "unknown_option"},
+  };
+  for (const std::string length : {"+5", "-5", "0x5", "5,5", "5 5", "", "five", "99999999999999999999999"})
+    list.push_back({"length " + length, kPost + "Content-Length: " + length + "\r\n\r\nhello", 400, bad});
+  for (const std::string size : {"-2", "0x5", "00000000000000005", "", "g", " 5", "5 ", "+5"})
+    list.push_back({"chunk size " + size, kChunked + size + "\r\nhello\r\n0\r\n\r\n", 400, bad});
+  list.push_back({"a chunk longer than its size", kChunked + "4\r\nhello\r\n0\r\n\r\n", 400, bad});
+  list.push_back({"a chunk with a bare line feed", kChunked + "5\nhello\r\n0\r\n\r\n", 400, bad});
+  list.push_back({"an endless chunk extension", kChunked + "5;" + std::string(100'000, 'x'), 400, bad});
+  list.push_back({"endless trailers", kChunked + "0\r\n" + repeated("A: b\r\n", 10'000), 400, bad});
+  return list;
+}
+
+std::string code_in(const Answer& answer) {
+  return nlohmann::json::parse(answer.body, nullptr, false).value("code", "");
+}
+
+class AttackTest : public ::testing::Test {
+ protected:
+  AttackTest() : daemon_({"--max-body", "64MiB"}) {
+    // What the daemon needs for any request at all does not count.
+    EXPECT_EQ(post(daemon_.port(), "/v1/remesh", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").status, 200);
+    idle_ = daemon_.memory("VmRSS");
+    daemon_.forget_peak();
+  }
+  void expect_unmoved(const std::string& after) {
+    EXPECT_LT(daemon_.memory("VmHWM"), idle_ + kMaxGrowth) << after;
+    EXPECT_EQ(get(daemon_.port(), "/livez").status, 200) << after;
+    daemon_.forget_peak();
+  }
+
+  Daemon daemon_;
+  std::uint64_t idle_ = 0;
+};
+
+TEST_F(AttackTest, each_attack_gets_its_status_at_once_and_the_connection_closes) {
+  for (const Attack& attack : attacks()) {
+    const auto start = std::chrono::steady_clock::now();
+    RawClient client(daemon_.port());
+    client.send(attack.bytes);
+    const std::string received = client.receive();  // up to the end of the connection
+    const Answer answer = Answer::parse(received);
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(1)) << attack.name;
+    EXPECT_EQ(answer.status, attack.status) << attack.name << received.substr(0, 500);
+    EXPECT_EQ(code_in(answer), attack.code) << attack.name;
+    EXPECT_EQ(answer.header("Connection"), "close") << attack.name;
+    EXPECT_EQ(answer.header("Content-Type"), "application/problem+json") << attack.name;
+    EXPECT_EQ(received.find("\nHTTP/1.1 "), std::string::npos) << attack.name << ": a second answer";
+    expect_unmoved(attack.name);
+  }
+}
+
+/// Sends `piece` again and again, up to `most` bytes, until there is an answer.
+Answer flood(int port, const std::string& start, const std::string& piece, std::uint64_t most) {
+  RawClient client(port);
+  client.send(start);
+  for (std::uint64_t sent = 0; sent < most && !client.has_input(); sent += piece.size()) {
+    if (!client.send(piece)) break;
+  }
+  return Answer::parse(client.receive());
+}
+
+TEST_F(AttackTest, a_line_of_a_gigabyte_is_refused_when_it_passes_the_limit) {
+  const std::string much(64 << 10, 'a');
+  constexpr std::uint64_t kGigabyte = 1'000'000'000;
+  EXPECT_EQ(flood(daemon_.port(), "GET /", much, kGigabyte).status, 414);
+  expect_unmoved("the request line");
+  EXPECT_EQ(flood(daemon_.port(), kPost + "A: ", much, kGigabyte).status, 431);
+  expect_unmoved("a field");
+  EXPECT_EQ(flood(daemon_.port(), kChunked, std::string(64 << 10, '0'), kGigabyte).status, 400);
+  expect_unmoved("a chunk's size");
+}
+
+TEST_F(AttackTest, chunks_without_end_are_refused_at_the_limit_of_the_body) {
+  const std::string chunk = "10000\r\n" + std::string(0x10000, 'a') + "\r\n";
+  // 64 MiB are let in; that they are held, once, is no attack.
+  const Answer answer = flood(daemon_.port(), kChunked, chunk, 1'000'000'000);
+  EXPECT_EQ(answer.status, 413);
+  EXPECT_EQ(code_in(answer), "body_too_large");
+  EXPECT_LT(daemon_.memory("VmHWM"), idle_ + 3 * kMaxGrowth);
+}
+
+TEST_F(AttackTest, what_follows_a_refused_request_is_not_taken_for_another) {
+  const std::string smuggled = "GET /v1/capabilities HTTP/1.1\r\nHost: x\r\n\r\n";
+  for (const std::string& first : {kPost + "Content-Length: 0\r\nContent-Length: 44\r\n\r\n",
+                                   std::string("GET /livez HTTP/1.1\r\nHost: x\r\n\r\n"), kChunked + "0\r\n\r\n"}) {
+    const std::string received = [&] {
+      RawClient client(daemon_.port());
+      client.send(first + smuggled);
+      return client.receive();
+    }();
+    EXPECT_EQ(received.rfind("HTTP/1.1 ", 0), 0u);
+    EXPECT_EQ(received.find("\nHTTP/1.1 "), std::string::npos) << received;
+  }
+}
+
+TEST_F(AttackTest, a_compressed_bomb_is_refused_and_takes_no_memory) {
+  // 1 GiB of zeros in 1 MiB: what gzip makes of them, in one stored head and many copies of a deflated block, is not
+  // needed here; the head alone decides where no coding is taken, and a limit where it is.
+  const Answer answer = post(daemon_.port(), "/v1/remesh", std::string("\x1f\x8b\x08\x00\x00\x00\x00\x00\x00\x03", 10),
+                             "Content-Encoding: gzip\r\n");
+  EXPECT_GE(answer.status, 400);
+  EXPECT_LT(answer.status, 500);
+  expect_unmoved("a bomb");
+}
+
+}  // namespace
+}  // namespace remesh::server

@@ -1,0 +1,132 @@
+/// What the daemon tells of itself: metrics, traces, digests.
+#include <gtest/gtest.h>
+#include <zlib.h>
+
+#include <string>
+
+#include "server/content_coding.h"
+#include "server/digest.h"
+#include "server/metrics.h"
+#include "server/trace_context.h"
+#include "tests/server/stub_service.h"
+
+namespace remesh::server {
+namespace {
+
+const std::string kTrace = "4bf92f3577b34da6a3ce929d0e0e4736";
+const std::string kParent = "00f067aa0ba902b7";
+
+TEST(TraceContext, trace_and_parent_are_read) {
+  for (const std::string& text :
+       {"00-" + kTrace + "-" + kParent + "-01", "cc-" + kTrace + "-" + kParent + "-01-more"}) {
+    const auto trace = parse_traceparent(text);
+    ASSERT_TRUE(trace) << text;
+    EXPECT_EQ(trace->trace_id, kTrace);
+    EXPECT_EQ(trace->parent_id, kParent);
+  }
+}
+
+TEST(TraceContext, what_is_not_as_the_standard_has_it_is_ignored) {
+  for (const std::string& text :
+       {std::string(), "00-" + kTrace + "-" + kParent, "ff-" + kTrace + "-" + kParent + "-01",
+        "00-" + kTrace + "-" + kParent + "-01-more", "00-" + std::string(32, '0') + "-" + kParent + "-01",
+        "00-" + kTrace + "-" + std::string(16, '0') + "-01", "00-" + std::string(32, 'A') + "-" + kParent + "-01",
+        "00-" + kTrace + "-" + kParent + "-0g", "00_" + kTrace + "-" + kParent + "-01"}) {
+    EXPECT_FALSE(parse_traceparent(text)) << text;
+  }
+}
+
+TEST(Digest, the_field_is_that_of_the_standard) {
+  // RFC 9530, appendix D: {"hello": "world"} with a line feed
+  EXPECT_EQ(repr_digest("{\"hello\": \"world\"}\n"), "sha-256=:RK/0qy18MlBSVnWgjwz6lZEWjP/lF5HF9bvEF8FabDg=:");
+}
+
+std::string unzip(const std::string& bytes) {
+  z_stream stream{};
+  inflateInit2(&stream, 15 + 16);
+  std::string out(1 << 20, 0);
+  stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+  stream.avail_in = static_cast<uInt>(bytes.size());
+  stream.next_out = reinterpret_cast<Bytef*>(out.data());
+  stream.avail_out = static_cast<uInt>(out.size());
+  const int end = inflate(&stream, Z_FINISH);
+  out.resize(stream.total_out);
+  inflateEnd(&stream);
+  return end == Z_STREAM_END ? out : "broken";
+}
+
+TEST(ContentCoding, gzip_is_what_another_reader_reads) {
+  RunControl control;
+  for (const std::size_t size : {0u, 1u, 70'000u, 1'000'000u}) {
+    std::string text;
+    while (text.size() < size) text += "v " + std::to_string(text.size()) + " 0 0\n";
+    text.resize(size);
+    EXPECT_EQ(unzip(gzip(text, control)), text) << size;
+  }
+}
+
+TEST(ContentCoding, gzip_is_for_those_who_take_it) {
+  for (const char* yes : {"gzip", "deflate, gzip;q=0.5", "GZIP", "*", "br, x-gzip", "gzip ; q=1"})
+    EXPECT_TRUE(accepts_gzip(yes)) << yes;
+  for (const char* no : {"", "identity", "deflate", "gzip;q=0", "gzip; q=0.000", "*;q=0", "gzip;q=0, *"})
+    EXPECT_FALSE(accepts_gzip(no)) << no;
+}
+
+double value_of(const std::string& metrics, const std::string& series) {
+  const std::size_t at = metrics.find("\n" + series + " ");
+  return at == std::string::npos ? -1 : std::stod(metrics.substr(at + series.size() + 2));
+}
+
+using ObservationTest = StubService;
+
+TEST_F(ObservationTest, metrics_count_what_was_asked_and_answered) {
+  config_.max_body = 100;
+  start();
+  for (int i = 0; i < 3; ++i) post(port_, "/v1/remesh", "good");
+  post(port_, "/v1/remesh", std::string(200, 'x'));
+  get(port_, "/v1/requests/0123456789abcdef");
+  get(port_, "/nowhere/" + std::string(50, 'x'));
+  ask(port_, "BREW / HTTP/1.1\r\nHost: x\r\n\r\n");
+  const std::string requests = "remeshd_http_requests_total{code=\"";
+  std::string text;
+  // An exchange is counted once its answer is written: a moment after the client has it.
+  ASSERT_TRUE(eventually([&] {
+    text = get(port_, "/metrics").body;
+    return value_of(text, requests + "501\",method=\"other\",route=\"none\"}") == 1;
+  }));
+  EXPECT_EQ(value_of(text, requests + "200\",method=\"POST\",route=\"/v1/remesh\"}"), 3) << text;
+  EXPECT_EQ(value_of(text, requests + "413\",method=\"POST\",route=\"/v1/remesh\"}"), 1);
+  EXPECT_EQ(value_of(text, requests + "404\",method=\"GET\",route=\"/v1/requests/{id}\"}"), 1);
+  EXPECT_EQ(value_of(text, requests + "404\",method=\"GET\",route=\"none\"}"), 1);
+  EXPECT_EQ(value_of(text, "remeshd_http_rejected_total{reason=\"body_too_large\"}"), 1);
+  EXPECT_EQ(value_of(text, "remeshd_http_request_duration_seconds_count{route=\"/v1/remesh\"}"), 4);
+  EXPECT_EQ(value_of(text, "remeshd_ready"), 1);
+  EXPECT_GT(value_of(text, "process_resident_memory_bytes"), 1e6);
+  EXPECT_GT(value_of(text, "process_open_fds"), 3);
+}
+
+TEST_F(ObservationTest, a_client_that_leaves_is_counted_as_such) {
+  start();
+  start_blocking()->close();
+  EXPECT_TRUE(eventually([&] {
+    return value_of(get(port_, "/metrics").body,
+                    "remeshd_http_requests_total{code=\"499\",method=\"POST\",route=\"/v1/remesh\"}") == 1;
+  }));
+}
+
+TEST_F(ObservationTest, results_carry_the_digest_of_what_is_sent) {
+  start();
+  const Answer plain = post(port_, "/v1/remesh", "good");
+  EXPECT_EQ(plain.header("Repr-Digest"), repr_digest(plain.body));
+  EXPECT_EQ(plain.header("Content-Encoding"), "");
+  EXPECT_EQ(plain.header("Vary"), "Accept-Encoding");
+  const std::string large = "/v1/remesh?name=" + std::string(2000, 'x');
+  const Answer zipped = post(port_, large, "good", "Accept-Encoding: gzip\r\n");
+  EXPECT_EQ(zipped.header("Content-Encoding"), "gzip");
+  EXPECT_EQ(zipped.header("Repr-Digest"), repr_digest(zipped.body));
+  EXPECT_LT(zipped.body.size(), 1000u);
+  EXPECT_EQ(unzip(zipped.body), post(port_, large, "good").body);
+}
+
+}  // namespace
+}  // namespace remesh::server
