@@ -97,7 +97,7 @@ const std::array<OptionSpec, 19> kTable{{
     {.name = "gradation",
      .type = OptionType::kNumber,
      .field = &Options::gradation,
-     .help = "largest factor by which the sizes of neighbouring edges may grow; auto: 1.5 around the gaps of proximity",
+     .help = "largest factor by which the sizes of neighbouring edges may grow; auto: 1.5 with proximity, else no limit",
      .unset = "auto",
      .minimum = 1,
      .above_minimum = true,
@@ -430,7 +430,9 @@ std::string option_text(const OptionSpec& spec, const RequestOptions& options) {
 RequestOptions with_defaults(RequestOptions options) {
   Options& core = options.core;
   if (!core.refine) return options;
-  if (!core.max_radius_edge_ratio) core.min_angle_deg = goals_of(core, /*diagonal=*/1).min_angle_deg;
+  const Goals goals = goals_of(core, /*diagonal=*/1);
+  if (!core.max_radius_edge_ratio) core.min_angle_deg = goals.min_angle_deg;
+  if (goals.gradation > 0) core.gradation = goals.gradation;
   return options;
 }
 

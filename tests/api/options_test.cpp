@@ -70,7 +70,7 @@ TEST(Options, what_is_left_open_gets_the_value_that_is_used) {
   };
   EXPECT_EQ(used({{"refine", "true"}}).min_angle_deg, 25.0);
   EXPECT_EQ(used({{"refine", "true"}}).gradation, std::nullopt);
-  EXPECT_EQ(used({{"refine", "true"}, {"proximity", "2"}}).gradation, std::nullopt);
+  EXPECT_EQ(used({{"refine", "true"}, {"proximity", "2"}}).gradation, 1.5);
   EXPECT_EQ(used({{"refine", "true"}, {"proximity", "2"}, {"gradation", "1.2"}}).gradation, 1.2);
   EXPECT_EQ(used({{"refine", "true"}, {"min_angle_deg", "0"}}).min_angle_deg, 0.0);
   // One of the two forms of the bound, never both: they exclude each other.

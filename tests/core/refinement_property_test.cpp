@@ -45,8 +45,7 @@ Options random_options(Random& random, double size) {
   if (random.chance(0.2)) options.gradation = random.uniform(1.2, 3);
   if (random.chance(0.2)) options.proximity = random.uniform(0.2, 1.5);
   if (random.chance(0.1)) options.max_output_faces = static_cast<std::uint64_t>(random.integer(500, 3000));
-  // Not here: split_boundaries = false. Beside long edges that stay whole, faces may still cross those of the next
-  // patch where the input's planes are only nearly flat; refinement_test has what holds.
+  options.split_boundaries = !random.chance(0.15);
   options.keep_boundary_vertices = random.chance(0.1);
   return options;
 }
