@@ -418,13 +418,12 @@ void Handler::check_indices() const {
 
 ReadResult Handler::take_mesh() {
   const auto has = [&](Key key) { return seen_[static_cast<std::size_t>(key)]; };
-  if (!has(Key::kVertices)) throw Error(Code::kInvalidMesh, Stage::kRead, "the mesh has no \"vertices\"");
-  if (!has(Key::kFaces)) throw Error(Code::kInvalidMesh, Stage::kRead, "the mesh has no \"faces\"");
+  if (!has(Key::kVertices)) fail_shape("the mesh has no \"vertices\"");
+  if (!has(Key::kFaces)) fail_shape("the mesh has no \"faces\"");
   if (face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kRead, "the mesh has no face");
   if (has(Key::kFaceGroups) && mesh_.labels.group.of_face.size() != face_count()) {
-    throw Error(Code::kInvalidMesh, Stage::kRead,
-                "face_groups has " + number_text(std::uint64_t{mesh_.labels.group.of_face.size()}) + " entries for " +
-                    number_text(face_count()) + " faces");
+    fail_shape("face_groups has " + number_text(std::uint64_t{mesh_.labels.group.of_face.size()}) + " entries for " +
+               number_text(face_count()) + " faces");
   }
   check_indices();
 

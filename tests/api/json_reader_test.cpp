@@ -179,6 +179,14 @@ TEST(JsonReader, a_wrong_shape_names_its_element) {
   }
 }
 
+TEST(JsonReader, what_is_missing_is_told_with_the_last_line) {
+  for (const std::string_view text : {"{\n\"faces\": [[0,1,2]]\n}", "{\n\"vertices\": [[0,0,0]]\n}", "{\n\n}"}) {
+    const Error error = error_of(text);
+    EXPECT_EQ(error.code, Code::kInvalidMesh) << text;
+    EXPECT_EQ(error.line, 3u) << text;
+  }
+}
+
 TEST(JsonReader, an_index_out_of_range_names_its_face) {
   for (const std::string_view bad :
        {"3", "-1", "4294967295", "4294967296", "18446744073709551615", "99999999999999999999"}) {

@@ -41,7 +41,9 @@ inline void check_error(const Error& error) {
   switch (error.code) {
     case Code::kInvalidMesh:
     case Code::kIndexOutOfRange:
-    case Code::kNonfiniteCoordinate: require(error.line || error.byte, "an error does not say where"); return;
+    case Code::kNonfiniteCoordinate:
+      require(error.line || error.byte || error.element, "an error does not say where");
+      return;
     case Code::kEmptyMesh:
     case Code::kMeshTooLarge:
     case Code::kMalformedJson:

@@ -2,7 +2,7 @@
 // and faces over them. Whatever they are, the answer is verified, or an error of the contract.
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <string>
 
 #include "core/remesh.h"
 #include "tests/fuzz/fuzz.h"
@@ -61,7 +61,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::require(result.report.verified.all_true(), "a result that is not verified");
   } catch (const Error& error) {
     const bool is_expected = error.code == Code::kEmptyMesh || error.code == Code::kOutputTooLarge;
-    fuzz::require(is_expected, error.what());
+    fuzz::require(is_expected, std::string(code_name(error.code)) + ": " + error.what());
   }
   return 0;
 }
