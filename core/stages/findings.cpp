@@ -1,6 +1,9 @@
 #include "core/stages/findings.h"
 
 #include <algorithm>
+#include <compare>
+#include <iterator>
+#include <string>
 
 #include "core/base/blocks.h"
 #include "core/base/union_find.h"
@@ -87,6 +90,53 @@ class PinchedVertices {
   std::vector<std::uint32_t> degree_, some_;  ///< of each vertex: how many corners, and the last of them
 };
 
+/// A diagonal by which a polygon was split.
+struct Diagonal {
+  VertexId low, high;
+  FaceId face;
+  friend auto operator<=>(const Diagonal&, const Diagonal&) = default;
+};
+
+std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& faces) {
+  std::vector<Diagonal> all;
+  std::vector<std::pair<VertexId, VertexId>> sides;
+  for (std::size_t begin = 0; begin < faces.face.size();) {
+    const FaceId f = faces.face[begin];
+    std::size_t end = begin;
+    sides.clear();
+    for (; end < faces.face.size() && faces.face[end] == f; ++end)
+      for (std::size_t i = 0; i < 3; ++i)
+        sides.push_back(std::minmax({faces.triangles[end][i], faces.triangles[end][(i + 1) % 3]}));
+    begin = end;
+    if (surface.face(f).size() == 3) continue;
+    // Two of its triangles share it. So they do the bridge to a hole, which is no edge of another face.
+    std::sort(sides.begin(), sides.end());
+    for (std::size_t i = 1; i < sides.size(); ++i)
+      if (sides[i] == sides[i - 1]) all.push_back({sides[i].first, sides[i].second, f});
+  }
+  std::sort(all.begin(), all.end());
+  return all;
+}
+
+/// Calls add(f, g) for each polygon f that has an edge of another face g for a diagonal: however it is split, they
+/// touch.
+template <class Add>
+void for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& faces, RunControl& control,
+                                 const Add& add) {
+  const std::vector<Diagonal> diagonals = diagonals_of(surface, faces);
+  if (diagonals.empty()) return;
+  for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+    if (f % kBlock == 0) control.check();
+    const auto loop = surface.face(FaceId(f));
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      const auto [low, high] = std::minmax({loop[i], loop[i + 1 == loop.size() ? 0 : i + 1]});
+      auto d = std::lower_bound(diagonals.begin(), diagonals.end(), Diagonal{low, high, FaceId(0)});
+      for (; d != diagonals.end() && d->low == low && d->high == high; ++d)
+        if (d->face != FaceId(f)) add(d->face, FaceId(f));
+    }
+  }
+}
+
 }  // namespace
 
 void find_defects(const Surface& welded, const Adjacency& edges, std::vector<Diagnostic>& diagnostics,
@@ -155,11 +205,14 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
   };
   std::vector<Pair> pairs;
   for (const auto& [t, u] : found.pairs) {
-    const auto [f, g] = std::minmax(faces.face[t.value], faces.face[u.value]);
+    const auto [f, g] = std::minmax({faces.face[t.value], faces.face[u.value]});
     if (f != g)
       pairs.push_back(
           {f, g, do_overlap(faces.triangles[t.value], faces.triangles[u.value], positions, plane_tolerance)});
   }
+  for_each_edge_on_a_diagonal(surface, faces, control, [&](FaceId f, FaceId g) {
+    if (pairs.size() < 2 * kMostIntersections) pairs.push_back({std::min(f, g), std::max(f, g), false});
+  });
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.is_before(b); });
 
   const std::string at_least = found.is_complete ? "" : "; there are more";

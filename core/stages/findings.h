@@ -38,8 +38,9 @@ struct FoundIntersections {
 /// At most so many pairs are looked for: beyond, the surface lies on itself all over.
 inline constexpr std::size_t kMostIntersections = 100'000;
 
-/// Finds the faces that intersect, but for those inside one large simple patch, and reports self_intersection and
-/// overlapping_faces (coplanar within the tolerance, model units): pairs; elements are input faces.
+/// Finds the faces that intersect, but for those inside one large simple patch; a polygon and a face with an edge on
+/// one of its diagonals are such, too. Reports self_intersection and overlapping_faces (coplanar within the tolerance,
+/// model units): pairs; elements are input faces.
 FoundIntersections find_intersections(const Surface& surface, const Triangulated& faces, const PatchSet& patches,
                                       const std::vector<std::uint8_t>& is_simple, double plane_tolerance,
                                       std::vector<Diagnostic>& diagnostics, RunControl& control);

@@ -527,5 +527,21 @@ TEST(refinement, pages_on_one_spine_cut_it_alike) {
   EXPECT_EQ(result.report.output.non_manifold_edges, 5u);
 }
 
+TEST(refinement, with_boundaries_locked_no_face_crosses_a_nearly_flat_neighbours) {
+  for (int seed = 0; seed < 40; ++seed) {
+    Random random(seed);
+    const PolygonMesh prism = shapes::rounded(shapes::rotated(shapes::cylinder(5 + seed, 1, 0.3 + random.unit()),
+                                                              {random.unit(), 1, random.unit()}, 360 * random.unit()),
+                                              1e-6);
+    Options options;
+    options.split_boundaries = false;
+    RunControl control;
+    const Result result = remesh_surface(prism, options, RunSettings{}, control);
+    EXPECT_TRUE(result.report.verified.all_true()) << seed;
+    EXPECT_EQ(result.report.input.intersecting_pairs, 0u) << seed;
+    EXPECT_EQ(result.report.output.intersecting_pairs, 0u) << seed;
+  }
+}
+
 }  // namespace
 }  // namespace remesh

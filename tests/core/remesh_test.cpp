@@ -715,6 +715,15 @@ TEST(remesh_surface, faces_that_cross_are_found_and_located) {
   for (const PatchSummary& p : result.report.patches) EXPECT_EQ(p.status, PatchStatus::kRemeshed);
 }
 
+TEST(remesh_surface, a_face_that_hangs_on_a_polygons_diagonal_touches_it) {
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}, {0, 0, -1}}, {{0, 1, 2, 3}, {0, 2, 4}});
+  const Result result = remeshed(mesh);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_EQ(result.report.input.intersecting_pairs, 1u);
+  for (const PatchSummary& p : result.report.patches) EXPECT_EQ(p.status, PatchStatus::kRemeshed);
+}
+
 TEST(remesh_surface, two_sheets_on_each_other_overlap) {
   const PolygonMesh flat = shapes::sheet(2, 2, 3, 3);
   const Result result = remeshed(shapes::joined(flat, shapes::moved(flat, {0.3, 0.2, 0})));

@@ -37,15 +37,21 @@ TEST(Verify, correct_claims_are_verified) {
 }
 
 TEST(Verify, faces_may_intersect_only_where_their_patches_do_in_the_input) {
+  // Each face lies on its back, and is a patch of its own.
   Example e = example(shapes::double_sheet(1), shapes::double_sheet(1));
   const Verdict v = e.verify();
   EXPECT_FALSE(v.conforming);
   EXPECT_TRUE(v.surface && v.delaunay);
-  EXPECT_EQ(v.failed_patches, (std::vector<PatchId>{PatchId(0), PatchId(1)}));
-  EXPECT_EQ(v.intersections.size(), 2u);  // each face lies on its back
-  e.intersecting_patches = {{PatchId(0), PatchId(0)}};
-  EXPECT_FALSE(e.verify().conforming);
-  e.intersecting_patches = {{PatchId(0), PatchId(1)}};
+  EXPECT_EQ(v.failed_patches.size(), 4u);
+  ASSERT_EQ(v.intersections.size(), 2u);
+  const auto patches = [&](std::size_t pair) {
+    const auto& [f, g] = v.intersections[pair];
+    return std::pair(std::minmax(e.face_patch[f.value], e.face_patch[g.value]));
+  };
+  e.intersecting_patches = {patches(0)};
+  EXPECT_EQ(e.verify().failed_patches, (std::vector<PatchId>{patches(1).first, patches(1).second}));
+  e.intersecting_patches = {patches(0), patches(1)};
+  std::sort(e.intersecting_patches.begin(), e.intersecting_patches.end());
   EXPECT_TRUE(is_verified(e));
 }
 
@@ -107,6 +113,7 @@ TEST(Verify, the_wrong_diagonal_is_right_where_the_right_one_is_taken) {
   EXPECT_FALSE(e.verify().conforming);  // made Delaunay, the kite takes the triangle's edge
   e.faces[0] = {VertexId(0), VertexId(1), VertexId(3)};
   e.faces[1] = {VertexId(1), VertexId(2), VertexId(3)};
+  e.intersecting_patches = {{PatchId(0), PatchId(1)}};  // the kite holds the triangle's edge, whatever its diagonal
   e.project();
   EXPECT_TRUE(is_verified(e));
 }

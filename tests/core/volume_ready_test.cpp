@@ -86,7 +86,7 @@ TEST(find_volume_obstacles, doubled_and_crossing_and_overlapping_faces_are_told_
   EXPECT_GT(lying.at(DiagnosticCode::kOverlappingFaces).count, 0u);
   const PolygonMesh cut = shapes::from_lists({{0.5, 0.6, -1}, {0.7, 0.6, -1}, {0.6, 0.7, 2}}, {{0, 1, 2}});
   const auto crossing = obstacles_of(shapes::joined(flat, cut));
-  EXPECT_EQ(crossing.at(DiagnosticCode::kSelfIntersection).count, 1u);
+  EXPECT_GT(crossing.at(DiagnosticCode::kSelfIntersection).count, 0u);
   EXPECT_FALSE(crossing.count(DiagnosticCode::kOverlappingFaces));
 }
 

@@ -44,10 +44,10 @@ TEST(find_inside_out, a_negative_volume_counts_where_it_is_no_cavity) {
 }
 
 TEST(find_inside_out, it_does_not_matter_how_all_is_turned) {
-  const PolygonMesh mesh = all({cube(5, false), cube(3, true), cube(1, true), cube(1, true, {0, 1.75, 0})});
+  const PolygonMesh mesh = all({cube(5, false), cube(3, true), cube(1, true), cube(0.5, true, {0, 2, 0})});
   for (int i = 0; i < 30; ++i) {
     const PolygonMesh turned = shapes::rotated(mesh, {1, 2, 3}, 12.0 * i);
-    EXPECT_EQ(found_in(turned), (std::vector<FaceId>{FaceId(2 * kCube), FaceId(3 * kCube)})) << i;
+    EXPECT_EQ(found_in(turned), std::vector<FaceId>{FaceId(2 * kCube)}) << i;
   }
 }
 

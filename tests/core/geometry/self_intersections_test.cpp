@@ -96,8 +96,8 @@ TEST(self_intersections, faces_of_one_piece_are_not_held_against_each_other) {
   }
 }
 
-/// A fan of n needles around the origin, spokes one long that go up and down in turn; every `odd`th reaches across the
-/// next one.
+/// A fan of n needles around the origin, spokes one long that go up and down in turn; every `odd`th reaches over the
+/// next two and crosses one of them.
 TriangleMesh fan(int n, int odd) {
   TriangleMesh mesh;
   mesh.positions.push_back({});
@@ -106,14 +106,14 @@ TriangleMesh fan(int n, int odd) {
     mesh.positions.push_back({std::cos(angle), std::sin(angle), height});
   }
   for (int i = 0; i < n; ++i) {
-    const int reach = i % odd == 0 ? 2 : 1;
+    const int reach = i % odd == 0 ? 3 : 1;
     mesh.faces.push_back({VertexId(0), VertexId(1 + i), VertexId(1 + (i + reach) % n)});
   }
   return mesh;
 }
 
 TEST(self_intersections, around_a_vertex_of_very_many_faces_the_pairs_are_those_of_the_oracle) {
-  const TriangleMesh mesh = fan(400, 7);
+  const TriangleMesh mesh = fan(200, 7);
   const CgalIntersection oracle(mesh.positions.items());
   Pairs expected;
   for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
@@ -140,7 +140,7 @@ TEST(self_intersections, several_vertices_of_very_many_faces_count_each_pair_onc
 }
 
 TEST(self_intersections, a_fan_of_a_hundred_thousand_needles_does_not_take_quadratic_time) {
-  EXPECT_EQ(find(fan(100'000, 1'000'000)).pairs.size(), 2u);  // 5e9 pairs share the vertex; one needle is too wide
+  EXPECT_EQ(find(fan(100'000, 1'000'000)).pairs.size(), 1u);  // 5e9 pairs share the vertex; one needle is too wide
 }
 
 TEST(self_intersections, past_the_limit_just_so_many_pairs_are_given) {
