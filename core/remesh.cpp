@@ -156,8 +156,11 @@ class Run {
         watch_.enter(Stage::kVerify);
         report_.verified = check();
         if (report_.verified.all_true()) {
-          compare_with_input();
-          break;
+          if (is_as_manifold_as_input()) break;
+          if (!give_up_t_junctions())
+            throw Error(Code::kVerificationFailed, Stage::kVerify,
+                        "faces on the same vertices have no triangulations that keep them apart");
+          return false;
         }
         if (freeze(report_.verified.failed_patches)) continue;
         for (const PatchId p : report_.verified.failed_patches) failed.push_back({p, PatchReason::kVerificationFailed});
@@ -201,12 +204,22 @@ class Run {
       is_new = is_new || as_it_is_[source.value] == 0;
       as_it_is_[source.value] = 1;
     }
-    if (is_new) return;
+    if (is_new || give_up_t_junctions()) return;
     const FaceId source = surface_.face_source[stuck.front()];
     throw Error(
         Code::kVerificationFailed, Stage::kVerify,
         "face " + std::to_string(source.value) + " cannot be brought back so that the result holds: " + first_failure())
         .at_element(source.value);
+  }
+
+  /// Vertices that were put into faces where sheets nearly touch may be what keeps a result from holding. Output:
+  /// whether there were such; they are left alone from now on.
+  bool give_up_t_junctions() {
+    const bool were_split = options_.repair.t_junctions && are_t_junctions_split_ &&
+                            std::any_of(report_.diagnostics.begin(), report_.diagnostics.end(),
+                                        [](const Diagnostic& d) { return d.code == DiagnosticCode::kTJunction; });
+    are_t_junctions_split_ = false;
+    return were_split;
   }
 
   /// From the mesh as read to a surface of which every face has a plane, and the tolerance that its coordinates ask
@@ -235,8 +248,8 @@ class Run {
     std::vector<Diagnostic>& found = report_.diagnostics;
     // Faces that repeat others go, edges are split at the vertices that lie on them.
     if (drop_duplicate_faces(surface_, *adjacency_, mend_if(repair.duplicates), found, control_)) find_edges();
-    if (split_t_junctions(surface_, *adjacency_, local_tolerance(), as_it_is_, mend_if(repair.t_junctions), found,
-                          control_))
+    if (split_t_junctions(surface_, *adjacency_, local_tolerance(), as_it_is_,
+                          mend_if(repair.t_junctions && are_t_junctions_split_), found, control_))
       find_edges();
     count_edges();
     // Faces without a plane are split, faces without an area dropped; nothing opens.
@@ -470,7 +483,7 @@ class Run {
 
   /// What is verified is the mended surface. Its mending must not have joined what the input keeps apart: a polygon
   /// that had to be split may have no diagonal that is not the edge of another face.
-  void compare_with_input() const {
+  bool is_as_manifold_as_input() const {
     const bool had_zero_area = std::any_of(report_.diagnostics.begin(), report_.diagnostics.end(),
                                            [](const Diagnostic& d) { return d.code == DiagnosticCode::kZeroAreaFace; });
     std::uint64_t non_manifold = 0;
@@ -481,9 +494,7 @@ class Run {
       is_closed = is_closed && faces == 2;
     }
     // A zero-area face hands vertices to edges, and so may divide one with three faces.
-    if ((is_closed_ && !is_closed) || (!had_zero_area && non_manifold > non_manifold_edges_))
-      throw Error(Code::kVerificationFailed, Stage::kVerify,
-                  "faces on the same vertices have no triangulations that keep them apart");
+    return is_closed >= is_closed_ && (had_zero_area || non_manifold <= non_manifold_edges_);
   }
 
   std::string first_failure() const {
@@ -571,7 +582,8 @@ class Run {
   Surface surface_;
   std::unique_ptr<Adjacency> adjacency_;
   IdVector<FaceId, FaceGeometry> geometry_;
-  bool is_closed_ = false;  ///< of the surface with its repeated faces and T-junctions mended
+  bool are_t_junctions_split_ = true;  ///< false: that went wrong
+  bool is_closed_ = false;             ///< of the surface with its repeated faces and T-junctions mended
   std::uint64_t non_manifold_edges_ = 0;
   FoundIntersections input_intersections_;
   Regions regions_;

@@ -5,6 +5,8 @@
 #include <tuple>
 
 #include "core/base/blocks.h"
+#include "core/base/tolerance.h"
+#include "core/mesh/face_geometry.h"
 #include "core/refinement/box_tree.h"
 #include "core/stages/mend_faces.h"
 
@@ -135,7 +137,12 @@ class Search {
 bool split_t_junctions(Surface& surface, const Adjacency& edges, double tolerance,
                        const std::vector<std::uint8_t>& as_it_is, Mend mend, std::vector<Diagnostic>& diagnostics,
                        RunControl& control) {
-  const std::vector<Junction> junctions = Search(surface, edges, tolerance, as_it_is, control).run();
+  std::vector<Junction> junctions = Search(surface, edges, tolerance, as_it_is, control).run();
+  if (junctions.empty()) return false;
+  const IdVector<FaceId, FaceGeometry> geometry = face_geometry(surface, control);
+  junctions.erase(std::remove_if(junctions.begin(), junctions.end(),
+                                 [&](const Junction& j) { return geometry[j.face].height < kThinFace * tolerance; }),
+                  junctions.end());
   if (junctions.empty()) return false;
   Diagnostic found{DiagnosticCode::kTJunction, 0, {}, ""};
   found.message = mend == Mend::kYes

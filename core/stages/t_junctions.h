@@ -16,7 +16,8 @@ namespace remesh {
 /// in its loop.
 /// Input:   a welded surface; the tolerance, in local units. A vertex lies on an edge if it is within the tolerance of
 ///          it and further than that from both its ends (else it is a matter of welding), and is not the face's own.
-///          Faces marked in `as_it_is` (per input face, or empty) are handed none.
+///          Faces marked in `as_it_is` (per input face, or empty) are handed none, nor are faces so thin (kThinFace)
+///          that they might be turned over by it.
 /// Output:  the surface so mended, with Mend::kYes. Counts t_junction; elements are the vertices.
 /// Holds:   no point of the surface moves by more than the tolerance; no face is handed a vertex twice.
 /// Returns: whether the surface changed.

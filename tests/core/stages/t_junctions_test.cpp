@@ -97,13 +97,21 @@ TEST(split_t_junctions, a_closed_surface_and_inner_vertices_are_left_alone) {
   EXPECT_FALSE(split(mesh, 1e-9).is_changed);
 }
 
-TEST(split_t_junctions, a_needle_is_not_handed_the_same_vertex_twice) {
-  // The vertex is within the tolerance of both long sides.
-  const PolygonMesh mesh = shapes::from_lists(
-      {{0, 0, 0}, {1, -0.001, 0}, {1, 0.001, 0}, {0.5, 0, 0.0001}, {0.5, 0, 1}, {0.6, 0, 1}}, {{0, 1, 2}, {3, 4, 5}});
-  const SplitResult result = split(mesh, 0.01);
+/// A wedge along x whose sides are `width` apart at its end, and a triangle that touches its middle line there.
+PolygonMesh wedge_and_tip(double width, double at) {
+  return shapes::from_lists(
+      {{0, 0, 0}, {1, -width / 2, 0}, {1, width / 2, 0}, {at, 0, 0.0001}, {0.5, 0, 1}, {0.6, 0, 1}},
+      {{0, 1, 2}, {3, 4, 5}});
+}
+
+TEST(split_t_junctions, a_vertex_near_two_edges_of_a_face_is_handed_to_it_once) {
+  const SplitResult result = split(wedge_and_tip(0.06, 0.2), 0.01);
   EXPECT_TRUE(result.is_changed);
   EXPECT_EQ(loop_of(result.surface, 0).size(), 4u);
+}
+
+TEST(split_t_junctions, a_face_that_is_as_thin_as_the_tolerance_is_handed_none) {
+  EXPECT_FALSE(split(wedge_and_tip(0.01, 0.5), 0.01).is_changed);
 }
 
 TEST(split_t_junctions, very_many_long_edges_side_by_side_do_not_take_quadratic_time) {

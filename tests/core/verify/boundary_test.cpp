@@ -111,6 +111,7 @@ TEST(Verify, a_missing_sheet_at_an_edge_of_three_is_found) {
 
 TEST(Verify, one_of_two_equal_sheets_missing_is_found) {
   Example e = example(shapes::double_sheet(2), shapes::double_sheet(2));
+  e.allow_intersections();
   ASSERT_TRUE(is_verified(e));
   e.remove_patch(PatchId(1));
   EXPECT_FALSE(e.verify().conforming);
@@ -150,6 +151,7 @@ TEST(Verify, a_vertex_where_patches_touch_must_not_go) {
   e.remove_patch(square);
   e.add_face(square, {0, 0, 0}, {4, 0, 0}, {4, 4, 0});
   e.add_face(square, {0, 0, 0}, {4, 4, 0}, {0, 4, 0});
+  e.allow_intersections();
   const Verdict v = e.verify();
   EXPECT_FALSE(v.conforming);
   EXPECT_EQ(v.failed_patches, std::vector<PatchId>{square});

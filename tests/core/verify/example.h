@@ -41,6 +41,12 @@ struct Example {
                            goals ? &refinement : nullptr, &known},
                           control);
   }
+  /// The input intersects where the output does.
+  void allow_intersections() {
+    for (const auto& [f, g] : verify().intersections)
+      intersecting_patches.push_back(std::minmax(face_patch[f.value], face_patch[g.value]));
+    std::sort(intersecting_patches.begin(), intersecting_patches.end());
+  }
   Vec2 project(PatchId p, const Vec3& point) const {
     const Frame& f = frames[p];
     const auto rounded = [&](double t) { return std::nearbyint(t / f.scale / f.grid) * f.grid; };
