@@ -84,6 +84,8 @@ void write_limits(JsonWriter& json, const Limits& limits) {
   };
   json.begin_object();
   integer("max_body", limits.max_body);
+  integer("max_decompressed", limits.max_decompressed);
+  integer("max_ratio", limits.max_ratio);
   integer("max_vertices", limits.max_vertices);
   integer("max_faces", limits.max_faces);
   integer("max_output_faces", limits.max_output_faces);
@@ -117,7 +119,7 @@ Response capabilities(const Limits& limits) {
   json.key("formats");
   json.begin_object();
   write_formats(json, "input", can_read);
-  write_formats(json, "output", can_write);
+  write_formats(json, "output", [](Format) { return true; });
   json.end_object();
   json.key("options");
   json.begin_array();

@@ -14,7 +14,8 @@ int status_of(Code code) {
     case Code::kUnknownOption: return 400;
     case Code::kNotAcceptable: return 406;
     case Code::kBodyTooLarge:
-    case Code::kMeshTooLarge: return 413;
+    case Code::kMeshTooLarge:
+    case Code::kDecompressedTooLarge: return 413;
     case Code::kUnsupportedMediaType: return 415;
     case Code::kInvalidMesh:
     case Code::kIndexOutOfRange:
@@ -48,6 +49,7 @@ Problem to_problem(const Error& error) {
   problem.code = code_name(error.code);
   problem.detail = error.what();
   problem.line = error.line;
+  problem.byte = error.byte;
   problem.element = error.element;
   problem.limit = error.limit;
   problem.option = error.option;
@@ -108,6 +110,7 @@ Response to_response(const Problem& problem, std::string_view request_id) {
   text("code", problem.code);
   if (!request_id.empty()) text("request_id", request_id);
   number("line", problem.line);
+  number("byte", problem.byte);
   number("element", problem.element);
   if (!problem.option.empty()) text("option", problem.option);
   number("limit", problem.limit);

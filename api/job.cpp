@@ -10,7 +10,8 @@
 #include "api/negotiation.h"
 #include "api/text.h"
 #include "core/base/error.h"
-#include "core/io/obj.h"
+#include "core/io/gzip.h"
+#include "core/io/mesh_files.h"
 
 namespace remesh::api {
 namespace {
@@ -48,13 +49,18 @@ Input read_input(Job& job, const Limits& limits, RunControl& control) {
   control.enter(Stage::kRead);
   job.options.check();
   Input input;
+  std::string decompressed;
+  if (is_gzip(job.mesh)) {
+    decompressed = gunzip(job.mesh, decompression_limits(limits), control);
+    job.mesh = decompressed;
+  }
   input.format = choose_input_format(job.input_format, job.mesh);
   const ReadLimits read_limits{limits.max_vertices, limits.max_faces};
   if (input.format == Format::kJson) {
     input.read = read_json(job.mesh, read_limits, control, job.options);
     job.options.check();
   } else {
-    input.read = read_obj(job.mesh, read_limits, control);
+    input.read = read_mesh(input.format, job.mesh, read_limits, control);
   }
   input.options = bounded(job.options.options(), limits);
   input.read_ms = ms_since(start);
@@ -106,9 +112,9 @@ std::string write_json_answer(const Result& result, const RequestOptions& option
   return json.take();
 }
 
-std::string write_mesh_answer(const Result& result, StageTimes& times, RunControl& control) {
+std::string write_mesh_answer(Format format, const Result& result, StageTimes& times, RunControl& control) {
   const Clock::time_point start = Clock::now();
-  std::string body = write_obj(result.mesh, summary_comments(result.report), control);
+  std::string body = write_mesh(format, result.mesh, result.face_patch, summary_comments(result.report), control);
   times.add(Stage::kWrite, ms_since(start));
   return body;
 }
@@ -130,7 +136,7 @@ RemeshAnswer run_remesh_job(Job job, const Limits& limits, RunControl& control) 
 
   control.enter(Stage::kWrite);
   answer.body = is_json ? write_json_answer(result, answer.options, answer.times, control)
-                        : write_mesh_answer(result, answer.times, control);
+                        : write_mesh_answer(answer.format, result, answer.times, control);
   answer.report = std::move(result.report);
   return answer;
 }

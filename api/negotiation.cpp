@@ -57,19 +57,14 @@ std::optional<double> weight_for(const std::vector<MediaRange>& ranges, Format f
 std::string written_formats() {
   std::string names;
   for (const Format format : kFormats) {
-    if (can_write(format)) names.append(names.empty() ? "" : ", ").append(format_name(format));
+    names.append(names.empty() ? "" : ", ").append(format_name(format));
   }
   return names;
 }
 
-Error not_acceptable(const std::string& what) {
-  return Error(Code::kNotAcceptable, Stage::kRead, what + " can be written; what can be: " + written_formats());
-}
-
 }  // namespace
 
-bool can_read(Format format) { return format == Format::kObj || format == Format::kJson; }
-bool can_write(Format format) { return format == Format::kObj || format == Format::kJson; }
+bool can_read(Format format) { return format != Format::kVtu && format != Format::kMsh; }
 
 std::string media_type_of(std::string_view content_type) { return ascii_lower(trim(cut(content_type, ';').first)); }
 
@@ -83,19 +78,16 @@ Format choose_input_format(std::optional<Format> named, std::string_view content
   const Format format = named ? *named : sniff_format(content);
   if (can_read(format)) return format;
   throw Error(Code::kUnsupportedMediaType, Stage::kRead,
-              "the format " + std::string(format_name(format)) + " cannot be read yet");
+              "the format " + std::string(format_name(format)) + " is written, not read");
 }
 
 Format choose_output_format(std::optional<Format> option, std::string_view accept, Format input) {
-  if (option) {
-    if (can_write(*option)) return *option;
-    throw not_acceptable("the format " + std::string(format_name(*option)) + " is none that").for_option("format");
-  }
+  if (option) return *option;
   const std::vector<MediaRange> ranges = parse_accept(accept);
   // The input's format first, so that it wins among equals.
   std::vector<Format> candidates{input};
   for (const Format format : kFormats) {
-    if (format != input && can_write(format)) candidates.push_back(format);
+    if (format != input) candidates.push_back(format);
   }
   const MediaRange* anything = find_range(ranges, "*/*");
   const double weight_of_others = ranges.empty() ? 1 : anything == nullptr ? 0 : anything->weight;
@@ -112,7 +104,9 @@ Format choose_output_format(std::optional<Format> option, std::string_view accep
     best_rank = rank;
   }
   if (best) return *best;
-  throw not_acceptable("nothing that Accept asks for (" + shortened(accept, 200) + ")");
+  throw Error(Code::kNotAcceptable, Stage::kRead,
+              "nothing that Accept asks for (" + shortened(accept, 200) +
+                  ") can be written; what can be: " + written_formats());
 }
 
 }  // namespace remesh::api

@@ -8,8 +8,8 @@
 
 namespace remesh::api {
 
+/// All are written; VTU and MSH are not read.
 bool can_read(Format format);
-bool can_write(Format format);
 
 /// A Content-Type without its parameters, in lower case.
 std::string media_type_of(std::string_view content_type);
@@ -22,7 +22,7 @@ std::optional<Format> format_of_content_type(std::string_view content_type);
 Format choose_input_format(std::optional<Format> named, std::string_view content);
 
 /// The format of the answer: by the option, else by Accept (RFC 9110; `*/*` counts as absent), else as the input.
-/// Errors: kNotAcceptable - a format that is not written, or nothing that Accept names.
+/// Errors: kNotAcceptable - nothing that Accept names is written.
 Format choose_output_format(std::optional<Format> option, std::string_view accept, Format input);
 
 }  // namespace remesh::api

@@ -52,6 +52,13 @@ void write_point(JsonWriter& json, const Vec3& p) {
   json.end_array();
 }
 
+void write_places(JsonWriter& json, const std::vector<Vec3>& places) {
+  json.key("places");
+  json.begin_array();
+  for (const Vec3& place : places) write_point(json, place);
+  json.end_array();
+}
+
 void write_range(JsonWriter& json, std::string_view name, const Range& range) {
   json.key(name);
   json.begin_object();
@@ -100,6 +107,7 @@ void write_statistics(JsonWriter& json, const MeshStatistics& mesh) {
   json.signed_integer(mesh.euler);
   member(json, "area", mesh.area);
   member(json, "volume", mesh.volume);
+  member(json, "intersecting_pairs", mesh.intersecting_pairs);
   json.key("bounding_box");
   if (mesh.bounding_box.is_empty()) {
     json.null();
@@ -166,31 +174,17 @@ void write_diagnostics(JsonWriter& json, const std::vector<Diagnostic>& diagnost
   json.end_array();
 }
 
-/// What a volume mesher would stumble over, as far as it is examined: holes, edges with three faces, winding.
-void write_volume_ready(JsonWriter& json, const MeshStatistics& mesh) {
-  struct Reason {
-    DiagnosticCode code;
-    std::uint64_t count;
-  };
-  const bool is_badly_wound = mesh.closed && mesh.non_manifold_edges == 0 && !mesh.volume;
-  const bool is_inside_out = mesh.volume && *mesh.volume < 0;
-  const std::array reasons{Reason{DiagnosticCode::kOpenBoundary, mesh.boundary_edges},
-                           Reason{DiagnosticCode::kNonManifoldEdge, mesh.non_manifold_edges},
-                           Reason{DiagnosticCode::kInconsistentWinding, is_badly_wound ? 1u : 0u},
-                           Reason{DiagnosticCode::kInsideOut, is_inside_out ? 1u : 0u}};
-
+/// Whether a volume mesher would take the surface, and if not why and where.
+void write_volume_ready(JsonWriter& json, const std::vector<VolumeObstacle>& obstacles) {
   json.begin_object();
-  member(json, "ready", std::all_of(reasons.begin(), reasons.end(), [](const Reason& r) { return r.count == 0; }));
+  member(json, "ready", obstacles.empty());
   json.key("reasons");
   json.begin_array();
-  for (const Reason& reason : reasons) {
-    if (reason.count == 0) continue;
+  for (const VolumeObstacle& obstacle : obstacles) {
     json.begin_object();
-    member(json, "code", diagnostic_name(reason.code));
-    member(json, "count", reason.count);
-    json.key("places");
-    json.begin_array();
-    json.end_array();
+    member(json, "code", diagnostic_name(obstacle.code));
+    member(json, "count", obstacle.count);
+    write_places(json, obstacle.places);
     json.end_object();
   }
   json.end_array();
@@ -203,10 +197,7 @@ void write_unrefined(JsonWriter& json, const std::vector<Unrefined>& unrefined) 
     json.begin_object();
     member(json, "reason", unrefined_name(left.reason));
     member(json, "count", left.count);
-    json.key("places");
-    json.begin_array();
-    for (const Vec3& place : left.places) write_point(json, place);
-    json.end_array();
+    write_places(json, left.places);
     json.end_object();
   }
   json.end_array();
@@ -334,7 +325,7 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   json.key("diagnostics");
   write_diagnostics(json, report.diagnostics);
   json.key("volume_ready");
-  write_volume_ready(json, is_remesh ? report.output : report.input);
+  write_volume_ready(json, report.volume_obstacles);
   member(json, "predicted_faces", report.predicted_faces);
   member(json, "smallest_gap", report.smallest_gap);
   if (is_remesh) {

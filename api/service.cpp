@@ -8,6 +8,7 @@
 #include "api/multipart.h"
 #include "api/negotiation.h"
 #include "api/text.h"
+#include "core/io/gzip.h"
 
 namespace remesh::api {
 namespace {
@@ -16,13 +17,34 @@ namespace {
 struct ParsedRequest {
   Job job;
   std::string file_name;
+  std::string decoded;  ///< the body, where it came compressed; the job looks into it
 };
 
+/// The body out of its Content-Encoding; `decoded` holds it where it has one.
+/// Errors: kUnsupportedMediaType - a coding that is not gzip; kMalformedRequest - the body is not in it.
+std::string_view decoded_body(const Request& request, const Limits& limits, RunControl& control, std::string& decoded) {
+  const std::string coding = ascii_lower(trim(request.content_encoding));
+  if (coding.empty() || coding == "identity") return request.body;
+  if (coding != "gzip" && coding != "x-gzip") {
+    throw Error(Code::kUnsupportedMediaType, Stage::kRead,
+                "the content coding " + in_quotes(coding) + " is not known here; gzip is");
+  }
+  try {
+    decoded = gunzip(request.body, decompression_limits(limits), control);
+  } catch (const Error& error) {
+    if (error.code != Code::kInvalidMesh) throw;
+    Error malformed(Code::kMalformedRequest, Stage::kRead, error.what());
+    malformed.byte = error.byte;
+    throw malformed;
+  }
+  return decoded;
+}
+
 /// The mesh and the options of a form. Other parts are refused: an option misspelt as a part would be lost otherwise.
-void read_form(const Request& request, RunControl& control, ParsedRequest& parsed) {
+void read_form(std::string_view body, const Request& request, RunControl& control, ParsedRequest& parsed) {
   bool has_mesh = false;
   bool has_options = false;
-  for (const FormPart& part : parse_multipart(request.body, request.content_type)) {
+  for (const FormPart& part : parse_multipart(body, request.content_type)) {
     bool& seen = part.name == "mesh" ? has_mesh : has_options;
     if (part.name != "mesh" && part.name != "options") {
       throw Error(Code::kMalformedMultipart, Stage::kRead,
@@ -42,28 +64,29 @@ void read_form(const Request& request, RunControl& control, ParsedRequest& parse
   if (!has_mesh) throw Error(Code::kMalformedMultipart, Stage::kRead, "the form has no part \"mesh\"");
 }
 
-ParsedRequest parse_request(const Request& request, const Limits& limits, RunControl& control) {
+/// Fills `parsed` in place: the job looks into it.
+void parse_request(const Request& request, const Limits& limits, RunControl& control, ParsedRequest& parsed) {
   if (request.body.size() > limits.max_body) {
     throw Error(Code::kBodyTooLarge, Stage::kRead, "the body is longer than " + number_text(limits.max_body) + " bytes")
         .with_limit(limits.max_body);
   }
-  ParsedRequest parsed;
+  const std::string_view body = decoded_body(request, limits, control, parsed.decoded);
   parsed.job.accept = request.accept;
   for (const auto& [name, value] : request.query) parsed.job.options.add(name, value);
   if (media_type_of(request.content_type) == "multipart/form-data") {
-    read_form(request, control, parsed);
+    read_form(body, request, control, parsed);
   } else {
-    parsed.job.mesh = request.body;
+    parsed.job.mesh = body;
     parsed.job.input_format = format_of_content_type(request.content_type);
     parsed.file_name = request.file_name;
   }
-  return parsed;
 }
 
 /// A name that is safe in a header and as a file: no folders, only letters, digits and `._-`, not hidden, not long.
 std::string safe_file_name(std::string_view name, Format format) {
   constexpr std::size_t kLongest = 100;
   name = name.substr(name.find_last_of("/\\") + 1);
+  if (is_gzip_file_name(name)) name.remove_suffix(3);
   if (format_from_file_name(name)) name = name.substr(0, name.rfind('.'));
   name = name.substr(0, kLongest);
   std::string safe;
@@ -107,7 +130,8 @@ WorkDone work_done(const Report& report, const StageTimes& times) {
 
 Response run_remesh(const Request& request, const Limits& limits, RunControl& control) {
   control.enter(Stage::kRead);
-  ParsedRequest parsed = parse_request(request, limits, control);
+  ParsedRequest parsed;
+  parse_request(request, limits, control, parsed);
   RemeshAnswer answer = run_remesh_job(std::move(parsed.job), limits, control);
 
   Response response;
@@ -126,8 +150,9 @@ Response run_remesh(const Request& request, const Limits& limits, RunControl& co
 
 Response run_analyze(const Request& request, const Limits& limits, RunControl& control) {
   control.enter(Stage::kRead);
-  const AnalysisAnswer answer =
-      run_analyze_job(std::move(parse_request(request, limits, control).job), limits, control);
+  ParsedRequest parsed;
+  parse_request(request, limits, control, parsed);
+  const AnalysisAnswer answer = run_analyze_job(std::move(parsed.job), limits, control);
 
   JsonWriter json;
   json.begin_object();

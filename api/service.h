@@ -19,7 +19,9 @@ using Fields = std::vector<std::pair<std::string, std::string>>;
 
 /// Bounds that a server sets; also what /v1/capabilities tells.
 struct Limits {
-  std::uint64_t max_body = 256ull << 20;  ///< bytes
+  std::uint64_t max_body = 256ull << 20;           ///< bytes
+  std::uint64_t max_decompressed = 1024ull << 20;  ///< bytes of a body, or a mesh in it, out of gzip
+  std::uint64_t max_ratio = 100;                   ///< of those to the compressed ones, beyond the first MiB
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;
   std::uint64_t max_output_faces = 50'000'000;
@@ -27,11 +29,17 @@ struct Limits {
   double request_timeout_s = 300;
 };
 
+/// Of those, what bounds a body, or a mesh in it, out of gzip.
+inline DecompressionLimits decompression_limits(const Limits& limits) {
+  return {limits.max_decompressed, limits.max_ratio};
+}
+
 /// One request, after HTTP: `query` in the order given, decoded.
 struct Request {
   std::string_view body;
-  std::string content_type;  ///< as sent, may be empty
-  std::string accept;        ///< as sent, may be empty
+  std::string content_type;      ///< as sent, may be empty
+  std::string content_encoding;  ///< as sent, may be empty
+  std::string accept;            ///< as sent, may be empty
   Fields query;
   std::string file_name;  ///< of the upload, if it had one; not trusted
 };
@@ -67,7 +75,7 @@ struct Problem {
   int status = 500;
   std::string code = "internal";
   std::string detail;
-  std::optional<std::uint64_t> line, element, limit;
+  std::optional<std::uint64_t> line, byte, element, limit;
   std::string option;
 };
 

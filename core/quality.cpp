@@ -291,6 +291,21 @@ Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangl
   return measure_quality(positions, faces, Scale(positions, control), adjacency, control);
 }
 
+IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl& control) {
+  const Scale scale(mesh.positions.items(), control);
+  IdVector<FaceId, FaceQuality> quality(mesh.faces.size());
+  for_blocks(mesh.faces.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (FaceId f(begin); f.value < end; ++f.value) {
+      const auto [a, b, c] = mesh.faces[f];
+      const TriangleMeasures m = measure(scale(mesh.positions[a]), scale(mesh.positions[b]), scale(mesh.positions[c]));
+      const auto finite = [](double ratio) { return std::isfinite(ratio) ? ratio : 0; };
+      quality[f] = {*std::min_element(m.angle, m.angle + 3) * kDegrees, finite(m.radius_edge_ratio),
+                    finite(m.aspect_ratio)};
+    }
+  });
+  return quality;
+}
+
 MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
                                std::span<const VertexId> corners, const Adjacency& adjacency, RunControl& control) {
   return measure_surface(positions, face_begin, corners, Scale(positions, control), adjacency, control);

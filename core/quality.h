@@ -22,6 +22,14 @@ Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangl
 Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, const Adjacency& adjacency,
                         RunControl& control);
 
+/// Quality of one triangle. Where its area is zero: angle 0, and 0 for the ratios, which would be infinite.
+struct FaceQuality {
+  double min_angle_deg = 0;
+  double radius_edge_ratio = 0;
+  double aspect_ratio = 0;
+};
+IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl& control);
+
 /// Counts, areas and topology of a polygon surface. Vertices that no face uses are not counted in `vertices` here.
 /// `euler` is V - E + F of what is used; `closed`: every edge has exactly two half-edges, running in opposite
 /// directions or not; `volume` is the enclosed signed volume where closed and consistently wound, else empty;

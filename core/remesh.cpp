@@ -22,6 +22,7 @@
 #include "core/stages/assembly.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/coplanar_regions.h"
+#include "core/stages/duplicate_faces.h"
 #include "core/stages/essential_vertices.h"
 #include "core/stages/face_source.h"
 #include "core/stages/findings.h"
@@ -32,9 +33,12 @@
 #include "core/stages/patch_summary.h"
 #include "core/stages/patches.h"
 #include "core/stages/refinement.h"
+#include "core/stages/t_junctions.h"
 #include "core/stages/unrefined.h"
 #include "core/stages/weld.h"
+#include "core/stages/winding.h"
 #include "core/verify.h"
+#include "core/volume_ready.h"
 
 namespace remesh {
 namespace {
@@ -101,6 +105,7 @@ class Run {
     // Triangulated, but not kept: what refinement would make of it is told by its triangles.
     watch_.enter(Stage::kTriangulation);
     mesh_all_patches();
+    examine_input();
     watch_.enter(Stage::kRefinement);
     const SizeField sizes = size_field();
     if (is_refined()) predicted_faces_ = static_cast<std::uint64_t>(predict(meshes_, goals_, sizes, control_).expected);
@@ -123,11 +128,14 @@ class Run {
   /// alone; it is marked in `as_it_is_` then, and the surface has to be prepared again.
   bool climb() {
     Ladder ladder = make_ladder();
+    bool is_first = true;
     while (true) {
       find_patches(ladder);
       // Every patch, in parallel: projection, lexicographic triangulation, flips, recovery of the loops, carving.
       watch_.enter(Stage::kTriangulation);
       mesh_all_patches();
+      if (is_first) find_input_intersections(triangulated(surface_, control_));
+      is_first = false;
       std::vector<FailedPatch> failed = failed_meshes();
       // The patches' triangles become one mesh, in which no edge inside a patch is the edge of another one.
       watch_.enter(Stage::kAssembly);
@@ -204,11 +212,11 @@ class Run {
   /// From the mesh as read to a surface of which every face has a plane, and the tolerance that its coordinates ask
   /// for.
   void prepare() {
-    // Vertices with equal coordinates become one.
+    // Vertices with equal coordinates, or nearly equal ones, become one.
     watch_.enter(Stage::kWeld);
     report_.diagnostics = diagnostics_of_reader_;
     regions_ = {};
-    surface_ = weld(input_, options_.barriers, report_.diagnostics, control_);
+    surface_ = weld(input_, options_.barriers, report_.diagnostics, control_, options_.weld_tolerance);
     find_edges();
     watch_.enter(Stage::kQuality);
     measure_input();
@@ -216,10 +224,78 @@ class Run {
     choose_tolerance();
     goals_ = goals_of(options_, report_.input.bounding_box.diagonal());
     budget_ = goals_.max_faces;
-    // Faces without a plane are split, faces without an area dropped; nothing opens.
-    if (mend_faces(surface_, local_tolerance(), as_it_is_, report_.diagnostics, control_)) find_edges();
+    watch_.enter(Stage::kWeld);
+    mend();
     geometry_ = face_geometry(surface_, control_);
     regions_.of_face.resize(surface_.face_count());
+  }
+
+  void mend() {
+    const Repair& repair = options_.repair;
+    std::vector<Diagnostic>& found = report_.diagnostics;
+    // Faces that repeat others go, edges are split at the vertices that lie on them.
+    if (drop_duplicate_faces(surface_, *adjacency_, mend_if(repair.duplicates), found, control_)) find_edges();
+    if (split_t_junctions(surface_, *adjacency_, local_tolerance(), as_it_is_, mend_if(repair.t_junctions), found,
+                          control_))
+      find_edges();
+    count_edges();
+    // Faces without a plane are split, faces without an area dropped; nothing opens.
+    if (mend_faces(surface_, local_tolerance(), as_it_is_, mend_if(repair.degenerate), found, control_)) find_edges();
+    // Neighbours look the same way, closed pieces outwards if that is asked for.
+    if (unify_winding(surface_, *adjacency_, mend_if(repair.winding), found, control_)) find_edges();
+    if (turn_inside_out(surface_, *adjacency_, mend_if(repair.inside_out), found, control_)) find_edges();
+  }
+
+  /// What the faces' later mending must not make worse.
+  void count_edges() {
+    non_manifold_edges_ = 0;
+    is_closed_ = true;
+    for (std::uint32_t e = 0; e < adjacency_->edge_count(); ++e) {
+      const auto around = adjacency_->half_edges(EdgeId(e));
+      if (adjacency_->from(around[0]) == adjacency_->to(around[0])) continue;  // a repeated corner is no edge
+      non_manifold_edges_ += around.size() > 2;
+      is_closed_ = is_closed_ && around.size() == 2;
+    }
+  }
+
+  /// Faces that intersect before anything is done to them, seen by patch.
+  void find_input_intersections(const Triangulated& faces) {
+    input_intersections_ = find_intersections(surface_, faces, patches_, simple_patches(), report_.plane_tolerance,
+                                              report_.diagnostics, control_);
+    report_.input.intersecting_pairs = input_intersections_.pairs.size();
+  }
+
+  /// Patches that cover nothing twice in their plane: their loops do not cross, and none of their faces is so thin that
+  /// it may be turned over.
+  std::vector<std::uint8_t> simple_patches() const {
+    std::vector<std::uint8_t> is_simple;
+    for (const PatchMesh& mesh : meshes_) is_simple.push_back(mesh.reason == PatchReason::kNone);
+    for (std::size_t f = 0; f < surface_.face_count(); ++f)
+      if (geometry_[FaceId(f)].height < kThinFace * local_tolerance()) is_simple[patches_.of_face[FaceId(f)].value] = 0;
+    return is_simple;
+  }
+
+  void examine_input() {
+    const Triangulated faces = triangulated(surface_, control_);
+    find_input_intersections(faces);
+    // Of a polygon one triangle stands for all.
+    std::vector<std::pair<FaceId, FaceId>> pairs;
+    const auto triangle_of = [&](FaceId f) {
+      return FaceId(
+          static_cast<std::size_t>(std::lower_bound(faces.face.begin(), faces.face.end(), f) - faces.face.begin()));
+    };
+    for (const auto& [f, g] : input_intersections_.pairs) pairs.push_back({triangle_of(f), triangle_of(g)});
+    report_.volume_obstacles =
+        find_volume_obstacles(surface_.positions.items(), faces.triangles, pairs, report_.plane_tolerance, control_);
+  }
+
+  InputIntersections intersecting_patches() const {
+    InputIntersections known{{}, input_intersections_.is_complete};
+    for (const auto& [f, g] : input_intersections_.pairs)
+      known.patches.push_back(std::minmax({patches_.of_face[f], patches_.of_face[g]}));
+    std::sort(known.patches.begin(), known.patches.end());
+    known.patches.erase(std::unique(known.patches.begin(), known.patches.end()), known.patches.end());
+    return known;
   }
 
   void find_edges() {
@@ -248,11 +324,11 @@ class Run {
     report_.input = measure_surface(positions, surface_.face_begin, surface_.corners, *adjacency_, control_);
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
-    const std::vector<Triangle> triangles = triangulated(surface_, control_);
+    const std::vector<Triangle> triangles = triangulated(surface_, control_).triangles;
     const bool are_all_triangles = surface_.corners.size() == 3 * surface_.face_count();
     report_.input.quality = are_all_triangles ? measure_quality(positions, triangles, *adjacency_, control_)
                                               : measure_quality(positions, triangles, control_);
-    find_defects(surface_, *adjacency_, report_.input, report_.diagnostics);
+    find_defects(surface_, *adjacency_, report_.diagnostics, control_);
   }
 
   void choose_tolerance() {
@@ -385,9 +461,10 @@ class Run {
     frames.reserve(meshes_.size());
     for (const PatchMesh& mesh : meshes_) frames.push_back(mesh.frame);
     const RefinementClaim refined{goals_, unrefined_.faces, unrefined_.reasons};
+    const InputIntersections intersections = intersecting_patches();
     return verify({surface_, patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
                    assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance,
-                   is_refined() ? &refined : nullptr},
+                   is_refined() ? &refined : nullptr, &intersections},
                   control_);
   }
 
@@ -404,7 +481,7 @@ class Run {
       is_closed = is_closed && faces == 2;
     }
     // A zero-area face hands vertices to edges, and so may divide one with three faces.
-    if ((report_.input.closed && !is_closed) || (!had_zero_area && non_manifold > report_.input.non_manifold_edges))
+    if ((is_closed_ && !is_closed) || (!had_zero_area && non_manifold > non_manifold_edges_))
       throw Error(Code::kVerificationFailed, Stage::kVerify,
                   "faces on the same vertices have no triangulations that keep them apart");
   }
@@ -443,6 +520,9 @@ class Run {
     result.mesh.faces = std::move(assembled_.faces);
     result.face_patch = std::move(assembled_.face_patch);
     report_.output = measure_surface(result.mesh, control_);
+    report_.output.intersecting_pairs = report_.verified.intersections.size();
+    report_.volume_obstacles = find_volume_obstacles(result.mesh.positions.items(), result.mesh.faces.items(),
+                                                     report_.verified.intersections, report_.plane_tolerance, control_);
     report_.unrefined = summarise_unrefined(unrefined_, result.mesh.positions.items(), result.mesh.faces.items());
     // Where each output face came from: the input face under its centroid, and what that one is labelled.
     watch_.enter(Stage::kAssembly);
@@ -491,6 +571,9 @@ class Run {
   Surface surface_;
   std::unique_ptr<Adjacency> adjacency_;
   IdVector<FaceId, FaceGeometry> geometry_;
+  bool is_closed_ = false;  ///< of the surface with its repeated faces and T-junctions mended
+  std::uint64_t non_manifold_edges_ = 0;
+  FoundIntersections input_intersections_;
   Regions regions_;
   PatchSet patches_;
   BoundaryLoops loops_;
@@ -513,11 +596,6 @@ auto in_arena(const RunSettings& settings, Work work) {
   const auto most = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
   tbb::task_arena arena(std::clamp(settings.workers, 1, most));
   return arena.execute(work);
-}
-
-[[noreturn]] void not_implemented(const char* option) {
-  throw Error(Code::kNotImplemented, Stage::kQueued, std::string("option ") + option + " is not implemented yet")
-      .for_option(option);
 }
 
 [[noreturn]] void invalid(const char* option, const std::string& what) {
@@ -559,9 +637,6 @@ void check_options(const Options& options) {
   if (options.reference_axis == ReferenceAxis::kGiven &&
       (!is_finite(options.reference_direction) || options.reference_direction == Vec3{}))
     invalid("reference_axis", "must be a direction of finite numbers, not all 0");
-
-  if (options.weld_tolerance > 0) not_implemented("weld_tolerance");
-  if (options.repair != Repair{}) not_implemented("repair");
 }
 
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,

@@ -20,15 +20,14 @@ struct Result {
 /// The version of the project, as in the report and in `--version`.
 const char* version();
 
-/// Errors: Code::kNotImplemented - an option asks for what does not exist yet (`option` is set);
-///         Code::kInvalidOption - a value out of its range, or two options that exclude each other.
+/// Errors: Code::kInvalidOption - a value out of its range, or two options that exclude each other (`option` is set).
 void check_options(const Options& options);
 
 /// Re-triangulates a surface: coplanar faces become patches, patches are triangulated from their essential vertices.
 /// Input:   a mesh that holds what PolygonMesh promises; `diagnostics` of its reader, passed on into the report.
 /// Output:  vertices with their input coordinates, bit for bit; triangles by patch; the report with a verdict all true.
 /// Holds:   the promises 1 to 7 of the design; the same bytes for any number of workers.
-/// Errors:  kEmptyMesh - no face; kNotImplemented, kInvalidOption - see check_options; kCancelled, kTimeout - asked to
+/// Errors:  kEmptyMesh - no face; kInvalidOption - see check_options; kCancelled, kTimeout - asked to
 ///          stop through `control`; kVerificationFailed - even the last rung of the ladder failed the check.
 /// Cost:    O(n log n) in the input's corners.
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,

@@ -53,6 +53,7 @@ std::string_view diagnostic_name(DiagnosticCode code) {
     case DiagnosticCode::kAttributeDropped: return "attribute_dropped";
     case DiagnosticCode::kTrailingBytes: return "trailing_bytes";
     case DiagnosticCode::kCurvedSurface: return "curved_surface";
+    case DiagnosticCode::kSmallDihedral: return "small_dihedral";
   }
   return "";
 }

@@ -51,6 +51,8 @@ struct MeshStatistics {
   std::int64_t euler = 0;
   double area = 0;
   std::optional<double> volume;
+  /// Pairs of faces that intersect; of the input as mended, and not those inside one large patch. Empty: not counted.
+  std::optional<std::uint64_t> intersecting_pairs;
   Box3 bounding_box;
   Quality quality;
 };
@@ -88,6 +90,7 @@ enum class DiagnosticCode {
   kAttributeDropped,
   kTrailingBytes,
   kCurvedSurface,
+  kSmallDihedral,
 };
 
 /// Something that was found, dropped, merged or split. `elements` holds the first 100, in the input's numbering from 0.
@@ -102,6 +105,26 @@ struct Diagnostic {
   void add(std::uint64_t element) {
     ++count;
     if (elements.size() < kMaxElements) elements.push_back(element);
+  }
+  /// Counts once for both, which are listed next to each other.
+  void add_pair(std::uint64_t first, std::uint64_t second) {
+    ++count;
+    if (elements.size() + 2 <= kMaxElements) elements.insert(elements.end(), {first, second});
+  }
+};
+
+/// Something that keeps a surface from bounding a volume. `places` holds the first 100: middles of edges, of faces, of
+/// where two faces meet.
+struct VolumeObstacle {
+  static constexpr std::size_t kMaxPlaces = 100;
+
+  DiagnosticCode code = DiagnosticCode::kOpenBoundary;
+  std::uint64_t count = 0;
+  std::vector<Vec3> places;
+
+  void add(const Vec3& place) {
+    ++count;
+    if (places.size() < kMaxPlaces) places.push_back(place);
   }
 };
 
@@ -139,6 +162,8 @@ struct Verdict {
   double deviation = 0;  ///< largest distance found between input and output
   /// Patches on which a test failed, ascending; empty if only a property of the whole failed.
   std::vector<PatchId> failed_patches;
+  /// Pairs of output faces that intersect, sorted; of very many just some.
+  std::vector<std::pair<FaceId, FaceId>> intersections;
   /// The first failures in words, for logs and tests.
   std::vector<std::string> failures;
 
@@ -160,6 +185,7 @@ struct Report {
   MeshStatistics output;
   std::vector<PatchSummary> patches;
   std::vector<Diagnostic> diagnostics;
+  std::vector<VolumeObstacle> volume_obstacles;  ///< of the result; of an analysis: of the input as mended
   std::uint64_t predicted_faces = 0;
   std::optional<double> smallest_gap;  ///< to the nearest facet that is not a neighbour, model units; see gap_search.h
   std::vector<Unrefined> unrefined;    ///< by reason, in the order of the enumeration; only those that occur

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/geometry/patch_intersections.h"
 #include "core/verify/boundary.h"
 #include "core/verify/edge_table.h"
 #include "core/verify/exact.h"
@@ -93,6 +94,34 @@ void check_whole(const Model& model, const EdgeCounts& input, const EdgeCounts& 
     findings.add(PatchId(), Fault::kVolume);
 }
 
+/// At most so many intersecting pairs are looked for.
+constexpr std::size_t kMostPairs = 100'000;
+
+/// Output: the pairs of output faces that intersect.
+std::vector<std::pair<FaceId, FaceId>> check_intersections(const Claim& claim,
+                                                           const std::vector<std::uint8_t>& is_positive,
+                                                           Findings& findings, RunControl& control) {
+  std::vector<Vec3> normals;
+  normals.reserve(claim.frames.size());
+  for (const Frame& frame : claim.frames) normals.push_back(frame.normal);
+  // In its plane a patch of positive triangles covers nothing twice that its boundary does not.
+  std::vector<std::uint8_t> is_simple(claim.frames.size(), 1);
+  for (std::size_t f = 0; f < claim.faces.size(); ++f)
+    if (!is_positive[f]) is_simple[claim.face_patch[f].value] = 0;
+  SelfIntersections found =
+      patch_intersections({claim.positions, claim.faces, claim.face_patch, normals, is_simple}, kMostPairs, control);
+  static const InputIntersections kNone;
+  const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNone;
+  if (known.is_complete)
+    for (const auto& [f, g] : found.pairs) {
+      const auto [p, q] = std::minmax(claim.face_patch[f.value], claim.face_patch[g.value]);
+      if (std::binary_search(known.patches.begin(), known.patches.end(), std::pair(p, q))) continue;
+      findings.add(p, Fault::kNewIntersection, f.value);
+      findings.add(q, Fault::kNewIntersection, g.value);
+    }
+  return std::move(found.pairs);
+}
+
 }  // namespace
 
 Verdict verify(const Claim& claim, RunControl& control) {
@@ -130,6 +159,7 @@ Verdict verify(const Claim& claim, RunControl& control) {
   control.progress(0.9);
 
   DelaunayCheck(model, output_edges, is_positive).run(findings, control);
+  verdict.intersections = check_intersections(claim, is_positive, findings, control);
   if (claim.refinement != nullptr) check_goals(*claim.refinement, model, output_edges, seams.output, findings, control);
   check_whole(model, input_counts, output_counts, shapes, findings);
   findings.write_to(verdict);

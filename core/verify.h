@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -24,17 +25,24 @@ struct RefinementClaim {
   std::span<const UnrefinedReason> reasons;  ///< one per entry of `unrefined`
 };
 
+/// Which patches intersect in the input: pairs of them, sorted, the smaller one first; (p, p) for within a patch.
+struct InputIntersections {
+  std::vector<std::pair<PatchId, PatchId>> patches;
+  bool is_complete = true;  ///< false: there are so many that these are not all
+};
+
 /// What the pipeline says it has done.
 struct Claim {
   const Surface& surface;                          ///< what was remeshed
   const IdVector<FaceId, PatchId>& surface_patch;  ///< patch of each face of `surface`
   const IdVector<PatchId, Frame>& frames;
-  std::span<const Vec3> positions;              ///< output vertices
-  std::span<const Triangle> faces;              ///< output faces
-  std::span<const PatchId> face_patch;          ///< patch of each output face
-  std::span<const Vec2> corner_uv;              ///< stored plane coordinates, 3 per output face
-  double plane_tolerance = 0;                   ///< model units
-  const RefinementClaim* refinement = nullptr;  ///< null: nothing was refined, and there are no new vertices
+  std::span<const Vec3> positions;                    ///< output vertices
+  std::span<const Triangle> faces;                    ///< output faces
+  std::span<const PatchId> face_patch;                ///< patch of each output face
+  std::span<const Vec2> corner_uv;                    ///< stored plane coordinates, 3 per output face
+  double plane_tolerance = 0;                         ///< model units
+  const RefinementClaim* refinement = nullptr;        ///< null: nothing was refined, and there are no new vertices
+  const InputIntersections* intersections = nullptr;  ///< null: none
 };
 
 /// Tests promises 1 to 3.
@@ -48,7 +56,8 @@ struct Claim {
 ///              and volume are kept within what the deviations explain.
 ///  conforming: every output edge has the faces, and the directions, that the input's edges under it have; no zero-area
 ///              or inverted triangle but for the input's own, no repeated face, no new non-manifold edge, no
-///              T-junction.
+///              T-junction; faces intersect (geometry/patch_intersections.h) only where their patches do in the input,
+///              which is not asked if that has too many intersections to list.
 ///  delaunay:   the stored plane coordinates are the projections of the vertices; every edge inside a patch is locally
 ///              Delaunay in them by exact arithmetic - or the edge that would replace it exists elsewhere in the output
 ///              (the chord rule).

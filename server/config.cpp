@@ -129,6 +129,12 @@ const std::vector<Setting>& settings() {
           "--request-timeout", "computing time of a request", [](Config & c) -> auto& { return c.request_timeout; }),
       bytes(
           "--max-body", "size of a request's body", [](Config & c) -> auto& { return c.max_body; }),
+      bytes(
+          "--max-decompressed", "size of a body, or of a mesh in it, out of gzip",
+          [](Config & c) -> auto& { return c.max_decompressed; }),
+      {"--max-ratio", "how many times larger than its compressed bytes that may be, beyond the first MiB",
+       [](Config& c, const auto& text) { c.max_ratio = between(1, 1'000'000, parse_count(text)); },
+       [](const Config& c) { return std::to_string(c.max_ratio); }},
       count(
           "--max-vertices", "vertices of an input mesh", [](Config & c) -> auto& { return c.max_vertices; }),
       count(
@@ -195,6 +201,8 @@ void complete(Config& config, Command command) {
 api::Limits Config::api_limits() const {
   api::Limits limits;
   limits.max_body = max_body;
+  limits.max_decompressed = max_decompressed;
+  limits.max_ratio = max_ratio;
   limits.max_vertices = max_vertices;
   limits.max_faces = max_faces;
   limits.max_output_faces = max_output_faces;

@@ -25,6 +25,8 @@ struct Config {
 
   int workers = 1;
   std::uint64_t max_body = 256ull << 20;
+  std::uint64_t max_decompressed = 1024ull << 20;
+  std::uint64_t max_ratio = 100;
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;
   std::uint64_t max_output_faces = 50'000'000;

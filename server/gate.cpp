@@ -94,13 +94,6 @@ bool is_continue_expected(const RequestHead& head) {
   return head.minor_version >= 1 && lower_case(head.header("expect")) == "100-continue";
 }
 
-void refuse_content_coding(const RequestHead& head) {
-  const std::string_view coding = head.header("content-encoding");
-  if (coding.empty() || coding == "identity") return;
-  throw HttpError(415, "unsupported_media_type",
-                  "compressed bodies are not supported: send it without Content-Encoding");
-}
-
 }  // namespace
 
 std::optional<PendingBody> read_head(Connection& connection, const GateLimits& limits, RequestHead& head) {
@@ -118,7 +111,6 @@ std::string read_body(Connection& connection, const GateLimits& limits, const Re
   if (kind == Framing::Kind::kLength && length > max_body) {
     throw HttpError(413, "body_too_large", "the body is larger than this resource takes").with_limit(max_body);
   }
-  refuse_content_coding(head);
   // Before the client sends it all: is there room for it now?
   if (kind == Framing::Kind::kLength) reserve(0, length);
 

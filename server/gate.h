@@ -37,8 +37,9 @@ std::optional<PendingBody> read_head(Connection& connection, const GateLimits& l
 /// far as that is known. Throws HttpError to refuse.
 using Reserve = std::function<void(std::uint64_t held, std::uint64_t expected)>;
 
-/// Reads the body behind a head, decoded. Says 100 Continue where the client waits for it.
-/// Errors:  HttpError - 400, 408, 413 (longer than `max_body`), 415, what `reserve` throws; ConnectionLost.
+/// Reads the body behind a head, out of its chunks; what Content-Encoding says is left to whoever takes it. Says 100
+/// Continue where the client waits for it.
+/// Errors:  HttpError - 400, 408, 413 (longer than `max_body`), what `reserve` throws; ConnectionLost.
 std::string read_body(Connection& connection, const GateLimits& limits, const RequestHead& head,
                       const PendingBody& pending, std::uint64_t max_body, const Reserve& reserve);
 

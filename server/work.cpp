@@ -28,6 +28,7 @@ class Job {
     body_ = std::move(request.body);
     accept_encoding_ = request.header("accept-encoding");
     input_.content_type = request.header("content-type");
+    input_.content_encoding = request.header("content-encoding");
     input_.accept = request.header("accept");
     input_.query = std::move(request.query);
     input_.body = body_;

@@ -10,32 +10,31 @@
 #include <iostream>
 #include <limits>
 #include <map>
-#include <new>
 #include <string>
 #include <string_view>
 #include <thread>
 #include <vector>
 
+#include "api/cli/batch.h"
+#include "api/cli/failure.h"
 #include "api/cli/files.h"
 #include "api/cli/progress_bar.h"
 #include "api/job.h"
 #include "api/options.h"
 #include "core/io/formats.h"
+#include "core/io/gzip.h"
 #include "core/remesh.h"
 
 namespace remesh::cli {
 namespace {
 
-constexpr int kDone = 0;
-constexpr int kFailed = 1;
-constexpr int kMisused = 2;
-
 struct Arguments {
   std::string input;
   std::string output;
   std::string report;
+  std::string batch;  // a folder, in place of the input
   int workers = 1;
-  std::vector<std::pair<std::string_view, std::string>> options;  // by the contract's names
+  api::Fields options;  // by the contract's names
 };
 
 /// The command line does not say what to do.
@@ -75,13 +74,32 @@ bool has_unknown_ending(const std::string& path) {
   return std::filesystem::path(path).has_extension() && !format_from_file_name(path);
 }
 
+/// Errors: UsageError - what must be given is not, or two things go to one place.
+void check_paths(const Arguments& arguments) {
+  if (!arguments.batch.empty()) {
+    if (!arguments.input.empty()) throw UsageError("--batch takes the place of the input " + arguments.input);
+    if (arguments.report.empty()) throw UsageError("--batch needs --report, where its table goes");
+    if (arguments.output == "-") throw UsageError("with --batch the output is a folder");
+    return;
+  }
+  if (arguments.input.empty()) throw UsageError("input is required");
+  if (arguments.output.empty()) throw UsageError("--output is required");
+  if (arguments.output == arguments.report) {
+    throw UsageError("the mesh and the report cannot both go to " + name_of_output(arguments.output));
+  }
+}
+
 /// Fills `arguments`. Errors: CLI::ParseError, also for --help and --version; UsageError.
 void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   arguments.workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   app.set_version_flag("--version", std::string("remesh ") + version());
-  app.add_option("input", arguments.input, "the mesh to read; - for standard input")->required();
-  app.add_option("-o,--output", arguments.output, "the mesh to write; - for standard output")->required();
+  app.add_option("input", arguments.input, "the mesh to read; - for standard input");
+  app.add_option("-o,--output", arguments.output,
+                 "the mesh to write; - for standard output; compressed if it ends in .gz");
   app.add_option("--report", arguments.report, "also write the report, as JSON");
+  app.add_option("--batch", arguments.batch,
+                 "remesh every mesh in this folder instead; --report is then a table (CSV), a line a file, and -o a "
+                 "folder that may be left out");
   app.add_option("--workers", arguments.workers, "threads that compute; the result does not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
@@ -96,13 +114,11 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   app.allow_extras();
   app.parse(argc, argv);
   if (const auto extras = app.remaining(); !extras.empty()) throw UsageError(unknown_argument(extras.front()));
-  if (!arguments.report.empty() && arguments.output == arguments.report) {
-    throw UsageError("the mesh and the report cannot both go to " + name_of_output(arguments.output));
-  }
+  check_paths(arguments);
   for (const api::OptionSpec& spec : api::option_table()) {
     if (flags[spec.name]->count() > 0) arguments.options.emplace_back(spec.name, values[spec.name]);
   }
-  if (flags["format"]->count() == 0 && has_unknown_ending(arguments.output)) {
+  if (arguments.batch.empty() && flags["format"]->count() == 0 && has_unknown_ending(arguments.output)) {
     throw UsageError("the ending of " + arguments.output + " is no format's; --format says which it is");
   }
 }
@@ -110,28 +126,13 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
 /// No server, no limits but what the ids can count.
 api::Limits limits_for(int workers) {
   api::Limits limits;
+  limits.max_decompressed = std::numeric_limits<std::uint64_t>::max();
+  limits.max_ratio = 1000;  // hardly less than gzip can: no file of zeros
   limits.max_vertices = VertexId::kInvalid;
   limits.max_faces = FaceId::kInvalid;
   limits.max_output_faces = std::numeric_limits<std::uint64_t>::max();
   limits.workers = workers;
   return limits;
-}
-
-/// What the command line alone decides is misuse; what the mesh decides is a failure, be it at an option's bound.
-int exit_code(const Error& error) {
-  if (error.code == Code::kOutputTooLarge) return kFailed;
-  return error.option.empty() && error.code != Code::kNotAcceptable ? kFailed : kMisused;
-}
-
-/// `part.obj:12: index_out_of_range: face 3 ...`
-std::string describe(const Error& error, const std::string& input) {
-  std::string text;
-  if (exit_code(error) == kFailed && error.stage == Stage::kRead) {
-    text = input == "-" ? "standard input" : input;
-    if (error.line) text += ":" + std::to_string(*error.line);
-    text += ": ";
-  }
-  return text + std::string(code_name(error.code)) + ": " + error.what();
 }
 
 // Set before the handlers are installed, and outlives them.
@@ -142,15 +143,47 @@ void interrupt(int) {
   if (RunControl* const run = g_interrupted_run.load()) run->cancel();
 }
 
-int run(const Arguments& arguments) {
-  static RunControl control;
+void stop_on_signals(RunControl& control) {
   g_interrupted_run = &control;
   struct sigaction action {};  // without SA_RESTART: waiting for input ends too
   action.sa_handler = interrupt;
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
   ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error of writing
+}
 
+void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
+  job.input_format = format_from_file_name(arguments.input);
+  if (const auto format = format_from_file_name(arguments.output)) job.accept = media_type(*format);
+  const std::string mesh = read_file(arguments.input, control);
+  job.mesh = mesh;
+
+  api::RemeshAnswer answer;
+  std::string report;
+  {
+    const ProgressBar progress([&] { return progress_line(control); });
+    answer = api::run_remesh_job(std::move(job), limits_for(arguments.workers), control);
+    if (is_gzip_file_name(arguments.output)) answer.body = gzip(answer.body, control);
+    if (!arguments.report.empty()) report = api::report_document(answer, control);
+    control.check();
+  }
+  write_file(arguments.output, answer.body);
+  if (!arguments.report.empty()) write_file(arguments.report, report);
+}
+
+int remesh_folder(const Arguments& arguments, RunControl& control) {
+  const BatchJob job{arguments.batch, arguments.report, arguments.output, arguments.options,
+                     limits_for(arguments.workers)};
+  const BatchOutcome outcome = run_batch(job, control);
+  if (outcome.failed == 0) return kDone;
+  std::cerr << "remesh: " << outcome.failed << " of " << outcome.files << " files failed; "
+            << name_of_output(arguments.report) << " says why\n";
+  return kFailed;
+}
+
+int run(const Arguments& arguments) {
+  static RunControl control;
+  stop_on_signals(control);
   // As many threads as asked for, even where the machine has fewer cores.
   const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
                                         static_cast<std::size_t>(arguments.workers));
@@ -158,33 +191,14 @@ int run(const Arguments& arguments) {
     api::Job job;
     for (const auto& [name, value] : arguments.options) job.options.add(name, value);
     job.options.check();
-    job.input_format = format_from_file_name(arguments.input);
-    if (const auto format = format_from_file_name(arguments.output)) job.accept = media_type(*format);
-    const std::string mesh = read_file(arguments.input, control);
-    job.mesh = mesh;
-
-    api::RemeshAnswer answer;
-    std::string report;
-    {
-      const ProgressBar progress(control);
-      answer = api::run_remesh_job(std::move(job), limits_for(arguments.workers), control);
-      if (!arguments.report.empty()) report = api::report_document(answer, control);
-      control.check();
-    }
-    write_file(arguments.output, answer.body);
-    if (!arguments.report.empty()) write_file(arguments.report, report);
+    if (!arguments.batch.empty()) return remesh_folder(arguments, control);
+    remesh_one(arguments, std::move(job), control);
     return kDone;
-  } catch (const Error& error) {
-    std::cerr << "remesh: " << describe(error, arguments.input) << "\n";
-    return exit_code(error);
-  } catch (const FileError& error) {
-    std::cerr << "remesh: " << error.what() << "\n";
-  } catch (const std::bad_alloc&) {
-    std::cerr << "remesh: out_of_memory: the mesh needs more memory than there is\n";
-  } catch (const std::exception& error) {
-    std::cerr << "remesh: internal: " << error.what() << "\n";
+  } catch (...) {
+    const Failure failure = failure_of(std::current_exception(), arguments.input);
+    std::cerr << "remesh: " << failure.line << "\n";
+    return failure.exit_code;
   }
-  return kFailed;
 }
 
 }  // namespace

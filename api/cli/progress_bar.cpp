@@ -5,23 +5,23 @@
 #include <chrono>
 #include <iostream>
 #include <string>
+#include <utility>
 
 namespace remesh::cli {
-namespace {
 
-// "[############            ]  50 % triangulation"
-std::string bar(const RunControl& control) {
+std::string progress_bar(double fraction) {
   constexpr int kWidth = 24;
-  const double fraction = control.fraction();
   const int filled = static_cast<int>(fraction * kWidth);
   const std::string percent = std::to_string(static_cast<int>(fraction * 100));
   return "[" + std::string(filled, '#') + std::string(kWidth - filled, ' ') + "] " +
-         std::string(3 - percent.size(), ' ') + percent + " % " + std::string(stage_name(control.stage()));
+         std::string(3 - percent.size(), ' ') + percent + " % ";
 }
 
-}  // namespace
+std::string progress_line(const RunControl& control) {
+  return progress_bar(control.fraction()) + std::string(stage_name(control.stage()));
+}
 
-ProgressBar::ProgressBar(const RunControl& control) : control_(control) {
+ProgressBar::ProgressBar(std::function<std::string()> line) : line_(std::move(line)) {
   if (::isatty(STDERR_FILENO) == 1) thread_ = std::thread([this] { show_until_done(); });
 }
 
@@ -40,7 +40,7 @@ void ProgressBar::show_until_done() {
   constexpr const char* kClearLine = "\r\033[K";
   std::unique_lock lock(mutex_);
   while (!wake_.wait_for(lock, kInterval, [this] { return is_done_; })) {
-    std::cerr << kClearLine << bar(control_) << std::flush;
+    std::cerr << kClearLine << line_() << std::flush;
   }
   std::cerr << kClearLine << std::flush;
 }

@@ -2,17 +2,26 @@
 #pragma once
 
 #include <condition_variable>
+#include <functional>
 #include <mutex>
+#include <string>
 #include <thread>
 
 #include "core/base/run_control.h"
 
 namespace remesh::cli {
 
-/// Shows stage and fraction of a run for as long as it lives, if standard error is a terminal; else does nothing.
+/// `[############            ]  50 % `
+std::string progress_bar(double fraction);
+
+/// The same with the stage of a run.
+std::string progress_line(const RunControl& control);
+
+/// Shows a line again and again for as long as it lives, if standard error is a terminal; else does nothing.
 class ProgressBar {
  public:
-  explicit ProgressBar(const RunControl& control);
+  /// `line` is called on a thread of the bar's own.
+  explicit ProgressBar(std::function<std::string()> line);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;
   ProgressBar& operator=(const ProgressBar&) = delete;
@@ -20,7 +29,7 @@ class ProgressBar {
  private:
   void show_until_done();
 
-  const RunControl& control_;
+  const std::function<std::string()> line_;
   std::mutex mutex_;
   std::condition_variable wake_;
   bool is_done_ = false;

@@ -11,6 +11,7 @@ std::string_view code_name(Code code) {
     case Code::kNonfiniteCoordinate: return "nonfinite_coordinate";
     case Code::kEmptyMesh: return "empty_mesh";
     case Code::kMeshTooLarge: return "mesh_too_large";
+    case Code::kDecompressedTooLarge: return "decompressed_too_large";
     case Code::kOutputTooLarge: return "output_too_large";
     case Code::kMalformedJson: return "malformed_json";
     case Code::kMalformedMultipart: return "malformed_multipart";

@@ -16,6 +16,7 @@ enum class Code {
   kNonfiniteCoordinate,
   kEmptyMesh,
   kMeshTooLarge,
+  kDecompressedTooLarge,
   kOutputTooLarge,
   kMalformedJson,
   kMalformedMultipart,
@@ -64,6 +65,10 @@ class Error : public std::runtime_error {
     line = l;
     return *this;
   }
+  Error& at_byte(std::uint64_t b) {
+    byte = b;
+    return *this;
+  }
   Error& at_element(std::uint64_t e) {
     element = e;
     return *this;
@@ -80,6 +85,7 @@ class Error : public std::runtime_error {
   Code code;
   Stage stage;
   std::optional<std::uint64_t> line;     ///< from 1, in the text that was read
+  std::optional<std::uint64_t> byte;     ///< from 0, in the binary data that was read
   std::optional<std::uint64_t> element;  ///< face or vertex, counted as the input's format counts
   std::optional<std::uint64_t> limit;    ///< the bound that was passed
   std::string option;                    ///< the option at fault, by its name in the contract

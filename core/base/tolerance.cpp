@@ -23,15 +23,25 @@ struct Decimal {
 
 /// x as an odd number of quanta, once the last bits, which are its own rounding and the product's, are forgotten.
 Decimal odd_part(double x) {
-  int exponent = 0;
-  const double fraction = std::frexp(x, &exponent);
-  const auto mantissa = static_cast<std::uint64_t>(std::ldexp(std::fabs(fraction), 53));
-  constexpr int kSlack = 2;
-  std::uint64_t roundest = mantissa;
-  for (std::uint64_t m = mantissa - kSlack; m <= mantissa + kSlack; ++m)
-    if (std::countr_zero(m) > std::countr_zero(roundest)) roundest = m;
+  // By the number's own bits: this is most of the work of reading all coordinates' digits.
+  constexpr int kBias = 1023, kBits = 52;
+  const auto bits = std::bit_cast<std::uint64_t>(x);
+  int field = static_cast<int>(bits >> kBits & 0x7ff);
+  std::uint64_t mantissa = (bits & 0xfffffffffffffull) | std::uint64_t{1} << kBits;
+  if (field == 0) {  // subnormal
+    int exponent = 0;
+    mantissa = static_cast<std::uint64_t>(std::ldexp(std::fabs(std::frexp(x, &exponent)), kBits + 1));
+    field = exponent + kBias - 1;
+  }
+  // The roundest number within two of the mantissa: the multiple of eight there, if any, or the first one of four.
+  const std::uint64_t of_eight = (mantissa + 2) & ~std::uint64_t{7};
+  const std::uint64_t roundest = of_eight + 2 >= mantissa ? of_eight : (mantissa + 1) & ~std::uint64_t{3};
   const int zeros = std::countr_zero(roundest);
-  return {static_cast<double>(roundest >> zeros), std::ldexp(1.0, exponent - 53 + zeros)};
+  const int exponent = field - kBias - kBits + zeros;
+  const double quantum = exponent + kBias > 0 && exponent <= kBias
+                             ? std::bit_cast<double>(static_cast<std::uint64_t>(exponent + kBias) << kBits)
+                             : std::ldexp(1.0, exponent);
+  return {static_cast<double>(roundest >> zeros), quantum};
 }
 
 const std::array<double, kMaxDecimals + 1>& powers_of_five() {

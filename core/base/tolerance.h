@@ -23,6 +23,9 @@ inline constexpr double kToleranceCeiling = 1e-4;
 /// Above this, of the diagonal, a step counts as noise only if faces are seen to bend by it (see `is_noise_present`).
 inline constexpr double kToleranceUnquestioned = 1e-6;
 
+/// A face thinner than this many plane tolerances has no normal worth asking, and may be turned over in its plane.
+inline constexpr double kThinFace = 2;
+
 /// A step of the ladder tightens a patch's tolerance by this.
 inline constexpr double kLadderFactor = 0.1;
 

@@ -1,6 +1,7 @@
 #include "core/geometry/self_intersections.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/base/blocks.h"
 #include "core/geometry/predicates_3d.h"
@@ -20,72 +21,182 @@ constexpr std::size_t kBlocksInRound = 64;
 /// Tests between two points of cancellation.
 constexpr std::uint32_t kTestsBetweenChecks = 4096;
 
+/// A vertex with more faces than this is a hub: the pairs around it are found by their directions from it.
+constexpr std::uint32_t kMostAtVertex = 64;
+
+/// Directions are rounded; their boxes are made wider by this.
+constexpr double kDirectionMargin = 1e-12;
+
+/// The hubs that all faces of a node have; invalid where there are fewer than three.
+using Hubs = std::array<VertexId, 3>;
+
+bool has(const Triangle& face, VertexId v) { return std::find(face.begin(), face.end(), v) != face.end(); }
+
+Hubs common(const Hubs& a, const Hubs& b) {
+  Hubs both;
+  std::copy_if(a.begin(), a.end(), both.begin(),
+               [&](VertexId v) { return v.is_valid() && std::find(b.begin(), b.end(), v) != b.end(); });
+  return both;
+}
+
+Box3 widened(Box3 box, double margin) {
+  for (int axis = 0; axis < 3; ++axis) {
+    box.min[axis] -= margin;
+    box.max[axis] += margin;
+  }
+  return box;
+}
+
 class Search {
  public:
-  Search(std::span<const Vec3> positions, std::span<const Triangle> faces, const std::vector<std::uint8_t>* moved,
-         RunControl& control)
+  Search(std::span<const Vec3> positions, std::span<const Triangle> faces, std::span<const std::uint32_t> pieces,
+         std::size_t max_pairs, RunControl& control)
       : positions_(scaled_for_predicates(positions)),
         faces_(faces),
-        moved_(moved),
-        control_(control),
-        tree_(positions_, faces, control) {
-    for (std::size_t slot = 0; slot < tree_.size(); ++slot)
-      if (is_moved(slot)) to_test_.push_back(slot);
-  }
+        pieces_(pieces),
+        max_pairs_(max_pairs),
+        control_(control) {}
 
-  SelfIntersections run(std::size_t max_pairs) const {
-    SelfIntersections result;
-    for (std::size_t begin = 0; begin < to_test_.size() && result.is_complete; begin += kBlock * kBlocksInRound) {
-      const std::size_t n = std::min(to_test_.size() - begin, kBlock * kBlocksInRound);
-      const std::size_t room = max_pairs - result.pairs.size();
-      const auto found = map_blocks<Pairs>(n, kBlock, control_, [&](std::size_t first, std::size_t last) {
-        return pairs_of(begin + first, begin + last, room);
-      });
-      for (const Pairs& pairs : found) result.pairs.insert(result.pairs.end(), pairs.begin(), pairs.end());
-      result.is_complete = result.pairs.size() <= max_pairs;
+  SelfIntersections run() {
+    find_hubs();
+    find_everywhere();
+    for (std::size_t begin = 0; begin < at_hub_.size() && result_.is_complete;) {
+      std::size_t end = begin + 1;
+      while (end < at_hub_.size() && at_hub_[end].first == at_hub_[begin].first) ++end;
+      find_at_hub(begin, end);
+      begin = end;
     }
-    if (!result.is_complete) result.pairs.resize(max_pairs);
-    std::sort(result.pairs.begin(), result.pairs.end());
-    return result;
+    if (!result_.is_complete) result_.pairs.resize(max_pairs_);
+    std::sort(result_.pairs.begin(), result_.pairs.end());
+    return std::move(result_);
   }
 
  private:
-  bool is_moved(std::size_t slot) const { return moved_ == nullptr || (*moved_)[tree_.face(slot).value] != 0; }
+  void find_hubs() {
+    std::vector<std::uint32_t> faces_at(positions_.size(), 0);
+    for (const Triangle& face : faces_)
+      for (const VertexId v : face) ++faces_at[v.value];
+    if (std::none_of(faces_at.begin(), faces_at.end(), [](std::uint32_t n) { return n > kMostAtVertex; })) return;
+    is_hub_.resize(positions_.size());
+    for (std::size_t v = 0; v < faces_at.size(); ++v) is_hub_[v] = faces_at[v] > kMostAtVertex;
+    for (std::uint32_t f = 0; f < faces_.size(); ++f)
+      for (const VertexId v : hubs_of(FaceId(f)))
+        if (v.is_valid()) at_hub_.push_back({v, FaceId(f)});
+    std::sort(at_hub_.begin(), at_hub_.end());
+    at_hub_.erase(std::unique(at_hub_.begin(), at_hub_.end()), at_hub_.end());
+  }
 
-  /// Pairs of the faces to test from `begin` to `end`: all, or the first `room` and one more. Of two faces to test, the
-  /// one in the earlier slot finds the pair.
-  Pairs pairs_of(std::size_t begin, std::size_t end, std::size_t room) const {
-    Pairs pairs;
-    std::uint32_t tests = 0;
-    for (std::size_t i = begin; i < end && pairs.size() <= room; ++i) {
-      const std::size_t slot = to_test_[i];
-      const FaceId f = tree_.face(slot);
-      const std::size_t first = moved_ == nullptr ? slot + 1 : 0;
-      tree_.visit_meeting(tree_.box(slot), first, [&](std::size_t other) {
-        if (other <= slot && is_moved(other)) return true;
-        if (++tests % kTestsBetweenChecks == 0) control_.check();
-        const FaceId g = tree_.face(other);
-        if (do_intersect(faces_[f.value], faces_[g.value], positions_)) pairs.push_back(std::minmax(f, g));
-        return pairs.size() <= room;
-      });
+  Hubs hubs_of(FaceId f) const {
+    Hubs hubs;
+    std::copy_if(faces_[f.value].begin(), faces_[f.value].end(), hubs.begin(),
+                 [&](VertexId v) { return is_hub_[v.value] != 0; });
+    return hubs;
+  }
+
+  /// The hub at which two faces are held against each other; none if they are to be, wherever their boxes meet.
+  VertexId shared_hub(FaceId f, FaceId g) const {
+    VertexId first;
+    if (is_hub_.empty()) return first;
+    for (const VertexId v : faces_[f.value])
+      if (is_hub_[v.value] && has(faces_[g.value], v)) first = std::min(first, v);
+    return first;
+  }
+
+  bool do_count(FaceId f, FaceId g) const {
+    if (!pieces_.empty() && pieces_[f.value] == pieces_[g.value] && pieces_[f.value] != kNoPiece) return false;
+    return do_intersect(faces_[f.value], faces_[g.value], positions_);
+  }
+
+  void find_everywhere() {
+    const TriangleTree tree(positions_, faces_, control_);
+    std::vector<Hubs> hubs;
+    if (!is_hub_.empty()) hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(tree.face(slot)); }, common);
+    find_pairs(
+        tree, 0, [&](std::size_t slot) { return tree.face(slot); },
+        [&](FaceId f, std::size_t node) {
+          return !hubs.empty() && std::any_of(hubs[node].begin(), hubs[node].end(),
+                                              [&](VertexId v) { return v.is_valid() && has(faces_[f.value], v); });
+        },
+        [&](FaceId f, FaceId g) { return !shared_hub(f, g).is_valid() && do_count(f, g); });
+  }
+
+  /// Seen from a hub its faces are arcs, and two of them meet elsewhere, too, only if these arcs do.
+  void find_at_hub(std::size_t begin, std::size_t end) {
+    const VertexId hub = at_hub_[begin].first;
+    std::vector<Vec3> corners;
+    std::vector<Triangle> arcs;
+    for (std::size_t i = begin; i < end; ++i) {
+      if (i % kTestsBetweenChecks == 0) control_.check();
+      for (const Vec3& corner : around_arc(hub, faces_[at_hub_[i].second.value])) corners.push_back(corner);
+      const std::size_t n = corners.size();
+      arcs.push_back({VertexId(n - 3), VertexId(n - 2), VertexId(n - 1)});
     }
-    return pairs;
+    const TriangleTree tree(corners, arcs, control_);
+    find_pairs(
+        tree, kDirectionMargin, [&](std::size_t slot) { return at_hub_[begin + tree.face(slot).value].second; },
+        [](FaceId, std::size_t) { return false; },
+        [&](FaceId f, FaceId g) { return shared_hub(f, g) == hub && do_count(f, g); });
+  }
+
+  /// A triangle of directions that holds the arc: its two ends and where the tangents there cross.
+  std::array<Vec3, 3> around_arc(VertexId hub, const Triangle& face) const {
+    std::array<Vec3, 2> ends;
+    std::size_t n = 0;
+    for (const VertexId v : face)
+      if (v != hub && n < 2) ends[n++] = normalized(positions_[v.value] - positions_[hub.value]);
+    if (n == 1) ends[1] = ends[0];
+    const Vec3 middle = 0.5 * (ends[0] + ends[1]);
+    const double cosine_squared = norm_squared(middle);
+    constexpr double kWide = 0.01;  // beyond some 168 degrees, the whole sphere
+    if (cosine_squared < kWide) return {Vec3{-1, -1, -1}, Vec3{1, 1, 1}, Vec3{1, 1, 1}};
+    return {ends[0], ends[1], (1 / cosine_squared) * middle};
+  }
+
+  /// Adds the pairs of a tree's slots whose boxes meet and for which is_pair(f, g) holds. Of two slots the earlier one
+  /// finds the pair.
+  template <class FaceOf, class IsOfNoInterest, class IsPair>
+  void find_pairs(const TriangleTree& tree, double margin, const FaceOf& face_of,
+                  const IsOfNoInterest& is_of_no_interest, const IsPair& is_pair) {
+    for (std::size_t begin = 0; begin < tree.size() && result_.is_complete; begin += kBlock * kBlocksInRound) {
+      const std::size_t n = std::min(tree.size() - begin, kBlock * kBlocksInRound);
+      const std::size_t room = max_pairs_ - result_.pairs.size();
+      const auto found = map_blocks<Pairs>(n, kBlock, control_, [&](std::size_t first, std::size_t last) {
+        Pairs pairs;
+        std::uint32_t tests = 0;
+        for (std::size_t slot = begin + first; slot < begin + last && pairs.size() <= room; ++slot) {
+          const FaceId f = face_of(slot);
+          tree.visit_meeting(
+              widened(tree.box(slot), margin), slot + 1, [&](std::size_t node) { return is_of_no_interest(f, node); },
+              [&](std::size_t other) {
+                if (++tests % kTestsBetweenChecks == 0) control_.check();
+                const FaceId g = face_of(other);
+                if (is_pair(f, g)) pairs.push_back(std::minmax(f, g));
+                return pairs.size() <= room;
+              });
+        }
+        return pairs;
+      });
+      for (const Pairs& pairs : found) result_.pairs.insert(result_.pairs.end(), pairs.begin(), pairs.end());
+      result_.is_complete = result_.pairs.size() <= max_pairs_;
+    }
   }
 
   std::vector<Vec3> positions_;
   std::span<const Triangle> faces_;
-  const std::vector<std::uint8_t>* moved_;
+  std::span<const std::uint32_t> pieces_;
+  std::size_t max_pairs_;
   RunControl& control_;
-  TriangleTree tree_;
-  std::vector<std::size_t> to_test_;  ///< slots, ascending
+  std::vector<std::uint8_t> is_hub_;                 ///< per vertex; empty if none is
+  std::vector<std::pair<VertexId, FaceId>> at_hub_;  ///< sorted
+  SelfIntersections result_;
 };
 
 }  // namespace
 
 SelfIntersections self_intersections(std::span<const Vec3> positions, std::span<const Triangle> faces,
-                                     const std::vector<std::uint8_t>* moved, std::size_t max_pairs,
+                                     std::span<const std::uint32_t> pieces, std::size_t max_pairs,
                                      RunControl& control) {
-  return Search(positions, faces, moved, control).run(max_pairs);
+  return Search(positions, faces, pieces, max_pairs, control).run();
 }
 
 }  // namespace remesh

@@ -30,7 +30,18 @@ class TriangleTree {
   /// Calls visit(slot) for the slots from `first` on whose boxes meet `box` (touching included), in ascending order,
   /// as long as visit returns true.
   template <class Visit>
-  void visit_meeting(const Box3& box, std::size_t first, const Visit& visit) const;
+  void visit_meeting(const Box3& box, std::size_t first, const Visit& visit) const {
+    visit_meeting(
+        box, first, [](std::size_t) { return false; }, visit);
+  }
+  /// The same without the nodes for which is_of_no_interest(node) holds.
+  template <class IsOfNoInterest, class Visit>
+  void visit_meeting(const Box3& box, std::size_t first, const IsOfNoInterest& is_of_no_interest,
+                     const Visit& visit) const;
+
+  /// A value for each node: those of its slots, joined. Nodes are numbered as visit_meeting names them.
+  template <class Value, class OfSlot, class Join>
+  std::vector<Value> joined(const OfSlot& of_slot, const Join& join) const;
 
  private:
   /// A leaf has at most this many slots.
@@ -52,8 +63,9 @@ inline bool do_meet(const Box3& a, const Box3& b) {
          b.min.z <= a.max.z;
 }
 
-template <class Visit>
-void TriangleTree::visit_meeting(const Box3& box, std::size_t first, const Visit& visit) const {
+template <class IsOfNoInterest, class Visit>
+void TriangleTree::visit_meeting(const Box3& box, std::size_t first, const IsOfNoInterest& is_of_no_interest,
+                                 const Visit& visit) const {
   struct Node {
     int level;
     std::size_t j;
@@ -64,8 +76,8 @@ void TriangleTree::visit_meeting(const Box3& box, std::size_t first, const Visit
   stack[depth++] = {0, 0};
   while (depth > 0) {
     const Node node = stack[--depth];
-    const std::size_t end = node_begin(node.level, node.j + 1);
-    if (end <= first || !do_meet(node_box_[node_index(node.level, node.j)], box)) continue;
+    const std::size_t end = node_begin(node.level, node.j + 1), index = node_index(node.level, node.j);
+    if (end <= first || !do_meet(node_box_[index], box) || is_of_no_interest(index)) continue;
     if (node.level < leaf_level_) {
       stack[depth++] = {node.level + 1, 2 * node.j + 1};
       stack[depth++] = {node.level + 1, 2 * node.j};
@@ -74,6 +86,24 @@ void TriangleTree::visit_meeting(const Box3& box, std::size_t first, const Visit
     for (std::size_t slot = std::max(first, node_begin(node.level, node.j)); slot < end; ++slot)
       if (do_meet(slot_box_[slot], box) && !visit(slot)) return;
   }
+}
+
+template <class Value, class OfSlot, class Join>
+std::vector<Value> TriangleTree::joined(const OfSlot& of_slot, const Join& join) const {
+  std::vector<Value> values(node_box_.size());
+  for (int level = leaf_level_; level >= 0; --level)
+    for (std::size_t j = 0; j < std::size_t{1} << level; ++j) {
+      Value& value = values[node_index(level, j)];
+      if (level < leaf_level_) {
+        value = join(values[node_index(level + 1, 2 * j)], values[node_index(level + 1, 2 * j + 1)]);
+        continue;
+      }
+      std::size_t slot = node_begin(level, j);
+      const std::size_t end = node_begin(level, j + 1);
+      if (slot < end) value = of_slot(slot);
+      while (++slot < end) value = join(value, of_slot(slot));
+    }
+  return values;
 }
 
 }  // namespace remesh

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstddef>
 
+#include "core/io/off.h"
+#include "core/io/stl.h"
 #include "core/io/text.h"
 
 namespace remesh {
@@ -12,16 +14,6 @@ namespace {
 char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool is_space(char c) { return is_blank(c) || c == '\n' || c == '\r'; }
-
-/// A header of 80 bytes, a count, 50 bytes a triangle. Text of the very length that four of its own bytes ask for does
-/// not happen: they would count at least 150 million triangles.
-bool is_binary_stl(std::string_view content) {
-  constexpr std::size_t kHeader = 80;
-  if (content.size() < kHeader + 4) return false;
-  std::uint64_t count = 0;
-  for (std::size_t i = 4; i-- > 0;) count = count << 8 | static_cast<unsigned char>(content[kHeader + i]);
-  return content.size() == kHeader + 4 + 50 * count;
-}
 
 /// The first token that is neither blank nor in a comment line.
 std::string_view first_word(std::string_view text) {
@@ -35,13 +27,17 @@ std::string_view first_word(std::string_view text) {
   return text.substr(0, static_cast<std::size_t>(end - text.begin()));
 }
 
-/// `OFF` with the prefixes that name what its vertices carry: texture coordinates, colours, normals, a fourth or
-/// n-th coordinate.
-bool is_off_mark(std::string_view word) {
-  for (const std::string_view prefix : {"ST", "C", "N", "4", "n"}) {
-    if (word.starts_with(prefix)) word.remove_prefix(prefix.size());
+bool equals_ignoring_case(std::string_view text, std::string_view lower_case) {
+  return std::equal(text.begin(), text.end(), lower_case.begin(), lower_case.end(),
+                    [](char c, char lower) { return to_lower(c) == lower; });
+}
+
+/// An OBJ's first record could be named so, too.
+bool has_stl_keyword(std::string_view text) {
+  for (const std::string_view keyword : {"facet", "endsolid", "FACET", "ENDSOLID"}) {
+    if (text.find(keyword) != std::string_view::npos) return true;
   }
-  return word == "OFF";
+  return false;
 }
 
 }  // namespace
@@ -65,11 +61,18 @@ std::optional<Format> format_from_name(std::string_view name) {
 }
 
 std::optional<Format> format_from_file_name(std::string_view file_name) {
+  if (is_gzip_file_name(file_name)) file_name.remove_suffix(3);
   const std::size_t point = file_name.find_last_of("./\\");
   if (point == std::string_view::npos || file_name[point] != '.') return std::nullopt;
   std::string ending(file_name.substr(point + 1));
   std::transform(ending.begin(), ending.end(), ending.begin(), to_lower);
   return format_from_name(ending);
+}
+
+bool is_gzip_file_name(std::string_view file_name) {
+  constexpr std::string_view kEnding = ".gz";
+  return file_name.size() > kEnding.size() &&
+         equals_ignoring_case(file_name.substr(file_name.size() - kEnding.size()), kEnding);
 }
 
 std::string_view media_type(Format format) {
@@ -88,13 +91,14 @@ std::string_view media_type(Format format) {
 
 Format sniff_format(std::string_view content) {
   // Before all marks: a binary STL's header may say anything, "solid" too.
-  if (is_binary_stl(content)) return Format::kStl;
-  if (content.starts_with("\xef\xbb\xbf")) content.remove_prefix(3);
-  const std::string_view word = first_word(content);
-  if (word.starts_with('{') || word.starts_with('[')) return Format::kJson;
-  if (word == "solid" && content.find("facet") != std::string_view::npos) return Format::kStl;
+  if (has_length_of_binary_stl(content)) return Format::kStl;
+  const std::string_view text = content.starts_with("\xef\xbb\xbf") ? content.substr(3) : content;
+  const std::string_view word = first_word(text);
   if (word == "ply") return Format::kPly;
-  if (is_off_mark(word)) return Format::kOff;
+  if (off_kind(word)) return Format::kOff;
+  if (word.starts_with('{') || word.starts_with('[')) return Format::kJson;
+  if (is_binary_stl(content)) return Format::kStl;
+  if (equals_ignoring_case(word, "solid") && has_stl_keyword(text)) return Format::kStl;
   return Format::kObj;
 }
 

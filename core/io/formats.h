@@ -14,7 +14,7 @@
 
 namespace remesh {
 
-/// Every format of the contract, those not read or written yet included.
+/// Every format of the contract. All are written, all but VTU and MSH are read.
 enum class Format { kObj, kJson, kStl, kPly, kOff, kVtu, kMsh };
 
 inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kStl, Format::kPly,
@@ -24,13 +24,15 @@ inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kSt
 std::string_view format_name(Format format);
 /// The format of that very name.
 std::optional<Format> format_from_name(std::string_view name);
-/// By the ending of a file's name, in upper or lower case: `part.STL`. The directory does not count.
+/// By the ending of a file's name, in upper or lower case: `part.STL`, `part.obj.gz`. The directory does not count.
 std::optional<Format> format_from_file_name(std::string_view file_name);
+/// Whether a file's name ends in `.gz`.
+bool is_gzip_file_name(std::string_view file_name);
 /// The media type that answers carry, without parameters: `model/obj`.
 std::string_view media_type(Format format);
 
 /// The format that the content looks like, one of those that are read; OBJ if it looks like nothing else.
-/// Input: the content, or its beginning; binary STL, which has no mark, is known by the length of the whole.
+/// Input: the whole content, not compressed: binary STL has no mark, but a length and zero bytes.
 /// Cost:  O(length).
 Format sniff_format(std::string_view content);
 
@@ -38,6 +40,12 @@ Format sniff_format(std::string_view content);
 struct ReadLimits {
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;
+};
+
+/// Bounds on what compressed data may become; passing one ends the read with Code::kDecompressedTooLarge.
+struct DecompressionLimits {
+  std::uint64_t max_bytes = std::uint64_t{1} << 30;
+  std::uint64_t max_ratio = 100;  ///< of the bytes out to the bytes in; the first MiB out is free of it
 };
 
 /// What a reader found: the mesh, and what it had to drop (`attribute_dropped`, ...).

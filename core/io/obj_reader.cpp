@@ -5,15 +5,16 @@
 #include <cstdint>
 #include <istream>
 #include <limits>
-#include <map>
 #include <streambuf>
 #include <string>
 #include <system_error>
 #include <utility>
 #include <vector>
 
+#include "core/io/label_collector.h"
 #include "core/io/obj.h"
 #include "core/io/obj_records.h"
+#include "core/io/read_errors.h"
 #include "core/io/text.h"
 
 namespace remesh {
@@ -24,51 +25,11 @@ constexpr std::uint64_t kMaxCorners = std::numeric_limits<std::uint32_t>::max();
 /// Corners of one face. tinyobjloader parses a face whole: this bounds the memory and the time until the next look at
 /// the control (some 50 MB and 0.1 s).
 constexpr std::uint64_t kMaxFaceCorners = 4'000'000;
-/// Bytes of a name. The writer repeats a name wherever the label changes, so a long one could blow up the output.
-constexpr std::size_t kMaxNameLength = 4096;
 /// Kinds of records counted apart; a text could make up one on each line.
 constexpr std::size_t kMaxDroppedKinds = 64;
 constexpr std::size_t kMaxKeywordLength = 32;
 /// Bytes between two looks at the control: some milliseconds.
 constexpr std::size_t kProgressStep = std::size_t{1} << 18;
-
-/// The labels of one kind, taken down face by face. A name that no face bears leaves no trace.
-class LabelCollector {
- public:
-  /// Names the faces that follow.
-  void name(std::string label) {
-    is_named_ = true;
-    index_is_known_ = false;
-    name_ = std::move(label);
-  }
-
-  void add_face(std::size_t faces_before) {
-    if (!is_named_) return;
-    if (set_.of_face.empty() && faces_before > 0) set_.of_face.assign(faces_before, index_of(""));
-    if (!index_is_known_) {
-      index_ = index_of(name_);
-      index_is_known_ = true;
-    }
-    set_.of_face.push_back(index_);
-  }
-
-  LabelSet take() { return std::move(set_); }
-
- private:
-  std::uint32_t index_of(const std::string& label) {
-    const auto [entry, is_new] = index_of_name_.try_emplace(label, static_cast<std::uint32_t>(set_.names.size()));
-    if (is_new) set_.names.push_back(label);
-    return entry->second;
-  }
-
-  LabelSet set_;
-  // No hash table: the names are from outside and could be made to collide.
-  std::map<std::string, std::uint32_t> index_of_name_;
-  std::string name_;
-  std::uint32_t index_ = 0;
-  bool is_named_ = false;
-  bool index_is_known_ = false;
-};
 
 /// Counts, by keyword, the records that do not describe the surface.
 class DroppedRecords {
@@ -272,8 +233,8 @@ class ObjReader final : private std::streambuf {
   ReadResult finish() {
     for (const auto& reference : references_ahead_) {
       if (static_cast<std::uint64_t>(reference.index) > mesh_.vertex_count()) {
-        throw error_at(reference.line, Code::kIndexOutOfRange,
-                       out_of_range_message(reference.index, mesh_.vertex_count()));
+        throw read_error(Place::line(reference.line), Code::kIndexOutOfRange,
+                         out_of_range_message(reference.index, mesh_.vertex_count()));
       }
     }
     if (mesh_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kRead, "the text has no face");
@@ -324,14 +285,9 @@ class ObjReader final : private std::streambuf {
     return "a face refers to vertex " + std::to_string(index) + ", of " + std::to_string(vertices);
   }
 
-  static Error error_at(std::uint64_t line, Code code, const std::string& message) {
-    return Error(code, Stage::kRead, message).at_line(line);
-  }
-  Error error(Code code, const std::string& message) const { return error_at(records_.line(), code, message); }
-  Error too_large(const std::string& what, std::uint64_t limit) const {
-    return error(Code::kMeshTooLarge, "more " + what + " than the " + std::to_string(limit) + " allowed")
-        .with_limit(limit);
-  }
+  Place here() const { return Place::line(records_.line()); }
+  Error error(Code code, const std::string& message) const { return read_error(here(), code, message); }
+  Error too_large(const std::string& what, std::uint64_t limit) const { return too_large_error(here(), what, limit); }
   Error malformed_corner() const {
     return error(Code::kInvalidMesh, "a face corner that is none of i, i/j, i//k, i/j/k");
   }

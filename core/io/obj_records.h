@@ -3,9 +3,10 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <string_view>
+
+#include "core/io/text_lines.h"
 
 namespace remesh {
 
@@ -13,8 +14,8 @@ namespace remesh {
 /// Input:   line ends LF, CRLF or CR; a `\` at the end of a line continues it (not a comment, which may end in a path);
 ///          a UTF-8 byte-order mark is skipped. The text outlives the walk.
 /// Holds:   comments and blank lines are skipped; a keyword starts with a letter, letters, digits and `_` follow.
-/// Errors:  kInvalidMesh, with the line - UTF-16; a control character outside comments; a line that starts otherwise.
-/// Cost:    O(text), one look at each byte; joined lines are copied, all others are views into the text.
+/// Errors:  kInvalidMesh, with the line - UTF-16 or UTF-32; a control character outside comments; a line that starts
+/// otherwise. Cost:    O(text), one look at each byte; joined lines are copied, all others are views into the text.
 class ObjRecords {
  public:
   explicit ObjRecords(std::string_view text);
@@ -28,17 +29,13 @@ class ObjRecords {
   /// The line on which the record starts, from 1, continued lines counted one by one.
   std::uint64_t line() const { return line_; }
   /// Bytes walked over so far.
-  std::size_t offset() const { return offset_; }
+  std::size_t offset() const { return lines_.offset(); }
 
  private:
-  std::string_view take_physical_line();
   std::string_view take_logical_line();
 
-  std::string_view text_;
-  std::size_t offset_ = 0;
-  std::uint64_t lines_taken_ = 0;
+  TextLines lines_;
   std::uint64_t line_ = 0;
-  std::optional<unsigned char> control_character_;  // the first one in the logical line
   std::string joined_;
   std::string_view keyword_;
   std::string_view arguments_;

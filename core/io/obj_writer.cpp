@@ -4,12 +4,11 @@
 
 #include "core/io/obj.h"
 #include "core/io/text.h"
+#include "core/io/write_text.h"
 
 namespace remesh {
 namespace {
 
-/// Elements between two looks at the control.
-constexpr std::size_t kProgressStep = 1 << 16;
 /// `v` and three numbers of at most 24 characters, with blanks and the line end.
 constexpr std::size_t kMaxVertexLine = 1 + 3 * 25 + 1;
 
@@ -23,18 +22,9 @@ std::size_t digit_count(std::size_t n) {
 void append_free_text(std::string& out, std::string_view keyword, std::string_view text) {
   out += keyword;
   if (!text.empty()) out += ' ';
-  for (const char c : text) out += is_control_character(c) ? ' ' : c;
+  out += without_control_characters(text);
   if (text.ends_with('\\')) out += ' ';  // else it would continue the line
   out += '\n';
-}
-
-void append_comment(std::string& out, std::string_view comment) {
-  for (;;) {
-    const std::size_t line_end = comment.find_first_of("\r\n");
-    append_free_text(out, "#", comment.substr(0, line_end));
-    if (line_end == std::string_view::npos) return;
-    comment.remove_prefix(line_end + (comment.substr(line_end, 2) == "\r\n" ? 2 : 1));
-  }
 }
 
 /// Writes a record of one kind where the label changes from one face to the next.
@@ -62,32 +52,26 @@ std::string write_obj(const TriangleMesh& mesh, const std::vector<std::string>& 
   control.enter(Stage::kWrite);
   const std::size_t vertices = mesh.positions.size();
   const std::size_t faces = mesh.faces.size();
-  const auto report_progress = [&](std::size_t done) {
-    if (done % kProgressStep == 0) control.progress(static_cast<double>(done) / static_cast<double>(vertices + faces));
-  };
-
   std::string out;
   // An upper bound but for names and comments: memory that is not written to costs nothing, moving the text would.
   out.reserve(vertices * kMaxVertexLine + faces * (2 + 3 * (1 + digit_count(vertices))));
-  for (const std::string& comment : comments) append_comment(out, comment);
+  for (const std::string& comment : comments) {
+    for (const std::string& line : comment_lines(comment)) append_free_text(out, "#", line);
+  }
   for (const std::string& files : mesh.labels.material_libraries) append_free_text(out, "mtllib", files);
 
-  std::size_t done = 0;
+  WriteProgress progress(vertices + faces, control);
   for (const Vec3& position : mesh.positions) {
-    report_progress(done++);
+    progress.tick();
     out += 'v';
-    for (const double coordinate : {position.x, position.y, position.z}) {
-      out += ' ';
-      append_real(out, coordinate);
-    }
-    out += '\n';
+    append_coordinates(out, position);
   }
 
   std::array<LabelWriter, 3> label_writers{LabelWriter("o", mesh.labels.object), LabelWriter("g", mesh.labels.group),
                                            LabelWriter("usemtl", mesh.labels.material)};
   FaceId f(0);
   for (const Triangle& triangle : mesh.faces) {
-    report_progress(done++);
+    progress.tick();
     for (LabelWriter& labels : label_writers) labels.write(out, f);
     out += 'f';
     for (const VertexId v : triangle) {

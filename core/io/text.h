@@ -31,6 +31,9 @@ inline std::string_view next_token(std::string_view& rest) {
   return {begin, static_cast<std::size_t>(at - begin)};
 }
 
+/// The length of the UTF-8 sequence that `text` begins with; 0 if it begins with none.
+std::size_t utf8_length(std::string_view text);
+
 enum class RealFault {
   kNone,
   kNotANumber,

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -30,6 +31,20 @@ struct Surface {
   std::size_t face_count() const { return face_begin.size() - 1; }
   std::span<const VertexId> face(FaceId f) const {
     return std::span(corners).subspan(face_begin[f.value], face_begin[f.value + 1] - face_begin[f.value]);
+  }
+
+  void add_face(std::span<const VertexId> loop, FaceId source, std::uint32_t label) {
+    corners.insert(corners.end(), loop.begin(), loop.end());
+    face_begin.push_back(static_cast<std::uint32_t>(corners.size()));
+    face_source.push_back(source);
+    face_label.push_back(label);
+  }
+  /// Has the other one's faces, over its own vertices, from now on.
+  void take_faces(Surface&& other) {
+    face_begin = std::move(other.face_begin);
+    corners = std::move(other.corners);
+    face_source = std::move(other.face_source);
+    face_label = std::move(other.face_label);
   }
 };
 

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/union_find.h"
 #include "core/geometry/triangle_intersection.h"
 #include "core/refinement/box_tree.h"
 #include "core/refinement/distances.h"
@@ -151,6 +152,7 @@ class GapSearch::Index {
         touching_squared_(std::pow(plane_tolerance / surface.unit, 2)) {
     find_triangles(patches, meshes, control);
     find_planes(patches, control);
+    find_solids(adjacency, patches, control);
     find_boxes(control);
   }
 
@@ -171,6 +173,7 @@ class GapSearch::Index {
   void find_triangles(const PatchSet& patches, std::span<const PatchMesh> meshes, RunControl& control);
   void add_faces(std::span<const FaceId> faces, RunControl& control);
   void find_planes(const PatchSet& patches, RunControl& control);
+  void find_solids(const Adjacency& adjacency, const PatchSet& patches, RunControl& control);
   void find_boxes(RunControl& control);
   void look_at_corners(SharedLeast& least, RunControl& control) const;
   void look_between_triangles(SharedLeast& least, RunControl& control) const;
@@ -178,6 +181,13 @@ class GapSearch::Index {
   bool is_steep(const Vec3& way, PatchId patch) const {
     const double up = dot(way, slabs_[patch].plane.normal);
     return up * up > kSteep * norm_squared(way);
+  }
+
+  /// Does the way leave one patch inwards and come to the other from outside, or the other way round, and both bound
+  /// one solid? Then it meets the surface between: the riser, where they are the treads of a step.
+  bool is_blocked(const Vec3& way, PatchId from, PatchId to) const {
+    if (solids_[from] == kOpen || solids_[from] != solids_[to]) return false;
+    return dot(way, slabs_[from].plane.normal) * dot(way, slabs_[to].plane.normal) > 0;
   }
 
   /// Can any way from the patch to a place in the box be steep, if none is shorter than that (a square)?
@@ -214,7 +224,9 @@ class GapSearch::Index {
   std::vector<Triangle> triangles_;            ///< patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< by patch
   IdVector<PatchId, Slab> slabs_;
-  IdVector<PatchId, VertexId> hubs_;  ///< the vertex of the patch where the most patches meet
+  static constexpr std::uint32_t kOpen = 0xffffffffu;
+  IdVector<PatchId, std::uint32_t> solids_;  ///< the closed, consistently wound component of the patch; or kOpen
+  IdVector<PatchId, VertexId> hubs_;         ///< the vertex of the patch where the most patches meet
   TriangleBoxes tree_;
 };
 
@@ -263,6 +275,25 @@ void GapSearch::Index::find_planes(const PatchSet& patches, RunControl& control)
   });
 }
 
+void GapSearch::Index::find_solids(const Adjacency& adjacency, const PatchSet& patches, RunControl& control) {
+  UnionFind components(patches.count());
+  std::vector<std::uint8_t> is_open(patches.count(), 0);
+  for (std::size_t e = 0; e < adjacency.edge_count(); ++e) {
+    if (e % 65536 == 0) control.check();
+    const auto around = adjacency.half_edges(EdgeId(e));
+    const PatchId first = patches.of_face[adjacency.face_of(around[0])];
+    for (const std::uint32_t h : around) components.join(first.value, patches.of_face[adjacency.face_of(h)].value);
+    if (adjacency.twin(around[0]) == Adjacency::kNone) is_open[first.value] = 1;
+  }
+  for (std::uint32_t p = 0; p < patches.count(); ++p)
+    if (is_open[p] != 0) is_open[components.find(p)] = 1;
+  solids_.resize(patches.count());
+  for (std::uint32_t p = 0; p < patches.count(); ++p) {
+    const std::uint32_t root = components.find(p);
+    solids_[PatchId(p)] = is_open[root] != 0 ? kOpen : root;
+  }
+}
+
 void GapSearch::Index::find_boxes(RunControl& control) {
   std::vector<TriangleBoxes::Entry> entries(triangles_.size());
   hubs_.resize(patch_count());
@@ -302,7 +333,7 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
         const Vec3 q = nearest_on_triangle(p, corners(slot));
         const double d = norm_squared(q - p);
         if (d >= best || d <= touching_squared_ || !(is_all || is_steep(q - p, patch)) ||
-            is_hidden(other, slabs_[other], d))
+            is_blocked(q - p, patch, other) || is_hidden(other, slabs_[other], d))
           return;
         if (!contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) best = d;
       });
@@ -353,6 +384,7 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
             const Vec3 way = shortest_way(here, corners(other));
             const double d = norm_squared(way);
             if (d >= best || d <= touching_squared_) return;
+            if (is_blocked(way, mine.patch, tree_[other].tag.patch)) return;
             if (!is_steep(way, mine.patch)) return;  // if it is from the other side, it is found from there
             if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
           });

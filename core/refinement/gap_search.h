@@ -27,6 +27,9 @@ namespace remesh {
 /// below 37 degrees, and above 39 degrees never. Nor is a triangle faced whose nearest point is not: seen aslant, what
 /// is a gap depends on the triangles.
 ///
+/// A closed, consistently wound surface hides what is beyond itself: a way that leaves it inwards and comes back to it
+/// from outside meets it between. So the two treads of a shallow step are no gap, though the riser is low.
+///
 /// What is within the plane tolerance touches; there is no gap there. Places on the same patch are never a gap.
 /// Source: REFINEMENT, rule 9.
 class GapSearch {

@@ -2,20 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+
+#include "core/geometry/predicates.h"
 
 namespace remesh {
 namespace {
 
 double squared_distance(Vec2 a, Vec2 b, Vec2 p) {
-  const Vec2 ab = b - a;
-  const double length_squared = dot(ab, ab);
-  const double t = length_squared > 0 ? std::clamp(dot(p - a, ab) / length_squared, 0.0, 1.0) : 0.0;
-  const Vec2 d = p - (a + t * ab);
-  return dot(d, d);
+  const Vec2 ab = b - a, ap = p - a;
+  const double along = dot(ap, ab), length_squared = dot(ab, ab);
+  if (along <= 0) return dot(ap, ap);
+  if (along >= length_squared) return dot(p - b, p - b);
+  const double across = cross(ab, ap);
+  return across * across / length_squared;
 }
-
-/// The angle from ab to ac, counter-clockwise and at most a half turn: of a triangle's corner.
-double corner_angle(Vec2 a, Vec2 b, Vec2 c) { return std::atan2(std::fabs(cross(b - a, c - a)), dot(b - a, c - a)); }
 
 class FeatureSearch {
  public:
@@ -75,13 +76,20 @@ std::vector<LocalFeature> local_features(const PatchMesh& patch, std::span<const
     const std::uint32_t h = sides[i];
     // Around the start of h, from triangle to triangle, up to the next constrained edge.
     std::uint32_t g = h;
-    double angle = 0;
+    const Vec2 corner = patch.uv[mesh.from(h)], first = patch.uv[mesh.to(h)];
+    Vec2 last;
+    bool is_beyond_half = false;
     while (true) {
-      angle += corner_angle(patch.uv[mesh.from(g)], patch.uv[mesh.to(g)], patch.uv[mesh.apex(g)]);
+      last = patch.uv[mesh.apex(g)];
+      // Each triangle takes less than half a turn: what lies to the right of the first edge is beyond one.
+      is_beyond_half = is_beyond_half || orient2d(corner, first, last) < 0;
       g = Triangulation2d::previous(g);
       if (mesh.is_constrained(g)) break;
       g = mesh.twin(g);
     }
+    const Vec2 u = first - corner, v = last - corner;
+    const double within_half = std::fabs(std::atan2(cross(u, v), dot(u, v)));
+    const double angle = is_beyond_half ? 2 * std::numbers::pi - within_half : within_half;
     features.push_back({search.distance(h) * patch.frame.scale, g, angle});
   }
   return features;

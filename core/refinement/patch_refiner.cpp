@@ -13,9 +13,13 @@ namespace {
 
 /// Angles are measured in space in the end, on rounded coordinates: refinement aims this much higher.
 constexpr double kAngleMargin = 0.01;
-/// The off-centre's height, of the one at which the new triangle just meets the bound. Measured on stars and plates:
-/// lower costs faces where holes crowd, higher along fine boundaries.
-constexpr double kOffCentre = 0.85;
+/// The off-centre's height, of the one at which the new triangle just meets the bound, and how many lower ones are
+/// tried. Measured on stars and plates: against the best single height, 0.85, that saves 6 to 30 % of the faces. Where
+/// sizes vary it is that single one: more angles near the bound would be worse for the tetrahedra behind thin walls.
+constexpr double kOffCentre = 0.97;
+constexpr double kOnlyOffCentre = 0.85;
+constexpr int kHeights = 8;
+constexpr double kHeightStep = 1.0 / 12;
 /// Edges that are to fill an area are aimed at this share of the largest that is allowed.
 constexpr double kTargetShare = 0.85;
 /// Edges may be longer than their size by rounding.
@@ -40,7 +44,7 @@ Criteria::Criteria(const Goals& goals, const SizeField& field)
   const double shape = bound > 0 ? bound : kUsualBound;
   tangent = std::tan(bound);
   lens = std::cos(2 * shape) * std::cos(2 * shape);
-  off_centre = kOffCentre / (2 * std::tan(shape / 2));
+  off_centre = (field.is_uniform() ? kOffCentre : kOnlyOffCentre) / (2 * std::tan(shape / 2));
 }
 
 bool PatchRefiner::has_work(const PatchMesh& patch, const Criteria& criteria) {
@@ -83,11 +87,15 @@ PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
   shape.shortest_squared = squared[k];
   shape.longest_squared = std::max({squared[0], squared[1], squared[2]});
   shape.twice_area = cross(b - a, c - a);
-  // The smallest angle is opposite the shortest edge: the two others' product is 2 |u| |v| cos.
-  const double cosine = (squared[0] + squared[1] + squared[2] - 2 * squared[k]) / 2;
-  shape.is_sharp = shape.twice_area < criteria_.tangent * cosine;
+  shape.is_sharp = is_sharp(squared[0] + squared[1] + squared[2], squared[k], shape.twice_area);
   shape.is_too_large = is_too_large(t, shape.longest_squared, shape.twice_area);
   return shape;
+}
+
+/// Is an angle below the bound, of a triangle with these sums of squared edges, square of the shortest, and area?
+bool PatchRefiner::is_sharp(double squares, double shortest_squared, double twice_area) const {
+  // The smallest angle is opposite the shortest edge: the two others' product is 2 |u| |v| cos.
+  return twice_area < criteria_.tangent * (squares - 2 * shortest_squared) / 2;
 }
 
 bool PatchRefiner::is_too_large(std::uint32_t t, double longest_squared, double twice_area) const {
@@ -246,14 +254,50 @@ bool PatchRefiner::is_encroached(Vec2 p, Vec2 a, Vec2 b) const {
   return product < 0 && product * product > criteria_.lens * squared_length(u) * squared_length(v);
 }
 
-PatchRefiner::Attempt PatchRefiner::insert(Vec2 p, std::uint32_t triangle, double floor, bool may_encroach) {
-  encroached_.clear();
+/// How many triangles between p and the edges of the cavity that was found meet the bound.
+int PatchRefiner::count_good(Vec2 p) const {
+  int count = 0;
+  for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
+    const Vec2 a = mesh_.point(e.from), b = mesh_.point(e.to);
+    const double squared[3] = {squared_length(b - a), squared_length(a - p), squared_length(b - p)};
+    const double least = std::min({squared[0], squared[1], squared[2]});
+    count += is_sharp(squared[0] + squared[1] + squared[2], least, cross(a - p, b - p)) ? 0 : 1;
+  }
+  return count;
+}
+
+/// A lower place over the shortest edge may serve its neighbours too: along a straight chain of equal edges, one point
+/// over three of them. Of places from p down, the first from which the most edges of p's cavity make good triangles.
+Vec2 PatchRefiner::lowered(Vec2 p, std::uint32_t shortest) const {
+  const Vec2 middle = 0.5 * (mesh_.point(mesh_.from(shortest)) + mesh_.point(mesh_.to(shortest)));
+  Vec2 best = p;
+  int most = count_good(p);
+  for (int i = 1; i < kHeights && most < static_cast<int>(mesh_.rim().size()); ++i) {
+    const Vec2 place = on_grid(p - (i * kHeightStep) * (p - middle));
+    const int count = count_good(place);
+    if (count <= most) continue;
+    most = count;
+    best = place;
+  }
+  return best;
+}
+
+PatchRefiner::Place PatchRefiner::look_at(Vec2 p, std::uint32_t triangle) {
   const DelaunayMesh::Location at = mesh_.locate(triangle, p);
-  if (at.is_hidden) {
-    encroached_.push_back(mesh_.side(at.half_edge));
+  return {p, at, !at.is_hidden && mesh_.find_cavity(p, at.half_edge / 3)};
+}
+
+PatchRefiner::Attempt PatchRefiner::insert(Vec2 p, std::uint32_t triangle, double floor, bool may_encroach) {
+  return insert(look_at(p, triangle), floor, may_encroach);
+}
+
+PatchRefiner::Attempt PatchRefiner::insert(const Place& place, double floor, bool may_encroach) {
+  encroached_.clear();
+  if (place.at.is_hidden) {
+    encroached_.push_back(mesh_.side(place.at.half_edge));
     return Attempt::kEncroached;
   }
-  const bool has_room = mesh_.find_cavity(p, at.half_edge / 3);
+  const Vec2 p = place.p;
   const double least = floor / patch_.frame.scale;
   bool is_near = false;
   for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
@@ -263,7 +307,7 @@ PatchRefiner::Attempt PatchRefiner::insert(Vec2 p, std::uint32_t triangle, doubl
       encroached_.push_back(DelaunayMesh::side(e));
   }
   if (!encroached_.empty() && !may_encroach) return Attempt::kEncroached;
-  if (is_near || !has_room) return Attempt::kTooNear;
+  if (is_near || !place.has_room) return Attempt::kTooNear;
   set_vertex(mesh_.fill_cavity(p), SegmentId(), floor);
   quota_ -= std::min<std::uint64_t>(quota_, 2);
   classify_changed();
@@ -435,7 +479,15 @@ void PatchRefiner::treat(const Task& task) {
   }
   const Vec2 p = steiner_point(shape);
   encroached_.clear();
-  const Attempt attempt = std::isfinite(p.x) && std::isfinite(p.y) ? insert(p, t, floor, false) : Attempt::kTooNear;
+  Attempt attempt = Attempt::kTooNear;
+  if (std::isfinite(p.x) && std::isfinite(p.y)) {
+    Place place = look_at(p, t);
+    if (is_for_angle && place.has_room && criteria_.sizes.is_uniform()) {
+      const Vec2 lower = lowered(p, shape.shortest);
+      if (lower != p) place = look_at(lower, t);
+    }
+    attempt = insert(place, floor, false);
+  }
   if (attempt == Attempt::kDone) return;
   State why = refusal(floor);
   if (attempt == Attempt::kEncroached && is_for_angle) {

@@ -117,6 +117,7 @@ class PatchRefiner {
   bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
                     RunControl& control);
   Shape shape_of(std::uint32_t t) const;
+  bool is_sharp(double squares, double shortest_squared, double twice_area) const;
   bool is_too_large(std::uint32_t t, double longest_squared, double twice_area) const;
   State excuse(std::uint32_t shortest) const;
   void classify(std::uint32_t t);
@@ -128,6 +129,8 @@ class PatchRefiner {
 
   void treat(const Task& task);
   Vec2 steiner_point(const Shape& shape) const;
+  int count_good(Vec2 p) const;
+  Vec2 lowered(Vec2 p, std::uint32_t shortest) const;
   bool is_encroached(Vec2 p, Vec2 a, Vec2 b) const;
   /// Cuts a piece where the table says. Returns whether it did.
   bool cut_side(std::uint32_t side);
@@ -136,6 +139,14 @@ class PatchRefiner {
   void clear_circle(std::uint32_t side);
   void set_vertex(std::uint32_t v, SegmentId segment, double value);
   enum class Attempt { kDone, kEncroached, kTooNear };
+  /// A place for a point; its cavity has been found if the point sees it.
+  struct Place {
+    Vec2 p;
+    DelaunayMesh::Location at;
+    bool has_room;
+  };
+  Place look_at(Vec2 p, std::uint32_t triangle);
+  Attempt insert(const Place& place, double floor, bool may_encroach);
   Attempt insert(Vec2 p, std::uint32_t triangle, double floor, bool may_encroach);
   bool split_too_large(std::uint32_t t, double floor);
   bool is_held_large(std::uint32_t t) const;
@@ -156,9 +167,8 @@ class PatchRefiner {
   std::vector<double> value_;       ///< of such a vertex its parameter, of others their floor
   std::vector<Side> sides_;         ///< numbered as in mesh_
   std::vector<State> state_;        ///< of each triangle
-  /// Corners with their segments here: corner, the segment's other end, the segment; sorted.
+  /// A segment at a corner: its other end, and which it is; sorted at each corner.
   struct CornerSegment {
-    std::uint32_t corner;
     VertexId other;
     SegmentId segment;
   };

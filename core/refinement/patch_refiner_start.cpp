@@ -109,20 +109,31 @@ PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTabl
 
 /// Which segments meet at which corner, and the corners' floors.
 void PatchRefiner::collect_corners(PatchId id) {
-  for (const std::uint32_t i : segments_.sides_of_patch(id)) {
-    const SegmentSide& side = segments_.all_sides()[i];
-    const std::uint32_t a = patch_.mesh.from(side.half_edge), b = patch_.mesh.to(side.half_edge);
-    for (const auto& [corner, other] : {std::pair(a, b), std::pair(b, a)}) {
-      corner_segments_.push_back({corner, patch_.vertices[other], side.segment});
-      value_[corner] = std::min(value_[corner], segments_[side.segment].floor);
+  const auto for_each_end = [&](const auto& visit) {
+    for (const std::uint32_t i : segments_.sides_of_patch(id)) {
+      const SegmentSide& side = segments_.all_sides()[i];
+      const std::uint32_t a = patch_.mesh.from(side.half_edge), b = patch_.mesh.to(side.half_edge);
+      visit(a, b, side.segment);
+      visit(b, a, side.segment);
     }
-  }
-  const auto key = [](const CornerSegment& c) { return std::tuple(c.corner, c.other, c.segment); };
-  std::sort(corner_segments_.begin(), corner_segments_.end(),
-            [&](const CornerSegment& a, const CornerSegment& b) { return key(a) < key(b); });
+  };
+  // Counted by corner; few meet at each.
   corner_begin_.assign(corner_count_ + 1, 0);
-  for (const CornerSegment& c : corner_segments_) ++corner_begin_[c.corner + 1];
+  for_each_end([&](std::uint32_t corner, std::uint32_t, SegmentId s) {
+    ++corner_begin_[corner + 1];
+    value_[corner] = std::min(value_[corner], segments_[s].floor);
+  });
   std::partial_sum(corner_begin_.begin(), corner_begin_.end(), corner_begin_.begin());
+  corner_segments_.resize(corner_begin_[corner_count_]);
+  std::vector<std::uint32_t> at(corner_begin_.begin(), corner_begin_.end() - 1);
+  for_each_end([&](std::uint32_t corner, std::uint32_t other, SegmentId s) {
+    corner_segments_[at[corner]++] = {patch_.vertices[other], s};
+  });
+  for (std::uint32_t v = 0; v < corner_count_; ++v)
+    std::sort(corner_segments_.begin() + corner_begin_[v], corner_segments_.begin() + corner_begin_[v + 1],
+              [](const CornerSegment& a, const CornerSegment& b) {
+                return std::tie(a.other, a.segment) < std::tie(b.other, b.segment);
+              });
   // Vertices inside the patch have a floor by what is next to them.
   std::vector<std::uint8_t> is_inside(corner_count_, 0);
   for (std::uint32_t v = 0; v < corner_count_; ++v) is_inside[v] = std::isinf(value_[v]);

@@ -13,8 +13,6 @@
 namespace remesh {
 namespace {
 
-/// A face thinner than this many tolerances has no normal worth asking.
-constexpr double kThin = 2;
 /// Neighbours must be this many tolerances high to bear witness of noise.
 constexpr double kWitness = 8;
 /// Faces are held within this part of the tolerance on either side of the plane, so that input and output, both in that
@@ -69,7 +67,7 @@ class Growth {
 
  private:
   double tolerance(FaceId f) const { return tolerance_at_rung(rule_.plane_tolerance, (*rule_.rung)[f], floor_); }
-  bool is_thin(FaceId f) const { return geometry_[f].height < kThin * tolerance(f); }
+  bool is_thin(FaceId f) const { return geometry_[f].height < kThinFace * tolerance(f); }
 
   /// Faces without a region, the largest first; among equally large ones the one at the smallest place.
   std::vector<FaceId> order() const {
@@ -98,7 +96,7 @@ class Growth {
     if (!is_thin(f)) {
       const double cosine = dot(g.normal, plane.normal);
       // What the distance explains; the floor is per component of the normal.
-      const double sine = std::max(rule_.normal_tolerance, kThin * tol / g.height);
+      const double sine = std::max(rule_.normal_tolerance, kThinFace * tol / g.height);
       if (!(cosine > 0 && 1 - cosine * cosine <= 3 * sine * sine)) return false;
     }
     for (const VertexId v : surface_.face(f))
@@ -195,7 +193,7 @@ class Growth {
     const double cosine =
         dot(regions_.planes[RegionId(first_region_ + a)].normal, regions_.planes[RegionId(first_region_ + b)].normal);
     const double height = std::min(pieces[a].height, pieces[b].height);
-    const double sine = 2 * kThin * tolerance(pieces[a].faces[0]) / std::max(height, 1e-300);
+    const double sine = 2 * kThinFace * tolerance(pieces[a].faces[0]) / std::max(height, 1e-300);
     return cosine > 0 && 1 - cosine * cosine <= sine * sine;
   }
 

@@ -14,8 +14,13 @@ namespace {
 
 class Mending {
  public:
-  Mending(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, RunControl& control)
-      : surface_(surface), plane_tolerance_(plane_tolerance), as_it_is_(as_it_is), control_(control) {}
+  Mending(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
+          RunControl& control)
+      : surface_(surface),
+        plane_tolerance_(plane_tolerance),
+        as_it_is_(as_it_is),
+        degenerate_(degenerate),
+        control_(control) {}
 
   bool run(std::vector<Diagnostic>& diagnostics) {
     const std::size_t faces = surface_.face_count();
@@ -30,8 +35,9 @@ class Mending {
       if (f % 4096 == 0) control_.progress(static_cast<double>(f) / static_cast<double>(faces));
       take_face(FaceId(f));
     }
-    move_faces(mended_, surface_);
-    if (std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end()) drop_degenerate();
+    surface_.take_faces(std::move(mended_));
+    if (degenerate_ == Mend::kYes && std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end())
+      drop_degenerate();
     if (surface_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "no face of the mesh has an area");
     drop_unused_vertices();
     for (Diagnostic* d : {&nonplanar_, &zero_area_})
@@ -53,18 +59,8 @@ class Mending {
   /// Whether a face is a triangle with an area: most are, and nothing is to be done for them.
   bool is_sound(FaceId f) const { return surface_.face(f).size() == 3 && !is_without_area(surface_, f); }
 
-  static void move_faces(Surface& from, Surface& to) {
-    to.face_begin = std::move(from.face_begin);
-    to.corners = std::move(from.corners);
-    to.face_source = std::move(from.face_source);
-    to.face_label = std::move(from.face_label);
-  }
-
   void emit(std::span<const VertexId> loop, FaceId source, std::uint32_t label, bool is_degenerate) {
-    mended_.corners.insert(mended_.corners.end(), loop.begin(), loop.end());
-    mended_.face_begin.push_back(static_cast<std::uint32_t>(mended_.corners.size()));
-    mended_.face_source.push_back(source);
-    mended_.face_label.push_back(label);
+    mended_.add_face(loop, source, label);
     is_degenerate_.push_back(is_degenerate);
   }
 
@@ -175,7 +171,7 @@ class Mending {
       out.face_source.push_back(surface_.face_source[FaceId(f)]);
       out.face_label.push_back(surface_.face_label[FaceId(f)]);
     }
-    move_faces(out, surface_);
+    surface_.take_faces(std::move(out));
   }
 
   std::uint32_t cluster_beyond(const Adjacency& edges, UnionFind& cluster, std::uint32_t half_edge) const {
@@ -205,6 +201,7 @@ class Mending {
   Surface& surface_;
   double plane_tolerance_;
   const std::vector<std::uint8_t>& as_it_is_;
+  Mend degenerate_;
   RunControl& control_;
   Surface mended_;  // faces only
   std::vector<std::uint8_t> is_degenerate_;
@@ -229,9 +226,9 @@ bool is_without_area(const Surface& surface, FaceId f) {
   return loop.size() == 3 && is_collinear(exact(0), exact(1), exact(2));
 }
 
-bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is,
+bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
                 std::vector<Diagnostic>& diagnostics, RunControl& control) {
-  return Mending(surface, plane_tolerance, as_it_is, control).run(diagnostics);
+  return Mending(surface, plane_tolerance, as_it_is, degenerate, control).run(diagnostics);
 }
 
 }  // namespace remesh

@@ -7,6 +7,7 @@
 #include "core/base/run_control.h"
 #include "core/mesh/surface.h"
 #include "core/report.h"
+#include "core/stages/mend.h"
 
 namespace remesh {
 
@@ -19,13 +20,14 @@ namespace remesh {
 ///          planar within the tolerance, crosses itself in its plane, touches itself, or is to stay as it is. Counts
 ///          nonplanar_polygon and zero_area_face.
 /// Holds:   closed stays closed: a zero-area face is dropped by handing the vertices on its longest edges to the faces
-///          beyond them, so that each of its edges meets its counterpart. It is kept where such a face is `as_it_is`.
+///          beyond them, so that each of its edges meets its counterpart. It is kept where such a face is `as_it_is`,
+///          and with Mend::kNo for `degenerate`, if it has three corners left.
 /// Returns: whether anything had to be mended; if not, faces, corners and vertices are as they were.
 /// Errors:  kEmptyMesh - no face has an area; kInvalidMesh - zero-area faces nest so deeply that mending them would
 ///          multiply the mesh.
 /// Cost:    O(n log n).
 /// Source:  REFINEMENT, rules 14 and 17.
-bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is,
+bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
                 std::vector<Diagnostic>& diagnostics, RunControl& control);
 
 /// Whether a face is a triangle with exactly collinear corners; mend_faces leaves few of them, or none.

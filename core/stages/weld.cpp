@@ -2,9 +2,14 @@
 
 #include <tbb/parallel_sort.h>
 
+#include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <map>
+#include <span>
 #include <tuple>
+#include <unordered_map>
 
 namespace remesh {
 namespace {
@@ -16,6 +21,89 @@ struct Indexed {
   friend bool operator<(const Indexed& a, const Indexed& b) {
     return a.position != b.position ? a.position < b.position : a.index < b.index;
   }
+};
+
+/// Welding within a tolerance. Those that others stand for are further apart than the tolerance, so there are few of
+/// them in a cell of a grid as wide as it twice, and few cells are within reach.
+class NearWelding {
+ public:
+  /// Input:  places, pairwise different, in lexicographic order.
+  NearWelding(std::span<const Indexed> places, double tolerance, RunControl& control)
+      : places_(places), tolerance_(tolerance), control_(control) {
+    double largest = 0;
+    for (const Indexed& p : places)
+      largest = std::max({largest, std::fabs(p.position.x), std::fabs(p.position.y), std::fabs(p.position.z)});
+    constexpr double kMostCells = 1e300;
+    cell_ = std::max(2 * tolerance, largest / kMostCells);
+  }
+
+  void run(std::vector<std::uint32_t>& stands_for, Diagnostic& wide) {
+    for (std::uint32_t i = 0; i < places_.size(); ++i) {
+      if (i % 4096 == 0) control_.check();
+      const Near near = find_near(i);
+      if (near.count == 0)
+        grid_[cell_of(places_[i].position)].push_back(i);
+      else
+        stands_for[places_[i].index] = places_[near.first].index;
+    }
+    for (std::uint32_t i = 0; i < places_.size(); ++i) {
+      if (i % 4096 == 0) control_.check();
+      if (stands_for[places_[i].index] != places_[i].index && find_near(i).count > 1) wide.add(places_[i].index);
+    }
+  }
+
+ private:
+  using Cell = std::array<double, 3>;
+  struct CellHash {
+    std::size_t operator()(const Cell& cell) const {
+      std::uint64_t hash = 0;
+      for (const double c : cell) {
+        hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 0x9e3779b97f4a7c15u;
+        hash ^= hash >> 29;
+      }
+      return hash;
+    }
+  };
+  struct Near {
+    std::uint32_t first = 0;  ///< the smallest
+    std::uint32_t count = 0;
+  };
+
+  // Adding 0 makes -0 0.
+  Cell cell_of(const Vec3& p) const {
+    return {std::floor(p.x / cell_) + 0.0, std::floor(p.y / cell_) + 0.0, std::floor(p.z / cell_) + 0.0};
+  }
+
+  /// Those within the tolerance that others stand for.
+  Near find_near(std::uint32_t i) const {
+    const Vec3 p = places_[i].position, reach{tolerance_, tolerance_, tolerance_};
+    const Cell low = cell_of(p - reach), high = cell_of(p + reach);
+    Near near;
+    for (int corner = 0; corner < 8; ++corner) {
+      Cell cell;
+      bool is_new = true;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const bool is_high = (corner >> axis & 1) != 0;
+        cell[axis] = is_high ? high[axis] : low[axis];
+        is_new = is_new && !(is_high && high[axis] == low[axis]);
+      }
+      if (!is_new) continue;
+      const auto found = grid_.find(cell);
+      if (found == grid_.end()) continue;
+      for (const std::uint32_t other : found->second) {
+        if (!(norm(places_[other].position - p) <= tolerance_)) continue;
+        near.first = near.count == 0 ? other : std::min(near.first, other);
+        ++near.count;
+      }
+    }
+    return near;
+  }
+
+  std::span<const Indexed> places_;
+  double tolerance_;
+  RunControl& control_;
+  double cell_;
+  std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> grid_;
 };
 
 /// Coordinates below this, in local units, count as 0: predicates must not underflow.
@@ -60,11 +148,15 @@ IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Ba
 }  // namespace
 
 Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Diagnostic>& diagnostics,
-             RunControl& control) {
+             RunControl& control, double tolerance) {
   if (input.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "the mesh has no face");
   const std::size_t n = input.vertex_count();
   Diagnostic unused{DiagnosticCode::kUnusedVertex, 0, {}, "vertices that no face uses were dropped"};
   Diagnostic duplicate{DiagnosticCode::kDuplicateVertex, 0, {}, "vertices with equal coordinates were made one"};
+  Diagnostic wide{DiagnosticCode::kDuplicateVertex,
+                  0,
+                  {},
+                  "vertices that were welded lie within the weld tolerance of one that was not made one with them"};
 
   std::vector<std::uint8_t> is_used(n, 0);
   for (const VertexId v : input.corners) is_used[v.value] = 1;
@@ -80,10 +172,17 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
   tbb::parallel_sort(sorted.begin(), sorted.end());
   control.check();
 
-  std::vector<std::uint32_t> first_equal(n);
+  std::vector<std::uint32_t> stands_for(n);
   for (std::size_t k = 0; k < sorted.size(); ++k) {
     const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;
-    first_equal[sorted[k].index] = is_first ? sorted[k].index : first_equal[sorted[k - 1].index];
+    stands_for[sorted[k].index] = is_first ? sorted[k].index : stands_for[sorted[k - 1].index];
+  }
+  if (tolerance > 0) {
+    duplicate.message = "vertices within the weld tolerance of another one were made one with it";
+    sorted.erase(
+        std::remove_if(sorted.begin(), sorted.end(), [&](const Indexed& v) { return stands_for[v.index] != v.index; }),
+        sorted.end());
+    NearWelding(sorted, tolerance, control).run(stands_for, wide);
   }
 
   control.check();
@@ -91,13 +190,14 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
   std::vector<VertexId> welded(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     if (!is_used[i]) continue;
-    if (first_equal[i] == i) {
-      welded[i] = surface.positions.push_back(input.positions[VertexId(i)]);
-      surface.vertex_source.push_back(VertexId(i));
-    } else {
-      welded[i] = welded[first_equal[i]];  // smaller, so it has its number already
-      duplicate.add(i);
+    // With a tolerance, of two vertices with equal coordinates the first knows for which it stands.
+    const std::uint32_t one = stands_for[stands_for[i]];
+    if (one != i) duplicate.add(i);
+    if (!welded[one].is_valid()) {
+      welded[one] = surface.positions.push_back(input.positions[VertexId(one)]);
+      surface.vertex_source.push_back(VertexId(one));
     }
+    welded[i] = welded[one];
   }
   control.check();
   set_local_units(surface);
@@ -110,7 +210,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
   for (std::size_t f = 0; f < input.face_count(); ++f) surface.face_source.push_back(FaceId(f));
   surface.face_label = number_labels(input.labels, barriers, input.face_count());
 
-  for (Diagnostic* d : {&duplicate, &unused})
+  for (Diagnostic* d : {&duplicate, &wide, &unused})
     if (d->count > 0) diagnostics.push_back(std::move(*d));
   return surface;
 }

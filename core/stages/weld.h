@@ -1,4 +1,4 @@
-/// From the mesh as read to the working surface: vertices with equal coordinates become one.
+/// From the mesh as read to the working surface: vertices with equal coordinates, or nearly equal ones, become one.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,10 @@
 
 namespace remesh {
 
-/// Welds vertices by value (-0 equals 0) and drops those that no face uses.
+/// Welds vertices by value (-0 equals 0), or within a tolerance, and drops those that no face uses.
+/// Input:   `tolerance` in model units: above 0, a vertex becomes one with the lexicographically smallest within that
+///          distance which has not itself become another. So none moves further, and chains of near vertices do not
+///          collapse; members of wider clusters are counted.
 /// Output:  the surface with faces and corners as listed, vertices ordered by their first appearance in the input's
 ///          numbering; `face_label` numbers the combinations of the labels in `barriers`, in order of first use. What a
 ///          Surface holds about faces is not yet so: see mend_faces.
@@ -19,6 +22,6 @@ namespace remesh {
 /// Errors:  kEmptyMesh - no face.
 /// Cost:    O(n log n).
 Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Diagnostic>& diagnostics,
-             RunControl& control);
+             RunControl& control, double tolerance = 0);
 
 }  // namespace remesh

@@ -21,7 +21,8 @@ constexpr std::uint32_t kAgainstSurface =
     bit(Fault::kNewVertex) | bit(Fault::kNewOffLine);
 constexpr std::uint32_t kAgainstConforming = bit(Fault::kMalformed) | bit(Fault::kLostVertex) | bit(Fault::kLostLoop) |
                                              bit(Fault::kBoundary) | bit(Fault::kZeroArea) | bit(Fault::kInverted) |
-                                             bit(Fault::kOpened) | bit(Fault::kNewVertex) | bit(Fault::kNewOffLine);
+                                             bit(Fault::kOpened) | bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) |
+                                             bit(Fault::kNewIntersection);
 constexpr std::uint32_t kAgainstDelaunay =
     bit(Fault::kMalformed) | bit(Fault::kFrame) | bit(Fault::kPlaneCoordinates) | bit(Fault::kNotDelaunay);
 constexpr std::uint32_t kAgainstQuality = bit(Fault::kMalformed) | bit(Fault::kLockedBoundary) | bit(Fault::kUnlisted) |
@@ -59,6 +60,7 @@ std::string words(const Finding& finding) {
     case Fault::kCertificate: return "output face " + id + " is listed for a reason that it has not";
     case Fault::kShortEdge: return "an edge at vertex " + id + ", made by refinement, is too short";
     case Fault::kTooManyFaces: return "there are more faces than allowed";
+    case Fault::kNewIntersection: return "output face " + id + " intersects another one, and the input does not there";
   }
   return {};
 }

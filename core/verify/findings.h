@@ -38,8 +38,9 @@ enum class Fault : std::uint8_t {
   kCertificate,       ///< a face is listed for a reason that it has not
   kShortEdge,         ///< refinement made an edge shorter than the least length
   kTooManyFaces,      ///< more faces than allowed
+  kNewIntersection,   ///< faces intersect, of patches that do not in the input
 };
-inline constexpr int kFaultCount = static_cast<int>(Fault::kTooManyFaces) + 1;
+inline constexpr int kFaultCount = static_cast<int>(Fault::kNewIntersection) + 1;
 
 /// One fault at one place. An invalid patch: it belongs to the whole.
 struct Finding {

@@ -10,7 +10,9 @@
 #include <chrono>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <thread>
 
 namespace remesh {
@@ -136,7 +138,75 @@ TEST_F(Cli, the_format_is_the_endings_unless_it_is_given) {
   EXPECT_TRUE(nlohmann::json::accept(read("out.dat")));
   EXPECT_EQ(run({"square.obj", "-o", "as_input"}).status, 0);
   EXPECT_THAT(read("as_input"), StartsWith("# remeshd "));
-  EXPECT_EQ(run({"square.obj", "-o", "out.stl"}).status, 2);
+  EXPECT_EQ(run({"square.obj", "-o", "out.vtu"}).status, 0);
+  EXPECT_THAT(read("out.vtu"), HasSubstr("<VTKFile"));
+}
+
+TEST_F(Cli, a_file_that_ends_in_gz_is_compressed_in_and_out) {
+  EXPECT_EQ(run({"square.obj", "-o", "plain.obj"}).status, 0);
+  EXPECT_EQ(run({"square.obj", "-o", "packed.obj.gz"}).status, 0);
+  EXPECT_THAT(read("packed.obj.gz"), StartsWith("\x1f\x8b"));
+  EXPECT_EQ(run({"packed.obj.gz", "-o", "again.ply"}).status, 0);
+  EXPECT_EQ(run({"again.ply", "-o", "again.obj"}).status, 0);
+  EXPECT_EQ(read("again.obj"), read("plain.obj"));
+  EXPECT_EQ(run({"square.obj", "-o", "out.xyz.gz"}).status, 2);
+}
+
+TEST_F(Cli, an_error_in_binary_data_names_the_byte) {
+  EXPECT_EQ(run({"square.obj", "-o", "whole.stl"}).status, 0);
+  write("cut.stl", read("whole.stl").substr(0, 100));
+  const Outcome cut = run({"cut.stl", "-o", "out.obj"});
+  EXPECT_EQ(cut.status, 1);
+  EXPECT_THAT(cut.err, StartsWith("remesh: cut.stl: byte 100: invalid_mesh: "));
+}
+
+/// The fields of a table without quotes; the rows begin with their file's name.
+std::map<std::string, std::vector<std::string>> rows_of(const std::string& table) {
+  std::map<std::string, std::vector<std::string>> rows;
+  std::istringstream lines(table);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream fields(line + ",");
+    std::vector<std::string> row;
+    for (std::string field; std::getline(fields, field, ',');) row.push_back(field);
+    rows[row.front()] = row;
+  }
+  return rows;
+}
+
+TEST_F(Cli, a_batch_is_a_table_with_a_line_for_each_mesh_and_stops_at_none) {
+  std::filesystem::create_directories(path("parts/deep"));
+  write("parts/a.obj", kSquare);
+  write("parts/bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
+  write("parts/deep/b.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  write("parts/readme.txt", "no mesh");
+  const Outcome outcome = run({"--batch", "parts", "--report", "out.csv", "--refine", "false", "--workers", "2"});
+  EXPECT_EQ(outcome.status, 1);
+  EXPECT_EQ(outcome.err, "remesh: 1 of 3 files failed; out.csv says why\n");
+  auto rows = rows_of(read("out.csv"));
+  ASSERT_EQ(rows.size(), 4u);
+  const std::vector<std::string> columns = rows.at("file");
+  const auto cell = [&](const std::string& file, const std::string& column) {
+    const auto at = std::find(columns.begin(), columns.end(), column) - columns.begin();
+    return rows.at(file).at(static_cast<std::size_t>(at));
+  };
+  EXPECT_EQ(cell("a.obj", "status"), "ok");
+  EXPECT_EQ(cell("a.obj", "faces_in"), "2");
+  EXPECT_EQ(cell("a.obj", "verified"), "true");
+  EXPECT_EQ(cell("deep/b.off", "faces_out"), "1");
+  EXPECT_EQ(cell("bad.obj", "status"), "failed");
+  EXPECT_EQ(cell("bad.obj", "code"), "index_out_of_range");
+  EXPECT_THAT(cell("bad.obj", "message"), HasSubstr("bad.obj:4: "));
+}
+
+TEST_F(Cli, a_batch_writes_its_meshes_where_it_is_told_none_over_another) {
+  std::filesystem::create_directories(path("parts/deep"));
+  write("parts/a.obj", kSquare);
+  write("parts/a.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+  write("parts/deep/c.obj", kSquare);
+  EXPECT_EQ(run({"--batch", "parts", "--report", "-", "-o", "done", "--format", "obj"}).status, 0);
+  EXPECT_THAT(read("done/a.obj"), HasSubstr("input_faces=2"));
+  EXPECT_THAT(read("done/a.off.obj"), HasSubstr("input_faces=1"));
+  EXPECT_THAT(read("done/deep/c.obj"), StartsWith("# remeshd "));
 }
 
 TEST_F(Cli, options_have_hyphens) {
@@ -163,6 +233,8 @@ TEST_F(Cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "other.obj", "-o", "o.obj"}, "unexpected argument other.obj"},
       {{"square.obj", "-o", "-", "--report", "-"}, "standard output"},
       {{"square.obj", "-o", "o.json", "--report", "o.json"}, "cannot both go to o.json"},
+      {{"square.obj", "--batch", ".", "--report", "o.csv"}, "--batch takes the place of the input square.obj"},
+      {{"--batch", "."}, "--batch needs --report"},
       {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz is no format's"}};
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = run(arguments);

@@ -17,6 +17,7 @@ TEST(ErrorMap, every_code_has_the_status_of_the_contract) {
                                             {"not_acceptable", 406},
                                             {"body_too_large", 413},
                                             {"mesh_too_large", 413},
+                                            {"decompressed_too_large", 413},
                                             {"unsupported_media_type", 415},
                                             {"invalid_mesh", 422},
                                             {"index_out_of_range", 422},
@@ -39,7 +40,7 @@ TEST(ErrorMap, every_code_has_the_status_of_the_contract) {
 
 TEST(ErrorMap, a_problem_says_where) {
   Error error(Code::kIndexOutOfRange, Stage::kRead, "face 3 names vertex \"9\"");
-  error.at_line(12).at_element(3).with_limit(8).for_option("repair");
+  error.at_line(12).at_byte(84).at_element(3).with_limit(8).for_option("repair");
   const Response response = to_response(to_problem(error), "an-id");
   EXPECT_EQ(response.status, 422);
   EXPECT_EQ(response.content_type, "application/problem+json");
@@ -50,6 +51,7 @@ TEST(ErrorMap, a_problem_says_where) {
                                 {"code", "index_out_of_range"},
                                 {"request_id", "an-id"},
                                 {"line", 12},
+                                {"byte", 84},
                                 {"element", 3},
                                 {"option", "repair"},
                                 {"limit", 8}};
@@ -61,7 +63,7 @@ TEST(ErrorMap, what_does_not_apply_is_left_out) {
   not_found.status = 404;
   not_found.code = "not_found";
   const nlohmann::json problem = nlohmann::json::parse(to_response(not_found, "").body);
-  for (const char* member : {"request_id", "line", "element", "option", "limit"})
+  for (const char* member : {"request_id", "line", "byte", "element", "option", "limit"})
     EXPECT_FALSE(problem.contains(member)) << member;
 }
 

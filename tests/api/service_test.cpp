@@ -9,8 +9,10 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "api/negotiation.h"
 #include "api/options.h"
 #include "core/base/vec.h"
+#include "core/io/gzip.h"
 
 namespace remesh::api {
 namespace {
@@ -56,7 +58,7 @@ Response remesh(const Request& request, const Limits& limits = {}) {
 }
 
 Request request_of(std::string_view body, std::string content_type = "", Fields query = {}, std::string accept = "") {
-  return {body, std::move(content_type), std::move(accept), std::move(query), ""};
+  return {body, std::move(content_type), "", std::move(accept), std::move(query), ""};
 }
 
 Code code_of(const Request& request, const Limits& limits = {}) {
@@ -341,10 +343,10 @@ TEST(RunRemesh, bad_input_has_its_code) {
   EXPECT_EQ(code_of(request_of("", "application/json")), Code::kMalformedJson);
   EXPECT_EQ(code_of(request_of("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")), Code::kIndexOutOfRange);
   EXPECT_EQ(code_of(request_of("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), Code::kNonfiniteCoordinate);
-  EXPECT_EQ(code_of(request_of(kRing, "model/stl")), Code::kUnsupportedMediaType);
-  EXPECT_EQ(code_of(request_of("ply\nformat ascii 1.0\n")), Code::kUnsupportedMediaType);
-  EXPECT_EQ(code_of(request_of(kRing, "", {}, "model/stl")), Code::kNotAcceptable);
-  EXPECT_EQ(code_of(request_of(kRing, "", {{"format", "vtu"}})), Code::kNotAcceptable);
+  EXPECT_EQ(code_of(request_of(kRing, "model/stl")), Code::kInvalidMesh);
+  EXPECT_EQ(code_of(request_of("ply\nformat ascii 1.0\n")), Code::kInvalidMesh);
+  EXPECT_EQ(code_of(request_of(kRing, "application/x-gmsh")), Code::kUnsupportedMediaType);
+  EXPECT_EQ(code_of(request_of(kRing, "", {}, "model/step")), Code::kNotAcceptable);
   EXPECT_EQ(code_of(request_of(kRing, "", {{"max_edge", "1"}})), Code::kUnknownOption);
   EXPECT_EQ(code_of(request_of(kRing, "", {{"weld_tolerance", "1"}})), Code::kNotImplemented);
   EXPECT_EQ(code_of(request_of(
@@ -354,6 +356,63 @@ TEST(RunRemesh, bad_input_has_its_code) {
 
 TEST(RunRemesh, options_are_refused_before_the_mesh_is_read) {
   EXPECT_EQ(code_of(request_of("no mesh at all", "", {{"weld_tolerance", "1"}})), Code::kNotImplemented);
+}
+
+TEST(RunRemesh, every_format_goes_out_and_what_is_read_comes_in_again_as_the_same_mesh) {
+  const json as_json = json::parse(remesh(request_of(kCube, "", {{"format", "json"}})).body)["mesh"];
+  for (const Format format : kFormats) {
+    SCOPED_TRACE(format_name(format));
+    const Response response = remesh(request_of(kCube, "", {}, std::string(media_type(format))));
+    EXPECT_EQ(response.content_type, media_type(format));
+    if (format == Format::kJson) continue;
+    EXPECT_THAT(header(response, "Content-Disposition"), HasSubstr("." + std::string(format_name(format)) + "\""));
+    if (!can_read(format)) continue;
+    const Response again = remesh(request_of(response.body, "", {{"format", "json"}}));
+    EXPECT_EQ(json::parse(again.body)["mesh"]["faces"].size(), as_json["faces"].size());
+  }
+}
+
+TEST(RunRemesh, a_compressed_body_and_a_compressed_mesh_are_what_is_in_them) {
+  RunControl control;
+  const std::string expected = remesh(request_of(kRing)).body;
+  const std::string compressed = gzip(kRing, control);
+  EXPECT_EQ(remesh(request_of(compressed)).body, expected);
+  EXPECT_EQ(remesh(request_of(compressed, "model/obj")).body, expected);
+
+  Request coded = request_of(compressed, "model/obj");
+  for (const char* coding : {"gzip", "GZIP", "x-gzip"}) {
+    coded.content_encoding = coding;
+    EXPECT_EQ(remesh(coded).body, expected);
+  }
+  const std::string form = gzip(
+      "--B\r\nContent-Disposition: form-data; name=\"mesh\"; filename=\"a.obj.gz\"\r\n\r\n" + compressed + "\r\n--B--",
+      control);
+  Request coded_form = request_of(form, "multipart/form-data; boundary=B");
+  coded_form.content_encoding = "gzip";
+  const Response of_form = remesh(coded_form);
+  EXPECT_EQ(of_form.body, expected);
+  EXPECT_EQ(header(of_form, "Content-Disposition"), "attachment; filename=\"a.obj\"");
+}
+
+TEST(RunRemesh, what_cannot_be_decompressed_has_its_code) {
+  RunControl control;
+  const std::string compressed = gzip(kRing, control);
+  const auto with_coding = [&](std::string_view body, const char* coding) {
+    Request request = request_of(body);
+    request.content_encoding = coding;
+    return request;
+  };
+  EXPECT_EQ(code_of(with_coding(kRing, "gzip")), Code::kMalformedRequest);
+  EXPECT_EQ(code_of(with_coding(std::string_view(compressed).substr(0, 30), "gzip")), Code::kMalformedRequest);
+  EXPECT_EQ(code_of(request_of(std::string_view(compressed).substr(0, 30))), Code::kInvalidMesh);
+  EXPECT_EQ(code_of(with_coding(kRing, "br")), Code::kUnsupportedMediaType);
+
+  Limits limits;
+  limits.max_decompressed = kRing.size() - 1;
+  EXPECT_EQ(code_of(request_of(compressed), limits), Code::kDecompressedTooLarge);
+  EXPECT_EQ(code_of(with_coding(compressed, "gzip"), limits), Code::kDecompressedTooLarge);
+  limits.max_decompressed = kRing.size();
+  EXPECT_EQ(remesh(request_of(compressed), limits).status, 200);
 }
 
 TEST(RunRemesh, limits_hold) {
@@ -384,6 +443,7 @@ TEST(RunRemesh, an_upload_cannot_choose_an_unsafe_name) {
   const std::pair<std::string, std::string> names[] = {{"", "remeshed.obj"},
                                                        {"..", "remeshed.obj"},
                                                        {"C:\\parts\\a.stl", "a.obj"},
+                                                       {"a.stl.gz", "a.obj"},
                                                        {"a\"; x=\r\ny.obj", "a___x___y.obj"},
                                                        {".hidden", "hidden.obj"},
                                                        {"part.v2", "part.v2.obj"},
@@ -420,8 +480,14 @@ TEST(Capabilities, they_tell_options_formats_and_limits) {
   EXPECT_EQ(answer["options"][1]["default"], 25);
   EXPECT_EQ(answer["options"][1]["unset"], "auto");
   EXPECT_EQ(answer["options"][1]["implemented"], true);
-  EXPECT_EQ(answer["formats"]["input"], json({{{"name", "obj"}, {"media_type", "model/obj"}},
-                                              {{"name", "json"}, {"media_type", "application/json"}}}));
+  const auto names = [&](const char* direction) {
+    std::vector<std::string> all;
+    for (const json& format : answer["formats"][direction]) all.push_back(format["name"]);
+    return all;
+  };
+  EXPECT_EQ(names("input"), (std::vector<std::string>{"obj", "json", "stl", "ply", "off"}));
+  EXPECT_EQ(names("output"), (std::vector<std::string>{"obj", "json", "stl", "ply", "off", "vtu", "msh"}));
+  EXPECT_EQ(answer["formats"]["input"][0]["media_type"], "model/obj");
 }
 
 TEST(Openapi, its_parameters_are_the_table_of_options) {

@@ -27,6 +27,7 @@ fail() {
 
 # start_daemon [OPTION]...: on a free port; sets `daemon` (the process) and `address`.
 start_daemon() {
+  : >"$work/log" # it is looked into before the daemon may have opened it
   "$remeshd" --bind 127.0.0.1:0 --log-format json "$@" 2>"$work/log" &
   daemon=$!
   address=

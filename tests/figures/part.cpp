@@ -17,7 +17,7 @@ Part make_part(const PolygonMesh& mesh, double plane_tolerance, RunControl& cont
   std::vector<Diagnostic> diagnostics;
   Surface surface = weld(mesh, Barriers{}, diagnostics, control);
   const double tolerance = plane_tolerance / surface.unit;
-  mend_faces(surface, tolerance, {}, diagnostics, control);
+  mend_faces(surface, tolerance, {}, Mend::kYes, diagnostics, control);
   Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners);
   const IdVector<FaceId, std::uint32_t> zone(surface.face_count(), 0);
   const IdVector<FaceId, std::uint8_t> rung(surface.face_count(), 0);

@@ -62,7 +62,7 @@ std::vector<Corners3> triangles_of(const PolygonMesh& mesh) {
   RunControl control;
   const Surface surface = mended(mesh);
   std::vector<Corners3> all;
-  for (const Triangle& t : triangulated(surface, control))
+  for (const Triangle& t : triangulated(surface, control).triangles)
     all.push_back({surface.positions[t[0]], surface.positions[t[1]], surface.positions[t[2]]});
   return all;
 }
@@ -116,7 +116,7 @@ void expect_locally_delaunay(const Result& result) {
 
 std::size_t intersecting_pairs(const TriangleMesh& mesh) {
   RunControl control;
-  return self_intersections(mesh.positions.items(), mesh.faces.items(), nullptr, 1000, control).pairs.size();
+  return self_intersections(mesh.positions.items(), mesh.faces.items(), {}, 1000, control).pairs.size();
 }
 
 }  // namespace

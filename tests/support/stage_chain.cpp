@@ -13,7 +13,7 @@ namespace remesh {
 Surface mended(const PolygonMesh& mesh, double plane_tolerance, std::vector<Diagnostic>& diagnostics) {
   RunControl control;
   Surface surface = weld(mesh, Barriers{}, diagnostics, control);
-  mend_faces(surface, plane_tolerance / surface.unit, {}, diagnostics, control);
+  mend_faces(surface, plane_tolerance / surface.unit, {}, Mend::kYes, diagnostics, control);
   return surface;
 }
 

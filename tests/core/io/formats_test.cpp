@@ -36,7 +36,10 @@ TEST(formats, the_ending_of_a_file_name_tells_the_format) {
   EXPECT_EQ(format_from_file_name("/a.b/c.d/Part.v2.STL"), Format::kStl);
   EXPECT_EQ(format_from_file_name("C:\\meshes\\part.Ply"), Format::kPly);
   EXPECT_EQ(format_from_file_name(".json"), Format::kJson);
-  for (const char* name : {"", "obj", "part", "part.", "part.obj.gz", "dir.obj/part", "dir.obj\\part", "part.objx"}) {
+  EXPECT_EQ(format_from_file_name("part.obj.gz"), Format::kObj);
+  EXPECT_EQ(format_from_file_name("PART.STL.GZ"), Format::kStl);
+  for (const char* name :
+       {"", "obj", ".gz", "part.gz", "part", "part.", "dir.obj/part", "dir.obj\\part", "part.objx"}) {
     EXPECT_EQ(format_from_file_name(name), std::nullopt) << name;
   }
 }
@@ -59,7 +62,12 @@ TEST(formats, binary_stl_is_known_by_its_length_whatever_its_header_says) {
   EXPECT_EQ(sniff_format(binary_stl("", 0)), Format::kStl);
   EXPECT_EQ(sniff_format(binary_stl("solid facets", 3)), Format::kStl);
   EXPECT_EQ(sniff_format(binary_stl("{ply OFF", 3)), Format::kStl);
-  EXPECT_EQ(sniff_format(binary_stl("", 2) + "x"), Format::kObj) << "the length is no rule any more";
+}
+
+TEST(formats, binary_stl_of_another_length_is_known_by_its_zeros) {
+  EXPECT_EQ(sniff_format(binary_stl("", 2) + "x"), Format::kStl);
+  EXPECT_EQ(sniff_format(binary_stl("solid facets", 3).substr(0, 200)), Format::kStl);
+  EXPECT_EQ(sniff_format(std::string_view("\xfe\xff\0v", 4)), Format::kObj) << "UTF-16, as the reader will say";
 }
 
 TEST(formats, ply_and_off_are_known_by_their_first_word) {

@@ -322,7 +322,7 @@ TEST(obj_reader, control_characters_are_no_text_but_in_comments) {
   }
   expect_error(v + "vn 0 0 1\x7f\n", Code::kInvalidMesh, 4);
   expect_error(v + "f 1 2 3\n" + std::string(4, '\0'), Code::kInvalidMesh, 5);
-  expect_error(v + "f 1 2 \\\n3\x01\n", Code::kInvalidMesh, 4);
+  expect_error(v + "f 1 2 \\\n3\x01\n", Code::kInvalidMesh, 5);
   EXPECT_NE(std::string(error_of(std::string("v 0 0\0", 6)).what()).find("0x00"), std::string::npos);
 }
 

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <set>
 #include <vector>
@@ -52,6 +53,7 @@ class BruteForce {
         edges_[p.value].insert(std::minmax(loop[i], loop[(i + 1) % loop.size()]));
       }
     }
+    find_solids();
   }
 
   double at(const Vec3& place, PatchId p) const {
@@ -62,7 +64,8 @@ class BruteForce {
         if (std::sqrt(CGAL::squared_distance(point(place), triangle(t))) > least) continue;
         const Vec3 nearest = nearest_on(place, t);
         const double d = norm(nearest - place);
-        if (is_steep(nearest - place, p) && d > kTolerance && d < least && 3 * d < way(place, p, nearest, PatchId(q)))
+        if (is_steep(nearest - place, p) && !is_blocked(nearest - place, p, PatchId(q)) && d > kTolerance &&
+            d < least && 3 * d < way(place, p, nearest, PatchId(q)))
           least = d;
       }
     }
@@ -78,7 +81,8 @@ class BruteForce {
         for (const Triangle& s : scene_.gaps.triangles_of(PatchId(p)))
           for (const Triangle& t : scene_.gaps.triangles_of(PatchId(q))) {
             const Vec3 way = shortest_way(corners(s), corners(t));
-            if (norm(way) > kTolerance && (is_steep(way, PatchId(p)) || is_steep(way, PatchId(q))))
+            if (norm(way) > kTolerance && !is_blocked(way, PatchId(p), PatchId(q)) &&
+                (is_steep(way, PatchId(p)) || is_steep(way, PatchId(q))))
               least = std::min(least, norm(way));
           }
       }
@@ -98,6 +102,45 @@ class BruteForce {
   /// At more than 51 degrees above the patch.
   bool is_steep(const Vec3& way, PatchId p) const {
     return std::fabs(dot(way, scene_.chain.patches.planes[p].normal)) > std::sqrt(0.604) * norm(way);
+  }
+
+  /// Faces that share edges are one piece; it is a solid if each of its edges is run along once each way.
+  void find_solids() {
+    const StageChain& chain = scene_.chain;
+    std::map<std::pair<VertexId, VertexId>, std::vector<std::uint32_t>> runs;  // faces by directed edge
+    std::vector<std::uint32_t> piece(chain.surface.face_count());
+    for (std::uint32_t f = 0; f < piece.size(); ++f) {
+      piece[f] = f;
+      const auto loop = chain.surface.face(FaceId(f));
+      for (std::size_t i = 0; i < loop.size(); ++i) runs[{loop[i], loop[(i + 1) % loop.size()]}].push_back(f);
+    }
+    std::set<std::uint32_t> open;
+    for (bool is_new = true; is_new;) {
+      is_new = false;
+      for (const auto& [edge, faces] : runs) {
+        const auto back = runs.find({edge.second, edge.first});
+        if (faces.size() != 1 || back == runs.end() || back->second.size() != 1) open.insert(faces[0]);
+        std::vector<std::uint32_t> all = faces;
+        if (back != runs.end()) all.insert(all.end(), back->second.begin(), back->second.end());
+        for (const std::uint32_t f : all)
+          for (const std::uint32_t g : all)
+            if (piece[f] < piece[g]) {
+              piece[g] = piece[f];
+              is_new = true;
+            }
+      }
+    }
+    std::set<std::uint32_t> open_pieces;
+    for (const std::uint32_t f : open) open_pieces.insert(piece[f]);
+    solid_.resize(scene_.gaps.patch_count());
+    for (std::uint32_t f = 0; f < piece.size(); ++f)
+      solid_[chain.patches.of_face[FaceId(f)].value] = open_pieces.count(piece[f]) ? -1 : static_cast<int>(piece[f]);
+  }
+  /// Inwards from one, and from outside to the other, or the other way round.
+  bool is_blocked(const Vec3& way, PatchId p, PatchId q) const {
+    if (solid_[p.value] < 0 || solid_[p.value] != solid_[q.value]) return false;
+    const auto side = [&](PatchId of) { return dot(way, scene_.chain.patches.planes[of].normal); };
+    return (side(p) > 0 && side(q) > 0) || (side(p) < 0 && side(q) < 0);
   }
 
   /// By halving: the distance is convex along every line.
@@ -149,6 +192,7 @@ class BruteForce {
   const Scene& scene_;
   std::vector<std::set<VertexId>> vertices_;
   std::vector<std::set<std::pair<VertexId, VertexId>>> edges_;
+  std::vector<int> solid_;  ///< of each patch; -1: none
 };
 
 PolygonMesh cube_in_cube() {
@@ -243,6 +287,20 @@ TEST(gap_search, a_step_of_a_Z_is_the_gap_between_the_sheets_it_joins) {
   EXPECT_DOUBLE_EQ(*scene.smallest(), 0.1);
 }
 
+TEST(gap_search, the_treads_of_a_step_are_no_gap_and_a_thin_wall_is) {
+  const std::vector<Vec2> outline = {{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 1.125}, {0, 1.125}};
+  const PolygonMesh step = shapes::prism(outline, 1);
+  const Scene scene(step);
+  const std::size_t low = face_through(step, {{1, 1, 0}, {2, 1, 0}, {1, 1, 1}});
+  const std::size_t high = face_through(step, {{1, 1.125, 0}, {0, 1.125, 0}, {1, 1.125, 1}});
+  for (const double x : {1.5, 1.01}) EXPECT_DOUBLE_EQ(scene.at(low, {x, 1, 0.5}), 1);
+  for (const double x : {0.5, 0.99}) EXPECT_DOUBLE_EQ(scene.at(high, {x, 1.125, 0.5}), 1.125);
+  EXPECT_EQ(scene.smallest(), 1);
+  // Turned inside out it is the same; without the riser there are two sheets.
+  EXPECT_EQ(Scene(shapes::turned_over(step)).smallest(), 1);
+  EXPECT_EQ(Scene(shapes::prism({{0, 0}, {2, 0}, {2, 0.125}, {0, 0.125}}, 1)).smallest(), 0.125);
+}
+
 TEST(gap_search, faces_that_meet_see_each_other_below_37_degrees_and_above_39_never) {
   for (const double degrees : {5.0, 30.0, 36.0}) {
     const PolygonMesh mesh = wedge(degrees, 3);
@@ -324,9 +382,14 @@ TEST(gap_search, coarse_triangles_of_the_patches_and_the_input_faces_give_the_sa
 }
 
 TEST(gap_search, agrees_with_the_rule_applied_to_every_triangle) {
-  std::vector<PolygonMesh> meshes = {
-      cube_in_cube(),    wedge(20, 0.7),         shapes::l_bracket(2), shapes::cylinder(40, 1, 0.3),
-      shapes::sphere(1), shapes::three_pages(2), shapes::ring(2)};
+  std::vector<PolygonMesh> meshes = {shapes::prism({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 1.125}, {0, 1.125}}, 1),
+                                     cube_in_cube(),
+                                     wedge(20, 0.7),
+                                     shapes::l_bracket(2),
+                                     shapes::cylinder(40, 1, 0.3),
+                                     shapes::sphere(1),
+                                     shapes::three_pages(2),
+                                     shapes::ring(2)};
   for (const int seed : {1, 2, 3}) {
     meshes.push_back(random_boxes(seed));
     meshes.push_back(

@@ -65,7 +65,7 @@ TEST(triangulated, polygons_come_as_triangles_of_their_area) {
   RunControl control;
   const PolygonMesh mesh = shapes::prism({{0, 0}, {3, 0}, {3, 1}, {1, 1}, {1, 3}, {0, 3}}, 2);
   const Surface surface = mended(mesh);
-  const auto triangles = triangulated(surface, control);
+  const auto triangles = triangulated(surface, control).triangles;
   EXPECT_EQ(triangles.size(), 2u * 4 + 6 * 2);
   double area = 0, volume = 0;
   for (const auto& [a, b, c] : triangles) {

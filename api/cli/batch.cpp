@@ -1,0 +1,200 @@
+#include "api/cli/batch.h"
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <exception>
+#include <filesystem>
+#include <optional>
+#include <set>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "api/cli/failure.h"
+#include "api/cli/files.h"
+#include "api/cli/progress_bar.h"
+#include "api/job.h"
+#include "api/negotiation.h"
+#include "api/text.h"
+#include "core/io/formats.h"
+
+namespace remesh::cli {
+namespace {
+
+namespace fs = std::filesystem;
+using api::number_text;
+
+struct File {
+  std::string name;  ///< within the folder
+  std::uintmax_t size = 0;
+  std::string output;  ///< path; empty: not to be written
+  std::string row;     ///< of the table, once it is done
+};
+
+/// The readable files below a folder, by name.
+std::vector<File> find_files(const std::string& folder) {
+  std::vector<File> files;
+  std::error_code error;
+  fs::recursive_directory_iterator entries(folder, fs::directory_options::skip_permission_denied, error);
+  for (; !error && entries != fs::recursive_directory_iterator(); entries.increment(error)) {
+    std::error_code gone;
+    if (!entries->is_regular_file(gone)) continue;
+    const auto format = format_from_file_name(entries->path().string());
+    if (!format || !api::can_read(*format)) continue;
+    files.push_back({entries->path().lexically_relative(folder).string(), entries->file_size(gone), "", ""});
+  }
+  if (error) throw FileError(folder + ": " + error.message());
+  std::sort(files.begin(), files.end(), [](const File& a, const File& b) { return a.name < b.name; });
+  return files;
+}
+
+/// Gives each file a name of its own in the output folder.
+void name_outputs(std::vector<File>& files, const std::string& folder, std::optional<Format> asked) {
+  std::set<std::string> taken;
+  for (File& file : files) {
+    const Format format = asked.value_or(*format_from_file_name(file.name));
+    const std::string ending = "." + std::string(format_name(format));
+    fs::path path = fs::path(folder) / file.name;
+    const fs::path with_both = path.string() + ending;
+    if (is_gzip_file_name(file.name)) path.replace_extension();
+    path.replace_extension(ending);
+    if (!taken.insert(path.string()).second) path = with_both;
+    taken.insert(path.string());
+    file.output = path.string();
+  }
+}
+
+/// A field of a table, in quotes where it needs them (RFC 4180), within one line.
+std::string field(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return is_control_character(c); }, ' ');
+  if (text.find_first_of(",\"") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+constexpr const char* kColumns =
+    "file,status,code,faces_in,faces_out,patches,kept,min_angle_deg,max_angle_deg,verified,warnings,seconds,message\n";
+
+std::string seconds_text(double seconds) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3f", seconds);
+  return text;
+}
+
+std::string row_of(const File& file, const Report& report, double seconds) {
+  const auto kept = std::count_if(report.patches.begin(), report.patches.end(),
+                                  [](const PatchSummary& patch) { return patch.status == PatchStatus::kKept; });
+  std::string row = field(file.name) + ",ok,";
+  for (const std::string& value :
+       {number_text(report.input.faces), number_text(report.output.faces),
+        number_text(std::uint64_t{report.patches.size()}), number_text(static_cast<std::uint64_t>(kept)),
+        number_text(report.output.quality.min_angle_deg), number_text(report.output.quality.max_angle_deg),
+        std::string(report.verified.all_true() ? "true" : "false"),
+        number_text(std::uint64_t{report.diagnostics.size()}), seconds_text(seconds)}) {
+    row += "," + value;
+  }
+  return row + ",\n";
+}
+
+std::string row_of(const File& file, const Failure& failure, double seconds) {
+  return field(file.name) + ",failed," + field(failure.code) + ",,,,,,,,," + seconds_text(seconds) + "," +
+         field(failure.line) + "\n";
+}
+
+class BatchRun {
+ public:
+  BatchRun(const BatchJob& job, RunControl& control) : job_(job), control_(control), files_(find_files(job.folder)) {
+    // Files go first, then the threads within one.
+    const auto files = static_cast<int>(std::min<std::size_t>(files_.size(), 1u << 20));
+    threads_ = std::max(1, std::min(job.limits.workers, files));
+    limits_ = job.limits;
+    limits_.workers = std::max(1, job.limits.workers / threads_);
+    if (!job.output_folder.empty()) {
+      name_outputs(files_, job.output_folder, options().options().format);
+    }
+    // The largest first, so that none of them is left alone at the end.
+    for (File& file : files_) queue_.push_back(&file);
+    std::stable_sort(queue_.begin(), queue_.end(), [](const File* a, const File* b) { return a->size > b->size; });
+  }
+
+  BatchOutcome run() {
+    {
+      const ProgressBar progress([this] { return progress_line(); });
+      std::vector<std::thread> threads;
+      for (int t = 1; t < threads_; ++t) threads.emplace_back([this] { work(); });
+      work();
+      for (std::thread& thread : threads) thread.join();
+    }
+    std::string table = kColumns;
+    for (const File& file : files_) table += file.row;
+    write_file(job_.report, table);
+    return {files_.size(), failed_};
+  }
+
+ private:
+  void work() {
+    for (std::size_t next = taken_++; next < queue_.size(); next = taken_++) {
+      File& file = *queue_[next];
+      const auto start = std::chrono::steady_clock::now();
+      const auto seconds = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      };
+      try {
+        const Report report = remesh_file(file);
+        file.row = row_of(file, report, seconds());
+      } catch (...) {
+        file.row = row_of(file, failure_of(std::current_exception(), file.name), seconds());
+        ++failed_;
+      }
+      ++done_;
+    }
+  }
+
+  Report remesh_file(const File& file) {
+    const std::string path = (fs::path(job_.folder) / file.name).string();
+    const std::string content = read_file(path, control_);
+    api::Job job;
+    job.options = options();
+    job.input_format = format_from_file_name(file.name);
+    job.mesh = content;
+    api::RemeshAnswer answer = api::run_remesh_job(std::move(job), limits_, control_);
+    if (!file.output.empty()) {
+      std::error_code error;
+      fs::create_directories(fs::path(file.output).parent_path(), error);
+      if (error) throw FileError(file.output + ": " + error.message());
+      write_file(file.output, answer.body);
+    }
+    return std::move(answer.report);
+  }
+
+  api::OptionReader options() const {
+    api::OptionReader options;
+    for (const auto& [name, value] : job_.options) options.add(name, value);
+    return options;
+  }
+
+  std::string progress_line() const {
+    const std::size_t done = done_, failed = failed_;
+    return progress_bar(static_cast<double>(done) / static_cast<double>(std::max<std::size_t>(1, files_.size()))) +
+           std::to_string(done) + " of " + std::to_string(files_.size()) + " files" +
+           (failed == 0 ? "" : ", " + std::to_string(failed) + " failed");
+  }
+
+  const BatchJob& job_;
+  RunControl& control_;  // all files share it: an interrupt ends them all
+  std::vector<File> files_;
+  std::vector<File*> queue_;
+  api::Limits limits_;
+  int threads_ = 1;
+  std::atomic<std::size_t> taken_{0}, done_{0}, failed_{0};
+};
+
+}  // namespace
+
+BatchOutcome run_batch(const BatchJob& job, RunControl& control) { return BatchRun(job, control).run(); }
+
+}  // namespace remesh::cli

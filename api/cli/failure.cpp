@@ -1,0 +1,45 @@
+#include "api/cli/failure.h"
+
+#include <new>
+
+#include "api/cli/files.h"
+
+namespace remesh::cli {
+
+int exit_code(const Error& error) {
+  if (error.code == Code::kOutputTooLarge) return kFailed;
+  return error.option.empty() && error.code != Code::kNotAcceptable ? kFailed : kMisused;
+}
+
+std::string place_of(const Error& error, const std::string& input) {
+  std::string place = input == "-" ? "standard input" : input;
+  if (error.line) place += ":" + std::to_string(*error.line);
+  if (error.byte) place += ": byte " + std::to_string(*error.byte);
+  return place;
+}
+
+std::string describe(const Error& error, const std::string& input) {
+  const bool is_located = exit_code(error) == kFailed && error.stage == Stage::kRead;
+  return (is_located ? place_of(error, input) + ": " : "") + std::string(code_name(error.code)) + ": " + error.what();
+}
+
+Failure failure_of(const std::exception_ptr& thrown, const std::string& input) {
+  const auto failed = [](const std::string& code, const std::string& message) {
+    return Failure{kFailed, code, message, code + ": " + message};
+  };
+  try {
+    std::rethrow_exception(thrown);
+  } catch (const Error& error) {
+    return {exit_code(error), std::string(code_name(error.code)), error.what(), describe(error, input)};
+  } catch (const FileError& error) {
+    return {kFailed, "file_error", error.what(), error.what()};
+  } catch (const std::bad_alloc&) {
+    return failed("out_of_memory", "the mesh needs more memory than there is");
+  } catch (const std::exception& error) {
+    return failed("internal", error.what());
+  } catch (...) {
+    return failed("internal", "something that is no std::exception was thrown");
+  }
+}
+
+}  // namespace remesh::cli

@@ -1,0 +1,177 @@
+#include "core/geometry/inside_out.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/union_find.h"
+#include "core/geometry/predicates.h"
+#include "core/geometry/predicates_3d.h"
+#include "core/geometry/triangle_tree.h"
+
+namespace remesh {
+namespace {
+
+/// A volume counts as negative from here, of the piece's area times its extent: a doubled sheet has none but rounding.
+constexpr double kNoVolume = 1e-12;
+
+/// Triangles that all rays together may look at.
+constexpr std::size_t kMostTests = 50'000'000;
+
+class Pieces {
+ public:
+  Pieces(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin, std::span<const VertexId> corners,
+         const Adjacency& edges, RunControl& control)
+      : positions_(positions), face_begin_(face_begin), corners_(corners), edges_(edges), control_(control) {}
+
+  InsideOut find() {
+    connect();
+    measure();
+    InsideOut result;
+    std::vector<std::uint32_t> negative;
+    for (std::uint32_t p = 0; p < pieces_.size(); ++p) {
+      const Piece& piece = pieces_[p];
+      if (piece.is_closed && piece.volume < -kNoVolume * piece.area * piece.box.diagonal()) negative.push_back(p);
+    }
+    const auto closed = std::count_if(pieces_.begin(), pieces_.end(), [](const Piece& p) { return p.is_closed; });
+    if (closed > 1 && !negative.empty()) drop_cavities(negative);
+    if (negative.empty()) return result;
+    for (const std::uint32_t p : negative) result.first_faces.push_back(pieces_[p].first);
+    result.is_inside_out.resize(face_count());
+    for (std::uint32_t f = 0; f < face_count(); ++f)
+      result.is_inside_out[f] = std::binary_search(negative.begin(), negative.end(), piece_of_[f]);
+    return result;
+  }
+
+ private:
+  struct Piece {
+    FaceId first;
+    bool is_closed = true;
+    double volume = 0, area = 0;
+    Box3 box;
+    Vec3 least{HUGE_VAL, HUGE_VAL, HUGE_VAL};  ///< lexicographically
+  };
+
+  std::size_t face_count() const { return face_begin_.size() - 1; }
+  std::span<const VertexId> face(std::size_t f) const {
+    return corners_.subspan(face_begin_[f], face_begin_[f + 1] - face_begin_[f]);
+  }
+
+  void connect() {
+    UnionFind sets(face_count());
+    for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
+      if (e % 4096 == 0) control_.check();
+      const auto around = edges_.half_edges(EdgeId(e));
+      if (around.size() == 2) sets.join(edges_.face_of(around[0]).value, edges_.face_of(around[1]).value);
+    }
+    piece_of_.resize(face_count());
+    for (std::uint32_t f = 0; f < face_count(); ++f) {
+      const std::uint32_t first = sets.find(f);
+      if (first == f) {
+        piece_of_[f] = static_cast<std::uint32_t>(pieces_.size());
+        pieces_.emplace_back().first = FaceId(f);
+      } else {
+        piece_of_[f] = piece_of_[first];
+      }
+    }
+    for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
+      if (e % 4096 == 0) control_.check();
+      const auto around = edges_.half_edges(EdgeId(e));
+      if (edges_.from(around[0]) == edges_.to(around[0]) || edges_.twin(around[0]) != Adjacency::kNone) continue;
+      for (const std::uint32_t h : around) pieces_[piece_of_[edges_.face_of(h).value]].is_closed = false;
+    }
+  }
+
+  void measure() {
+    for (std::uint32_t f = 0; f < face_count(); ++f) {
+      if (f % 4096 == 0) control_.check();
+      Piece& piece = pieces_[piece_of_[f]];
+      if (!piece.is_closed) continue;
+      const auto loop = face(f);
+      // From a point of the piece: far from it the volume would drown in rounding.
+      const Vec3 origin = positions_[face(piece.first.value)[0].value], first = positions_[loop[0].value] - origin;
+      Vec3 twice_area;
+      for (std::size_t i = 1; i + 1 < loop.size(); ++i)
+        twice_area += cross(positions_[loop[i].value] - origin - first, positions_[loop[i + 1].value] - origin - first);
+      piece.volume += dot(first, twice_area) / 6;
+      piece.area += norm(twice_area) / 2;
+      for (const VertexId v : loop) {
+        piece.box.add(positions_[v.value]);
+        piece.least = std::min(piece.least, positions_[v.value]);
+      }
+    }
+  }
+
+  /// Leaves those that lie within an even number of closed pieces.
+  void drop_cavities(std::vector<std::uint32_t>& negative) {
+    std::vector<Triangle> triangles;
+    std::vector<std::uint32_t> piece_of;
+    for (std::uint32_t f = 0; f < face_count(); ++f) {
+      if (!pieces_[piece_of_[f]].is_closed) continue;
+      const auto loop = face(f);
+      for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
+        triangles.push_back({loop[0], loop[i], loop[i + 1]});
+        piece_of.push_back(piece_of_[f]);
+      }
+    }
+    const TriangleTree tree(positions_, triangles, control_);
+    std::size_t tests = 0;
+    const auto is_cavity = [&](std::uint32_t piece) {
+      const Vec3 p = pieces_[piece].least;
+      std::vector<std::pair<std::uint32_t, int>> hits;
+      tree.visit_meeting({p, Vec3{HUGE_VAL, p.y, p.z}}, 0, [&](std::size_t slot) {
+        if (tests % 4096 == 0) control_.check();
+        const std::uint32_t t = tree.face(slot).value;
+        if (piece_of[t] != piece)
+          if (const int sign = crossing(triangles[t], p); sign != 0) hits.push_back({piece_of[t], sign});
+        return ++tests < kMostTests;
+      });
+      std::sort(hits.begin(), hits.end());
+      std::size_t depth = 0;
+      for (std::size_t i = 0; i < hits.size();) {
+        const std::uint32_t other = hits[i].first;
+        int turns = 0;
+        for (; i < hits.size() && hits[i].first == other; ++i) turns += hits[i].second;
+        depth += turns != 0;
+      }
+      return tests < kMostTests && depth % 2 == 1;
+    };
+    negative.erase(std::remove_if(negative.begin(), negative.end(), is_cavity), negative.end());
+  }
+
+  /// How the ray from p along x passes a triangle: 1 in the direction of its normal, -1 against it, 0 not. As if p were
+  /// moved by an infinitesimal, so that a ray through an edge passes just one of the faces there.
+  int crossing(const Triangle& triangle, const Vec3& p) const {
+    int turns = 0;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 &from = positions_[triangle[i].value], &to = positions_[triangle[(i + 1) % 3].value];
+      const bool is_up = from.z <= p.z && p.z < to.z, is_down = to.z <= p.z && p.z < from.z;
+      if (!is_up && !is_down) continue;
+      const int side = orient2d({from.y, from.z}, {to.y, to.z}, {p.y, p.z});
+      if (is_up && side > 0) ++turns;
+      if (is_down && side < 0) --turns;
+    }
+    if (turns == 0) return 0;
+    const int side =
+        orient3d(positions_[triangle[0].value], positions_[triangle[1].value], positions_[triangle[2].value], p);
+    return side * turns < 0 ? turns : 0;
+  }
+
+  std::span<const Vec3> positions_;
+  std::span<const std::uint32_t> face_begin_;
+  std::span<const VertexId> corners_;
+  const Adjacency& edges_;
+  RunControl& control_;
+  std::vector<Piece> pieces_;            ///< in the order of their first faces
+  std::vector<std::uint32_t> piece_of_;  ///< of each face
+};
+
+}  // namespace
+
+InsideOut find_inside_out(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
+                          std::span<const VertexId> corners, const Adjacency& edges, RunControl& control) {
+  if (face_begin.size() < 2) return {};
+  return Pieces(positions, face_begin, corners, edges, control).find();
+}
+
+}  // namespace remesh

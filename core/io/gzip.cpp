@@ -1,0 +1,151 @@
+#include "core/io/gzip.h"
+
+#include <zlib.h>
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+#include <new>
+
+#include "core/io/read_errors.h"
+
+namespace remesh {
+namespace {
+
+constexpr int kGzipWindow = MAX_WBITS + 16;  // zlib's way to say gzip and nothing else
+/// Bytes between two looks at the control: some milliseconds.
+constexpr std::size_t kStep = std::size_t{1} << 20;
+/// A small file may be as regular as it likes.
+constexpr std::uint64_t kFreeOfRatio = std::uint64_t{1} << 20;
+
+const Bytef* bytes_of(std::string_view content) { return reinterpret_cast<const Bytef*>(content.data()); }
+
+uInt bounded(std::size_t size) {
+  return static_cast<uInt>(std::min<std::size_t>(size, std::numeric_limits<uInt>::max()));
+}
+
+class Inflater {
+ public:
+  Inflater() {
+    if (inflateInit2(&stream_, kGzipWindow) != Z_OK) throw std::bad_alloc();
+  }
+  ~Inflater() { inflateEnd(&stream_); }
+  Inflater(const Inflater&) = delete;
+  Inflater& operator=(const Inflater&) = delete;
+
+  z_stream& stream() { return stream_; }
+
+ private:
+  z_stream stream_{};
+};
+
+class Deflater {
+ public:
+  Deflater() {
+    constexpr int kMemoryLevel = 8;
+    if (deflateInit2(&stream_, Z_DEFAULT_COMPRESSION, Z_DEFLATED, kGzipWindow, kMemoryLevel, Z_DEFAULT_STRATEGY) !=
+        Z_OK) {
+      throw std::bad_alloc();
+    }
+  }
+  ~Deflater() { deflateEnd(&stream_); }
+  Deflater(const Deflater&) = delete;
+  Deflater& operator=(const Deflater&) = delete;
+
+  z_stream& stream() { return stream_; }
+
+ private:
+  z_stream stream_{};
+};
+
+Error damaged(std::size_t offset, const std::string& message) {
+  return read_error(Place::byte(offset), Code::kInvalidMesh, "gzip: " + message);
+}
+
+/// How long the output may get.
+std::uint64_t most_bytes(std::string_view content, const DecompressionLimits& limits) {
+  const std::uint64_t size = content.size();
+  const bool overflows =
+      size > std::numeric_limits<std::uint64_t>::max() / std::max<std::uint64_t>(limits.max_ratio, 1);
+  const std::uint64_t by_ratio = overflows ? limits.max_bytes : size * limits.max_ratio;
+  return std::min(limits.max_bytes, std::max(by_ratio, kFreeOfRatio));
+}
+
+Error too_large(std::uint64_t most, const DecompressionLimits& limits) {
+  const bool is_ratio = most < limits.max_bytes;
+  return Error(Code::kDecompressedTooLarge, Stage::kRead,
+               is_ratio ? "the data decompresses to more than " + std::to_string(limits.max_ratio) + " times its size"
+                        : "the data decompresses to more than " + std::to_string(limits.max_bytes) + " bytes")
+      .with_limit(is_ratio ? limits.max_ratio : limits.max_bytes);
+}
+
+}  // namespace
+
+std::string gunzip(std::string_view content, const DecompressionLimits& limits, RunControl& control) {
+  Inflater inflater;
+  z_stream& stream = inflater.stream();
+  const std::uint64_t most = most_bytes(content, limits);
+  std::string out;
+  std::size_t in_offset = 0;
+  std::size_t used = 0;
+  for (bool is_done = false; !is_done;) {
+    control.progress(content.empty() ? 0 : static_cast<double>(in_offset) / static_cast<double>(content.size()));
+    if (used == out.size()) {
+      if (used > most) throw too_large(most, limits);
+      // One byte more than allowed, so that it shows when there is more.
+      out.resize(static_cast<std::size_t>(std::min<std::uint64_t>(most + 1, std::max<std::uint64_t>(kStep, 2 * used))));
+    }
+    stream.next_in = const_cast<Bytef*>(bytes_of(content.substr(in_offset)));  // zlib does not write to it
+    stream.avail_in = bounded(content.size() - in_offset);
+    stream.next_out = reinterpret_cast<Bytef*>(out.data() + used);
+    stream.avail_out = bounded(std::min(out.size() - used, kStep));
+    const uInt given_in = stream.avail_in, given_out = stream.avail_out;
+    const int status = inflate(&stream, Z_NO_FLUSH);
+    in_offset += given_in - stream.avail_in;
+    used += given_out - stream.avail_out;
+
+    if (status == Z_STREAM_END) {
+      // Padding of zeros, as tapes have it, is no member.
+      if (content.find_first_not_of('\0', in_offset) == std::string_view::npos) {
+        is_done = true;
+      } else if (!is_gzip(content.substr(in_offset))) {
+        throw damaged(in_offset, "something else follows the compressed data");
+      } else if (inflateReset(&stream) != Z_OK) {
+        throw std::bad_alloc();
+      }
+    } else if (status == Z_MEM_ERROR) {
+      throw std::bad_alloc();
+    } else if (status != Z_OK && status != Z_BUF_ERROR) {
+      throw damaged(in_offset, stream.msg == nullptr ? "the data is damaged" : stream.msg);
+    } else if (in_offset == content.size() && stream.avail_out > 0) {
+      throw damaged(content.size(), "the data ends early");
+    }
+  }
+  if (used > most) throw too_large(most, limits);
+  out.resize(used);
+  return out;
+}
+
+std::string gzip(std::string_view content, RunControl& control) {
+  Deflater deflater;
+  z_stream& stream = deflater.stream();
+  std::string out;
+  char buffer[1 << 16];
+  std::size_t offset = 0;
+  for (int status = Z_OK; status != Z_STREAM_END;) {
+    if (stream.avail_in == 0) {
+      control.check();
+      const std::string_view piece = content.substr(offset, kStep);
+      stream.next_in = const_cast<Bytef*>(bytes_of(piece));
+      stream.avail_in = static_cast<uInt>(piece.size());
+      offset += piece.size();
+    }
+    stream.next_out = reinterpret_cast<Bytef*>(buffer);
+    stream.avail_out = sizeof buffer;
+    status = deflate(&stream, offset == content.size() ? Z_FINISH : Z_NO_FLUSH);
+    out.append(buffer, sizeof buffer - stream.avail_out);
+  }
+  return out;
+}
+
+}  // namespace remesh

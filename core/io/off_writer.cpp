@@ -1,0 +1,41 @@
+#include "core/io/off.h"
+#include "core/io/text.h"
+#include "core/io/write_text.h"
+
+namespace remesh {
+
+std::string write_off(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control) {
+  control.enter(Stage::kWrite);
+  std::string out = "OFF\n";
+  for (const std::string& comment : comments) {
+    for (const std::string& line : comment_lines(comment)) out += "# " + line + "\n";
+  }
+  append_integer(out, mesh.positions.size());
+  out += ' ';
+  append_integer(out, mesh.faces.size());
+  out += " 0\n";
+
+  WriteProgress progress(mesh.positions.size() + mesh.faces.size(), control);
+  for (const Vec3& position : mesh.positions) {
+    progress.tick();
+    std::string_view separator = "";
+    for (const double coordinate : {position.x, position.y, position.z}) {
+      out += separator;
+      append_real(out, coordinate);
+      separator = " ";
+    }
+    out += '\n';
+  }
+  for (const Triangle& face : mesh.faces) {
+    progress.tick();
+    out += '3';
+    for (const VertexId v : face) {
+      out += ' ';
+      append_integer(out, v.value);
+    }
+    out += '\n';
+  }
+  return out;
+}
+
+}  // namespace remesh

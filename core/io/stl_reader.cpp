@@ -1,0 +1,296 @@
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <initializer_list>
+#include <utility>
+
+#include "core/io/bytes.h"
+#include "core/io/label_collector.h"
+#include "core/io/mesh_builder.h"
+#include "core/io/stl.h"
+#include "core/io/text.h"
+#include "core/io/text_lines.h"
+
+namespace remesh {
+namespace {
+
+constexpr std::size_t kHeader = 80;
+constexpr std::size_t kBeginOfRecords = kHeader + 4;
+constexpr std::size_t kRecord = 50;  // a normal, three vertices, two bytes of attributes
+constexpr std::size_t kVector = 3 * sizeof(float);
+/// Faces between two looks at the control.
+constexpr std::size_t kProgressStep = 1 << 14;
+
+struct Corner {
+  Vec3 position;
+  std::uint32_t index;
+
+  friend bool operator<(const Corner& a, const Corner& b) {
+    return a.position != b.position ? a.position < b.position : a.index < b.index;
+  }
+};
+
+/// A mesh from the corners of its triangles: equal positions become one vertex, numbered by first appearance.
+PolygonMesh joined(std::vector<Vec3> positions, const ReadLimits& limits, RunControl& control) {
+  if (positions.empty()) throw Error(Code::kEmptyMesh, Stage::kRead, "the file has no facet");
+  const std::size_t n = positions.size();
+  PolygonMesh mesh;
+  mesh.corners.resize(n);
+  {
+    std::vector<Corner> sorted(n);
+    for (std::uint32_t i = 0; i < n; ++i) sorted[i] = {positions[i], i};
+    control.check();
+    tbb::parallel_sort(sorted.begin(), sorted.end());
+    control.check();
+    // For now the id of each corner is the first corner with its position.
+    for (std::size_t k = 0; k < n; ++k) {
+      const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;
+      mesh.corners[sorted[k].index] = is_first ? VertexId(sorted[k].index) : mesh.corners[sorted[k - 1].index];
+    }
+  }
+  control.check();
+  for (std::uint32_t i = 0; i < n; ++i) {
+    VertexId& vertex = mesh.corners[i];
+    vertex = vertex.value == i ? mesh.positions.push_back(positions[i]) : mesh.corners[vertex.value];
+  }
+  if (mesh.vertex_count() > limits.max_vertices) {
+    throw Error(Code::kMeshTooLarge, Stage::kRead,
+                "more different vertices than the " + std::to_string(limits.max_vertices) + " allowed")
+        .with_limit(limits.max_vertices);
+  }
+  mesh.face_begin.resize(n / 3 + 1);
+  for (std::size_t f = 0; f < mesh.face_begin.size(); ++f) mesh.face_begin[f] = static_cast<std::uint32_t>(3 * f);
+  return mesh;
+}
+
+ReadResult read_binary(std::string_view content, const ReadLimits& limits, RunControl& control) {
+  if (content.size() < kBeginOfRecords) throw truncated_error(content.size(), "binary STL begins with 84 bytes");
+  const std::uint64_t count = load<std::uint32_t>(content.data() + kHeader, ByteOrder::kLittle);
+  const std::uint64_t complete = (content.size() - kBeginOfRecords) / kRecord;
+  if (count > complete) {
+    throw truncated_error(content.size(), "the count says " + std::to_string(count) + " triangles, there are " +
+                                              std::to_string(complete));
+  }
+  if (count > limits.max_faces) throw too_large_error(Place::byte(kHeader), "faces", limits.max_faces);
+
+  ReadResult result;
+  Diagnostic attributes{DiagnosticCode::kAttributeDropped, 0, {}, ""};
+  std::vector<Vec3> positions;
+  positions.reserve(static_cast<std::size_t>(3 * count));
+  for (std::uint64_t f = 0; f < count; ++f) {
+    if (f % kProgressStep == 0) control.progress(static_cast<double>(f) / static_cast<double>(count));
+    const std::size_t record = kBeginOfRecords + kRecord * static_cast<std::size_t>(f);
+    const char* at = content.data() + record + kVector;
+    for (int corner = 0; corner < 3; ++corner) {
+      Vec3 position;
+      for (int axis = 0; axis < 3; ++axis, at += sizeof(float)) position[axis] = load<float>(at, ByteOrder::kLittle);
+      if (!is_finite(position)) {
+        throw read_error(Place::byte(static_cast<std::uint64_t>(at - content.data()) - kVector),
+                         Code::kNonfiniteCoordinate, "a vertex with a coordinate that is not finite")
+            .at_element(f);
+      }
+      positions.push_back(position);
+    }
+    if (load<std::uint16_t>(at, ByteOrder::kLittle) != 0) attributes.add(f);
+  }
+  note_trailing_bytes(content, kBeginOfRecords + kRecord * static_cast<std::size_t>(count), kRecord,
+                      result.diagnostics);
+  if (attributes.count > 0) {
+    attributes.message = "attribute bytes (colours) dropped, of triangles: " + std::to_string(attributes.count);
+    result.diagnostics.push_back(std::move(attributes));
+  }
+  result.mesh = joined(std::move(positions), limits, control);
+  return result;
+}
+
+bool equals_ignoring_case(std::string_view word, std::string_view lower_case) {
+  return word.size() == lower_case.size() &&
+         std::equal(word.begin(), word.end(), lower_case.begin(),
+                    [](char c, char l) { return c == l || (c >= 'A' && c <= 'Z' && c - 'A' + 'a' == l); });
+}
+
+class TextReader {
+ public:
+  TextReader(std::string_view content, const ReadLimits& limits, RunControl& control)
+      : size_(content.size()), lines_(content), limits_(limits), control_(control) {}
+
+  ReadResult read() {
+    while (next_line()) take_line();
+    if (state_ != State::kOutside) {
+      throw error("the text ends inside a solid: there is no \"endsolid\"");
+    }
+    if (solids_.empty()) throw error("not STL: there is no \"solid\"");
+    ReadResult result;
+    result.mesh = joined(std::move(positions_), limits_, control_);
+    label(result.mesh);
+    return result;
+  }
+
+ private:
+  enum class State { kOutside, kSolid, kFacet, kLoop, kLoopEnded };
+
+  struct Solid {
+    std::string name;
+    std::size_t first_face;
+  };
+
+  bool next_line() {
+    if (!lines_.next()) return false;
+    if (++ticks_ % kProgressStep == 0) {
+      control_.progress(static_cast<double>(lines_.offset()) / static_cast<double>(size_));
+    }
+    return true;
+  }
+
+  void take_line() {
+    // Names may be in any encoding, and hold anything.
+    std::string_view rest = lines_.line();
+    std::string_view word = next_token(rest);
+    if (word.empty() && !lines_.control_character()) return;
+    if (state_ == State::kOutside || is(word, "endsolid")) return take_solid_line(word, rest);
+    lines_.check_is_text();
+    // Nearly all files have one of these a line, some have several.
+    for (; !word.empty(); word = next_token(rest)) take_word(word, rest);
+  }
+
+  void take_solid_line(std::string_view word, std::string_view rest) {
+    if (is(word, "solid") && state_ == State::kOutside) {
+      const std::string_view name = trim(rest);
+      if (name.size() > kMaxNameLength) {
+        throw error("a name of more than " + std::to_string(kMaxNameLength) + " bytes");
+      }
+      solids_.push_back({std::string(name), positions_.size() / 3});
+      state_ = State::kSolid;
+    } else if (is(word, "endsolid") && state_ == State::kSolid) {
+      state_ = State::kOutside;
+    } else {
+      throw error(expected() + cited(word));
+    }
+  }
+
+  /// Takes a keyword and its values. What stands behind a keyword that ends something is skipped.
+  void take_word(std::string_view word, std::string_view& rest) {
+    if (state_ == State::kSolid && is(word, "facet")) {
+      if (positions_.size() / 3 >= limits_.max_faces) throw too_large_error(here(), "faces", limits_.max_faces);
+      state_ = State::kFacet;
+      take_normal(rest);
+    } else if (state_ == State::kFacet && is(word, "outer")) {
+      if (!is(next_token(rest), "loop")) throw error("\"outer\" without \"loop\"");
+      state_ = State::kLoop;
+      corners_ = 0;
+    } else if (state_ == State::kLoop && is(word, "vertex")) {
+      take_vertex(rest);
+    } else if (state_ == State::kLoop && is(word, "endloop")) {
+      if (corners_ != 3) {
+        throw error("a facet with " + std::to_string(corners_) + " vertices; STL has triangles")
+            .at_element(positions_.size() / 3);
+      }
+      state_ = State::kLoopEnded;
+      skip_remark(rest, {"endfacet"});
+    } else if (state_ == State::kLoopEnded && is(word, "endfacet")) {
+      positions_.insert(positions_.end(), triangle_, triangle_ + 3);
+      state_ = State::kSolid;
+      skip_remark(rest, {"facet", "endsolid"});
+    } else if (state_ == State::kSolid && is(word, "endsolid")) {
+      state_ = State::kOutside;
+      rest = {};
+    } else {
+      throw error(expected() + cited(word));
+    }
+  }
+
+  /// `normal nx ny nz`: any three words, since it is not used, and programs write what they like for a facet without.
+  static void take_normal(std::string_view& rest) {
+    std::string_view ahead = rest;
+    if (!is(next_token(ahead), "normal")) return;
+    rest = ahead;
+    for (int axis = 0; axis < 3; ++axis) {
+      ahead = rest;
+      if (is(next_token(ahead), "outer")) return;
+      rest = ahead;
+    }
+  }
+
+  void take_vertex(std::string_view& rest) {
+    Vec3 position;
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::string_view token = next_token(rest);
+      if (token.empty()) throw error("a vertex with fewer than three coordinates");
+      position[axis] = parse_coordinate(token, here());
+    }
+    if (corners_ < 3) triangle_[corners_] = position;
+    ++corners_;
+  }
+
+  /// Skips the rest of the line, unless it goes on with what comes next.
+  static void skip_remark(std::string_view& rest, std::initializer_list<std::string_view> next_keywords) {
+    std::string_view ahead = rest;
+    const std::string_view word = next_token(ahead);
+    if (std::none_of(next_keywords.begin(), next_keywords.end(), [&](auto next) { return is(word, next); })) rest = {};
+  }
+
+  void label(PolygonMesh& mesh) const {
+    const bool is_named = std::any_of(solids_.begin(), solids_.end(), [](const Solid& s) { return !s.name.empty(); });
+    if (solids_.size() == 1 && !is_named) return;
+    LabelSet& objects = mesh.labels.object;
+    objects.of_face.reserve(mesh.face_count());
+    for (std::size_t s = 0; s < solids_.size(); ++s) {
+      const std::size_t end = s + 1 < solids_.size() ? solids_[s + 1].first_face : mesh.face_count();
+      if (end == solids_[s].first_face) continue;
+      const auto index = static_cast<std::uint32_t>(objects.names.size());
+      objects.names.push_back(solids_[s].name);
+      objects.of_face.resize(end, index);
+    }
+  }
+
+  std::string expected() const {
+    switch (state_) {
+      case State::kOutside: return "expected \"solid\", found ";
+      case State::kSolid: return "expected \"facet\" or \"endsolid\", found ";
+      case State::kFacet: return "expected \"outer loop\", found ";
+      case State::kLoop: return "expected \"vertex\" or \"endloop\", found ";
+      case State::kLoopEnded: return "expected \"endfacet\", found ";
+    }
+    return "";
+  }
+
+  static bool is(std::string_view word, std::string_view keyword) { return equals_ignoring_case(word, keyword); }
+  Place here() const { return Place::line(lines_.number()); }
+  Error error(const std::string& message) const { return read_error(here(), Code::kInvalidMesh, message); }
+
+  std::size_t size_;
+  TextLines lines_;
+  const ReadLimits& limits_;
+  RunControl& control_;
+  State state_ = State::kOutside;
+  std::vector<Solid> solids_;
+  std::vector<Vec3> positions_;
+  Vec3 triangle_[3];
+  std::uint64_t corners_ = 0;
+  std::size_t ticks_ = 0;
+};
+
+}  // namespace
+
+bool has_length_of_binary_stl(std::string_view content) {
+  // Text of the very length that four of its own bytes ask for does not happen: they would count at least 150 million
+  // triangles.
+  if (content.size() < kBeginOfRecords) return false;
+  const std::uint64_t count = load<std::uint32_t>(content.data() + kHeader, ByteOrder::kLittle);
+  return content.size() == kBeginOfRecords + kRecord * count;
+}
+
+bool is_binary_stl(std::string_view content) {
+  if (has_length_of_binary_stl(content)) return true;
+  // The count's highest byte is 0 in all files under 800 MB, and so are the attributes of nearly all triangles.
+  constexpr std::size_t kProbe = 1024;
+  return !wide_encoding(content) && content.substr(0, kProbe).find('\0') != std::string_view::npos;
+}
+
+ReadResult read_stl(std::string_view content, const ReadLimits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  return is_binary_stl(content) ? read_binary(content, limits, control) : TextReader(content, limits, control).read();
+}
+
+}  // namespace remesh

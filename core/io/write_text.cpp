@@ -1,0 +1,33 @@
+#include "core/io/write_text.h"
+
+#include <algorithm>
+
+#include "core/io/text.h"
+
+namespace remesh {
+
+std::vector<std::string> comment_lines(std::string_view comment) {
+  std::vector<std::string> lines;
+  for (;;) {
+    const std::size_t line_end = comment.find_first_of("\r\n");
+    lines.push_back(without_control_characters(comment.substr(0, line_end)));
+    if (line_end == std::string_view::npos) return lines;
+    comment.remove_prefix(line_end + (comment.substr(line_end, 2) == "\r\n" ? 2 : 1));
+  }
+}
+
+std::string without_control_characters(std::string_view text) {
+  std::string clean(text);
+  std::replace_if(clean.begin(), clean.end(), is_control_character, ' ');
+  return clean;
+}
+
+void append_coordinates(std::string& out, const Vec3& position) {
+  for (const double coordinate : {position.x, position.y, position.z}) {
+    out += ' ';
+    append_real(out, coordinate);
+  }
+  out += '\n';
+}
+
+}  // namespace remesh

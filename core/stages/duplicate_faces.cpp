@@ -1,0 +1,160 @@
+#include "core/stages/duplicate_faces.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "core/base/union_find.h"
+
+namespace remesh {
+namespace {
+
+class Duplicates {
+ public:
+  Duplicates(const Surface& surface, const Adjacency& edges, RunControl& control)
+      : surface_(surface), edges_(edges), control_(control) {}
+
+  /// Output: what to do with each face; empty if none repeats another.
+  const std::vector<std::uint8_t>& find() {
+    find_first_half_edges();
+    for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
+      if (e % 4096 == 0) control_.check();
+      const auto around = edges_.half_edges(EdgeId(e));
+      if (around.size() < 2) continue;
+      faces_.clear();
+      for (const std::uint32_t h : around)
+        if (first_[edges_.face_of(h).value] == h) faces_.push_back(edges_.face_of(h));
+      if (faces_.size() > 1) compare();
+    }
+    if (!fate_.empty()) decide_on_backs();
+    return fate_;
+  }
+
+  static constexpr std::uint8_t kStays = 0, kDropped = 1, kBack = 2;
+
+ private:
+  /// Of each face the half-edge between its smallest vertex and the smaller of that one's neighbours: the same edge for
+  /// all faces over the same loop, whichever way they run.
+  void find_first_half_edges() {
+    first_.assign(surface_.face_count(), Adjacency::kNone);
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      if (f % 4096 == 0) control_.check();
+      const std::uint32_t begin = surface_.face_begin[f], end = surface_.face_begin[f + 1];
+      std::uint32_t least = begin;
+      std::size_t times = 1;
+      for (std::uint32_t h = begin + 1; h < end; ++h) {
+        if (surface_.corners[h] == surface_.corners[least]) ++times;
+        if (surface_.corners[h] < surface_.corners[least]) {
+          least = h;
+          times = 1;
+        }
+      }
+      if (times > 1) continue;
+      const std::uint32_t before = least == begin ? end - 1 : least - 1, after = least + 1 == end ? begin : least + 1;
+      first_[f] = surface_.corners[before] < surface_.corners[after] ? before : least;
+    }
+  }
+
+  bool runs_forward(FaceId f) const {
+    const std::uint32_t h = first_[f.value];
+    return edges_.from(h) < edges_.to(h);
+  }
+
+  /// Vertex number i of the loop, begun at its smallest vertex towards the smaller neighbour.
+  VertexId vertex(FaceId f, std::size_t i) const {
+    const auto loop = surface_.face(f);
+    const std::size_t first = first_[f.value] - surface_.face_begin[f.value], n = loop.size();
+    return runs_forward(f) ? loop[(first + i) % n] : loop[(first + 1 + n - i) % n];
+  }
+
+  int order(FaceId f, FaceId g) const {
+    const std::size_t n = surface_.face(f).size(), m = surface_.face(g).size();
+    if (n != m) return n < m ? -1 : 1;
+    for (std::size_t i = 0; i < n; ++i)
+      if (const VertexId a = vertex(f, i), b = vertex(g, i); a != b) return a < b ? -1 : 1;
+    return 0;
+  }
+
+  /// The faces that begin on one edge.
+  void compare() {
+    std::sort(faces_.begin(), faces_.end(), [&](FaceId f, FaceId g) {
+      const int sign = order(f, g);
+      return sign != 0 ? sign < 0 : f < g;
+    });
+    for (std::size_t i = 0; i < faces_.size();) {
+      const FaceId first = faces_[i];
+      bool has_back = false;
+      for (++i; i < faces_.size() && order(first, faces_[i]) == 0; ++i) {
+        if (fate_.empty()) fate_.assign(surface_.face_count(), kStays);
+        const bool is_back = runs_forward(faces_[i]) != runs_forward(first) && !has_back;
+        has_back = has_back || is_back;
+        fate_[faces_[i].value] = is_back ? kBack : kDropped;
+      }
+    }
+  }
+
+  template <class Visit>
+  void for_each_edge_of_backs(const Visit& visit) const {
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f)
+      if (fate_[f] == kBack)
+        for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
+          visit(f, edges_.half_edges(edges_.edge_of(h)));
+  }
+
+  void decide_on_backs() {
+    UnionFind cluster(surface_.face_count());
+    for_each_edge_of_backs([&](std::uint32_t f, const auto& around) {
+      for (const std::uint32_t h : around)
+        if (const std::uint32_t g = edges_.face_of(h).value; fate_[g] == kBack) {
+          cluster.join(f, g);
+          break;
+        }
+    });
+    std::vector<std::uint8_t> has_to_stay(surface_.face_count(), 0);
+    for_each_edge_of_backs([&](std::uint32_t f, const auto& around) {
+      std::size_t left = 0;
+      for (const std::uint32_t h : around) left += fate_[edges_.face_of(h).value] == kStays;
+      if (left != 2) has_to_stay[cluster.find(f)] = 1;
+    });
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f)
+      if (fate_[f] == kBack && !has_to_stay[cluster.find(f)]) fate_[f] = kDropped;
+  }
+
+  const Surface& surface_;
+  const Adjacency& edges_;
+  RunControl& control_;
+  std::vector<std::uint32_t> first_;  ///< of each face
+  std::vector<std::uint8_t> fate_;
+  std::vector<FaceId> faces_;
+};
+
+}  // namespace
+
+bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
+                          RunControl& control) {
+  Duplicates duplicates(surface, edges, control);
+  const std::vector<std::uint8_t>& fate = duplicates.find();
+  if (fate.empty()) return false;
+  Diagnostic dropped{DiagnosticCode::kDuplicateFace, 0, {}, "faces that repeat another one were dropped"};
+  Diagnostic left{
+      DiagnosticCode::kDuplicateFace, 0, {}, "faces repeat another one, and stay as they were not to be mended"};
+  Diagnostic back{DiagnosticCode::kDuplicateFace,
+                  0,
+                  {},
+                  "faces repeat another one, seen from behind, and stay: without them the surface would be open or "
+                  "have edges of three faces"};
+  Surface kept;
+  for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
+    const FaceId f(i);
+    const std::uint32_t source = surface.face_source[f].value;
+    const bool is_dropped = fate[i] == Duplicates::kDropped && mend == Mend::kYes;
+    if (fate[i] != Duplicates::kStays) (is_dropped ? dropped : mend == Mend::kYes ? back : left).add(source);
+    if (!is_dropped) kept.add_face(surface.face(f), surface.face_source[f], surface.face_label[f]);
+  }
+  const bool is_changed = dropped.count > 0;
+  for (Diagnostic* d : {&dropped, &back, &left})
+    if (d->count > 0) diagnostics.push_back(std::move(*d));
+  if (is_changed) surface.take_faces(std::move(kept));
+  return is_changed;
+}
+
+}  // namespace remesh

@@ -1,0 +1,29 @@
+/// Which way faces look: the same way over each edge, and closed pieces outwards.
+#pragma once
+
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/surface.h"
+#include "core/report.h"
+#include "core/stages/mend.h"
+
+namespace remesh {
+
+/// Turns faces over so that neighbours look the same way, piece by piece; pieces are connected over edges with two
+/// faces. In each the faces of less area turn. A piece for which there is no such way (a Moebius strip) stays as it is.
+/// Output:  counts inconsistent_winding: with Mend::kYes the faces turned, and the pieces that stay (one face of each);
+///          else the edges whose two faces look opposite ways (their first faces).
+/// Returns: whether the surface changed.
+/// Cost:    O(n).
+bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
+                   RunControl& control);
+
+/// Finds the closed pieces that look inwards (geometry/inside_out.h), and turns them over.
+/// Output:  counts inside_out, the pieces; elements are the first face of each.
+/// Returns: whether the surface changed.
+bool turn_inside_out(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
+                     RunControl& control);
+
+}  // namespace remesh

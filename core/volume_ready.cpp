@@ -1,0 +1,153 @@
+#include "core/volume_ready.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+
+#include "core/geometry/inside_out.h"
+#include "core/geometry/overlap.h"
+#include "core/geometry/predicates_3d.h"
+#include "core/mesh/adjacency.h"
+
+namespace remesh {
+namespace {
+
+/// An edge with more faces than this is taken to have too small angles only between neighbours in their order around
+/// it: all of them, if faces were in order, but the order is by rounded angles.
+constexpr std::size_t kFewAround = 8;
+
+class Examination {
+ public:
+  Examination(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control)
+      : positions_(positions), faces_(faces), control_(control) {
+    corners_.reserve(3 * faces.size());
+    face_begin_.reserve(faces.size() + 1);
+    for (const Triangle& face : faces) {
+      corners_.insert(corners_.end(), face.begin(), face.end());
+      face_begin_.push_back(static_cast<std::uint32_t>(corners_.size()));
+    }
+  }
+
+  std::vector<VolumeObstacle> run(std::span<const std::pair<FaceId, FaceId>> intersections, double plane_tolerance) {
+    const Adjacency edges(positions_.size(), face_begin_, corners_);
+    examine_edges(edges);
+    examine_pairs(intersections, plane_tolerance);
+    examine_pieces(edges);
+    std::vector<VolumeObstacle> found;
+    for (VolumeObstacle* o :
+         {&open_, &non_manifold_, &winding_, &duplicate_, &crossing_, &overlap_, &dihedral_, &inside_out_})
+      if (o->count > 0) found.push_back(std::move(*o));
+    return found;
+  }
+
+ private:
+  void examine_edges(const Adjacency& edges) {
+    for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
+      if (e % 4096 == 0) control_.check();
+      const auto around = edges.half_edges(EdgeId(e));
+      const VertexId from = edges.from(around[0]), to = edges.to(around[0]);
+      if (from == to) continue;
+      const Vec3 middle = 0.5 * positions_[from.value] + 0.5 * positions_[to.value];
+      if (around.size() == 1) open_.add(middle);
+      if (around.size() > 2) non_manifold_.add(middle);
+      if (around.size() == 2 && edges.twin(around[0]) == Adjacency::kNone) winding_.add(middle);
+      if (around.size() > 1 && has_small_angle(edges, around)) dihedral_.add(middle);
+      if (around.size() > 1) count_duplicates(edges, around);
+    }
+  }
+
+  VertexId apex(const Adjacency& edges, std::uint32_t h) const { return edges.from(edges.next(edges.next(h))); }
+
+  bool has_small_angle(const Adjacency& edges, std::span<const std::uint32_t> around) {
+    const Vec3 a = positions_[edges.from(around[0]).value], b = positions_[edges.to(around[0]).value];
+    const Vec3 axis = normalized(b - a);
+    // Unit vectors from the edge into each face, across the edge; faces without area have none.
+    arms_.clear();
+    for (const std::uint32_t h : around) {
+      const Vec3 to = normalized(positions_[apex(edges, h).value] - a);
+      const Vec3 arm = normalized(to - dot(to, axis) * axis);
+      if (arm != Vec3{}) arms_.push_back({arm, 0, apex(edges, h)});
+    }
+    if (arms_.size() < 2) return false;
+    const auto is_small = [](const Arm& p, const Arm& q) {
+      constexpr double kTangent = kSmallDihedralDeg * std::numbers::pi / 180;
+      const double cosine = dot(p.arm, q.arm);
+      return p.apex != q.apex && cosine > 0 && norm(cross(p.arm, q.arm)) < kTangent * cosine;
+    };
+    if (arms_.size() <= kFewAround) {
+      for (std::size_t i = 0; i < arms_.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j)
+          if (is_small(arms_[i], arms_[j])) return true;
+      return false;
+    }
+    const Vec3 x = arms_[0].arm, y = cross(axis, x);
+    for (Arm& arm : arms_) arm.angle = std::atan2(dot(arm.arm, y), dot(arm.arm, x));
+    std::sort(arms_.begin(), arms_.end(),
+              [](const Arm& p, const Arm& q) { return p.angle != q.angle ? p.angle < q.angle : p.apex < q.apex; });
+    for (std::size_t i = 0; i < arms_.size(); ++i)
+      if (is_small(arms_[i], arms_[(i + 1) % arms_.size()])) return true;
+    return false;
+  }
+
+  /// Faces on the same three vertices, seen from the edge of their two smallest.
+  void count_duplicates(const Adjacency& edges, std::span<const std::uint32_t> around) {
+    apexes_.clear();
+    for (const std::uint32_t h : around)
+      if (const VertexId v = apex(edges, h); v > edges.from(h) && v > edges.to(h)) apexes_.push_back(v);
+    std::sort(apexes_.begin(), apexes_.end());
+    for (std::size_t i = 1; i < apexes_.size(); ++i)
+      if (apexes_[i] == apexes_[i - 1])
+        duplicate_.add(centroid({edges.from(around[0]), edges.to(around[0]), apexes_[i]}));
+  }
+
+  Vec3 centroid(const Triangle& t) const {
+    const auto third = [&](int i) { return (1.0 / 3) * positions_[t[i].value]; };
+    return third(0) + third(1) + third(2);
+  }
+
+  void examine_pairs(std::span<const std::pair<FaceId, FaceId>> pairs, double tolerance) {
+    for (const auto& [f, g] : pairs) {
+      Triangle a = faces_[f.value], b = faces_[g.value];
+      std::sort(a.begin(), a.end());
+      std::sort(b.begin(), b.end());
+      if (a == b) continue;
+      (do_overlap(a, b, positions_, tolerance) ? overlap_ : crossing_).add(meeting_place(a, b, positions_));
+    }
+  }
+
+  void examine_pieces(const Adjacency& edges) {
+    const std::vector<Vec3> scaled = scaled_for_predicates(positions_);
+    for (const FaceId f : find_inside_out(scaled, face_begin_, corners_, edges, control_).first_faces)
+      inside_out_.add(centroid(faces_[f.value]));
+  }
+
+  struct Arm {
+    Vec3 arm;
+    double angle;
+    VertexId apex;
+  };
+
+  std::span<const Vec3> positions_;
+  std::span<const Triangle> faces_;
+  RunControl& control_;
+  std::vector<std::uint32_t> face_begin_{0};
+  std::vector<VertexId> corners_;
+  std::vector<Arm> arms_;
+  std::vector<VertexId> apexes_;
+  VolumeObstacle open_{DiagnosticCode::kOpenBoundary, 0, {}}, non_manifold_{DiagnosticCode::kNonManifoldEdge, 0, {}},
+      winding_{DiagnosticCode::kInconsistentWinding, 0, {}}, duplicate_{DiagnosticCode::kDuplicateFace, 0, {}},
+      crossing_{DiagnosticCode::kSelfIntersection, 0, {}}, overlap_{DiagnosticCode::kOverlappingFaces, 0, {}},
+      dihedral_{DiagnosticCode::kSmallDihedral, 0, {}}, inside_out_{DiagnosticCode::kInsideOut, 0, {}};
+};
+
+}  // namespace
+
+std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const Triangle> faces,
+                                                  std::span<const std::pair<FaceId, FaceId>> intersections,
+                                                  double plane_tolerance, RunControl& control) {
+  return Examination(positions, faces, control).run(intersections, plane_tolerance);
+}
+
+}  // namespace remesh

@@ -1,0 +1,213 @@
+#include "core/io/stl.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cfloat>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "core/io/bytes.h"
+#include "tests/support/reading.h"
+
+namespace remesh {
+namespace {
+
+using test::expect_error_at_byte;
+using test::expect_error_at_line;
+using test::Face;
+using test::faces_of;
+using test::label_of_faces;
+
+using Facet = std::array<std::array<float, 3>, 3>;
+
+/// Two triangles over four vertices.
+const std::vector<Facet> kSquare{{{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}}, {{{0, 0, 0}, {1, 1, 0}, {0, 1, 0.1f}}}};
+
+std::string binary_stl(const std::vector<Facet>& facets, std::string header = "made by hand",
+                       std::uint16_t attributes = 0) {
+  header.resize(80, '\0');
+  append_little_endian(header, static_cast<std::uint32_t>(facets.size()));
+  for (const Facet& facet : facets) {
+    for (int axis = 0; axis < 3; ++axis) append_little_endian(header, 0.0f);
+    for (const auto& vertex : facet) {
+      for (const float coordinate : vertex) append_little_endian(header, coordinate);
+    }
+    append_little_endian(header, attributes);
+  }
+  return header;
+}
+
+std::string text_facet(const std::string& vertices) {
+  return "facet normal 0 0 1\nouter loop\n" + vertices + "endloop\nendfacet\n";
+}
+const std::string kFacet = text_facet("vertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n");
+const std::string kOther = text_facet("vertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\n");
+
+ReadResult read(const std::string& content, const ReadLimits& limits = {}) {
+  return test::read_with(read_stl, content, limits);
+}
+
+TEST(stl_reader, binary_triangles_come_as_listed_their_equal_vertices_joined) {
+  const ReadResult result = read(binary_stl(kSquare));
+  EXPECT_TRUE(result.diagnostics.empty());
+  EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}, {0, 2, 3}}));
+  ASSERT_EQ(result.mesh.vertex_count(), 4u);
+  EXPECT_EQ(result.mesh.positions[VertexId(3)].z, double{0.1f}) << "the float, not the nearest decimal";
+  EXPECT_FALSE(result.mesh.labels.object.is_used());
+}
+
+TEST(stl_reader, zeros_of_both_signs_are_one_place_and_the_first_one_stays) {
+  const PolygonMesh mesh =
+      read(binary_stl({{{{-0.0f, 0, 0}, {1, 0, 0}, {1, 1, 0}}}, {{{0, 0, 0}, {1, 1, 0}, {0, 1, 0}}}})).mesh;
+  EXPECT_EQ(mesh.vertex_count(), 4u);
+  EXPECT_TRUE(std::signbit(mesh.positions[VertexId(0)].x));
+}
+
+TEST(stl_reader, a_binary_file_may_begin_with_solid) {
+  for (const char* header : {"solid", "solid facet", "  solid part\n facet normal"}) {
+    EXPECT_EQ(faces_of(read(binary_stl(kSquare, header)).mesh).size(), 2u) << header;
+    EXPECT_EQ(faces_of(read(binary_stl(kSquare, header) + "\n").mesh).size(), 2u) << header;
+  }
+}
+
+TEST(stl_reader, trailing_bytes_are_told_and_a_whole_record_more_is_an_error) {
+  const std::string file = binary_stl(kSquare);
+  for (const std::size_t extra : {1u, 49u}) {
+    const ReadResult result = read(file + std::string(extra, 'x'));
+    ASSERT_EQ(result.diagnostics.size(), 1u);
+    EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTrailingBytes);
+    EXPECT_EQ(result.diagnostics[0].count, extra);
+  }
+  expect_error_at_byte(read_stl, file + std::string(50, 'x'), Code::kInvalidMesh, 184);
+  EXPECT_EQ(read(file + std::string(500, '\0')).diagnostics.at(0).count, 500u) << "padding";
+}
+
+TEST(stl_reader, binary_data_that_ends_early_is_an_error_at_its_end) {
+  const std::string file = binary_stl(kSquare);
+  for (const std::size_t size : {81u, 84u, 100u, 134u, 183u}) {
+    expect_error_at_byte(read_stl, file.substr(0, size), Code::kInvalidMesh, size);
+  }
+  std::string count_too_large = file;
+  count_too_large.replace(80, 4, "\xff\xff\xff\xff");
+  expect_error_at_byte(read_stl, count_too_large, Code::kInvalidMesh, file.size());
+}
+
+TEST(stl_reader, a_coordinate_that_is_not_finite_is_an_error_at_its_vertex) {
+  for (const float bad : {std::numeric_limits<float>::infinity(), std::numeric_limits<float>::quiet_NaN()}) {
+    std::vector<Facet> facets = kSquare;
+    facets[1][2][1] = bad;
+    expect_error_at_byte(read_stl, binary_stl(facets), Code::kNonfiniteCoordinate, 84 + 50 + 36);
+    EXPECT_EQ(test::error_of(read_stl, binary_stl(facets)).element, 1u);
+  }
+}
+
+TEST(stl_reader, attribute_bytes_are_dropped_and_counted) {
+  const ReadResult result = read(binary_stl(kSquare, "", 0x7c1f));
+  ASSERT_EQ(result.diagnostics.size(), 1u);
+  EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kAttributeDropped);
+  EXPECT_EQ(result.diagnostics[0].count, 2u);
+}
+
+TEST(stl_reader, text_is_read_in_doubles_whatever_its_case_blanks_and_line_ends) {
+  const std::string text =
+      "\xef\xbb\xbfSolid a part\n\n  FACET normal 0 0 1\n\tOuter   Loop\nvertex 0.1 0 0\nVertex 1e0 .5 -0\n"
+      "vertex +1 1. 0\n endloop foo\nendfacet bar baz\nendsolid whatever\n\n";
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    const ReadResult result = read(test::with_line_end(end, text));
+    EXPECT_TRUE(result.diagnostics.empty());
+    EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}}));
+    EXPECT_EQ(result.mesh.positions[VertexId(0)], (Vec3{0.1, 0, 0}));
+    EXPECT_EQ(result.mesh.positions[VertexId(1)], (Vec3{1, 0.5, 0}));
+    EXPECT_EQ(label_of_faces(result.mesh.labels.object), (std::vector<std::string>{"a part"}));
+  }
+}
+
+TEST(stl_reader, a_facet_may_stand_on_one_line_and_its_normal_may_be_anything) {
+  const std::string one_line =
+      "facet normal nan - inf outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet";
+  EXPECT_EQ(read("solid\n" + one_line + " endsolid\n").mesh.face_count(), 1u);
+  EXPECT_EQ(read("solid\n" + one_line + " " + one_line + "\nendsolid").mesh.face_count(), 2u);
+  EXPECT_EQ(read("solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid")
+                .mesh.face_count(),
+            1u);
+}
+
+TEST(stl_reader, each_solid_is_an_object_even_where_two_have_one_name) {
+  const PolygonMesh named = read("solid a\n" + kFacet + "endsolid\nsolid b\n" + kOther + kOther + "endsolid b\n").mesh;
+  EXPECT_EQ(label_of_faces(named.labels.object), (std::vector<std::string>{"a", "b", "b"}));
+  const PolygonMesh alike =
+      read("solid\n" + kFacet + "endsolid\nsolid\nendsolid\nsolid\n" + kOther + "endsolid\n").mesh;
+  EXPECT_EQ(alike.labels.object.of_face.items(), (std::vector<std::uint32_t>{0, 1}));
+  EXPECT_FALSE(read("solid\n" + kFacet + "endsolid\n").mesh.labels.object.is_used());
+}
+
+TEST(stl_reader, what_is_not_a_triangle_is_an_error_at_its_line) {
+  const auto solid = [](const std::string& vertices) { return "solid\n" + text_facet(vertices) + "endsolid\n"; };
+  expect_error_at_line(read_stl, solid("vertex 0 0 0\nvertex 1 0 0\n"), Code::kInvalidMesh, 6);
+  expect_error_at_line(read_stl, solid("vertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\n"), Code::kInvalidMesh,
+                       8);
+  expect_error_at_line(read_stl, solid("vertex 0 0 0\nvertex 1 0\n"), Code::kInvalidMesh, 5);
+  expect_error_at_line(read_stl, solid("vertex 0 0 0\nvertex 1 0 0 0\n"), Code::kInvalidMesh, 5);
+  expect_error_at_line(read_stl, solid("vertex 0 0 0\nvertex 1 0 1e\n"), Code::kInvalidMesh, 5);
+  expect_error_at_line(read_stl, solid("vertex 0 0 0\nvertex 1 0 nan\n"), Code::kNonfiniteCoordinate, 5);
+  expect_error_at_line(read_stl, solid("vertex 0 0 0\nvertex 1\x10 0 0\n"), Code::kInvalidMesh, 5);
+}
+
+TEST(stl_reader, text_out_of_order_or_cut_off_is_an_error_at_its_line) {
+  expect_error_at_line(read_stl, kFacet, Code::kInvalidMesh, 1);
+  expect_error_at_line(read_stl, "solid\n" + kFacet, Code::kInvalidMesh, 8);
+  expect_error_at_line(read_stl, "solid\nvertex 0 0 0\n", Code::kInvalidMesh, 2);
+  expect_error_at_line(read_stl, "solid\nfacet normal 0 0 1\nendfacet\n", Code::kInvalidMesh, 3);
+  expect_error_at_line(read_stl, "solid\n" + kFacet + "endsolid\nand more\n", Code::kInvalidMesh, 10);
+  expect_error_at_line(read_stl, "solid\nfacet normal 0 0 1\nouter loop\nendsolid\n", Code::kInvalidMesh, 4);
+  expect_error_at_line(read_stl, std::string_view("\xff\xfes\0o\0", 6), Code::kInvalidMesh, 1);
+  EXPECT_EQ(test::error_of(read_stl, "solid\nendsolid\n").code, Code::kEmptyMesh);
+  EXPECT_EQ(test::error_of(read_stl, binary_stl({})).code, Code::kEmptyMesh);
+}
+
+TEST(stl_reader, limits_count_faces_and_different_vertices) {
+  for (const std::string& file : {binary_stl(kSquare), "solid\n" + kFacet + kOther + "endsolid\n"}) {
+    EXPECT_EQ(read(file, {4, 2}).mesh.face_count(), 2u);
+    EXPECT_EQ(test::error_of(read_stl, file, {4, 1}).limit, 1u);
+    EXPECT_EQ(test::error_of(read_stl, file, {3, 2}).limit, 3u);
+    EXPECT_EQ(test::error_of(read_stl, file, {3, 2}).code, Code::kMeshTooLarge);
+  }
+}
+
+TriangleMesh triangle(const Vec3& a, const Vec3& b, const Vec3& c) {
+  TriangleMesh mesh;
+  for (const Vec3& p : {a, b, c}) mesh.positions.push_back(p);
+  mesh.faces.push_back({VertexId(0), VertexId(1), VertexId(2)});
+  return mesh;
+}
+
+std::string write(const TriangleMesh& mesh) {
+  RunControl control;
+  return write_stl(mesh, {"a summary"}, control);
+}
+
+TEST(stl_writer, coordinates_are_the_nearest_floats_and_normals_have_length_one) {
+  const TriangleMesh mesh = triangle({0.1, 0, 0}, {3, 0, 0}, {0, 3e-30, 0});
+  const std::string file = write(mesh);
+  ASSERT_EQ(file.size(), 84u + 50u);
+  EXPECT_FALSE(file.starts_with("solid"));
+  EXPECT_NE(file.find("a summary"), std::string::npos);
+  const auto number = [&](int i) { return load<float>(file.data() + 84 + 4 * i, ByteOrder::kLittle); };
+  EXPECT_FLOAT_EQ(number(2), 1);
+  const PolygonMesh back = read(file).mesh;
+  for (std::uint32_t v = 0; v < 3; ++v) {
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_EQ(back.positions[VertexId(v)][axis], double{static_cast<float>(mesh.positions[VertexId(v)][axis])});
+    }
+  }
+}
+
+TEST(stl_writer, what_no_float_can_hold_is_an_error_and_no_infinity) {
+  EXPECT_EQ(write(triangle({FLT_MAX, 0, 0}, {1, 0, 0}, {0, 1, 0})).size(), 134u);
+  EXPECT_THROW(write(triangle({1e39, 0, 0}, {1, 0, 0}, {0, 1, 0})), Error);
+}
+
+}  // namespace
+}  // namespace remesh

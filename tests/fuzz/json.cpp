@@ -1,0 +1,19 @@
+// The JSON reader on any bytes, with options in it.
+#include <cstddef>
+#include <cstdint>
+
+#include "api/json_reader.h"
+#include "tests/fuzz/fuzz.h"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace remesh;
+  RunControl control;
+  api::OptionReader options;
+  try {
+    const std::string_view content(reinterpret_cast<const char*>(data), size);
+    fuzz::check_mesh(api::read_json(content, {100'000, 100'000}, control, options).mesh);
+  } catch (const Error& error) {
+    fuzz::check_error(error);
+  }
+  return 0;
+}

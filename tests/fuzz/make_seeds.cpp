@@ -1,0 +1,89 @@
+// Writes the first inputs of the fuzz targets, small files of every kind: make_seeds FOLDER.
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "core/io/gzip.h"
+#include "core/io/mesh_files.h"
+
+namespace {
+
+using namespace remesh;
+
+/// Two triangles with labels of every kind.
+TriangleMesh two_triangles() {
+  TriangleMesh mesh;
+  for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0.5}, Vec3{1, 1, -2}, Vec3{0, 1, 1e-9}}) mesh.positions.push_back(p);
+  mesh.faces.push_back({VertexId(0), VertexId(1), VertexId(2)});
+  mesh.faces.push_back({VertexId(0), VertexId(2), VertexId(3)});
+  for (LabelSet* set : {&mesh.labels.object, &mesh.labels.group, &mesh.labels.material}) {
+    set->names = {"a", "b c"};
+    set->of_face.items() = {0, 1};
+  }
+  return mesh;
+}
+
+std::string big_endian_ply() {
+  std::string file =
+      "ply\nformat binary_big_endian 1.0\nelement vertex 3\nproperty short x\nproperty short y\nproperty short z\n"
+      "property uchar red\nelement face 1\nproperty list uchar ushort vertex_index\nproperty list uchar float uv\n"
+      "end_header\n";
+  for (const int v : {0, 1, 2}) file += {0, static_cast<char>(v % 2), 0, static_cast<char>(v / 2), 0, 0, 7};
+  return file + std::string{3, 0, 0, 0, 1, 0, 2, 0};
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  if (argc != 2) return 2;
+  RunControl control;
+  const TriangleMesh mesh = two_triangles();
+  const IdVector<FaceId, PatchId> patches(2, PatchId(0));
+  const auto written = [&](Format format) { return write_mesh(format, mesh, patches, {"a comment"}, control); };
+
+  const std::map<std::string, std::vector<std::string>> seeds{
+      {"obj",
+       {written(Format::kObj), "v 0 0\nv 1 0 0 1 0 0\r\nv +1e0 .5 -1.#IND\nf 1/1 -2//3 \\\n3/4/5 # six\nl 1 2\np 1\n",
+        "mtllib a.mtl\ng a b\no\nusemtl\ns off\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n"}},
+      {"stl",
+       {written(Format::kStl), written(Format::kStl) + "x",
+        "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "
+        "0\nendloop\nendfacet\nendsolid a\n"
+        "SOLID\nFACET\nOUTER LOOP\nVERTEX 1 0 0\nVERTEX 1 1 0\nVERTEX 0 1 0\nENDLOOP x\nENDFACET\nENDSOLID\n"}},
+      {"ply",
+       {written(Format::kPly), big_endian_ply(),
+        "ply\r\nformat ascii 1.0\r\ncomment group 1 lid\r\nelement vertex 3\r\nproperty double x\r\nproperty double "
+        "y\r\n"
+        "property double z\r\nelement edge 1\r\nproperty int a\r\nelement face 1\r\nproperty list uchar int "
+        "vertex_indices\r\nproperty int group\r\nend_header\r\n0 0 0\r\n1 0 0\r\n0 1 0\r\n7\r\n3 0 1 2 1\r\n"}},
+      {"off",
+       {written(Format::kOff), "STCNOFF 3 1\n0 0 0 1\n1 0 0\n0 1 0\n3 0 1 2 255 0 0 # red\n",
+        std::string("OFF BINARY\n\0\0\0\3\0\0\0\1\0\0\0\0", 23) + std::string(36, '\0') +
+            std::string("\0\0\0\3\0\0\0\0\0\0\0\1\0\0\0\2\0\0\0\0", 20)}},
+      {"json",
+       {R"({"mesh":{"vertices":[[0,0,0],[1,0,0],[0,1,1e-3]],"faces":[[0,1,2]],"face_groups":[3]},"options":{"refine":false,"barriers":["group"]}})",
+        R"({"vertices":[[0,0,0],[1,0,0],[1,1,0],[0,1,0]],"faces":[[0,1,2,3]],"what":{"ever":[null,true,"\u00e9"]}})"}},
+      {"gzip", {gzip(written(Format::kObj), control), gzip("", control) + gzip("abc", control), "plain"}},
+      {"pipeline",
+       {// A tetrahedron, unrefined and refined; two squares across each other.
+        std::string("\0\1\1\0\0\0\4\0\0\0\4\0\0\0\4\0\0\2\1\0\0\1\3\0\1\2\3\0\2\0\3", 31),
+        std::string("\1\1\1\0\0\0\4\0\0\0\4\0\0\0\4\0\0\2\1\0\0\1\3\0\1\2\3\0\2\0\3", 31),
+        std::string("\0\5\1\0\0\2\4\0\2\4\4\2\0\4\2\2\0\0\2\0\4\2\4\4\2\4\0\2\0\1\2\3\2\4\5\6\7", 37)}},
+  };
+  for (const auto& [target, contents] : seeds) {
+    const std::filesystem::path folder = std::filesystem::path(argv[1]) / target;
+    std::filesystem::create_directories(folder);
+    for (std::size_t i = 0; i < contents.size(); ++i) {
+      std::ofstream file(folder / ("seed" + std::to_string(i)), std::ios::binary);
+      file << contents[i];
+      if (!file) {
+        std::cerr << "cannot write to " << folder << "\n";
+        return 1;
+      }
+    }
+  }
+  return 0;
+}
