@@ -14,7 +14,12 @@ ask() {
 }
 header() { tr -d '\r' <"$work/head" | sed -n "s/^$1: //Ip" | head -n 1; }
 same() { cmp -s "$work/body" "$work/plain" || fail "$1 gives another answer"; }
-digest_of() { printf 'sha-256=:%s:' "$(openssl dgst -sha256 -binary "$1" | base64 -w 0)"; }
+digest_of() {
+  local hex
+  hex=$(sha256sum <"$1" | cut -d ' ' -f 1)
+  # shellcheck disable=SC2059
+  printf 'sha-256=:%s:' "$(printf "$(sed 's/../\\x&/g' <<<"$hex")" | base64 -w 0)"
+}
 
 start_daemon --ops-bind 127.0.0.1:0
 ops=$(sed -n 's/.*"ops_address": *"\([^"]*\)".*/\1/p' "$work/log")

@@ -12,6 +12,8 @@
 namespace remesh::load {
 namespace {
 
+/// From thread to thread on the way of a rejection: each may be as late as the machine makes it.
+constexpr double kHandovers = 4;
 constexpr std::uint64_t kBudget = 512ull << 20;
 
 /// Requests served a second by clients that ask again as soon as they have their answer, few enough to find a place.
@@ -78,7 +80,7 @@ int overload(double seconds) {
               static_cast<double>(total) / took, took, served.load(), rejected.load());
   verdict.expect(static_cast<double>(total) / took > 2.5 * peak, "the load was about three times the peak");
   verdict.expect(throughput >= 0.95 * peak, "served: " + with_unit(100 * throughput / peak, "% of the peak"));
-  verdict.expect(rejections.quantile(0.99) <= 10 + lateness.ms(),
+  verdict.expect(rejections.quantile(0.99) <= 10 + kHandovers * lateness.ms(),
                  "99 % of the rejections within 10 ms: " + with_unit(rejections.quantile(0.99), "ms, at most ") +
                      with_unit(rejections.quantile(1), "ms"));
   verdict.expect(lost == 0 && other == 0, "no request without an answer, none with a wrong one");
