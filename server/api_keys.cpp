@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
+#include "api/text.h"
 #include "server/text.h"
 
 namespace remesh::server {
@@ -37,7 +38,7 @@ std::vector<Sha256> read_keys(const std::string& path) {
 std::string_view shown_key(const RequestHead& head) {
   constexpr std::string_view kScheme = "bearer ";
   const std::string_view authorization = head.header("authorization");
-  if (lower_case(authorization.substr(0, kScheme.size())) == kScheme)
+  if (api::ascii_lower(authorization.substr(0, kScheme.size())) == kScheme)
     return trimmed(authorization.substr(kScheme.size()));
   return head.header("x-api-key");
 }

@@ -6,6 +6,7 @@
 #include <array>
 #include <new>
 
+#include "api/text.h"
 #include "server/text.h"
 
 namespace remesh::server {
@@ -47,7 +48,7 @@ class Deflater {
 bool is_wanted(std::string_view element) {
   const std::size_t semicolon = element.find(';');
   if (semicolon == std::string_view::npos) return true;
-  const std::string weight = lower_case(trimmed(element.substr(semicolon + 1)));
+  const std::string weight = api::ascii_lower(trimmed(element.substr(semicolon + 1)));
   return weight.rfind("q=0", 0) != 0 || weight.find_first_of("123456789", 3) != std::string::npos;
 }
 
@@ -56,7 +57,7 @@ bool is_wanted(std::string_view element) {
 bool accepts_gzip(std::string_view accept_encoding) {
   bool by_any = false;
   for (const std::string_view element : list_elements(accept_encoding)) {
-    const std::string coding = lower_case(trimmed(element.substr(0, element.find(';'))));
+    const std::string coding = api::ascii_lower(trimmed(element.substr(0, element.find(';'))));
     if (coding == "gzip" || coding == "x-gzip") return is_wanted(element);
     if (coding == "*") by_any = is_wanted(element);
   }

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "api/text.h"
 #include "server/chunked_decoder.h"
-#include "server/text.h"
 
 namespace remesh::server {
 namespace {
@@ -91,7 +91,7 @@ class BodyReader {
 };
 
 bool is_continue_expected(const RequestHead& head) {
-  return head.minor_version >= 1 && lower_case(head.header("expect")) == "100-continue";
+  return head.minor_version >= 1 && api::ascii_lower(head.header("expect")) == "100-continue";
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 
+#include "api/text.h"
 #include "server/hex.h"
 #include "server/text.h"
 
@@ -43,7 +44,7 @@ Fields parse_query(std::string_view text) {
 void parse_target(std::string_view target, RequestHead& head) {
   // The absolute form is for proxies, but a server must take it (RFC 9112, section 3.2.2).
   for (const std::string_view scheme : {std::string_view("http://"), std::string_view("https://")}) {
-    if (lower_case(target.substr(0, scheme.size())) != scheme) continue;
+    if (api::ascii_lower(target.substr(0, scheme.size())) != scheme) continue;
     const std::size_t path = target.find_first_of("/?", scheme.size());
     target = path == std::string_view::npos ? std::string_view("/") : target.substr(path);
     break;
@@ -78,7 +79,7 @@ void parse_field(std::string_view line, RequestHead& head) {
   const std::size_t colon = line.find(':');
   if (colon == std::string_view::npos || !is_token(line.substr(0, colon)))
     malformed("a header field without a valid name");
-  head.headers.emplace_back(lower_case(line.substr(0, colon)), std::string(trimmed(line.substr(colon + 1))));
+  head.headers.emplace_back(api::ascii_lower(line.substr(0, colon)), std::string(trimmed(line.substr(colon + 1))));
 }
 
 std::size_t count(const RequestHead& head, std::string_view name) {
@@ -161,7 +162,7 @@ Framing framing(const RequestHead& head) {
     if (lengths > 0) malformed("Content-Length beside Transfer-Encoding");
     if (head.minor_version == 0) malformed("Transfer-Encoding in HTTP/1.0");
     if (codings > 1) malformed("Transfer-Encoding more than once");
-    if (lower_case(head.header("transfer-encoding")) != "chunked") {
+    if (api::ascii_lower(head.header("transfer-encoding")) != "chunked") {
       throw HttpError(501, "not_implemented", "the only transfer coding known here is chunked");
     }
     return {Framing::Kind::kChunked, 0};

@@ -1,15 +1,12 @@
 /// Small questions about the text of header fields.
 #pragma once
 
-#include <string>
 #include <string_view>
 #include <vector>
 
 namespace remesh::server {
 
-std::string lower_case(std::string_view text);
-
-/// Without blanks and tabs (and the ends of lines) on both sides.
+/// Without blanks and tabs on both sides, which HTTP lets stand around values, and without the ends of lines.
 std::string_view trimmed(std::string_view text);
 
 /// The elements of a comma-separated list, trimmed; empty ones are left out.

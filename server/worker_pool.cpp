@@ -14,11 +14,14 @@ namespace remesh::server {
 namespace {
 
 /// Geometry yields to the threads that answer: these need little time, but at once.
-constexpr int kNiceness = 5;
+constexpr int kNiceness = 10;
 
 void be_nice() {
   // Of this thread alone, which Linux allows; where it does not work, it is no harm.
-  static thread_local const int set = ::setpriority(PRIO_PROCESS, static_cast<id_t>(::syscall(SYS_gettid)), kNiceness);
+  static thread_local const int set = [] {
+    const auto thread = static_cast<id_t>(::syscall(SYS_gettid));
+    return ::setpriority(PRIO_PROCESS, thread, ::getpriority(PRIO_PROCESS, thread) + kNiceness);
+  }();
   (void)set;
 }
 

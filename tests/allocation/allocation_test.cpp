@@ -66,6 +66,7 @@ TEST(AllocationFailure, so_does_one_with_its_report) { expect_no_leak("json", "m
 
 TEST(AllocationFailure, the_daemon_answers_wherever_memory_runs_out) {
   log::set_up(log::Format::kText, log::Level::kOff);
+  allocation::spare_this_thread();
   Config config;
   config.bind.port = 0;
   config.workers = 2;

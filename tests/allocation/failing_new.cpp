@@ -12,7 +12,10 @@ std::atomic<std::uint64_t> left{0};  ///< allocations up to the one that fails, 
 std::atomic<bool> failed{false};
 std::atomic<std::int64_t> alive{0};
 
+thread_local bool is_spared = false;
+
 bool is_to_fail() {
+  if (is_spared) return false;
   std::uint64_t now = left.load();
   while (now > 0 && !left.compare_exchange_weak(now, now - 1)) {
   }
@@ -52,6 +55,7 @@ void fail_at(std::uint64_t n) {
   failed = false;
   left = n;
 }
+void spare_this_thread() { is_spared = true; }
 bool has_failed() { return failed; }
 std::int64_t live() { return alive; }
 

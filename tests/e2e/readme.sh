@@ -11,6 +11,7 @@ start_daemon
 mkdir -p "$work/tests"
 cp -r "$root/tests/data" "$work/tests/data"
 cd "$work"
+echo the-key-of-the-readme >keys
 for command in "${commands[@]}"; do
   [[ $command == *localhost:8080* ]] || fail "this curl of the README asks somebody else: $command"
   bash -euc "${command//localhost:8080/$address}" || fail "$command"

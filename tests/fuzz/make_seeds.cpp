@@ -45,6 +45,19 @@ int main(int argc, char** argv) {
   const auto written = [&](Format format) { return write_mesh(format, mesh, patches, {"a comment"}, control); };
 
   const std::map<std::string, std::vector<std::string>> seeds{
+      {"head",
+       {"GET /v1/capabilities?a=b%20c HTTP/1.1\r\nHost: x\r\n\r\n",
+        "POST http://x/v1/remesh HTTP/1.0\r\nContent-Length: 5\r\nTraceparent: "
+        "00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01\r\n\r\n",
+        "OPTIONS * HTTP/1.1\r\nhost:x\r\nTransfer-Encoding:\tchunked \r\n\r\n"}},
+      {"chunked", {"5\r\nhello\r\n0\r\n\r\n", "1;a=b\r\nx\r\n00A\r\n0123456789\r\n0\r\nA: b\r\n\r\n"}},
+      {"options",
+       {"refine=true&min_angle_deg=3e1&max_edge_length=0.5&barriers=object,group&repair=none",
+        "reference_axis=1,0,0&format=obj&plane_tolerance=auto&max_output_faces=1000&gradation=1.5&proximity=1"}},
+      {"multipart",
+       {"multipart/form-data; boundary=b\n--b\r\nContent-Disposition: form-data; name=\"mesh\"; "
+        "filename=\"a.obj\"\r\nContent-Type: model/obj\r\n\r\nv 0 0 0\r\n--b\r\nContent-Disposition: form-data; "
+        "name=\"options\"\r\n\r\n{}\r\n--b--\r\n"}},
       {"obj",
        {written(Format::kObj), "v 0 0\nv 1 0 0 1 0 0\r\nv +1e0 .5 -1.#IND\nf 1/1 -2//3 \\\n3/4/5 # six\nl 1 2\np 1\n",
         "mtllib a.mtl\ng a b\no\nusemtl\ns off\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n"}},

@@ -1,7 +1,12 @@
 #include "tests/load/client.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
+#include <iterator>
+#include <sstream>
 
 #include "tests/server/raw_client.h"
 
@@ -59,19 +64,47 @@ double Times::quantile(double share) const {
   return sorted[static_cast<std::size_t>(share * static_cast<double>(sorted.size() - 1))];
 }
 
-Lateness::Lateness()
-    : thread_([this] {
-        constexpr std::chrono::milliseconds kNap{2};
-        while (goes_on_) {
-          const Clock::time_point due = Clock::now() + kNap;
-          std::this_thread::sleep_until(due);
-          times_.add(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
-        }
-      }) {}
+namespace {
 
-Lateness::~Lateness() {
-  goes_on_ = false;
-  thread_.join();
+/// Seconds of all processors that went to anything.
+double machine_busy_s() {
+  std::ifstream file("/proc/stat");
+  std::string name;
+  double user = 0, nice = 0, system = 0, idle = 0, waiting = 0, interrupts = 0, soft = 0, stolen = 0;
+  file >> name >> user >> nice >> system >> idle >> waiting >> interrupts >> soft >> stolen;
+  return (user + nice + system + interrupts + soft + stolen) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+/// Seconds that a process has taken.
+double process_busy_s(int pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
+  std::string text((std::istreambuf_iterator<char>(file)), {});
+  text.erase(0, text.rfind(')') + 1);  // the name may hold anything
+  std::istringstream fields(text);
+  std::string skipped;
+  for (int i = 0; i < 11; ++i) fields >> skipped;
+  double user = 0;
+  double system = 0;
+  fields >> user >> system;
+  return (user + system) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+}
+
+}  // namespace
+
+Neighbours::Neighbours(int daemon) : daemon_(daemon), start_(Clock::now()), busy_at_start_s_(busy_s()) {}
+
+double Neighbours::busy_s() const {
+  return machine_busy_s() - process_busy_s(daemon_) - process_busy_s(static_cast<int>(::getpid()));
+}
+
+double Neighbours::share() const {
+  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
+  return (busy_s() - busy_at_start_s_) / seconds / std::thread::hardware_concurrency();
+}
+
+void Verdict::expect_in_time(bool holds, const std::string& claim, const Neighbours& neighbours) {
+  if (holds || neighbours.are_quiet()) return expect(holds, claim);
+  std::printf("told    %s (others take %.0f %% of the machine)\n", claim.c_str(), 100 * neighbours.share());
 }
 
 void Verdict::expect(bool holds, const std::string& claim) {

@@ -1,7 +1,6 @@
 /// A client that asks, measures, and can misbehave.
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <mutex>
@@ -45,27 +44,31 @@ class Times {
   std::vector<double> all_;
 };
 
-/// How late a sleeping thread wakes up here and now: what other work on the machine adds to every measured time.
-class Lateness {
+/// How much of the processors others take meanwhile: what is measured says little about the daemon when they take much.
+class Neighbours {
  public:
-  Lateness();
-  ~Lateness();
-  Lateness(const Lateness&) = delete;
-  Lateness& operator=(const Lateness&) = delete;
+  /// Others than this process and that one.
+  explicit Neighbours(int daemon);
 
-  /// The worst of a hundred wakings so far.
-  double ms() const { return times_.quantile(0.99); }
+  /// Of all processors, since the start.
+  double share() const;
+  /// Whether times can be judged.
+  bool are_quiet() const { return share() < 0.15; }
 
  private:
-  Times times_;
-  std::atomic<bool> goes_on_{true};
-  std::thread thread_;
+  double busy_s() const;
+
+  const int daemon_;
+  const Clock::time_point start_;
+  const double busy_at_start_s_;
 };
 
-/// Prints the claim with its figures, and remembers whether all held.
+/// Prints the claims with their figures, and remembers whether all held.
 class Verdict {
  public:
   void expect(bool holds, const std::string& claim);
+  /// Of a claim about time: judged where the neighbours let it, else only told.
+  void expect_in_time(bool holds, const std::string& claim, const Neighbours& neighbours);
   int exit_code() const { return holds_ ? 0 : 1; }
 
  private:

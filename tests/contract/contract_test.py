@@ -1,0 +1,326 @@
+"""Holds a running remeshd against the contract that it serves: contract_test.py REMESHD
+
+Every operation and every status that openapi.json names is provoked, every example is sent or validated, and every answer
+must be one that the document describes: its status, its type, its headers, its body (JSON Schema 2020-12).
+Exit code 77: python3-jsonschema is not there.
+"""
+
+import contextlib
+import json
+import os
+import re
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import time
+
+try:
+    from jsonschema import Draft202012Validator, RefResolver
+except ImportError:
+    print("SKIPPED: python3-jsonschema is not installed")
+    sys.exit(77)
+
+KEY = "contract-test-key-0123456789"
+SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
+# More work than any test here waits for.
+ENDLESS = "max_edge_length=0.0003"
+
+
+class Answer:
+    def __init__(self, raw):
+        head, _, self.body = raw.partition(b"\r\n\r\n")
+        lines = head.decode("latin-1").split("\r\n")
+        self.status = int(lines[0].split()[1]) if lines[0].startswith("HTTP/1.1 ") else 0
+        self.headers = {name.lower(): value for name, _, value in (line.partition(": ") for line in lines[1:])}
+
+
+def connect(port):
+    connection = socket.create_connection(("127.0.0.1", port), timeout=30)
+    return connection
+
+
+def receive(connection):
+    raw = b""
+    while True:
+        piece = connection.recv(65536)
+        if not piece:
+            return Answer(raw)
+        raw += piece
+
+
+def request_bytes(method, target, body=None, fields=None):
+    lines = [f"{method} {target} HTTP/1.1", "Host: x"]
+    lines += [f"{name}: {value}" for name, value in (fields or {}).items()]
+    if body is not None:
+        lines.append(f"Content-Length: {len(body)}")
+    return "\r\n".join(lines).encode() + b"\r\n\r\n" + (body or b"")
+
+
+def ask(port, method, target, body=None, fields=None):
+    with contextlib.closing(connect(port)) as connection:
+        connection.sendall(request_bytes(method, target, body, fields))
+        return receive(connection)
+
+
+class Daemon:
+    """remeshd on a free port, for the length of a `with`."""
+
+    def __init__(self, program, *flags, key=None):
+        environment = {name: value for name, value in os.environ.items() if not name.startswith("REMESHD_")}
+        if key:
+            environment["REMESHD_API_KEY"] = key
+        self.process = subprocess.Popen(
+            [program, "--bind", "127.0.0.1:0", "--log-format", "json", *flags], stderr=subprocess.PIPE, env=environment)
+        self.port = int(json.loads(self.process.stderr.readline())["address"].rsplit(":", 1)[1])
+        threading.Thread(target=self.process.stderr.read, daemon=True).start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
+    def start_endless(self, request_id):
+        """A connection whose request computes."""
+        connection = connect(self.port)
+        connection.sendall(request_bytes("POST", f"/v1/remesh?{ENDLESS}", SQUARE, {"X-Request-Id": request_id}))
+        for _ in range(500):
+            answer = ask(self.port, "GET", f"/v1/requests/{request_id}")
+            if answer.status == 200 and json.loads(answer.body)["stage"] != "queued":
+                return connection
+            time.sleep(0.01)
+        raise RuntimeError("the request does not start")
+
+
+class Contract:
+    def __init__(self, document):
+        self.document = document
+        self.resolver = RefResolver("", document)
+        self.seen = set()
+        self.failures = []
+        self.operations = {}
+        for path, item in document["paths"].items():
+            for method in ("get", "post", "put", "patch", "delete"):
+                if method in item:
+                    self.operations[item[method]["operationId"]] = (method.upper(), path, item[method])
+
+    def fail(self, text):
+        self.failures.append(text)
+        print("FAILED:", text)
+
+    def resolve(self, node):
+        while "$ref" in node:
+            node = self.resolver.resolve(node["$ref"])[1]
+        return node
+
+    def validate(self, value, schema, what):
+        for error in Draft202012Validator(schema, resolver=self.resolver).iter_errors(value):
+            self.fail(f"{what}: {'/'.join(map(str, error.absolute_path))}: {error.message[:200]}")
+
+    def check(self, operation, answer, status, what=""):
+        """An answer has the status expected, and is one that the operation describes."""
+        method, path, described = self.operations[operation]
+        what = f"{method} {path} {status} {what}"
+        if answer.status != status:
+            self.fail(f"{what}: got {answer.status} {answer.body[:300]}")
+            return
+        self.seen.add((operation, str(status)))
+        if str(status) not in described["responses"]:
+            self.fail(f"{what}: the status is not in the document")
+            return
+        response = self.resolve(described["responses"][str(status)])
+        for name, header in response.get("headers", {}).items():
+            value = answer.headers.get(name.lower())
+            if value is not None:
+                self.validate(value, self.resolve(header)["schema"], f"{what}: header {name}")
+            elif name != "Content-Disposition":
+                self.fail(f"{what}: no header {name}")
+        content = response.get("content", {})
+        if not content:
+            return
+        kind = answer.headers.get("content-type", "").split(";")[0]
+        if kind not in content:
+            self.fail(f"{what}: the type {kind} is not in the document")
+        elif kind.endswith("json"):
+            value = json.loads(answer.body)
+            self.validate(value, content[kind].get("schema", {}), what)
+            if kind == "application/problem+json" and value["status"] != status:
+                self.fail(f"{what}: the problem says {value['status']}")
+
+    def check_examples(self, node, place=""):
+        """Each example in the document is what its own schema describes."""
+        if isinstance(node, list):
+            for i, item in enumerate(node):
+                self.check_examples(item, f"{place}/{i}")
+            return
+        if not isinstance(node, dict):
+            return
+        if "schema" in node and isinstance(node["schema"], dict):
+            if "example" in node:
+                self.validate(node["example"], node["schema"], f"example at {place}")
+            for name, example in node.get("examples", {}).items():
+                self.validate(example["value"], node["schema"], f"example {name} at {place}")
+        for name, item in node.items():
+            if name not in ("example", "examples"):
+                self.check_examples(item, f"{place}/{name}")
+
+    def check_all_seen(self):
+        for operation, (method, path, described) in self.operations.items():
+            for status in described["responses"]:
+                if status != "default" and (operation, status) not in self.seen:
+                    self.fail(f"{method} {path}: status {status} was not provoked")
+
+
+def check_parameters(contract):
+    """Every example of a parameter, one at a time, is taken."""
+    for parameter in contract.document["components"]["parameters"].values():
+        if parameter["in"] == "query" and "example" in parameter:
+            value = parameter["example"]
+            text = json.dumps(value) if isinstance(value, bool) else str(value)
+            yield f"{parameter['name']}={text}"
+
+
+def check_plain(contract, daemon):
+    port = daemon.port
+    for operation, path in (("getCapabilities", "/v1/capabilities"), ("getOpenapi", "/openapi.json"),
+                            ("getMetrics", "/metrics"), ("isLive", "/livez"), ("isReady", "/readyz")):
+        contract.check(operation, ask(port, "GET", path), 200)
+    for operation in ("remesh", "analyze"):
+        target = contract.operations[operation][1]
+        body = contract.resolve(contract.operations[operation][2]["requestBody"])
+        for kind, media in body["content"].items():
+            examples = {name: example["value"] for name, example in media.get("examples", {}).items()}
+            if "example" in media:
+                examples["the example"] = media["example"]
+            for name, value in examples.items():
+                sent = value.encode() if isinstance(value, str) else json.dumps(value).encode()
+                contract.check(operation, ask(port, "POST", target, sent, {"Content-Type": kind}), 200, f"{kind} {name}")
+        form = (b"--b\r\nContent-Disposition: form-data; name=\"mesh\"; filename=\"a.obj\"\r\n\r\n" + SQUARE +
+                b"\r\n--b\r\nContent-Disposition: form-data; name=\"options\"\r\n\r\n{\"refine\": false}\r\n--b--\r\n")
+        form_type = {"Content-Type": "multipart/form-data; boundary=b"}
+        contract.check(operation, ask(port, "POST", target, form, form_type), 200, "form")
+        for option in check_parameters(contract):
+            contract.check(operation, ask(port, "POST", f"{target}?{option}", SQUARE), 200, option)
+        contract.check(operation, ask(port, "POST", f"{target}?refin=true", SQUARE), 400, "unknown option")
+        contract.check(operation, ask(port, "POST", target, b"{\"mesh\":", {"Content-Type": "application/json"}), 400,
+                       "half a document")
+        contract.check(operation, ask(port, "POST", target, SQUARE, {"Accept": "image/png"}), 406)
+        contract.check(operation, ask(port, "POST", target), 411)
+        contract.check(operation, ask(port, "POST", target, b"#" * 200_000), 413)
+        contract.check(operation, ask(port, "POST", target, SQUARE, {"Content-Encoding": "br"}), 415)
+        for mesh in (b"", SQUARE + b"f 1 2 9\n", SQUARE + b"v nan 0 0\n", SQUARE + b"v x\n"):
+            contract.check(operation, ask(port, "POST", target, mesh), 422, str(mesh[-8:]))
+        contract.check(operation, ask(port, "POST", target, SQUARE, {"A": "b" * 40_000}), 431)
+        coding = request_bytes("POST", target, None, {"Transfer-Encoding": "gzip, chunked"})
+        with contextlib.closing(connect(port)) as connection:
+            connection.sendall(coding)
+            contract.check(operation, receive(connection), 501)
+        with contextlib.closing(connect(port)) as connection:
+            connection.sendall(request_bytes("POST", target, None, {"Content-Length": "500"}))
+            contract.check(operation, receive(connection), 408)
+    unknown = "/v1/requests/0123456789abcdef"
+    contract.check("getRequest", ask(port, "GET", unknown), 404)
+    contract.check("cancelRequest", ask(port, "DELETE", unknown), 404)
+    contract.check("watchRequest", ask(port, "GET", unknown + "/events"), 404)
+
+
+def check_keys(contract, daemon):
+    for operation, (method, path, _) in contract.operations.items():
+        if "401" not in contract.operations[operation][2]["responses"]:
+            continue
+        target = path.replace("{id}", "0123456789abcdef")
+        body = SQUARE if method == "POST" else None
+        contract.check(operation, ask(daemon.port, method, target, body), 401)
+        for fields in ({"X-API-Key": KEY}, {"Authorization": f"Bearer {KEY}"}):
+            if ask(daemon.port, method, target, body, fields).status not in (200, 404):
+                contract.fail(f"{method} {path}: the key is not taken")
+
+
+def check_running(contract, program):
+    """What can only be seen while something computes."""
+    with Daemon(program, "--max-running", "1", "--queue-size", "1") as daemon:
+        first = daemon.start_endless("contract-running-1")
+        path = "/v1/requests/contract-running-1"
+        contract.check("getRequest", ask(daemon.port, "GET", path), 200)
+        with contextlib.closing(connect(daemon.port)) as events:
+            events.sendall(request_bytes("GET", path + "/events"))
+            events.settimeout(10)
+            received = b""
+            while b"\n\n" not in received.partition(b"\r\n\r\n")[2]:
+                received += events.recv(65536)
+            contract.check("watchRequest", Answer(received), 200)
+            state = json.loads(re.search(rb"data: (.*)\n", received).group(1))
+            contract.validate(state, {"$ref": "#/components/schemas/RequestState"}, "an event")
+        contract.check("cancelRequest", ask(daemon.port, "DELETE", path), 204)
+        contract.check("remesh", receive(first), 499)
+    with Daemon(program, "--max-running", "1", "--queue-size", "1") as daemon:
+        held = [daemon.start_endless("contract-running-2")]
+        for _ in range(2):  # one passes once the first has run for a second, one waits
+            held.append(connect(daemon.port))
+            held[-1].sendall(request_bytes("POST", f"/v1/remesh?{ENDLESS}", SQUARE))
+            time.sleep(1.3)
+        for operation in ("remesh", "analyze"):
+            answer = ask(daemon.port, "POST", contract.operations[operation][1], SQUARE)
+            contract.check(operation, answer, 503, "overloaded")
+            if "retry-after" not in answer.headers:
+                contract.fail("503 without Retry-After")
+        daemon.process.send_signal(signal.SIGTERM)
+        time.sleep(0.1)
+        contract.check("isReady", ask(daemon.port, "GET", "/readyz"), 503, "draining")
+
+
+def big_sheet(n):
+    lines = [f"v {x} {y} {(x * 7919 + y * 104729) % 1000 / 1000}" for y in range(n + 1) for x in range(n + 1)]
+    for y in range(n):
+        for x in range(n):
+            a = y * (n + 1) + x + 1
+            lines += [f"f {a} {a + 1} {a + n + 2}", f"f {a} {a + n + 2} {a + n + 1}"]
+    return "\n".join(lines).encode()
+
+
+def check_limits(contract, program):
+    sheet = big_sheet(100)
+    with Daemon(program, "--request-timeout", "50ms") as daemon:
+        contract.check("remesh", ask(daemon.port, "POST", f"/v1/remesh?{ENDLESS}", SQUARE), 504)
+        contract.check("analyze", ask(daemon.port, "POST", "/v1/analyze", sheet), 504)
+    with Daemon(program, "--max-connections-per-address", "1") as daemon:
+        with contextlib.closing(connect(daemon.port)) as held:
+            held.sendall(b"GET /")
+            time.sleep(0.2)
+            for operation in ("remesh", "analyze"):
+                contract.check(operation, ask(daemon.port, "POST", contract.operations[operation][1], SQUARE), 429)
+    with Daemon(program) as daemon:
+        with contextlib.closing(connect(daemon.port)) as connection:
+            fields = {"X-Request-Id": "contract-cancelled"}
+            connection.sendall(request_bytes("POST", "/v1/analyze", big_sheet(300), fields))
+            for _ in range(500):
+                if ask(daemon.port, "DELETE", "/v1/requests/contract-cancelled").status == 204:
+                    break
+                time.sleep(0.005)
+            contract.check("analyze", receive(connection), 499)
+
+
+def main():
+    program = sys.argv[1]
+    with Daemon(program, "--max-body", "100kB", "--head-timeout", "1s") as daemon:
+        document = json.loads(ask(daemon.port, "GET", "/openapi.json").body)
+        contract = Contract(document)
+        contract.check_examples(document)
+        for schema in document["components"]["schemas"].values():
+            Draft202012Validator.check_schema(schema)
+        check_plain(contract, daemon)
+    with Daemon(program, key=KEY) as daemon:
+        check_keys(contract, daemon)
+    check_running(contract, program)
+    check_limits(contract, program)
+    contract.check_all_seen()
+    print(f"{len(contract.operations)} operations, {len(contract.seen)} statuses provoked, "
+          f"{len(contract.failures)} failures")
+    return 1 if contract.failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
