@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "core/base/blocks.h"
+#include "core/geometry/pair_search.h"
 #include "core/geometry/predicates_3d.h"
 #include "core/geometry/triangle_intersection.h"
 #include "core/geometry/triangle_tree.h"
@@ -11,15 +11,8 @@
 namespace remesh {
 namespace {
 
-using Pairs = std::vector<std::pair<FaceId, FaceId>>;
-
-/// Faces in a task, and tasks between two looks at how many pairs there are: few enough that a surface lying on itself
-/// many times does not take quadratic time to say so.
-constexpr std::size_t kBlock = 256;
-constexpr std::size_t kBlocksInRound = 64;
-
-/// Tests between two points of cancellation.
-constexpr std::uint32_t kTestsBetweenChecks = 4096;
+/// Between two points of cancellation.
+constexpr std::size_t kFacesBetweenChecks = 4096;
 
 /// A vertex with more faces than this is a hub: the pairs around it are found by their directions from it.
 constexpr std::uint32_t kMostAtVertex = 64;
@@ -37,14 +30,6 @@ Hubs common(const Hubs& a, const Hubs& b) {
   std::copy_if(a.begin(), a.end(), both.begin(),
                [&](VertexId v) { return v.is_valid() && std::find(b.begin(), b.end(), v) != b.end(); });
   return both;
-}
-
-Box3 widened(Box3 box, double margin) {
-  for (int axis = 0; axis < 3; ++axis) {
-    box.min[axis] -= margin;
-    box.max[axis] += margin;
-  }
-  return box;
 }
 
 class Search {
@@ -111,13 +96,19 @@ class Search {
     const TriangleTree tree(positions_, faces_, control_);
     std::vector<Hubs> hubs;
     if (!is_hub_.empty()) hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(tree.face(slot)); }, common);
+    const auto face_of = [&](std::size_t slot) { return tree.face(slot); };
     find_pairs(
-        tree, 0, [&](std::size_t slot) { return tree.face(slot); },
-        [&](FaceId f, std::size_t node) {
+        tree, 0, face_of,
+        [&](std::size_t slot, std::size_t node) {
+          const Triangle& face = faces_[face_of(slot).value];
           return !hubs.empty() && std::any_of(hubs[node].begin(), hubs[node].end(),
-                                              [&](VertexId v) { return v.is_valid() && has(faces_[f.value], v); });
+                                              [&](VertexId v) { return v.is_valid() && has(face, v); });
         },
-        [&](FaceId f, FaceId g) { return !shared_hub(f, g).is_valid() && do_count(f, g); });
+        [&](std::size_t slot, std::size_t other) {
+          const FaceId f = face_of(slot), g = face_of(other);
+          return !shared_hub(f, g).is_valid() && do_count(f, g);
+        },
+        max_pairs_, result_, control_);
   }
 
   /// Seen from a hub its faces are arcs, and two of them meet elsewhere, too, only if these arcs do.
@@ -126,16 +117,20 @@ class Search {
     std::vector<Vec3> corners;
     std::vector<Triangle> arcs;
     for (std::size_t i = begin; i < end; ++i) {
-      if (i % kTestsBetweenChecks == 0) control_.check();
+      if (i % kFacesBetweenChecks == 0) control_.check();
       for (const Vec3& corner : around_arc(hub, faces_[at_hub_[i].second.value])) corners.push_back(corner);
       const std::size_t n = corners.size();
       arcs.push_back({VertexId(n - 3), VertexId(n - 2), VertexId(n - 1)});
     }
     const TriangleTree tree(corners, arcs, control_);
+    const auto face_of = [&](std::size_t slot) { return at_hub_[begin + tree.face(slot).value].second; };
     find_pairs(
-        tree, kDirectionMargin, [&](std::size_t slot) { return at_hub_[begin + tree.face(slot).value].second; },
-        [](FaceId, std::size_t) { return false; },
-        [&](FaceId f, FaceId g) { return shared_hub(f, g) == hub && do_count(f, g); });
+        tree, kDirectionMargin, face_of, [](std::size_t, std::size_t) { return false; },
+        [&](std::size_t slot, std::size_t other) {
+          const FaceId f = face_of(slot), g = face_of(other);
+          return shared_hub(f, g) == hub && do_count(f, g);
+        },
+        max_pairs_, result_, control_);
   }
 
   /// A triangle of directions that holds the arc: its two ends and where the tangents there cross.
@@ -150,35 +145,6 @@ class Search {
     constexpr double kWide = 0.01;  // beyond some 168 degrees, the whole sphere
     if (cosine_squared < kWide) return {Vec3{-1, -1, -1}, Vec3{1, 1, 1}, Vec3{1, 1, 1}};
     return {ends[0], ends[1], (1 / cosine_squared) * middle};
-  }
-
-  /// Adds the pairs of a tree's slots whose boxes meet and for which is_pair(f, g) holds. Of two slots the earlier one
-  /// finds the pair.
-  template <class FaceOf, class IsOfNoInterest, class IsPair>
-  void find_pairs(const TriangleTree& tree, double margin, const FaceOf& face_of,
-                  const IsOfNoInterest& is_of_no_interest, const IsPair& is_pair) {
-    for (std::size_t begin = 0; begin < tree.size() && result_.is_complete; begin += kBlock * kBlocksInRound) {
-      const std::size_t n = std::min(tree.size() - begin, kBlock * kBlocksInRound);
-      const std::size_t room = max_pairs_ - result_.pairs.size();
-      const auto found = map_blocks<Pairs>(n, kBlock, control_, [&](std::size_t first, std::size_t last) {
-        Pairs pairs;
-        std::uint32_t tests = 0;
-        for (std::size_t slot = begin + first; slot < begin + last && pairs.size() <= room; ++slot) {
-          const FaceId f = face_of(slot);
-          tree.visit_meeting(
-              widened(tree.box(slot), margin), slot + 1, [&](std::size_t node) { return is_of_no_interest(f, node); },
-              [&](std::size_t other) {
-                if (++tests % kTestsBetweenChecks == 0) control_.check();
-                const FaceId g = face_of(other);
-                if (is_pair(f, g)) pairs.push_back(std::minmax(f, g));
-                return pairs.size() <= room;
-              });
-        }
-        return pairs;
-      });
-      for (const Pairs& pairs : found) result_.pairs.insert(result_.pairs.end(), pairs.begin(), pairs.end());
-      result_.is_complete = result_.pairs.size() <= max_pairs_;
-    }
   }
 
   std::vector<Vec3> positions_;
