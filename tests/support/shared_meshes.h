@@ -1,4 +1,5 @@
-/// Where the collection of real meshes lies, beside the project. It need not be there: tests that want it say loudly that they skip.
+/// Where the collection of real meshes lies, beside the project. It need not be there: tests that want it say loudly
+/// that they skip.
 #pragma once
 
 #include <filesystem>
