@@ -2,6 +2,7 @@
 
 #include <httplib.h>
 #include <sys/socket.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -162,6 +163,10 @@ class HttpServer::Listener : public httplib::Server {
     });
   }
 
+  ~Listener() override {
+    if (spare_ >= 0) ::close(spare_);
+  }
+
   void bind(const Address& address) {
     errno = 0;
     port_ = address.port != 0 ? address.port : -1;
@@ -175,10 +180,10 @@ class HttpServer::Listener : public httplib::Server {
       const std::string reason = errno != 0 ? std::strerror(errno) : "the address is not known";
       throw std::runtime_error("cannot listen on " + address.text() + ": " + reason);
     }
+    spare_ = ::dup(svr_sock_);
   }
 
   void start() {
-    accepting_ = true;
     thread_ = std::thread([this] { accept_connections(); });
     while (!is_running()) std::this_thread::yield();
   }
@@ -190,11 +195,9 @@ class HttpServer::Listener : public httplib::Server {
       const std::lock_guard lock(mutex_);
       for (const int socket : sockets_) ::shutdown(socket, SHUT_RDWR);
     }
-    // Again and again: the library forgets a stop that comes while it is not in its loop.
-    while (accepting_) {
-      if (svr_sock_ != INVALID_SOCKET) stop();
-      std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    }
+    // Its accept() then fails, and the library closes its own descriptor in its own thread; its stop() would close it
+    // in this one, where another connection's may already have the number.
+    ::shutdown(spare_, SHUT_RDWR);
     thread_.join();
   }
 
@@ -207,14 +210,11 @@ class HttpServer::Listener : public httplib::Server {
     listener_thread_ = std::this_thread::get_id();
     // The library ends its loop on any error of accept() that it does not know, and closes the socket: a second
     // descriptor for it lets the loop begin again.
-    const int spare = ::dup(svr_sock_);
     while (!listen_once() && !stopping_) {
       log::write(log::Level::kWarning, "accept failed, listening again", {});
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
-      svr_sock_ = ::dup(spare);
+      svr_sock_ = ::dup(spare_);
     }
-    ::close(spare);
-    accepting_ = false;
   }
 
   /// Output: false - the library gave up, and the socket is closed.
@@ -500,9 +500,9 @@ class HttpServer::Listener : public httplib::Server {
   const HttpSettings settings_;
   AddressCounts addresses_;
   int port_ = -1;
+  int spare_ = -1;  ///< a second descriptor of the listening socket
   std::thread thread_;
   std::atomic<std::thread::id> listener_thread_{};
-  std::atomic<bool> accepting_{false};
   std::atomic<bool> stopping_{false};
   std::atomic<std::size_t> open_{0};
   std::atomic<std::size_t> active_{0};

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 
 namespace remesh::server::log {
 namespace {
@@ -55,15 +56,21 @@ spdlog::level::level_enum spdlog_level(Level level) {
 /// Lines that may wait while nobody takes them; then the oldest are dropped. A log that stalls must not stall requests.
 constexpr std::size_t kMaxWaiting = 8192;
 
+/// The logger, and the thread that writes for it, which must end first.
+struct Writing {
+  std::shared_ptr<spdlog::async_logger> logger;
+  std::shared_ptr<spdlog::details::thread_pool> thread;
+};
+
 spdlog::logger& logger() {
-  static const auto writer = std::make_shared<spdlog::details::thread_pool>(kMaxWaiting, 1);
-  static const auto instance = [] {
+  static const Writing writing = [] {
+    auto thread = std::make_shared<spdlog::details::thread_pool>(kMaxWaiting, 1);
     auto made = std::make_shared<spdlog::async_logger>("remeshd", std::make_shared<spdlog::sinks::stderr_sink_mt>(),
-                                                       writer, spdlog::async_overflow_policy::overrun_oldest);
+                                                       thread, spdlog::async_overflow_policy::overrun_oldest);
     made->flush_on(spdlog::level::info);
-    return made;
+    return Writing{std::move(made), std::move(thread)};
   }();
-  return *instance;
+  return *writing.logger;
 }
 
 }  // namespace

@@ -58,13 +58,14 @@ int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::millisec
 }
 
 int serve(const Config& config) {
-  // Blocked before any thread exists, so that all inherit it and only this one waits for them; that also makes the
-  // process stoppable as number 1 of a container, where unhandled signals are ignored.
+  // Blocked before any thread exists, the log's one included, so that all inherit it and only this one waits for them;
+  // that also makes the process stoppable as number 1 of a container, where unhandled signals are ignored.
   sigset_t signals = stop_signals();
   sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   raise_descriptor_limit();
+  log::set_up(config.log_format, config.log_level);
 
   Service service(config, Operations{});
   service.start();
@@ -107,7 +108,6 @@ int run(int argc, char** argv) {
     case Command::kCheckConfig: std::cout << "the configuration is valid\n"; return EXIT_SUCCESS;
     case Command::kServe: break;
   }
-  log::set_up(invocation.config.log_format, invocation.config.log_level);
   return serve(invocation.config);
 }
 

@@ -1,6 +1,5 @@
 #include "server/metrics.h"
 
-#include <dirent.h>
 #include <prometheus/counter.h>
 #include <prometheus/gauge.h>
 #include <prometheus/histogram.h>
@@ -11,7 +10,10 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <filesystem>
+#include <iterator>
 #include <sstream>
+#include <system_error>
 
 #include "core/base/error.h"
 #include "core/remesh.h"
@@ -36,12 +38,10 @@ std::string method_label(std::string_view method) {
 }
 
 std::size_t open_descriptors() {
-  DIR* folder = ::opendir("/proc/self/fd");
-  if (folder == nullptr) return 0;
-  std::size_t count = 0;
-  while (::readdir(folder) != nullptr) ++count;
-  ::closedir(folder);
-  return count - 3;  // ".", ".." and the folder itself
+  std::error_code failure;
+  const std::filesystem::directory_iterator folder("/proc/self/fd", failure);
+  if (failure) return 0;
+  return static_cast<std::size_t>(std::distance(begin(folder), end(folder))) - 1;  // but for the folder itself
 }
 
 double seconds_of(const timeval& time) {

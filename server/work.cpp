@@ -56,7 +56,7 @@ class Job {
       const std::lock_guard lock(mutex_);
       ended_ = Clock::now();
       response_ = std::move(response);
-      failure_ = failure;
+      failure_ = std::move(failure);  // the waiting thread alone holds it from here on
       is_done_ = true;
     }
     running_->changed.set();

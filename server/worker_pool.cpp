@@ -49,8 +49,10 @@ WorkerPool::WorkerPool(int max_running, std::size_t queue_size, int workers)
     : parallelism_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(workers)),
       max_running_(static_cast<std::size_t>(max_running)),
       queue_size_(queue_size),
-      running_(2 * max_running_) {
+      running_(2 * max_running_),
+      ready_(static_cast<std::ptrdiff_t>(running_.size())) {
   for (std::size_t i = 0; i < running_.size(); ++i) threads_.emplace_back([this, i, workers] { work(i, workers); });
+  ready_.wait();  // TBB does not want to be limited by one pool while the threads of another enter it
 }
 
 WorkerPool::~WorkerPool() {
@@ -137,6 +139,7 @@ void WorkerPool::work(std::size_t place, int workers) {
   // One arena a thread: a huge mesh can take idle cores, but never the thread that a small one runs on.
   tbb::task_arena arena(workers);
   const BusyThreads observer(arena, busy_threads_);
+  ready_.count_down();
   std::unique_lock lock(mutex_);
   while (!stopping_) {
     std::optional<Entry> entry = take_locked();

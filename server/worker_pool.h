@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <latch>
 #include <mutex>
 #include <optional>
 #include <thread>
@@ -82,6 +83,7 @@ class WorkerPool {
   Ticket next_ticket_ = 1;
   bool stopping_ = false;
   std::atomic<std::size_t> busy_threads_{0};
+  std::latch ready_;  ///< the threads have their arenas
   std::vector<std::thread> threads_;
 };
 

@@ -13,8 +13,18 @@
 namespace remesh::server {
 namespace {
 
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define REMESHD_SANITIZED
+#endif
+#endif
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || defined(REMESHD_SANITIZED)
+constexpr std::uint64_t kSanitizer = 16;  // keeps shadows, and what was freed
+#else
+constexpr std::uint64_t kSanitizer = 1;
+#endif
 constexpr std::uint64_t kMebibyte = 1 << 20;
-constexpr std::uint64_t kMaxGrowth = 64 * kMebibyte;
+constexpr std::uint64_t kMaxGrowth = 64 * kMebibyte * kSanitizer;
 
 struct Attack {
   std::string name;
