@@ -116,23 +116,32 @@ bool has_limited_digits(std::span<const Vec3> positions, double largest, double 
   return is_top_coarse && long_ones >= kEnough;
 }
 
-/// The last place of numbers that are limited in significant digits. A value with most of the digits shows its last
-/// place; the largest such values have the coarsest one.
-double last_place_of_digits(std::span<const Vec3> positions, double largest) {
+/// The last place of numbers that are limited in significant digits, of all three coordinates together: the root of the
+/// mean of its squares. A value with most of the digits shows its last place; the largest such values of a coordinate
+/// have its coarsest one. A coordinate without such values is taken to be like the coarsest.
+double last_place_of_digits(std::span<const Vec3> positions) {
+  Vec3 largest;
   double most_units = 0;
-  for_each_coordinate(positions, [&](double x) {
-    most_units = std::max(most_units, shortest(x).units);
-    return true;
-  });
-  double step = 0, step_of_largest = HUGE_VAL;
-  for_each_coordinate(positions, [&](double x) {
-    const Decimal form = shortest(x);
-    if (form.units * 10 < most_units) return true;
-    step = std::max(step, form.quantum);
-    if (std::fabs(x) > 0.9 * largest) step_of_largest = std::min(step_of_largest, form.quantum);
-    return true;
-  });
-  return std::min(step, step_of_largest);
+  for (const Vec3& p : positions)
+    for (int axis = 0; axis < 3; ++axis) {
+      largest[axis] = std::max(largest[axis], std::fabs(p[axis]));
+      if (p[axis] != 0) most_units = std::max(most_units, shortest(p[axis]).units);
+    }
+  Vec3 step, step_of_largest{HUGE_VAL, HUGE_VAL, HUGE_VAL};
+  for (const Vec3& p : positions)
+    for (int axis = 0; axis < 3; ++axis) {
+      if (p[axis] == 0) continue;
+      const Decimal form = shortest(p[axis]);
+      if (form.units * 10 < most_units) continue;
+      step[axis] = std::max(step[axis], form.quantum);
+      if (std::fabs(p[axis]) > 0.9 * largest[axis])
+        step_of_largest[axis] = std::min(step_of_largest[axis], form.quantum);
+    }
+  for (int axis = 0; axis < 3; ++axis) step[axis] = std::min(step[axis], step_of_largest[axis]);
+  const double coarsest = std::max({step.x, step.y, step.z});
+  for (int axis = 0; axis < 3; ++axis)
+    if (step[axis] == 0) step[axis] = coarsest;
+  return step.x == step.y && step.y == step.z ? coarsest : std::sqrt(dot(step, step) / 3);
 }
 
 }  // namespace
@@ -148,7 +157,7 @@ double rounding_step(std::span<const Vec3> positions) {
 
   double common = 0;
   for (int d = 0; d <= kMaxDecimals && common == 0; ++d) common = common_quantum(positions, d, largest);
-  if (has_limited_digits(positions, largest, common)) return std::max(last_place_of_digits(positions, largest), least);
+  if (has_limited_digits(positions, largest, common)) return std::max(last_place_of_digits(positions), least);
   if (common != 0) return std::max(common, least);
   const bool are_floats = for_each_coordinate(positions, [](double x) { return odd_part(x).units < 16777216.0; });
   return are_floats ? last_place(largest, 24) : least;

@@ -30,10 +30,10 @@ inline constexpr double kThinFace = 2;
 inline constexpr double kLadderFactor = 0.1;
 
 /// The rounding step of coordinates, read from their values: the largest power of ten (times a power of two) of which
-/// all are multiples, if that leaves short numbers; the largest last place where they are limited in significant
-/// digits; the last place of the largest as a float if all are floats; else as a double. Holds:  scales with the
-/// coordinates by powers of two. Source: REFINEMENT, rule 12, carried from decimals to decimals times powers of two, so
-/// that scaling by two keeps it.
+/// all are multiples, if that leaves short numbers; where they are limited in significant digits, the largest last
+/// place of each coordinate (the root of the mean of the three squares); the last place of the largest as a float if
+/// all are floats; else as a double. Holds:  scales with the coordinates by powers of two. Source: REFINEMENT, rule 12,
+/// carried from decimals to decimals times powers of two, so that scaling by two keeps it.
 double rounding_step(std::span<const Vec3> positions);
 
 /// The plane tolerance that a step explains in a mesh of that diagonal.
