@@ -97,7 +97,8 @@ const std::array<OptionSpec, 19> kTable{{
     {.name = "gradation",
      .type = OptionType::kNumber,
      .field = &Options::gradation,
-     .help = "largest factor by which the sizes of neighbouring edges may grow; auto: 1.5 with proximity, else no limit",
+     .help =
+         "largest factor by which the sizes of neighbouring edges may grow; auto: 1.5 with proximity, else no limit",
      .unset = "auto",
      .minimum = 1,
      .above_minimum = true,

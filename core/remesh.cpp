@@ -252,8 +252,12 @@ class Run {
                           mend_if(repair.t_junctions && are_t_junctions_split_), found, control_))
       find_edges();
     count_edges();
-    // Faces without a plane are split, faces without an area dropped; nothing opens.
-    if (mend_faces(surface_, local_tolerance(), as_it_is_, mend_if(repair.degenerate), found, control_)) find_edges();
+    // Faces without a plane are split, faces without an area dropped; nothing opens. Where the cut of a polygon is
+    // already an edge of others, whichever way it is cut, that edge has more faces now.
+    if (mend_faces(surface_, local_tolerance(), as_it_is_, mend_if(repair.degenerate), found, control_)) {
+      find_edges();
+      non_manifold_edges_ = std::max(non_manifold_edges_, count_non_manifold_edges());
+    }
     // Neighbours look the same way, closed pieces outwards if that is asked for.
     if (unify_winding(surface_, *adjacency_, mend_if(repair.winding), found, control_)) find_edges();
     if (turn_inside_out(surface_, *adjacency_, mend_if(repair.inside_out), found, control_)) find_edges();
@@ -261,14 +265,21 @@ class Run {
 
   /// What the faces' later mending must not make worse.
   void count_edges() {
-    non_manifold_edges_ = 0;
+    non_manifold_edges_ = count_non_manifold_edges();
     is_closed_ = true;
-    for (std::uint32_t e = 0; e < adjacency_->edge_count(); ++e) {
-      const auto around = adjacency_->half_edges(EdgeId(e));
-      if (adjacency_->from(around[0]) == adjacency_->to(around[0])) continue;  // a repeated corner is no edge
-      non_manifold_edges_ += around.size() > 2;
-      is_closed_ = is_closed_ && around.size() == 2;
-    }
+    for (std::uint32_t e = 0; e < adjacency_->edge_count(); ++e)
+      is_closed_ = is_closed_ && (is_repeated_corner(EdgeId(e)) || adjacency_->half_edges(EdgeId(e)).size() == 2);
+  }
+  std::uint64_t count_non_manifold_edges() const {
+    std::uint64_t count = 0;
+    for (std::uint32_t e = 0; e < adjacency_->edge_count(); ++e)
+      count += !is_repeated_corner(EdgeId(e)) && adjacency_->half_edges(EdgeId(e)).size() > 2;
+    return count;
+  }
+  /// Such a corner is no edge.
+  bool is_repeated_corner(EdgeId e) const {
+    const std::uint32_t h = adjacency_->half_edges(e)[0];
+    return adjacency_->from(h) == adjacency_->to(h);
   }
 
   /// Faces that intersect before anything is done to them, seen by patch.

@@ -842,5 +842,20 @@ TEST(check_options, each_option_at_fault_is_named) {
   EXPECT_NO_THROW(check_options(Options{}));
 }
 
+TEST(remesh_surface, a_bent_polygon_whose_every_cut_is_an_edge_already_is_answered) {
+  // Three triangles of a tetrahedron, and a quad over all four of its corners: either diagonal has faces.
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 2, 1}}, {{0, 1, 3}, {0, 1, 2, 3}, {1, 2, 3}, {2, 0, 3}});
+  for (const bool refine : {false, true}) {
+    Options options;
+    options.refine = refine;
+    RunControl control;
+    const Result result = remesh_surface(mesh, options, {}, control);
+    EXPECT_TRUE(result.report.verified.all_true());
+    EXPECT_GE(result.mesh.faces.size(), 4u);
+    EXPECT_EQ(result.report.output.non_manifold_edges, result.report.input.non_manifold_edges + 1);
+  }
+}
+
 }  // namespace
 }  // namespace remesh
