@@ -72,7 +72,7 @@ TEST(ReportJson, options_are_shown_as_they_were_used) {
   EXPECT_EQ(options["refine"], true);
   EXPECT_EQ(options["min_angle_deg"], 25);
   EXPECT_TRUE(options["max_radius_edge_ratio"].is_null());
-  EXPECT_TRUE(options["gradation"].is_null());
+  EXPECT_EQ(options["gradation"], 1.5);
   EXPECT_EQ(options["plane_tolerance"], 0.25);
 }
 

@@ -248,7 +248,7 @@ TEST(RunRemesh, a_thin_plate_is_meshed_as_fine_as_it_is_thin) {
   const json report = json::parse(remesh(request_of(plate, "", {{"proximity", "1"}})).body)["report"];
   EXPECT_NEAR(report["smallest_gap"].get<double>(), 0.1, 1e-12);
   EXPECT_EQ(report["options"]["proximity"], 1);
-  EXPECT_TRUE(report["options"]["gradation"].is_null());
+  EXPECT_EQ(report["options"]["gradation"], 1.5);
   const json plain = json::parse(remesh(request_of(plate)).body)["report"];
   EXPECT_TRUE(plain["smallest_gap"].is_null());
   EXPECT_TRUE(plain["options"]["gradation"].is_null());

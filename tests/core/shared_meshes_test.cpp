@@ -11,17 +11,14 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
 #include "core/geometry/triangle_tree.h"
-#include "core/io/obj.h"
-#if __has_include("core/io/mesh_files.h")
 #include "core/io/mesh_files.h"
-#endif
+#include "core/io/obj.h"
 #include "core/remesh.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shared_meshes.h"
@@ -94,16 +91,11 @@ std::vector<std::string> all_files() {
   return names;
 }
 
-/// The mesh of a file in whatever format; none if that format cannot be read yet.
-std::optional<PolygonMesh> read_any(const std::string& name) {
+/// The mesh of a file in whatever format.
+PolygonMesh read_any(const std::string& name) {
   RunControl control;
   const std::string content = contents(kMeshes / name);
-#if __has_include("core/io/mesh_files.h")
   return read_mesh(sniff_format(content), content, ReadLimits{}, control).mesh;
-#else
-  if (sniff_format(content) != Format::kObj) return std::nullopt;
-  return read_obj(content, ReadLimits{}, control).mesh;
-#endif
 }
 
 PolygonMesh read(const std::string& name) {
@@ -167,11 +159,10 @@ TEST_F(SharedMeshes, every_file_comes_back_verified_within_ten_seconds_with_ever
     const Facts& fact = facts.at(name);
     if (fact.at("faces") == "0" || unreadable.count(name)) continue;
     try {
-      const std::optional<PolygonMesh> mesh = read_any(name);
-      if (!mesh) continue;
+      const PolygonMesh mesh = read_any(name);
       RunControl control;
       const auto begin = std::chrono::steady_clock::now();
-      const Result result = remesh_surface(*mesh, unrefined(), RunSettings{2, false}, control);
+      const Result result = remesh_surface(mesh, unrefined(), RunSettings{2, false}, control);
       [[maybe_unused]] const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
 #ifdef NDEBUG
       EXPECT_LE(seconds.count(), 10);
@@ -280,10 +271,9 @@ TEST_F(SharedMeshes, patches_are_as_many_as_the_geometry_has) {
   int tested = 0;
   for (const auto& [name, patches] : known) {
     SCOPED_TRACE(name);
-    const std::optional<PolygonMesh> mesh = read_any(name);
-    if (!mesh) continue;
+    const PolygonMesh mesh = read_any(name);
     RunControl control;
-    EXPECT_EQ(remesh_surface(*mesh, unrefined(), RunSettings{}, control).report.patches.size(), patches);
+    EXPECT_EQ(remesh_surface(mesh, unrefined(), RunSettings{}, control).report.patches.size(), patches);
     ++tested;
   }
   EXPECT_GE(tested, 6);

@@ -77,7 +77,9 @@ int overload(double seconds) {
               static_cast<double>(total) / took, took, served.load(), rejected.load());
   verdict.expect_in_time(static_cast<double>(total) / took > 2.5 * peak, "the load was about three times the peak",
                          neighbours);
-  verdict.expect_in_time(throughput >= 0.95 * peak, "served: " + with_unit(100 * throughput / peak, "% of the peak"),
+  // In a few seconds the peak is not known to 5 %.
+  const double share = seconds < 30 ? 0.8 : 0.95;
+  verdict.expect_in_time(throughput >= share * peak, "served: " + with_unit(100 * throughput / peak, "% of the peak"),
                          neighbours);
   verdict.expect_in_time(
       rejections.quantile(0.99) <= 10,
