@@ -284,6 +284,7 @@ class Run {
 
   /// Faces that intersect before anything is done to them, seen by patch.
   void find_input_intersections(const Triangulated& faces) {
+    watch_.enter(Stage::kVerify);
     input_intersections_ = find_intersections(surface_, faces, patches_, simple_patches(), report_.plane_tolerance,
                                               report_.diagnostics, control_);
     report_.input.intersecting_pairs = input_intersections_.pairs.size();
