@@ -3,6 +3,7 @@
 /// Source: Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -15,6 +16,15 @@ template <int Capacity>
 struct Expansion {
   std::array<double, Capacity> terms;  // the first `size` are set
   int size = 0;
+
+  Expansion() = default;
+  /// Only what is set: capacities are for the worst case, and it is rare.
+  Expansion(const Expansion& other) : size(other.size) { std::copy_n(other.terms.data(), size, terms.data()); }
+  Expansion& operator=(const Expansion& other) {
+    size = other.size;
+    std::copy_n(other.terms.data(), size, terms.data());
+    return *this;
+  }
 
   void append(double term) {
     if (term != 0) terms[size++] = term;

@@ -44,8 +44,10 @@ class FeatureSearch {
         }
         const std::uint32_t g = mesh.twin(e);
         if (seen_[g / 3] == h || queue_.size() >= kMostTriangles) continue;
-        const double away = std::min({squared_distance(pa, pb, pc), squared_distance(pa, pb, pd),
-                                      squared_distance(pc, pd, pa), squared_distance(pc, pd, pb)});
+        // The nearest place of a triangle's side, where the two do not cross, is at an end of one of them.
+        double away = squared_distance(pa, pb, pc);
+        if (away >= best) away = std::min(away, squared_distance(pa, pb, pd));
+        if (away >= best) away = std::min({away, squared_distance(pc, pd, pa), squared_distance(pc, pd, pb)});
         if (away >= best) continue;
         seen_[g / 3] = h;
         queue_.push_back(g);

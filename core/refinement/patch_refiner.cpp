@@ -273,13 +273,13 @@ Vec2 PatchRefiner::lowered(Vec2 p, std::uint32_t shortest) const {
   Vec2 best = p;
   int most = count_good(p);
   for (int i = 1; i < kHeights && most < static_cast<int>(mesh_.rim().size()); ++i) {
-    const Vec2 place = on_grid(p - (i * kHeightStep) * (p - middle));
+    const Vec2 place = p - (i * kHeightStep) * (p - middle);
     const int count = count_good(place);
     if (count <= most) continue;
     most = count;
     best = place;
   }
-  return best;
+  return on_grid(best);
 }
 
 PatchRefiner::Place PatchRefiner::look_at(Vec2 p, std::uint32_t triangle) {
