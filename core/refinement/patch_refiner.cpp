@@ -18,8 +18,8 @@ constexpr double kAngleMargin = 0.01;
 /// sizes vary it is that single one: more angles near the bound would be worse for the tetrahedra behind thin walls.
 constexpr double kOffCentre = 0.97;
 constexpr double kOnlyOffCentre = 0.85;
-constexpr int kHeights = 8;
-constexpr double kHeightStep = 1.0 / 12;
+constexpr int kHeights = 5;
+constexpr double kHeightStep = 1.0 / 8;
 /// Edges that are to fill an area are aimed at this share of the largest that is allowed.
 constexpr double kTargetShare = 0.85;
 /// Edges may be longer than their size by rounding.
