@@ -42,16 +42,12 @@ Json to_json(const YAML::Node& node) {
   return node.IsScalar() ? scalar_to_json(node) : Json(nullptr);
 }
 
-// One string literal a line: compilers bound the length of one literal, not of their sum.
+// Numbers, since compilers need not take string literals above 65,536 characters, pieced together or not.
 void write_source(std::ostream& out, const std::string& json) {
-  out << "namespace remesh::api {\nextern const char* const kOpenapiJson;\nconst char* const kOpenapiJson =\n";
-  std::string_view rest = json;
-  while (!rest.empty()) {
-    const std::string_view line = rest.substr(0, rest.find('\n'));
-    rest.remove_prefix(std::min(rest.size(), line.size() + 1));
-    out << "    R\"~~(" << line << ")~~\" \"\\n\"\n";
-  }
-  out << "    ;\n}  // namespace remesh::api\n";
+  out << "namespace remesh::api {\nextern const char* const kOpenapiJson;\nnamespace {\nconstexpr char kText[] = {";
+  constexpr std::size_t kInLine = 24;
+  for (std::size_t i = 0; i < json.size(); ++i) out << (i % kInLine == 0 ? "\n    " : " ") << int{json[i]} << ",";
+  out << "\n    10, 0};\n}  // namespace\nconst char* const kOpenapiJson = kText;\n}  // namespace remesh::api\n";
 }
 
 }  // namespace
