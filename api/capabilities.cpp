@@ -55,8 +55,6 @@ void write_option(JsonWriter& json, const OptionSpec& spec) {
     json.key("excludes");
     json.string(spec.excludes);
   }
-  json.key("implemented");
-  json.boolean(is_implemented(spec));
   json.key("description");
   json.string(spec.help);
   json.end_object();

@@ -437,18 +437,6 @@ RequestOptions with_defaults(RequestOptions options) {
   return options;
 }
 
-bool is_implemented(const OptionSpec& spec) {
-  RequestOptions options;
-  set_value(spec, spec.example, options);
-  try {
-    check_options(options.core);
-  } catch (const Error& error) {
-    if (error.code == Code::kNotImplemented) return false;
-    throw;
-  }
-  return true;
-}
-
 void OptionReader::add(std::string_view name, std::string_view text, ValueKind kind) {
   const OptionSpec* spec = find_option(name);
   if (spec == nullptr) {

@@ -68,11 +68,8 @@ OptionValue option_value(const OptionSpec& spec, const RequestOptions& options);
 /// The same as text, as a query string takes it.
 std::string option_text(const OptionSpec& spec, const RequestOptions& options);
 /// The same options with the value that the pipeline takes for what was left open: min_angle_deg where neither it nor
-/// max_radius_edge_ratio is set. Sent again, they ask for the same. (So gradation stays open: one that is given also
-/// holds around short edges of the input, the pipeline's own only around gaps.)
+/// max_radius_edge_ratio is set, gradation with proximity. Sent again, they ask for the same.
 RequestOptions with_defaults(RequestOptions options);
-/// False while the pipeline refuses every use of the option as not implemented.
-bool is_implemented(const OptionSpec& spec);
 
 /// What an option's text was before it was text. Query strings and flags know no types.
 enum class ValueKind { kUntyped, kBoolean, kNumber, kString, kList, kObject, kNull };

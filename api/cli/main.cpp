@@ -57,8 +57,7 @@ std::string with_underscores(std::string_view flag) {
 
 // "help text [default]"
 std::string option_help(const api::OptionSpec& spec) {
-  return std::string(spec.help) + " [" + api::option_text(spec, api::with_defaults({})) + "]" +
-         (api::is_implemented(spec) ? "" : " (not implemented yet)");
+  return std::string(spec.help) + " [" + api::option_text(spec, api::with_defaults({})) + "]";
 }
 
 std::string unknown_argument(const std::string& argument) {

@@ -206,8 +206,8 @@ void PatchRefiner::classify_changed() {
 }
 
 void PatchRefiner::push(const Task& task, double shortest_squared) {
-  // Squared lengths within the frame are at most 8.
-  // The exponent and three bits of the mantissa, as the number has them.
+  // The exponent and three bits of the mantissa, as the number has them. Squared lengths within the frame are at
+  // most 8.
   const auto bits = static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(shortest_squared) >> 49);
   constexpr std::int64_t kLargest = (1023 + 4) << 3;
   const auto queue = static_cast<std::size_t>(std::max<std::int64_t>(0, kLargest - bits));
@@ -428,15 +428,20 @@ PatchRefiner::State PatchRefiner::refusal(double floor) const {
   return floor <= criteria_.min_edge_length ? State::kMinEdge : State::kSizeFloor;
 }
 
+std::uint32_t PatchRefiner::longest_edge(std::uint32_t t) const {
+  const auto squared = [&](std::uint32_t h) {
+    return squared_length(mesh_.point(mesh_.to(h)) - mesh_.point(mesh_.from(h)));
+  };
+  std::uint32_t longest = 3 * t;
+  for (const std::uint32_t h : {3 * t + 1, 3 * t + 2})
+    if (squared(h) > squared(longest)) longest = h;
+  return longest;
+}
+
 /// What is too large must be split, wherever there is room: at its circumcentre, at last in the middle of its longest
 /// edge.
 bool PatchRefiner::split_too_large(std::uint32_t t, double floor) {
-  std::uint32_t longest = 3 * t;
-  const auto length = [&](std::uint32_t h) {
-    return squared_length(mesh_.point(mesh_.to(h)) - mesh_.point(mesh_.from(h)));
-  };
-  for (const std::uint32_t h : {3 * t + 1, 3 * t + 2})
-    if (length(h) > length(longest)) longest = h;
+  const std::uint32_t longest = longest_edge(t);
   const Vec2 a = mesh_.point(mesh_.from(longest)), b = mesh_.point(mesh_.to(longest)),
              c = mesh_.point(mesh_.apex(longest));
   const Vec2 base = b - a, side = c - a;
@@ -449,15 +454,11 @@ bool PatchRefiner::split_too_large(std::uint32_t t, double floor) {
 
 /// Is the longest edge a piece of the boundary that is too long and cannot be cut?
 bool PatchRefiner::is_held_large(std::uint32_t t) const {
-  std::uint32_t longest = 3 * t;
-  const auto squared = [&](std::uint32_t h) {
-    return squared_length(mesh_.point(mesh_.to(h)) - mesh_.point(mesh_.from(h)));
-  };
-  for (const std::uint32_t h : {3 * t + 1, 3 * t + 2})
-    if (squared(h) > squared(longest)) longest = h;
+  const std::uint32_t longest = longest_edge(t);
   if (!mesh_.is_constrained(longest)) return false;
-  const Vec2 middle = 0.5 * (mesh_.point(mesh_.from(longest)) + mesh_.point(mesh_.to(longest)));
-  const double length = std::sqrt(squared(longest)) * patch_.frame.scale;
+  const Vec2 from = mesh_.point(mesh_.from(longest)), to = mesh_.point(mesh_.to(longest));
+  const Vec2 middle = 0.5 * (from + to);
+  const double length = std::sqrt(squared_length(to - from)) * patch_.frame.scale;
   if (criteria_.sizes.allows(length / kSizeMargin, to_space(middle)) && !std::isfinite(criteria_.max_area))
     return false;
   const Side& side = sides_[mesh_.side(longest)];

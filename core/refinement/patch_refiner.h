@@ -148,6 +148,7 @@ class PatchRefiner {
   Place look_at(Vec2 p, std::uint32_t triangle);
   Attempt insert(const Place& place, double floor, bool may_encroach);
   Attempt insert(Vec2 p, std::uint32_t triangle, double floor, bool may_encroach);
+  std::uint32_t longest_edge(std::uint32_t t) const;
   bool split_too_large(std::uint32_t t, double floor);
   bool is_held_large(std::uint32_t t) const;
   State refusal(double floor) const;

@@ -31,23 +31,12 @@ namespace fs = std::filesystem;
 
 const fs::path kMeshes = test::shared_meshes_folder();
 
-using Facts = std::map<std::string, std::string>;
+using Facts = test::MeshFacts;
 
-/// What facts.tsv says of each file, by column.
+/// What the collection's table says of each file.
 std::map<std::string, Facts> read_facts() {
   std::map<std::string, Facts> all;
-  std::ifstream file(kMeshes / "facts.tsv");
-  std::vector<std::string> columns;
-  for (std::string line; std::getline(file, line);) {
-    std::vector<std::string> cells;
-    std::stringstream row(line);
-    for (std::string cell; std::getline(row, cell, '\t');) cells.push_back(cell);
-    if (columns.empty()) {
-      columns = cells;
-      continue;
-    }
-    for (std::size_t i = 0; i < cells.size(); ++i) all[cells[0]][columns[i]] = cells[i];
-  }
+  for (const Facts& facts : test::shared_meshes_facts()) all[facts.at("file")] = facts;
   return all;
 }
 

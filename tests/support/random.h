@@ -24,4 +24,7 @@ class Random {
   std::mt19937_64 engine_;
 };
 
+/// Where a property test's seeds begin: what the environment's REMESH_SEED says, to try others, or `usual`. Prints it.
+std::uint64_t base_seed(std::uint64_t usual);
+
 }  // namespace remesh

@@ -222,22 +222,11 @@ std::size_t proper_pairs(const TriangleMesh& mesh) {
 
 TEST(self_intersections, counts_of_real_meshes_are_those_computed_by_other_means) {
   const fs::path meshes = test::shared_meshes_folder();
-  std::ifstream facts(meshes / "facts.tsv");
-  if (!facts) GTEST_SKIP() << "NOT TESTED: the collection of meshes is not at " << meshes;
-  std::vector<std::string> columns;
+  const std::vector<test::MeshFacts> all = test::shared_meshes_facts();
+  if (all.empty()) GTEST_SKIP() << "NOT TESTED: the collection of meshes is not at " << meshes;
   int compared = 0, intersecting = 0;
-  for (std::string line; std::getline(facts, line);) {
-    std::istringstream fields(line);
-    std::vector<std::string> values;
-    for (std::string value; std::getline(fields, value, '\t');) values.push_back(value);
-    if (columns.empty()) {
-      columns = values;
-      continue;
-    }
-    values.resize(columns.size());
-    const auto fact = [&](const char* column) {
-      return values[static_cast<std::size_t>(std::find(columns.begin(), columns.end(), column) - columns.begin())];
-    };
+  for (const test::MeshFacts& facts : all) {
+    const auto fact = [&](const char* column) { return facts.at(column); };
     const fs::path file = meshes / fact("file");
     if (file.extension() != ".obj" || fact("sides") != "3" || fact("intersecting_pairs").empty()) continue;
     SCOPED_TRACE(file);

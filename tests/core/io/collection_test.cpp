@@ -38,26 +38,7 @@ std::string content_of(const std::string& name) {
   return is_gzip(content) ? gunzip(content, {}, control) : content;
 }
 
-using Row = std::map<std::string, std::string>;
-
-/// What facts.tsv says of each file; empty if the meshes are not there.
-std::vector<Row> all_facts() {
-  std::ifstream file(kMeshes / "facts.tsv");
-  std::vector<Row> rows;
-  std::vector<std::string> columns;
-  for (std::string line; std::getline(file, line);) {
-    std::istringstream fields(line);
-    std::vector<std::string> values;
-    for (std::string value; std::getline(fields, value, '\t');) values.push_back(value);
-    if (columns.empty()) {
-      columns = values;
-      continue;
-    }
-    Row& row = rows.emplace_back();
-    for (std::size_t i = 0; i < columns.size(); ++i) row[columns[i]] = i < values.size() ? values[i] : "";
-  }
-  return rows;
-}
+using Row = test::MeshFacts;
 
 /// What ends a file's reading, and where.
 struct Refusal {
@@ -112,7 +93,7 @@ class Collection : public testing::Test {
     return files;
   }
 
-  std::vector<Row> facts_ = all_facts();
+  std::vector<Row> facts_ = test::shared_meshes_facts();
 };
 
 TEST_F(Collection, counts_and_bounds_are_those_computed_by_other_means) {
