@@ -34,6 +34,7 @@
 #include "core/stages/patch_summary.h"
 #include "core/stages/patches.h"
 #include "core/stages/refinement.h"
+#include "core/stages/separation.h"
 #include "core/stages/t_junctions.h"
 #include "core/stages/unrefined.h"
 #include "core/stages/weld.h"
@@ -151,6 +152,10 @@ class Run {
         // The independent check of the promises.
         watch_.enter(Stage::kVerify);
         report_.verified = check();
+        if (!report_.verified.all_true() && separate_new_vertices(surface_, meshes_, refinement_, control_)) {
+          assemble();
+          report_.verified = check();
+        }
         if (report_.verified.all_true()) {
           if (is_as_manifold_as_input()) break;
           if (!give_up_t_junctions())

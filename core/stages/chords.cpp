@@ -62,6 +62,11 @@ std::vector<Chord> chords_of(const std::vector<Use>& uses, RunControl& control) 
   return chords;
 }
 
+bool is_used(const std::vector<Use>& uses, const Key& key) {
+  const auto found = std::lower_bound(uses.begin(), uses.end(), Use{key, false, PatchId(0), 0});
+  return found != uses.end() && found->key == key;
+}
+
 /// Flips the edge away and holds the new one, so that what follows is Delaunay around it.
 bool flip_away(PatchMesh& patch, std::uint32_t h, const std::vector<Use>& uses, RunControl& control) {
   if (patch.mesh.is_constrained(h)) return false;
@@ -69,12 +74,10 @@ bool flip_away(PatchMesh& patch, std::uint32_t h, const std::vector<Use>& uses, 
   const std::uint32_t a = patch.mesh.from(h), b = patch.mesh.to(h), c = patch.mesh.apex(h), d = patch.mesh.apex(g);
   const auto& uv = patch.uv;
   if (orient2d(uv[d], uv[b], uv[c]) <= 0 || orient2d(uv[c], uv[a], uv[d]) <= 0) return false;
-  const Key flipped = key_of(patch, c, d);
-  const auto found = std::lower_bound(uses.begin(), uses.end(), Use{flipped, false, PatchId(0), 0});
-  if (found != uses.end() && found->key == flipped) return false;
+  if (is_used(uses, key_of(patch, c, d))) return false;
   patch.mesh.flip(h);
   patch.mesh.constrain(h);
-  patch.held.push_back({c, d});
+  patch.held.insert(std::minmax(c, d));
   std::vector<std::uint32_t> around{Triangulation2d::next(h), Triangulation2d::previous(h), Triangulation2d::next(g),
                                     Triangulation2d::previous(g)};
   delaunay_flips(patch.uv, patch.mesh, around, control);
@@ -113,21 +116,25 @@ bool split(PatchMesh& patch, std::uint32_t h, RunControl& control) {
   return true;
 }
 
-/// Back to the patch's own Delaunay triangulation: what was held gives way to what is Delaunay again.
-void release_held(PatchMesh& patch, RunControl& control) {
+/// Lets go of what is held and `is_wanted` no more; it gives way to what is Delaunay. Returns whether there was such.
+template <class IsWanted>
+bool release_held(PatchMesh& patch, const IsWanted& is_wanted, RunControl& control) {
+  if (patch.held.empty()) return false;
   std::vector<std::uint32_t> released;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
     const std::uint32_t twin = patch.mesh.twin(h);
-    if (twin == Triangulation2d::kNone || !patch.mesh.is_constrained(h) || !patch.is_held(h)) continue;
+    if (twin == Triangulation2d::kNone || !patch.mesh.is_constrained(h) || !patch.is_held(h) || is_wanted(h)) continue;
     patch.mesh.join(h, twin);
+    patch.held.erase(std::minmax(patch.mesh.from(h), patch.mesh.to(h)));
     released.push_back(h);
   }
-  patch.held.clear();
+  const bool is_any = !released.empty();
   delaunay_flips(patch.uv, patch.mesh, released, control);
+  return is_any;
 }
 
-/// Treats chord after chord of a patch as long as flips for one before it have not changed the edge: the next pass
-/// looks again. `treat` says whether it could; where it could not, nothing has changed.
+/// Treats chord after chord, where flips for one before it have not changed the edge: the next pass looks at it again.
+/// `treat` says whether it could; where it could not, nothing has changed.
 template <class Treat>
 bool for_chords(std::vector<PatchMesh>& meshes, const std::vector<Chord>& chords, const Treat& treat) {
   std::vector<Key> keys;
@@ -148,16 +155,24 @@ std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t
 }
 
 bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
-  // A flip may make edges that conflict anew; what goes on doing so is left.
-  constexpr int kMostPasses = 4;
+  // A flip may make edges that conflict anew, or leave another without what it was held for; what goes on doing so is
+  // left.
+  constexpr int kMostPasses = 8;
   for (int pass = 0;; ++pass) {
     const std::vector<Use> uses = edge_uses(meshes, vertex_end, control);
+    bool is_settled = true;
+    for (PatchMesh& patch : meshes) {
+      const auto is_wanted = [&](std::uint32_t h) {
+        return is_used(uses, key_of(patch, patch.mesh.apex(h), patch.mesh.apex(patch.mesh.twin(h))));
+      };
+      is_settled = !release_held(patch, is_wanted, control) && is_settled;
+    }
     const std::vector<Chord> chords = chords_of(uses, control);
-    if (chords.empty()) return true;
+    if (is_settled && chords.empty()) return true;
     if (pass == kMostPasses) return false;
-    if (!for_chords(meshes, chords,
-                    [&](PatchMesh& patch, std::uint32_t h) { return flip_away(patch, h, uses, control); }))
-      return false;
+    if (!is_settled) continue;
+    const auto flip_one = [&](PatchMesh& patch, std::uint32_t h) { return flip_away(patch, h, uses, control); };
+    if (!for_chords(meshes, chords, flip_one)) return false;
   }
 }
 
@@ -166,7 +181,8 @@ void split_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCon
   if (chords.empty()) return;
   // A flip for the sake of a chord that is split now would leave an edge that is not Delaunay, without a reason.
   for (PatchMesh& patch : meshes)
-    if (!patch.held.empty()) release_held(patch, control);
+    release_held(
+        patch, [](std::uint32_t) { return false; }, control);
   // Each pass leaves fewer: the edges that are new all end at a new vertex.
   do {
     chords = find_chords(meshes, vertex_end, control);

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 #include <utility>
 #include <vector>
@@ -143,12 +144,17 @@ TEST(split_chords, two_sheets_that_no_flips_tell_apart_get_points) {
 
 TEST(split_chords, one_point_ends_all_chords_of_a_round_patch) {
   std::vector<Vec3> round;
-  for (int i = 0; i < 100; ++i) round.push_back({std::cos(i * 0.0628), std::sin(i * 0.0628), 0});
+  for (int i = 0; i < 100; ++i)
+    round.push_back({std::cos(i * 0.02 * std::numbers::pi), std::sin(i * 0.02 * std::numbers::pi), 0});
   StageChain chain(back_to_back(round));
   ASSERT_EQ(chain.patches.count(), 2u);
   split(chain);
   expect_no_shared_chord(chain.meshes);
   EXPECT_LE(chain.meshes[1].uv.size(), 103u);
+  for (const PatchMesh& patch : chain.meshes) {
+    expect_valid(patch.uv, patch.mesh);
+    expect_locally_delaunay(patch.uv, patch.mesh);
+  }
 }
 
 TEST(split_chords, the_surface_stays_whole_with_and_without_refinement) {
@@ -172,6 +178,9 @@ TEST(split_chords, the_surface_stays_whole_with_and_without_refinement) {
       EXPECT_EQ(result.report.output.non_manifold_edges, 0u) << angle << ' ' << seed;
       EXPECT_NEAR(result.report.output.area, result.report.input.area, 1e-12 * result.report.input.area);
       ASSERT_EQ(result.report.patches.size(), 2u);
+      if (angle > 0) {
+        EXPECT_GT(result.report.output.faces, 2u * (mesh.vertex_count() - 2)) << "not left as it was";
+      }
       for (const PatchSummary& patch : result.report.patches) EXPECT_EQ(patch.status, PatchStatus::kRemeshed);
     }
   }
