@@ -332,9 +332,10 @@ class Run {
   /// Faces of one plane, their patches, the patches' loops, and the vertices that stay.
   void find_patches(Ladder& ladder) {
     watch_.enter(Stage::kRegions);
-    coplanar_regions(surface_, *adjacency_, geometry_,
-                     {local_tolerance(), options_.normal_tolerance, &ladder.zone(), &ladder.rung()}, regions_,
-                     control_);
+    coplanar_regions(
+        surface_, *adjacency_, geometry_,
+        {local_tolerance(), options_.normal_tolerance, &ladder.zone(), &ladder.rung(), printed_step_ / surface_.unit},
+        regions_, control_);
     watch_.enter(Stage::kPatches);
     patches_ = patches(surface_, *adjacency_, regions_, control_);
     watch_.enter(Stage::kLoops);
@@ -359,7 +360,9 @@ class Run {
 
   void choose_tolerance() {
     const double diagonal = report_.input.bounding_box.diagonal();
-    report_.rounding_step = rounding_step(surface_.positions.items());
+    const Rounding rounding = rounding_of(surface_.positions.items());
+    report_.rounding_step = rounding.step;
+    printed_step_ = 0;
     report_.plane_tolerance_is_automatic = !options_.plane_tolerance.has_value();
     if (options_.plane_tolerance) {
       report_.plane_tolerance = *options_.plane_tolerance;
@@ -367,10 +370,12 @@ class Run {
     }
     const AutomaticTolerance automatic = automatic_tolerance(report_.rounding_step, diagonal);
     report_.plane_tolerance = automatic.value;
-    if (automatic.if_noisy == automatic.value) return;
-    if (is_noise_present(surface_, *adjacency_, face_geometry(surface_, control_), automatic.value / surface_.unit,
+    if (automatic.if_noisy != automatic.value &&
+        is_noise_present(surface_, *adjacency_, face_geometry(surface_, control_), automatic.value / surface_.unit,
                          automatic.if_noisy / surface_.unit))
       report_.plane_tolerance = automatic.if_noisy;
+    if (rounding.is_decimal && report_.plane_tolerance == kToleranceSteps * rounding.step)
+      printed_step_ = rounding.step;
   }
 
   std::vector<FailedPatch> failed_meshes() const {
@@ -602,6 +607,7 @@ class Run {
   Surface surface_;
   std::unique_ptr<Adjacency> adjacency_;
   IdVector<FaceId, FaceGeometry> geometry_;
+  double printed_step_ = 0;            ///< that the tolerance comes from; 0: it has another origin
   bool are_t_junctions_split_ = true;  ///< false: that went wrong
   bool has_chords_ = false;            ///< edges in patches that are edges of others too, whatever is flipped
   bool is_closed_ = false;             ///< of the surface with its repeated faces and T-junctions mended

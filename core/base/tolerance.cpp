@@ -146,21 +146,21 @@ double last_place_of_digits(std::span<const Vec3> positions) {
 
 }  // namespace
 
-double rounding_step(std::span<const Vec3> positions) {
+Rounding rounding_of(std::span<const Vec3> positions) {
   double largest = 0;
   for_each_coordinate(positions, [&](double x) {
     largest = std::max(largest, std::fabs(x));
     return true;
   });
-  if (largest == 0) return 0;
+  if (largest == 0) return {};
   const double least = last_place(largest, 53);
 
   double common = 0;
   for (int d = 0; d <= kMaxDecimals && common == 0; ++d) common = common_quantum(positions, d, largest);
-  if (has_limited_digits(positions, largest, common)) return std::max(last_place_of_digits(positions), least);
-  if (common != 0) return std::max(common, least);
+  if (has_limited_digits(positions, largest, common)) return {std::max(last_place_of_digits(positions), least), true};
+  if (common != 0) return {std::max(common, least), true};
   const bool are_floats = for_each_coordinate(positions, [](double x) { return odd_part(x).units < 16777216.0; });
-  return are_floats ? last_place(largest, 24) : least;
+  return {are_floats ? last_place(largest, 24) : least, false};
 }
 
 AutomaticTolerance automatic_tolerance(double step, double diagonal) {
