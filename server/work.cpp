@@ -50,7 +50,7 @@ class Job {
     } catch (...) {
       failure = std::current_exception();
     }
-    std::string().swap(body_);  // a large upload need not live until its answer is sent
+    body_ = Body();  // a large upload need not live until its answer is sent
     running_->is_computing = false;
     {
       const std::lock_guard lock(mutex_);
@@ -97,7 +97,7 @@ class Job {
   const std::shared_ptr<RunningRequest> running_;
   const api::Limits limits_;
   const Operation operation_;
-  std::string body_;
+  Body body_;
   std::string accept_encoding_;
   api::Request input_;
 

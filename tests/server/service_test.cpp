@@ -77,7 +77,17 @@ TEST_F(ServiceTest, bad_requests_are_told_why_and_the_next_one_is_served) {
   expect(400, "malformed_request", post(port_, "/v1/remesh", "x", "Transfer-Encoding: chunked\r\n"));
   expect(414, "uri_too_long", ask(port_, "GET /" + std::string(100'000, 'a')));
   expect(431, "header_fields_too_large", ask(port_, "GET / HTTP/1.1\r\nA: " + std::string(100'000, 'a')));
-  expect(408, "request_timeout", ask(port_, "POST /v1/remesh HT"));
+}
+
+TEST_F(ServiceTest, a_request_that_does_not_come_to_its_end_is_told_so) {
+  config_.gate.head_timeout = milliseconds(300);
+  start();
+  for (const char* begun :
+       {"POST /v1/remesh HT", "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nx"}) {
+    const Answer answer = ask(port_, begun);
+    EXPECT_EQ(answer.status, 408) << begun;
+    EXPECT_EQ(code_of(answer), "request_timeout") << begun;
+  }
 }
 
 TEST_F(ServiceTest, an_unexpected_failure_stays_opaque) {
@@ -140,11 +150,15 @@ TEST_F(ServiceTest, events_follow_a_request_to_its_end) {
 
 TEST_F(ServiceTest, work_stops_within_100_ms_when_its_client_goes_away) {
   start();
-  const auto client = start_blocking();
-  const Clock::time_point start = Clock::now();
-  client->close();
-  EXPECT_TRUE(eventually([&] { return stub_.stopped == 1; }));
-  EXPECT_LT(Clock::now() - start, milliseconds(100));
+  const auto leave = [&] {
+    const int before = stub_.stopped;
+    const auto client = start_blocking();
+    const Clock::time_point start = Clock::now();
+    client->close();
+    EXPECT_TRUE(eventually([&] { return stub_.stopped > before; }));
+    return Clock::now() - start;
+  };
+  EXPECT_LT(best_time(milliseconds(100), leave), milliseconds(100));
   expect_well();
 }
 
@@ -202,7 +216,7 @@ TEST_F(ServiceTest, a_waiting_request_can_be_cancelled_and_frees_its_place) {
 }
 
 TEST_F(ServiceTest, work_past_its_time_is_stopped_with_504) {
-  config_.request_timeout = milliseconds(150);
+  config_.request_timeout = milliseconds(500);
   start();
   const Answer answer = post(port_, "/v1/remesh", "block");
   EXPECT_EQ(answer.status, 504);
@@ -212,7 +226,7 @@ TEST_F(ServiceTest, work_past_its_time_is_stopped_with_504) {
 }
 
 TEST_F(ServiceTest, work_that_does_not_hear_the_stop_is_answered_for) {
-  config_.request_timeout = milliseconds(100);
+  config_.request_timeout = milliseconds(500);
   start();
   EXPECT_EQ(post(port_, "/v1/remesh", "deaf").status, 504);
   stub_.released = true;
@@ -220,16 +234,16 @@ TEST_F(ServiceTest, work_that_does_not_hear_the_stop_is_answered_for) {
 }
 
 TEST_F(ServiceTest, waiting_too_long_for_a_worker_is_overload_not_timeout) {
-  config_.request_timeout = milliseconds(300);
+  config_.request_timeout = milliseconds(500);
   start();
-  // The first may use its 300 ms and then, being deaf, holds the only thread.
+  // The first may use its time and then, being deaf, holds the only thread.
   const auto running = start_blocking("", "deaf");
   EXPECT_EQ(code_of(post(port_, "/v1/remesh", "good")), "overloaded");
   stub_.released = true;
 }
 
 TEST_F(ServiceTest, slow_clients_hold_nobody_up) {
-  config_.gate.head_timeout = milliseconds(5000);
+  config_.gate.head_timeout = std::chrono::minutes(5);
   config_.max_connections_per_address = config_.max_connections;
   start();
   std::vector<std::unique_ptr<RawClient>> slow;
@@ -238,19 +252,17 @@ TEST_F(ServiceTest, slow_clients_hold_nobody_up) {
     slow.back()->send(i % 2 == 0 ? "POST /v1/re" : "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nx");
   }
   const auto running = start_blocking();
-  // The best of a few: what else the machine does is not what is measured.
-  Clock::duration best = Clock::duration::max();
-  for (int i = 0; i < 10; ++i) {
+  const auto probe = [&] {
     const Clock::time_point start = Clock::now();
     EXPECT_EQ(get(port_, "/livez").status, 200);
-    best = std::min(best, Clock::now() - start);
-  }
-  EXPECT_LT(best, milliseconds(50));
+    return Clock::now() - start;
+  };
+  EXPECT_LT(best_time(milliseconds(50), probe), milliseconds(50));
 }
 
 TEST_F(ServiceTest, connections_beyond_the_limit_are_refused_with_an_answer) {
   config_.max_connections = 3;
-  config_.gate.head_timeout = milliseconds(5000);
+  config_.gate.head_timeout = std::chrono::minutes(5);
   start();
   std::vector<std::unique_ptr<RawClient>> idle;
   for (int i = 0; i < 3; ++i) idle.push_back(std::make_unique<RawClient>(port_));
