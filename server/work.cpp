@@ -123,9 +123,11 @@ api::Response wait_for_stop(Job& job, RunningRequest& running) {
 /// Waits until the job is done or has to be stopped.
 api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, WorkerPool::Ticket ticket,
                        const WorkLimits& limits, Request& request, Connection& connection) {
+  const auto half_closed =
+      request.minor_version >= 1 ? Connection::HalfClosed::kIsAsked : Connection::HalfClosed::kIsGone;
   for (;;) {
     const Clock::time_point until = job.started().value_or(running.start) + limits.request_timeout;
-    const Connection::Wake wake = connection.wait(&running.changed, until);
+    const Connection::Wake wake = connection.wait(&running.changed, until, half_closed);
     running.changed.clear();
     if (job.is_done()) {
       job.tell_times(request.timing);

@@ -162,14 +162,45 @@ TEST_F(ServiceTest, work_stops_within_100_ms_when_its_client_goes_away) {
   expect_well();
 }
 
-TEST_F(ServiceTest, a_client_that_closes_its_sending_side_counts_as_gone) {
-  // Nothing tells it from a client that was killed; see Connection::wait.
+TEST_F(ServiceTest, a_client_that_closes_its_sending_side_is_asked_and_gets_its_answer) {
   start();
-  const auto client = start_blocking(kIdField);
+  const auto client = start_blocking();
   client->close_sending();
-  EXPECT_EQ(code_of(Answer::parse(client->receive())), "cancelled");
-  EXPECT_EQ(stub_.stopped, 1);
+  const std::string interim = "HTTP/1.1 102 Processing\r\n\r\n";
+  EXPECT_EQ(client->receive(interim), interim);
+  stub_.released = true;
+  const Answer answer = Answer::parse(client->receive());
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.body, "5  ");
+  EXPECT_EQ(stub_.stopped, 0);
+}
+
+TEST_F(ServiceTest, one_that_is_half_closed_and_then_gone_stops_its_work) {
+  start();
+  const auto client = start_blocking();
+  client->close_sending();
+  client->receive("102 Processing\r\n\r\n");
+  client->close();
+  EXPECT_TRUE(eventually([&] { return stub_.stopped == 1; }));
   expect_well();
+}
+
+TEST_F(ServiceTest, before_http_1_1_there_is_no_asking) {
+  start();
+  RawClient client(port_);
+  client.send("POST /v1/remesh HTTP/1.0\r\nContent-Length: 5\r\n\r\nblock");
+  ASSERT_TRUE(eventually([&] { return stub_.blocked == 1; }));
+  client.close_sending();
+  EXPECT_EQ(code_of(Answer::parse(client.receive())), "cancelled");
+  EXPECT_EQ(stub_.stopped, 1);
+}
+
+TEST_F(ServiceTest, a_small_request_from_a_half_closed_client_is_answered_without_ado) {
+  start();
+  RawClient client(port_);
+  client.send(post_text("/v1/remesh", "hello"));
+  client.close_sending();
+  EXPECT_EQ(Answer::parse(client.receive()).status, 200);
 }
 
 TEST_F(ServiceTest, a_refusal_carries_the_id_that_the_client_sent) {
