@@ -52,7 +52,7 @@ std::string address_of_peer(int socket) {
 bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
 /// What computes for less long answers first.
-constexpr std::chrono::milliseconds kAskAfter{50};
+constexpr std::chrono::milliseconds kAskAfter{20};
 constexpr std::chrono::milliseconds kAskAgain{1000};
 
 /// False when there is nobody to send to; what finds no room is not sent.
