@@ -160,7 +160,7 @@ TEST(EndToEnd, a_stop_lets_the_running_request_finish_and_exits_with_0) {
   RawClient client(daemon.port());
   const std::string id = "end-to-end-drain-01";
   // Long enough to be seen while it runs.
-  const int size = unless_sanitized(400, 100);
+  const int size = unless_sanitized(200, 80);
   ASSERT_TRUE(client.send(post_text("/v1/remesh?refine=false", bumpy_sheet(size), "X-Request-Id: " + id + "\r\n")));
   ASSERT_TRUE(eventually([&] { return get(daemon.port(), "/v1/requests/" + id).status == 200; }));
   daemon.send_signal(SIGTERM);
