@@ -17,7 +17,8 @@ class Body {
   Body() = default;
   Body(Body&& other) noexcept { swap(other); }
   Body& operator=(Body&& other) noexcept {
-    Body(std::move(other)).swap(*this);
+    Body taken(std::move(other));
+    swap(taken);
     return *this;
   }
   ~Body();

@@ -24,8 +24,10 @@ constexpr std::size_t kSmallBody = 1 << 20;
 class Job {
  public:
   Job(Request& request, const WorkLimits& limits, Operation operation, std::shared_ptr<RunningRequest> running)
-      : running_(std::move(running)), limits_(limits.api), operation_(std::move(operation)) {
-    body_ = std::move(request.body);
+      : running_(std::move(running)),
+        limits_(limits.api),
+        operation_(std::move(operation)),
+        body_(std::move(request.body)) {
     accept_encoding_ = request.header("accept-encoding");
     input_.content_type = request.header("content-type");
     input_.content_encoding = request.header("content-encoding");
