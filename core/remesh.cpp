@@ -21,6 +21,7 @@
 #include "core/refinement/size_field.h"
 #include "core/stages/assembly.h"
 #include "core/stages/boundary_loops.h"
+#include "core/stages/chords.h"
 #include "core/stages/coplanar_regions.h"
 #include "core/stages/duplicate_faces.h"
 #include "core/stages/essential_vertices.h"
@@ -33,6 +34,7 @@
 #include "core/stages/patch_summary.h"
 #include "core/stages/patches.h"
 #include "core/stages/refinement.h"
+#include "core/stages/separation.h"
 #include "core/stages/t_junctions.h"
 #include "core/stages/unrefined.h"
 #include "core/stages/weld.h"
@@ -140,12 +142,7 @@ class Run {
       // The patches' triangles become one mesh, in which no edge inside a patch is the edge of another one.
       watch_.enter(Stage::kAssembly);
       if (failed.empty()) {
-        const std::vector<PatchId> conflicts = resolve_chords(meshes_, control_);
-        // Refinement may split what could not be flipped.
-        if (!is_refined())
-          for (const PatchId p : conflicts) failed.push_back({p, PatchReason::kOverlappingFaces});
-      }
-      if (failed.empty()) {
+        has_chords_ = !flip_chords(meshes_, surface_.vertex_count(), control_);
         // All patches together: angles, sizes, what is left of conflicts between them.
         refine_patches(ladder);
         watch_.enter(Stage::kAssembly);
@@ -155,6 +152,10 @@ class Run {
         // The independent check of the promises.
         watch_.enter(Stage::kVerify);
         report_.verified = check();
+        if (!report_.verified.all_true() && separate_new_vertices(surface_, meshes_, refinement_, control_)) {
+          assemble();
+          report_.verified = check();
+        }
         if (report_.verified.all_true()) {
           if (is_as_manifold_as_input()) break;
           if (!give_up_t_junctions())
@@ -386,8 +387,17 @@ class Run {
 
   void refine_patches(const Ladder& ladder) {
     refinement_ = {};
-    if (!is_refined()) return;
+    if (!is_refined() && !has_chords_) return;
     watch_.enter(Stage::kRefinement);
+    if (is_refined())
+      reach_goals(ladder);
+    else
+      split_chords(surface_, patches_, meshes_, refinement_, control_);
+    lift_new_vertices(surface_, patches_, meshes_, refinement_.first_inner, report_.plane_tolerance,
+                      refinement_.new_positions, control_);
+  }
+
+  void reach_goals(const Ladder& ladder) {
     frozen_.resize(patches_.count(), 0);
     for (std::size_t p = 0; p < patches_.count(); ++p)
       if (ladder.is_kept(patches_.faces_of(PatchId(p))[0])) frozen_[p] = 1;
@@ -401,8 +411,6 @@ class Run {
     if (is_budget_too_small())
       std::fill(refinement_.reason.begin(), refinement_.reason.end(), UnrefinedReason::kBudget);
     report_.refinement_rounds = refinement_.rounds;
-    lift_new_vertices(surface_, patches_, meshes_, refinement_.first_inner, report_.plane_tolerance,
-                      refinement_.new_positions, control_);
   }
 
   /// Before anything is allocated by it: what must have more faces than allowed is not begun.
@@ -489,7 +497,7 @@ class Run {
     const InputIntersections intersections = intersecting_patches();
     return verify({surface_, patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
                    assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance,
-                   is_refined() ? &refined : nullptr, &intersections},
+                   !refinement_.new_positions.empty(), is_refined() ? &refined : nullptr, &intersections},
                   control_);
   }
 
@@ -595,6 +603,7 @@ class Run {
   std::unique_ptr<Adjacency> adjacency_;
   IdVector<FaceId, FaceGeometry> geometry_;
   bool are_t_junctions_split_ = true;  ///< false: that went wrong
+  bool has_chords_ = false;            ///< edges in patches that are edges of others too, whatever is flipped
   bool is_closed_ = false;             ///< of the surface with its repeated faces and T-junctions mended
   std::uint64_t non_manifold_edges_ = 0;
   FoundIntersections input_intersections_;
