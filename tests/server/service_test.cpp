@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <vector>
@@ -215,23 +216,33 @@ TEST_F(ServiceTest, a_refusal_carries_the_id_that_the_client_sent) {
 
 TEST_F(ServiceTest, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
   start();
-  const auto running = start_blocking();
-  RawClient waiting(port_);
-  waiting.send(post_text("/v1/remesh", "good"));
-  Answer refused;
-  // The waiting one takes its place a moment after it was sent.
+  std::vector<std::unique_ptr<RawClient>> taken;
+  int tries = 0;
+  // Gives the refusal, or nothing where it was taken.
+  const auto submit = [&] {
+    const std::string id = kId + std::to_string(++tries);
+    auto client = std::make_unique<RawClient>(port_);
+    client->send(post_text("/v1/remesh", "block", "X-Request-Id: " + id + "\r\n"));
+    EXPECT_TRUE(eventually([&] { return client->has_input() || get(port_, "/v1/requests/" + id).status == 200; }));
+    if (client->has_input()) return Answer::parse(client->receive());
+    taken.push_back(std::move(client));
+    return Answer();
+  };
+  // One computes, one passes it after a while, one waits; none ends.
   ASSERT_TRUE(eventually([&] {
-    const auto probe = ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\n\r\n");
-    refused = probe;
-    return probe.status == 503;
+    submit();
+    return taken.size() == 3;
   }));
+  const Answer refused = submit();
+  EXPECT_EQ(refused.status, 503);
   EXPECT_EQ(code_of(refused), "overloaded");
   EXPECT_FALSE(refused.header("Retry-After").empty());
+  const Answer early = ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\n\r\n");
+  EXPECT_EQ(early.status, 503) << "before its body has come";
   EXPECT_EQ(get(port_, "/livez").status, 200);
   EXPECT_EQ(get(port_, "/v1/capabilities").status, 200);
   stub_.released = true;
-  EXPECT_EQ(Answer::parse(waiting.receive()).status, 200);
-  EXPECT_EQ(Answer::parse(running->receive()).status, 200);
+  for (const auto& client : taken) EXPECT_EQ(Answer::parse(client->receive()).status, 200);
 }
 
 TEST_F(ServiceTest, a_waiting_request_can_be_cancelled_and_frees_its_place) {
