@@ -618,7 +618,7 @@ class Run {
   BoundaryLoops loops_;
   IdVector<VertexId, std::uint8_t> essential_;
   std::vector<PatchMesh> meshes_;
-  Goals goals_;
+  Goals goals_{};
   std::vector<std::uint8_t> frozen_;  ///< per patch: not refined
   std::uint64_t predicted_faces_ = 0;
   std::uint64_t budget_ = 0;  ///< faces that refinement may make it

@@ -48,7 +48,7 @@ const std::array<double, kMaxDecimals + 1>& powers_of_five() {
   static const auto powers = [] {
     std::array<double, kMaxDecimals + 1> p{};
     p[0] = 1;
-    for (int d = 1; d <= kMaxDecimals; ++d) p[d] = 5 * p[d - 1];
+    for (std::size_t d = 1; d < p.size(); ++d) p[d] = 5 * p[d - 1];
     return p;
   }();
   return powers;

@@ -417,6 +417,20 @@ TEST(RunRemesh, what_cannot_be_decompressed_has_its_code) {
   EXPECT_EQ(remesh(request_of(compressed), limits).status, 200);
 }
 
+TEST(RunRemesh, a_bomb_within_a_bomb_has_the_ratio_once) {
+  RunControl control;
+  const std::string once = gzip(std::string(20'000'000, '#'), control);
+  const std::string twice = gzip(once, control);
+  ASSERT_LT(twice.size(), 1000u);
+  Limits limits;
+  limits.max_ratio = 2000;  // what each of the two keeps to
+  Request request = request_of(twice, "model/obj");
+  request.content_encoding = "gzip";
+  EXPECT_EQ(code_of(request, limits), Code::kDecompressedTooLarge);
+  request.body = once;
+  EXPECT_EQ(code_of(request, limits), Code::kEmptyMesh) << "one alone is let in";
+}
+
 TEST(RunRemesh, limits_hold) {
   Limits limits;
   limits.max_body = 10;
