@@ -14,7 +14,7 @@ import { ProgressCard } from "./ui/progress_card.ts";
 import { qualityPanel, reportTables } from "./ui/report_panel.ts";
 import { Tabs } from "./ui/tabs.ts";
 import { triangleNumbers } from "./ui/triangle_numbers.ts";
-import { count, degrees, real, seconds, whole } from "./ui/words.ts";
+import { count, degrees, real, seconds, sentence, whole } from "./ui/words.ts";
 import { listen } from "./view/gestures.ts";
 import type { Colouring } from "./view/surface_model.ts";
 import { type Section, type Side, Viewer, kSides } from "./view/viewer.ts";
@@ -73,7 +73,7 @@ class Page {
 
   private meet(capabilities: Capabilities): void {
     byId("version").textContent = capabilities.versions.remeshd;
-    byId("formats").textContent = capabilities.formats.input.map(({ name }) => name.toUpperCase()).join(", ") + ", also gzipped";
+    byId("formats").textContent = capabilities.formats.input.map(({ name }) => name.toUpperCase()).join(", ") + " (.gz)";
     this.options = new OptionsForm(byId("options"), capabilities.options, () => this.optionsChanged());
     this.downloads.offer(capabilities.formats.output);
     this.optionsChanged();
@@ -232,7 +232,7 @@ class Page {
     if (problem.limit !== undefined) place.push(`limit ${whole(problem.limit)}`);
     const detail = problem.detail ?? "";
     byId("problem").replaceChildren(
-      h("p", {}, h("strong", {}, problem.title ?? "It failed"), " ", detail.charAt(0).toUpperCase() + detail.slice(1)),
+      h("p", {}, h("strong", {}, problem.title ?? "It failed"), " ", sentence(detail)),
       h("p", { class: "muted" }, [...place, problem.code && `code ${problem.code}`, problem.request_id && `request ${problem.request_id}`].filter(Boolean).join(" · ")),
       h("button", { type: "button", class: "quiet close", "aria-label": "Dismiss", click: () => (byId("problem").hidden = true) }, "×"));
     byId("problem").hidden = false;
@@ -312,6 +312,7 @@ class Page {
         byId(side).focus();
       },
     }));
+    panel.classList.toggle("above", this.viewer.height(side, triangle) < 0.45);
     panel.hidden = false;
   }
 
@@ -368,7 +369,8 @@ class Page {
 }
 
 function sizeOf(bytes: number): string {
-  return bytes < 1e6 ? `${real(bytes / 1e3)} kB` : `${real(Number((bytes / 1e6).toPrecision(3)))} MB`;
+  const [size, unit] = bytes < 1e6 ? [bytes / 1e3, "kB"] : [bytes / 1e6, "MB"];
+  return `${real(Number(size.toPrecision(3)))} ${unit}`;
 }
 
 void new Page().start();

@@ -142,6 +142,6 @@ export interface Sample {
 }
 export const kSamples: Sample[] = [
   { name: "Bracket", file: "bracket.obj", obj: bracket },
-  { name: "Stepped hub", file: "stepped-hub.obj", obj: steppedHub },
-  { name: "Thin tray", file: "thin-tray.obj", obj: thinTray },
+  { name: "Hub", file: "stepped-hub.obj", obj: steppedHub },
+  { name: "Tray", file: "thin-tray.obj", obj: thinTray },
 ];

@@ -26,7 +26,8 @@ export interface Running {
   cancel: () => void;
 }
 
-const kRetryMs = 120;
+/** Shorter requests are not watched. */
+const kWatchMs = 150;
 
 export class ServiceClient {
   /** Held here and nowhere else. */
@@ -77,6 +78,8 @@ export class ServiceClient {
       request.setRequestHeader("X-Request-Id", id);
       request.responseType = "blob";
       request.upload.onprogress = (event) => watching.onSent(event.loaded / Math.max(event.total, 1));
+      // The daemon knows a request once it has all of it.
+      request.upload.onload = () => void this.watch(id, ended.signal, watching.onState);
       request.onprogress = (event) => watching.onReceived(event.loaded);
       request.onload = async () => {
         const blob = request.response as Blob;
@@ -87,7 +90,6 @@ export class ServiceClient {
       request.onabort = () => reject(cancelled());
       request.send(body);
     }).finally(() => ended.abort());
-    void this.watch(id, ended.signal, watching.onState);
     const cancel = async (): Promise<void> => {
       // The daemon answers the request itself; while it is still being sent, nobody there knows it.
       const response = await fetch(`/v1/requests/${id}`, { method: "DELETE", headers: this.headers() }).catch(() => null);
@@ -96,16 +98,17 @@ export class ServiceClient {
     return { answer, cancel: () => void cancel() };
   }
 
-  /** Follows the stream of a request's progress, once the daemon knows it. */
+  /** Follows the stream of a request's progress. */
   private async watch(id: string, signal: AbortSignal, onState: Watching["onState"]): Promise<void> {
-    while (!signal.aborted) {
+    for (;;) {
+      await new Promise((resolve) => setTimeout(resolve, kWatchMs));
+      if (signal.aborted) return;
       try {
         const response = await fetch(`/v1/requests/${id}/events`, { headers: this.headers(), signal });
         if (response.ok && response.body) await readEvents(response.body, signal, onState);
       } catch {
         // Ended with the request, or will be tried again.
       }
-      await new Promise((resolve) => setTimeout(resolve, kRetryMs));
     }
   }
 

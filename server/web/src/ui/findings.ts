@@ -3,7 +3,7 @@ import type { Point } from "../mesh/drawable.ts";
 import type { Report } from "../service/types.ts";
 import type { Side } from "../view/viewer.ts";
 import { h } from "./dom.ts";
-import { label, real, whole } from "./words.ts";
+import { label, real, sentence, whole } from "./words.ts";
 
 export type Target =
   | { kind: "place"; at: Point }
@@ -56,7 +56,7 @@ export function findingsOf(report: Report): Finding[] {
   for (const { code, count, elements, message } of report.diagnostics) {
     const targets = elements.map((element): Target =>
       kOfVertices.includes(code) ? { kind: "vertex", vertex: element } : { kind: "face", face: element });
-    const text = message.charAt(0).toUpperCase() + message.slice(1).replace(/; elements are [^;]*$/, "") + ".";
+    const text = `${sentence(message).replace(/; elements are [^;]*$/, "")}.`;
     found.push({ title: label(code), text, count, isWorse: !kHarmless.includes(code), side: "before", targets });
   }
   return found;

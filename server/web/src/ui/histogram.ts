@@ -4,7 +4,7 @@ import { real, whole } from "./words.ts";
 
 const kWidth = 460;
 const kHeight = 168;
-const kMargin = { left: 36, right: 8, top: 10, bottom: 34 };
+const kMargin = { left: 36, right: 14, top: 10, bottom: 34 };
 
 export interface HistogramText {
   title: string;
@@ -30,7 +30,7 @@ export function histogramChart(before: Histogram, after: Histogram | null, text:
   const last = Math.max(used.findLastIndex((n) => n > 0), 3);
   const bins = last + 1;
   const most = Math.max(...shares[0], ...shares[1]);
-  const top = [0.1, 0.2, 0.25, 0.4, 0.5, 0.6, 0.8, 1].find((value) => value >= most) ?? 1;
+  const top = [0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1].find((value) => value >= most) ?? 1;
   const width = (kWidth - kMargin.left - kMargin.right) / bins;
   const height = kHeight - kMargin.top - kMargin.bottom;
   const x = (bin: number): number => kMargin.left + bin * width;

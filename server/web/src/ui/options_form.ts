@@ -1,7 +1,7 @@
 // The form of options, made from what the service says of itself: a new option of the daemon appears by itself.
 import type { OptionSpec } from "../service/types.ts";
 import { type Child, h } from "./dom.ts";
-import { label, real } from "./words.ts";
+import { label, real, sentence } from "./words.ts";
 
 /** Those that most runs need; the others fold away. */
 const kFirst = ["refine", "min_angle_deg", "max_edge_length", "proximity"];
@@ -67,7 +67,7 @@ export class OptionsForm {
       const rival = this.fields.find((other) => other.spec.name === spec.excludes && other.value() !== null);
       setEnabled(!rival);
       const wrong = fault();
-      note.textContent = wrong ?? (rival ? `Not together with ${label(rival.spec.name).toLowerCase()}.` : spec.description);
+      note.textContent = wrong ?? (rival ? `Not together with ${label(rival.spec.name).toLowerCase()}.` : sentence(spec.description));
       note.classList.toggle("wrong", wrong !== null);
       row.querySelector("input")?.setAttribute("aria-invalid", String(wrong !== null));
     }
@@ -76,7 +76,7 @@ export class OptionsForm {
 
   private field(spec: OptionSpec): Field {
     const id = `option-${spec.name}`;
-    const note = h("p", { class: "note", id: `${id}-note` }, spec.description);
+    const note = h("p", { class: "note", id: `${id}-note` });
     if (spec.type === "boolean") return this.toggle(spec, id, note);
     if (spec.type === "string" && spec.values) return this.words(spec, id, note, spec.values);
     return this.text(spec, id, note);

@@ -29,13 +29,14 @@ export class ProgressCard {
     this.timer = window.setInterval(() => this.tick(), 100);
   }
   show({ stage, fraction }: RequestState): void {
-    this.enter(stage, fraction);
+    // Stages that do not tell stay at 0.
+    this.enter(stage, fraction === 0 ? null : fraction);
   }
   /** `fraction`: of the stage; null: not known. */
   enter(stage: string, fraction: number | null): void {
     if (fraction === null) this.bar.removeAttribute("value");
     else this.bar.value = fraction;
-    const percent = fraction === null || fraction === 0 ? "" : ` ${Math.round(fraction * 100)} %`;
+    const percent = fraction === null ? "" : ` ${Math.round(fraction * 100)} %`;
     byId("progress-title").textContent = label(stage) + percent;
     if (stage === this.stage) return;
     this.stage = stage;

@@ -22,8 +22,12 @@ export function count(n: number, one: string, many = `${one}s`): string {
   return `${whole(n)} ${n === 1 ? one : many}`;
 }
 
+export function sentence(text: string): string {
+  return text.charAt(0).toUpperCase() + text.slice(1);
+}
+
 /** `max_edge_length` as "Max edge length", `min_angle_deg` as "Min angle (°)". */
 export function label(name: string): string {
   const words = name.replace(/_deg$/, " (°)").replaceAll("_", " ");
-  return words.charAt(0).toUpperCase() + words.slice(1);
+  return sentence(words);
 }

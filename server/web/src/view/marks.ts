@@ -14,7 +14,7 @@ const kVertex = /* glsl */ `
     isChosen = chosen;
     gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
     // In front of the surface that it lies on.
-    gl_Position.z -= 0.0008 * gl_Position.w;
+    gl_Position.z -= 0.004 * gl_Position.w;
     gl_PointSize = size * (chosen > 0.5 ? 1.7 : 1.0);
   }
 `;

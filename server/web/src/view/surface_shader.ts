@@ -64,7 +64,7 @@ export const kSurfaceFragment = /* glsl */ `
     float hue = fract(id * 0.61803398875 + 0.08);
     float tone = fract(id * 0.38196601125);
     vec3 rgb = clamp(abs(mod(hue * 6.0 + vec3(0.0, 4.0, 2.0), 6.0) - 3.0) - 1.0, 0.0, 1.0);
-    return mix(vec3(0.62 + 0.16 * tone), 0.35 + 0.6 * rgb, 0.62);
+    return mix(vec3(0.74 + 0.14 * tone), 0.42 + 0.56 * rgb, 0.5);
   }
 
   vec3 faceColour() {
@@ -87,7 +87,7 @@ export const kSurfaceFragment = /* glsl */ `
     vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
     float key = max(dot(normal, normalize(vec3(0.35, 0.55, 0.75))), 0.0);
     float fill = max(dot(normal, normalize(vec3(-0.7, -0.1, 0.7))), 0.0);
-    vec3 lit = base * (0.42 + 0.5 * key + 0.18 * fill);
+    vec3 lit = base * (0.56 + 0.42 * key + 0.14 * fill);
     // The back of a face is the inside of the part: flat, as a cut is drawn.
     if (!gl_FrontFacing) lit = (triangle == selected ? selectedColour : inside) * (0.82 + 0.18 * key);
 

@@ -159,13 +159,22 @@ export class Viewer {
   flyToTriangle(side: Side, triangle: number): void {
     const drawable = this.drawable(side);
     if (!drawable || triangle < 0) return;
-    const p = drawable.positions.subarray(9 * triangle, 9 * triangle + 9);
-    const corners = [0, 3, 6].map((at) => new Vector3(p[at], p[at + 1], p[at + 2])) as [Vector3, Vector3, Vector3];
+    const corners = cornersOf(drawable, triangle);
     const centre = corners[0].clone().add(corners[1]).add(corners[2]).divideScalar(3);
     const size = Math.max(...corners.map((corner) => corner.distanceTo(centre)));
     const normal = corners[1].clone().sub(corners[0]).cross(corners[2].clone().sub(corners[0])).normalize();
     const towards = normal.lengthSq() > 0.5 ? normal.toArray() : null;
     this.fly(side, lookAt(this.panes[side].orbit, centre.toArray(), towards, size));
+  }
+
+  /** Where a triangle's middle is seen, from the lower edge of its view, 0, to the upper one, 1. */
+  height(side: Side, triangle: number): number {
+    const { model, orbit } = this.panes[side];
+    if (!model) return 0;
+    this.camera.aspect = this.aspect(side);
+    place(this.camera, orbit);
+    const [a, b, c] = cornersOf(model.drawable, triangle);
+    return (a.add(b).add(c).divideScalar(3).project(this.camera).y + 1) / 2;
   }
 
   /** The triangle at a place of a view, in its pixels; -1 where there is none. */
@@ -298,6 +307,12 @@ export class Viewer {
       outline.geometry.setFromPoints(rectangle(box, axis, at));
     }
   }
+}
+
+/** In the frame. */
+function cornersOf({ positions }: Drawable, triangle: number): [Vector3, Vector3, Vector3] {
+  const corner = (k: number): Vector3 => new Vector3().fromArray(positions, 9 * triangle + 3 * k);
+  return [corner(0), corner(1), corner(2)];
 }
 
 function rectangle(box: Drawable["box"], axis: number, at: number): Vector3[] {
