@@ -68,9 +68,10 @@ Response answer(const WebFile& file, const std::string& tag, const Request& requ
 std::vector<Route> web_routes(const std::vector<WebFile>& files) {
   std::vector<Route> routes;
   for (const WebFile& file : files) {
-    routes.push_back({"GET", std::string(file.path),
-                      [file, tag = entity_tag(file.bytes)](const Call& call) { return answer(file, tag, call.request); },
-                      nullptr, /*is_open=*/true});
+    routes.push_back(
+        {"GET", std::string(file.path),
+         [file, tag = entity_tag(file.bytes)](const Call& call) { return answer(file, tag, call.request); }, nullptr,
+         /*is_open=*/true});
   }
   return routes;
 }

@@ -12,7 +12,8 @@ function tableSize(items: number): number {
 /** For each point the first one with the same coordinates: STL files repeat them for each triangle. */
 export function mergeEqualPoints(points: Float64Array): Uint32Array {
   const count = points.length / 3;
-  const bits = new Uint32Array(points.buffer, points.byteOffset, points.length * 2);
+  // Adding 0 makes -0 the 0 that it is equal to.
+  const bits = new Uint32Array(points.map((x) => x + 0).buffer);
   const mask = tableSize(count) - 1;
   const table = new Int32Array(mask + 1).fill(-1);
   const first = new Uint32Array(count);

@@ -26,7 +26,8 @@ export function readObj(bytes: Uint8Array): Surface {
       const begin = scanner.at;
       scanner.skipWord();
       if (scanner.at - begin === 1) {
-        if (key === kV) surface.addPoint(scanner.number(), scanner.number(), scanner.number());
+        // Flat drawings leave z out.
+        if (key === kV) surface.addPoint(scanner.number(), scanner.number(), scanner.hasWord() ? scanner.number() : 0);
         else if (key === kF) readFace(scanner, surface);
       }
     }

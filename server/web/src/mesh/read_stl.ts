@@ -1,3 +1,4 @@
+import { mergeEqualPoints } from "./adjacency.ts";
 import { Scanner } from "./scanner.ts";
 import { type Surface, SurfaceBuilder, UnreadableMesh, checkSurface } from "./surface.ts";
 
@@ -24,7 +25,21 @@ export function readBinaryStl(bytes: Uint8Array): Surface {
     corners: Uint32Array.from({ length: 3 * count }, (_, c) => c),
   };
   checkSurface(surface);
-  return surface;
+  return merged(surface);
+}
+
+/** STL repeats a point for each triangle: equal ones are one, numbered by first appearance, as the daemon has them. */
+function merged({ points, begin, corners }: Surface): Surface {
+  const first = mergeEqualPoints(points);
+  const number = new Uint32Array(first.length);
+  const kept = new Float64Array(points.length);
+  let count = 0;
+  for (let p = 0; p < first.length; ++p) {
+    if (first[p] !== p) continue;
+    kept.set(points.subarray(3 * p, 3 * p + 3), 3 * count);
+    number[p] = count++;
+  }
+  return { points: kept.slice(0, 3 * count), begin, corners: corners.map((corner) => number[first[corner]!]!) };
 }
 
 export function readTextStl(bytes: Uint8Array): Surface {
@@ -45,5 +60,5 @@ export function readTextStl(bytes: Uint8Array): Surface {
     // "outer loop vertex ..." may stand on one line.
     if (!scanner.hasWord() || word === "solid" || word === "endsolid") scanner.nextLine();
   }
-  return surface.finish();
+  return merged(surface.finish());
 }

@@ -19,7 +19,12 @@ const isDigit = (byte: number): boolean => byte >= kZero && byte <= 57;
 export class Scanner {
   at = 0;
   private readonly decoder = new TextDecoder("latin1");
-  constructor(readonly bytes: Uint8Array) {}
+  readonly bytes: Uint8Array;
+
+  constructor(bytes: Uint8Array) {
+    // Lines of old Macs end with a return alone.
+    this.bytes = bytes.includes(kNewline) ? bytes : bytes.map((byte) => (byte === kReturn ? kNewline : byte));
+  }
 
   get isAtEnd(): boolean {
     return this.at >= this.bytes.length;

@@ -161,7 +161,7 @@ export class OptionsForm {
 
 /** What is wrong with a number, in words; the service has the last word. */
 export function faultOfNumber(spec: OptionSpec, text: string): string | null {
-  const value = Number(text);
+  const value = spec.type === "integer" && !/^\d+$/.test(text) ? NaN : Number(text);
   const bounds = [
     spec.minimum === undefined ? "" : `at least ${real(spec.minimum)}`,
     spec.exclusive_minimum === undefined ? "" : `above ${real(spec.exclusive_minimum)}`,
@@ -169,6 +169,6 @@ export function faultOfNumber(spec: OptionSpec, text: string): string | null {
   ].filter(Boolean).join(" and ");
   const isInside = Number.isFinite(value) && !(value < (spec.minimum ?? -Infinity)) &&
     !(value <= (spec.exclusive_minimum ?? -Infinity)) && !(value > (spec.maximum ?? Infinity));
-  if (isInside && (spec.type !== "integer" || Number.isInteger(value))) return null;
+  if (isInside) return null;
   return `This takes a ${spec.type === "integer" ? "whole number" : "number"} ${bounds}`.trim() + ".";
 }
