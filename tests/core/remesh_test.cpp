@@ -403,7 +403,7 @@ TEST(remesh_surface, the_source_of_each_face_lies_under_its_centroid) {
 }
 
 TEST(remesh_surface, each_input_face_has_its_patch_unless_it_was_dropped) {
-  PolygonMesh cube = shapes::cube();
+  PolygonMesh cube = shapes::box({1, 1, 1});
   const std::size_t count = cube.face_count();
   // Its first face once more.
   for (std::uint32_t c = cube.face_begin[0]; c < cube.face_begin[1]; ++c) cube.corners.push_back(cube.corners[c]);
