@@ -16,6 +16,7 @@ import { Tabs } from "./ui/tabs.ts";
 import { triangleNumbers } from "./ui/triangle_numbers.ts";
 import { count, degrees, real, seconds, sentence, whole } from "./ui/words.ts";
 import { listen } from "./view/gestures.ts";
+import { front } from "./view/orbit.ts";
 import type { Colouring } from "./view/surface_model.ts";
 import { type Section, type Side, Viewer, kSides } from "./view/viewer.ts";
 import { WorkerClient } from "./worker_client.ts";
@@ -284,7 +285,11 @@ class Page {
         axis: Number(axis.value) as Section["axis"], part: Number(part.value) / 1000, isFlipped: flip.ariaPressed === "true",
       });
     };
-    axis.addEventListener("change", cut);
+    axis.addEventListener("change", () => {
+      // What is nearer to the eye goes, so that the cut is seen.
+      flip.ariaPressed = String(axis.value !== "" && front(this.viewer.orbit("before")).getComponent(Number(axis.value)) < 0);
+      cut();
+    });
     part.addEventListener("input", cut);
     flip.addEventListener("click", () => {
       flip.ariaPressed = String(flip.ariaPressed !== "true");

@@ -24,14 +24,14 @@ export function overview(aspect: number): Orbit {
   return { target: new Vector3(), distance: 1.02 / Math.sin(narrow), yaw: -0.62, pitch: 0.5 };
 }
 
-/** Frontwards: from the target to the camera. */
-function direction({ yaw, pitch }: Orbit): Vector3 {
+/** From the target to the camera. */
+export function front({ yaw, pitch }: Orbit): Vector3 {
   return new Vector3(Math.cos(pitch) * Math.sin(-yaw), -Math.cos(pitch) * Math.cos(yaw), Math.sin(pitch));
 }
 
 export function place(camera: PerspectiveCamera, orbit: Orbit): void {
   camera.up.set(0, 0, 1);
-  camera.position.copy(orbit.target).addScaledVector(direction(orbit), orbit.distance);
+  camera.position.copy(orbit.target).addScaledVector(front(orbit), orbit.distance);
   camera.lookAt(orbit.target);
   // All that there is lies in the unit ball.
   const toCentre = camera.position.length();
@@ -48,10 +48,10 @@ export function turn(orbit: Orbit, yaw: number, pitch: number): void {
 
 /** By parts of the view's height. */
 export function pan(orbit: Orbit, right: number, up: number): void {
-  const front = direction(orbit);
-  const across = new Vector3(0, 0, 1).cross(front).normalize();
+  const back = front(orbit);
+  const across = new Vector3(0, 0, 1).cross(back).normalize();
   const height = 2 * orbit.distance * Math.tan((kFieldOfView * Math.PI) / 360);
-  orbit.target.addScaledVector(across, right * height).addScaledVector(front.cross(across), up * height);
+  orbit.target.addScaledVector(across, right * height).addScaledVector(back.cross(across), up * height);
   // Not out of sight.
   orbit.target.clampLength(0, 1.5);
 }

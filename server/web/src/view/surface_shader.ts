@@ -108,7 +108,7 @@ export const kSurfaceFragment = /* glsl */ `
       float strong = 1.0 - smoothstep(lineWidth, lineWidth + 1.0, min(min(feature.x, feature.y), feature.z));
       float border = 1.0 - smoothstep(lineWidth + 0.5, lineWidth + 1.5, min(min(open.x, open.y), open.z));
       lit = mix(lit, lineColour, thin * 0.62 * smoothstep(1.5, 9.0, room));
-      lit = mix(lit, featureColour, strong * smoothstep(0.8, 4.0, room));
+      lit = mix(lit, featureColour, strong * smoothstep(0.8, 8.0, room));
       lit = mix(lit, openColour, border);
     }
     if (triangle == selected) {
