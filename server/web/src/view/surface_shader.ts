@@ -5,7 +5,6 @@
 export const kTextureWidth = 2048;
 
 const kCommonVertex = /* glsl */ `
-  uniform sampler2D faces;
   uniform vec4 section;
   flat out int triangle;
   out float cut;
@@ -19,13 +18,11 @@ const kCommonVertex = /* glsl */ `
 
 export const kSurfaceVertex = /* glsl */ `
   ${kCommonVertex}
-  flat out vec4 numbers;
   out vec3 corner;
   out vec3 seen;
 
   void main() {
     place();
-    numbers = texelFetch(faces, ivec2(triangle % ${kTextureWidth}, triangle / ${kTextureWidth}), 0);
     int c = gl_VertexID % 3;
     corner = vec3(c == 0, c == 1, c == 2);
     seen = (modelViewMatrix * vec4(position, 1.0)).xyz;
@@ -33,6 +30,7 @@ export const kSurfaceVertex = /* glsl */ `
 `;
 
 export const kSurfaceFragment = /* glsl */ `
+  uniform sampler2D faces;
   uniform int colouring;      // 0 plain, 1 patch, 2 smallest angle, 3 radius-edge ratio
   uniform float lineWidth;    // pixels; 0: none
   uniform vec3 plain;
@@ -46,7 +44,6 @@ export const kSurfaceFragment = /* glsl */ `
   uniform int selected;
   uniform bool showsKept;
   flat in int triangle;
-  flat in vec4 numbers;
   in float cut;
   in vec3 corner;
   in vec3 seen;
@@ -67,7 +64,7 @@ export const kSurfaceFragment = /* glsl */ `
     return mix(vec3(0.74 + 0.14 * tone), 0.42 + 0.56 * rgb, 0.5);
   }
 
-  vec3 faceColour() {
+  vec3 faceColour(vec4 numbers) {
     if (colouring == 1) return patchColour(numbers.z);
     if (colouring == 2) return ramp(numbers.x / 60.0);
     if (colouring == 3) return ramp(1.0 - log2(max(numbers.y, 0.57735) / 0.57735) / 3.0);
@@ -76,7 +73,9 @@ export const kSurfaceFragment = /* glsl */ `
 
   void main() {
     if (cut > 0.0) discard;
-    vec3 base = faceColour();
+    // Here rather than for each corner: of a million triangles most are behind others.
+    vec4 numbers = texelFetch(faces, ivec2(triangle % ${kTextureWidth}, triangle / ${kTextureWidth}), 0);
+    vec3 base = faceColour(numbers);
     int flags = int(numbers.w);
     if (showsKept && (flags & 512) != 0) {
       float stripe = fract((gl_FragCoord.x + gl_FragCoord.y) / 10.0);
