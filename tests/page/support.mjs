@@ -91,7 +91,7 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
     /** As the desktop does it: a file dragged over the page and let go. */
     async drop(file) {
       const data = { items: [], files: [file], dragOperationsMask: 1 };
-      for (const type of ["dragEnter", "dragOver", "drop"]) await session.send("Input.dispatchDragEvent", { type, x: 600, y: 300, data });
+      for (const type of ["dragEnter", "dragOver", "drop"]) await session.send("Input.dispatchDragEvent", { type, x: 200, y: 300, data });
     },
     async waitForText(selector, pattern, timeout = 20_000) {
       try {

@@ -38,6 +38,8 @@ class Page {
   private readonly downloads: DownloadPanel;
   private options: OptionsForm | null = null;
   private file: File | null = null;
+  /** Told beforehand, since a service that refuses a body need not read it to its end. */
+  private mostBytes = Infinity;
   private shown: Shown | null = null;
   private running: Running | null = null;
   private selected: { side: Side; triangle: number } | null = null;
@@ -76,6 +78,7 @@ class Page {
     byId("version").textContent = capabilities.versions.remeshd;
     byId("formats").textContent = capabilities.formats.input.map(({ name }) => name.toUpperCase()).join(", ") + " (.gz)";
     this.options = new OptionsForm(byId("options"), capabilities.options, () => this.optionsChanged());
+    this.mostBytes = capabilities.limits["max_body"] ?? Infinity;
     this.downloads.offer(capabilities.formats.output);
     this.optionsChanged();
   }
@@ -147,6 +150,9 @@ class Page {
 
   private async run(path: Post["path"]): Promise<void> {
     if (!this.file || !this.options || this.running) return;
+    if (this.file.size > this.mostBytes) {
+      return this.complain(new Error(`the file has ${sizeOf(this.file.size)}; this service takes at most ${sizeOf(this.mostBytes)}`));
+    }
     if (!this.options.check()) return this.say("An option is out of its range.");
     const file = this.file;
     const query = this.options.values();
@@ -228,7 +234,7 @@ class Page {
 
   private complain(error: unknown): void {
     if (error instanceof ServiceProblem && error.isCancelled) return this.say("Cancelled");
-    const problem: Partial<Problem> = error instanceof ServiceProblem ? error.problem : { title: "The page failed", detail: String(error) };
+    const problem: Partial<Problem> = error instanceof ServiceProblem ? error.problem : { title: "This cannot be done:", detail: error instanceof Error ? error.message : String(error) };
     const place = (["line", "byte", "element"] as const).filter((key) => problem[key] !== undefined).map((key) => `${key} ${whole(problem[key]!)}`);
     if (problem.limit !== undefined) place.push(`limit ${whole(problem.limit)}`);
     const detail = problem.detail ?? "";
@@ -378,4 +384,11 @@ function sizeOf(bytes: number): string {
   return `${real(Number(size.toPrecision(3)))} ${unit}`;
 }
 
-void new Page().start();
+try {
+  void new Page().start();
+} catch (error) {
+  // A browser without WebGL 2, mostly.
+  const why = error instanceof Error ? error.message : String(error);
+  byId("problem").replaceChildren(h("p", {}, h("strong", {}, "This browser cannot draw the page."), ` ${why}`));
+  byId("problem").hidden = false;
+}

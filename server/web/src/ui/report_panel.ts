@@ -42,7 +42,8 @@ export function reportTables(report: Report): HTMLElement {
       h("tbody", {}, ...rows.map(([name, of]) =>
         h("tr", { "data-row": name }, h("th", { scope: "row" }, name), h("td", {}, of(report.input)),
           report.output && h("td", {}, of(report.output)))))));
-  return h("div", { class: "tables" }, ...tables, aboutRun(report), timing(report));
+  const [size, topology, shape] = tables;
+  return h("div", { class: "tables" }, size, topology, aboutRun(report), timing(report), shape);
 }
 
 function factTable(title: string, facts: [string, string][]): HTMLElement {

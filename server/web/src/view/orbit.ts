@@ -29,6 +29,13 @@ export function front({ yaw, pitch }: Orbit): Vector3 {
   return new Vector3(Math.cos(pitch) * Math.sin(-yaw), -Math.cos(pitch) * Math.cos(yaw), Math.sin(pitch));
 }
 
+export function right({ yaw }: Orbit): Vector3 {
+  return new Vector3(Math.cos(yaw), -Math.sin(yaw), 0);
+}
+export function up(orbit: Orbit): Vector3 {
+  return front(orbit).cross(right(orbit));
+}
+
 export function place(camera: PerspectiveCamera, orbit: Orbit): void {
   camera.up.set(0, 0, 1);
   camera.position.copy(orbit.target).addScaledVector(front(orbit), orbit.distance);
@@ -47,11 +54,9 @@ export function turn(orbit: Orbit, yaw: number, pitch: number): void {
 }
 
 /** By parts of the view's height. */
-export function pan(orbit: Orbit, right: number, up: number): void {
-  const back = front(orbit);
-  const across = new Vector3(0, 0, 1).cross(back).normalize();
+export function pan(orbit: Orbit, across: number, above: number): void {
   const height = 2 * orbit.distance * Math.tan((kFieldOfView * Math.PI) / 360);
-  orbit.target.addScaledVector(across, right * height).addScaledVector(back.cross(across), up * height);
+  orbit.target.addScaledVector(right(orbit), across * height).addScaledVector(up(orbit), above * height);
   // Not out of sight.
   orbit.target.clampLength(0, 1.5);
 }

@@ -8,6 +8,7 @@ import { type Drawable, type Point, kValue } from "../mesh/drawable.ts";
 import { type Marked, Marks } from "./marks.ts";
 import { type Orbit, between, kFieldOfView, lookAt, overview, place } from "./orbit.ts";
 import { type Palette, kDarkPalette, kLightPalette } from "./palette.ts";
+import { Triad } from "./triad.ts";
 import { type Colouring, SurfaceModel } from "./surface_model.ts";
 
 export const kSides = ["before", "after"] as const;
@@ -29,6 +30,7 @@ const kSlowFrameMs = 45;
 const kRestMs = 180;
 
 class Pane {
+  readonly triad = new Triad();
   readonly scene = new Scene();
   readonly marks = new Marks();
   readonly outline = new LineLoop(new BufferGeometry(), new LineBasicMaterial());
@@ -36,6 +38,7 @@ class Pane {
   model: SurfaceModel | null = null;
 
   constructor(readonly element: HTMLElement) {
+    element.append(this.triad.element);
     this.outline.visible = false;
     this.outline.frustumCulled = false;
     this.scene.add(this.marks.group, this.outline);
@@ -268,7 +271,9 @@ export class Viewer {
     this.renderer.setScissor(x, y, box.width, box.height);
     this.renderer.setClearColor(new Color().setStyle(this.palette.background), 1);
     this.renderer.clear();
+    pane.triad.element.toggleAttribute("hidden", !pane.model);
     if (!pane.model) return;
+    pane.triad.turn(pane.orbit);
     this.camera.aspect = box.width / box.height;
     place(this.camera, pane.orbit);
     this.renderer.render(pane.scene, this.camera);
