@@ -25,8 +25,16 @@ function add(name, extension, type, bytes) {
 
 async function bundle(entry, define = {}) {
   const result = await build({
-    entryPoints: [join(here, "src", entry)], bundle: true, minify: true, write: false, format: "iife", target: "es2022",
-    legalComments: "none", define, absWorkingDir: here, logLevel: "warning",
+    entryPoints: [join(here, "src", entry)],
+    bundle: true,
+    minify: true,
+    write: false,
+    format: "iife",
+    target: "es2022",
+    legalComments: "none",
+    define,
+    absWorkingDir: here,
+    logLevel: "warning",
   });
   return result.outputFiles[0].contents;
 }
@@ -38,7 +46,9 @@ const css = await build({ entryPoints: [join(here, "style.css")], minify: true, 
 const style = add("style", "css", "text/css; charset=utf-8", css.outputFiles[0].contents);
 const favicon = add("favicon", "svg", "image/svg+xml", readFileSync(join(here, "favicon.svg")));
 const html = readFileSync(join(here, "index.html"), "utf8")
-  .replace("APP_FILE", app).replace("STYLE_FILE", style).replace("FAVICON_FILE", favicon);
+  .replace("APP_FILE", app)
+  .replace("STYLE_FILE", style)
+  .replace("FAVICON_FILE", favicon);
 files.unshift({ path: "/", type: "text/html; charset=utf-8", bytes: Buffer.from(html), isFixed: false });
 for (const file of files) file.packed = gzipSync(file.bytes, { level: 9 });
 
@@ -60,9 +70,13 @@ function bytesOf(buffer) {
 
 if (source) {
   const arrays = files.map(({ packed }, i) => `constexpr unsigned char kFile${i}[] = {\n${bytesOf(packed)}\n};`);
-  const entries = files.map(({ path, type, packed, isFixed }, i) =>
-    `    {"${path}", "${type}", {reinterpret_cast<const char*>(kFile${i}), ${packed.length}}, /*is_packed=*/true, /*is_fixed=*/${isFixed}},`);
-  writeFileSync(source, `// Made by server/web/build.mjs.
+  const entries = files.map(
+    ({ path, type, packed, isFixed }, i) =>
+      `    {"${path}", "${type}", {reinterpret_cast<const char*>(kFile${i}), ${packed.length}}, /*is_packed=*/true, /*is_fixed=*/${isFixed}},`,
+  );
+  writeFileSync(
+    source,
+    `// Made by server/web/build.mjs.
 #include "server/web_page.h"
 
 namespace remesh::server {
@@ -79,5 +93,6 @@ ${entries.join("\n")}
 }
 
 }  // namespace remesh::server
-`);
+`,
+  );
 }

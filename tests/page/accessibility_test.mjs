@@ -11,7 +11,10 @@ let daemon;
 let browser;
 
 before(async () => {
-  [daemon, browser] = await Promise.all([startDaemon("--api-key-file", folder.write("keys", "a-key-of-the-axe-test\n")), startBrowser()]);
+  [daemon, browser] = await Promise.all([
+    startDaemon("--api-key-file", folder.write("keys", "a-key-of-the-axe-test\n")),
+    startBrowser(),
+  ]);
 });
 after(async () => {
   await browser?.close();
@@ -22,8 +25,12 @@ after(async () => {
 /** By way of the debugger, which the page's policy does not bind. */
 async function violations(page) {
   await page.evaluate(axe);
-  const { violations: found } = await page.evaluate(() => globalThis.axe.run(document, { resultTypes: ["violations"] }));
-  return found.map(({ id, impact, nodes }) => `${impact} ${id}: ${nodes.map((node) => node.target.join(" ")).join(", ")}`);
+  const { violations: found } = await page.evaluate(() =>
+    globalThis.axe.run(document, { resultTypes: ["violations"] }),
+  );
+  return found.map(
+    ({ id, impact, nodes }) => `${impact} ${id}: ${nodes.map((node) => node.target.join(" ")).join(", ")}`,
+  );
 }
 
 for (const scheme of ["light", "dark"]) {
@@ -75,7 +82,18 @@ test("everything is reached by the Tab key, in the order in which it is read", a
       await page.keyboard.press("Tab");
       reached.push(await page.evaluate(() => document.activeElement.id || document.activeElement.textContent.trim()));
     }
-    const expected = ["file", "Bracket", "option-refine", "option-min_angle_deg", "More options", "colouring", "fit", "before", "after", "tab-quality"];
+    const expected = [
+      "file",
+      "Bracket",
+      "option-refine",
+      "option-min_angle_deg",
+      "More options",
+      "colouring",
+      "fit",
+      "before",
+      "after",
+      "tab-quality",
+    ];
     assert.deepEqual(reached.filter((id) => expected.includes(id)).slice(0, expected.length), expected);
   } finally {
     await close();

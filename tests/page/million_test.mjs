@@ -36,7 +36,18 @@ function box() {
   for (let side = 0; side < 6; ++side) {
     for (let i = 0; i < kSide; ++i) {
       for (let j = 0; j < kSide; ++j) {
-        for (const triangle of [[[i, j], [i + 1, j], [i + 1, j + 1]], [[i, j], [i + 1, j + 1], [i, j + 1]]]) {
+        for (const triangle of [
+          [
+            [i, j],
+            [i + 1, j],
+            [i + 1, j + 1],
+          ],
+          [
+            [i, j],
+            [i + 1, j + 1],
+            [i, j + 1],
+          ],
+        ]) {
           triangle.flatMap(([u, v]) => corner(side, u, v)).forEach((x, k) => bytes.writeFloatLE(x, at + 12 + 4 * k));
           at += 50;
         }
@@ -70,8 +81,12 @@ test("a million triangles load, are remeshed into a million, turn, and are picke
     start = performance.now();
     await page.click("#run");
     await waitForText("#status", /^Remeshed in/, kPatience);
-    console.log(`${await page.$eval("#status", (element) => element.textContent)}; on the screen after ${since(start)}`);
-    assert.ok(Number((await page.$eval("#after-count", (element) => element.textContent)).replace(/\D/g, "")) > 700_000);
+    console.log(
+      `${await page.$eval("#status", (element) => element.textContent)}; on the screen after ${since(start)}`,
+    );
+    assert.ok(
+      Number((await page.$eval("#after-count", (element) => element.textContent)).replace(/\D/g, "")) > 700_000,
+    );
     assert.ok(drawn(await view("after")).part > 0.12);
 
     const box2 = await (await page.$("#after")).boundingBox();

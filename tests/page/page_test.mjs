@@ -3,7 +3,19 @@ import assert from "node:assert/strict";
 import { existsSync, readFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { bracket, chosenPart, difference, drawn, openPage, partOf, pause, shownNumber, startBrowser, startDaemon, temporaryFolder } from "./support.mjs";
+import {
+  bracket,
+  chosenPart,
+  difference,
+  drawn,
+  openPage,
+  partOf,
+  pause,
+  shownNumber,
+  startBrowser,
+  startDaemon,
+  temporaryFolder,
+} from "./support.mjs";
 
 const folder = temporaryFolder();
 let daemon;
@@ -21,7 +33,11 @@ after(async () => {
 /** A test with a page of its own, whose console must stay empty. */
 function onPage(name, run, options = {}) {
   test(name, async () => {
-    const { origin = daemon.origin, mayComplain = false, ...rest } = typeof options === "function" ? await options() : options;
+    const {
+      origin = daemon.origin,
+      mayComplain = false,
+      ...rest
+    } = typeof options === "function" ? await options() : options;
     const visitor = await openPage(browser, origin, { downloads: folder.path, ...rest });
     try {
       await run(visitor);
@@ -34,38 +50,57 @@ function onPage(name, run, options = {}) {
 
 /** A prism over a thin triangle: corners below any bound. */
 function wedge() {
-  const vertices = [[0, 0, 0], [10, 0, 0], [10, 1, 0], [0, 0, 2], [10, 0, 2], [10, 1, 2]];
-  const faces = [[2, 1, 0], [3, 4, 5], [0, 1, 4, 3], [1, 2, 5, 4], [2, 0, 3, 5]];
+  const vertices = [
+    [0, 0, 0],
+    [10, 0, 0],
+    [10, 1, 0],
+    [0, 0, 2],
+    [10, 0, 2],
+    [10, 1, 2],
+  ];
+  const faces = [
+    [2, 1, 0],
+    [3, 4, 5],
+    [0, 1, 4, 3],
+    [1, 2, 5, 4],
+    [2, 0, 3, 5],
+  ];
   return folder.write("wedge.json", JSON.stringify({ vertices, faces }));
 }
 
-onPage("a dropped file is remeshed with an option changed, and both are drawn", async ({ page, open, type, run, view, text }) => {
-  await open(bracket, /^4,800 faces$/);
-  const alone = await view("before");
-  assert.ok(drawn(alone).part > 0.12, `drawn: ${drawn(alone).part}`);
-  await type("#option-min_angle_deg", "30");
-  await run();
-  const report = JSON.parse(await daemon.remesh(bracket, { min_angle_deg: 30, format: "json" })).report;
-  assert.equal(await text("#after-count"), `${report.output.faces.toLocaleString("en")} faces`);
-  const [before, after] = [await view("before"), await view("after")];
-  for (const picture of [before, after]) {
-    assert.ok(drawn(picture).part > 0.12, `drawn: ${drawn(picture).part}`);
-    assert.ok(drawn(picture).colours > 200, `colours: ${drawn(picture).colours}`);
-  }
-  assert.ok(difference(alone, before) > 0.05, "the input was not coloured by its patches");
-  assert.ok(difference(before, after) > 0.1, "the result has the input's triangles");
-  // Without them it is the same surface in the same patches, from the same side.
-  await page.click("#lines");
-  const differs = difference(await view("before"), await view("after"));
-  assert.ok(differs < 0.03, `before and after differ in ${differs}`);
-});
+onPage(
+  "a dropped file is remeshed with an option changed, and both are drawn",
+  async ({ page, open, type, run, view, text }) => {
+    await open(bracket, /^4,800 faces$/);
+    const alone = await view("before");
+    assert.ok(drawn(alone).part > 0.12, `drawn: ${drawn(alone).part}`);
+    await type("#option-min_angle_deg", "30");
+    await run();
+    const report = JSON.parse(await daemon.remesh(bracket, { min_angle_deg: 30, format: "json" })).report;
+    assert.equal(await text("#after-count"), `${report.output.faces.toLocaleString("en")} faces`);
+    const [before, after] = [await view("before"), await view("after")];
+    for (const picture of [before, after]) {
+      assert.ok(drawn(picture).part > 0.12, `drawn: ${drawn(picture).part}`);
+      assert.ok(drawn(picture).colours > 200, `colours: ${drawn(picture).colours}`);
+    }
+    assert.ok(difference(alone, before) > 0.05, "the input was not coloured by its patches");
+    assert.ok(difference(before, after) > 0.1, "the result has the input's triangles");
+    // Without them it is the same surface in the same patches, from the same side.
+    await page.click("#lines");
+    const differs = difference(await view("before"), await view("after"));
+    assert.ok(differs < 0.03, `before and after differ in ${differs}`);
+  },
+);
 
 onPage("the numbers are those of the report", async ({ open, run, tab, cell, text }) => {
   await open(bracket, /^4,800 faces$/);
   await run();
   const { report } = JSON.parse(await daemon.remesh(bracket, { format: "json" }));
   await tab("report");
-  for (const [column, statistics] of [["before", report.input], ["after", report.output]]) {
+  for (const [column, statistics] of [
+    ["before", report.input],
+    ["after", report.output],
+  ]) {
     assert.equal(await cell("Faces", column), statistics.faces.toLocaleString("en"));
     assert.equal(await cell("Vertices", column), statistics.vertices.toLocaleString("en"));
     assert.equal(await cell("Area", column), shownNumber(statistics.area));
@@ -87,7 +122,9 @@ onPage("the histograms show what the report counts", async ({ page, open, run })
   await open(bracket, /^4,800 faces$/);
   await run();
   const { report } = JSON.parse(await daemon.remesh(bracket, { format: "json" }));
-  const heights = await page.$$eval("#quality .histogram:first-of-type .bar-after", (bars) => bars.map((bar) => Number(bar.getAttribute("height"))));
+  const heights = await page.$$eval("#quality .histogram:first-of-type .bar-after", (bars) =>
+    bars.map((bar) => Number(bar.getAttribute("height"))),
+  );
   const counts = report.output.quality.angle_histogram_deg.counts.filter((n) => n > 0);
   assert.equal(heights.length, counts.length);
   const scale = heights[0] / counts[0];
@@ -119,54 +156,68 @@ onPage("the curl line does the same", async ({ page, open, type, tab, text }) =>
   await type("#option-min_angle_deg", "28");
   await page.click("#option-refine");
   await tab("download");
-  assert.equal(await text("#curl"), "curl --fail-with-body --data-binary @bracket.obj " +
-    `'${daemon.origin}/v1/remesh?refine=false&min_angle_deg=28&format=obj' -o bracket-remeshed.obj`);
+  assert.equal(
+    await text("#curl"),
+    "curl --fail-with-body --data-binary @bracket.obj " +
+      `'${daemon.origin}/v1/remesh?refine=false&min_angle_deg=28&format=obj' -o bracket-remeshed.obj`,
+  );
 });
 
-onPage("a broken file is told in words, with the place", async ({ open, drop, page, waitForText, text }) => {
-  await open(bracket, /^4,800 faces$/);
-  await drop(folder.write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"));
-  await waitForText("#unreadable", /A face names a point that is not there/);
-  await page.click("#run");
-  await waitForText("#problem", /Index out of range.*9/i);
-  assert.match(await text("#problem"), /line 4/);
-  assert.equal(await page.$eval("#problem", (element) => element.getAttribute("role")), "alert");
-  await open(bracket, /^4,800 faces$/);
-  assert.equal(await page.$eval("#problem", (element) => element.hidden), true);
-}, { mayComplain: true });
+onPage(
+  "a broken file is told in words, with the place",
+  async ({ open, drop, page, waitForText, text }) => {
+    await open(bracket, /^4,800 faces$/);
+    await drop(folder.write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"));
+    await waitForText("#unreadable", /A face names a point that is not there/);
+    await page.click("#run");
+    await waitForText("#problem", /Index out of range.*9/i);
+    assert.match(await text("#problem"), /line 4/);
+    assert.equal(await page.$eval("#problem", (element) => element.getAttribute("role")), "alert");
+    await open(bracket, /^4,800 faces$/);
+    assert.equal(await page.$eval("#problem", (element) => element.hidden), true);
+  },
+  { mayComplain: true },
+);
 
-onPage("an option out of its range is told before anything is sent", async ({ page, open, type, text, waitForText }) => {
-  await open(bracket, /^4,800 faces$/);
-  await type("#option-min_angle_deg", "50");
-  await waitForText("#option-min_angle_deg-note", /at least 0 and at most 33/);
-  await page.click("#run");
-  assert.equal(await text("#status"), "An option is out of its range.");
-  await type("#option-min_angle_deg", "20");
-  assert.equal(await page.$eval("#option-max_radius_edge_ratio", (input) => input.disabled), true);
-  await page.click("#reset");
-  assert.equal(await page.$eval("#option-min_angle_deg", (input) => input.value), "");
-});
+onPage(
+  "an option out of its range is told before anything is sent",
+  async ({ page, open, type, text, waitForText }) => {
+    await open(bracket, /^4,800 faces$/);
+    await type("#option-min_angle_deg", "50");
+    await waitForText("#option-min_angle_deg-note", /at least 0 and at most 33/);
+    await page.click("#run");
+    assert.equal(await text("#status"), "An option is out of its range.");
+    await type("#option-min_angle_deg", "20");
+    assert.equal(await page.$eval("#option-max_radius_edge_ratio", (input) => input.disabled), true);
+    await page.click("#reset");
+    assert.equal(await page.$eval("#option-min_angle_deg", (input) => input.value), "");
+  },
+);
 
-onPage("a long run shows its stages and is cancelled", async ({ page, open, type, text, waitForText }) => {
-  await open(bracket, /^4,800 faces$/);
-  await type("#option-max_edge_length", "0.12");
-  await page.click("#run");
-  await waitForText("#stages .current", /^Refinement$/, 30_000);
-  const passed = await page.$$eval("#stages .done", (stages) => stages.map((stage) => stage.textContent));
-  assert.deepEqual(passed.slice(0, 4), ["Send", "Queued", "Read", "Weld"]);
-  assert.match(await text("#progress-time"), /s$/);
-  const start = Date.now();
-  await page.click("#cancel");
-  await waitForText("#status", /^Cancelled$/, 5_000);
-  assert.ok(Date.now() - start < 3_000);
-  assert.equal(await page.$eval("#progress", (element) => element.hidden), true);
-  const metrics = await (await fetch(`${daemon.origin}/metrics`)).text();
-  assert.match(metrics, /code="499"/);
-  // And the page goes on.
-  await type("#option-max_edge_length", "");
-  await page.click("#run");
-  await waitForText("#status", /^Remeshed in/, 30_000);
-}, { mayComplain: true });
+onPage(
+  "a long run shows its stages and is cancelled",
+  async ({ page, open, type, text, waitForText }) => {
+    await open(bracket, /^4,800 faces$/);
+    await type("#option-max_edge_length", "0.12");
+    await page.click("#run");
+    await waitForText("#stages .current", /^Refinement$/, 30_000);
+    const passed = await page.$$eval("#stages .done", (stages) => stages.map((stage) => stage.textContent));
+    assert.deepEqual(passed.slice(0, 4), ["Send", "Queued", "Read", "Weld"]);
+    assert.match(await text("#progress-time"), /s$/);
+    const start = Date.now();
+    await page.click("#cancel");
+    await waitForText("#status", /^Cancelled$/, 5_000);
+    assert.ok(Date.now() - start < 3_000);
+    assert.equal(await page.$eval("#progress", (element) => element.hidden), true);
+    const metrics = await (await fetch(`${daemon.origin}/metrics`)).text();
+    assert.match(metrics, /code="499"/);
+    // And the page goes on.
+    await type("#option-max_edge_length", "");
+    await page.click("#run");
+    await waitForText("#status", /^Remeshed in/, 30_000);
+  },
+  { mayComplain: true },
+);
 
 onPage("a click tells a triangle's numbers, and where it comes from", async ({ page, open, run, view, text }) => {
   await open(bracket, /^4,800 faces$/);
@@ -178,7 +229,9 @@ onPage("a click tells a triangle's numbers, and where it comes from", async ({ p
   await page.waitForSelector("#after-numbers:not([hidden])");
   const face = Number((await text("#after-numbers h3")).replace(/\D/g, ""));
   const corners = answer.mesh.faces[face];
-  const rows = await page.$$eval("#after-numbers tbody tr", (all) => all.map((row) => [...row.children].map((cell) => cell.textContent)));
+  const rows = await page.$$eval("#after-numbers tbody tr", (all) =>
+    all.map((row) => [...row.children].map((cell) => cell.textContent)),
+  );
   rows.forEach((row, i) => {
     assert.equal(row[0], corners[i].toLocaleString("en"));
     assert.deepEqual(row.slice(1, 4), answer.mesh.vertices[corners[i]].map(shownNumber));
@@ -187,9 +240,14 @@ onPage("a click tells a triangle's numbers, and where it comes from", async ({ p
   const minus = (p, q) => p.map((x, i) => x - q[i]);
   const angle = (p, q, r) => {
     const [u, v] = [minus(q, p), minus(r, p)];
-    return (Math.acos(u.reduce((sum, x, i) => sum + x * v[i], 0) / Math.hypot(...u) / Math.hypot(...v)) * 180) / Math.PI;
+    return (
+      (Math.acos(u.reduce((sum, x, i) => sum + x * v[i], 0) / Math.hypot(...u) / Math.hypot(...v)) * 180) / Math.PI
+    );
   };
-  assert.deepEqual(rows.map((row) => row[4]), [angle(a, b, c), angle(b, c, a), angle(c, a, b)].map((x) => `${x.toFixed(1)}°`));
+  assert.deepEqual(
+    rows.map((row) => row[4]),
+    [angle(a, b, c), angle(b, c, a), angle(c, a, b)].map((x) => `${x.toFixed(1)}°`),
+  );
   assert.match(await text("#after-numbers dl"), new RegExp(`Patch${answer.mesh.face_patch[face]}`));
   assert.ok(chosenPart(await view("after")) > chosenPart(plain), "it is not shown");
   // To the face of the input that it lies on.
@@ -199,30 +257,33 @@ onPage("a click tells a triangle's numbers, and where it comes from", async ({ p
   assert.equal(await page.$eval("#before-numbers", (element) => element.hidden), true);
 });
 
-onPage("keys turn, zoom and pick; the cameras go together until they are unlinked", async ({ page, open, run, view }) => {
-  await open(bracket, /^4,800 faces$/);
-  await run();
-  const pictures = async () => [await view("before"), await view("after")];
-  const first = await pictures();
-  await page.focus("#before");
-  const unturned = await view("before");
-  for (let i = 0; i < 4; ++i) await page.keyboard.press("ArrowRight");
-  let now = await pictures();
-  assert.ok(difference(unturned, now[0]) > 0.05 && difference(first[1], now[1]) > 0.05);
-  await page.keyboard.press("+");
-  for (let i = 0; i < 9; ++i) await page.keyboard.press("ArrowUp");
-  await page.keyboard.press("Enter");
-  assert.equal(await page.$eval("#before-numbers", (element) => element.hidden), false);
-  await page.keyboard.press("Escape");
-  assert.equal(await page.$eval("#before-numbers", (element) => element.hidden), true);
-  await page.click("#linked");
-  now = await pictures();
-  await page.focus("#before");
-  await page.keyboard.press("ArrowDown");
-  const later = await pictures();
-  assert.ok(difference(now[0], later[0]) > 0.05);
-  assert.equal(difference(now[1], later[1]), 0);
-});
+onPage(
+  "keys turn, zoom and pick; the cameras go together until they are unlinked",
+  async ({ page, open, run, view }) => {
+    await open(bracket, /^4,800 faces$/);
+    await run();
+    const pictures = async () => [await view("before"), await view("after")];
+    const first = await pictures();
+    await page.focus("#before");
+    const unturned = await view("before");
+    for (let i = 0; i < 4; ++i) await page.keyboard.press("ArrowRight");
+    let now = await pictures();
+    assert.ok(difference(unturned, now[0]) > 0.05 && difference(first[1], now[1]) > 0.05);
+    await page.keyboard.press("+");
+    for (let i = 0; i < 9; ++i) await page.keyboard.press("ArrowUp");
+    await page.keyboard.press("Enter");
+    assert.equal(await page.$eval("#before-numbers", (element) => element.hidden), false);
+    await page.keyboard.press("Escape");
+    assert.equal(await page.$eval("#before-numbers", (element) => element.hidden), true);
+    await page.click("#linked");
+    now = await pictures();
+    await page.focus("#before");
+    await page.keyboard.press("ArrowDown");
+    const later = await pictures();
+    assert.ok(difference(now[0], later[0]) > 0.05);
+    assert.equal(difference(now[1], later[1]), 0);
+  },
+);
 
 onPage("dragging turns, the wheel zooms", async ({ page, open, view }) => {
   await open(bracket, /^4,800 faces$/);
@@ -286,8 +347,21 @@ onPage("findings are listed, marked, and flown to", async ({ page, open, run, ta
 
 onPage("diagnostics lead to the faces of the input", async ({ page, drop, waitForText, tab, view, text }) => {
   // A cube without its lid: open edges.
-  const open = ["v 0 0 0", "v 1 0 0", "v 1 1 0", "v 0 1 0", "v 0 0 1", "v 1 0 1", "v 1 1 1", "v 0 1 1",
-    "f 4 3 2 1", "f 1 2 6 5", "f 2 3 7 6", "f 3 4 8 7", "f 4 1 5 8"].join("\n");
+  const open = [
+    "v 0 0 0",
+    "v 1 0 0",
+    "v 1 1 0",
+    "v 0 1 0",
+    "v 0 0 1",
+    "v 1 0 1",
+    "v 1 1 1",
+    "v 0 1 1",
+    "f 4 3 2 1",
+    "f 1 2 6 5",
+    "f 2 3 7 6",
+    "f 3 4 8 7",
+    "f 4 1 5 8",
+  ].join("\n");
   await drop(folder.write("open.obj", open));
   await waitForText("#before-count", /^5 faces$/);
   await page.click("#analyze");
@@ -302,31 +376,46 @@ onPage("diagnostics lead to the faces of the input", async ({ page, drop, waitFo
   assert.equal(await text("#before-numbers h3"), "Face 1");
 });
 
-onPage("where a key is needed, it is asked for and kept in memory only", async ({ page, waitForText, open, run, tab, text }) => {
-  await page.waitForSelector("#key-dialog[open]");
-  await page.type("#key", "not-the-key-at-all");
-  await page.keyboard.press("Enter");
-  await waitForText("#key-wrong", /does not know this key/);
-  await page.type("#key", "a-key-of-the-page-test");
-  await page.keyboard.press("Enter");
-  await page.waitForSelector("#option-refine");
-  await open(bracket, /^4,800 faces$/);
-  await run();
-  await tab("download");
-  assert.match(await text("#curl"), /Bearer \$REMESHD_API_KEY/);
-  const kept = await page.evaluate(() => JSON.stringify([{ ...localStorage }, { ...sessionStorage }, document.cookie]) + document.documentElement.outerHTML);
-  assert.ok(!kept.includes("a-key-of-the-page-test"));
-}, async () => {
-  keyed ??= await startDaemon("--api-key-file", folder.write("keys", "a-key-of-the-page-test\n"));
-  return { origin: keyed.origin, mayComplain: true };
-});
+onPage(
+  "where a key is needed, it is asked for and kept in memory only",
+  async ({ page, waitForText, open, run, tab, text }) => {
+    await page.waitForSelector("#key-dialog[open]");
+    await page.type("#key", "not-the-key-at-all");
+    await page.keyboard.press("Enter");
+    await waitForText("#key-wrong", /does not know this key/);
+    await page.type("#key", "a-key-of-the-page-test");
+    await page.keyboard.press("Enter");
+    await page.waitForSelector("#option-refine");
+    await open(bracket, /^4,800 faces$/);
+    await run();
+    await tab("download");
+    assert.match(await text("#curl"), /Bearer \$REMESHD_API_KEY/);
+    const kept = await page.evaluate(
+      () =>
+        JSON.stringify([{ ...localStorage }, { ...sessionStorage }, document.cookie]) +
+        document.documentElement.outerHTML,
+    );
+    assert.ok(!kept.includes("a-key-of-the-page-test"));
+  },
+  async () => {
+    keyed ??= await startDaemon("--api-key-file", folder.write("keys", "a-key-of-the-page-test\n"));
+    return { origin: keyed.origin, mayComplain: true };
+  },
+);
 let keyed;
 after(() => keyed?.stop());
 
 test("the page is small, comes from one place, and may load nothing else", async () => {
   const index = await fetch(daemon.origin);
   const policy = index.headers.get("content-security-policy");
-  for (const part of ["default-src 'none'", "script-src 'self'", "worker-src 'self'", "style-src 'self'", "connect-src 'self'", "frame-ancestors 'none'"]) {
+  for (const part of [
+    "default-src 'none'",
+    "script-src 'self'",
+    "worker-src 'self'",
+    "style-src 'self'",
+    "connect-src 'self'",
+    "frame-ancestors 'none'",
+  ]) {
     assert.ok(policy.includes(part), part);
   }
   assert.doesNotMatch(policy, /unsafe|\*|https?:/);

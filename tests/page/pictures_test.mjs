@@ -62,8 +62,21 @@ picture("angles-dark", { scheme: "dark" }, async (visitor) => {
 picture("finding", {}, async (visitor) => {
   const { drop, page, run, tab, waitForText } = visitor;
   // A ramp that runs out to a sharp edge, in a box: corners below any bound.
-  const vertices = [[0, 0, 0], [60, 0, 0], [60, 30, 0], [0, 30, 0], [60, 0, 12], [60, 30, 12]];
-  const faces = [[3, 2, 1, 0], [0, 1, 4], [3, 5, 2], [1, 2, 5, 4], [0, 4, 5, 3]];
+  const vertices = [
+    [0, 0, 0],
+    [60, 0, 0],
+    [60, 30, 0],
+    [0, 30, 0],
+    [60, 0, 12],
+    [60, 30, 12],
+  ];
+  const faces = [
+    [3, 2, 1, 0],
+    [0, 1, 4],
+    [3, 5, 2],
+    [1, 2, 5, 4],
+    [0, 4, 5, 3],
+  ];
   await drop(scratch.write("ramp.json", JSON.stringify({ vertices, faces })));
   await waitForText("#before-count", /^5 faces$/);
   await run();

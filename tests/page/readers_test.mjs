@@ -14,12 +14,26 @@ let page;
 async function modules() {
   const web = join(root, "server/web");
   const { build } = await import(pathToFileURL(join(web, "node_modules/esbuild/lib/main.js")));
-  const names = ["mesh/read", "mesh/drawable", "mesh/surface", "mesh/quality", "mesh/scanner", "mesh/triangulate", "samples", "service/curl",
-    "ui/words", "ui/options_form"];
+  const names = [
+    "mesh/read",
+    "mesh/drawable",
+    "mesh/surface",
+    "mesh/quality",
+    "mesh/scanner",
+    "mesh/triangulate",
+    "samples",
+    "service/curl",
+    "ui/words",
+    "ui/options_form",
+  ];
   const outfile = join(folder.path, "page.mjs");
   await build({
     stdin: { contents: names.map((name) => `export * from "./src/${name}.ts";`).join("\n"), resolveDir: web },
-    bundle: true, format: "esm", platform: "node", outfile, logLevel: "warning",
+    bundle: true,
+    format: "esm",
+    platform: "node",
+    outfile,
+    logLevel: "warning",
   });
   return import(pathToFileURL(outfile));
 }
@@ -46,7 +60,9 @@ async function compare(name, bytes) {
   assert.equal(surface.points.length / 3, input.vertices, `${name}: vertices`);
   const draft = new page.Draft(surface);
   const size = input.bounding_box.max.map((x, axis) => x - input.bounding_box.min[axis]);
-  draft.size.forEach((x, axis) => assert.ok(Math.abs(x - size[axis]) <= 1e-12 * Math.hypot(...size), `${name}: extent`));
+  draft.size.forEach((x, axis) =>
+    assert.ok(Math.abs(x - size[axis]) <= 1e-12 * Math.hypot(...size), `${name}: extent`),
+  );
   return true;
 }
 
@@ -79,11 +95,22 @@ test("every part of the corpus is read as the daemon reads it", async (t) => {
 test("what is no mesh is told in words", async () => {
   const read = (text) => page.readMesh(new TextEncoder().encode(text));
   for (const [text, words] of [
-    ["f 1 2 3\n", /not there/], ["v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", /number from 1/], ["v 0 0 0\n", /no face/],
-    ["v 0 0 x\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", /not a finite number/], ["hello", /no mesh/], ["", /no mesh/], ['{"vertices": [', /not valid JSON/],
-    ['{"a": 1}', /no vertices/], ["OFF\n3 1 0\n0 0 0\n", /ends too early/], ["ply\nformat ascii 1.0\nelement vertex 1\n", /no end/],
+    ["f 1 2 3\n", /not there/],
+    ["v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", /number from 1/],
+    ["v 0 0 0\n", /no face/],
+    ["v 0 0 x\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", /not a finite number/],
+    ["hello", /no mesh/],
+    ["", /no mesh/],
+    ['{"vertices": [', /not valid JSON/],
+    ['{"a": 1}', /no vertices/],
+    ["OFF\n3 1 0\n0 0 0\n", /ends too early/],
+    ["ply\nformat ascii 1.0\nelement vertex 1\n", /no end/],
   ]) {
-    await assert.rejects(read(text), (error) => error instanceof page.UnreadableMesh && words.test(error.message), text);
+    await assert.rejects(
+      read(text),
+      (error) => error instanceof page.UnreadableMesh && words.test(error.message),
+      text,
+    );
   }
   await assert.rejects(page.readMesh(Uint8Array.of(0x1f, 0x8b, 1, 2)), /gzip/);
 });
@@ -91,11 +118,28 @@ test("what is no mesh is told in words", async () => {
 test("numbers are read to the last bit", () => {
   let seed = 7;
   const random = () => (seed = (seed * 48271) % 2147483647) / 2147483647;
-  const texts = ["0", "-0", "1", "+1.5", ".5", "5.", "1e5", "1E-5", "-1.25e+3", "0.1", "123456789012345678901234567890", "1e400", "1e-400", "4.9e-324"];
-  for (let i = 0; i < 20_000; ++i) texts.push(((random() - 0.5) * 10 ** (random() * 60 - 30)).toPrecision(1 + Math.floor(random() * 17)));
+  const texts = [
+    "0",
+    "-0",
+    "1",
+    "+1.5",
+    ".5",
+    "5.",
+    "1e5",
+    "1E-5",
+    "-1.25e+3",
+    "0.1",
+    "123456789012345678901234567890",
+    "1e400",
+    "1e-400",
+    "4.9e-324",
+  ];
+  for (let i = 0; i < 20_000; ++i)
+    texts.push(((random() - 0.5) * 10 ** (random() * 60 - 30)).toPrecision(1 + Math.floor(random() * 17)));
   const scanner = new page.Scanner(new TextEncoder().encode(texts.join(" ")));
   for (const text of texts) assert.ok(Object.is(scanner.number(), Number(text)), text);
-  for (const text of ["", "x", "1x", "--1", "e5", "."]) assert.ok(Number.isNaN(new page.Scanner(new TextEncoder().encode(text)).number()), text);
+  for (const text of ["", "x", "1x", "--1", "e5", "."])
+    assert.ok(Number.isNaN(new page.Scanner(new TextEncoder().encode(text)).number()), text);
 });
 
 test("the samples are closed parts that the daemon takes without a word", async () => {
@@ -128,7 +172,13 @@ test("the smallest angle and the worst ratio of a mesh are the report's", async 
 });
 
 test("a concave polygon with a bent outline is filled, and nothing else", () => {
-  const points = [[0, 0], [4, 0], [4, 4], [2, 1], [0, 4]];
+  const points = [
+    [0, 0],
+    [4, 0],
+    [4, 4],
+    [2, 1],
+    [0, 4],
+  ];
   for (const lift of [([x, y]) => [x, y, 0], ([x, y]) => [0, x, y], ([x, y]) => [y, 0, x], ([x, y]) => [x, y, x + y]]) {
     const builder = new page.SurfaceBuilder();
     for (const p of points) builder.addPoint(...lift(p));
@@ -142,17 +192,33 @@ test("a concave polygon with a bent outline is filled, and nothing else", () => 
       return ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])) / 2;
     };
     const areas = [0, 1, 2].map((t) => area([...corners.slice(3 * t, 3 * t + 3)]));
-    assert.ok(areas.every((a) => a > 0), "turned over");
-    assert.equal(areas.reduce((sum, a) => sum + a, 0), 10);
+    assert.ok(
+      areas.every((a) => a > 0),
+      "turned over",
+    );
+    assert.equal(
+      areas.reduce((sum, a) => sum + a, 0),
+      10,
+    );
     // Two diagonals, seen from both sides.
-    assert.equal([...diagonals].join("").replaceAll(/[1-7]/g, (bits) => "x".repeat([0, 1, 1, 2, 1, 2, 2, 3][bits])).replaceAll("0", "").length, 4);
+    assert.equal(
+      [...diagonals]
+        .join("")
+        .replaceAll(/[1-7]/g, (bits) => "x".repeat([0, 1, 1, 2, 1, 2, 2, 3][bits]))
+        .replaceAll("0", "").length,
+      4,
+    );
   }
 });
 
 test("edges of one, two and three triangles are told apart", () => {
   const builder = new page.SurfaceBuilder();
   // Three triangles around one edge, each with points of its own, as STL has them.
-  for (const tip of [[0, 1, 0], [0, -1, 0], [0, 0, 1]]) {
+  for (const tip of [
+    [0, 1, 0],
+    [0, -1, 0],
+    [0, 0, 1],
+  ]) {
     const first = builder.pointCount;
     for (const p of [[-1, 0, 0], [1, 0, 0], tip]) builder.addPoint(...p);
     for (let i = 0; i < 3; ++i) builder.addCorner(first + i);
@@ -168,15 +234,21 @@ test("a curl line survives any file name", () => {
   assert.equal(page.shellWord("it's a $(part).obj"), `'it'\\''s a $(part).obj'`);
   assert.equal(page.resultName("Part.v2.stl.gz", "obj"), "Part.v2-remeshed.obj");
   const line = page.curlLine("http://h:1", "a b.stl", [["barriers", "object,group"]], "ply", true);
-  assert.equal(line, `curl --fail-with-body -H "Authorization: Bearer $REMESHD_API_KEY" --data-binary '@a b.stl' ` +
-    `'http://h:1/v1/remesh?barriers=object,group&format=ply' -o 'a b-remeshed.ply'`);
+  assert.equal(
+    line,
+    `curl --fail-with-body -H "Authorization: Bearer $REMESHD_API_KEY" --data-binary '@a b.stl' ` +
+      `'http://h:1/v1/remesh?barriers=object,group&format=ply' -o 'a b-remeshed.ply'`,
+  );
 });
 
 test("the bounds of an option are the ones that the service names", async () => {
   const { options } = await (await fetch(`${daemon.origin}/v1/capabilities`)).json();
   for (const spec of options.filter(({ type }) => type === "number" || type === "integer")) {
     for (const text of ["-1", "0", "0.5", "1", "2", "33", "34", "1e3", "x"]) {
-      const response = await fetch(`${daemon.origin}/v1/analyze?${spec.name}=${text}`, { method: "POST", body: page.kSamples[0].obj() });
+      const response = await fetch(`${daemon.origin}/v1/analyze?${spec.name}=${text}`, {
+        method: "POST",
+        body: page.kSamples[0].obj(),
+      });
       const isRefused = response.status === 400 && (await response.json()).option === spec.name;
       assert.equal(page.faultOfNumber(spec, text) !== null, isRefused, `${spec.name}=${text}`);
     }

@@ -18,8 +18,10 @@ export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
 /** The real daemon on a free port. */
 export async function startDaemon(...options) {
   const environment = Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith("REMESHD_")));
-  const child = spawn(process.env.REMESHD_PATH, ["--bind", "127.0.0.1:0", "--log-format", "json", ...options],
-    { stdio: ["ignore", "ignore", "pipe"], env: environment });
+  const child = spawn(process.env.REMESHD_PATH, ["--bind", "127.0.0.1:0", "--log-format", "json", ...options], {
+    stdio: ["ignore", "ignore", "pipe"],
+    env: environment,
+  });
   const address = await new Promise((resolve, reject) => {
     let text = "";
     child.stderr.on("data", (data) => {
@@ -35,7 +37,10 @@ export async function startDaemon(...options) {
     stop: () => child.kill("SIGKILL"),
     /** What a program would get for the same file and query. */
     async remesh(file, query) {
-      const response = await fetch(`${origin}/v1/remesh?${new URLSearchParams(query)}`, { method: "POST", body: readFileSync(file) });
+      const response = await fetch(`${origin}/v1/remesh?${new URLSearchParams(query)}`, {
+        method: "POST",
+        body: readFileSync(file),
+      });
       if (response.status !== 200) throw new Error(`status ${response.status}: ${await response.text()}`);
       return Buffer.from(await response.arrayBuffer());
     },
@@ -58,8 +63,15 @@ export async function startBrowser() {
   return puppeteer.launch({
     executablePath: process.env.CHROMIUM_PATH,
     headless: true,
-    args: ["--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--disable-dev-shm-usage",
-      "--force-device-scale-factor=1", "--hide-scrollbars"],
+    args: [
+      "--no-sandbox",
+      "--use-gl=angle",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--disable-dev-shm-usage",
+      "--force-device-scale-factor=1",
+      "--hide-scrollbars",
+    ],
     protocolTimeout: 120_000,
   });
 }
@@ -70,35 +82,53 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
   const page = await context.newPage();
   await page.setViewport({ width, height });
   // Without flights of the camera: what is seen is then there at once.
-  await page.emulateMediaFeatures([{ name: "prefers-color-scheme", value: scheme }, { name: "prefers-reduced-motion", value: "reduce" }]);
+  await page.emulateMediaFeatures([
+    { name: "prefers-color-scheme", value: scheme },
+    { name: "prefers-reduced-motion", value: "reduce" },
+  ]);
   const faults = [];
   page.on("pageerror", (error) => faults.push(`error: ${error.message}`));
   page.on("console", (message) => {
     if (["error", "warn"].includes(message.type())) faults.push(`${message.type()}: ${message.text()}`);
   });
   page.on("request", (request) => {
-    if (!request.url().startsWith(origin) && !/^(blob|data):/.test(request.url())) faults.push(`elsewhere: ${request.url()}`);
+    if (!request.url().startsWith(origin) && !/^(blob|data):/.test(request.url()))
+      faults.push(`elsewhere: ${request.url()}`);
   });
   const session = await page.createCDPSession();
-  if (downloads) await session.send("Browser.setDownloadBehavior", { behavior: "allow", downloadPath: downloads, browserContextId: context.id });
+  if (downloads)
+    await session.send("Browser.setDownloadBehavior", {
+      behavior: "allow",
+      downloadPath: downloads,
+      browserContextId: context.id,
+    });
   await page.goto(origin, { waitUntil: "load" });
   await page.waitForFunction(() => document.querySelector("#option-refine, #key-dialog[open]"));
 
   const text = (selector) => page.$eval(selector, (element) => element.textContent);
   const self = {
-    page, faults, text,
+    page,
+    faults,
+    text,
     close: () => context.close(),
     /** As the desktop does it: a file dragged over the page and let go. */
     async drop(file) {
       const data = { items: [], files: [file], dragOperationsMask: 1 };
-      for (const type of ["dragEnter", "dragOver", "drop"]) await session.send("Input.dispatchDragEvent", { type, x: 200, y: 300, data });
+      for (const type of ["dragEnter", "dragOver", "drop"])
+        await session.send("Input.dispatchDragEvent", { type, x: 200, y: 300, data });
     },
     async waitForText(selector, pattern, timeout = 20_000) {
       try {
-        await page.waitForFunction((s, source) => new RegExp(source).test(document.querySelector(s)?.textContent ?? ""), { timeout, polling: 50 },
-          selector, pattern.source);
+        await page.waitForFunction(
+          (s, source) => new RegExp(source).test(document.querySelector(s)?.textContent ?? ""),
+          { timeout, polling: 50 },
+          selector,
+          pattern.source,
+        );
       } catch {
-        throw new Error(`${selector} never said ${pattern}, but: ${await text(selector)}; the console: ${faults.join(" | ")}`);
+        throw new Error(
+          `${selector} never said ${pattern}, but: ${await text(selector)}; the console: ${faults.join(" | ")}`,
+        );
       }
     },
     async open(file, faces) {
@@ -119,7 +149,11 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
     },
     /** The number in a row of the report, before or after. */
     async cell(row, column) {
-      return page.$eval(`[data-row="${row}"]`, (element, i) => element.querySelectorAll("td")[i].textContent, column === "after" ? 1 : 0);
+      return page.$eval(
+        `[data-row="${row}"]`,
+        (element, i) => element.querySelectorAll("td")[i].textContent,
+        column === "after" ? 1 : 0,
+      );
     },
     async picture(selector) {
       await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
@@ -152,7 +186,8 @@ function partWhere(png, holds) {
 /** Part of a picture's pixels that are not of its most frequent colour, and how many colours it has. */
 export function drawn(png) {
   const counts = new Map();
-  for (let at = 0; at < png.data.length; at += 4) counts.set(colourAt(png, at), (counts.get(colourAt(png, at)) ?? 0) + 1);
+  for (let at = 0; at < png.data.length; at += 4)
+    counts.set(colourAt(png, at), (counts.get(colourAt(png, at)) ?? 0) + 1);
   const most = Math.max(...counts.values());
   return { part: 1 - most / (png.data.length / 4), colours: counts.size };
 }
@@ -169,8 +204,12 @@ export function chosenPart({ data, ...png }) {
 
 /** Part of the pixels about as red, green and blue as that. */
 export function partOf(png, [red, green, blue], tolerance = 12) {
-  return partWhere(png, (at) =>
-    Math.max(Math.abs(png.data[at] - red), Math.abs(png.data[at + 1] - green), Math.abs(png.data[at + 2] - blue)) <= tolerance);
+  return partWhere(
+    png,
+    (at) =>
+      Math.max(Math.abs(png.data[at] - red), Math.abs(png.data[at + 1] - green), Math.abs(png.data[at + 2] - blue)) <=
+      tolerance,
+  );
 }
 
 /** Numbers as the page writes them. */

@@ -32,8 +32,14 @@ interface Shown {
 class Page {
   private readonly service = new ServiceClient(askForKey);
   private readonly worker = new WorkerClient();
-  private readonly viewer = new Viewer(byId<HTMLCanvasElement>("canvas"), { before: byId("before"), after: byId("after") });
-  private readonly progress = new ProgressCard(() => this.running?.cancel(), (text) => this.say(text));
+  private readonly viewer = new Viewer(byId<HTMLCanvasElement>("canvas"), {
+    before: byId("before"),
+    after: byId("after"),
+  });
+  private readonly progress = new ProgressCard(
+    () => this.running?.cancel(),
+    (text) => this.say(text),
+  );
   private readonly findings: FindingsPanel;
   private readonly downloads: DownloadPanel;
   private options: OptionsForm | null = null;
@@ -45,7 +51,11 @@ class Page {
   private selected: { side: Side; triangle: number } | null = null;
 
   constructor() {
-    this.findings = new FindingsPanel(byId("findings"), (finding) => this.markAll(finding), (finding, i) => this.goTo(finding, i));
+    this.findings = new FindingsPanel(
+      byId("findings"),
+      (finding) => this.markAll(finding),
+      (finding, i) => this.goTo(finding, i),
+    );
     this.downloads = new DownloadPanel(byId("download"), this.service);
     new Tabs(document.querySelector("[role=tablist]")!);
     this.takeFiles();
@@ -69,14 +79,17 @@ class Page {
     try {
       this.meet(await this.service.capabilities());
     } catch (error) {
-      byId("options").replaceChildren(h("p", { class: "notice" }, "The service did not answer. Reload the page to try again."));
+      byId("options").replaceChildren(
+        h("p", { class: "notice" }, "The service did not answer. Reload the page to try again."),
+      );
       this.complain(error);
     }
   }
 
   private meet(capabilities: Capabilities): void {
     byId("version").textContent = capabilities.versions.remeshd;
-    byId("formats").textContent = capabilities.formats.input.map(({ name }) => name.toUpperCase()).join(", ") + " (.gz)";
+    byId("formats").textContent =
+      capabilities.formats.input.map(({ name }) => name.toUpperCase()).join(", ") + " (.gz)";
     this.options = new OptionsForm(byId("options"), capabilities.options, () => this.optionsChanged());
     this.mostBytes = capabilities.limits["max_body"] ?? Infinity;
     this.downloads.offer(capabilities.formats.output);
@@ -91,8 +104,16 @@ class Page {
       if (input.files?.[0]) void this.open(input.files[0]);
       input.value = "";
     });
-    byId("samples").replaceChildren(h("span", { class: "muted" }, "Samples"), ...kSamples.map((sample) =>
-      h("button", { type: "button", class: "quiet", click: () => void this.open(new File([sample.obj()], sample.file)) }, sample.name)));
+    byId("samples").replaceChildren(
+      h("span", { class: "muted" }, "Samples"),
+      ...kSamples.map((sample) =>
+        h(
+          "button",
+          { type: "button", class: "quiet", click: () => void this.open(new File([sample.obj()], sample.file)) },
+          sample.name,
+        ),
+      ),
+    );
     let depth = 0;
     const over = (isOver: boolean): void => void document.body.classList.toggle("dropping", isOver);
     addEventListener("dragenter", () => over(++depth > 0));
@@ -124,8 +145,10 @@ class Page {
       this.viewer.reset();
       byId("before-count").textContent = count(opened.faces, "face");
       this.summarise(file, [
-        ["Faces", whole(opened.faces)], ["Vertices", whole(opened.points)],
-        ["Extent", opened.size.map(real).join(" × ")], ["Smallest angle", degrees(opened.minAngle)],
+        ["Faces", whole(opened.faces)],
+        ["Vertices", whole(opened.points)],
+        ["Extent", opened.size.map(real).join(" × ")],
+        ["Smallest angle", degrees(opened.minAngle)],
         ["Open edges", whole(opened.drawable.openEdges)],
       ]);
       this.say(`${file.name}: ${count(opened.faces, "face")}`);
@@ -142,7 +165,9 @@ class Page {
 
   private summarise(file: File, facts: [string, string][]): void {
     const rows = [["File", `${file.name}, ${sizeOf(file.size)}`] as [string, string], ...facts];
-    byId("summary").replaceChildren(...rows.map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value))));
+    byId("summary").replaceChildren(
+      ...rows.map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value))),
+    );
     byId("summary").hidden = false;
   }
 
@@ -151,7 +176,9 @@ class Page {
   private async run(path: Post["path"]): Promise<void> {
     if (!this.file || !this.options || this.running) return;
     if (this.file.size > this.mostBytes) {
-      return this.complain(new Error(`the file has ${sizeOf(this.file.size)}; this service takes at most ${sizeOf(this.mostBytes)}`));
+      return this.complain(
+        new Error(`the file has ${sizeOf(this.file.size)}; this service takes at most ${sizeOf(this.mostBytes)}`),
+      );
     }
     if (!this.options.check()) return this.say("An option is out of its range.");
     const file = this.file;
@@ -174,7 +201,8 @@ class Page {
       if (this.file !== file) return;
       this.progress.enter("draw", null);
       if (isRemesh) await this.showResult(file, query, body);
-      else this.showReport({ report: (JSON.parse(await body.text()) as { report: Report }).report, query, source: null });
+      else
+        this.showReport({ report: (JSON.parse(await body.text()) as { report: Report }).report, query, source: null });
     } catch (error) {
       if (this.file === file) this.complain(error);
     } finally {
@@ -196,8 +224,10 @@ class Page {
     this.showReport({ report, query, source });
     const output = report.output!;
     byId("after-count").textContent = count(output.faces, "face");
-    this.say(`Remeshed in ${seconds(report.timing_ms["total"] ?? 0)}: ${whole(report.input.faces)} faces became ${whole(output.faces)}, ` +
-      `smallest angle ${degrees(output.quality.min_angle_deg)}`);
+    this.say(
+      `Remeshed in ${seconds(report.timing_ms["total"] ?? 0)}: ${whole(report.input.faces)} faces became ${whole(output.faces)}, ` +
+        `smallest angle ${degrees(output.quality.min_angle_deg)}`,
+    );
   }
 
   private showReport(shown: Shown): void {
@@ -207,12 +237,17 @@ class Page {
       this.viewer.show("after", null);
       byId("after-count").textContent = "";
       this.downloads.setResult(null);
-      this.say(`Analyzed in ${seconds(report.timing_ms["total"] ?? 0)}: about ${count(report.predicted_faces, "face")} to expect`);
+      this.say(
+        `Analyzed in ${seconds(report.timing_ms["total"] ?? 0)}: about ${count(report.predicted_faces, "face")} to expect`,
+      );
     }
     byId("quality").replaceChildren(qualityPanel(report));
     byId("report").replaceChildren(reportTables(report));
     const findings = findingsOf(report);
-    byId("tab-findings").replaceChildren("Findings", ...(findings.length > 0 ? [" ", h("span", { class: "badge" }, whole(findings.length))] : []));
+    byId("tab-findings").replaceChildren(
+      "Findings",
+      ...(findings.length > 0 ? [" ", h("span", { class: "badge" }, whole(findings.length))] : []),
+    );
     this.findings.show(findings);
     this.optionsChanged();
   }
@@ -234,14 +269,30 @@ class Page {
 
   private complain(error: unknown): void {
     if (error instanceof ServiceProblem && error.isCancelled) return this.say("Cancelled");
-    const problem: Partial<Problem> = error instanceof ServiceProblem ? error.problem : { title: "This cannot be done:", detail: error instanceof Error ? error.message : String(error) };
-    const place = (["line", "byte", "element"] as const).filter((key) => problem[key] !== undefined).map((key) => `${key} ${whole(problem[key]!)}`);
+    const problem: Partial<Problem> =
+      error instanceof ServiceProblem
+        ? error.problem
+        : { title: "This cannot be done:", detail: error instanceof Error ? error.message : String(error) };
+    const place = (["line", "byte", "element"] as const)
+      .filter((key) => problem[key] !== undefined)
+      .map((key) => `${key} ${whole(problem[key]!)}`);
     if (problem.limit !== undefined) place.push(`limit ${whole(problem.limit)}`);
     const detail = problem.detail ?? "";
     byId("problem").replaceChildren(
       h("p", {}, h("strong", {}, problem.title ?? "It failed"), " ", sentence(detail)),
-      h("p", { class: "muted" }, [...place, problem.code && `code ${problem.code}`, problem.request_id && `request ${problem.request_id}`].filter(Boolean).join(" · ")),
-      h("button", { type: "button", class: "quiet close", "aria-label": "Dismiss", click: () => (byId("problem").hidden = true) }, "×"));
+      h(
+        "p",
+        { class: "muted" },
+        [...place, problem.code && `code ${problem.code}`, problem.request_id && `request ${problem.request_id}`]
+          .filter(Boolean)
+          .join(" · "),
+      ),
+      h(
+        "button",
+        { type: "button", class: "quiet close", "aria-label": "Dismiss", click: () => (byId("problem").hidden = true) },
+        "×",
+      ),
+    );
     byId("problem").hidden = false;
     if (problem.option) this.options?.blame(problem.option);
   }
@@ -287,13 +338,21 @@ class Page {
     const flip = byId("section-flip");
     const cut = (): void => {
       byId("section-place").hidden = axis.value === "";
-      this.viewer.setSection(axis.value === "" ? null : {
-        axis: Number(axis.value) as Section["axis"], part: Number(part.value) / 1000, isFlipped: flip.ariaPressed === "true",
-      });
+      this.viewer.setSection(
+        axis.value === ""
+          ? null
+          : {
+              axis: Number(axis.value) as Section["axis"],
+              part: Number(part.value) / 1000,
+              isFlipped: flip.ariaPressed === "true",
+            },
+      );
     };
     axis.addEventListener("change", () => {
       // What is nearer to the eye goes, so that the cut is seen.
-      flip.ariaPressed = String(axis.value !== "" && front(this.viewer.orbit("before")).getComponent(Number(axis.value)) < 0);
+      flip.ariaPressed = String(
+        axis.value !== "" && front(this.viewer.orbit("before")).getComponent(Number(axis.value)) < 0,
+      );
       cut();
     });
     part.addEventListener("input", cut);
@@ -315,14 +374,19 @@ class Page {
     this.viewer.select(side, triangle);
     const panel = byId(`${side}-numbers`);
     const source = side === "after" ? (this.shown?.source?.[drawable.face[triangle]!] ?? null) : null;
-    panel.replaceChildren(triangleNumbers({
-      drawable, triangle, report: this.shown?.report ?? null, source: this.viewer.drawable("before") ? source : null,
-      onSource: (face) => this.select("before", trianglesOfFace(this.viewer.drawable("before")!, face)[0]),
-      onClose: () => {
-        this.select(side, -1);
-        byId(side).focus();
-      },
-    }));
+    panel.replaceChildren(
+      triangleNumbers({
+        drawable,
+        triangle,
+        report: this.shown?.report ?? null,
+        source: this.viewer.drawable("before") ? source : null,
+        onSource: (face) => this.select("before", trianglesOfFace(this.viewer.drawable("before")!, face)[0]),
+        onClose: () => {
+          this.select(side, -1);
+          byId(side).focus();
+        },
+      }),
+    );
     panel.classList.toggle("above", this.viewer.height(side, triangle) < 0.45);
     panel.hidden = false;
   }
@@ -343,9 +407,12 @@ class Page {
     for (const other of kSides) this.viewer.mark(other, { places: [], faces: [], chosen: -1 });
     const drawable = this.viewer.drawable(side);
     if (!drawable) return -1;
-    const point = (vertex: number): [number, number, number] => [...drawable.points.subarray(3 * vertex, 3 * vertex + 3)] as [number, number, number];
+    const point = (vertex: number): [number, number, number] =>
+      [...drawable.points.subarray(3 * vertex, 3 * vertex + 3)] as [number, number, number];
     this.viewer.mark(side, {
-      places: targets.flatMap((target) => (target.kind === "place" ? [target.at] : target.kind === "vertex" ? [point(target.vertex)] : [])),
+      places: targets.flatMap((target) =>
+        target.kind === "place" ? [target.at] : target.kind === "vertex" ? [point(target.vertex)] : [],
+      ),
       faces: targets.flatMap((target) => (target.kind === "face" ? [target.face] : [])),
       chosen,
     });
@@ -358,13 +425,17 @@ class Page {
     switch (target.kind) {
       case "place": {
         const { centre, radius } = drawable.frame;
-        return nearestTriangle(drawable, target.at.map((x, axis) => (x - centre[axis]!) / radius) as [number, number, number]);
+        return nearestTriangle(
+          drawable,
+          target.at.map((x, axis) => (x - centre[axis]!) / radius) as [number, number, number],
+        );
       }
       case "face": {
         const [begin, end] = trianglesOfFace(drawable, target.face);
         return begin < end ? begin : -1;
       }
-      case "vertex": return Math.floor(drawable.corners.indexOf(target.vertex) / 3);
+      case "vertex":
+        return Math.floor(drawable.corners.indexOf(target.vertex) / 3);
       case "patch": {
         for (let t = 0; t < drawable.face.length; ++t) {
           if (drawable.values[kValue.count * t + kValue.patch] === target.patch) return t;

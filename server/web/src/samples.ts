@@ -30,15 +30,30 @@ class Part {
   band(from: (p: Flat) => Point, to: (p: Flat) => Point, chain: Loop, isClosed = true): void {
     for (let i = 0; i + (isClosed ? 0 : 1) < chain.length; ++i) {
       const [p, q] = [chain[i]!, chain[(i + 1) % chain.length]!];
-      const [a, b, c, d] = [from(p), from(q), to(q), to(p)].map((point) => this.id(point)) as [number, number, number, number];
+      const [a, b, c, d] = [from(p), from(q), to(q), to(p)].map((point) => this.id(point)) as [
+        number,
+        number,
+        number,
+        number,
+      ];
       this.faces.push([a, b, c], [a, c, d]);
     }
   }
 
   obj(title: string): string {
     const line = (key: string, numbers: number[]): string => `${key} ${numbers.join(" ")}\n`;
-    return `# ${title}: a sample of remeshd's page, in millimetres\n` + this.points.map((p) => line("v", p)).join("") +
-      this.faces.map((face) => line("f", face.map((i) => i + 1))).join("");
+    return (
+      `# ${title}: a sample of remeshd's page, in millimetres\n` +
+      this.points.map((p) => line("v", p)).join("") +
+      this.faces
+        .map((face) =>
+          line(
+            "f",
+            face.map((i) => i + 1),
+          ),
+        )
+        .join("")
+    );
   }
 
   private id(point: Point): number {
@@ -60,14 +75,20 @@ function arc(centre: Flat, radius: number, fromDeg: number, toDeg: number): Loop
   });
 }
 const circle = (centre: Flat, radius: number): Loop => arc(centre, radius, 0, 360).slice(0, -1);
-const slot = (x0: number, x1: number, y: number, radius: number): Loop =>
-  [...arc([x1, y], radius, -90, 90), ...arc([x0, y], radius, 90, 270)];
+const slot = (x0: number, x1: number, y: number, radius: number): Loop => [
+  ...arc([x1, y], radius, -90, 90),
+  ...arc([x0, y], radius, 90, 270),
+];
 const roundedBox = (x: number, y: number, r: number): Loop => [
-  ...arc([x - r, y - r], r, 0, 90), ...arc([r - x, y - r], r, 90, 180),
-  ...arc([r - x, r - y], r, 180, 270), ...arc([x - r, r - y], r, 270, 360),
+  ...arc([x - r, y - r], r, 0, 90),
+  ...arc([r - x, y - r], r, 90, 180),
+  ...arc([r - x, r - y], r, 180, 270),
+  ...arc([x - r, r - y], r, 270, 360),
 ];
 const reversed = (loop: Loop): Loop => [...loop].reverse();
-const level = (z: number) => ([x, y]: Flat): Point => [x, y, z];
+const level =
+  (z: number) =>
+  ([x, y]: Flat): Point => [x, y, z];
 
 /** Two plates with holes that meet at a right angle. */
 function bracket(): string {
@@ -75,14 +96,28 @@ function bracket(): string {
   const [length, half, height, thick, corner] = [84, 32, 92, 10, 14];
   // In the plates' own planes: u away from the bend, v along it.
   const end = (reach: number): Loop => [
-    ...arc([reach - corner, corner - half], corner, -90, 0), ...arc([reach - corner, half - corner], corner, 0, 90),
+    ...arc([reach - corner, corner - half], corner, -90, 0),
+    ...arc([reach - corner, half - corner], corner, 0, 90),
   ];
   const plate = (near: number, reach: number): Loop => [[near, -half], ...end(reach), [near, half]];
   const baseHoles = [slot(38, 62, -14, 5), slot(38, 62, 14, 5), circle([24, 0], 6)];
-  const wallHoles = [circle([62, 0], 15), circle([32, -20], 4), circle([32, 20], 4), circle([82, -22], 3), circle([82, 22], 3)];
-  const base = (z: number) => ([u, v]: Flat): Point => [u, v, z];
-  const wall = (x: number) => ([u, v]: Flat): Point => [x, v, u];
-  const mirrored = (lift: (p: Flat) => Point) => ([u, v]: Flat): Point => lift([u, -v]);
+  const wallHoles = [
+    circle([62, 0], 15),
+    circle([32, -20], 4),
+    circle([32, 20], 4),
+    circle([82, -22], 3),
+    circle([82, 22], 3),
+  ];
+  const base =
+    (z: number) =>
+    ([u, v]: Flat): Point => [u, v, z];
+  const wall =
+    (x: number) =>
+    ([u, v]: Flat): Point => [x, v, u];
+  const mirrored =
+    (lift: (p: Flat) => Point) =>
+    ([u, v]: Flat): Point =>
+      lift([u, -v]);
   const flip = (loops: Loop[]): Loop[] => loops.map((loop) => loop.map(([u, v]): Flat => [u, -v]));
 
   part.face(base(thick), plate(thick, length), baseHoles);
@@ -94,9 +129,19 @@ function bracket(): string {
   for (const hole of baseHoles) part.band(base(thick), base(0), hole);
   for (const hole of wallHoles) part.band(wall(0), wall(thick), hole);
   const [a, b] = [length - corner, height - corner];
-  const side: Loop = [[0, 0], [a, 0], [a, thick], [thick, thick], [thick, b], [0, b]];
+  const side: Loop = [
+    [0, 0],
+    [a, 0],
+    [a, thick],
+    [thick, thick],
+    [thick, b],
+    [0, b],
+  ];
   part.face(([x, z]) => [x, -half, z], side);
-  part.face(([x, z]) => [-x, half, z], side.map(([x, z]): Flat => [-x, z]));
+  part.face(
+    ([x, z]) => [-x, half, z],
+    side.map(([x, z]): Flat => [-x, z]),
+  );
   return part.obj("bracket");
 }
 
@@ -104,10 +149,21 @@ function bracket(): string {
 function steppedHub(): string {
   const part = new Part();
   const flange = roundedBox(40, 40, 12);
-  const bolts = ([[-28, -28], [28, -28], [28, 28], [-28, 28]] as Flat[]).map((centre) => circle(centre, 5));
+  const bolts = (
+    [
+      [-28, -28],
+      [28, -28],
+      [28, 28],
+      [-28, 28],
+    ] as Flat[]
+  ).map((centre) => circle(centre, 5));
   const [lower, upper, bore] = [circle([0, 0], 26), circle([0, 0], 18), circle([0, 0], 9)];
   const below = ([x, y]: Flat): Point => [x, -y, 0];
-  part.face(below, flange, [...bolts, bore].map((loop) => loop.map(([x, y]): Flat => [x, -y])));
+  part.face(
+    below,
+    flange,
+    [...bolts, bore].map((loop) => loop.map(([x, y]): Flat => [x, -y])),
+  );
   part.face(level(8), flange, [...bolts, lower]);
   part.face(level(26), lower, [upper]);
   part.face(level(44), upper, [bore]);
@@ -126,7 +182,11 @@ function thinTray(): string {
   const outer = roundedBox(60, 40, 8);
   const inner = roundedBox(60 - wall, 40 - wall, 8 - wall);
   const slots = [-24, -12, 0, 12, 24].map((y) => slot(-36, 36, y, 2));
-  part.face(([x, y]) => [x, -y, 0], outer, slots.map((loop) => loop.map(([x, y]): Flat => [x, -y])));
+  part.face(
+    ([x, y]) => [x, -y, 0],
+    outer,
+    slots.map((loop) => loop.map(([x, y]): Flat => [x, -y])),
+  );
   part.face(level(floor), inner, slots);
   part.face(level(height), outer, [inner]);
   part.band(level(0), level(height), outer);

@@ -64,7 +64,9 @@ async function reply(id: number, task: Task): Promise<void> {
       postMessage({ id, opened } satisfies Reply, { transfer: buffersOf(opened.drawable) });
     } else {
       const answered = await answer(task.body);
-      postMessage({ id, answered } satisfies Reply, { transfer: [...buffersOf(answered.after), ...buffersOf(answered)] });
+      postMessage({ id, answered } satisfies Reply, {
+        transfer: [...buffersOf(answered.after), ...buffersOf(answered)],
+      });
     }
   } catch (error) {
     const failure = error instanceof Error ? error.message : String(error);

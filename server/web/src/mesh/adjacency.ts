@@ -23,8 +23,12 @@ export function mergeEqualPoints(points: Float64Array): Uint32Array {
     let slot = (hash ^ (hash >>> 16)) & mask;
     for (; table[slot]! >= 0; slot = (slot + 1) & mask) {
       const q = table[slot]!;
-      if (points[3 * p] === points[3 * q] && points[3 * p + 1] === points[3 * q + 1] &&
-          points[3 * p + 2] === points[3 * q + 2]) break;
+      if (
+        points[3 * p] === points[3 * q] &&
+        points[3 * p + 1] === points[3 * q + 1] &&
+        points[3 * p + 2] === points[3 * q + 2]
+      )
+        break;
     }
     if (table[slot]! < 0) table[slot] = p;
     first[p] = table[slot]!;
@@ -42,13 +46,16 @@ export function twins(corners: Uint32Array, merged: Uint32Array): Int32Array {
   const twin = new Int32Array(corners.length).fill(kOpen);
   const end = (h: number, step: number): number => merged[corners[h - (h % 3) + ((h + step) % 3)]!]!;
   for (let h = 0; h < corners.length; ++h) {
-    const a = end(h, 1), b = end(h, 2);
-    const low = Math.min(a, b), high = Math.max(a, b);
-    let slot = (Math.imul(low, 0x9e3779b1) ^ Math.imul(high, 0x85ebca6b));
+    const a = end(h, 1),
+      b = end(h, 2);
+    const low = Math.min(a, b),
+      high = Math.max(a, b);
+    let slot = Math.imul(low, 0x9e3779b1) ^ Math.imul(high, 0x85ebca6b);
     slot = (slot ^ (slot >>> 15)) & mask;
     for (; table[slot]! >= 0; slot = (slot + 1) & mask) {
       const g = table[slot]!;
-      const c = end(g, 1), d = end(g, 2);
+      const c = end(g, 1),
+        d = end(g, 2);
       if (Math.min(c, d) === low && Math.max(c, d) === high) break;
     }
     const other = table[slot]!;

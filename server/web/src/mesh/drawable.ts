@@ -136,7 +136,8 @@ export class Draft {
   }
 
   private isBend(t: number, other: number): boolean {
-    const a = this.normal(t), b = this.normal(other);
+    const a = this.normal(t),
+      b = this.normal(other);
     const product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     // A triangle without area has no direction: no line beside it.
     return product < kFlat * Math.hypot(...a) * Math.hypot(...b);
@@ -145,9 +146,15 @@ export class Draft {
   private normal(t: number): Point {
     const { points } = this.surface;
     const { corners } = this.triangles;
-    const a = 3 * corners[3 * t]!, b = 3 * corners[3 * t + 1]!, c = 3 * corners[3 * t + 2]!;
-    const ux = points[b]! - points[a]!, uy = points[b + 1]! - points[a + 1]!, uz = points[b + 2]! - points[a + 2]!;
-    const vx = points[c]! - points[a]!, vy = points[c + 1]! - points[a + 1]!, vz = points[c + 2]! - points[a + 2]!;
+    const a = 3 * corners[3 * t]!,
+      b = 3 * corners[3 * t + 1]!,
+      c = 3 * corners[3 * t + 2]!;
+    const ux = points[b]! - points[a]!,
+      uy = points[b + 1]! - points[a + 1]!,
+      uz = points[b + 2]! - points[a + 2]!;
+    const vx = points[c]! - points[a]!,
+      vy = points[c + 1]! - points[a + 1]!,
+      vz = points[c + 2]! - points[a + 2]!;
     return [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
   }
 }

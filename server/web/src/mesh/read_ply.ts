@@ -2,8 +2,22 @@ import { Scanner } from "./scanner.ts";
 import { type Surface, SurfaceBuilder, UnreadableMesh } from "./surface.ts";
 
 const kSizes: Record<string, number> = {
-  char: 1, int8: 1, uchar: 1, uint8: 1, short: 2, int16: 2, ushort: 2, uint16: 2,
-  int: 4, int32: 4, uint: 4, uint32: 4, float: 4, float32: 4, double: 8, float64: 8,
+  char: 1,
+  int8: 1,
+  uchar: 1,
+  uint8: 1,
+  short: 2,
+  int16: 2,
+  ushort: 2,
+  uint16: 2,
+  int: 4,
+  int32: 4,
+  uint: 4,
+  uint32: 4,
+  float: 4,
+  float32: 4,
+  double: 8,
+  float64: 8,
 };
 
 interface Property {
@@ -63,14 +77,29 @@ function binaryNumbers(bytes: Uint8Array, begin: number, isLittle: boolean): Nex
     at += kSizes[type]!;
     if (at > view.byteLength) throw new UnreadableMesh("The file ends too early.");
     switch (type) {
-      case "char": case "int8": return view.getInt8(here);
-      case "uchar": case "uint8": return view.getUint8(here);
-      case "short": case "int16": return view.getInt16(here, isLittle);
-      case "ushort": case "uint16": return view.getUint16(here, isLittle);
-      case "int": case "int32": return view.getInt32(here, isLittle);
-      case "uint": case "uint32": return view.getUint32(here, isLittle);
-      case "float": case "float32": return view.getFloat32(here, isLittle);
-      default: return view.getFloat64(here, isLittle);
+      case "char":
+      case "int8":
+        return view.getInt8(here);
+      case "uchar":
+      case "uint8":
+        return view.getUint8(here);
+      case "short":
+      case "int16":
+        return view.getInt16(here, isLittle);
+      case "ushort":
+      case "uint16":
+        return view.getUint16(here, isLittle);
+      case "int":
+      case "int32":
+        return view.getInt32(here, isLittle);
+      case "uint":
+      case "uint32":
+        return view.getUint32(here, isLittle);
+      case "float":
+      case "float32":
+        return view.getFloat32(here, isLittle);
+      default:
+        return view.getFloat64(here, isLittle);
     }
   };
 }

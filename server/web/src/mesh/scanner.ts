@@ -101,7 +101,8 @@ export class Scanner {
       if (isSmall || bytes[power] === kPlus) ++power;
       let exponent = 0;
       const first = power;
-      for (; power < bytes.length && isDigit(bytes[power]!); ++power) exponent = exponent * 10 + (bytes[power]! - kZero);
+      for (; power < bytes.length && isDigit(bytes[power]!); ++power)
+        exponent = exponent * 10 + (bytes[power]! - kZero);
       if (power > first) {
         scale += isSmall ? -exponent : exponent;
         at = power;

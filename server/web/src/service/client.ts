@@ -68,7 +68,9 @@ export class ServiceClient {
   }
 
   private send({ path, query, body }: Post, watching: Watching): Running {
-    const id = crypto.getRandomValues(new Uint8Array(16)).reduce((text, byte) => text + byte.toString(16).padStart(2, "0"), "");
+    const id = crypto
+      .getRandomValues(new Uint8Array(16))
+      .reduce((text, byte) => text + byte.toString(16).padStart(2, "0"), "");
     const request = new XMLHttpRequest();
     const ended = new AbortController();
     const answer = new Promise<Blob>((resolve, reject) => {
@@ -92,7 +94,9 @@ export class ServiceClient {
     }).finally(() => ended.abort());
     const cancel = async (): Promise<void> => {
       // The daemon answers the request itself; while it is still being sent, nobody there knows it.
-      const response = await fetch(`/v1/requests/${id}`, { method: "DELETE", headers: this.headers() }).catch(() => null);
+      const response = await fetch(`/v1/requests/${id}`, { method: "DELETE", headers: this.headers() }).catch(
+        () => null,
+      );
       if (response?.status !== 204 && !ended.signal.aborted) request.abort();
     };
     return { answer, cancel: () => void cancel() };
@@ -129,7 +133,11 @@ export class ServiceClient {
 }
 
 /** Server-sent events: `data: {...}` lines, an empty line between. */
-async function readEvents(stream: ReadableStream<Uint8Array>, signal: AbortSignal, onState: Watching["onState"]): Promise<void> {
+async function readEvents(
+  stream: ReadableStream<Uint8Array>,
+  signal: AbortSignal,
+  onState: Watching["onState"],
+): Promise<void> {
   const reader = stream.getReader();
   const decoder = new TextDecoder();
   let text = "";
@@ -161,5 +169,10 @@ function unreachable(): ServiceProblem {
   return new ServiceProblem({ status: 0, title: "No answer", code: "unreachable", detail });
 }
 function cancelled(): ServiceProblem {
-  return new ServiceProblem({ status: 499, title: "Cancelled", code: "cancelled", detail: "cancelled before it was sent" });
+  return new ServiceProblem({
+    status: 499,
+    title: "Cancelled",
+    code: "cancelled",
+    detail: "cancelled before it was sent",
+  });
 }

@@ -9,11 +9,18 @@ export function resultName(file: string, format: string): string {
 }
 
 /** The line that does what the page does. */
-export function curlLine(origin: string, file: string, query: [string, string][], format: string, hasKey: boolean): string {
+export function curlLine(
+  origin: string,
+  file: string,
+  query: [string, string][],
+  format: string,
+  hasKey: boolean,
+): string {
   const url = new URL("/v1/remesh", origin);
   // Commas and the like may stand in a query as they are, and read better.
-  const parameters = [...query, ["format", format]].map(([name, value]) =>
-    `${name}=${encodeURIComponent(value!).replaceAll("%2C", ",")}`);
+  const parameters = [...query, ["format", format]].map(
+    ([name, value]) => `${name}=${encodeURIComponent(value!).replaceAll("%2C", ",")}`,
+  );
   return [
     "curl",
     "--fail-with-body",

@@ -10,8 +10,13 @@ export interface Result {
 }
 
 const kAbout: Record<string, string> = {
-  obj: "objects, groups, materials", json: "with patches and report", stl: "binary, floats", ply: "binary, doubles", off: "text",
-  vtu: "ParaView: patch and quality", msh: "Gmsh 2.2",
+  obj: "objects, groups, materials",
+  json: "with patches and report",
+  stl: "binary, floats",
+  ply: "binary, doubles",
+  off: "text",
+  vtu: "ParaView: patch and quality",
+  msh: "Gmsh 2.2",
 };
 
 /** The result in every format, and the line of a shell that makes it. */
@@ -22,27 +27,57 @@ export class DownloadPanel {
   private readonly copy = h("button", { type: "button", class: "quiet", click: () => void this.copyLine() }, "Copy");
   private readonly format = h("select", { "aria-label": "Format of the curl line", change: () => this.showLine() });
   private result: Result | null = null;
-  private settings: { file: string; query: [string, string][]; hasKey: boolean } = { file: "part.obj", query: [], hasKey: false };
+  private settings: { file: string; query: [string, string][]; hasKey: boolean } = {
+    file: "part.obj",
+    query: [],
+    hasKey: false,
+  };
 
-  constructor(panel: HTMLElement, private readonly service: ServiceClient) {
+  constructor(
+    panel: HTMLElement,
+    private readonly service: ServiceClient,
+  ) {
     panel.replaceChildren(
-      h("div", { class: "download" },
-        h("section", { "aria-labelledby": "files-title" }, h("h3", { id: "files-title" }, "The result as a file"), this.buttons, this.note),
-        h("section", { "aria-labelledby": "curl-title" }, h("h3", { id: "curl-title" }, "The same from a shell"),
-          h("div", { class: "curl-row" }, h("label", { class: "inline" }, "as ", this.format), this.copy), this.line)));
+      h(
+        "div",
+        { class: "download" },
+        h(
+          "section",
+          { "aria-labelledby": "files-title" },
+          h("h3", { id: "files-title" }, "The result as a file"),
+          this.buttons,
+          this.note,
+        ),
+        h(
+          "section",
+          { "aria-labelledby": "curl-title" },
+          h("h3", { id: "curl-title" }, "The same from a shell"),
+          h("div", { class: "curl-row" }, h("label", { class: "inline" }, "as ", this.format), this.copy),
+          this.line,
+        ),
+      ),
+    );
   }
 
   offer(formats: Format[]): void {
-    this.buttons.replaceChildren(...formats.map(({ name, media_type }) =>
-      h("button", { type: "button", disabled: true, "data-format": name, title: media_type, click: () => void this.save(name) },
-        h("strong", {}, name.toUpperCase()), h("span", { class: "muted" }, kAbout[name] ?? media_type))));
+    this.buttons.replaceChildren(
+      ...formats.map(({ name, media_type }) =>
+        h(
+          "button",
+          { type: "button", disabled: true, "data-format": name, title: media_type, click: () => void this.save(name) },
+          h("strong", {}, name.toUpperCase()),
+          h("span", { class: "muted" }, kAbout[name] ?? media_type),
+        ),
+      ),
+    );
     this.format.replaceChildren(...formats.map(({ name }) => h("option", { value: name }, name)));
     this.showLine();
   }
 
   setResult(result: Result | null): void {
     this.result = result;
-    this.note.textContent = result ? "Formats other than JSON are made anew by the service: the same input and options give the same bytes."
+    this.note.textContent = result
+      ? "Formats other than JSON are made anew by the service: the same input and options give the same bytes."
       : "Remesh a mesh first.";
     for (const button of this.buttons.querySelectorAll("button")) button.disabled = result === null;
   }
@@ -64,9 +99,13 @@ export class DownloadPanel {
     try {
       if (format !== "json") this.note.textContent = `Making ${format.toUpperCase()} …`;
       const nothing = (): void => {};
-      const blob = format === "json" ? json : await this.service.post(
-        { path: "/v1/remesh", query: [...query, ["format", format]], body: file },
-        { onSent: nothing, onState: nothing, onReceived: nothing }).answer;
+      const blob =
+        format === "json"
+          ? json
+          : await this.service.post(
+              { path: "/v1/remesh", query: [...query, ["format", format]], body: file },
+              { onSent: nothing, onState: nothing, onReceived: nothing },
+            ).answer;
       const name = resultName(file.name, format);
       saveBlob(blob, name);
       this.note.textContent = `Saved as ${name}.`;

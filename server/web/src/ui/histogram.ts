@@ -27,7 +27,10 @@ const share = (histogram: Histogram): number[] => {
 export function histogramChart(before: Histogram, after: Histogram | null, text: HistogramText): HTMLElement {
   const shares = [share(before), after ? share(after) : []] as const;
   const used = before.counts.map((n, i) => n + (after?.counts[i] ?? 0));
-  const last = Math.max(used.findLastIndex((n) => n > 0), 3);
+  const last = Math.max(
+    used.findLastIndex((n) => n > 0),
+    3,
+  );
   const bins = last + 1;
   const most = Math.max(...shares[0], ...shares[1]);
   const top = [0.1, 0.2, 0.3, 0.4, 0.6, 0.8, 1].find((value) => value >= most) ?? 1;
@@ -40,13 +43,25 @@ export function histogramChart(before: Histogram, after: Histogram | null, text:
   for (const part of [0, top / 2, top]) {
     chart.append(
       svg("line", { class: "grid", x1: kMargin.left, x2: kWidth - kMargin.right, y1: y(part), y2: y(part) }),
-      svg("text", { class: "tick", x: kMargin.left - 5, y: y(part) + 3.5, "text-anchor": "end" }, `${Math.round(part * 100)}%`),
+      svg(
+        "text",
+        { class: "tick", x: kMargin.left - 5, y: y(part) + 3.5, "text-anchor": "end" },
+        `${Math.round(part * 100)}%`,
+      ),
     );
   }
   const bar = (name: string, bin: number, part: number, left: number, wide: number): void => {
     if (part <= 0) return;
     const tall = Math.max(height * (part / top), 1);
-    chart.append(svg("rect", { class: name, x: x(bin) + left * width, y: kMargin.top + height - tall, width: wide * width, height: tall }));
+    chart.append(
+      svg("rect", {
+        class: name,
+        x: x(bin) + left * width,
+        y: kMargin.top + height - tall,
+        width: wide * width,
+        height: tall,
+      }),
+    );
   };
   for (let bin = 0; bin < bins; ++bin) {
     bar("bar-before", bin, shares[0][bin]!, 0.08, after ? 0.4 : 0.84);
@@ -57,15 +72,32 @@ export function histogramChart(before: Histogram, after: Histogram | null, text:
   }
   const step = Math.ceil(bins / 9);
   for (let edge = 0; edge <= bins; edge += step) {
-    chart.append(svg("text", { class: "tick", x: x(edge), y: kHeight - 20, "text-anchor": "middle" }, text.format(before.edges[edge]!)));
+    chart.append(
+      svg(
+        "text",
+        { class: "tick", x: x(edge), y: kHeight - 20, "text-anchor": "middle" },
+        text.format(before.edges[edge]!),
+      ),
+    );
   }
-  chart.append(svg("text", { class: "axis", x: (kMargin.left + kWidth) / 2, y: kHeight - 4, "text-anchor": "middle" }, text.axis));
+  chart.append(
+    svg("text", { class: "axis", x: (kMargin.left + kWidth) / 2, y: kHeight - 4, "text-anchor": "middle" }, text.axis),
+  );
   drawBound(chart, before.edges.slice(0, bins + 1), x, text);
 
-  return h("figure", { class: "histogram" },
-    h("figcaption", {}, h("h3", {}, text.title), h("span", { class: "key key-before" }, "before"),
-      after && h("span", { class: "key key-after" }, "after")),
-    chart, table(before, after, bins, text));
+  return h(
+    "figure",
+    { class: "histogram" },
+    h(
+      "figcaption",
+      {},
+      h("h3", {}, text.title),
+      h("span", { class: "key key-before" }, "before"),
+      after && h("span", { class: "key key-after" }, "after"),
+    ),
+    chart,
+    table(before, after, bins, text),
+  );
 }
 
 function tip(before: Histogram, after: Histogram | null, bin: number, text: HistogramText): string {
@@ -73,7 +105,12 @@ function tip(before: Histogram, after: Histogram | null, bin: number, text: Hist
   return `${range}: ${whole(before.counts[bin]!)} before` + (after ? `, ${whole(after.counts[bin]!)} after` : "");
 }
 
-function drawBound(chart: SVGElement, edges: number[], x: (bin: number) => number, { bound, boundName }: HistogramText): void {
+function drawBound(
+  chart: SVGElement,
+  edges: number[],
+  x: (bin: number) => number,
+  { bound, boundName }: HistogramText,
+): void {
   if (bound === null) return;
   const bin = edges.findLastIndex((edge) => edge <= bound);
   if (bin < 0 || bin >= edges.length - 1) return;
@@ -81,15 +118,43 @@ function drawBound(chart: SVGElement, edges: number[], x: (bin: number) => numbe
   const isRight = at > kWidth * 0.7;
   chart.append(
     svg("line", { class: "bound", x1: at, x2: at, y1: kMargin.top - 6, y2: kHeight - kMargin.bottom }),
-    svg("text", { class: "bound-name", x: at + (isRight ? -5 : 5), y: kMargin.top + 3, "text-anchor": isRight ? "end" : "start" }, boundName),
+    svg(
+      "text",
+      { class: "bound-name", x: at + (isRight ? -5 : 5), y: kMargin.top + 3, "text-anchor": isRight ? "end" : "start" },
+      boundName,
+    ),
   );
 }
 
 function table(before: Histogram, after: Histogram | null, bins: number, text: HistogramText): HTMLElement {
   const rows = Array.from({ length: bins }, (_, bin) =>
-    h("tr", {}, h("th", { scope: "row" }, `${real(before.edges[bin]!)} – ${real(before.edges[bin + 1]!)}`),
-      h("td", {}, whole(before.counts[bin]!)), after && h("td", {}, whole(after.counts[bin]!))));
-  return h("details", { class: "as-table" }, h("summary", {}, "As a table"),
-    h("table", {}, h("thead", {}, h("tr", {}, h("th", { scope: "col" }, text.axis), h("th", { scope: "col" }, "before"),
-      after && h("th", { scope: "col" }, "after"))), h("tbody", {}, ...rows)));
+    h(
+      "tr",
+      {},
+      h("th", { scope: "row" }, `${real(before.edges[bin]!)} – ${real(before.edges[bin + 1]!)}`),
+      h("td", {}, whole(before.counts[bin]!)),
+      after && h("td", {}, whole(after.counts[bin]!)),
+    ),
+  );
+  return h(
+    "details",
+    { class: "as-table" },
+    h("summary", {}, "As a table"),
+    h(
+      "table",
+      {},
+      h(
+        "thead",
+        {},
+        h(
+          "tr",
+          {},
+          h("th", { scope: "col" }, text.axis),
+          h("th", { scope: "col" }, "before"),
+          after && h("th", { scope: "col" }, "after"),
+        ),
+      ),
+      h("tbody", {}, ...rows),
+    ),
+  );
 }

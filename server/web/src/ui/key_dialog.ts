@@ -9,11 +9,15 @@ export function askForKey(wasWrong: boolean): Promise<string> {
   input.value = "";
   if (!dialog.open) dialog.showModal();
   return new Promise((resolve) => {
-    byId("key-form").addEventListener("submit", () => {
-      const key = input.value.trim();
-      input.value = "";
-      resolve(key);
-    }, { once: true });
+    byId("key-form").addEventListener(
+      "submit",
+      () => {
+        const key = input.value.trim();
+        input.value = "";
+        resolve(key);
+      },
+      { once: true },
+    );
     // There is nothing to see without one.
     dialog.addEventListener("cancel", (event) => event.preventDefault());
   });

@@ -14,8 +14,17 @@ export function showLegend(element: HTMLElement, colouring: Colouring, scale: st
   const stops = colours.map((colour, i) => svg("stop", { offset: i / (colours.length - 1), "stop-color": colour }));
   element.replaceChildren(
     h("span", {}, text.ends[0]),
-    svg("svg", { viewBox: "0 0 100 10", preserveAspectRatio: "none", role: "img", "aria-label": `${text.what}, from ${text.ends[0]} to ${text.ends[1]}` },
+    svg(
+      "svg",
+      {
+        viewBox: "0 0 100 10",
+        preserveAspectRatio: "none",
+        role: "img",
+        "aria-label": `${text.what}, from ${text.ends[0]} to ${text.ends[1]}`,
+      },
       svg("defs", {}, svg("linearGradient", { id: "legend-scale" }, ...stops)),
-      svg("rect", { width: 100, height: 10, rx: 2, fill: "url(#legend-scale)" })),
-    h("span", {}, text.ends[1]));
+      svg("rect", { width: 100, height: 10, rx: 2, fill: "url(#legend-scale)" }),
+    ),
+    h("span", {}, text.ends[1]),
+  );
 }

@@ -30,8 +30,12 @@ export class OptionsForm {
   ) {
     this.fields = specs.filter((spec) => !kNotAsked.includes(spec.name)).map((spec) => this.field(spec));
     const isFirst = (field: Field): boolean => kFirst.includes(field.spec.name);
-    const more = h("details", { class: "more" }, h("summary", {}, "More options"),
-      ...this.fields.filter((field) => !isFirst(field)).map((field) => field.row));
+    const more = h(
+      "details",
+      { class: "more" },
+      h("summary", {}, "More options"),
+      ...this.fields.filter((field) => !isFirst(field)).map((field) => field.row),
+    );
     container.replaceChildren(...this.fields.filter(isFirst).map((field) => field.row), more);
     this.changed();
   }
@@ -67,7 +71,8 @@ export class OptionsForm {
       const rival = this.fields.find((other) => other.spec.name === spec.excludes && other.value() !== null);
       setEnabled(!rival);
       const wrong = fault();
-      note.textContent = wrong ?? (rival ? `Not together with ${label(rival.spec.name).toLowerCase()}.` : sentence(spec.description));
+      note.textContent =
+        wrong ?? (rival ? `Not together with ${label(rival.spec.name).toLowerCase()}.` : sentence(spec.description));
       note.classList.toggle("wrong", wrong !== null);
       row.querySelector("input")?.setAttribute("aria-invalid", String(wrong !== null));
     }
@@ -83,11 +88,23 @@ export class OptionsForm {
   }
 
   private toggle(spec: OptionSpec, id: string, note: HTMLElement): Field {
-    const input = h("input", { type: "checkbox", id, checked: spec.default === true, "aria-describedby": note.id,
-      change: () => this.changed() });
-    const row = h("div", { class: "option" }, h("label", { for: id, class: "check" }, input, " ", label(spec.name)), note);
+    const input = h("input", {
+      type: "checkbox",
+      id,
+      checked: spec.default === true,
+      "aria-describedby": note.id,
+      change: () => this.changed(),
+    });
+    const row = h(
+      "div",
+      { class: "option" },
+      h("label", { for: id, class: "check" }, input, " ", label(spec.name)),
+      note,
+    );
     return {
-      spec, row, note,
+      spec,
+      row,
+      note,
       value: () => (input.checked === (spec.default === true) ? null : String(input.checked)),
       fault: () => null,
       reset: () => (input.checked = spec.default === true),
@@ -98,15 +115,30 @@ export class OptionsForm {
   /** Some of a list of words. */
   private words(spec: OptionSpec, id: string, note: HTMLElement, words: string[]): Field {
     const defaults = String(spec.default).split(",");
-    const inputs = words.map((word) => h("input", { type: "checkbox", value: word, checked: defaults.includes(word),
-      change: () => this.changed() }));
-    const row = h("fieldset", { class: "option", id, "aria-describedby": note.id }, h("legend", {}, label(spec.name)),
-      h("div", { class: "words" }, ...inputs.map((input): Child => h("label", { class: "check" }, input, " ",
-        label(input.value).toLowerCase()))), note);
-    const chosen = (): string => inputs.filter((input) => input.checked).map((input) => input.value).join(",");
+    const inputs = words.map((word) =>
+      h("input", { type: "checkbox", value: word, checked: defaults.includes(word), change: () => this.changed() }),
+    );
+    const row = h(
+      "fieldset",
+      { class: "option", id, "aria-describedby": note.id },
+      h("legend", {}, label(spec.name)),
+      h(
+        "div",
+        { class: "words" },
+        ...inputs.map((input): Child => h("label", { class: "check" }, input, " ", label(input.value).toLowerCase())),
+      ),
+      note,
+    );
+    const chosen = (): string =>
+      inputs
+        .filter((input) => input.checked)
+        .map((input) => input.value)
+        .join(",");
     const initial = words.filter((word) => defaults.includes(word)).join(",");
     return {
-      spec, row, note,
+      spec,
+      row,
+      note,
       value: () => (chosen() === initial ? null : chosen() || "none"),
       fault: () => null,
       reset: () => inputs.forEach((input) => (input.checked = defaults.includes(input.value))),
@@ -118,14 +150,27 @@ export class OptionsForm {
   private text(spec: OptionSpec, id: string, note: HTMLElement): Field {
     const isNumber = spec.type !== "string";
     const standard = spec.default === null ? (spec.unset ?? "") : String(spec.default);
-    const input = h("input", { type: "text", id, placeholder: standard, inputmode: isNumber ? "decimal" : "text",
-      autocomplete: "off", spellcheck: "false", "aria-describedby": note.id });
+    const input = h("input", {
+      type: "text",
+      id,
+      placeholder: standard,
+      inputmode: isNumber ? "decimal" : "text",
+      autocomplete: "off",
+      spellcheck: "false",
+      "aria-describedby": note.id,
+    });
     const [low, high] = [spec.minimum, spec.maximum];
     // A slider is for ranges that the eye can divide.
     const hasSlider = isNumber && low !== undefined && high !== undefined && high - low > 1;
     const slider = hasSlider
-      ? h("input", { type: "range", min: low, max: high, step: (high - low) / 66, value: Number(spec.default),
-          "aria-label": `${label(spec.name)}, slider` })
+      ? h("input", {
+          type: "range",
+          min: low,
+          max: high,
+          step: (high - low) / 66,
+          value: Number(spec.default),
+          "aria-label": `${label(spec.name)}, slider`,
+        })
       : null;
     input.addEventListener("input", () => {
       if (slider) slider.value = input.value === "" ? String(spec.default) : input.value;
@@ -135,14 +180,21 @@ export class OptionsForm {
       input.value = Number(slider.value) === spec.default ? "" : slider.value;
       this.changed();
     });
-    const row = h("div", { class: "option" }, h("div", { class: "line" }, h("label", { for: id }, label(spec.name)), slider, input),
-      note);
+    const row = h(
+      "div",
+      { class: "option" },
+      h("div", { class: "line" }, h("label", { for: id }, label(spec.name)), slider, input),
+      note,
+    );
     const value = (): string | null => {
       const text = input.value.trim();
       return text === "" || text === standard ? null : text;
     };
     return {
-      spec, row, note, value,
+      spec,
+      row,
+      note,
+      value,
       fault: () => {
         const text = value();
         return text === null || !isNumber || text === spec.unset ? null : faultOfNumber(spec, text);
@@ -166,9 +218,14 @@ export function faultOfNumber(spec: OptionSpec, text: string): string | null {
     spec.minimum === undefined ? "" : `at least ${real(spec.minimum)}`,
     spec.exclusive_minimum === undefined ? "" : `above ${real(spec.exclusive_minimum)}`,
     spec.maximum === undefined ? "" : `at most ${real(spec.maximum)}`,
-  ].filter(Boolean).join(" and ");
-  const isInside = Number.isFinite(value) && !(value < (spec.minimum ?? -Infinity)) &&
-    !(value <= (spec.exclusive_minimum ?? -Infinity)) && !(value > (spec.maximum ?? Infinity));
+  ]
+    .filter(Boolean)
+    .join(" and ");
+  const isInside =
+    Number.isFinite(value) &&
+    !(value < (spec.minimum ?? -Infinity)) &&
+    !(value <= (spec.exclusive_minimum ?? -Infinity)) &&
+    !(value > (spec.maximum ?? Infinity));
   if (isInside) return null;
   return `This takes a ${spec.type === "integer" ? "whole number" : "number"} ${bounds}`.trim() + ".";
 }

@@ -3,8 +3,24 @@ import { byId, h } from "./dom.ts";
 import { label, seconds } from "./words.ts";
 
 /** In the order in which a request passes them; "send", "receive" and "draw" are the page's own. */
-const kStages = ["send", "queued", "read", "weld", "regions", "patches", "loops", "essential_vertices", "triangulation", "refinement",
-  "assembly", "verify", "quality", "write", "receive", "draw"];
+const kStages = [
+  "send",
+  "queued",
+  "read",
+  "weld",
+  "regions",
+  "patches",
+  "loops",
+  "essential_vertices",
+  "triangulation",
+  "refinement",
+  "assembly",
+  "verify",
+  "quality",
+  "write",
+  "receive",
+  "draw",
+];
 /** Shorter runs need no card. */
 const kPatienceMs = 120;
 
@@ -17,7 +33,10 @@ export class ProgressCard {
   private timer = 0;
   private stage = "";
 
-  constructor(onCancel: () => void, private readonly announce: (text: string) => void) {
+  constructor(
+    onCancel: () => void,
+    private readonly announce: (text: string) => void,
+  ) {
     byId("stages").replaceChildren(...this.items.values());
     byId("cancel").addEventListener("click", onCancel);
   }

@@ -1,6 +1,15 @@
 // What findings point at, drawn over a surface: points at places, and faces.
 import {
-  BufferAttribute, BufferGeometry, Color, DoubleSide, GLSL3, Group, Mesh, MeshBasicMaterial, Points, ShaderMaterial,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DoubleSide,
+  GLSL3,
+  Group,
+  Mesh,
+  MeshBasicMaterial,
+  Points,
+  ShaderMaterial,
 } from "three";
 
 import { type Drawable, type Point, trianglesOfFace } from "../mesh/drawable.ts";
@@ -45,7 +54,11 @@ export class Marks {
   private readonly front = pointMaterial(1);
   private readonly behind = pointMaterial(0.28);
   private readonly faceMaterial = new MeshBasicMaterial({
-    side: DoubleSide, transparent: true, opacity: 0.72, polygonOffset: true, polygonOffsetFactor: -1,
+    side: DoubleSide,
+    transparent: true,
+    opacity: 0.72,
+    polygonOffset: true,
+    polygonOffsetFactor: -1,
     polygonOffsetUnits: -2,
   });
 
@@ -63,7 +76,13 @@ export class Marks {
     const geometry = new BufferGeometry();
     const positions = places.flatMap((place) => place.map((x, axis) => (x - centre[axis]!) / radius));
     geometry.setAttribute("position", new BufferAttribute(Float32Array.from(positions), 3));
-    geometry.setAttribute("chosen", new BufferAttribute(Float32Array.from(places, (_, i) => Number(i === chosen)), 1));
+    geometry.setAttribute(
+      "chosen",
+      new BufferAttribute(
+        Float32Array.from(places, (_, i) => Number(i === chosen)),
+        1,
+      ),
+    );
     for (const material of [this.behind, this.front]) {
       const points = new Points(geometry, material);
       points.frustumCulled = false;
@@ -96,7 +115,10 @@ function pointMaterial(opacity: number): ShaderMaterial {
     transparent: true,
     depthWrite: false,
     uniforms: {
-      size: { value: 11 }, mark: { value: new Color() }, rim: { value: new Color() }, opacity: { value: opacity },
+      size: { value: 11 },
+      mark: { value: new Color() },
+      rim: { value: new Color() },
+      opacity: { value: opacity },
     },
   });
 }

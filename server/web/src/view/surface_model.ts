@@ -1,6 +1,18 @@
 import {
-  BufferAttribute, BufferGeometry, Color, DataTexture, DoubleSide, FloatType, GLSL3, Mesh, NearestFilter, RGBAFormat,
-  ShaderMaterial, Sphere, Vector3, Vector4,
+  BufferAttribute,
+  BufferGeometry,
+  Color,
+  DataTexture,
+  DoubleSide,
+  FloatType,
+  GLSL3,
+  Mesh,
+  NearestFilter,
+  RGBAFormat,
+  ShaderMaterial,
+  Sphere,
+  Vector3,
+  Vector4,
 } from "three";
 
 import { type Drawable, kValue } from "../mesh/drawable.ts";

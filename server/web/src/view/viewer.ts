@@ -1,6 +1,16 @@
 // The two views. One canvas lies behind both, drawn where their elements are; it is drawn when something has changed.
 import {
-  Color, ColorManagement, LineBasicMaterial, LineLoop, LinearSRGBColorSpace, PerspectiveCamera, Scene, Vector3, Vector4, WebGLRenderTarget, WebGLRenderer,
+  Color,
+  ColorManagement,
+  LineBasicMaterial,
+  LineLoop,
+  LinearSRGBColorSpace,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
+  Vector4,
+  WebGLRenderTarget,
+  WebGLRenderer,
   BufferGeometry,
 } from "three";
 
@@ -258,7 +268,10 @@ export class Viewer {
     const ratio = Math.min(devicePixelRatio, 2) * this.detail;
     const { clientWidth, clientHeight } = this.canvas;
     if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
-    if (this.canvas.width !== Math.floor(clientWidth * ratio) || this.canvas.height !== Math.floor(clientHeight * ratio)) {
+    if (
+      this.canvas.width !== Math.floor(clientWidth * ratio) ||
+      this.canvas.height !== Math.floor(clientHeight * ratio)
+    ) {
       this.renderer.setSize(clientWidth, clientHeight, false);
     }
   }
@@ -323,7 +336,12 @@ function cornersOf({ positions }: Drawable, triangle: number): [Vector3, Vector3
 function rectangle(box: Drawable["box"], axis: number, at: number): Vector3[] {
   const [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
   const margin = 0.04;
-  return [[0, 0], [1, 0], [1, 1], [0, 1]].map(([i, j]) => {
+  return [
+    [0, 0],
+    [1, 0],
+    [1, 1],
+    [0, 1],
+  ].map(([i, j]) => {
     const corner: Point = [0, 0, 0];
     corner[axis] = at;
     corner[u] = i ? box.max[u]! + margin : box.min[u]! - margin;
