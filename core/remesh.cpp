@@ -565,7 +565,10 @@ class Run {
     const IdVector<FaceId, FaceId> source =
         needs_source(want_face_source) ? face_source(surface_, patches_, meshes_, control_) : first_faces(result);
     result.mesh.labels = labels_of(input_.labels, source);
-    if (want_face_source) result.face_source = source;
+    if (want_face_source) {
+      result.face_source = source;
+      result.input_face_patch = patches_of_input();
+    }
     report_.timing_ms = watch_.finish();
     result.report = std::move(report_);
     return result;
@@ -584,6 +587,13 @@ class Run {
     source.reserve(result.face_patch.size());
     for (const PatchId p : result.face_patch) source.push_back(surface_.face_source[patches_.faces_of(p)[0]]);
     return source;
+  }
+
+  IdVector<FaceId, PatchId> patches_of_input() const {
+    IdVector<FaceId, PatchId> patch(input_.face_count());
+    for (std::size_t f = surface_.face_count(); f-- > 0;)
+      patch[surface_.face_source[FaceId(f)]] = patches_.of_face[FaceId(f)];
+    return patch;
   }
 
   static FaceLabels labels_of(const FaceLabels& labels, const IdVector<FaceId, FaceId>& source) {

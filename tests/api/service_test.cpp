@@ -100,6 +100,7 @@ TEST(RunRemesh, the_listing_of_the_specification_is_one_ring) {
   EXPECT_EQ(answer["mesh"]["faces"].size(), 8u);
   EXPECT_EQ(answer["mesh"]["face_patch"].size(), 8u);
   EXPECT_EQ(answer["mesh"]["face_source"].size(), 8u);
+  EXPECT_EQ(answer["mesh"]["input_face_patch"], json::array({0, 0, 0, 0, 0, 0, 0, 0}));
   EXPECT_EQ(answer["mesh"]["labels"]["object"]["names"], json({"Plane_Plane.003"}));
 }
 
