@@ -69,6 +69,7 @@ class Daemon:
 
     def __init__(self, program, *flags, key=None):
         environment = {name: value for name, value in os.environ.items() if not name.startswith("REMESHD_")}
+        environment["REMESHD_STORE"] = "none"  # unless a flag says another
         if key:
             environment["REMESHD_API_KEY"] = key
         self.process = subprocess.Popen(
