@@ -77,7 +77,8 @@ class Postgres:
     def query(self, sql):
         """Rows of strings."""
         answer = subprocess.run([f"{self.programs}/psql", "-qAtX", "-F", "\t", "-v", "ON_ERROR_STOP=1", "-c", sql, self.url],
-                                check=True, capture_output=True, text=True, cwd="/")
+                                check=True, capture_output=True, text=True, cwd="/",
+                                env={**os.environ, "PGOPTIONS": "-c default_transaction_read_only=off"})
         return [line.split("\t") for line in answer.stdout.splitlines()]
 
     def __enter__(self):
