@@ -121,8 +121,10 @@ class Daemon:
 
     def read_log(self, stream):
         for line in stream:
-            with contextlib.suppress(ValueError):
+            try:
                 self.lines.append(json.loads(line))
+            except ValueError:  # cut off by a kill, or no log yet
+                self.lines.append({"text": line.decode(errors="replace")})
 
     def answers(self):
         with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", self.port), timeout=1):
