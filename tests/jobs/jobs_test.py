@@ -1,11 +1,17 @@
-"""Three real daemons on one store, and clients that submit, poll, stream, cancel and repeat: jobs_test.py REMESHD sqlite|postgres
+"""Three real daemons on one store, and clients that submit, poll, stream, cancel and repeat: jobs_test.py REMESHD REMESH sqlite|postgres [WORD]...
+
+With words, only the tests that have one of them in their names.
 
 Leases are short here (--job-lease), all else is as it is served. Exit code 77: the store is not there.
 """
 
 import contextlib
 import json
+import os
+import pathlib
 import resource
+import signal
+import subprocess
 import sys
 import tempfile
 import threading
@@ -16,7 +22,7 @@ from daemons import (CONTINUE, ENDLESS, QUICK, SECOND, SHORT, SQUARE, STOP, Daem
                      state_of, submit, wait_for, wait_for_state, with_clock)
 
 LEASE_S = 2
-PROGRAM = ""
+PROGRAM = CLIENT = ""
 
 
 def expect(condition, text):
@@ -329,10 +335,59 @@ def test_roles(store):
             expect(working.metric("remeshd_jobs_total") >= 1, "and counts")
 
 
+@contextlib.contextmanager
+def command_line(daemon, mesh, *options):
+    """remesh --server, in a folder of its own. Gives the process, and the folder."""
+    with tempfile.TemporaryDirectory() as folder:
+        with open(f"{folder}/part.obj", "wb") as file:
+            file.write(mesh)
+        command = [CLIENT, "part.obj", "-o", "out.stl", "--report", "report.json", "--server", f"http://127.0.0.1:{daemon.port}"]
+        with subprocess.Popen([*command, *options], cwd=folder, stderr=subprocess.PIPE, text=True) as process:
+            yield process, pathlib.Path(folder)
+
+
+def test_the_command_line_uses_jobs(store):
+    with daemons(store, 1) as (daemon,):
+        direct = ask(daemon.port, "POST", f"/v1/remesh?{SHORT}&format=stl", SQUARE)
+        with command_line(daemon, SQUARE, "--max-edge-length", "0.01") as (process, folder):
+            expect_equal((process.wait(30), process.stderr.read()), (0, ""), "exit code and complaints")
+            expect(folder.joinpath("out.stl").read_bytes() == direct.body, "the server's bytes")
+            expect(json.loads(folder.joinpath("report.json").read_text())["verified"]["surface"], "the report")
+        with command_line(daemon, SQUARE + b"f 1 2 9\n") as (process, folder):
+            expect_equal(process.wait(30), 1, "exit code of a bad mesh")
+            expect(process.stderr.read().startswith("remesh: part.obj:7: index_out_of_range: "), "where it is bad")
+            expect(not folder.joinpath("out.stl").exists(), "nothing is written")
+        with command_line(daemon, SQUARE, "--max-area", "-1") as (process, _):
+            expect_equal(process.wait(30), 2, "exit code of a bad option")
+
+
+def test_the_command_line_cancels_when_interrupted(store):
+    with daemons(store, 1) as (daemon,):
+        before = len(daemon.logged("job claimed"))
+        with command_line(daemon, SQUARE, "--max-edge-length", "0.0003") as (process, _):
+            job = wait_for(lambda: daemon.logged("job claimed")[before:])[0]["job"]
+            process.send_signal(signal.SIGINT)
+            expect_equal(process.wait(10), 1, "exit code")
+            expect("cancelled" in process.stderr.read(), "it says so")
+        wait_for_state(daemon.port, job, "cancelled", seconds=5)
+
+
+def test_the_command_line_waits_for_a_server_that_is_away(store):
+    with daemons(store, 1) as (daemon,):
+        with command_line(daemon, SQUARE, "--max-edge-length", "0.005") as (process, folder):
+            wait_for(lambda: daemon.logged("job claimed"))
+            daemon.kill()
+            time.sleep(0.5)
+            daemon.start()
+            expect_equal((process.wait(30), process.stderr.read()), (0, ""), "exit code and complaints")
+            expect(folder.joinpath("out.stl").stat().st_size > 1000, "a result")
+
+
 def main():
-    global PROGRAM  # pylint: disable=global-statement
-    PROGRAM, kind = sys.argv[1], sys.argv[2]
-    wanted = sys.argv[3:]
+    global PROGRAM, CLIENT  # pylint: disable=global-statement
+    PROGRAM, CLIENT = (os.path.abspath(program) for program in sys.argv[1:3])
+    kind = sys.argv[3]
+    wanted = sys.argv[4:]
     if not can_use(kind):
         print("SKIPPED: there is no PostgreSQL (Debian: postgresql)")
         return 77
