@@ -2,7 +2,9 @@
 /// a PostgreSQL that the tests may use as they like. Each test runs twice: with blobs in the store, and in a folder.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
+#include <cstdio>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
@@ -441,6 +443,43 @@ TEST_P(StoreTest, a_store_of_a_newer_version_is_not_touched) {
   driver()->connect()->run("UPDATE remeshd_schema SET version = 1");
   store->probe();
   EXPECT_TRUE(store->is_well());
+}
+
+/// Both kinds make the numbers from 1 on in their own way.
+void insert_waiting(Database& database, bool is_sqlite, int count) {
+  const std::string numbers = is_sqlite ? "WITH RECURSIVE n(i) AS (SELECT 1 UNION ALL SELECT i + 1 FROM n WHERE i < " +
+                                              std::to_string(count) + ")"
+                                        : "WITH n(i) AS (SELECT generate_series(1, " + std::to_string(count) + "))";
+  Transaction transaction(database);
+  database.run((numbers +
+                " INSERT INTO remeshd_job (id, owner, state, turn, memory, request, created_ms)"
+                " SELECT 'job ' || i, 'owner ' || (i % 7), 'queued', i, 1000 + i % 1000, '{}', remeshd_now() FROM n")
+                   .c_str());
+  transaction.commit();
+}
+
+TEST_P(StoreTest, fifty_thousand_jobs_that_wait_do_not_slow_a_claim) {
+  if (GetParam() == Blobs::kInFolder) return;  // blobs have no part in it
+  constexpr int kClaims = 60;
+  const auto median_claim_ms = [&](int waiting) {
+    const auto store = open();
+    store->probe();
+    const auto database = driver()->connect();
+    database->run("DELETE FROM remeshd_job");
+    insert_waiting(*database, is_sqlite(), waiting);
+    std::vector<double> times;
+    for (int i = 0; i < kClaims; ++i) {
+      const Clock::time_point start = Clock::now();
+      EXPECT_TRUE(store->claim("worker", kAnyMemory).has_value());
+      times.push_back(milliseconds_between(start, Clock::now()));
+    }
+    std::nth_element(times.begin(), times.begin() + kClaims / 2, times.end());
+    return times[kClaims / 2];
+  };
+  const double few = median_claim_ms(100);
+  const double many = median_claim_ms(50'000);
+  std::printf("a claim takes %.2f ms with 100 jobs that wait, %.2f ms with 50,000\n", few, many);
+  EXPECT_LT(many, 2 * few + 0.5);
 }
 
 }  // namespace
