@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstring>
+#include <optional>
 #include <type_traits>
 
 #include "core/io/formats.h"
@@ -79,11 +80,11 @@ class Unpacker {
   void expect_end() const {
     if (!rest_.empty()) fail();
   }
-
- private:
   [[noreturn]] static void fail() {
     throw Error(Code::kInternal, Stage::kWrite, "a kept result is damaged or of another version");
   }
+
+ private:
   std::string_view cut(std::uint64_t size) {
     if (size > rest_.size()) fail();
     const std::string_view bytes = rest_.substr(0, size);
@@ -123,7 +124,9 @@ KeptResult unpack_result(std::string_view bytes) {
   in.expect(kMagic);
   KeptResult kept;
   Result& result = kept.result;
-  kept.format = format_from_name(in.text()).value_or(Format::kObj);
+  const std::optional<Format> format = format_from_name(in.text());
+  if (!format) Unpacker::fail();
+  kept.format = *format;
   kept.summary = in.text();
   kept.server_timing = in.text();
   kept.file_name = in.text();
