@@ -304,6 +304,37 @@ def test_a_store_that_cannot_be_written_is_told_and_recovers(store):
         expect_in_order(daemon, job)
 
 
+def test_a_full_disk_is_told_and_costs_nothing(store):
+    """A real one: SQLite's file on a file system of a few megabytes."""
+    if store.postgres:
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=6m", "remeshd-test", folder], check=False,
+                          capture_output=True).returncode != 0:
+            print("  SKIPPED: no file system can be mounted here")
+            return
+        try:
+            with Store("sqlite", folder) as small, daemons(small, 1) as (daemon,):
+                kept = accepted(submit(daemon.port, SHORT))
+                wait_for_state(daemon.port, kept, "succeeded")
+                before = result_of(daemon.port, kept).body
+                filler = pathlib.Path(folder, "filler")
+                with contextlib.suppress(OSError), filler.open("wb") as file:
+                    while True:
+                        file.write(bytes(4096))
+                        file.flush()
+                wait_for(lambda: submit(daemon.port, mesh=SQUARE + b"#" * 100_000).code() == "store_unavailable")
+                wait_for(lambda: ask(daemon.port, "GET", "/readyz").status == 503)
+                expect_equal(ask(daemon.port, "GET", "/livez").status, 200, "/livez")
+                expect(result_of(daemon.port, kept).body == before, "what was kept can still be read")
+                filler.unlink()
+                again = accepted(wait_for(lambda: (answer := submit(daemon.port, SHORT)).status == 202 and answer))
+                expect_in_order(daemon, again)
+                expect_equal(state_of(daemon.port, kept)["state"], "succeeded", "nothing is lost")
+        finally:
+            subprocess.run(["umount", folder], check=True)
+
+
 def test_a_store_that_goes_away_comes_back(store):
     if not store.postgres:
         return
@@ -332,7 +363,9 @@ def test_roles(store):
             wait_for_state(serving.port, job, "succeeded")
             expect_equal(ask(working.port, "POST", "/v1/remesh", SQUARE).status, 404, "a worker only works")
             expect_equal(ask(working.port, "GET", "/readyz").status, 200, "but is watched")
-            expect(working.metric("remeshd_jobs_total") >= 1, "and counts")
+            for name in ("remeshd_jobs_queued ", "remeshd_job_oldest_queued_seconds ", 'remeshd_jobs_total{outcome="succeeded"} 1',
+                         'remeshd_job_retries_total{reason="worker_crashed"}', 'remeshd_store_latency_seconds_count{op="commit"} 1'):
+                wait_for(lambda: f"\n{name}" in ask(working.port, "GET", "/metrics").body.decode())  # pylint: disable=cell-var-from-loop
 
 
 @contextlib.contextmanager
