@@ -61,14 +61,12 @@ std::vector<Route> Service::routes() {
   list.push_back({"GET", "/openapi.json", [this](const Call&) { return wrap(operations_.openapi()); }});
   list.push_back(
       {"GET", "/v1/capabilities", [this](const Call&) { return wrap(operations_.capabilities(work_limits_.api)); }});
-  list.push_back({"POST", "/v1/remesh",
-                  [this](const Call& call) {
-                    return jobs::JobRoutes::wants_job(call.request) ? job_routes_.submit(call)
-                                                                    : work(operations_.remesh, call);
-                  },
-                  [this](const RequestHead& head) {
-                    return jobs::JobRoutes::wants_job(head) ? job_routes_.admit(head) : admit_work(head);
-                  }});
+  list.push_back(
+      {"POST", "/v1/remesh",
+       [this](const Call& call) {
+         return makes_job(call.request) ? job_routes_.submit(call) : work(operations_.remesh, call);
+       },
+       [this](const RequestHead& head) { return makes_job(head) ? job_routes_.admit(head) : admit_work(head); }});
   list.push_back(
       {"POST", "/v1/analyze", [this](const Call& call) { return work(operations_.analyze, call); }, work_body});
   list.push_back({"GET", "/v1/requests/{id}", [this](const Call& call) { return show_request(call); }});
@@ -152,6 +150,8 @@ void Service::stop() {
   http_.stop();
   if (ops_) ops_->stop();
 }
+
+bool Service::makes_job(const RequestHead& head) const { return jobs_ && jobs::JobRoutes::wants_job(head); }
 
 Admission Service::admit_work(const RequestHead& head) {
   if (draining_) throw draining();

@@ -57,6 +57,8 @@ class Service {
   std::vector<Route> ops_routes();
   std::unique_ptr<jobs::JobService> make_jobs();
   HttpSettings http_settings();
+  /// Whether a request to remesh becomes a job; what is only preferred can be left where there are none.
+  bool makes_job(const RequestHead& head) const;
   Admission admit_work(const RequestHead& head);
   Response show_metrics() const;
   Response work(const Operation& operation, const Call& call);

@@ -100,4 +100,19 @@ void BlobFolder::remove(const std::string& name) const noexcept {
   }
 }
 
+std::vector<BlobFolder::Found> BlobFolder::files_older_than(std::chrono::hours age, int part) const {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  const auto number = static_cast<std::size_t>(part);
+  const std::string folder{kDigits[number / 16], kDigits[number % 16]};
+  const auto last = std::filesystem::file_time_type::clock::now() - age;
+  std::vector<Found> found;
+  std::error_code failure;
+  for (const auto& entry : std::filesystem::directory_iterator(path_ + "/" + folder, failure)) {
+    const std::string name = entry.path().filename().string();
+    const auto written = entry.last_write_time(failure);
+    if (!failure && written < last) found.push_back({folder + "/" + name, name.substr(0, name.find('.'))});
+  }
+  return found;
+}
+
 }  // namespace remesh::server::jobs

@@ -1,8 +1,10 @@
 /// Inputs and results as files of a folder that all daemons share.
 #pragma once
 
+#include <chrono>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/jobs/job_store.h"
 
@@ -20,6 +22,14 @@ class BlobFolder {
   std::string read(const std::string& name) const;
   /// What cannot be removed stays.
   void remove(const std::string& name) const noexcept;
+
+  static constexpr int kParts = 256;
+  struct Found {
+    std::string name;
+    std::string job;
+  };
+  /// The files of one of the `kParts` parts that were written so long ago, unfinished ones too.
+  std::vector<Found> files_older_than(std::chrono::hours age, int part) const;
 
  private:
   const std::string path_;

@@ -85,6 +85,8 @@ class DatabaseDriver {
   virtual void lock_schema(Database& database) const = 0;
   /// After the schema is there, once a start.
   virtual void prepare(Database& database) = 0;
+  /// Asked again and again: gives room back that is no longer needed.
+  virtual void tidy(Database& database) = 0;
   /// See JobStore.
   virtual void wait_for_work(const Event& wake, Clock::time_point until) = 0;
   /// Connections that are open at once, at most.

@@ -11,9 +11,11 @@
 namespace remesh::server::jobs {
 namespace {
 
+/// Makes the folder where it is missing, for nobody else to look into.
 bool can_be_made(const std::string& folder) {
   std::error_code failure;
-  std::filesystem::create_directories(folder, failure);
+  if (std::filesystem::create_directories(folder, failure))
+    std::filesystem::permissions(folder, std::filesystem::perms::owner_all, failure);
   return std::filesystem::is_directory(folder, failure) && ::access(folder.c_str(), W_OK | X_OK) == 0;
 }
 

@@ -32,7 +32,7 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// `queued_for` and the rest are rules of the store, the same on every daemon that uses it.
+/// What whoever asks the store holds jobs to; to be the same on all daemons that share one.
 struct StoreRules {
   std::chrono::milliseconds lease{60'000};           ///< after its last renewal a job counts as abandoned
   int max_attempts = 3;                              ///< so many workers may die of one job

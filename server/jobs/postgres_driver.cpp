@@ -10,6 +10,8 @@
 namespace remesh::server::jobs {
 namespace {
 
+/// Longer than any statement may take.
+constexpr std::chrono::seconds kPatience{20};
 constexpr const char* kChannel = "remeshd_jobs";
 /// Of the advisory lock under which the schema is made; any number will do that nobody else uses.
 constexpr const char* kSchemaLock = "SELECT pg_advisory_xact_lock(7270150413)";
@@ -41,9 +43,10 @@ Connected open_connection(const std::string& url) {
 class PostgresDatabase : public Database {
  public:
   explicit PostgresDatabase(const std::string& url) : connection_(open_connection(url)) {
+    ::PQsetnonblocking(connection_.get(), 1);  // sending is waited for with the answer
     ::PQsetNoticeProcessor(
         connection_.get(), [](void*, const char*) {}, nullptr);
-    run("SET statement_timeout = '30s'", {}, Result::kText);
+    run("SET statement_timeout = '15s'", {}, Result::kText);
     run("SET lock_timeout = '10s'", {}, Result::kText);
     run("SET idle_in_transaction_session_timeout = '60s'", {}, Result::kText);
     // What is accepted is on the disk, whatever the server is used to; more than that may stay.
@@ -68,10 +71,11 @@ class PostgresDatabase : public Database {
       lengths.push_back(0);
       formats.push_back(0);
     }
-    const Answered answer(
-        ::PQexecParams(connection_.get(), sql, static_cast<int>(values.size()), nullptr, values.data(), lengths.data(),
-                       formats.data(), result == Result::kBytes ? 1 : 0),
-        ::PQclear);
+    if (::PQsendQueryParams(connection_.get(), sql, static_cast<int>(values.size()), nullptr, values.data(),
+                            lengths.data(), formats.data(), result == Result::kBytes ? 1 : 0) != 1) {
+      throw ConnectionBroken(one_line(::PQerrorMessage(connection_.get())));
+    }
+    const Answered answer = wait_for_answer();
     const ExecStatusType status = ::PQresultStatus(answer.get());
     if (status != PGRES_TUPLES_OK && status != PGRES_COMMAND_OK) fail(answer.get());
     return rows_of(answer.get());
@@ -79,7 +83,9 @@ class PostgresDatabase : public Database {
 
   void begin() override { run("BEGIN", {}, Result::kText); }
   void commit() override {
-    const Answered answer(::PQexec(connection_.get(), "COMMIT"), ::PQclear);
+    if (::PQsendQuery(connection_.get(), "COMMIT") != 1)
+      throw ConnectionBroken(one_line(::PQerrorMessage(connection_.get())));
+    const Answered answer = wait_for_answer();
     // Where the connection is lost here, nobody can tell whether it happened: not to be tried again blindly.
     if (::PQresultStatus(answer.get()) != PGRES_COMMAND_OK)
       throw StoreError("commit: " + one_line(::PQerrorMessage(connection_.get())));
@@ -87,11 +93,33 @@ class PostgresDatabase : public Database {
     if (std::string_view(::PQcmdStatus(answer.get())) != "COMMIT") throw StoreError("the transaction was rolled back");
   }
   void roll_back() noexcept override {
-    if (::PQstatus(connection_.get()) == CONNECTION_OK) ::PQclear(::PQexec(connection_.get(), "ROLLBACK"));
+    if (!is_stuck_ && ::PQstatus(connection_.get()) == CONNECTION_OK)
+      ::PQclear(::PQexec(connection_.get(), "ROLLBACK"));
   }
   void announce() override { run("SELECT pg_notify($1, '')", {std::string_view(kChannel)}, Result::kText); }
 
  private:
+  /// As libpq's own waiting, but not for ever: a server that is stuck counts as one that went away.
+  /// Errors: StoreError - nobody can tell what became of the statement.
+  Answered wait_for_answer() {
+    const Clock::time_point deadline = Clock::now() + kPatience;
+    while (::PQisBusy(connection_.get()) == 1) {
+      pollfd entry{::PQsocket(connection_.get()), POLLIN, 0};
+      // What is still to be sent goes while we wait for more room, too.
+      if (::PQflush(connection_.get()) == 1) entry.events |= POLLOUT;
+      const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
+      if (left <= 0) {
+        is_stuck_ = true;
+        throw StoreError("the server does not answer");
+      }
+      ::poll(&entry, 1, static_cast<int>(left));
+      if (entry.revents != 0 && ::PQconsumeInput(connection_.get()) != 1) break;
+    }
+    Answered answer(::PQgetResult(connection_.get()), ::PQclear);
+    while (PGresult* const more = ::PQgetResult(connection_.get())) ::PQclear(more);
+    return answer;
+  }
+
   static std::string text_of(const Value& value) {
     if (const auto* integer = std::get_if<std::int64_t>(&value)) return std::to_string(*integer);
     if (const auto* real = std::get_if<double>(&value)) return std::to_string(*real);
@@ -123,6 +151,7 @@ class PostgresDatabase : public Database {
   }
 
   const Connected connection_;
+  bool is_stuck_ = false;
 };
 
 class PostgresDriver : public DatabaseDriver {
@@ -153,6 +182,7 @@ class PostgresDriver : public DatabaseDriver {
   }
   void lock_schema(Database& database) const override { database.run(kSchemaLock); }
   void prepare(Database&) override {}
+  void tidy(Database&) override {}  // the server does that by itself
 
   void wait_for_work(const Event& wake, Clock::time_point until) override {
     if (!listener_ || ::PQstatus(listener_.get()) != CONNECTION_OK) {

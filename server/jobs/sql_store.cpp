@@ -14,6 +14,8 @@ namespace {
 constexpr std::size_t kChunk = 1 << 20;
 /// Rows that one statement of upkeep changes, so that none holds others up for long.
 constexpr std::int64_t kBatch = 100;
+/// No transaction takes nearly as long, whatever the clocks of file servers say.
+constexpr std::chrono::hours kStrayAge{24};
 /// How long an operation waits for one of the connections.
 constexpr std::chrono::seconds kPatience{15};
 
@@ -411,6 +413,8 @@ Upkeep SqlStore::upkeep() {
     end_waiting(database, changed);
     expire_results(database, changed, files);
     forget_jobs(database, changed, files);
+    find_stray_files(database, files);
+    driver_->tidy(database);
     return changed;
   });
   remove_files(files);
@@ -484,6 +488,16 @@ void SqlStore::forget_jobs(Database& database, Upkeep& done, std::vector<std::st
   database.run("DELETE FROM remeshd_idempotency WHERE expires_ms < remeshd_now()");
   transaction.commit();
   done.forgotten += static_cast<int>(rows.size());
+}
+
+/// Files whose transaction did not come to its end. One part of the folder at a time: all of it within the hour.
+void SqlStore::find_stray_files(Database& database, std::vector<std::string>& files) {
+  if (!folder_) return;
+  for (const BlobFolder::Found& file : folder_->files_older_than(kStrayAge, swept_++ % BlobFolder::kParts)) {
+    const Rows rows = database.run("SELECT part FROM remeshd_blob WHERE job = $1 AND file = $2",
+                                   {std::string_view(file.job), std::string_view(file.name)});
+    if (rows.empty()) files.push_back(file.name);
+  }
 }
 
 void SqlStore::probe() {

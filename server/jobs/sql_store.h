@@ -65,6 +65,7 @@ class SqlStore : public JobStore {
   void end_abandoned(Database& database, Upkeep& done);
   void end_waiting(Database& database, Upkeep& done);
   void expire_results(Database& database, Upkeep& done, std::vector<std::string>& files);
+  void find_stray_files(Database& database, std::vector<std::string>& files);
   void forget_jobs(Database& database, Upkeep& done, std::vector<std::string>& files);
 
   const std::unique_ptr<DatabaseDriver> driver_;
@@ -78,6 +79,7 @@ class SqlStore : public JobStore {
   std::vector<std::unique_ptr<Database>> idle_;
   std::size_t open_ = 0;
   bool has_schema_ = false;
+  std::atomic<int> swept_{0};  ///< parts of the folder
 };
 
 }  // namespace remesh::server::jobs

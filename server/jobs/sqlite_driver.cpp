@@ -16,6 +16,8 @@ namespace remesh::server::jobs {
 namespace {
 
 constexpr int kBusyTimeoutMs = 20'000;
+/// Free pages, of 4 KiB, that the file keeps for what comes.
+constexpr std::int64_t kKeptPages = 16384;
 /// How often is looked whether another process has written.
 constexpr std::chrono::milliseconds kLook{100};
 
@@ -159,10 +161,7 @@ class SqliteDriver : public DatabaseDriver {
  public:
   explicit SqliteDriver(std::string path) : path_(std::move(path)) {}
 
-  std::unique_ptr<Database> connect() override {
-    // A file that was taken away must not go on living unseen.
-    return std::make_unique<SqliteDatabase>(path_, clock_);
-  }
+  std::unique_ptr<Database> connect() override { return std::make_unique<SqliteDatabase>(path_, clock_); }
   std::string_view skip_locked() const override { return ""; }
   std::vector<std::string> schema_statements() const override {
     return {"CREATE TABLE remeshd_clock (boot text NOT NULL, base_ms bigint NOT NULL)"};
@@ -182,6 +181,12 @@ class SqliteDriver : public DatabaseDriver {
     database.run("INSERT INTO remeshd_clock (boot, base_ms) VALUES ($1, $2)", {std::string_view(boot), base});
     transaction.commit();
     clock_.set_base(base);
+  }
+
+  void tidy(Database& database) override {
+    // Pages that are free are used again; only where there are many does the file shrink, a little at a time.
+    const std::int64_t free_pages = std::stoll(database.run("PRAGMA freelist_count").at(0).at(0).value());
+    if (free_pages > kKeptPages) database.run("PRAGMA incremental_vacuum(4096)");
   }
 
   void wait_for_work(const Event& wake, Clock::time_point until) override {

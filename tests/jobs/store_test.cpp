@@ -366,6 +366,26 @@ TEST_P(StoreTest, results_expire_and_are_forgotten_later) {
   EXPECT_EQ(store->find(id), std::nullopt);
 }
 
+TEST_P(StoreTest, files_that_nobody_names_are_removed_after_a_day_and_others_stay) {
+  if (GetParam() == Blobs::kInStore) return;
+  const auto store = open();
+  const std::string id = submit(*store, "kept");
+  const BlobFolder folder((folder_ / "blobs").string());
+  const std::string stray = folder.write(id, "mesh", "of a worker that died");
+  folder.write(new_request_id(), "input", "of a daemon that died just now");
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "blobs")) {
+    const bool is_old = entry.path().string().find(id) != std::string::npos;
+    if (is_old)
+      std::filesystem::last_write_time(entry.path(),
+                                       std::filesystem::file_time_type::clock::now() - std::chrono::hours(25));
+  }
+  ASSERT_EQ(files(), 3u);
+  for (int i = 0; i < BlobFolder::kParts; ++i) store->upkeep();
+  EXPECT_EQ(files(), 2u);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "blobs" / stray));
+  EXPECT_EQ(store->read_blob(id, BlobKind::kInput), "kept");
+}
+
 TEST_P(StoreTest, a_job_that_waits_too_long_fails) {
   StoreRules rules;
   rules.queue_timeout = milliseconds(50);
