@@ -141,12 +141,14 @@ class Chaos:
     def __init__(self, fleet, store, seed):
         self.fleet, self.store, self.random = fleet, store, random.Random(seed)
         self.kills = self.store_kills = self.stops = 0
-        self.down = 0.0
+        self.next_stop = 2
+        self.said = 0
 
     def strike(self):
         time.sleep(self.random.expovariate(1 / 0.15))
         daemon = self.random.choice(self.fleet)
-        if self.random.random() < 0.02:  # asleep for longer than its lease
+        if self.kills >= self.next_stop:  # asleep for longer than its lease
+            self.next_stop = self.kills + self.random.randrange(5, 60)
             daemon.signal(STOP)
             time.sleep(LEASE_S * 1.6)
             daemon.signal(CONTINUE)
@@ -169,8 +171,8 @@ class Chaos:
             self.strike()
             if self.store_kills < store_kills and self.kills >= every * (self.store_kills + 1):
                 self.strike_store()
-            if self.kills % 100 == 0 and self.kills > self.down:
-                self.down = self.kills
+            if self.kills % 100 == 0 and self.kills > self.said:
+                self.said = self.kills
                 print(f"  {self.kills} kills after {time.monotonic() - start:.0f} s", flush=True)
 
 
