@@ -62,7 +62,6 @@ std::string_view status_title(int status) {
   switch (status) {
     case 100: return "Continue";
     case 200: return "OK";
-    case 202: return "Accepted";
     case 204: return "No Content";
     case 304: return "Not Modified";
     case 400: return "Bad Request";
@@ -73,6 +72,7 @@ std::string_view status_title(int status) {
     case 406: return "Not Acceptable";
     case 408: return "Request Timeout";
     case 409: return "Conflict";
+    case 410: return "Gone";
     case 411: return "Length Required";
     case 413: return "Content Too Large";
     case 414: return "URI Too Long";

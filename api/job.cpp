@@ -81,19 +81,6 @@ std::string in_one_line(std::string text) {
   return text;
 }
 
-/// The summary as comments, with what a mesh format has no other place for: the warnings, and where the bounds of
-/// refinement do not hold. No times and no id: the bytes are the same in every run.
-std::vector<std::string> summary_comments(const Report& report) {
-  std::vector<std::string> comments{"remeshd " + std::string(version()), remesh_summary(report)};
-  for (const Diagnostic& diagnostic : report.diagnostics) {
-    comments.push_back(in_one_line("warning: " + std::string(diagnostic_name(diagnostic.code)) + ": " +
-                                   number_text(diagnostic.count) + ": " + diagnostic.message));
-  }
-  for (const Unrefined& left : report.unrefined)
-    comments.push_back("unrefined: " + std::string(unrefined_name(left.reason)) + ": " + number_text(left.count));
-  return comments;
-}
-
 /// {"mesh": ..., "report": ...}; the mesh first, so that the report can say how long it took to write.
 std::string write_json_answer(const Result& result, const RequestOptions& options, StageTimes& times,
                               RunControl& control) {
@@ -121,23 +108,30 @@ std::string write_mesh_answer(Format format, const Result& result, StageTimes& t
 
 }  // namespace
 
-RemeshAnswer run_remesh_job(Job job, const Limits& limits, RunControl& control) {
+Remeshed remesh_for_job(Job job, const Limits& limits, FaceSource face_source, RunControl& control) {
   Input input = read_input(job, limits, control);
+  Remeshed remeshed;
+  remeshed.options = input.options;
+  const Format format = choose_output_format(input.options.format, job.accept, input.format);
+  remeshed.options.format = format;
+  const bool want_face_source = face_source == FaceSource::kAlways || format == Format::kJson;
+  remeshed.result = remesh_surface(input.read.mesh, input.options.core, {limits.workers, want_face_source}, control,
+                                   std::move(input.read.diagnostics));
+  remeshed.times = stage_times(input, remeshed.result.report);
+  return remeshed;
+}
+
+RemeshAnswer run_remesh_job(Job job, const Limits& limits, RunControl& control) {
+  Remeshed remeshed = remesh_for_job(std::move(job), limits, FaceSource::kWhereJson, control);
   RemeshAnswer answer;
-  answer.format = choose_output_format(input.options.format, job.accept, input.format);
-  answer.options = input.options;
-  answer.options.format = answer.format;
-
-  const bool is_json = answer.format == Format::kJson;
-  Result result = remesh_surface(input.read.mesh, input.options.core, {limits.workers, /*want_face_source=*/is_json},
-                                 control, std::move(input.read.diagnostics));
-  input.read.mesh = {};  // the answer needs the room
-  answer.times = stage_times(input, result.report);
-
+  answer.format = *remeshed.options.format;
+  answer.options = remeshed.options;
+  answer.times = remeshed.times;
   control.enter(Stage::kWrite);
-  answer.body = is_json ? write_json_answer(result, answer.options, answer.times, control)
-                        : write_mesh_answer(answer.format, result, answer.times, control);
-  answer.report = std::move(result.report);
+  answer.body = answer.format == Format::kJson
+                    ? write_json_answer(remeshed.result, answer.options, answer.times, control)
+                    : write_mesh_answer(answer.format, remeshed.result, answer.times, control);
+  answer.report = std::move(remeshed.result.report);
   return answer;
 }
 
@@ -164,6 +158,17 @@ std::string remesh_summary(const Report& report) {
          ", min_angle_deg=" + number_text(report.output.quality.min_angle_deg) +
          ", verified=" + (report.verified.all_true() ? "1" : "0") +
          ", warnings=" + number_text(std::uint64_t{report.diagnostics.size()});
+}
+
+std::vector<std::string> summary_comments(const Report& report) {
+  std::vector<std::string> comments{"remeshd " + std::string(version()), remesh_summary(report)};
+  for (const Diagnostic& diagnostic : report.diagnostics) {
+    comments.push_back(in_one_line("warning: " + std::string(diagnostic_name(diagnostic.code)) + ": " +
+                                   number_text(diagnostic.count) + ": " + diagnostic.message));
+  }
+  for (const Unrefined& left : report.unrefined)
+    comments.push_back("unrefined: " + std::string(unrefined_name(left.reason)) + ": " + number_text(left.count));
+  return comments;
 }
 
 std::string report_document(const RemeshAnswer& answer, RunControl& control) {

@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/options.h"
 #include "api/report_json.h"
@@ -37,12 +38,29 @@ struct AnalysisAnswer {
   StageTimes times;
 };
 
+/// The remeshed surface before it is written. `options.format` is the format that the job asks for.
+struct Remeshed {
+  Result result;
+  RequestOptions options;  ///< as used
+  StageTimes times;
+};
+
+/// Whether the input face under each output face is found, which only JSON tells.
+enum class FaceSource { kWhereJson, kAlways };
+
+/// All of a job but the writing. Errors: of options, of the format, of reading, of the pipeline.
+Remeshed remesh_for_job(Job job, const Limits& limits, FaceSource face_source, RunControl& control);
+
 /// Errors: of options, of the format, of reading, of the pipeline.
 RemeshAnswer run_remesh_job(Job job, const Limits& limits, RunControl& control);
 AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& control);
 
 /// `input_faces=..., output_faces=..., patches=..., kept=..., min_angle_deg=..., verified=1, warnings=...`
 std::string remesh_summary(const Report& report);
+
+/// That, and in lines of their own the warnings and what refinement left: what a mesh format has no other place for. No
+/// times and no id: the same in every run.
+std::vector<std::string> summary_comments(const Report& report);
 
 /// The report object alone, as a document.
 std::string report_document(const RemeshAnswer& answer, RunControl& control);

@@ -7,8 +7,10 @@
 #include "api/json_reader.h"
 #include "api/multipart.h"
 #include "api/negotiation.h"
+#include "api/result_archive.h"
 #include "api/text.h"
 #include "core/io/gzip.h"
+#include "core/io/mesh_files.h"
 
 namespace remesh::api {
 namespace {
@@ -20,15 +22,21 @@ struct ParsedRequest {
   std::string decoded;  ///< the body, where it came compressed; the job looks into it
 };
 
-/// The body out of its Content-Encoding; `decoded` holds it where it has one.
-/// Errors: kUnsupportedMediaType - a coding that is not gzip; kMalformedRequest - the body is not in it.
-std::string_view decoded_body(const Request& request, const Limits& limits, RunControl& control, std::string& decoded) {
+/// Whether the whole body is compressed. Errors: kUnsupportedMediaType - a coding that is not gzip.
+bool is_compressed(const Request& request) {
   const std::string coding = ascii_lower(trim(request.content_encoding));
-  if (coding.empty() || coding == "identity") return request.body;
+  if (coding.empty() || coding == "identity") return false;
   if (coding != "gzip" && coding != "x-gzip") {
     throw Error(Code::kUnsupportedMediaType, Stage::kRead,
                 "the content coding " + in_quotes(coding) + " is not known here; gzip is");
   }
+  return true;
+}
+
+/// The body out of its Content-Encoding; `decoded` holds it where it has one.
+/// Errors: kUnsupportedMediaType; kMalformedRequest - the body is not in its coding.
+std::string_view decoded_body(const Request& request, const Limits& limits, RunControl& control, std::string& decoded) {
+  if (!is_compressed(request)) return request.body;
   try {
     decoded = gunzip(request.body, decompression_limits(limits), control);
   } catch (const Error& error) {
@@ -133,6 +141,15 @@ Limits limits_of_mesh(const ParsedRequest& parsed, const Request& request, Limit
   return limits;
 }
 
+/// The headers of a result.
+Fields result_headers(std::string_view summary, std::string_view timing, std::string_view file_name, Format format) {
+  Fields headers{{"Remesh-Summary", std::string(summary)}, {"Server-Timing", std::string(timing)}};
+  if (format != Format::kJson) {
+    headers.emplace_back("Content-Disposition", "attachment; filename=\"" + safe_file_name(file_name, format) + "\"");
+  }
+  return headers;
+}
+
 }  // namespace
 
 Response run_remesh(const Request& request, const Limits& limits, RunControl& control) {
@@ -144,14 +161,10 @@ Response run_remesh(const Request& request, const Limits& limits, RunControl& co
   Response response;
   response.content_type = media_type(answer.format);
   response.body = std::move(answer.body);
-  response.headers = {{"Remesh-Summary", remesh_summary(answer.report)},
-                      {"Server-Timing", server_timing(answer.times)}};
+  response.headers =
+      result_headers(remesh_summary(answer.report), server_timing(answer.times), parsed.file_name, answer.format);
   response.done = work_done(answer.report, answer.times);
   response.done->output_faces = answer.report.output.faces;
-  if (answer.format != Format::kJson) {
-    response.headers.emplace_back("Content-Disposition",
-                                  "attachment; filename=\"" + safe_file_name(parsed.file_name, answer.format) + "\"");
-  }
   return response;
 }
 
@@ -173,6 +186,68 @@ Response run_analyze(const Request& request, const Limits& limits, RunControl& c
   response.headers = {{"Server-Timing", server_timing(answer.times)}};
   response.done = work_done(answer.report, answer.times);
   response.done->remeshed = response.done->reduced = response.done->kept = 0;
+  return response;
+}
+
+KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunControl& control) {
+  control.enter(Stage::kRead);
+  ParsedRequest parsed;
+  parse_request(request, limits, control, parsed);
+  Remeshed remeshed = remesh_for_job(std::move(parsed.job), limits, FaceSource::kAlways, control);
+  const Report report = std::move(remeshed.result.report);
+
+  control.enter(Stage::kWrite);
+  KeptRemesh answer;
+  answer.done = work_done(report, remeshed.times);
+  answer.done.output_faces = report.output.faces;
+  JsonWriter json;
+  write_report(json, report, remeshed.options, ReportKind::kRemesh, remeshed.times, control);
+  answer.report = json.take();
+  answer.mesh = pack_result({*remeshed.options.format, remesh_summary(report), server_timing(remeshed.times),
+                             std::move(parsed.file_name), summary_comments(report), std::move(remeshed.result)});
+  return answer;
+}
+
+void check_remesh(const Request& request, const Limits& limits) {
+  RunControl control;
+  ParsedRequest parsed;
+  // What is compressed is looked at where it is read.
+  Request head = request;
+  if (is_compressed(request)) head.body = head.content_encoding = head.content_type = "";
+  parse_request(head, limits, control, parsed);
+  parsed.job.options.check();
+  choose_output_format(parsed.job.options.options().format, request.accept, Format::kObj);
+}
+
+Response write_kept(std::string_view mesh, const std::function<std::string()>& report, const Request& wanted,
+                    RunControl& control) {
+  control.enter(Stage::kWrite);
+  OptionReader options;
+  for (const auto& [name, value] : wanted.query) {
+    if (name != "format") {
+      throw Error(Code::kUnknownOption, Stage::kWrite,
+                  "a result takes the option \"format\" only, not " + in_quotes(name))
+          .for_option(shortened(name));
+    }
+    options.add(name, value);
+  }
+  KeptResult kept = unpack_result(mesh);
+  const Format format = choose_output_format(options.options().format, wanted.accept, kept.format);
+  Response response;
+  response.content_type = media_type(format);
+  if (format == Format::kJson) {
+    JsonWriter json;
+    json.begin_object();
+    json.key("mesh");
+    write_mesh(json, kept.result, control);
+    json.key("report");
+    json.raw(report());
+    json.end_object();
+    response.body = json.take();
+  } else {
+    response.body = write_mesh(format, kept.result.mesh, kept.result.face_patch, kept.comments, control);
+  }
+  response.headers = result_headers(kept.summary, kept.server_timing, kept.file_name, format);
   return response;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -65,6 +66,23 @@ struct Response {
 /// Errors: remesh::Error, of any code.
 Response run_remesh(const Request& request, const Limits& limits, RunControl& control);
 Response run_analyze(const Request& request, const Limits& limits, RunControl& control);
+
+/// The same remeshing for an answer that is fetched later, in any format: see result_archive.
+struct KeptRemesh {
+  std::string mesh;    ///< packed
+  std::string report;  ///< the report object as JSON
+  WorkDone done;
+};
+/// Errors: as run_remesh.
+KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunControl& control);
+/// What of a request to remesh can be refused before its mesh is read: options, form, media types.
+/// Errors: as run_remesh.
+void check_remesh(const Request& request, const Limits& limits);
+/// Writes what was kept, in the format that `wanted` asks for by the option `format`, else by Accept, else in the one
+/// that the job asked for. Output: as run_remesh. `report` is asked for where the format has it.
+/// Errors: kUnknownOption, kInvalidOption, kNotAcceptable.
+Response write_kept(std::string_view mesh, const std::function<std::string()>& report, const Request& wanted,
+                    RunControl& control);
 
 /// GET /v1/capabilities and GET /openapi.json.
 Response capabilities(const Limits& limits);

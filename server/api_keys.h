@@ -30,6 +30,8 @@ class ApiKeys {
   /// Whether a request shows one of them, as `Authorization: Bearer KEY` or `X-API-Key: KEY`.
   /// Takes as long whatever is shown, but for the key's length.
   bool admits(const RequestHead& head) const;
+  /// A name for whoever holds the key that a request shows, which does not tell the key; empty where anyone may ask.
+  std::string owner(const RequestHead& head) const;
 
  private:
   using Digests = std::vector<Sha256>;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "server/api_keys.h"
+#include "server/jobs/database.h"
 #include "server/machine_limits.h"
 
 namespace remesh::server {
@@ -64,6 +65,9 @@ const std::vector<Choice<log::Level>> kLevels{{"debug", log::Level::kDebug},
                                               {"error", log::Level::kError},
                                               {"off", log::Level::kOff}};
 
+const std::vector<Choice<jobs::Role>> kRoles{
+    {"serve", jobs::Role::kServe}, {"work", jobs::Role::kWork}, {"both", jobs::Role::kBoth}};
+
 template <typename T>
 T parse_choice(const std::vector<Choice<T>>& choices, const std::string& text) {
   std::string names;
@@ -95,6 +99,12 @@ Setting duration(std::string flag, std::string help, std::chrono::milliseconds& 
   return {std::move(flag), std::move(help),
           [member](Config& c, const std::string& text) { member(c) = positive_duration(text); },
           [member](Config c) { return format_duration(member(c)); }};
+}
+
+/// Errors: std::invalid_argument - no kind of store that there is.
+std::string checked_store(const std::string& text) {
+  if (text != "sqlite" && text != "none") jobs::make_postgres_driver(text);
+  return text;
 }
 
 const std::vector<Setting>& settings() {
@@ -144,6 +154,35 @@ const std::vector<Setting>& settings() {
       bytes(
           "--memory-budget", "memory of all requests together (default: 70 % of what this process may use)",
           [](Config & c) -> auto& { return c.memory_budget; }),
+      {"--store", "where jobs are kept: sqlite, a URL postgres://..., or none",
+       [](Config& c, const auto& text) { c.jobs.store = checked_store(text); },
+       [](const Config& c) { return jobs::without_password(c.jobs.store); }},
+      {"--state-dir",
+       "folder of the SQLite file; auto is the first that can be written of $STATE_DIRECTORY, $XDG_STATE_HOME/remeshd, "
+       "~/.local/state/remeshd and /var/lib/remeshd",
+       [](Config& c, const auto& text) { c.jobs.state_dir = text; }, [](const Config& c) { return c.jobs.state_dir; }},
+      {"--blob-dir", "folder, shared by all daemons, for the inputs and results of jobs (none: they go into the store)",
+       [](Config& c, const auto& text) { c.jobs.blob_dir = text == "none" ? "" : text; },
+       [](const Config& c) { return c.jobs.blob_dir.empty() ? "none" : c.jobs.blob_dir; }},
+      {"--role", "what this daemon does: serve (answer, and take no jobs from the store), work (only that), or both",
+       [](Config& c, const auto& text) { c.jobs.role = parse_choice(kRoles, text); },
+       [](const Config& c) { return choice_name(kRoles, c.jobs.role); }},
+      duration(
+          "--job-timeout", "computing time of a job", [](Config & c) -> auto& { return c.jobs.job_timeout; }),
+      duration(
+          "--job-queue-timeout", "time that a job may wait for a worker",
+          [](Config & c) -> auto& { return c.jobs.rules.queue_timeout; }),
+      duration(
+          "--job-lease", "after so long without a sign of its worker a job is given to another",
+          [](Config & c) -> auto& { return c.jobs.rules.lease; }),
+      {"--job-attempts", "workers that may die of a job before it counts as failed",
+       [](Config& c, const auto& text) {
+         c.jobs.rules.max_attempts = static_cast<int>(between(1, 1000, parse_count(text)));
+       },
+       [](const Config& c) { return std::to_string(c.jobs.rules.max_attempts); }},
+      duration(
+          "--result-ttl", "time that results of jobs are kept",
+          [](Config & c) -> auto& { return c.jobs.rules.result_ttl; }),
       {"--max-connections", "open connections",
        [](Config& c, const auto& text) { c.max_connections = between(1, 100'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.max_connections); }},
@@ -216,6 +255,7 @@ Invocation read_command_line(int argc, const char* const* argv, std::ostream& ou
   Config& config = invocation.config;
   config.workers = usable_cores();
   config.memory_budget = default_memory_budget();
+  config.jobs.store = "sqlite";
   if (const char* key = std::getenv("REMESHD_API_KEY")) config.api_key = key;
 
   CLI::App app("remeshd: re-triangulates surface meshes, over HTTP", "remeshd");

@@ -10,6 +10,7 @@
 #include "api/service.h"
 #include "server/cors.h"
 #include "server/gate.h"
+#include "server/jobs/job_settings.h"
 #include "server/log.h"
 #include "server/units.h"
 
@@ -35,6 +36,7 @@ struct Config {
   std::uint64_t memory_budget = 1ull << 30;
   std::chrono::milliseconds request_timeout{300'000};
   std::chrono::milliseconds drain_time{25'000};
+  jobs::JobSettings jobs;  ///< the command line's default for its store is another: `sqlite`
 
   std::size_t max_connections = 512;
   std::size_t max_connections_per_address = 64;

@@ -14,6 +14,13 @@ Sha256 sha256(std::string_view bytes) {
   return digest;
 }
 
+std::string hex(const Sha256& digest) {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  std::string text;
+  for (const unsigned char byte : digest) text.append({kDigits[byte / 16], kDigits[byte % 16]});
+  return text;
+}
+
 bool equal_in_constant_time(const Sha256& a, const Sha256& b) {
   return CRYPTO_memcmp(a.data(), b.data(), a.size()) == 0;
 }

@@ -12,6 +12,9 @@ using Sha256 = std::array<unsigned char, 32>;
 /// Errors: std::bad_alloc.
 Sha256 sha256(std::string_view bytes);
 
+/// In hexadecimal digits.
+std::string hex(const Sha256& digest);
+
 /// Equal or not, in a time that does not tell where they differ.
 bool equal_in_constant_time(const Sha256& a, const Sha256& b);
 

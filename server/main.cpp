@@ -64,6 +64,7 @@ int serve(const Config& config) {
   sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing
   raise_descriptor_limit();
   log::set_up(config.log_format, config.log_level);
 

@@ -13,11 +13,16 @@ HttpError out_of_memory() {
   return HttpError(503, "out_of_memory", "not enough memory for this request now: try again shortly");
 }
 
+std::uint64_t MemoryBudget::available() const {
+  const std::uint64_t used = std::max<std::uint64_t>(reserved_, resident_);
+  return limit_ - std::min(limit_, used);
+}
+
 void MemoryShare::hold_body(std::uint64_t held, std::uint64_t expected) {
   const std::uint64_t most = std::max(held, expected);
-  if (most > budget_.limit_ / MemoryBudget::kWorkPerBodyByte) throw never_fits(budget_.limit_);
-  const std::uint64_t wanted = std::max(bytes_, held * MemoryBudget::kWorkPerBodyByte);
-  const std::uint64_t at_most = std::max(bytes_, most * MemoryBudget::kWorkPerBodyByte);
+  if (most > budget_.limit_ / per_byte_) throw never_fits(budget_.limit_);
+  const std::uint64_t wanted = std::max(bytes_, held * per_byte_);
+  const std::uint64_t at_most = std::max(bytes_, most * per_byte_);
   std::uint64_t reserved = budget_.reserved_;
   do {
     const std::uint64_t others = std::max<std::uint64_t>(reserved, budget_.resident_) - std::min(reserved, bytes_);

@@ -15,7 +15,8 @@ class MemoryBudget;
 /// What one request holds of the budget; gives it back at its end. For one thread at a time.
 class MemoryShare {
  public:
-  explicit MemoryShare(MemoryBudget& budget) : budget_(budget) {}
+  /// `per_byte`: what is reserved for each byte of a body.
+  explicit MemoryShare(MemoryBudget& budget, std::uint64_t per_byte) : budget_(budget), per_byte_(per_byte) {}
   ~MemoryShare() { resize(0); }
   MemoryShare(const MemoryShare&) = delete;
   MemoryShare& operator=(const MemoryShare&) = delete;
@@ -34,6 +35,7 @@ class MemoryShare {
   void resize(std::uint64_t bytes);
 
   MemoryBudget& budget_;
+  const std::uint64_t per_byte_;
   std::uint64_t bytes_ = 0;
 };
 
@@ -47,10 +49,14 @@ class MemoryBudget {
   MemoryBudget(const MemoryBudget&) = delete;
   MemoryBudget& operator=(const MemoryBudget&) = delete;
 
-  std::shared_ptr<MemoryShare> open_share() { return std::make_shared<MemoryShare>(*this); }
+  std::shared_ptr<MemoryShare> open_share(std::uint64_t per_byte = kWorkPerBodyByte) {
+    return std::make_shared<MemoryShare>(*this, per_byte);
+  }
 
   std::uint64_t limit() const { return limit_; }
   std::uint64_t reserved() const { return reserved_; }
+  /// What could be reserved now.
+  std::uint64_t available() const;
   /// What the process really takes, from time to time: where that is more than is reserved, it counts.
   void note_resident(std::uint64_t bytes) { resident_ = bytes; }
 

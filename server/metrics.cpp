@@ -28,6 +28,7 @@ using prometheus::Gauge;
 using prometheus::Histogram;
 
 const Histogram::BucketBoundaries kSeconds{0.001, 0.005, 0.02, 0.1, 0.5, 2, 10, 60, 300};
+const Histogram::BucketBoundaries kStoreSeconds{0.0005, 0.001, 0.002, 0.005, 0.01, 0.05, 0.2, 1, 5, 30};
 const Histogram::BucketBoundaries kFaces{100, 1e3, 1e4, 1e5, 1e6, 1e7};
 
 /// Anything else that a client sends in place of a method is "other".
@@ -102,6 +103,20 @@ struct Metrics::Families {
                                   .Register(registry);
   Family<Counter>& patches =
       prometheus::BuildCounter().Name("remeshd_patches_total").Help("Patches of results.").Register(registry);
+  Family<Counter>& jobs =
+      prometheus::BuildCounter().Name("remeshd_jobs_total").Help("Jobs that have ended.").Register(registry);
+  Family<Counter>& job_retries = prometheus::BuildCounter()
+                                     .Name("remeshd_job_retries_total")
+                                     .Help("Jobs that went back to the queue.")
+                                     .Register(registry);
+  Family<Counter>& store_errors = prometheus::BuildCounter()
+                                      .Name("remeshd_store_errors_total")
+                                      .Help("Operations on the job store that failed.")
+                                      .Register(registry);
+  Family<Histogram>& store_latency = prometheus::BuildHistogram()
+                                         .Name("remeshd_store_latency_seconds")
+                                         .Help("Time of operations on the job store.")
+                                         .Register(registry);
   Histogram& input_faces = prometheus::BuildHistogram()
                                .Name("remeshd_input_faces")
                                .Help("Faces of meshes that came in.")
@@ -143,6 +158,20 @@ void Metrics::count_work(const api::WorkDone& done) {
   if (done.output_faces > 0) families_->output_faces.Observe(static_cast<double>(done.output_faces));
 }
 
+void Metrics::count_job(std::string_view outcome, int times) {
+  families_->jobs.Add({{"outcome", std::string(outcome)}}).Increment(times);
+}
+
+void Metrics::count_job_retry(std::string_view reason, int times) {
+  families_->job_retries.Add({{"reason", std::string(reason)}}).Increment(times);
+}
+
+void Metrics::count_store(std::string_view op, double seconds, bool failed) {
+  const std::string name(op);
+  families_->store_latency.Add({{"op", name}}, kStoreSeconds).Observe(seconds);
+  if (failed) families_->store_errors.Add({{"op", name}}).Increment();
+}
+
 std::string Metrics::text(const Gauges& gauges) const {
   Snapshot now;
   now.gauge("remeshd_http_connections", "Open connections.", static_cast<double>(gauges.connections));
@@ -153,6 +182,12 @@ std::string Metrics::text(const Gauges& gauges) const {
   now.gauge("remeshd_memory_reserved_bytes", "Memory that requests have reserved.",
             static_cast<double>(gauges.memory_reserved));
   now.gauge("remeshd_ready", "1 while new work is taken.", gauges.is_ready ? 1 : 0);
+  if (gauges.has_jobs) {
+    now.gauge("remeshd_jobs_queued", "Jobs that wait for a worker, in the whole store.",
+              static_cast<double>(gauges.jobs_queued));
+    now.gauge("remeshd_job_oldest_queued_seconds", "How long the oldest of them has waited.",
+              gauges.job_oldest_queued_s);
+  }
   now.gauge("process_start_time_seconds", "Start of the process since the epoch.", families_->start_seconds);
   now.process();
 

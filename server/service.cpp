@@ -53,12 +53,18 @@ HttpError draining() { return HttpError(503, "draining", "this server is about t
 std::vector<Route> Service::routes() {
   const auto work_body = [this](const RequestHead& head) { return admit_work(head); };
   std::vector<Route> list = ops_routes();
+  if (config_.jobs.role == jobs::Role::kWork) return list;
   for (Route& route : web_routes(web_files())) list.push_back(std::move(route));
+  for (Route& route : job_routes_.routes()) list.push_back(std::move(route));
   list.push_back({"GET", "/openapi.json", [this](const Call&) { return wrap(operations_.openapi()); }});
   list.push_back(
       {"GET", "/v1/capabilities", [this](const Call&) { return wrap(operations_.capabilities(work_limits_.api)); }});
   list.push_back(
-      {"POST", "/v1/remesh", [this](const Call& call) { return work(operations_.remesh, call); }, work_body});
+      {"POST", "/v1/remesh",
+       [this](const Call& call) {
+         return makes_job(call.request) ? job_routes_.submit(call) : work(operations_.remesh, call);
+       },
+       [this](const RequestHead& head) { return makes_job(head) ? job_routes_.admit(head) : admit_work(head); }});
   list.push_back(
       {"POST", "/v1/analyze", [this](const Call& call) { return work(operations_.analyze, call); }, work_body});
   list.push_back({"GET", "/v1/requests/{id}", [this](const Call& call) { return show_request(call); }});
@@ -80,6 +86,8 @@ Service::Service(const Config& config, Operations operations)
       keys_(config.api_key_file, config.api_key),
       memory_(config.memory_budget),
       memory_watch_(memory_, registry_),
+      jobs_(make_jobs()),
+      job_routes_({jobs_.get(), keys_, work_limits_, memory_, registry_, pool_, draining_}),
       pool_(config.max_running, config.queue_size, config.workers),
       http_(routes(), http_settings()) {
   if (!config.ops_bind) return;
@@ -88,6 +96,20 @@ Service::Service(const Config& config, Operations operations)
   settings.gate = config.gate;
   settings.max_connections = settings.max_connections_per_address = kOpsConnections;
   ops_ = std::make_unique<HttpServer>(ops_routes(), settings);
+}
+
+std::unique_ptr<jobs::JobService> Service::make_jobs() {
+  std::unique_ptr<jobs::JobStore> store = jobs::open_store(config_.jobs, metrics_);
+  if (!store) return nullptr;
+  jobs::RunnerSettings settings;
+  settings.worker = new_request_id().substr(0, 12);
+  settings.limits = work_limits_.api;
+  settings.max_held = static_cast<std::size_t>(config_.max_running);
+  settings.max_attempts = config_.jobs.rules.max_attempts;
+  settings.lease = config_.jobs.rules.lease;
+  settings.job_timeout = config_.jobs.job_timeout;
+  return std::make_unique<jobs::JobService>(std::move(store), config_.jobs, std::move(settings), pool_, registry_,
+                                            memory_, metrics_, operations_.remesh_to_keep);
 }
 
 HttpSettings Service::http_settings() {
@@ -108,17 +130,26 @@ void Service::start() {
   if (ops_) ops_->bind(*config_.ops_bind);
   http_.start();
   if (ops_) ops_->start();
+  if (jobs_) jobs_->start();
+}
+
+void Service::begin_drain() {
+  draining_ = true;
+  if (jobs_) jobs_->begin_drain();
 }
 
 void Service::stop() {
   begin_drain();
   stopping_ = true;
+  if (jobs_) jobs_->stop();
   registry_.cancel_all();
   const Clock::time_point deadline = Clock::now() + kLastAnswers;
   while (!is_idle() && Clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(2));
   http_.stop();
   if (ops_) ops_->stop();
 }
+
+bool Service::makes_job(const RequestHead& head) const { return jobs_ && jobs::JobRoutes::wants_job(head); }
 
 Admission Service::admit_work(const RequestHead& head) {
   if (draining_) throw draining();
@@ -148,7 +179,13 @@ Response Service::show_metrics() const {
   gauges.workers = config_.workers;
   gauges.busy = pool_.busy_threads();
   gauges.memory_reserved = memory_.reserved();
-  gauges.is_ready = !draining_;
+  gauges.is_ready = !draining_ && (!jobs_ || jobs_->is_well());
+  if (jobs_) {
+    const jobs::QueueStatistics statistics = jobs_->statistics();
+    gauges.has_jobs = true;
+    gauges.jobs_queued = statistics.queued;
+    gauges.job_oldest_queued_s = statistics.oldest_queued_s;
+  }
   Response response;
   response.content_type = "text/plain; version=0.0.4; charset=utf-8";
   response.body = metrics_.text(gauges);
@@ -157,6 +194,7 @@ Response Service::show_metrics() const {
 
 Response Service::readiness() const {
   if (draining_) throw draining();
+  if (jobs_ && !jobs_->is_well()) throw jobs::store_unavailable();
   return plain(200, "ready\n");
 }
 

@@ -9,6 +9,8 @@
 #include "server/api_keys.h"
 #include "server/config.h"
 #include "server/http_server.h"
+#include "server/jobs/job_routes.h"
+#include "server/jobs/job_service.h"
 #include "server/memory_budget.h"
 #include "server/memory_watch.h"
 #include "server/metrics.h"
@@ -25,6 +27,7 @@ struct Operations {
   Operation analyze = api::run_analyze;
   std::function<api::Response(const api::Limits&)> capabilities = api::capabilities;
   std::function<api::Response()> openapi = api::openapi;
+  jobs::KeepOperation remesh_to_keep = api::run_remesh_to_keep;
 };
 
 class Service {
@@ -43,16 +46,19 @@ class Service {
   void reload_keys() { keys_.reload(); }
 
   /// From now on not ready, and taking no new work; what was taken is finished.
-  void begin_drain() { draining_ = true; }
+  void begin_drain();
   /// True when no request is open any more.
-  bool is_idle() const { return http_.active_requests() == 0; }
+  bool is_idle() const { return http_.active_requests() == 0 && (!jobs_ || jobs_->is_idle()); }
   /// Cancels what still runs, which is answered with `draining`, closes everything and waits for it.
   void stop();
 
  private:
   std::vector<Route> routes();
   std::vector<Route> ops_routes();
+  std::unique_ptr<jobs::JobService> make_jobs();
   HttpSettings http_settings();
+  /// Whether a request to remesh becomes a job; what is only preferred can be left where there are none.
+  bool makes_job(const RequestHead& head) const;
   Admission admit_work(const RequestHead& head);
   Response show_metrics() const;
   Response work(const Operation& operation, const Call& call);
@@ -71,6 +77,8 @@ class Service {
   RequestRegistry registry_;
   MemoryBudget memory_;
   MemoryWatch memory_watch_;
+  std::unique_ptr<jobs::JobService> jobs_;  ///< none where there is no store; outlives the pool that runs them
+  jobs::JobRoutes job_routes_;
   WorkerPool pool_;
   HttpServer http_;
   std::unique_ptr<HttpServer> ops_;

@@ -3,6 +3,7 @@
 #include <new>
 
 #include "api/cli/files.h"
+#include "api/cli/remote.h"
 
 namespace remesh::cli {
 
@@ -11,12 +12,23 @@ int exit_code(const Error& error) {
   return error.option.empty() && error.code != Code::kNotAcceptable ? kFailed : kMisused;
 }
 
-std::string place_of(const Error& error, const std::string& input) {
-  std::string place = input == "-" ? "standard input" : input;
-  if (error.line) place += ":" + std::to_string(*error.line);
-  if (error.byte) place += ": byte " + std::to_string(*error.byte);
-  return place;
+namespace {
+
+std::string place(const std::string& input, std::optional<std::uint64_t> line, std::optional<std::uint64_t> byte) {
+  std::string text = input == "-" ? "standard input" : input;
+  if (line) text += ":" + std::to_string(*line);
+  if (byte) text += ": byte " + std::to_string(*byte);
+  return text;
 }
+
+std::string describe(const RemoteError& error, const std::string& input) {
+  const bool is_located = error.line || error.byte || error.status == 422;
+  return (is_located ? place(input, error.line, error.byte) + ": " : "") + error.code + ": " + error.what();
+}
+
+}  // namespace
+
+std::string place_of(const Error& error, const std::string& input) { return place(input, error.line, error.byte); }
 
 std::string describe(const Error& error, const std::string& input) {
   const bool is_located = exit_code(error) == kFailed && error.stage == Stage::kRead;
@@ -31,6 +43,9 @@ Failure failure_of(const std::exception_ptr& thrown, const std::string& input) {
     std::rethrow_exception(thrown);
   } catch (const Error& error) {
     return {exit_code(error), std::string(code_name(error.code)), error.what(), describe(error, input)};
+  } catch (const RemoteError& error) {
+    const bool is_misuse = error.status == 400 || error.status == 406;
+    return {is_misuse ? kMisused : kFailed, error.code, error.what(), describe(error, input)};
   } catch (const FileError& error) {
     return {kFailed, "file_error", error.what(), error.what()};
   } catch (const std::bad_alloc&) {

@@ -5,6 +5,7 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <atomic>
+#include <cstdlib>
 #include <exception>
 #include <filesystem>
 #include <iostream>
@@ -19,6 +20,7 @@
 #include "api/cli/failure.h"
 #include "api/cli/files.h"
 #include "api/cli/progress_bar.h"
+#include "api/cli/remote.h"
 #include "api/job.h"
 #include "api/options.h"
 #include "core/io/formats.h"
@@ -33,6 +35,7 @@ struct Arguments {
   std::string output;
   std::string report;
   std::string batch;  // a folder, in place of the input
+  std::string server;
   int workers = 1;
   api::Fields options;  // by the contract's names
 };
@@ -77,6 +80,7 @@ bool has_unknown_ending(const std::string& path) {
 void check_paths(const Arguments& arguments) {
   if (!arguments.batch.empty()) {
     if (!arguments.input.empty()) throw UsageError("--batch takes the place of the input " + arguments.input);
+    if (!arguments.server.empty()) throw UsageError("--batch works here, not at the --server");
     if (arguments.report.empty()) throw UsageError("--batch needs --report, where its table goes");
     if (arguments.output == "-") throw UsageError("with --batch the output is a folder");
     return;
@@ -99,6 +103,8 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   app.add_option("--batch", arguments.batch,
                  "remesh every mesh in this folder instead; --report is then a table (CSV), a line a file, and -o a "
                  "folder that may be left out");
+  app.add_option("--server", arguments.server,
+                 "let this remeshd do it, as a job: http://host:8080; its key is in REMESH_API_KEY");
   app.add_option("--workers", arguments.workers, "threads that compute; the result does not depend on it")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
@@ -170,6 +176,29 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   if (!arguments.report.empty()) write_file(arguments.report, report);
 }
 
+/// The same by a server.
+void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
+  RemoteJob job;
+  job.server = arguments.server;
+  if (const char* key = std::getenv("REMESH_API_KEY")) job.api_key = key;
+  if (const auto format = format_from_file_name(arguments.input)) job.content_type = media_type(*format);
+  if (const auto format = format_from_file_name(arguments.output)) job.accept = media_type(*format);
+  job.options = arguments.options;
+  job.wants_report = !arguments.report.empty();
+  const std::string mesh = read_file(arguments.input, control);
+  job.mesh = mesh;
+
+  Remote remote(std::move(job));
+  RemoteAnswer answer;
+  {
+    const ProgressBar progress([&] { return remote.progress_line(); });
+    answer = remote.run(control);
+    if (is_gzip_file_name(arguments.output)) answer.mesh = gzip(answer.mesh, control);
+  }
+  write_file(arguments.output, answer.mesh);
+  if (!arguments.report.empty()) write_file(arguments.report, answer.report);
+}
+
 int remesh_folder(const Arguments& arguments, RunControl& control) {
   const BatchJob job{arguments.batch, arguments.report, arguments.output, arguments.options,
                      limits_for(arguments.workers)};
@@ -191,7 +220,11 @@ int run(const Arguments& arguments) {
     for (const auto& [name, value] : arguments.options) job.options.add(name, value);
     job.options.check();
     if (!arguments.batch.empty()) return remesh_folder(arguments, control);
-    remesh_one(arguments, std::move(job), control);
+    if (!arguments.server.empty()) {
+      remesh_one_remotely(arguments, control);
+    } else {
+      remesh_one(arguments, std::move(job), control);
+    }
     return kDone;
   } catch (...) {
     const Failure failure = failure_of(std::current_exception(), arguments.input);

@@ -6,6 +6,7 @@ Exit code 77: python3-jsonschema is not there.
 """
 
 import contextlib
+import functools
 import json
 import os
 import re
@@ -13,6 +14,7 @@ import signal
 import socket
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
@@ -69,6 +71,7 @@ class Daemon:
 
     def __init__(self, program, *flags, key=None):
         environment = {name: value for name, value in os.environ.items() if not name.startswith("REMESHD_")}
+        environment["REMESHD_STORE"] = "none"  # unless a flag says another
         if key:
             environment["REMESHD_API_KEY"] = key
         self.process = subprocess.Popen(
@@ -235,7 +238,7 @@ def check_keys(contract, daemon):
         body = SQUARE if method == "POST" else None
         contract.check(operation, ask(daemon.port, method, target, body), 401)
         for fields in ({"X-API-Key": KEY}, {"Authorization": f"Bearer {KEY}"}):
-            if ask(daemon.port, method, target, body, fields).status not in (200, 404):
+            if ask(daemon.port, method, target, body, fields).status not in (200, 202, 404):
                 contract.fail(f"{method} {path}: the key is not taken")
 
 
@@ -290,7 +293,7 @@ def check_limits(contract, program):
         with contextlib.closing(connect(daemon.port)) as held:
             held.sendall(b"GET /")
             time.sleep(0.2)
-            for operation in ("remesh", "analyze"):
+            for operation in ("remesh", "analyze", "submitJob"):
                 contract.check(operation, ask(daemon.port, "POST", contract.operations[operation][1], SQUARE), 429)
     with Daemon(program) as daemon:
         with contextlib.closing(connect(daemon.port)) as connection:
@@ -303,6 +306,88 @@ def check_limits(contract, program):
             contract.check("analyze", receive(connection), 499)
 
 
+def submit(daemon, query="", body=SQUARE, fields=None):
+    return json.loads(ask(daemon.port, "POST", f"/v1/jobs?{query}", body, fields).body)["id"]
+
+
+def wait_until_ended(daemon, job, *states):
+    for _ in range(1000):
+        state = json.loads(ask(daemon.port, "GET", f"/v1/jobs/{job}").body)["state"]
+        if state in states:
+            return
+        time.sleep(0.01)
+    raise RuntimeError(f"the job is {state}")
+
+
+def check_refused_jobs(contract, port):
+    post = functools.partial(ask, port, "POST", "/v1/jobs")
+    refused = functools.partial(contract.check, "submitJob")
+    refused(ask(port, "POST", "/v1/jobs?refin=true", SQUARE), 400)
+    refused(post(SQUARE, {"Accept": "image/png"}), 406)
+    refused(post(), 411)
+    refused(post(b"#" * 200_000), 413)
+    refused(post(SQUARE, {"Content-Encoding": "br"}), 415)
+    refused(post(SQUARE, {"A": "b" * 40_000}), 431)
+    with contextlib.closing(connect(port)) as connection:
+        connection.sendall(request_bytes("POST", "/v1/jobs", None, {"Content-Length": "500"}))
+        refused(receive(connection), 408)
+    post(SQUARE, {"Idempotency-Key": "one"})
+    refused(post(SQUARE + b"\n", {"Idempotency-Key": "one"}), 422)
+    unknown = "/v1/jobs/" + "0" * 32
+    for operation, method, path in (("getJob", "GET", ""), ("cancelJob", "DELETE", ""), ("getJobResult", "GET", "/result"),
+                                    ("getJobReport", "GET", "/report"), ("watchJob", "GET", "/events")):
+        contract.check(operation, ask(port, method, unknown + path), 404)
+    contract.check("listJobs", ask(port, "GET", "/v1/jobs"), 403)
+
+
+def check_result(contract, port, job, status):
+    contract.check("getJobResult", ask(port, "GET", f"/v1/jobs/{job}/result"), status)
+    contract.check("getJobReport", ask(port, "GET", f"/v1/jobs/{job}/report"), status)
+
+
+def check_jobs(contract, program, folder):
+    store = ("--store", "sqlite", "--state-dir", folder)
+    with Daemon(program, *store, "--max-body", "100kB", "--head-timeout", "1s", "--result-ttl", "2s") as daemon:
+        port = daemon.port
+        check_refused_jobs(contract, port)
+        contract.check("remesh", ask(port, "POST", "/v1/remesh", SQUARE, {"Prefer": "respond-async"}), 202)
+        accepted = ask(port, "POST", "/v1/jobs?refine=false", SQUARE)
+        contract.check("submitJob", accepted, 202)
+        job = json.loads(accepted.body)["id"]
+        wait_until_ended(daemon, job, "succeeded")
+        contract.check("getJob", ask(port, "GET", f"/v1/jobs/{job}"), 200)
+        check_result(contract, port, job, 200)
+        for kind in ("obj", "json", "stl", "ply", "off", "vtu", "msh"):
+            contract.check("getJobResult", ask(port, "GET", f"/v1/jobs/{job}/result?format={kind}"), 200, kind)
+        contract.check("getJobResult", ask(port, "GET", f"/v1/jobs/{job}/result?refine=false"), 400)
+        contract.check("getJobResult", ask(port, "GET", f"/v1/jobs/{job}/result", None, {"Accept": "image/png"}), 406)
+        stream = ask(port, "GET", f"/v1/jobs/{job}/events")
+        contract.check("watchJob", stream, 200)
+        contract.validate(json.loads(re.search(rb"data: (.*)\n", stream.body).group(1)), {"$ref": "#/components/schemas/Job"},
+                          "an event")
+        version = re.search(rb"id: (.*)\n", stream.body).group(1).decode()
+        contract.check("watchJob", ask(port, "GET", f"/v1/jobs/{job}/events", None, {"Last-Event-ID": version}), 204)
+        failed = submit(daemon, body=SQUARE + b"f 1 2 9\n")
+        wait_until_ended(daemon, failed, "failed")
+        contract.check("getJob", ask(port, "GET", f"/v1/jobs/{failed}"), 200, "failed")
+        check_result(contract, port, failed, 422)
+        wait_until_ended(daemon, job, "expired")
+        check_result(contract, port, job, 410)
+
+        running = submit(daemon, ENDLESS)
+        wait_until_ended(daemon, running, "running")
+        contract.check("getJob", ask(port, "GET", f"/v1/jobs/{running}"), 200, "running")
+        check_result(contract, port, running, 409)
+        daemon.process.send_signal(signal.SIGTERM)
+        time.sleep(0.1)
+        contract.check("submitJob", ask(port, "POST", "/v1/jobs", SQUARE), 503, "draining")
+        contract.check("cancelJob", ask(port, "DELETE", f"/v1/jobs/{running}"), 204)
+    with Daemon(program, *store, key=KEY) as daemon:
+        mine = {"X-API-Key": KEY}
+        ask(daemon.port, "POST", "/v1/jobs", SQUARE, mine)
+        contract.check("listJobs", ask(daemon.port, "GET", "/v1/jobs", None, mine), 200)
+
+
 def main():
     program = sys.argv[1]
     with Daemon(program, "--max-body", "100kB", "--head-timeout", "1s") as daemon:
@@ -312,8 +397,11 @@ def main():
         for schema in document["components"]["schemas"].values():
             Draft202012Validator.check_schema(schema)
         check_plain(contract, daemon)
-    with Daemon(program, key=KEY) as daemon:
-        check_keys(contract, daemon)
+        contract.check("submitJob", ask(daemon.port, "POST", "/v1/jobs", SQUARE), 501)
+    with tempfile.TemporaryDirectory() as folder:
+        with Daemon(program, "--store", "sqlite", "--state-dir", folder, key=KEY) as daemon:
+            check_keys(contract, daemon)
+        check_jobs(contract, program, folder)
     check_running(contract, program)
     check_limits(contract, program)
     contract.check_all_seen()

@@ -9,6 +9,8 @@ work=$(mktemp -d)
 daemon=
 # What is set outside must not change what is tested.
 for variable in "${!REMESHD_@}"; do unset "$variable"; done
+# Where jobs go by default, and nobody else's.
+export XDG_STATE_HOME=$work/state
 
 clean_up() {
   [ -z "$daemon" ] || kill "$daemon" 2>/dev/null || true

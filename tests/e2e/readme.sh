@@ -3,7 +3,7 @@
 . "$(dirname "$0")/daemon.sh"
 
 # the curls of the README, in their order: refined, not refined, ...
-mapfile -t commands < <(grep '^curl ' "$root/README.md")
+mapfile -t commands < <(grep -E '^(job=\$\()?curl ' "$root/README.md")
 [ "${#commands[@]}" -ge 2 ] || fail "the README has no curls"
 
 start_daemon
@@ -14,7 +14,7 @@ cd "$work"
 echo the-key-of-the-readme >keys
 for command in "${commands[@]}"; do
   [[ $command == *localhost:8080* ]] || fail "this curl of the README asks somebody else: $command"
-  bash -euc "${command//localhost:8080/$address}" || fail "$command"
+  eval "${command//localhost:8080/$address}" || fail "$command" # in this shell: one takes up what another sets
 done
 
 coarse_faces=$(count_faces coarse.obj)

@@ -1,0 +1,170 @@
+#include "api/cli/remote.h"
+
+#include <httplib.h>
+
+#include <chrono>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <thread>
+#include <utility>
+
+#include "api/cli/progress_bar.h"
+
+namespace remesh::cli {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+using nlohmann::json;
+
+constexpr std::chrono::seconds kPatience{120};
+constexpr std::chrono::milliseconds kFirstPoll{100};
+constexpr std::chrono::milliseconds kSlowestPoll{1000};
+
+/// Where a URL ends that a client takes, and a path begins: "http://host:80", "/path".
+std::pair<std::string, std::string> split_url(std::string url) {
+  if (url.find("://") == std::string::npos) url.insert(0, "http://");
+  const std::size_t path = url.find('/', url.find("://") + 3);
+  if (path == std::string::npos) return {url, ""};
+  std::string rest = url.substr(path);
+  while (!rest.empty() && rest.back() == '/') rest.pop_back();
+  return {url.substr(0, path), rest};
+}
+
+std::string escaped(std::string_view text) {
+  constexpr std::string_view kDigits = "0123456789ABCDEF";
+  std::string out;
+  for (const char c : text) {
+    const auto byte = static_cast<unsigned char>(c);
+    const bool is_plain = (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ||
+                          std::string_view("-_.~,").find(c) != std::string_view::npos;
+    is_plain ? out.append(1, c) : out.append({'%', kDigits[byte / 16], kDigits[byte % 16]});
+  }
+  return out;
+}
+
+std::string random_key() {
+  std::random_device device;
+  std::string key = "remesh";
+  for (int i = 0; i < 4; ++i) key += "-" + std::to_string(device());
+  return key;
+}
+
+RemoteError problem_of(int status, const std::string& body) {
+  const json problem = json::parse(body, nullptr, /*allow_exceptions=*/false);
+  if (!problem.is_object())
+    return {status, "http_" + std::to_string(status), "the server answers " + std::to_string(status)};
+  RemoteError error(status, problem.value("code", "http_" + std::to_string(status)),
+                    problem.value("detail", "the server answers " + std::to_string(status)));
+  if (problem.contains("line")) error.line = problem["line"].get<std::uint64_t>();
+  if (problem.contains("byte")) error.byte = problem["byte"].get<std::uint64_t>();
+  return error;
+}
+
+}  // namespace
+
+class Remote::Client {
+ public:
+  explicit Client(RemoteJob job) : job_(std::move(job)), url_(split_url(job_.server)), http_(url_.first) {
+    if (!http_.is_valid()) throw RemoteError(0, "server_unreachable", job_.server + " is no http or https URL");
+    http_.set_connection_timeout(5);
+    http_.set_read_timeout(60);
+    http_.set_write_timeout(60);
+    if (!job_.api_key.empty()) headers_.emplace("X-API-Key", job_.api_key);
+  }
+
+  RemoteAnswer run(const RunControl& control) {
+    const std::string path = submit(control);
+    try {
+      wait_until_ended(path, control);
+      RemoteAnswer answer;
+      answer.mesh = fetch(path + "/result", control);
+      if (job_.wants_report) answer.report = fetch(path + "/report", control) + "\n";
+      return answer;
+    } catch (const Error&) {
+      http_.Delete((url_.second + path).c_str(), headers_);  // told to stop: the server need not go on
+      throw;
+    }
+  }
+
+  std::string progress_line() const {
+    const std::lock_guard lock(mutex_);
+    return progress_bar(fraction_) + stage_;
+  }
+
+ private:
+  /// Asks until there is an answer that is not for want of a server. Errors: RemoteError; kCancelled.
+  template <typename Question>
+  httplib::Response insist(Question question, const RunControl& control) {
+    Clock::time_point deadline = Clock::now() + kPatience;
+    for (std::chrono::milliseconds pause = kFirstPoll;; pause = std::min(2 * pause, kSlowestPoll)) {
+      control.check();
+      const httplib::Result result = question();
+      control.check();
+      if (result && result->status != 503 && result->status != 502 && result->status != 429) return *result;
+      if (Clock::now() > deadline) {
+        if (result) throw problem_of(result->status, result->body);
+        throw RemoteError(0, "server_unreachable", job_.server + ": " + httplib::to_string(result.error()));
+      }
+      tell(result ? "waiting for room" : "waiting for the server", 0);
+      std::this_thread::sleep_for(pause);
+    }
+  }
+
+  std::string submit(const RunControl& control) {
+    tell("sending", 0);
+    std::string target = url_.second + "/v1/jobs";
+    char separator = '?';
+    for (const auto& [name, value] : job_.options) {
+      target += std::exchange(separator, '&') + escaped(name) + "=" + escaped(value);
+    }
+    httplib::Headers headers = headers_;
+    // The same key each time: a job whose answer was lost is not made twice.
+    headers.emplace("Idempotency-Key", random_key());
+    if (!job_.accept.empty()) headers.emplace("Accept", job_.accept);
+    if (!job_.content_encoding.empty()) headers.emplace("Content-Encoding", job_.content_encoding);
+    const std::string type = job_.content_type.empty() ? "application/octet-stream" : job_.content_type;
+    const httplib::Response answer = insist(
+        [&] { return http_.Post(target.c_str(), headers, job_.mesh.data(), job_.mesh.size(), type.c_str()); }, control);
+    if (answer.status != 202) throw problem_of(answer.status, answer.body);
+    return "/v1/jobs/" + json::parse(answer.body).at("id").get<std::string>();
+  }
+
+  void wait_until_ended(const std::string& path, const RunControl& control) {
+    for (std::chrono::milliseconds pause = kFirstPoll;; pause = std::min(pause * 3 / 2, kSlowestPoll)) {
+      const json state = json::parse(fetch(path, control));
+      const std::string name = state.at("state").get<std::string>();
+      if (name != "queued" && name != "running") return;  // of a failure, the result tells what it is
+      tell(name == "running" && state.at("stage").is_string() ? state.at("stage").get<std::string>() : name,
+           state.value("fraction", 0.0));
+      std::this_thread::sleep_for(pause);
+    }
+  }
+
+  std::string fetch(const std::string& path, const RunControl& control) {
+    httplib::Response answer = insist([&] { return http_.Get((url_.second + path).c_str(), headers_); }, control);
+    if (answer.status != 200) throw problem_of(answer.status, answer.body);
+    return std::move(answer.body);
+  }
+
+  void tell(const std::string& stage, double fraction) {
+    const std::lock_guard lock(mutex_);
+    stage_ = stage;
+    fraction_ = fraction;
+  }
+
+  const RemoteJob job_;
+  const std::pair<std::string, std::string> url_;
+  httplib::Client http_;
+  httplib::Headers headers_;
+  mutable std::mutex mutex_;
+  std::string stage_ = "queued";
+  double fraction_ = 0;
+};
+
+Remote::Remote(RemoteJob job) : client_(std::make_unique<Client>(std::move(job))) {}
+Remote::~Remote() = default;
+RemoteAnswer Remote::run(const RunControl& control) { return client_->run(control); }
+std::string Remote::progress_line() const { return client_->progress_line(); }
+
+}  // namespace remesh::cli

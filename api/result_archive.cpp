@@ -1,0 +1,146 @@
+#include "api/result_archive.h"
+
+#include <bit>
+#include <cstring>
+#include <optional>
+#include <type_traits>
+
+#include "core/io/formats.h"
+
+namespace remesh::api {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "archives are little-endian");
+static_assert(sizeof(Vec3) == 24 && sizeof(Triangle) == 12 && sizeof(PatchId) == 4 && sizeof(FaceId) == 4);
+
+/// The last digit is the version of what follows.
+constexpr std::string_view kMagic = "REMESHD1";
+
+class Packer {
+ public:
+  void number(std::uint64_t value) { append(&value, sizeof value); }
+  void text(std::string_view value) {
+    number(value.size());
+    append(value.data(), value.size());
+  }
+  void texts(const std::vector<std::string>& values) {
+    number(values.size());
+    for (const std::string& value : values) text(value);
+  }
+  template <class T>
+  void array(const std::vector<T>& items) {
+    static_assert(std::is_trivially_copyable_v<T>);
+    number(items.size());
+    append(items.data(), items.size() * sizeof(T));
+  }
+  void labels(const LabelSet& set) {
+    texts(set.names);
+    array(set.of_face.items());
+  }
+  void reserve(std::size_t bytes) { out_.reserve(bytes); }
+  void append(const void* bytes, std::size_t size) {
+    if (size > 0) out_.append(static_cast<const char*>(bytes), size);
+  }
+  std::string take() { return std::move(out_); }
+
+ private:
+  std::string out_;
+};
+
+class Unpacker {
+ public:
+  explicit Unpacker(std::string_view bytes) : rest_(bytes) {}
+
+  std::uint64_t number() {
+    std::uint64_t value = 0;
+    std::memcpy(&value, cut(sizeof value).data(), sizeof value);
+    return value;
+  }
+  std::string text() { return std::string(cut(number())); }
+  std::vector<std::string> texts() {
+    std::vector<std::string> values;
+    for (std::uint64_t count = number(); count > 0; --count) values.push_back(text());
+    return values;
+  }
+  template <class T>
+  void array(std::vector<T>& items) {
+    const std::uint64_t count = number();
+    if (count > rest_.size() / sizeof(T)) fail();
+    items.resize(count);
+    const std::string_view bytes = cut(count * sizeof(T));
+    if (!bytes.empty()) std::memcpy(items.data(), bytes.data(), bytes.size());
+  }
+  void labels(LabelSet& set) {
+    set.names = texts();
+    array(set.of_face.items());
+  }
+  void expect(std::string_view bytes) {
+    if (cut(bytes.size()) != bytes) fail();
+  }
+  void expect_end() const {
+    if (!rest_.empty()) fail();
+  }
+  [[noreturn]] static void fail() {
+    throw Error(Code::kInternal, Stage::kWrite, "a kept result is damaged or of another version");
+  }
+
+ private:
+  std::string_view cut(std::uint64_t size) {
+    if (size > rest_.size()) fail();
+    const std::string_view bytes = rest_.substr(0, size);
+    rest_.remove_prefix(size);
+    return bytes;
+  }
+
+  std::string_view rest_;
+};
+
+}  // namespace
+
+std::string pack_result(const KeptResult& kept) {
+  constexpr std::size_t kPerFace = sizeof(Triangle) + 5 * sizeof(std::uint32_t);
+  const Result& result = kept.result;
+  Packer out;
+  out.reserve(4096 + result.mesh.positions.size() * sizeof(Vec3) + result.mesh.faces.size() * kPerFace);
+  out.append(kMagic.data(), kMagic.size());
+  out.text(format_name(kept.format));
+  out.text(kept.summary);
+  out.text(kept.server_timing);
+  out.text(kept.file_name);
+  out.texts(kept.comments);
+  out.array(result.mesh.positions.items());
+  out.array(result.mesh.faces.items());
+  out.labels(result.mesh.labels.object);
+  out.labels(result.mesh.labels.group);
+  out.labels(result.mesh.labels.material);
+  out.texts(result.mesh.labels.material_libraries);
+  out.array(result.face_patch.items());
+  out.array(result.face_source.items());
+  return out.take();
+}
+
+KeptResult unpack_result(std::string_view bytes) {
+  Unpacker in(bytes);
+  in.expect(kMagic);
+  KeptResult kept;
+  Result& result = kept.result;
+  const std::optional<Format> format = format_from_name(in.text());
+  if (!format) Unpacker::fail();
+  kept.format = *format;
+  kept.summary = in.text();
+  kept.server_timing = in.text();
+  kept.file_name = in.text();
+  kept.comments = in.texts();
+  in.array(result.mesh.positions.items());
+  in.array(result.mesh.faces.items());
+  in.labels(result.mesh.labels.object);
+  in.labels(result.mesh.labels.group);
+  in.labels(result.mesh.labels.material);
+  result.mesh.labels.material_libraries = in.texts();
+  in.array(result.face_patch.items());
+  in.array(result.face_source.items());
+  in.expect_end();
+  return kept;
+}
+
+}  // namespace remesh::api

@@ -1,0 +1,118 @@
+#include "server/jobs/blob_folder.h"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <utility>
+
+#include "server/request_registry.h"
+
+namespace remesh::server::jobs {
+namespace {
+
+[[noreturn]] void fail(const std::string& path) { throw StoreError(path + ": " + std::strerror(errno)); }
+
+class Descriptor {
+ public:
+  Descriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0600)) {
+    if (fd_ < 0) fail(path);
+  }
+  ~Descriptor() { ::close(fd_); }
+  Descriptor(const Descriptor&) = delete;
+  Descriptor& operator=(const Descriptor&) = delete;
+  int operator*() const { return fd_; }
+
+ private:
+  int fd_;
+};
+
+void write_file(const std::string& path, std::string_view bytes) {
+  const Descriptor file(path, O_WRONLY | O_CREAT | O_EXCL);
+  while (!bytes.empty()) {
+    const ssize_t put = ::write(*file, bytes.data(), bytes.size());
+    if (put < 0 && errno == EINTR) continue;
+    if (put < 0) fail(path);
+    bytes.remove_prefix(static_cast<std::size_t>(put));
+  }
+  if (::fsync(*file) != 0) fail(path);
+}
+
+void sync_folder(const std::string& path) {
+  const Descriptor folder(path, O_RDONLY | O_DIRECTORY);
+  if (::fsync(*folder) != 0) fail(path);
+}
+
+}  // namespace
+
+BlobFolder::BlobFolder(std::string path) : path_(std::move(path)) {
+  std::error_code failure;
+  std::filesystem::create_directories(path_, failure);
+  if (!std::filesystem::is_directory(path_, failure)) throw StoreError(path_ + ": no folder can be made there");
+}
+
+std::string BlobFolder::write(const std::string& id, std::string_view kind, std::string_view bytes) const {
+  // By the first digits of the id: 256 folders stay small where one would not.
+  const std::string folder = path_ + "/" + id.substr(0, 2);
+  if (::mkdir(folder.c_str(), 0700) == 0) {
+    sync_folder(path_);
+  } else if (errno != EEXIST) {
+    fail(folder);
+  }
+  // Two workers may end one job: each writes a file of its own, and the row of the one that counts names it.
+  const std::string name = id.substr(0, 2) + "/" + id + "." + new_request_id().substr(0, 8) + "." + std::string(kind);
+  const std::string path = path_ + "/" + name;
+  const std::string unfinished = path + ".part";
+  try {
+    write_file(unfinished, bytes);
+    if (::rename(unfinished.c_str(), path.c_str()) != 0) fail(path);
+    sync_folder(folder);
+  } catch (const StoreError&) {
+    ::unlink(unfinished.c_str());
+    throw;
+  }
+  return name;
+}
+
+std::string BlobFolder::read(const std::string& name) const {
+  const std::string path = path_ + "/" + name;
+  const Descriptor file(path, O_RDONLY);
+  struct stat status {};
+  if (::fstat(*file, &status) != 0) fail(path);
+  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
+  std::size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t got = ::read(*file, bytes.data() + done, bytes.size() - done);
+    if (got < 0 && errno == EINTR) continue;
+    if (got <= 0) fail(path);
+    done += static_cast<std::size_t>(got);
+  }
+  return bytes;
+}
+
+void BlobFolder::remove(const std::string& name) const noexcept {
+  try {
+    ::unlink((path_ + "/" + name).c_str());
+  } catch (const std::bad_alloc&) {
+  }
+}
+
+std::vector<BlobFolder::Found> BlobFolder::files_older_than(std::chrono::hours age, int part) const {
+  constexpr std::string_view kDigits = "0123456789abcdef";
+  const auto number = static_cast<std::size_t>(part);
+  const std::string folder{kDigits[number / 16], kDigits[number % 16]};
+  const auto last = std::filesystem::file_time_type::clock::now() - age;
+  std::vector<Found> found;
+  std::error_code failure;
+  for (const auto& entry : std::filesystem::directory_iterator(path_ + "/" + folder, failure)) {
+    const std::string name = entry.path().filename().string();
+    const auto written = entry.last_write_time(failure);
+    if (!failure && written < last) found.push_back({folder + "/" + name, name.substr(0, name.find('.'))});
+  }
+  return found;
+}
+
+}  // namespace remesh::server::jobs

@@ -1,0 +1,85 @@
+#include "server/jobs/job_json.h"
+
+#include <array>
+#include <cstdio>
+#include <ctime>
+
+#include "api/json_writer.h"
+#include "api/text.h"
+
+namespace remesh::server::jobs {
+namespace {
+
+/// RFC 3339, in UTC.
+std::string time_text(std::int64_t ms) {
+  const std::time_t seconds = ms / 1000;
+  std::tm utc{};
+  ::gmtime_r(&seconds, &utc);
+  std::array<char, 32> text{};
+  const std::size_t length = std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%S", &utc);
+  std::snprintf(text.data() + length, text.size() - length, ".%03dZ", static_cast<int>(ms % 1000));
+  return text.data();
+}
+
+void write_time(api::JsonWriter& json, std::string_view name, const std::optional<std::int64_t>& ms) {
+  json.key(name);
+  ms ? json.string(time_text(*ms)) : json.null();
+}
+
+void write_links(api::JsonWriter& json, const std::string& id) {
+  const std::string self = job_path(id);
+  json.key("links");
+  json.begin_object();
+  json.key("self");
+  json.string(self);
+  for (const char* name : {"result", "report", "events"}) {
+    json.key(name);
+    json.string(self + "/" + name);
+  }
+  json.end_object();
+}
+
+void write_job(api::JsonWriter& json, const JobRecord& job) {
+  json.begin_object();
+  json.key("id");
+  json.string(job.id);
+  json.key("state");
+  json.string(state_name(job.state));
+  json.key("stage");
+  job.state == JobState::kRunning ? json.string(job.stage) : json.null();
+  json.key("fraction");
+  json.number(job.state == JobState::kQueued ? 0 : job.fraction);
+  json.key("attempts");
+  json.integer(static_cast<std::uint64_t>(job.attempts));
+  write_time(json, "created_at", job.created_ms);
+  write_time(json, "started_at", job.started_ms);
+  write_time(json, "finished_at", job.finished_ms);
+  write_time(json, "expires_at", job.expires_ms);
+  json.key("problem");
+  job.problem.empty() ? json.null() : json.raw(trim(api::cut(job.problem, '\n').first));
+  write_links(json, job.id);
+  json.end_object();
+}
+
+}  // namespace
+
+std::string job_json(const JobRecord& job) {
+  api::JsonWriter json;
+  write_job(json, job);
+  return json.take();
+}
+
+std::string jobs_json(const std::vector<JobRecord>& jobs) {
+  api::JsonWriter json;
+  json.begin_object();
+  json.key("jobs");
+  json.begin_array();
+  for (const JobRecord& job : jobs) write_job(json, job);
+  json.end_array();
+  json.end_object();
+  return json.take();
+}
+
+std::string job_path(const std::string& id) { return "/v1/jobs/" + id; }
+
+}  // namespace remesh::server::jobs

@@ -1,0 +1,19 @@
+/// Jobs as the contract shows them.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/jobs/job_store.h"
+
+namespace remesh::server::jobs {
+
+/// `{"id": ..., "state": ..., "stage": ..., ...}`
+std::string job_json(const JobRecord& job);
+/// `{"jobs": [...]}`
+std::string jobs_json(const std::vector<JobRecord>& jobs);
+
+/// "/v1/jobs/0123..."
+std::string job_path(const std::string& id);
+
+}  // namespace remesh::server::jobs

@@ -1,0 +1,282 @@
+#include "server/jobs/job_routes.h"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "api/text.h"
+#include "server/digest.h"
+#include "server/jobs/job_json.h"
+#include "server/jobs/job_request.h"
+#include "server/log.h"
+#include "server/text.h"
+
+namespace remesh::server::jobs {
+namespace {
+
+constexpr const char* kPollSeconds = "1";
+constexpr int kMostListed = 100;
+constexpr std::chrono::milliseconds kLook{300};
+/// A sign of life for proxies that cut silent streams, and for us to see that the client is gone.
+constexpr std::chrono::seconds kSilence{15};
+
+HttpError not_found() { return HttpError(404, "not_found", "there is no job of this id"); }
+
+/// Runs what asks the store. Errors: 503 in place of StoreError.
+template <typename Question>
+auto ask(Question question) {
+  try {
+    return question();
+  } catch (const StoreError& error) {
+    log::write(log::Level::kError, "the job store fails", {{"error", std::string(error.what())}});
+    throw store_unavailable();
+  }
+}
+
+Response json(std::string text) {
+  Response response;
+  response.content_type = "application/json";
+  response.body = std::move(text);
+  response.headers.emplace_back("Cache-Control", "no-store");
+  return response;
+}
+
+bool is_job_id(std::string_view text) {
+  return text.size() == 32 &&
+         std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
+}
+
+api::Request kept_part(const Request& request) {
+  api::Request kept;
+  kept.content_type = request.header("content-type");
+  kept.content_encoding = request.header("content-encoding");
+  kept.accept = request.header("accept");
+  kept.query = request.query;
+  return kept;
+}
+
+std::optional<Idempotency> idempotency(const Request& request, const std::string& packed) {
+  const std::string_view key = request.header("idempotency-key");
+  const bool is_sent = std::any_of(request.headers.begin(), request.headers.end(),
+                                   [](const auto& header) { return header.first == "idempotency-key"; });
+  if (!is_sent) return std::nullopt;
+  const bool is_plain = std::all_of(key.begin(), key.end(), [](char c) { return c >= ' ' && c < 0x7f; });
+  if (key.empty() || key.size() > 255 || !is_plain) {
+    throw HttpError(400, "malformed_request", "an Idempotency-Key has 1 to 255 visible ASCII characters");
+  }
+  return Idempotency{std::string(key), hex(sha256(packed + "\n" + hex(sha256(request.body))))};
+}
+
+/// The state of a job from which there is no result. Throws; a job that has failed is answered as its request would
+/// have been.
+std::optional<Response> answer_without_result(const JobRecord& job) {
+  switch (job.state) {
+    case JobState::kSucceeded: return std::nullopt;
+    case JobState::kQueued:
+    case JobState::kRunning:
+      throw HttpError(409, "job_not_finished", "the job is " + std::string(state_name(job.state)))
+          .with_header("Retry-After", kPollSeconds);
+    case JobState::kExpired: throw HttpError(410, "result_expired", "the result was kept for its time, and is gone");
+    case JobState::kFailed:
+    case JobState::kCancelled: break;
+  }
+  Response response;
+  response.status = job.problem_status;
+  response.content_type = "application/problem+json";
+  response.body = job.problem;
+  return response;
+}
+
+std::string event_of(const JobRecord& job) {
+  return "id: " + std::to_string(job.version) + "\nevent: " + (is_final(job.state) ? "end" : "progress") +
+         "\ndata: " + job_json(job) + "\n\n";
+}
+
+/// The events of one job as they come: whenever its record has another version, the whole of it. So a client that comes
+/// back with the last version that it has seen misses nothing that counts.
+class EventStream {
+ public:
+  EventStream(JobStore& store, JobRecord first, std::int64_t seen, Connection& connection)
+      : store_(store), job_(std::move(first)), seen_(seen), connection_(connection) {}
+
+  /// Output: empty at the end.
+  std::string next() {
+    if (is_over_) return {};
+    for (;;) {
+      if (job_.version != seen_) {
+        seen_ = job_.version;
+        is_over_ = is_final(job_.state);
+        silent_until_ = Clock::now() + kSilence;
+        return event_of(job_);
+      }
+      if (Clock::now() >= silent_until_) {
+        silent_until_ = Clock::now() + kSilence;
+        return ": still here\n\n";
+      }
+      if (connection_.wait(nullptr, Clock::now() + kLook) == Connection::Wake::kClientGone) return {};
+      try {
+        std::optional<JobRecord> now = store_.find(job_.id);
+        if (!now) return {};
+        job_ = std::move(*now);
+      } catch (const StoreError&) {
+        // It comes back, or the client goes.
+      }
+    }
+  }
+
+ private:
+  JobStore& store_;
+  JobRecord job_;
+  std::int64_t seen_;
+  Connection& connection_;
+  bool is_over_ = false;
+  Clock::time_point silent_until_ = Clock::now() + kSilence;
+};
+
+}  // namespace
+
+HttpError store_unavailable() {
+  return HttpError(503, "store_unavailable", "the store of jobs cannot be reached or written now: try again shortly");
+}
+
+std::vector<Route> JobRoutes::routes() {
+  const auto admission = [this](const RequestHead& head) { return admit(head); };
+  const std::string path = "/v1/jobs/{id}";
+  return {{"POST", "/v1/jobs", [this](const Call& call) { return submit(call); }, admission},
+          {"GET", "/v1/jobs", [this](const Call& call) { return list(call); }},
+          {"GET", path, [this](const Call& call) { return show(call); }},
+          {"DELETE", path, [this](const Call& call) { return cancel(call); }},
+          {"GET", path + "/result", [this](const Call& call) { return result(call); }},
+          {"GET", path + "/report", [this](const Call& call) { return report(call); }},
+          {"GET", path + "/events", [this](const Call& call) { return follow(call); }}};
+}
+
+bool JobRoutes::wants_job(const RequestHead& head) {
+  for (const std::string_view preference : list_elements(head.header("prefer"))) {
+    if (api::ascii_lower(trimmed(api::cut(preference, ';').first)) == "respond-async") return true;
+  }
+  return false;
+}
+
+JobService& JobRoutes::jobs() const {
+  if (context_.jobs == nullptr) {
+    throw HttpError(501, "not_implemented", "this server keeps no jobs: it was given no --state-dir and no --store");
+  }
+  return *context_.jobs;
+}
+
+Admission JobRoutes::admit(const RequestHead&) const {
+  if (context_.draining) throw HttpError(503, "draining", "this server is about to stop");
+  if (!jobs().is_well()) throw store_unavailable();
+  // The body is only passed on: what its work takes is up to whoever claims it. Twice, since the store copies.
+  return {context_.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
+}
+
+Response JobRoutes::submit(const Call& call) const {
+  const Request& request = call.request;
+  api::Request kept = kept_part(request);
+  NewJob job;
+  job.request = pack_request(kept);
+  job.idempotency = idempotency(request, job.request);
+  kept.body = request.body;
+  api::check_remesh(kept, context_.limits.api);
+
+  job.memory = request.body.size() * MemoryBudget::kWorkPerBodyByte;
+  if (job.memory > context_.memory.limit()) throw never_fits(context_.memory.limit());
+  job.id = new_request_id();
+  job.owner = context_.keys.owner(request);
+  job.body = request.body;
+  const Submission submission = ask([&] { return jobs().store().submit(job); });
+  if (submission.kind == Submission::Kind::kKeyReused)
+    throw HttpError(422, "idempotency_key_reused", "this Idempotency-Key was sent with another request");
+  jobs().wake();
+
+  const auto record = ask([&] { return jobs().store().find(submission.id); });
+  if (!record) throw HttpError(410, "result_expired", "the job of this Idempotency-Key is gone");
+  Response response = json(job_json(*record));
+  response.status = 202;
+  response.headers.emplace_back("Location", job_path(submission.id));
+  response.headers.emplace_back("Retry-After", kPollSeconds);
+  if (wants_job(request)) response.headers.emplace_back("Preference-Applied", "respond-async");
+  return response;
+}
+
+/// Errors: 404 - also for a job of somebody else's, so that ids cannot be tried.
+JobRecord JobRoutes::find_own(const Call& call) const {
+  JobStore& store = jobs().store();
+  if (!is_job_id(call.parameter)) throw not_found();
+  std::optional<JobRecord> job = ask([&] { return store.find(call.parameter); });
+  if (!job || job->owner != context_.keys.owner(call.request)) throw not_found();
+  return std::move(*job);
+}
+
+Response JobRoutes::list(const Call& call) const {
+  JobStore& store = jobs().store();
+  const std::string owner = context_.keys.owner(call.request);
+  if (owner.empty()) {
+    throw HttpError(403, "forbidden", "jobs are listed for an API key only, and this server asks for none");
+  }
+  return json(jobs_json(ask([&] { return store.list(owner, kMostListed); })));
+}
+
+Response JobRoutes::show(const Call& call) const {
+  const JobRecord job = find_own(call);
+  Response response = json(job_json(job));
+  if (!is_final(job.state)) response.headers.emplace_back("Retry-After", kPollSeconds);
+  return response;
+}
+
+Response JobRoutes::cancel(const Call& call) const {
+  const JobRecord job = find_own(call);
+  ask([&] { return jobs().cancel(job.id); });
+  Response response;
+  response.status = 204;
+  return response;
+}
+
+Response JobRoutes::result(const Call& call) const {
+  const JobRecord job = find_own(call);
+  if (std::optional<Response> problem = answer_without_result(job)) return std::move(*problem);
+  JobStore& store = jobs().store();
+  const auto read = [&store, id = job.id](BlobKind kind) {
+    std::optional<std::string> bytes = ask([&] { return store.read_blob(id, kind); });
+    if (!bytes) throw HttpError(410, "result_expired", "the result was kept for its time, and is gone");
+    return std::move(*bytes);
+  };
+  const Operation write = [read](const api::Request& wanted, const api::Limits&, RunControl& control) {
+    const std::string mesh = read(BlobKind::kMesh);
+    return api::write_kept(
+        mesh, [&] { return read(BlobKind::kReport); }, wanted, control);
+  };
+  Response response;
+  static_cast<api::Response&>(response) =
+      run_in_pool(context_.pool, context_.registry, context_.limits, write, call.request, call.connection);
+  return response;
+}
+
+Response JobRoutes::report(const Call& call) const {
+  const JobRecord job = find_own(call);
+  if (std::optional<Response> problem = answer_without_result(job)) return std::move(*problem);
+  std::optional<std::string> report = ask([&] { return jobs().store().read_blob(job.id, BlobKind::kReport); });
+  if (!report) throw HttpError(410, "result_expired", "the result was kept for its time, and is gone");
+  return json(std::move(*report));
+}
+
+Response JobRoutes::follow(const Call& call) const {
+  JobRecord job = find_own(call);
+  const std::string_view last = call.request.header("last-event-id");
+  std::int64_t seen = 0;
+  std::from_chars(last.data(), last.data() + last.size(), seen);
+  Response response;
+  if (is_final(job.state) && job.version == seen) {
+    response.status = 204;  // there is nothing more, and browsers then stop asking
+    return response;
+  }
+  response.content_type = "text/event-stream";
+  response.headers.emplace_back("Cache-Control", "no-store");
+  response.next_piece = [stream = std::make_shared<EventStream>(jobs().store(), std::move(job), seen,
+                                                                call.connection)] { return stream->next(); };
+  return response;
+}
+
+}  // namespace remesh::server::jobs

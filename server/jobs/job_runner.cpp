@@ -1,0 +1,305 @@
+#include "server/jobs/job_runner.h"
+
+#include <algorithm>
+#include <exception>
+#include <utility>
+
+#include "server/error_response.h"
+#include "server/exchange.h"
+#include "server/jobs/job_request.h"
+#include "server/log.h"
+#include "server/work.h"
+
+namespace remesh::server::jobs {
+namespace {
+
+/// Behind the store's own waking, whatever that misses.
+constexpr std::chrono::seconds kPoll{5};
+/// While the store does not answer, or there is no room.
+constexpr std::chrono::milliseconds kPause{250};
+constexpr std::chrono::milliseconds kMostBetweenLooks{1000};
+/// How long stopped work may take to notice.
+constexpr std::chrono::seconds kStopPatience{3};
+
+}  // namespace
+
+/// A job that this process works on.
+struct JobRunner::Held {
+  Held(Claim its_claim, RequestRegistry& registry)
+      : claim(std::move(its_claim)), running(registry.add(new_request_id())), renewed(Clock::now()) {}
+
+  const Claim claim;
+  const RequestRegistry::Entry running;
+  std::shared_ptr<MemoryShare> memory;
+  std::optional<WorkerPool::Ticket> ticket;  ///< in the pool's queue; guarded by the runner's mutex
+  std::atomic<bool> is_lost{false};
+  std::atomic<bool> is_committing{false};
+  std::atomic<Clock::time_point> started{Clock::time_point::max()};
+  // Of the renewing thread alone.
+  Clock::time_point renewed;
+  Progress told;
+};
+
+JobRunner::JobRunner(JobStore& store, WorkerPool& pool, RequestRegistry& registry, MemoryBudget& memory,
+                     Metrics& metrics, KeepOperation operation, RunnerSettings settings)
+    : store_(store),
+      pool_(pool),
+      registry_(registry),
+      memory_(memory),
+      metrics_(metrics),
+      operation_(std::move(operation)),
+      settings_(std::move(settings)) {}
+
+JobRunner::~JobRunner() { stop(); }
+
+void JobRunner::start() {
+  renewals_.emplace(std::min(kMostBetweenLooks, settings_.lease / 8), [this] { renew_all(); });
+  thread_ = std::thread([this] { claim_until_stopped(); });
+}
+
+void JobRunner::begin_drain() {
+  draining_ = true;
+  wake_.set();
+}
+
+bool JobRunner::is_idle() const {
+  const std::lock_guard lock(mutex_);
+  return held_.empty() && claiming_ == 0;
+}
+
+std::list<std::shared_ptr<JobRunner::Held>> JobRunner::held() const {
+  const std::lock_guard lock(mutex_);
+  return held_;
+}
+
+void JobRunner::stop() {
+  begin_drain();
+  stopping_ = true;
+  if (thread_.joinable()) thread_.join();
+  for (const std::shared_ptr<Held>& held : held()) {
+    std::optional<WorkerPool::Ticket> ticket;
+    {
+      const std::lock_guard lock(mutex_);
+      ticket = held->ticket;
+    }
+    held->running->cancel();
+    if (!ticket || !pool_.withdraw(*ticket)) continue;
+    give_back(*held, JobStore::Attempt::kDoesNotCount, "shutdown");
+    release(held);
+  }
+  const Clock::time_point deadline = Clock::now() + kStopPatience;
+  while (!is_idle() && Clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  renewals_.reset();
+}
+
+void JobRunner::drop(const std::string& id) {
+  for (const std::shared_ptr<Held>& held : held()) {
+    if (held->claim.id != id) continue;
+    held->is_lost = true;
+    held->running->cancel();
+  }
+}
+
+// ---- claiming
+
+void JobRunner::claim_until_stopped() {
+  while (!draining_) {
+    try {
+      const Step step = claim_one();
+      if (step == Step::kClaimed) continue;
+      if (step == Step::kNothing) {
+        store_.wait_for_work(wake_, Clock::now() + kPoll);
+      } else {
+        wake_.wait(Clock::now() + kPause);
+      }
+    } catch (const std::exception& error) {
+      log::write(log::Level::kWarning, "cannot claim jobs", {{"error", std::string(error.what())}});
+      wake_.wait(Clock::now() + kPause);
+    }
+    wake_.clear();
+  }
+}
+
+bool JobRunner::has_room() const {
+  const std::lock_guard lock(mutex_);
+  return held_.size() < settings_.max_held && !pool_.is_full(JobSize::kLarge);
+}
+
+JobRunner::Step JobRunner::claim_one() {
+  if (!has_room()) return Step::kNoRoom;
+  const Counted claiming(claiming_);
+  if (draining_) return Step::kNothing;
+  std::optional<Claim> claim = store_.claim(settings_.worker, memory_.available());
+  if (!claim) return Step::kNothing;
+  hold(std::move(*claim));
+  return Step::kClaimed;
+}
+
+void JobRunner::hold(Claim claim) {
+  const auto held = std::make_shared<Held>(std::move(claim), registry_);
+  log::write(log::Level::kInfo, "job claimed",
+             {{"job", held->claim.id}, {"token", held->claim.token}, {"attempt", std::int64_t{held->claim.attempts}}});
+  try {
+    held->memory = memory_.open_share(/*per_byte=*/1);
+    held->memory->hold_body(held->claim.memory, held->claim.memory);
+    const JobSize size = size_of_job(held->claim.memory / MemoryBudget::kWorkPerBodyByte);
+    const std::lock_guard lock(mutex_);
+    held_.push_back(held);
+    held->ticket = pool_.try_submit([this, held] { run(held); }, size);
+    if (held->ticket) return;
+    held_.pop_back();
+  } catch (const HttpError&) {
+    // Somebody else was faster to take the memory.
+  }
+  give_back(*held, JobStore::Attempt::kDoesNotCount, "no_room");
+}
+
+// ---- the lease
+
+void JobRunner::renew_all() {
+  for (const std::shared_ptr<Held>& held : held()) {
+    if (held->started.load() <= Clock::now() - settings_.job_timeout) held->running->control.expire();
+    try {
+      renew(*held);
+    } catch (const StoreError& error) {
+      log::write(log::Level::kWarning, "cannot renew a lease",
+                 {{"job", held->claim.id}, {"error", std::string(error.what())}});
+    }
+  }
+}
+
+void JobRunner::renew(Held& held) {
+  if (held.is_lost || held.is_committing) return;
+  const RunControl& control = held.running->control;
+  const Progress now{std::string(stage_name(control.stage())), control.fraction()};
+  const bool is_due = Clock::now() - held.renewed >= settings_.lease / 4;
+  const bool has_moved = now.stage != held.told.stage || now.fraction != held.told.fraction;
+  const Clock::time_point asked = Clock::now();
+  if (is_due || has_moved ? store_.renew(held.claim, now) : store_.holds(held.claim)) {
+    if (is_due || has_moved) held.renewed = asked;
+    held.told = now;
+    return;
+  }
+  if (held.is_committing) return;  // it was this claim that ended it
+  log::write(log::Level::kInfo, "job lost", {{"job", held.claim.id}, {"token", held.claim.token}});
+  held.is_lost = true;
+  held.running->cancel();
+}
+
+// ---- working
+
+void JobRunner::run(const std::shared_ptr<Held>& held) {
+  {
+    const std::lock_guard lock(mutex_);
+    held->ticket.reset();
+  }
+  try {
+    if (const std::optional<JobOutcome> outcome = work_on(*held)) commit(*held, *outcome);
+  } catch (const std::exception& error) {
+    // The lease runs out, and somebody tries again.
+    log::write(log::Level::kError, "job left", {{"job", held->claim.id}, {"error", std::string(error.what())}});
+  }
+  release(held);
+}
+
+void JobRunner::release(const std::shared_ptr<Held>& held) {
+  {
+    const std::lock_guard lock(mutex_);
+    held_.remove(held);
+  }
+  held->memory.reset();
+  wake_.set();
+}
+
+std::optional<JobOutcome> JobRunner::work_on(Held& held) {
+  std::optional<std::string> input;
+  try {
+    input = store_.read_blob(held.claim.id, BlobKind::kInput);
+  } catch (const StoreError&) {
+    give_back(held, JobStore::Attempt::kDoesNotCount, "store");
+    return std::nullopt;
+  }
+  RunningRequest& running = *held.running.get();
+  try {
+    running.control.check();
+    if (!input) throw std::runtime_error("the input of a job is missing");
+    api::Request request = unpack_request(held.claim.request);
+    request.body = *input;
+    held.started = Clock::now();
+    running.is_computing = true;
+    api::KeptRemesh kept = operation_(request, settings_.limits, running.control);
+    running.is_computing = false;
+    metrics_.count_work(kept.done);
+    held.memory->hold_answer(kept.mesh.size() + kept.report.size());
+    return JobOutcome{JobState::kSucceeded, std::move(kept.mesh), std::move(kept.report), 0, ""};
+  } catch (...) {
+    running.is_computing = false;
+    return outcome_of_failure(held, std::current_exception());
+  }
+}
+
+std::optional<JobOutcome> JobRunner::outcome_of_failure(Held& held, const std::exception_ptr& failure) {
+  using Eviction = RunningRequest::Eviction;
+  if (held.is_lost) return std::nullopt;
+  std::exception_ptr told = failure;
+  const bool may_retry = held.claim.attempts < settings_.max_attempts;
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::bad_alloc&) {
+    if (may_retry) return give_back(held, JobStore::Attempt::kCounts, "out_of_memory"), std::nullopt;
+  } catch (const Error& error) {
+    const Eviction eviction = held.running->eviction;
+    if (error.code == Code::kCancelled && eviction == Eviction::kNone) {
+      give_back(held, JobStore::Attempt::kDoesNotCount, "shutdown");
+      return std::nullopt;
+    }
+    if (error.code == Code::kCancelled && eviction == Eviction::kAmongOthers) {
+      if (may_retry) return give_back(held, JobStore::Attempt::kCounts, "out_of_memory"), std::nullopt;
+      told = std::make_exception_ptr(out_of_memory());
+    }
+    if (error.code == Code::kCancelled && eviction == Eviction::kAlone)
+      told = std::make_exception_ptr(never_fits(memory_.limit()));
+  } catch (...) {
+    // A defect; it would come again.
+  }
+  Response problem = error_response(told, held.claim.id);
+  return JobOutcome{JobState::kFailed, "", "", problem.status, std::move(problem.body)};
+}
+
+void JobRunner::commit(Held& held, const JobOutcome& outcome) {
+  for (;;) {
+    try {
+      held.is_committing = true;
+      const bool is_done = store_.commit(held.claim, outcome);
+      log::write(log::Level::kInfo, is_done ? "job committed" : "job refused",
+                 {{"job", held.claim.id},
+                  {"token", held.claim.token},
+                  {"state", std::string(state_name(outcome.state))},
+                  {"ms", milliseconds_between(held.started.load(), Clock::now())}});
+      if (is_done) metrics_.count_job(state_name(outcome.state));
+      return;
+    } catch (const StoreError& error) {
+      // The work is done: it is kept until the store is back, or the process ends.
+      held.is_committing = false;
+      log::write(log::Level::kWarning, "cannot commit a job",
+                 {{"job", held.claim.id}, {"error", std::string(error.what())}});
+      if (stopping_ || held.is_lost) return;
+      std::this_thread::sleep_for(kPause);
+    }
+  }
+}
+
+void JobRunner::give_back(Held& held, JobStore::Attempt attempt, const char* reason) {
+  held.is_committing = true;
+  try {
+    const bool is_back = store_.give_back(held.claim, attempt);
+    log::write(log::Level::kInfo, is_back ? "job given back" : "job lost",
+               {{"job", held.claim.id}, {"token", held.claim.token}, {"reason", std::string(reason)}});
+    if (is_back) metrics_.count_job_retry(reason);
+  } catch (const StoreError& error) {
+    log::write(log::Level::kWarning, "cannot give a job back",
+               {{"job", held.claim.id}, {"error", std::string(error.what())}});
+  }
+}
+
+}  // namespace remesh::server::jobs

@@ -1,0 +1,112 @@
+#include "server/jobs/job_service.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <utility>
+
+#include "server/jobs/sql_store.h"
+#include "server/log.h"
+
+namespace remesh::server::jobs {
+namespace {
+
+constexpr std::chrono::milliseconds kLook{1000};
+constexpr std::chrono::milliseconds kMostBetweenUpkeeps{5000};
+/// How often the store is written to although nothing happens: it remembers the time.
+constexpr std::chrono::seconds kTouch{60};
+
+}  // namespace
+
+std::unique_ptr<JobStore> open_store(const JobSettings& settings, Metrics& metrics) {
+  if (settings.store == "none") return nullptr;
+  std::unique_ptr<DatabaseDriver> driver;
+  if (settings.store == "sqlite") {
+    const std::string folder = find_state_dir(settings.state_dir);
+    if (folder.empty()) {
+      log::write(log::Level::kWarning, "no folder for jobs can be written, there will be none",
+                 {{"set", std::string("--state-dir or --store")}});
+      return nullptr;
+    }
+    driver = make_sqlite_driver(folder + "/jobs.sqlite");
+  } else {
+    driver = make_postgres_driver(settings.store);
+  }
+  std::unique_ptr<BlobFolder> folder;
+  if (!settings.blob_dir.empty()) folder = std::make_unique<BlobFolder>(settings.blob_dir);
+  return std::make_unique<SqlStore>(
+      std::move(driver), settings.rules, std::move(folder),
+      [&metrics](std::string_view op, double seconds, bool failed) { metrics.count_store(op, seconds, failed); });
+}
+
+JobService::JobService(std::unique_ptr<JobStore> store, const JobSettings& settings, RunnerSettings runner,
+                       WorkerPool& pool, RequestRegistry& registry, MemoryBudget& memory, Metrics& metrics,
+                       KeepOperation operation)
+    : store_(std::move(store)),
+      settings_(settings),
+      metrics_(metrics),
+      runner_(*store_, pool, registry, memory, metrics, std::move(operation), std::move(runner)) {}
+
+void JobService::start() {
+  try {
+    store_->probe();
+  } catch (const StoreError& error) {
+    log::write(log::Level::kWarning, "the job store does not answer yet", {{"error", std::string(error.what())}});
+  }
+  looks_.emplace(kLook, [this] { look_after(); });
+  if (settings_.role != Role::kServe) runner_.start();
+}
+
+void JobService::begin_drain() { runner_.begin_drain(); }
+
+void JobService::stop() {
+  runner_.stop();
+  looks_.reset();
+}
+
+QueueStatistics JobService::statistics() const {
+  const std::lock_guard lock(mutex_);
+  return statistics_;
+}
+
+void JobService::wake() { runner_.wake(); }
+
+bool JobService::cancel(const std::string& id) {
+  const bool was_cancelled = store_->cancel(id);
+  if (was_cancelled) {
+    metrics_.count_job(state_name(JobState::kCancelled));
+    runner_.drop(id);
+  }
+  return was_cancelled;
+}
+
+void JobService::look_after() {
+  try {
+    const Clock::time_point now = Clock::now();
+    if (!store_->is_well() || now >= next_touch_) {
+      store_->probe();
+      next_touch_ = now + kTouch;
+    }
+    if (now >= next_upkeep_) {
+      next_upkeep_ = now + std::min(kMostBetweenUpkeeps, settings_.rules.lease / 8);
+      const Upkeep done = store_->upkeep();
+      metrics_.count_job_retry("worker_crashed", done.retried);
+      metrics_.count_job("failed", done.crashed + done.timed_out);
+      metrics_.count_job("expired", done.expired);
+      if (done.retried + done.crashed > 0) {
+        log::write(log::Level::kWarning, "workers died of their jobs, or with them",
+                   {{"retried", std::int64_t{done.retried}}, {"failed", std::int64_t{done.crashed}}});
+      }
+      if (done.retried > 0) runner_.wake();
+    }
+    const QueueStatistics statistics = store_->statistics();
+    const std::lock_guard lock(mutex_);
+    statistics_ = statistics;
+  } catch (const StoreError& error) {
+    if (std::exchange(was_well_, false))
+      log::write(log::Level::kError, "the job store fails", {{"error", std::string(error.what())}});
+    return;
+  }
+  if (!std::exchange(was_well_, true)) log::write(log::Level::kInfo, "the job store is well again");
+}
+
+}  // namespace remesh::server::jobs

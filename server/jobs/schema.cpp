@@ -1,0 +1,85 @@
+#include "server/jobs/schema.h"
+
+#include <array>
+#include <string>
+#include <vector>
+
+namespace remesh::server::jobs {
+namespace {
+
+/// Each list is a version: what leads there from the one before. Never change one that was released.
+const std::vector<std::vector<const char*>> kVersions{
+    {
+        "CREATE TABLE remeshd_job ("
+        " id text PRIMARY KEY,"
+        " owner text NOT NULL,"
+        " state text NOT NULL,"
+        " turn bigint NOT NULL,"  // jobs run in the order of (turn, created_ms, id): see SqlStore::next_turn
+        " memory bigint NOT NULL,"
+        " request text NOT NULL,"
+        " token bigint NOT NULL DEFAULT 0,"
+        " attempts int NOT NULL DEFAULT 0,"
+        " commits int NOT NULL DEFAULT 0,"  // at most 1; counted so that it can be proved
+        " worker text NOT NULL DEFAULT '',"
+        " stage text NOT NULL DEFAULT 'queued',"
+        " fraction double precision NOT NULL DEFAULT 0,"
+        " version bigint NOT NULL DEFAULT 1,"
+        " created_ms bigint NOT NULL,"
+        " started_ms bigint,"
+        " lease_ms bigint,"  // of a running job: when it counts as abandoned
+        " finished_ms bigint,"
+        " expires_ms bigint,"  // of an ended job
+        " problem_status int NOT NULL DEFAULT 0,"
+        " problem text NOT NULL DEFAULT '')",
+        "CREATE INDEX remeshd_job_queue ON remeshd_job (turn, created_ms, id, memory) WHERE state = 'queued'",
+        "CREATE INDEX remeshd_job_waiting ON remeshd_job (created_ms) WHERE state = 'queued'",
+        "CREATE INDEX remeshd_job_running ON remeshd_job (lease_ms) WHERE state = 'running'",
+        "CREATE INDEX remeshd_job_ended ON remeshd_job (expires_ms) WHERE expires_ms IS NOT NULL",
+        "CREATE INDEX remeshd_job_owner ON remeshd_job (owner, created_ms)",
+        // One row a chunk, or one that names a file.
+        "CREATE TABLE remeshd_blob ("
+        " job text NOT NULL, kind text NOT NULL, part int NOT NULL, data bytea, file text,"
+        " PRIMARY KEY (job, kind, part))",
+        "CREATE TABLE remeshd_owner (owner text PRIMARY KEY, last_turn bigint NOT NULL)",
+        "CREATE INDEX remeshd_owner_turn ON remeshd_owner (last_turn)",
+        "CREATE TABLE remeshd_idempotency ("
+        " owner text NOT NULL, key text NOT NULL, digest text NOT NULL, job text NOT NULL, expires_ms bigint NOT NULL,"
+        " PRIMARY KEY (owner, key))",
+        "CREATE INDEX remeshd_idempotency_end ON remeshd_idempotency (expires_ms)",
+        "CREATE INDEX remeshd_idempotency_job ON remeshd_idempotency (job)",
+    },
+};
+
+/// Nothing where there are no tables.
+std::optional<std::int64_t> version_of(Database& database) {
+  database.run("CREATE TABLE IF NOT EXISTS remeshd_schema (version int NOT NULL, touched_ms bigint NOT NULL)");
+  const Rows rows = database.run("SELECT version FROM remeshd_schema");
+  if (rows.empty()) return std::nullopt;
+  return std::stoll(rows[0][0].value());
+}
+
+}  // namespace
+
+void bring_schema_up_to_date(Database& database, const DatabaseDriver& driver) {
+  Transaction transaction(database);
+  driver.lock_schema(database);
+  const std::optional<std::int64_t> found = version_of(database);
+  const auto newest = static_cast<std::int64_t>(kVersions.size());
+  if (found.value_or(0) > newest) {
+    throw StoreError("the store has version " + std::to_string(*found) + ", this remeshd knows " +
+                     std::to_string(newest) + ": it was used by a newer one");
+  }
+  if (found == newest) return transaction.commit();
+  for (std::int64_t version = found.value_or(0); version < newest; ++version) {
+    for (const char* statement : kVersions[static_cast<std::size_t>(version)]) database.run(statement);
+  }
+  if (!found) {
+    for (const std::string& statement : driver.schema_statements()) database.run(statement.c_str());
+    database.run("INSERT INTO remeshd_schema (version, touched_ms) VALUES ($1, 0)", {newest});
+  } else {
+    database.run("UPDATE remeshd_schema SET version = $1", {newest});
+  }
+  transaction.commit();
+}
+
+}  // namespace remesh::server::jobs

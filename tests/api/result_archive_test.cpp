@@ -1,0 +1,133 @@
+// Results that are kept, and written later.
+#include "api/result_archive.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "api/service.h"
+
+namespace remesh::api {
+namespace {
+
+/// Two squares in one plane, with objects, groups, materials and a library.
+constexpr std::string_view kLabelled =
+    "mtllib part.mtl\nv 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 0 1 0\no left\ng a\nusemtl red\nf 1 2 5 6\n"
+    "o right\ng b\nusemtl blue\nf 2 3 4 5\n";
+
+Request request(std::string_view body, Fields query = {}, const std::string& accept = "") {
+  Request made;
+  made.body = body;
+  made.query = std::move(query);
+  made.accept = accept;
+  return made;
+}
+
+KeptRemesh keep(const Request& asked) {
+  RunControl control;
+  return run_remesh_to_keep(asked, {}, control);
+}
+
+Response write(const KeptRemesh& kept, const Request& wanted) {
+  RunControl control;
+  return write_kept(
+      kept.mesh, [&] { return kept.report; }, wanted, control);
+}
+
+/// Without the times, which alone may differ.
+nlohmann::json without_times(const std::string& text) {
+  nlohmann::json json = nlohmann::json::parse(text);
+  json["report"].erase("timing_ms");
+  json["report"]["options"].erase("format");  // the one that the job asked for
+  return json;
+}
+
+TEST(ResultArchive, a_kept_result_is_written_in_every_format_as_it_would_have_been_at_once) {
+  const KeptRemesh kept = keep(request(kLabelled, {{"max_edge_length", "0.3"}}));
+  for (const Format format : kFormats) {
+    const std::string name(format_name(format));
+    RunControl control;
+    const Response direct = run_remesh(request(kLabelled, {{"max_edge_length", "0.3"}, {"format", name}}), {}, control);
+    const Response later = write(kept, request("", {{"format", name}}));
+    EXPECT_EQ(later.content_type, direct.content_type);
+    ASSERT_EQ(later.headers.size(), direct.headers.size());
+    EXPECT_EQ(later.headers[0], direct.headers[0]) << "Remesh-Summary";
+    if (format == Format::kJson) {
+      EXPECT_EQ(without_times(later.body), without_times(direct.body));
+    } else {
+      EXPECT_TRUE(later.body == direct.body) << name;
+    }
+  }
+}
+
+TEST(ResultArchive, what_the_job_asked_for_holds_where_nothing_else_is_asked) {
+  const KeptRemesh as_stl = keep(request(kLabelled, {{"format", "stl"}}));
+  EXPECT_EQ(write(as_stl, request("")).content_type, "model/stl");
+  EXPECT_EQ(write(as_stl, request("", {}, "*/*")).content_type, "model/stl");
+  EXPECT_EQ(write(as_stl, request("", {}, "model/obj")).content_type, "model/obj");
+  const KeptRemesh accepted = keep(request(kLabelled, {}, "application/x-off"));
+  EXPECT_EQ(write(accepted, request("")).content_type, "application/x-off");
+  EXPECT_EQ(write(keep(request(kLabelled)), request("")).content_type, "model/obj");
+}
+
+TEST(ResultArchive, every_number_and_label_comes_back) {
+  KeptResult kept;
+  kept.format = Format::kPly;
+  kept.summary = "faces=1";
+  kept.comments = {"", "two\nlines"};
+  kept.result.mesh.positions.items() = {{-0.0, std::numeric_limits<double>::denorm_min(), 1e308}, {0.1, 0.2, 0.3}, {}};
+  kept.result.mesh.faces.push_back({VertexId(0), VertexId(1), VertexId(2)});
+  kept.result.mesh.labels.group.names = {"a", ""};
+  kept.result.mesh.labels.group.of_face.push_back(1);
+  kept.result.mesh.labels.material_libraries = {"x.mtl"};
+  kept.result.face_patch.push_back(PatchId(7));
+  kept.result.face_source.push_back(FaceId());
+  const KeptResult back = unpack_result(pack_result(kept));
+  EXPECT_EQ(back.format, kept.format);
+  EXPECT_EQ(back.summary, kept.summary);
+  EXPECT_EQ(back.comments, kept.comments);
+  EXPECT_EQ(back.result.mesh.positions, kept.result.mesh.positions);
+  EXPECT_TRUE(std::signbit(back.result.mesh.positions[VertexId(0)].x));
+  EXPECT_EQ(back.result.mesh.faces, kept.result.mesh.faces);
+  EXPECT_EQ(back.result.mesh.labels, kept.result.mesh.labels);
+  EXPECT_EQ(back.result.face_patch, kept.result.face_patch);
+  EXPECT_EQ(back.result.face_source, kept.result.face_source);
+}
+
+TEST(ResultArchive, damaged_bytes_are_refused) {
+  const std::string good = pack_result({});
+  EXPECT_NO_THROW(unpack_result(good));
+  for (std::size_t length = 0; length < good.size(); ++length)
+    EXPECT_THROW(unpack_result(good.substr(0, length)), Error) << length;
+  EXPECT_THROW(unpack_result(good + "x"), Error);
+  for (std::size_t at = 0; at < good.size(); ++at) {
+    std::string bad = good;
+    bad[at] = '\xff';  // a magic that is none, a length that is beyond the end
+    EXPECT_THROW(unpack_result(bad), Error) << at;
+  }
+}
+
+TEST(ResultArchive, a_request_is_checked_before_its_mesh_is_read) {
+  EXPECT_NO_THROW(check_remesh(request("not looked at"), {}));
+  const auto code = [](const Request& asked) {
+    try {
+      check_remesh(asked, {});
+    } catch (const Error& error) {
+      return std::string(code_name(error.code));
+    }
+    return std::string();
+  };
+  EXPECT_EQ(code(request("", {{"refin", "true"}})), "unknown_option");
+  EXPECT_EQ(code(request("", {{"max_area", "-1"}})), "invalid_option");
+  EXPECT_EQ(code(request("", {}, "image/png")), "not_acceptable");
+  Request coded = request("");
+  coded.content_encoding = "br";
+  EXPECT_EQ(code(coded), "unsupported_media_type");
+  coded.content_encoding = "gzip";
+  EXPECT_EQ(code(coded), "") << "it is decompressed where it is read";
+}
+
+}  // namespace
+}  // namespace remesh::api

@@ -1,0 +1,445 @@
+"""Three real daemons on one store, and clients that submit, poll, stream, cancel and repeat: jobs_test.py REMESHD REMESH sqlite|postgres [WORD]...
+
+With words, only the tests that have one of them in their names.
+
+Leases are short here (--job-lease), all else is as it is served. Exit code 77: the store is not there.
+"""
+
+import contextlib
+import json
+import os
+import pathlib
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import traceback
+
+from daemons import (CONTINUE, ENDLESS, QUICK, SECOND, SHORT, SQUARE, STOP, Daemon, Store, ask, can_use, events, result_of,
+                     state_of, submit, wait_for, wait_for_state, with_clock)
+
+LEASE_S = 2
+PROGRAM = CLIENT = ""
+
+
+def expect(condition, text):
+    if not condition:
+        raise AssertionError(text)
+
+
+def expect_equal(got, wanted, text):
+    expect(got == wanted, f"{text}: {got!r} in place of {wanted!r}")
+
+
+@contextlib.contextmanager
+def daemons(store, count, *flags, prefixes=(), lease=f"{LEASE_S}s"):
+    started = []
+    try:
+        for i in range(count):
+            prefix = prefixes[i] if i < len(prefixes) else ()
+            started.append(Daemon(PROGRAM, [*store.flags, "--workers", "1", "--max-running", "1", "--job-lease", lease,
+                                            *flags], prefix=prefix).start())
+        yield started
+    finally:
+        for daemon in started:
+            daemon.kill()
+
+
+def accepted(answer):
+    expect_equal(answer.status, 202, f"a job is accepted ({answer.body[:200]})")
+    job = answer.json()
+    expect_equal(answer.headers["location"], f"/v1/jobs/{job['id']}", "Location")
+    expect("retry-after" in answer.headers, "Retry-After")
+    return job["id"]
+
+
+def worker_of(fleet, job_id):
+    """The daemon that claimed it last."""
+    def found():
+        claims = [(line["token"], daemon) for daemon in fleet for line in daemon.logged("job claimed", job=job_id)]
+        return max(claims, key=lambda claim: claim[0])[1] if claims else None
+
+    return wait_for(found)
+
+
+def test_jobs_are_submitted_anywhere_and_answered_everywhere(store):
+    with daemons(store, 3) as fleet:
+        direct = ask(fleet[0].port, "POST", f"/v1/remesh?{SHORT}", SQUARE)
+        as_stl = ask(fleet[0].port, "POST", f"/v1/remesh?{SHORT}&format=stl", SQUARE)
+        failures = []
+
+        def client(number):
+            try:
+                job = accepted(submit(fleet[number % 3].port, SHORT, Idempotency_Key=f"client {number}"))
+                seen = list(events(fleet[(number + 1) % 3].port, job))
+                expect_equal(seen[-1][1], "end", "the last event")
+                expect_equal(seen[-1][2]["state"], "succeeded", "its state")
+                expect([event[0] for event in seen] == sorted({event[0] for event in seen}), "ids rise")
+                result = result_of(fleet[(number + 2) % 3].port, job)
+                expect(result.body == direct.body, "the bytes are those of /v1/remesh")
+                expect_equal(result.headers["remesh-summary"], direct.headers["remesh-summary"], "the summary")
+                expect(result_of(fleet[0].port, job, "?format=stl").body == as_stl.body, "the same as STL")
+                report = ask(fleet[number % 3].port, "GET", f"/v1/jobs/{job}/report").json()
+                expect(report["verified"]["surface"], "verified")
+                expect_equal(accepted(submit(fleet[(number + 1) % 3].port, SHORT, Idempotency_Key=f"client {number}")), job,
+                             "the same key is the same job, done or not")
+            except Exception as failure:  # pylint: disable=broad-except
+                failures.append(failure)
+
+        clients = [threading.Thread(target=client, args=(number,)) for number in range(12)]
+        for thread in clients:
+            thread.start()
+        for thread in clients:
+            thread.join()
+        expect(not failures, f"{len(failures)} clients failed, the first: {failures[:1]}")
+        workers = [daemon for daemon in fleet if daemon.logged("job committed")]
+        expect(len(workers) >= 2, "more than one daemon has worked")
+        expect_equal(sum(len(daemon.logged("job committed")) for daemon in fleet), 12, "commits")
+
+
+def test_the_contract_of_a_job_that_runs(store):
+    with daemons(store, 2) as (first, second):
+        job = accepted(ask(first.port, "POST", f"/v1/remesh?{ENDLESS}", SQUARE, {"Prefer": "respond-async"}))
+        running = wait_for_state(second.port, job, "running")
+        expect_equal(running["attempts"], 1, "attempts")
+        early = result_of(second.port, job)
+        expect_equal((early.status, early.code()), (409, "job_not_finished"), "the result of a running job")
+        stream = events(second.port, job)
+        version, kind, _ = next(stream)
+        expect_equal(kind, "progress", "the first event")
+        later = next(events(first.port, job, last_event_id=version))
+        expect(later[0] > version, "Last-Event-ID: nothing is told twice")
+        start = time.monotonic()
+        for daemon in (second, first, second):
+            expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}").status, 204, "DELETE")
+        expect_equal([event for event in stream][-1][2]["state"], "cancelled", "the stream's last word")
+        expect_equal(result_of(first.port, job).code(), "cancelled", "the result of a cancelled job")
+        # Its worker is free soon.
+        quick = [accepted(submit(first.port)) for _ in range(4)]
+        for other in quick:
+            wait_for_state(first.port, other, "succeeded")
+        expect(time.monotonic() - start < 5, "a cancelled job frees its worker")
+
+
+def test_refusals(store):
+    with daemons(store, 1) as (daemon,):
+        for target in ("0" * 32, "x", "A" * 32):
+            expect_equal(ask(daemon.port, "GET", f"/v1/jobs/{target}").status, 404, f"job {target}")
+        expect_equal(submit(daemon.port, "refin=true").code(), "unknown_option", "an option is checked at once")
+        expect_equal(submit(daemon.port, "format=doc").code(), "invalid_option", "a format too")
+        expect_equal(submit(daemon.port, Content_Encoding="br").status, 415, "a coding too")
+        expect_equal(submit(daemon.port, Idempotency_Key="").code(), "malformed_request", "an empty key")
+        accepted(submit(daemon.port, Idempotency_Key="one"))
+        for other in (submit(daemon.port, SHORT, Idempotency_Key="one"), submit(daemon.port, mesh=SQUARE + b"\n",
+                                                                               Idempotency_Key="one")):
+            expect_equal((other.status, other.code()), (422, "idempotency_key_reused"), "a key with another request")
+        bad = accepted(submit(daemon.port, mesh=b"v 0 0 0\nf 1 2 9\n"))
+        failed = wait_for_state(daemon.port, bad, "failed")
+        expect_equal(failed["problem"]["code"], "index_out_of_range", "the problem is told")
+        expect_equal(failed["attempts"], 1, "errors of the input never retry")
+        for part in ("result", "report"):
+            answer = ask(daemon.port, "GET", f"/v1/jobs/{bad}/{part}")
+            expect_equal((answer.status, answer.code()), (422, "index_out_of_range"), f"{part} of a failed job")
+        done = accepted(submit(daemon.port))
+        wait_for_state(daemon.port, done, "succeeded")
+        expect_equal(result_of(daemon.port, done, "?refine=false").code(), "unknown_option", "a result has one option")
+        expect_equal(ask(daemon.port, "GET", f"/v1/jobs/{done}/result", None, {"Accept": "image/png"}).status, 406, "406")
+        expect_equal(ask(daemon.port, "GET", "/v1/jobs").status, 403, "no listing without a key")
+
+
+def test_results_expire(store):
+    with daemons(store, 1, "--result-ttl", "1s") as (daemon,):
+        job = accepted(submit(daemon.port))
+        wait_for_state(daemon.port, job, "succeeded")
+        expired = wait_for_state(daemon.port, job, "expired")
+        expect(expired["finished_at"], "what was is still told")
+        for part in ("result", "report"):
+            answer = ask(daemon.port, "GET", f"/v1/jobs/{job}/{part}")
+            expect_equal((answer.status, answer.code()), (410, "result_expired"), part)
+
+
+def test_jobs_belong_to_the_key_that_made_them(store):
+    with tempfile.NamedTemporaryFile("w") as keys:
+        mine, yours = {"X-API-Key": "key-of-the-first-0123"}, {"X-API-Key": "key-of-the-second-012"}
+        keys.write("\n".join([mine["X-API-Key"], yours["X-API-Key"]]))
+        keys.flush()
+        with daemons(store, 1, "--api-key-file", keys.name) as (daemon,):
+            job = accepted(ask(daemon.port, "POST", f"/v1/jobs?{QUICK}", SQUARE, {**mine, "Idempotency-Key": "same"}))
+            other = accepted(ask(daemon.port, "POST", f"/v1/jobs?{QUICK}", SQUARE, {**yours, "Idempotency-Key": "same"}))
+            expect(job != other, "keys of idempotency are each client's own")
+            for path in ("", "/result", "/report", "/events"):
+                expect_equal(ask(daemon.port, "GET", f"/v1/jobs/{job}{path}", None, yours).status, 404, "of another: " + path)
+                expect_equal(ask(daemon.port, "GET", f"/v1/jobs/{job}{path}").status, 401, "without a key: " + path)
+            expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}", None, yours).status, 404, "cancelling another's")
+            listed = ask(daemon.port, "GET", "/v1/jobs", None, mine).json()["jobs"]
+            expect_equal([entry["id"] for entry in listed], [job], "the list")
+            wait_for(lambda: ask(daemon.port, "GET", f"/v1/jobs/{job}", None, mine).json()["state"] == "succeeded")
+
+
+def test_a_dead_worker_s_job_runs_again(store):
+    with daemons(store, 3) as fleet:
+        direct = ask(fleet[0].port, "POST", f"/v1/remesh?{SECOND}", SQUARE)
+        job = accepted(submit(fleet[0].port, SECOND))
+        dead = worker_of(fleet, job)
+        dead.kill()
+        others = [daemon for daemon in fleet if daemon is not dead]
+        start = time.monotonic()
+        done = wait_for_state(others[0].port, job, "succeeded", seconds=30)
+        expect_equal(done["attempts"], 2, "attempts")
+        expect(time.monotonic() - start < LEASE_S * 1.25 + 10, "within the lease and a quarter of it")
+        expect(result_of(others[1].port, job).body == direct.body, "the result")
+        dead.start()
+        expect(sum(daemon.metric('remeshd_job_retries_total{reason="worker_crashed"}') for daemon in others) >= 1, "retries")
+
+
+def test_a_job_that_kills_its_workers_fails(store):
+    with daemons(store, 1, "--job-attempts", "2", lease="500ms") as (daemon,):
+        job = accepted(submit(daemon.port, ENDLESS))
+        for attempt in (1, 2):
+            wait_for(lambda: state_of(daemon.port, job)["attempts"] == attempt)  # pylint: disable=cell-var-from-loop
+            daemon.kill()
+            daemon.start()
+        failed = wait_for_state(daemon.port, job, "failed")
+        expect_equal(failed["problem"]["code"], "worker_crashed", "the problem")
+        kept = store.query(f"SELECT count(*) FROM remeshd_blob WHERE job = '{job}' AND kind = 'input'")
+        expect_equal(kept, [["1"]], "the input is kept")
+
+
+def test_a_stopping_daemon_gives_its_job_back(store):
+    with daemons(store, 2, "--drain-time", "500ms") as fleet:
+        job = accepted(submit(fleet[0].port, ENDLESS))
+        first = worker_of(fleet, job)
+        expect_equal(first.stop(), 0, "its exit code")
+        other = fleet[1] if first is fleet[0] else fleet[0]
+        wait_for(lambda: other.logged("job claimed", job=job), seconds=LEASE_S * 0.75)
+        expect_equal(state_of(other.port, job)["attempts"], 1, "the attempt is not counted")
+        # With time enough it is finished.
+        expect_equal(ask(other.port, "DELETE", f"/v1/jobs/{job}").status, 204, "cancel")
+        first.start()
+
+
+def test_a_worker_that_was_stopped_is_refused(store):
+    with daemons(store, 2) as fleet:
+        direct = ask(fleet[0].port, "POST", f"/v1/remesh?{SECOND}", SQUARE)
+        job = accepted(submit(fleet[0].port, SECOND))
+        first = worker_of(fleet, job)
+        second = fleet[1] if first is fleet[0] else fleet[0]
+        time.sleep(0.2)
+        first.signal(STOP)
+        stopped = time.monotonic()
+        done = wait_for_state(second.port, job, "succeeded", seconds=30)
+        expect_equal(done["attempts"], 2, "attempts")
+        time.sleep(max(0.0, 2 * LEASE_S - (time.monotonic() - stopped)))
+        before = state_of(second.port, job)
+        result = result_of(second.port, job)
+        first.signal(CONTINUE)
+        wait_for(lambda: first.logged("job lost", job=job) or first.logged("job refused", job=job))
+        time.sleep(1)
+        expect(not first.logged("job committed", job=job), "the first does not commit")
+        expect_equal(len(second.logged("job committed", job=job)), 1, "the second has committed")
+        expect_equal(state_of(second.port, job), before, "nothing has changed")
+        expect(result_of(first.port, job).body == result.body == direct.body, "byte for byte")
+        accepted(submit(first.port))
+
+
+def test_clocks_that_differ_by_an_hour_do_no_harm(store):
+    prefixes = [with_clock("+1h"), with_clock("-1h")]
+    if None in prefixes:
+        print("  SKIPPED: there is no libfaketime (Debian: faketime)")
+        return
+    with daemons(store, 3, prefixes=prefixes) as fleet:
+        jobs = [accepted(submit(fleet[i % 3].port, SECOND if i % 4 == 0 else SHORT)) for i in range(12)]
+        finished = [wait_for_state(fleet[(i + 1) % 3].port, job, "succeeded", "failed", seconds=60)
+                    for i, job in enumerate(jobs)]
+        expect_equal({job["state"] for job in finished}, {"succeeded"}, "all succeed")
+        expect_equal({job["attempts"] for job in finished}, {1}, "no lease runs out early")
+        expect(all(job["created_at"] <= job["started_at"] <= job["finished_at"] for job in finished), "times in order")
+        expect(all(daemon.logged("job committed") for daemon in fleet), "each has worked")
+        # And a dead one is still missed.
+        job = accepted(submit(fleet[0].port, ENDLESS))
+        dead = worker_of(fleet, job)
+        dead.kill()
+        others = [daemon for daemon in fleet if daemon is not dead]
+        wait_for(lambda: any(daemon.logged("job claimed", job=job) for daemon in others), seconds=LEASE_S * 1.25 + 5)
+        ask(others[0].port, "DELETE", f"/v1/jobs/{job}")
+
+
+def expect_out_of_order(daemon):
+    """A daemon whose store fails: it says so, and lives."""
+    def refused():
+        answer = submit(daemon.port)
+        return (answer.status, answer.code(), "retry-after" in answer.headers) == (503, "store_unavailable", True)
+
+    wait_for(refused)
+    wait_for(lambda: ask(daemon.port, "GET", "/readyz").status == 503)
+    expect_equal(ask(daemon.port, "GET", "/livez").status, 200, "/livez")
+    expect_equal(ask(daemon.port, "POST", f"/v1/remesh?{QUICK}", SQUARE).status, 200, "what needs no store")
+    expect(daemon.metric("remeshd_store_errors_total") > 0, "errors are counted")
+
+
+def expect_in_order(daemon, job):
+    wait_for(lambda: ask(daemon.port, "GET", "/readyz").status == 200, seconds=30)
+    wait_for_state(daemon.port, job, "succeeded", seconds=30)
+    wait_for_state(daemon.port, accepted(submit(daemon.port)), "succeeded", seconds=30)
+
+
+def test_a_store_that_cannot_be_written_is_told_and_recovers(store):
+    with daemons(store, 1) as (daemon,):
+        job = accepted(submit(daemon.port, SECOND))
+        wait_for_state(daemon.port, job, "running", "succeeded")
+        if store.postgres:
+            store.query("ALTER SYSTEM SET default_transaction_read_only = on")
+            store.query("SELECT pg_reload_conf()")
+        else:  # no file may grow: what the system says then is what a full disk is
+            resource.prlimit(daemon.process.pid, resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
+        expect_out_of_order(daemon)
+        if store.postgres:
+            store.query("ALTER SYSTEM RESET default_transaction_read_only")
+            store.query("SELECT pg_reload_conf()")
+        else:
+            resource.prlimit(daemon.process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        expect_in_order(daemon, job)
+
+
+def test_a_full_disk_is_told_and_costs_nothing(store):
+    """A real one: SQLite's file on a file system of a few megabytes."""
+    if store.postgres:
+        return
+    with tempfile.TemporaryDirectory() as folder:
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=6m", "remeshd-test", folder], check=False,
+                          capture_output=True).returncode != 0:
+            print("  SKIPPED: no file system can be mounted here")
+            return
+        try:
+            with Store("sqlite", folder) as small, daemons(small, 1) as (daemon,):
+                kept = accepted(submit(daemon.port, SHORT))
+                wait_for_state(daemon.port, kept, "succeeded")
+                before = result_of(daemon.port, kept).body
+                filler = pathlib.Path(folder, "filler")
+                with contextlib.suppress(OSError), filler.open("wb") as file:
+                    while True:
+                        file.write(bytes(4096))
+                        file.flush()
+                wait_for(lambda: submit(daemon.port, mesh=SQUARE + b"#" * 100_000).code() == "store_unavailable")
+                wait_for(lambda: ask(daemon.port, "GET", "/readyz").status == 503)
+                expect_equal(ask(daemon.port, "GET", "/livez").status, 200, "/livez")
+                expect(result_of(daemon.port, kept).body == before, "what was kept can still be read")
+                filler.unlink()
+                again = accepted(wait_for(lambda: (answer := submit(daemon.port, SHORT)).status == 202 and answer))
+                expect_in_order(daemon, again)
+                expect_equal(state_of(daemon.port, kept)["state"], "succeeded", "nothing is lost")
+        finally:
+            subprocess.run(["umount", folder], check=True)
+
+
+def test_a_store_that_goes_away_comes_back(store):
+    if not store.postgres:
+        return
+    with daemons(store, 2) as (daemon, other):
+        job = accepted(submit(daemon.port, SECOND))
+        wait_for_state(daemon.port, job, "running", "succeeded")
+        store.postgres.kill()
+        expect_out_of_order(daemon)
+        store.postgres.start()
+        expect_in_order(daemon, job)
+        expect_in_order(other, job)
+        # A daemon that starts without its store waits for it.
+        store.postgres.kill()
+        with daemons(store, 1) as (early,):
+            expect_equal(ask(early.port, "GET", "/readyz").status, 503, "not ready")
+            store.postgres.start()
+            expect_in_order(early, job)
+
+
+def test_roles(store):
+    with daemons(store, 1, "--role", "serve") as (serving,):
+        job = accepted(submit(serving.port))
+        time.sleep(0.5)
+        expect_equal(state_of(serving.port, job)["state"], "queued", "nobody works")
+        with daemons(store, 1, "--role", "work") as (working,):
+            wait_for_state(serving.port, job, "succeeded")
+            expect_equal(ask(working.port, "POST", "/v1/remesh", SQUARE).status, 404, "a worker only works")
+            expect_equal(ask(working.port, "GET", "/readyz").status, 200, "but is watched")
+            for name in ("remeshd_jobs_queued ", "remeshd_job_oldest_queued_seconds ", 'remeshd_jobs_total{outcome="succeeded"} 1',
+                         'remeshd_job_retries_total{reason="worker_crashed"}', 'remeshd_store_latency_seconds_count{op="commit"} 1'):
+                wait_for(lambda: f"\n{name}" in ask(working.port, "GET", "/metrics").body.decode())  # pylint: disable=cell-var-from-loop
+
+
+@contextlib.contextmanager
+def command_line(daemon, mesh, *options):
+    """remesh --server, in a folder of its own. Gives the process, and the folder."""
+    with tempfile.TemporaryDirectory() as folder:
+        with open(f"{folder}/part.obj", "wb") as file:
+            file.write(mesh)
+        command = [CLIENT, "part.obj", "-o", "out.stl", "--report", "report.json", "--server", f"http://127.0.0.1:{daemon.port}"]
+        with subprocess.Popen([*command, *options], cwd=folder, stderr=subprocess.PIPE, text=True) as process:
+            yield process, pathlib.Path(folder)
+
+
+def test_the_command_line_uses_jobs(store):
+    with daemons(store, 1) as (daemon,):
+        direct = ask(daemon.port, "POST", f"/v1/remesh?{SHORT}&format=stl", SQUARE)
+        with command_line(daemon, SQUARE, "--max-edge-length", "0.01") as (process, folder):
+            expect_equal((process.wait(30), process.stderr.read()), (0, ""), "exit code and complaints")
+            expect(folder.joinpath("out.stl").read_bytes() == direct.body, "the server's bytes")
+            expect(json.loads(folder.joinpath("report.json").read_text())["verified"]["surface"], "the report")
+        with command_line(daemon, SQUARE + b"f 1 2 9\n") as (process, folder):
+            expect_equal(process.wait(30), 1, "exit code of a bad mesh")
+            expect(process.stderr.read().startswith("remesh: part.obj:7: index_out_of_range: "), "where it is bad")
+            expect(not folder.joinpath("out.stl").exists(), "nothing is written")
+        with command_line(daemon, SQUARE, "--max-area", "-1") as (process, _):
+            expect_equal(process.wait(30), 2, "exit code of a bad option")
+
+
+def test_the_command_line_cancels_when_interrupted(store):
+    with daemons(store, 1) as (daemon,):
+        before = len(daemon.logged("job claimed"))
+        with command_line(daemon, SQUARE, "--max-edge-length", "0.0003") as (process, _):
+            job = wait_for(lambda: daemon.logged("job claimed")[before:])[0]["job"]
+            process.send_signal(signal.SIGINT)
+            expect_equal(process.wait(10), 1, "exit code")
+            expect("cancelled" in process.stderr.read(), "it says so")
+        wait_for_state(daemon.port, job, "cancelled", seconds=5)
+
+
+def test_the_command_line_waits_for_a_server_that_is_away(store):
+    with daemons(store, 1) as (daemon,):
+        with command_line(daemon, SQUARE, "--max-edge-length", "0.005") as (process, folder):
+            wait_for(lambda: daemon.logged("job claimed"))
+            daemon.kill()
+            time.sleep(0.5)
+            daemon.start()
+            expect_equal((process.wait(30), process.stderr.read()), (0, ""), "exit code and complaints")
+            expect(folder.joinpath("out.stl").stat().st_size > 1000, "a result")
+
+
+def main():
+    global PROGRAM, CLIENT  # pylint: disable=global-statement
+    PROGRAM, CLIENT = (os.path.abspath(program) for program in sys.argv[1:3])
+    kind = sys.argv[3]
+    wanted = sys.argv[4:]
+    if not can_use(kind):
+        print("SKIPPED: there is no PostgreSQL (Debian: postgresql)")
+        return 77
+    failures = 0
+    tests = [(name, test) for name, test in globals().items() if name.startswith("test_")]
+    with Store(kind) as store:
+        for name, test in tests:
+            if wanted and not any(word in name for word in wanted):
+                continue
+            start = time.monotonic()
+            try:
+                test(store)
+                print(f"ok      {name} ({time.monotonic() - start:.1f} s)", flush=True)
+            except Exception:  # pylint: disable=broad-except
+                failures += 1
+                print(f"FAILED  {name}", flush=True)
+                traceback.print_exc()
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,107 @@
+"""A PostgreSQL of its own for a test, from Debian's packages, on loopback and in a temporary folder.
+
+postgres.py COMMAND [ARGUMENT]...: runs the command with its URL in REMESHD_TEST_STORE. Exit code 77: there is no PostgreSQL.
+"""
+
+import contextlib
+import glob
+import os
+import pwd
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+
+
+def find_programs():
+    """The folder of initdb and postgres, or None."""
+    found = sorted(glob.glob("/usr/lib/postgresql/*/bin/initdb"))
+    if found:
+        return os.path.dirname(found[-1])
+    on_path = shutil.which("initdb")
+    return os.path.dirname(on_path) if on_path else None
+
+
+def free_port():
+    with contextlib.closing(socket.socket()) as probe:
+        probe.bind(("127.0.0.1", 0))
+        return probe.getsockname()[1]
+
+
+class Postgres:
+    """A server for the length of a `with`; it can be killed and started again."""
+
+    def __init__(self, settings=()):
+        self.programs = find_programs()
+        self.folder = tempfile.mkdtemp(prefix="remeshd-postgres-")
+        self.data = os.path.join(self.folder, "data")
+        self.port = free_port()
+        self.url = f"postgres://remeshd@127.0.0.1:{self.port}/postgres"
+        self.process = None
+        self.settings = [f"--{setting}" for setting in
+                         ("listen_addresses=127.0.0.1", f"port={self.port}", f"unix_socket_directories={self.folder}",
+                          "shared_buffers=32MB", "max_wal_size=256MB", *settings)]
+        self.user = {}
+        if os.getuid() == 0:  # the server refuses to run as root
+            self.user = {"user": "postgres"}
+            account = pwd.getpwnam("postgres")
+            os.chown(self.folder, account.pw_uid, account.pw_gid)
+        subprocess.run([f"{self.programs}/initdb", "-D", self.data, "-A", "trust", "-U", "remeshd", "--no-sync", "-E", "UTF8",
+                        "--locale=C"], check=True, stdout=subprocess.DEVNULL, cwd="/", **self.user)
+
+    def start(self):
+        log = open(os.path.join(self.folder, "log"), "ab")
+        self.process = subprocess.Popen([f"{self.programs}/postgres", "-D", self.data, *self.settings], stdout=log, stderr=log,
+                                        cwd="/", start_new_session=True, **self.user)
+        self.wait_until_ready()
+
+    def wait_until_ready(self):
+        for _ in range(600):
+            if self.process.poll() is not None:  # the lock of a killed one may still be held for a moment
+                time.sleep(0.2)
+                return self.start()
+            ready = subprocess.run([f"{self.programs}/pg_isready", "-q", "-h", "127.0.0.1", "-p", str(self.port)], check=False)
+            if ready.returncode == 0:
+                return None
+            time.sleep(0.05)
+        raise RuntimeError("PostgreSQL does not start: " + open(os.path.join(self.folder, "log")).read()[-2000:])
+
+    def kill(self):
+        """As a failing host would: the whole process group, at once."""
+        os.killpg(self.process.pid, signal.SIGKILL)
+        self.process.wait()
+
+    def query(self, sql):
+        """Rows of strings."""
+        answer = subprocess.run([f"{self.programs}/psql", "-qAtX", "-F", "\t", "-v", "ON_ERROR_STOP=1", "-c", sql, self.url],
+                                check=True, capture_output=True, text=True, cwd="/",
+                                env={**os.environ, "PGOPTIONS": "-c default_transaction_read_only=off"})
+        return [line.split("\t") for line in answer.stdout.splitlines()]
+
+    def __enter__(self):
+        self.start()
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            os.kill(self.process.pid, signal.SIGINT)  # the fast way down
+            try:
+                self.process.wait(timeout=20)
+            except subprocess.TimeoutExpired:
+                self.kill()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+def main():
+    if find_programs() is None:
+        print("SKIPPED: there is no PostgreSQL (Debian: postgresql)")
+        return 77
+    with Postgres() as server:
+        return subprocess.run(sys.argv[1:], check=False, env={**os.environ, "REMESHD_TEST_STORE": server.url}).returncode
+
+
+if __name__ == "__main__":
+    sys.exit(main())
