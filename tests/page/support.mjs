@@ -202,6 +202,11 @@ export function chosenPart({ data, ...png }) {
   return partWhere({ data, ...png }, (at) => data[at] - data[at + 2] > 85 && data[at + 1] - data[at + 2] > 50);
 }
 
+/** Part of the pixels of the purple of patches that were kept or reduced. */
+export function stripedPart(png) {
+  return partWhere(png, (at) => png.data[at + 2] - png.data[at + 1] > 60 && png.data[at] - png.data[at + 1] > 40);
+}
+
 /** Part of the pixels about as red, green and blue as that. */
 export function partOf(png, [red, green, blue], tolerance = 12) {
   return partWhere(
