@@ -152,7 +152,7 @@ class Page {
       const why = error instanceof UnreadableMesh ? error.message : `It cannot be drawn: ${String(error)}`;
       this.summarise(file, []);
       byId("before-count").textContent = "";
-      byId("unreadable").textContent = `${why} The service may know more: Remesh tells.`;
+      byId("unreadable").textContent = `${why} So it is not drawn here. Remesh it to hear what the service says.`;
       byId("unreadable").hidden = false;
       this.say(why);
     }
@@ -312,6 +312,7 @@ class Page {
 }
 
 function sizeOf(bytes: number): string {
+  if (bytes < 1000) return count(bytes, "byte");
   const [size, unit] = bytes < 1e6 ? [bytes / 1e3, "kB"] : [bytes / 1e6, "MB"];
   return `${real(Number(size.toPrecision(3)))} ${unit}`;
 }
