@@ -373,6 +373,17 @@ void write_mesh(JsonWriter& json, const Result& result, RunControl& control) {
     json.integer(source.value);
   }
   json.end_array();
+  json.key("input_face_patch");
+  json.begin_array();
+  for (const PatchId patch : result.input_face_patch) {
+    pace();
+    if (patch.is_valid()) {
+      json.integer(patch.value);
+    } else {
+      json.null();
+    }
+  }
+  json.end_array();
   write_face_labels(json, result.mesh.labels, pace);
   json.end_object();
 }

@@ -134,6 +134,13 @@ WorkDone work_done(const Report& report, const StageTimes& times) {
   return done;
 }
 
+/// What its mesh is held to: one that is compressed within a compressed body gets the ratio once, not twice.
+Limits limits_of_mesh(const ParsedRequest& parsed, const Request& request, Limits limits) {
+  if (!parsed.decoded.empty())
+    limits.max_decompressed = most_decompressed(request.body.size(), decompression_limits(limits));
+  return limits;
+}
+
 /// The headers of a result.
 Fields result_headers(std::string_view summary, std::string_view timing, std::string_view file_name, Format format) {
   Fields headers{{"Remesh-Summary", std::string(summary)}, {"Server-Timing", std::string(timing)}};
@@ -149,7 +156,7 @@ Response run_remesh(const Request& request, const Limits& limits, RunControl& co
   control.enter(Stage::kRead);
   ParsedRequest parsed;
   parse_request(request, limits, control, parsed);
-  RemeshAnswer answer = run_remesh_job(std::move(parsed.job), limits, control);
+  RemeshAnswer answer = run_remesh_job(std::move(parsed.job), limits_of_mesh(parsed, request, limits), control);
 
   Response response;
   response.content_type = media_type(answer.format);
@@ -165,7 +172,8 @@ Response run_analyze(const Request& request, const Limits& limits, RunControl& c
   control.enter(Stage::kRead);
   ParsedRequest parsed;
   parse_request(request, limits, control, parsed);
-  const AnalysisAnswer answer = run_analyze_job(std::move(parsed.job), limits, control);
+  const AnalysisAnswer answer =
+      run_analyze_job(std::move(parsed.job), limits_of_mesh(parsed, request, limits), control);
 
   JsonWriter json;
   json.begin_object();

@@ -56,7 +56,7 @@ struct Options {
 /// How a run is carried out; nothing here changes a byte of the result.
 struct RunSettings {
   int workers = 1;                ///< threads that compute, at least 1
-  bool want_face_source = false;  ///< fill Result::face_source (costs a point location per output face)
+  bool want_face_source = false;  ///< fill Result::face_source and input_face_patch (costs a point location a face)
 };
 
 }  // namespace remesh

@@ -21,6 +21,7 @@
 #include "core/refinement/size_field.h"
 #include "core/stages/assembly.h"
 #include "core/stages/boundary_loops.h"
+#include "core/stages/chords.h"
 #include "core/stages/coplanar_regions.h"
 #include "core/stages/duplicate_faces.h"
 #include "core/stages/essential_vertices.h"
@@ -33,6 +34,7 @@
 #include "core/stages/patch_summary.h"
 #include "core/stages/patches.h"
 #include "core/stages/refinement.h"
+#include "core/stages/separation.h"
 #include "core/stages/t_junctions.h"
 #include "core/stages/unrefined.h"
 #include "core/stages/weld.h"
@@ -140,12 +142,7 @@ class Run {
       // The patches' triangles become one mesh, in which no edge inside a patch is the edge of another one.
       watch_.enter(Stage::kAssembly);
       if (failed.empty()) {
-        const std::vector<PatchId> conflicts = resolve_chords(meshes_, control_);
-        // Refinement may split what could not be flipped.
-        if (!is_refined())
-          for (const PatchId p : conflicts) failed.push_back({p, PatchReason::kOverlappingFaces});
-      }
-      if (failed.empty()) {
+        has_chords_ = !flip_chords(meshes_, surface_.vertex_count(), control_);
         // All patches together: angles, sizes, what is left of conflicts between them.
         refine_patches(ladder);
         watch_.enter(Stage::kAssembly);
@@ -155,6 +152,10 @@ class Run {
         // The independent check of the promises.
         watch_.enter(Stage::kVerify);
         report_.verified = check();
+        if (!report_.verified.all_true() && separate_new_vertices(surface_, meshes_, refinement_, control_)) {
+          assemble();
+          report_.verified = check();
+        }
         if (report_.verified.all_true()) {
           if (is_as_manifold_as_input()) break;
           if (!give_up_t_junctions())
@@ -331,9 +332,10 @@ class Run {
   /// Faces of one plane, their patches, the patches' loops, and the vertices that stay.
   void find_patches(Ladder& ladder) {
     watch_.enter(Stage::kRegions);
-    coplanar_regions(surface_, *adjacency_, geometry_,
-                     {local_tolerance(), options_.normal_tolerance, &ladder.zone(), &ladder.rung()}, regions_,
-                     control_);
+    coplanar_regions(
+        surface_, *adjacency_, geometry_,
+        {local_tolerance(), options_.normal_tolerance, &ladder.zone(), &ladder.rung(), printed_step_ / surface_.unit},
+        regions_, control_);
     watch_.enter(Stage::kPatches);
     patches_ = patches(surface_, *adjacency_, regions_, control_);
     watch_.enter(Stage::kLoops);
@@ -358,7 +360,9 @@ class Run {
 
   void choose_tolerance() {
     const double diagonal = report_.input.bounding_box.diagonal();
-    report_.rounding_step = rounding_step(surface_.positions.items());
+    const Rounding rounding = rounding_of(surface_.positions.items());
+    report_.rounding_step = rounding.step;
+    printed_step_ = 0;
     report_.plane_tolerance_is_automatic = !options_.plane_tolerance.has_value();
     if (options_.plane_tolerance) {
       report_.plane_tolerance = *options_.plane_tolerance;
@@ -366,10 +370,12 @@ class Run {
     }
     const AutomaticTolerance automatic = automatic_tolerance(report_.rounding_step, diagonal);
     report_.plane_tolerance = automatic.value;
-    if (automatic.if_noisy == automatic.value) return;
-    if (is_noise_present(surface_, *adjacency_, face_geometry(surface_, control_), automatic.value / surface_.unit,
+    if (automatic.if_noisy != automatic.value &&
+        is_noise_present(surface_, *adjacency_, face_geometry(surface_, control_), automatic.value / surface_.unit,
                          automatic.if_noisy / surface_.unit))
       report_.plane_tolerance = automatic.if_noisy;
+    if (rounding.is_decimal && report_.plane_tolerance == kToleranceSteps * rounding.step)
+      printed_step_ = rounding.step;
   }
 
   std::vector<FailedPatch> failed_meshes() const {
@@ -386,8 +392,17 @@ class Run {
 
   void refine_patches(const Ladder& ladder) {
     refinement_ = {};
-    if (!is_refined()) return;
+    if (!is_refined() && !has_chords_) return;
     watch_.enter(Stage::kRefinement);
+    if (is_refined())
+      reach_goals(ladder);
+    else
+      split_chords(surface_, patches_, meshes_, refinement_, control_);
+    lift_new_vertices(surface_, patches_, meshes_, refinement_.first_inner, report_.plane_tolerance,
+                      refinement_.new_positions, control_);
+  }
+
+  void reach_goals(const Ladder& ladder) {
     frozen_.resize(patches_.count(), 0);
     for (std::size_t p = 0; p < patches_.count(); ++p)
       if (ladder.is_kept(patches_.faces_of(PatchId(p))[0])) frozen_[p] = 1;
@@ -401,8 +416,6 @@ class Run {
     if (is_budget_too_small())
       std::fill(refinement_.reason.begin(), refinement_.reason.end(), UnrefinedReason::kBudget);
     report_.refinement_rounds = refinement_.rounds;
-    lift_new_vertices(surface_, patches_, meshes_, refinement_.first_inner, report_.plane_tolerance,
-                      refinement_.new_positions, control_);
   }
 
   /// Before anything is allocated by it: what must have more faces than allowed is not begun.
@@ -489,7 +502,7 @@ class Run {
     const InputIntersections intersections = intersecting_patches();
     return verify({surface_, patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
                    assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance,
-                   is_refined() ? &refined : nullptr, &intersections},
+                   !refinement_.new_positions.empty(), is_refined() ? &refined : nullptr, &intersections},
                   control_);
   }
 
@@ -552,7 +565,10 @@ class Run {
     const IdVector<FaceId, FaceId> source =
         needs_source(want_face_source) ? face_source(surface_, patches_, meshes_, control_) : first_faces(result);
     result.mesh.labels = labels_of(input_.labels, source);
-    if (want_face_source) result.face_source = source;
+    if (want_face_source) {
+      result.face_source = source;
+      result.input_face_patch = patches_of_input();
+    }
     report_.timing_ms = watch_.finish();
     result.report = std::move(report_);
     return result;
@@ -571,6 +587,13 @@ class Run {
     source.reserve(result.face_patch.size());
     for (const PatchId p : result.face_patch) source.push_back(surface_.face_source[patches_.faces_of(p)[0]]);
     return source;
+  }
+
+  IdVector<FaceId, PatchId> patches_of_input() const {
+    IdVector<FaceId, PatchId> patch(input_.face_count());
+    for (std::size_t f = surface_.face_count(); f-- > 0;)
+      patch[surface_.face_source[FaceId(f)]] = patches_.of_face[FaceId(f)];
+    return patch;
   }
 
   static FaceLabels labels_of(const FaceLabels& labels, const IdVector<FaceId, FaceId>& source) {
@@ -594,7 +617,9 @@ class Run {
   Surface surface_;
   std::unique_ptr<Adjacency> adjacency_;
   IdVector<FaceId, FaceGeometry> geometry_;
+  double printed_step_ = 0;            ///< that the tolerance comes from; 0: it has another origin
   bool are_t_junctions_split_ = true;  ///< false: that went wrong
+  bool has_chords_ = false;            ///< edges in patches that are edges of others too, whatever is flipped
   bool is_closed_ = false;             ///< of the surface with its repeated faces and T-junctions mended
   std::uint64_t non_manifold_edges_ = 0;
   FoundIntersections input_intersections_;
@@ -603,7 +628,7 @@ class Run {
   BoundaryLoops loops_;
   IdVector<VertexId, std::uint8_t> essential_;
   std::vector<PatchMesh> meshes_;
-  Goals goals_;
+  Goals goals_{};
   std::vector<std::uint8_t> frozen_;  ///< per patch: not refined
   std::uint64_t predicted_faces_ = 0;
   std::uint64_t budget_ = 0;  ///< faces that refinement may make it

@@ -14,6 +14,8 @@ struct Result {
   TriangleMesh mesh;
   IdVector<FaceId, PatchId> face_patch;  ///< one per output face; indexes report.patches
   IdVector<FaceId, FaceId> face_source;  ///< the input face under each face's centroid; empty unless asked for
+  /// The patch of each input face, or of its first piece; invalid where it was dropped. Empty like face_source.
+  IdVector<FaceId, PatchId> input_face_patch;
   Report report;
 };
 

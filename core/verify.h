@@ -41,19 +41,18 @@ struct Claim {
   std::span<const PatchId> face_patch;                ///< patch of each output face
   std::span<const Vec2> corner_uv;                    ///< stored plane coordinates, 3 per output face
   double plane_tolerance = 0;                         ///< model units
-  const RefinementClaim* refinement = nullptr;        ///< null: nothing was refined, and there are no new vertices
+  bool has_new_vertices = false;                      ///< refinement's, or where the chord rule asked for some
+  const RefinementClaim* refinement = nullptr;        ///< null: nothing was refined
   const InputIntersections* intersections = nullptr;  ///< null: none
 };
 
 /// Tests promises 1 to 3.
 /// Output:  a verdict; `failed_patches` names every patch on which a test failed.
-///  surface:    every output vertex is a surface vertex bit for bit - or, with refinement, a new one: inside one patch
-///              and as near to its plane as its input is, or on an edge between vertices that stay, to rounding; input
-///              and output lie within plane_tolerance of
-///  each
-///              other, both ways, patch by patch; every patch keeps its boundary loops (each output loop is the input
-///              loop less vertices within tolerance of the chord that replaces them); Euler number, closedness, area
-///              and volume are kept within what the deviations explain.
+///  surface:    every output vertex is a surface vertex bit for bit - or, where such are claimed, a new one: inside a
+///              patch and as near to its plane as its input is, or on an edge between vertices that stay, to rounding;
+///              input and output lie within plane_tolerance of each other, both ways, patch by patch; every patch keeps
+///              its boundary loops (each output loop is the input loop less vertices within tolerance of the chord that
+///              replaces them); Euler number, closedness, area and volume are kept within what the deviations explain.
 ///  conforming: every output edge has the faces, and the directions, that the input's edges under it have; no zero-area
 ///              or inverted triangle but for the input's own, no repeated face, no new non-manifold edge, no
 ///              T-junction; faces intersect (geometry/patch_intersections.h) only where their patches do in the input,

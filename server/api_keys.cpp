@@ -79,8 +79,9 @@ std::string ApiKeys::owner(const RequestHead& head) const {
 bool ApiKeys::admits(const RequestHead& head) const {
   if (is_open()) return true;
   const Sha256 shown = sha256(shown_key(head));
+  const std::shared_ptr<const Digests> digests = current();
   bool is_known = false;
-  for (const Sha256& digest : *current()) is_known = equal_in_constant_time(digest, shown) || is_known;
+  for (const Sha256& digest : *digests) is_known = equal_in_constant_time(digest, shown) || is_known;
   return is_known;
 }
 

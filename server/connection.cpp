@@ -51,6 +51,16 @@ std::string address_of_peer(int socket) {
 
 bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
+/// What computes for less long answers first.
+constexpr std::chrono::milliseconds kAskAfter{20};
+constexpr std::chrono::milliseconds kAskAgain{1000};
+
+/// False when there is nobody to send to; what finds no room is not sent.
+bool send_interim(int socket, std::string_view head) {
+  const ssize_t put = ::send(socket, head.data(), head.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+  return put == static_cast<ssize_t>(head.size()) || (put < 0 && would_block(errno));
+}
+
 }  // namespace
 
 Clock::time_point Pace::deadline(Clock::time_point start, std::uint64_t bytes) const {
@@ -122,14 +132,25 @@ void Connection::write_all(std::string_view bytes, const Pace& pace) {
   }
 }
 
-Connection::Wake Connection::wait(const Event* event, Clock::time_point until) {
-  std::array<pollfd, 2> entries{pollfd{socket_, POLLRDHUP, 0}, pollfd{event == nullptr ? -1 : event->fd(), POLLIN, 0}};
+Connection::Wake Connection::wait(const Event* event, Clock::time_point until, HalfClosed half_closed) {
   for (;;) {
-    const int ready = ::poll(entries.data(), entries.size(), milliseconds_until(until));
-    if (ready == 0) return Wake::kTime;
-    if (ready < 0 && errno != EINTR) return Wake::kClientGone;
-    if (ready < 0) continue;
-    return entries[1].revents != 0 ? Wake::kEvent : Wake::kClientGone;
+    // A reset is told in any case.
+    const short closing = ask_at_ ? 0 : POLLRDHUP;
+    std::array<pollfd, 2> entries{pollfd{socket_, closing, 0}, pollfd{event == nullptr ? -1 : event->fd(), POLLIN, 0}};
+    const int ready =
+        ::poll(entries.data(), entries.size(), milliseconds_until(std::min(until, ask_at_.value_or(until))));
+    if (ready < 0 && errno == EINTR) continue;
+    if (ready < 0) return Wake::kClientGone;
+    if (entries[1].revents != 0) return Wake::kEvent;
+    if (ready == 0 && Clock::now() >= until) return Wake::kTime;
+    if (ready == 0) {
+      if (!send_interim(socket_, "HTTP/1.1 102 Processing\r\n\r\n")) return Wake::kClientGone;
+      ask_at_ = Clock::now() + kAskAgain;
+      continue;
+    }
+    const bool is_half_closed = (entries[0].revents & (POLLERR | POLLHUP)) == 0;
+    if (!is_half_closed || half_closed == HalfClosed::kIsGone) return Wake::kClientGone;
+    ask_at_ = Clock::now() + kAskAfter;
   }
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -69,10 +70,14 @@ class Connection {
   void set_write_pace(const Pace& pace) { write_pace_ = pace; }
 
   enum class Wake { kEvent, kClientGone, kTime };
-  /// Waits for the event, the client's going away, or the time. A client that closes only its sending side after its
-  /// request counts as gone: all that a killed one sends is the same FIN, and its work must stop at once, not when the
-  /// answer meets a reset.
-  Wake wait(const Event* event, Clock::time_point until);
+  /// What to think of a client that has closed its sending side. `nc -N` does that and waits for its answer; of one
+  /// that was killed nothing else is seen.
+  enum class HalfClosed {
+    kIsGone,
+    kIsAsked,  ///< by an interim answer, 102, to which a machine without this client sends a reset; from HTTP/1.1 on
+  };
+  /// Waits for the event, the client's going away, or the time.
+  Wake wait(const Event* event, Clock::time_point until, HalfClosed half_closed = HalfClosed::kIsGone);
 
   /// Ends the answer so that the client can read it: stops sending, then takes in for a moment what it still sends
   /// (closing on unread bytes would reset the connection, and the answer with it).
@@ -92,6 +97,7 @@ class Connection {
 
   int socket_;
   std::string peer_address_;
+  std::optional<Clock::time_point> ask_at_;  ///< of a client that is half closed
   Pace write_pace_;
   std::uint64_t written_ = 0;
   std::uint64_t read_ = 0;

@@ -42,24 +42,26 @@ class BodyReader {
   BodyReader(Connection& connection, const GateLimits& limits, const Reserve& reserve)
       : connection_(connection), reserve_(reserve), pace_{limits.head_timeout, limits.min_body_rate} {}
 
-  void read_length(std::string_view early, std::uint64_t length, std::string& body) {
-    // Untouched memory costs nothing yet, and growing step by step would copy a large body again and again.
-    body.reserve(static_cast<std::size_t>(length));
-    body = early.substr(0, static_cast<std::size_t>(std::min<std::uint64_t>(length, early.size())));
+  void read_length(std::string_view early, std::uint64_t length, Body& body) {
+    body.append(early.substr(0, static_cast<std::size_t>(std::min<std::uint64_t>(length, early.size()))));
     while (body.size() < length) {
       reserve_next(body.size(), length);
       const std::size_t want = static_cast<std::size_t>(std::min<std::uint64_t>(kReadSize, length - body.size()));
-      body.append(buffer_.data(), read(want, body.size()));
+      body.append({buffer_.data(), read(want, body.size())});
     }
   }
 
-  void read_chunked(std::string_view early, std::uint64_t max_body, std::string& body) {
+  void read_chunked(std::string_view early, std::uint64_t max_body, Body& body) {
     ChunkedDecoder decoder(max_body);
-    decoder.decode(early, body);
+    std::string piece;
+    decoder.decode(early, piece);
+    body.append(piece);
     while (!decoder.is_done()) {
       reserve_next(body.size(), max_body);
       const std::size_t got = read(kReadSize, body.size());
-      decoder.decode(std::string_view(buffer_.data(), got), body);
+      piece.clear();
+      decoder.decode(std::string_view(buffer_.data(), got), piece);
+      body.append(piece);
     }
   }
 
@@ -104,8 +106,8 @@ std::optional<PendingBody> read_head(Connection& connection, const GateLimits& l
   return PendingBody{framing(head), bytes.substr(size)};
 }
 
-std::string read_body(Connection& connection, const GateLimits& limits, const RequestHead& head,
-                      const PendingBody& pending, std::uint64_t max_body, const Reserve& reserve) {
+Body read_body(Connection& connection, const GateLimits& limits, const RequestHead& head, const PendingBody& pending,
+               std::uint64_t max_body, const Reserve& reserve) {
   const auto [kind, length] = pending.framing;
   if (kind == Framing::Kind::kNone || (kind == Framing::Kind::kLength && length == 0)) return {};
   if (kind == Framing::Kind::kLength && length > max_body) {
@@ -118,13 +120,14 @@ std::string read_body(Connection& connection, const GateLimits& limits, const Re
     connection.write_all("HTTP/1.1 100 Continue\r\n\r\n", {limits.head_timeout, limits.min_body_rate});
   }
   BodyReader reader(connection, limits, reserve);
-  std::string body;
+  Body body;
   if (kind == Framing::Kind::kLength) {
     reader.read_length(pending.early, length, body);
   } else {
     reader.read_chunked(pending.early, max_body, body);
   }
   reserve(body.size(), body.size());  // also what came with the head
+  body.seal();
   return body;
 }
 

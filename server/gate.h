@@ -8,6 +8,7 @@
 #include <optional>
 #include <string>
 
+#include "server/body.h"
 #include "server/connection.h"
 #include "server/http_message.h"
 #include "server/request_head.h"
@@ -40,7 +41,7 @@ using Reserve = std::function<void(std::uint64_t held, std::uint64_t expected)>;
 /// Reads the body behind a head, out of its chunks; what Content-Encoding says is left to whoever takes it. Says 100
 /// Continue where the client waits for it.
 /// Errors:  HttpError - 400, 408, 413 (longer than `max_body`), what `reserve` throws; ConnectionLost.
-std::string read_body(Connection& connection, const GateLimits& limits, const RequestHead& head,
-                      const PendingBody& pending, std::uint64_t max_body, const Reserve& reserve);
+Body read_body(Connection& connection, const GateLimits& limits, const RequestHead& head, const PendingBody& pending,
+               std::uint64_t max_body, const Reserve& reserve);
 
 }  // namespace remesh::server

@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "api/service.h"
+#include "server/body.h"
 
 namespace remesh::server {
 
@@ -38,8 +39,8 @@ struct Timing {
 };
 
 struct Request : RequestHead {
-  std::string id;    ///< the X-Request-Id of the answer: what the client sent if that is usable, else given
-  std::string body;  ///< decoded
+  std::string id;  ///< the X-Request-Id of the answer: what the client sent if that is usable, else given
+  Body body;       ///< out of its chunks
   Timing timing;
   std::shared_ptr<MemoryShare> memory;  ///< what it holds, until its answer is sent; may be none
 };

@@ -473,7 +473,7 @@ class HttpServer::Listener : public httplib::Server {
     }));
     set_post_routing_handler([](const httplib::Request&, httplib::Response& out) {
       out.headers.erase("Accept-Ranges");  // there are none
-      if (out.status == 204) out.headers.erase("Content-Length");
+      if (out.status == 204 || out.status == 304) out.headers.erase("Content-Length");
     });
   }
 

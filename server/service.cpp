@@ -4,6 +4,8 @@
 #include <thread>
 #include <utility>
 
+#include "server/web_page.h"
+
 namespace remesh::server {
 namespace {
 
@@ -52,12 +54,8 @@ std::vector<Route> Service::routes() {
   const auto work_body = [this](const RequestHead& head) { return admit_work(head); };
   std::vector<Route> list = ops_routes();
   if (config_.jobs.role == jobs::Role::kWork) return list;
+  for (Route& route : web_routes(web_files())) list.push_back(std::move(route));
   for (Route& route : job_routes_.routes()) list.push_back(std::move(route));
-  list.push_back({"GET", "/",
-                  [](const Call&) {
-                    return plain(200, "remeshd: POST a mesh to /v1/remesh; /openapi.json describes everything.\n");
-                  },
-                  nullptr, /*is_open=*/true});
   list.push_back({"GET", "/openapi.json", [this](const Call&) { return wrap(operations_.openapi()); }});
   list.push_back(
       {"GET", "/v1/capabilities", [this](const Call&) { return wrap(operations_.capabilities(work_limits_.api)); }});

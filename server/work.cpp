@@ -24,8 +24,10 @@ constexpr std::size_t kSmallBody = 1 << 20;
 class Job {
  public:
   Job(Request& request, const WorkLimits& limits, Operation operation, std::shared_ptr<RunningRequest> running)
-      : running_(std::move(running)), limits_(limits.api), operation_(std::move(operation)) {
-    body_ = std::move(request.body);
+      : running_(std::move(running)),
+        limits_(limits.api),
+        operation_(std::move(operation)),
+        body_(std::move(request.body)) {
     accept_encoding_ = request.header("accept-encoding");
     input_.content_type = request.header("content-type");
     input_.content_encoding = request.header("content-encoding");
@@ -50,7 +52,7 @@ class Job {
     } catch (...) {
       failure = std::current_exception();
     }
-    std::string().swap(body_);  // a large upload need not live until its answer is sent
+    body_ = Body();  // a large upload need not live until its answer is sent
     running_->is_computing = false;
     {
       const std::lock_guard lock(mutex_);
@@ -97,7 +99,7 @@ class Job {
   const std::shared_ptr<RunningRequest> running_;
   const api::Limits limits_;
   const Operation operation_;
-  std::string body_;
+  Body body_;
   std::string accept_encoding_;
   api::Request input_;
 
@@ -123,9 +125,11 @@ api::Response wait_for_stop(Job& job, RunningRequest& running) {
 /// Waits until the job is done or has to be stopped.
 api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, WorkerPool::Ticket ticket,
                        const WorkLimits& limits, Request& request, Connection& connection) {
+  const auto half_closed =
+      request.minor_version >= 1 ? Connection::HalfClosed::kIsAsked : Connection::HalfClosed::kIsGone;
   for (;;) {
     const Clock::time_point until = job.started().value_or(running.start) + limits.request_timeout;
-    const Connection::Wake wake = connection.wait(&running.changed, until);
+    const Connection::Wake wake = connection.wait(&running.changed, until, half_closed);
     running.changed.clear();
     if (job.is_done()) {
       job.tell_times(request.timing);

@@ -48,7 +48,7 @@ const std::array<double, kMaxDecimals + 1>& powers_of_five() {
   static const auto powers = [] {
     std::array<double, kMaxDecimals + 1> p{};
     p[0] = 1;
-    for (int d = 1; d <= kMaxDecimals; ++d) p[d] = 5 * p[d - 1];
+    for (std::size_t d = 1; d < p.size(); ++d) p[d] = 5 * p[d - 1];
     return p;
   }();
   return powers;
@@ -146,21 +146,21 @@ double last_place_of_digits(std::span<const Vec3> positions) {
 
 }  // namespace
 
-double rounding_step(std::span<const Vec3> positions) {
+Rounding rounding_of(std::span<const Vec3> positions) {
   double largest = 0;
   for_each_coordinate(positions, [&](double x) {
     largest = std::max(largest, std::fabs(x));
     return true;
   });
-  if (largest == 0) return 0;
+  if (largest == 0) return {};
   const double least = last_place(largest, 53);
 
   double common = 0;
   for (int d = 0; d <= kMaxDecimals && common == 0; ++d) common = common_quantum(positions, d, largest);
-  if (has_limited_digits(positions, largest, common)) return std::max(last_place_of_digits(positions), least);
-  if (common != 0) return std::max(common, least);
+  if (has_limited_digits(positions, largest, common)) return {std::max(last_place_of_digits(positions), least), true};
+  if (common != 0) return {std::max(common, least), true};
   const bool are_floats = for_each_coordinate(positions, [](double x) { return odd_part(x).units < 16777216.0; });
-  return are_floats ? last_place(largest, 24) : least;
+  return {are_floats ? last_place(largest, 24) : least, false};
 }
 
 AutomaticTolerance automatic_tolerance(double step, double diagonal) {

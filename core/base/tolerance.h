@@ -29,12 +29,19 @@ inline constexpr double kThinFace = 2;
 /// A step of the ladder tightens a patch's tolerance by this.
 inline constexpr double kLadderFactor = 0.1;
 
-/// The rounding step of coordinates, read from their values: the largest power of ten (times a power of two) of which
-/// all are multiples, if that leaves short numbers; where they are limited in significant digits, the largest last
-/// place of each coordinate (the root of the mean of the three squares); the last place of the largest as a float if
-/// all are floats; else as a double. Holds:  scales with the coordinates by powers of two. Source: REFINEMENT, rule 12,
-/// carried from decimals to decimals times powers of two, so that scaling by two keeps it.
-double rounding_step(std::span<const Vec3> positions);
+/// What coordinates are rounded to.
+struct Rounding {
+  double step = 0;
+  bool is_decimal = false;  ///< by printing; else as floats or doubles, which arithmetic may have rounded many times
+};
+
+/// Read from the values: the largest power of ten (times a power of two) of which all are multiples, if that leaves
+/// short numbers; where they are limited in significant digits, the largest last place of each coordinate (the root of
+/// the mean of the three squares); the last place of the largest as a float if all are floats; else as a double.
+/// Holds:  scales with the coordinates by powers of two.
+/// Source: REFINEMENT, rule 12, carried from decimals to decimals times powers of two, so that scaling by two keeps it.
+Rounding rounding_of(std::span<const Vec3> positions);
+inline double rounding_step(std::span<const Vec3> positions) { return rounding_of(positions).step; }
 
 /// The plane tolerance that a step explains in a mesh of that diagonal.
 struct AutomaticTolerance {

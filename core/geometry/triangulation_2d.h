@@ -63,6 +63,7 @@ class Triangulation2d {
 
   /// Builds the index behind edge_at(); from then on flip() keeps it. `points` is the number of points.
   void index_points(std::size_t points);
+  void drop_index() { edge_at_.clear(); }
   /// Enters the corners of triangle h/3 into the index, after set_triangle().
   void index_triangle(std::uint32_t h) {
     for (const std::uint32_t g : {h, next(h), previous(h)}) edge_at_[corner_[g]] = g;

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <limits>
 #include <new>
+#include <vector>
 
 #include "core/io/read_errors.h"
 
@@ -15,6 +16,8 @@ namespace {
 constexpr int kGzipWindow = MAX_WBITS + 16;  // zlib's way to say gzip and nothing else
 /// Bytes between two looks at the control: some milliseconds.
 constexpr std::size_t kStep = std::size_t{1} << 20;
+/// Bytes that are looked at without being kept.
+constexpr std::size_t kPiece = std::size_t{1} << 16;
 /// A small file may be as regular as it likes.
 constexpr std::uint64_t kFreeOfRatio = std::uint64_t{1} << 20;
 
@@ -62,15 +65,6 @@ Error damaged(std::size_t offset, const std::string& message) {
   return read_error(Place::byte(offset), Code::kInvalidMesh, "gzip: " + message);
 }
 
-/// How long the output may get.
-std::uint64_t most_bytes(std::string_view content, const DecompressionLimits& limits) {
-  const std::uint64_t size = content.size();
-  const bool overflows =
-      size > std::numeric_limits<std::uint64_t>::max() / std::max<std::uint64_t>(limits.max_ratio, 1);
-  const std::uint64_t by_ratio = overflows ? limits.max_bytes : size * limits.max_ratio;
-  return std::min(limits.max_bytes, std::max(by_ratio, kFreeOfRatio));
-}
-
 Error too_large(std::uint64_t most, const DecompressionLimits& limits) {
   const bool is_ratio = most < limits.max_bytes;
   return Error(Code::kDecompressedTooLarge, Stage::kRead,
@@ -79,49 +73,72 @@ Error too_large(std::uint64_t most, const DecompressionLimits& limits) {
       .with_limit(is_ratio ? limits.max_ratio : limits.max_bytes);
 }
 
-}  // namespace
+/// Where the next bytes go.
+struct Room {
+  char* data;
+  std::size_t size;
+};
 
-std::string gunzip(std::string_view content, const DecompressionLimits& limits, RunControl& control) {
+/// Decompresses all members. `take` is told how many bytes came into the last room and gives the next one, never empty.
+template <typename Take>
+void inflate_members(std::string_view content, RunControl& control, const Take& take) {
   Inflater inflater;
   z_stream& stream = inflater.stream();
-  const std::uint64_t most = most_bytes(content, limits);
-  std::string out;
-  std::size_t in_offset = 0;
-  std::size_t used = 0;
-  for (bool is_done = false; !is_done;) {
+  Room room = take(0);
+  for (std::size_t in_offset = 0;;) {
     control.progress(content.empty() ? 0 : static_cast<double>(in_offset) / static_cast<double>(content.size()));
-    if (used == out.size()) {
-      if (used > most) throw too_large(most, limits);
-      // One byte more than allowed, so that it shows when there is more.
-      out.resize(static_cast<std::size_t>(std::min<std::uint64_t>(most + 1, std::max<std::uint64_t>(kStep, 2 * used))));
-    }
     stream.next_in = const_cast<Bytef*>(bytes_of(content.substr(in_offset)));  // zlib does not write to it
     stream.avail_in = bounded(content.size() - in_offset);
-    stream.next_out = reinterpret_cast<Bytef*>(out.data() + used);
-    stream.avail_out = bounded(std::min(out.size() - used, kStep));
+    stream.next_out = reinterpret_cast<Bytef*>(room.data);
+    stream.avail_out = bounded(room.size);
     const uInt given_in = stream.avail_in, given_out = stream.avail_out;
     const int status = inflate(&stream, Z_NO_FLUSH);
     in_offset += given_in - stream.avail_in;
-    used += given_out - stream.avail_out;
+    const bool is_full = stream.avail_out == 0;
+    room = take(given_out - stream.avail_out);
 
     if (status == Z_STREAM_END) {
       // Padding of zeros, as tapes have it, is no member.
-      if (content.find_first_not_of('\0', in_offset) == std::string_view::npos) {
-        is_done = true;
-      } else if (!is_gzip(content.substr(in_offset))) {
-        throw damaged(in_offset, "something else follows the compressed data");
-      } else if (inflateReset(&stream) != Z_OK) {
-        throw std::bad_alloc();
-      }
+      if (content.find_first_not_of('\0', in_offset) == std::string_view::npos) return;
+      if (!is_gzip(content.substr(in_offset))) throw damaged(in_offset, "something else follows the compressed data");
+      if (inflateReset(&stream) != Z_OK) throw std::bad_alloc();
     } else if (status == Z_MEM_ERROR) {
       throw std::bad_alloc();
     } else if (status != Z_OK && status != Z_BUF_ERROR) {
       throw damaged(in_offset, stream.msg == nullptr ? "the data is damaged" : stream.msg);
-    } else if (in_offset == content.size() && stream.avail_out > 0) {
+    } else if (in_offset == content.size() && !is_full) {
       throw damaged(content.size(), "the data ends early");
     }
   }
-  if (used > most) throw too_large(most, limits);
+}
+
+}  // namespace
+
+std::uint64_t most_decompressed(std::uint64_t compressed, const DecompressionLimits& limits) {
+  const bool overflows =
+      compressed > std::numeric_limits<std::uint64_t>::max() / std::max<std::uint64_t>(limits.max_ratio, 1);
+  const std::uint64_t by_ratio = overflows ? limits.max_bytes : compressed * limits.max_ratio;
+  return std::min(limits.max_bytes, std::max(by_ratio, kFreeOfRatio));
+}
+
+std::string gunzip(std::string_view content, const DecompressionLimits& limits, RunControl& control) {
+  // Counted first: what is refused takes no memory, and what is not takes no more than it needs.
+  const std::uint64_t most = most_decompressed(content.size(), limits);
+  std::vector<char> scratch(kPiece);
+  std::uint64_t counted = 0;
+  inflate_members(content, control, [&](std::size_t size) {
+    counted += size;
+    if (counted > most) throw too_large(most, limits);
+    return Room{scratch.data(), scratch.size()};
+  });
+
+  // One byte more, so that the end is seen before the room ends.
+  std::string out(static_cast<std::size_t>(counted) + 1, '\0');
+  std::size_t used = 0;
+  inflate_members(content, control, [&](std::size_t size) {
+    used += size;
+    return Room{out.data() + used, std::min(out.size() - used, kStep)};
+  });
   out.resize(used);
   return out;
 }

@@ -91,8 +91,9 @@ Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const Plane
 /// Walks the cells of the lattices: parallelograms, each with four of half its edge.
 class Lattice {
  public:
-  Lattice(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes) : sizes_(sizes) {
-    Vec2 high = low_ = triangles[0][0];
+  Lattice(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes)
+      : sizes_(sizes), low_(triangles[0][0]) {
+    Vec2 high = low_;
     for (const auto& triangle : triangles)
       for (const Vec2 p : triangle) {
         low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};

@@ -129,7 +129,8 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   Box3 box;
   for (const std::uint32_t t : cell.triangles) {
     control_.check();
-    for (const Vec3& p : Piece(corners(triangles[t]), cell.box).corners()) {
+    const Piece piece(corners(triangles[t]), cell.box);
+    for (const Vec3& p : piece.corners()) {
       outline.push_back(p);
       box.add(p);
     }

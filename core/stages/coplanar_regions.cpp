@@ -21,6 +21,9 @@ constexpr double kBand = 0.5;
 /// A face is looked at by at most this many growths that end up without it; then only by those that have their plane.
 constexpr std::uint8_t kMostTrials = 8;
 
+/// What printing does to a coordinate, in its steps, and a little more for what the numbers went through before.
+constexpr double kPrinted = 0.51;
+
 /// Faces accepted so far, for the plane through them: area-weighted, so that the normal depends on the rim alone.
 struct Fit {
   Vec3 area_vector, moment;
@@ -69,6 +72,27 @@ class Growth {
   double tolerance(FaceId f) const { return tolerance_at_rung(rule_.plane_tolerance, (*rule_.rung)[f], floor_); }
   bool is_thin(FaceId f) const { return geometry_[f].height < kThinFace * tolerance(f); }
 
+  /// Whether the two triangles at an edge bend by more than printing can do: then no four corners that are printed as
+  /// theirs lie in one plane. (To first order the volume of the four changes by the faces' areas along each axis.)
+  bool is_bend(std::uint32_t h) const {
+    if (rule_.printed_step == 0) return false;
+    const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(adjacency_.twin(h));
+    if (surface_.face(f).size() != 3 || surface_.face(g).size() != 3 || is_thin(f) || is_thin(g)) return false;
+    if (1 - dot(geometry_[f].normal, geometry_[g].normal) <= rule_.normal_tolerance) return false;
+    const VertexId from = adjacency_.from(h), to = adjacency_.to(h);
+    const Vec3 a = surface_.local[from];
+    const auto apex = [&](FaceId face) {
+      const auto corners = surface_.face(face);
+      const auto other = std::find_if(corners.begin(), corners.end(), [&](VertexId v) { return v != from && v != to; });
+      return surface_.local[*other] - a;
+    };
+    const Vec3 b = surface_.local[to] - a, c = apex(f), d = apex(g);
+    double areas = 0;
+    for (const Vec3& n : {cross(b, c), cross(b, d), cross(c, d), cross(c - b, d - b)})
+      areas += std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z);
+    return std::fabs(dot(cross(b, c), d)) > kPrinted * rule_.printed_step * areas;
+  }
+
   /// Faces without a region, the largest first; among equally large ones the one at the smallest place.
   std::vector<FaceId> order() const {
     struct Key {
@@ -110,7 +134,7 @@ class Growth {
       const std::uint32_t twin = adjacency_.twin(h);
       if (twin == Adjacency::kNone) continue;
       const FaceId g = adjacency_.face_of(twin);
-      if (regions_.of_face[g].is_valid() || stamp_[g.value] == now_) continue;
+      if (regions_.of_face[g].is_valid() || stamp_[g.value] == now_ || is_bend(h)) continue;
       if ((*rule_.zone)[g] == (*rule_.zone)[f] && (*rule_.rung)[g] == (*rule_.rung)[f]) accept(g);
     }
   }
@@ -178,7 +202,8 @@ class Growth {
       if (twin == Adjacency::kNone || twin < h) continue;
       const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
       const RegionId r = regions_.of_face[f], q = regions_.of_face[g];
-      if (r == q || std::min(r, q).value < first_region_ || (*rule_.zone)[f] != (*rule_.zone)[g]) continue;
+      if (r == q || std::min(r, q).value < first_region_ || (*rule_.zone)[f] != (*rule_.zone)[g] || is_bend(h))
+        continue;
       const std::uint32_t a = std::min(r, q).value - first_region_, b = std::max(r, q).value - first_region_;
       if (is_alike(pieces, a, b)) pairs.push_back({a, b});
     }

@@ -39,6 +39,8 @@ struct CoplanarityRule {
   const IdVector<FaceId, std::uint32_t>* zone = nullptr;
   /// Per face: the step of the ladder, 0 to kSingleFace; it scales the tolerance, and at the last each face is alone.
   const IdVector<FaceId, std::uint8_t>* rung = nullptr;
+  /// What coordinates are printed to, where the tolerance comes from that; 0: unknown.
+  double printed_step = 0;
 };
 
 /// The ladder's last step: one patch an input face.
@@ -51,7 +53,9 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor);
 /// Holds:  every corner of every face of a region is within half the tolerance of the region's plane, and no face looks
 /// the
 ///         other way; a face too thin for its normal to mean anything (height under two tolerances) is held by its
-///         corners alone. Regions are edge-connected. No creep: all faces are held against the one final plane.
+///         corners alone. Triangles that bend by more than the digits they are printed with explain are not joined over
+///         their common edge, even if a plane is as near: of four corners more is known than of many. Regions are
+///         edge-connected. No creep: all faces are held against the one final plane.
 ///         Neither the order of faces and vertices nor scaling by powers of two changes the regions.
 /// Cost:   O(n log n).
 /// Source: the 2018 report, section 2, as amended (ERRATA 2); REFINEMENT, rule 13.

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
+#include <set>
+#include <utility>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -22,15 +23,11 @@ struct PatchMesh {
   std::vector<VertexId> vertices;  ///< in lexicographic order of their plane coordinates; refinement adds to the end
   std::vector<Vec2> uv;            ///< one per vertex
   Triangulation2d mesh;            ///< over `vertices`; boundary edges are constrained
-  std::vector<std::array<std::uint32_t, 2>> held;  ///< constrained for the chord rule alone: not of any loop
+  std::set<std::pair<std::uint32_t, std::uint32_t>> held;  ///< constrained for the chord rule alone: not of any loop
   std::uint32_t loops = 0;
   PatchReason reason = PatchReason::kNone;
 
-  bool is_held(std::uint32_t h) const {
-    const std::uint32_t a = mesh.from(h), b = mesh.to(h);
-    return std::any_of(held.begin(), held.end(),
-                       [&](const auto& e) { return (e[0] == a && e[1] == b) || (e[0] == b && e[1] == a); });
-  }
+  bool is_held(std::uint32_t h) const { return held.count(std::minmax(mesh.from(h), mesh.to(h))) != 0; }
 };
 
 /// How patches are projected.

@@ -1,22 +1,42 @@
 #include "core/stages/refinement.h"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <memory>
 #include <numeric>
-#include <tuple>
 
 #include "core/base/blocks.h"
 #include "core/refinement/patch_refiner.h"
 #include "core/refinement/segment_table.h"
+#include "core/stages/chords.h"
 #include "core/stages/projection.h"
 
 namespace remesh {
 namespace {
+
+/// From the plane of the frame, which has a vertex as its origin, to the plane that fits the patch best; null if they
+/// are the same but for rounding.
+Vec3 plane_offset(const Surface& surface, const Plane& plane, const Vec3& origin) {
+  const Vec3 local = (1 / surface.unit) * (origin - surface.centre);
+  const double height = plane.distance(local);
+  const double magnitude = std::max({std::fabs(origin.x), std::fabs(origin.y), std::fabs(origin.z), surface.unit});
+  if (std::fabs(height) * surface.unit < 0x1p-48 * magnitude) return {};
+  return (-height * surface.unit) * plane.normal;
+}
+
+/// Gives ids and positions to the vertices inside the patch that have none yet.
+void place_inner_vertices(const Surface& surface, const Plane& plane, PatchMesh& patch,
+                          std::vector<Vec3>& new_positions) {
+  const Vec3 offset = plane_offset(surface, plane, patch.frame.origin);
+  for (std::size_t v = 0; v < patch.vertices.size(); ++v) {
+    if (patch.vertices[v].is_valid()) continue;
+    patch.vertices[v] = VertexId(surface.vertex_count() + new_positions.size());
+    new_positions.push_back(to_space(patch.frame, patch.uv[v]) + offset);
+  }
+}
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
@@ -39,6 +59,7 @@ class Rounds {
   Refinement run() {
     points_.resize(meshes_.size());
     // A few times in all: each answers to what rounding or other patches made impossible the time before.
+    constexpr int kMostAttempts = 2;
     for (int attempt = 0;; ++attempt) {
       begin();
       while (!dirty_.empty() && impossible_.empty()) {
@@ -49,8 +70,9 @@ class Rounds {
       for (const SegmentId s : impossible_) segments_.lock(s);
       if (!impossible_.empty()) continue;
       std::vector<PatchMesh> refined = finish();
-      if (!split_chords(refined, attempt)) continue;
+      if (attempt < kMostAttempts && are_points_wanted(refined)) continue;
       meshes_ = std::move(refined);
+      split_chords(surface_, patches_, meshes_, result_, control_);
       return std::move(result_);
     }
   }
@@ -221,19 +243,14 @@ class Rounds {
       }
       PatchRefiner::Refined patch = refiners_[p]->finish();
       refiners_[p].reset();
-      const Vec3 offset = plane_offset(PatchId(p));
       for (std::size_t v = 0; v < patch.cuts.size(); ++v) {
-        if (patch.patch.vertices[v].is_valid()) continue;
         const Cut& cut = patch.cuts[v];
-        if (cut.segment.is_valid()) {
-          const std::vector<double>& cuts = cuts_[cut.segment];
-          const auto k = std::lower_bound(cuts.begin(), cuts.end(), cut.t) - cuts.begin();
-          patch.patch.vertices[v] = VertexId(old + first[cut.segment.value] + static_cast<std::size_t>(k));
-        } else {
-          patch.patch.vertices[v] = VertexId(old + result_.new_positions.size());
-          result_.new_positions.push_back(to_space(meshes_[p].frame, patch.patch.uv[v]) + offset);
-        }
+        if (!cut.segment.is_valid()) continue;
+        const std::vector<double>& cuts = cuts_[cut.segment];
+        const auto k = std::lower_bound(cuts.begin(), cuts.end(), cut.t) - cuts.begin();
+        patch.patch.vertices[v] = VertexId(old + first[cut.segment.value] + static_cast<std::size_t>(k));
       }
+      place_inner_vertices(surface_, patches_.planes[PatchId(p)], patch.patch, result_.new_positions);
       result_.reason.insert(result_.reason.end(), patch.reason.begin(), patch.reason.end());
       refined[p] = std::move(patch.patch);
     }
@@ -241,53 +258,15 @@ class Rounds {
     return refined;
   }
 
-  /// The chord rule: an edge inside one patch must not be an edge of another. In all but the patch of lowest id (in
-  /// all, if a segment is there) it gets a point in its middle, next time. Returns whether all is well, or as well as
-  /// it gets.
-  bool split_chords(const std::vector<PatchMesh>& refined, int attempt) {
-    struct Use {
-      VertexId low, high;
-      bool is_inside;
-      std::uint32_t patch, half_edge;
-      auto key() const { return std::tie(low, high, is_inside, patch); }
-    };
-    std::vector<Use> uses;
-    for (std::uint32_t p = 0; p < refined.size(); ++p) {
-      if (p % 1024 == 0) control_.check();
-      const PatchMesh& patch = refined[p];
-      for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
-        const std::uint32_t twin = patch.mesh.twin(h);
-        if (twin != Triangulation2d::kNone && twin < h) continue;
-        const auto [low, high] = std::minmax(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]);
-        if (high.value >= surface_.vertex_count() + result_.first_inner) continue;
-        uses.push_back({low, high, twin != Triangulation2d::kNone && !patch.mesh.is_constrained(h), p, h});
-      }
+  /// A chord gets a point in its middle, next time. Returns whether there are any.
+  bool are_points_wanted(const std::vector<PatchMesh>& refined) {
+    const std::vector<Chord> chords = find_chords(refined, surface_.vertex_count() + result_.first_inner, control_);
+    for (const Chord& chord : chords) {
+      const PatchMesh& patch = refined[chord.patch.value];
+      points_[chord.patch.value].push_back(
+          0.5 * (patch.uv[patch.mesh.from(chord.half_edge)] + patch.uv[patch.mesh.to(chord.half_edge)]));
     }
-    tbb::parallel_sort(uses.begin(), uses.end(), [](const Use& a, const Use& b) { return a.key() < b.key(); });
-    bool is_well = true;
-    for (std::size_t i = 1; i < uses.size(); ++i) {
-      if (!uses[i].is_inside || std::tie(uses[i].low, uses[i].high) != std::tie(uses[i - 1].low, uses[i - 1].high))
-        continue;
-      if (is_frozen_[uses[i].patch] != 0) continue;
-      const PatchMesh& patch = refined[uses[i].patch];
-      const std::uint32_t h = uses[i].half_edge;
-      points_[uses[i].patch].push_back(0.5 * (patch.uv[patch.mesh.from(h)] + patch.uv[patch.mesh.to(h)]));
-      is_well = false;
-    }
-    constexpr int kMostAttempts = 8;
-    return is_well || attempt >= kMostAttempts;
-  }
-
-  /// From the plane of the frame, which has a vertex as its origin, to the plane that fits the patch best; null if they
-  /// are the same but for rounding.
-  Vec3 plane_offset(PatchId p) const {
-    const Plane& plane = patches_.planes[p];
-    const Vec3& origin = meshes_[p.value].frame.origin;
-    const Vec3 local = (1 / surface_.unit) * (origin - surface_.centre);
-    const double height = plane.distance(local);
-    const double magnitude = std::max({std::fabs(origin.x), std::fabs(origin.y), std::fabs(origin.z), surface_.unit});
-    if (std::fabs(height) * surface_.unit < 0x1p-48 * magnitude) return {};
-    return (-height * surface_.unit) * plane.normal;
+    return !chords.empty();
   }
 
   const Surface& surface_;
@@ -314,6 +293,31 @@ class Rounds {
 Refinement refine(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
                   const Goals& goals, const SizeField& sizes, std::vector<PatchMesh>& meshes, RunControl& control) {
   return Rounds(surface, patches, is_frozen, goals, sizes, meshes, control).run();
+}
+
+void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,
+                  Refinement& refinement, RunControl& control) {
+  std::vector<std::size_t> vertices, triangles;
+  for (const PatchMesh& patch : meshes) {
+    vertices.push_back(patch.vertices.size());
+    triangles.push_back(patch.mesh.triangle_count());
+  }
+  split_chords(meshes, surface.vertex_count() + refinement.first_inner, control);
+  std::vector<UnrefinedReason> reason;
+  auto before = refinement.reason.begin();
+  for (std::size_t p = 0; p < meshes.size(); ++p) {
+    PatchMesh& patch = meshes[p];
+    place_inner_vertices(surface, patches.planes[PatchId(p)], patch, refinement.new_positions);
+    if (refinement.reason.empty()) continue;
+    reason.insert(reason.end(), before, before + static_cast<std::ptrdiff_t>(triangles[p]));
+    before += static_cast<std::ptrdiff_t>(triangles[p]);
+    if (vertices[p] == patch.vertices.size()) continue;
+    const std::size_t first = reason.size() - triangles[p];
+    reason.resize(first + patch.mesh.triangle_count());
+    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
+      if (patch.mesh.from(h) >= vertices[p]) reason[first + h / 3] = UnrefinedReason::kBoundaryLocked;
+  }
+  refinement.reason = std::move(reason);
 }
 
 }  // namespace remesh

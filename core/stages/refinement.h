@@ -33,4 +33,11 @@ struct Refinement {
 Refinement refine(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
                   const Goals& goals, const SizeField& sizes, std::vector<PatchMesh>& meshes, RunControl& control);
 
+/// The chord rule, where no flip helps: each chord of the patches as they are now gets a point.
+/// Input:   the patches and what refinement says of them, or nothing yet.
+/// Output:  both with the new vertices. New triangles that miss a goal are `boundary_locked`: what shares their
+///          vertices stands in the way.
+void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,
+                  Refinement& refinement, RunControl& control);
+
 }  // namespace remesh

@@ -142,8 +142,7 @@ Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
     model.points.push_back(scale * claim.positions[v]);
   };
   for (std::size_t v = 0; v < match.size(); ++v)
-    if (claim.refinement != nullptr && !match[v].is_valid() && matches.is_single[v] &&
-        is_finite(scale * claim.positions[v]))
+    if (claim.has_new_vertices && !match[v].is_valid() && matches.is_single[v] && is_finite(scale * claim.positions[v]))
       append(v);
   model.new_vertex_end = model.points.size();
   for (std::size_t v = 0; v < match.size(); ++v) {

@@ -100,6 +100,7 @@ TEST(RunRemesh, the_listing_of_the_specification_is_one_ring) {
   EXPECT_EQ(answer["mesh"]["faces"].size(), 8u);
   EXPECT_EQ(answer["mesh"]["face_patch"].size(), 8u);
   EXPECT_EQ(answer["mesh"]["face_source"].size(), 8u);
+  EXPECT_EQ(answer["mesh"]["input_face_patch"], json::array({0, 0, 0, 0, 0, 0, 0, 0}));
   EXPECT_EQ(answer["mesh"]["labels"]["object"]["names"], json({"Plane_Plane.003"}));
 }
 
@@ -415,6 +416,20 @@ TEST(RunRemesh, what_cannot_be_decompressed_has_its_code) {
   EXPECT_EQ(code_of(with_coding(compressed, "gzip"), limits), Code::kDecompressedTooLarge);
   limits.max_decompressed = kRing.size();
   EXPECT_EQ(remesh(request_of(compressed), limits).status, 200);
+}
+
+TEST(RunRemesh, a_bomb_within_a_bomb_has_the_ratio_once) {
+  RunControl control;
+  const std::string once = gzip(std::string(20'000'000, '#'), control);
+  const std::string twice = gzip(once, control);
+  ASSERT_LT(twice.size(), 1000u);
+  Limits limits;
+  limits.max_ratio = 2000;  // what each of the two keeps to
+  Request request = request_of(twice, "model/obj");
+  request.content_encoding = "gzip";
+  EXPECT_EQ(code_of(request, limits), Code::kDecompressedTooLarge);
+  request.body = once;
+  EXPECT_EQ(code_of(request, limits), Code::kEmptyMesh) << "one alone is let in";
 }
 
 TEST(RunRemesh, limits_hold) {

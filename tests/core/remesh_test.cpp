@@ -402,6 +402,20 @@ TEST(remesh_surface, the_source_of_each_face_lies_under_its_centroid) {
   EXPECT_TRUE(remeshed(shapes::sheet(4, 1, 4, 1)).face_source.empty());
 }
 
+TEST(remesh_surface, each_input_face_has_its_patch_unless_it_was_dropped) {
+  PolygonMesh cube = shapes::box({1, 1, 1});
+  const std::size_t count = cube.face_count();
+  // Its first face once more.
+  for (std::uint32_t c = cube.face_begin[0]; c < cube.face_begin[1]; ++c) cube.corners.push_back(cube.corners[c]);
+  cube.face_begin.push_back(static_cast<std::uint32_t>(cube.corners.size()));
+  const Result result = remeshed(cube, unrefined(), {1, true});
+  ASSERT_EQ(result.input_face_patch.size(), count + 1);
+  EXPECT_FALSE(result.input_face_patch[FaceId(count)].is_valid());
+  for (std::size_t f = 0; f < result.face_source.size(); ++f)
+    EXPECT_EQ(result.input_face_patch[result.face_source[FaceId(f)]], result.face_patch[FaceId(f)]);
+  EXPECT_TRUE(remeshed(cube, unrefined()).input_face_patch.empty());
+}
+
 TEST(remesh_surface, diagnostics_of_the_reader_are_passed_on) {
   RunControl control;
   const Result result = remesh_surface(shapes::sheet(1, 1, 1, 1), unrefined(), {}, control,

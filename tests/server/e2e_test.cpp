@@ -12,6 +12,7 @@
 #include "tests/server/daemon.h"
 #include "tests/server/raw_client.h"
 #include "tests/server/small_meshes.h"
+#include "tests/support/sanitizer.h"
 
 namespace remesh::server {
 namespace {
@@ -60,9 +61,13 @@ TEST(EndToEnd, a_plain_request_is_refined) {
 TEST(EndToEnd, what_must_get_too_large_is_refused_at_once) {
   const Daemon daemon({"--max-output-faces", "1000"});
   // 28 units squared in triangles of at most 4.4e-9: 6e9 of them.
-  const auto start = std::chrono::steady_clock::now();
-  const Answer answer = post(daemon.port(), "/v1/remesh?max_edge_length=0.0001", kFrame);
-  EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(1000));
+  Answer answer;
+  const auto refuse = [&] {
+    const auto start = std::chrono::steady_clock::now();
+    answer = post(daemon.port(), "/v1/remesh?max_edge_length=0.0001", kFrame);
+    return std::chrono::steady_clock::now() - start;
+  };
+  EXPECT_LT(best_time(std::chrono::seconds(1), refuse), std::chrono::seconds(1));
   EXPECT_EQ(answer.status, 422);
   EXPECT_EQ(code_of(answer), "output_too_large");
   const auto problem = nlohmann::json::parse(answer.body);
@@ -134,22 +139,29 @@ TEST(EndToEnd, a_running_request_ends_soon_after_its_delete) {
                                                           {"/v1/remesh?max_edge_length=0.01", kFrame}};
   for (const auto& [target, mesh] : requests) {
     SCOPED_TRACE(target);
-    RawClient client(daemon.port());
-    ASSERT_TRUE(client.send(post_text(target, mesh, "X-Request-Id: " + id + "\r\n")));
-    ASSERT_TRUE(eventually([&] { return get(daemon.port(), path).status == 200; }));
-    EXPECT_EQ(ask(daemon.port(), "DELETE " + path + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
-    const auto start = std::chrono::steady_clock::now();
-    EXPECT_EQ(code_of(Answer::parse(client.receive())), "cancelled");
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::milliseconds(1000));
-    EXPECT_EQ(get(daemon.port(), path).status, 404);
+    const auto cancel = [&, &target = target, &mesh = mesh] {
+      RawClient client(daemon.port());
+      EXPECT_TRUE(client.send(post_text(target, mesh, "X-Request-Id: " + id + "\r\n")));
+      EXPECT_TRUE(eventually([&] { return get(daemon.port(), path).status == 200; }));
+      EXPECT_EQ(ask(daemon.port(), "DELETE " + path + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
+      const auto start = std::chrono::steady_clock::now();
+      EXPECT_EQ(code_of(Answer::parse(client.receive())), "cancelled");
+      const auto took = std::chrono::steady_clock::now() - start;
+      EXPECT_EQ(get(daemon.port(), path).status, 404);
+      return took;
+    };
+    const std::chrono::milliseconds bound(kIsSanitized ? 2000 : 100);
+    EXPECT_LT(best_time(bound, cancel), bound);
   }
 }
 
 TEST(EndToEnd, a_stop_lets_the_running_request_finish_and_exits_with_0) {
-  Daemon daemon;
+  Daemon daemon({"--drain-time", "600s"});
   RawClient client(daemon.port());
   const std::string id = "end-to-end-drain-01";
-  ASSERT_TRUE(client.send(post_text("/v1/remesh?refine=false", bumpy_sheet(200), "X-Request-Id: " + id + "\r\n")));
+  // Long enough to be seen while it runs.
+  const int size = unless_sanitized(200, 80);
+  ASSERT_TRUE(client.send(post_text("/v1/remesh?refine=false", bumpy_sheet(size), "X-Request-Id: " + id + "\r\n")));
   ASSERT_TRUE(eventually([&] { return get(daemon.port(), "/v1/requests/" + id).status == 200; }));
   daemon.send_signal(SIGTERM);
   EXPECT_EQ(Answer::parse(client.receive()).status, 200);
@@ -163,7 +175,7 @@ TEST(EndToEnd, an_idle_daemon_stops_at_once) {
     const auto start = std::chrono::steady_clock::now();
     daemon.send_signal(number);
     EXPECT_EQ(daemon.wait(), 0);
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10)) << "it waited for the drain time";
   }
 }
 

@@ -12,7 +12,7 @@ namespace {
 Handler named(const std::string& name) {
   return [name](const Call& call) {
     Response response;
-    response.body = name + ":" + call.parameter + ":" + call.request.body;
+    response.body = name + ":" + call.parameter + ":" + std::string(call.request.body.view());
     return response;
   };
 }

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <thread>
 #include <vector>
@@ -77,7 +78,17 @@ TEST_F(ServiceTest, bad_requests_are_told_why_and_the_next_one_is_served) {
   expect(400, "malformed_request", post(port_, "/v1/remesh", "x", "Transfer-Encoding: chunked\r\n"));
   expect(414, "uri_too_long", ask(port_, "GET /" + std::string(100'000, 'a')));
   expect(431, "header_fields_too_large", ask(port_, "GET / HTTP/1.1\r\nA: " + std::string(100'000, 'a')));
-  expect(408, "request_timeout", ask(port_, "POST /v1/remesh HT"));
+}
+
+TEST_F(ServiceTest, a_request_that_does_not_come_to_its_end_is_told_so) {
+  config_.gate.head_timeout = milliseconds(300);
+  start();
+  for (const char* begun :
+       {"POST /v1/remesh HT", "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nx"}) {
+    const Answer answer = ask(port_, begun);
+    EXPECT_EQ(answer.status, 408) << begun;
+    EXPECT_EQ(code_of(answer), "request_timeout") << begun;
+  }
 }
 
 TEST_F(ServiceTest, an_unexpected_failure_stays_opaque) {
@@ -140,22 +151,57 @@ TEST_F(ServiceTest, events_follow_a_request_to_its_end) {
 
 TEST_F(ServiceTest, work_stops_within_100_ms_when_its_client_goes_away) {
   start();
-  const auto client = start_blocking();
-  const Clock::time_point start = Clock::now();
-  client->close();
-  EXPECT_TRUE(eventually([&] { return stub_.stopped == 1; }));
-  EXPECT_LT(Clock::now() - start, milliseconds(100));
+  const auto leave = [&] {
+    const int before = stub_.stopped;
+    const auto client = start_blocking();
+    const Clock::time_point start = Clock::now();
+    client->close();
+    EXPECT_TRUE(eventually([&] { return stub_.stopped > before; }));
+    return Clock::now() - start;
+  };
+  EXPECT_LT(best_time(milliseconds(100), leave), milliseconds(100));
   expect_well();
 }
 
-TEST_F(ServiceTest, a_client_that_closes_its_sending_side_counts_as_gone) {
-  // Nothing tells it from a client that was killed; see Connection::wait.
+TEST_F(ServiceTest, a_client_that_closes_its_sending_side_is_asked_and_gets_its_answer) {
   start();
-  const auto client = start_blocking(kIdField);
+  const auto client = start_blocking();
   client->close_sending();
-  EXPECT_EQ(code_of(Answer::parse(client->receive())), "cancelled");
-  EXPECT_EQ(stub_.stopped, 1);
+  const std::string interim = "HTTP/1.1 102 Processing\r\n\r\n";
+  EXPECT_EQ(client->receive(interim), interim);
+  stub_.released = true;
+  const Answer answer = Answer::parse(client->receive());
+  EXPECT_EQ(answer.status, 200);
+  EXPECT_EQ(answer.body, "5  ");
+  EXPECT_EQ(stub_.stopped, 0);
+}
+
+TEST_F(ServiceTest, one_that_is_half_closed_and_then_gone_stops_its_work) {
+  start();
+  const auto client = start_blocking();
+  client->close_sending();
+  client->receive("102 Processing\r\n\r\n");
+  client->close();
+  EXPECT_TRUE(eventually([&] { return stub_.stopped == 1; }));
   expect_well();
+}
+
+TEST_F(ServiceTest, before_http_1_1_there_is_no_asking) {
+  start();
+  RawClient client(port_);
+  client.send("POST /v1/remesh HTTP/1.0\r\nContent-Length: 5\r\n\r\nblock");
+  ASSERT_TRUE(eventually([&] { return stub_.blocked == 1; }));
+  client.close_sending();
+  EXPECT_EQ(code_of(Answer::parse(client.receive())), "cancelled");
+  EXPECT_EQ(stub_.stopped, 1);
+}
+
+TEST_F(ServiceTest, a_small_request_from_a_half_closed_client_is_answered_without_ado) {
+  start();
+  RawClient client(port_);
+  client.send(post_text("/v1/remesh", "hello"));
+  client.close_sending();
+  EXPECT_EQ(Answer::parse(client.receive()).status, 200);
 }
 
 TEST_F(ServiceTest, a_refusal_carries_the_id_that_the_client_sent) {
@@ -170,23 +216,33 @@ TEST_F(ServiceTest, a_refusal_carries_the_id_that_the_client_sent) {
 
 TEST_F(ServiceTest, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
   start();
-  const auto running = start_blocking();
-  RawClient waiting(port_);
-  waiting.send(post_text("/v1/remesh", "good"));
-  Answer refused;
-  // The waiting one takes its place a moment after it was sent.
+  std::vector<std::unique_ptr<RawClient>> taken;
+  int tries = 0;
+  // Gives the refusal, or nothing where it was taken.
+  const auto submit = [&] {
+    const std::string id = kId + std::to_string(++tries);
+    auto client = std::make_unique<RawClient>(port_);
+    client->send(post_text("/v1/remesh", "block", "X-Request-Id: " + id + "\r\n"));
+    EXPECT_TRUE(eventually([&] { return client->has_input() || get(port_, "/v1/requests/" + id).status == 200; }));
+    if (client->has_input()) return Answer::parse(client->receive());
+    taken.push_back(std::move(client));
+    return Answer();
+  };
+  // One computes, one passes it after a while, one waits; none ends.
   ASSERT_TRUE(eventually([&] {
-    const auto probe = ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\n\r\n");
-    refused = probe;
-    return probe.status == 503;
+    submit();
+    return taken.size() == 3;
   }));
+  const Answer refused = submit();
+  EXPECT_EQ(refused.status, 503);
   EXPECT_EQ(code_of(refused), "overloaded");
   EXPECT_FALSE(refused.header("Retry-After").empty());
+  const Answer early = ask(port_, "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\n\r\n");
+  EXPECT_EQ(early.status, 503) << "before its body has come";
   EXPECT_EQ(get(port_, "/livez").status, 200);
   EXPECT_EQ(get(port_, "/v1/capabilities").status, 200);
   stub_.released = true;
-  EXPECT_EQ(Answer::parse(waiting.receive()).status, 200);
-  EXPECT_EQ(Answer::parse(running->receive()).status, 200);
+  for (const auto& client : taken) EXPECT_EQ(Answer::parse(client->receive()).status, 200);
 }
 
 TEST_F(ServiceTest, a_waiting_request_can_be_cancelled_and_frees_its_place) {
@@ -202,7 +258,7 @@ TEST_F(ServiceTest, a_waiting_request_can_be_cancelled_and_frees_its_place) {
 }
 
 TEST_F(ServiceTest, work_past_its_time_is_stopped_with_504) {
-  config_.request_timeout = milliseconds(150);
+  config_.request_timeout = milliseconds(500);
   start();
   const Answer answer = post(port_, "/v1/remesh", "block");
   EXPECT_EQ(answer.status, 504);
@@ -212,7 +268,7 @@ TEST_F(ServiceTest, work_past_its_time_is_stopped_with_504) {
 }
 
 TEST_F(ServiceTest, work_that_does_not_hear_the_stop_is_answered_for) {
-  config_.request_timeout = milliseconds(100);
+  config_.request_timeout = milliseconds(500);
   start();
   EXPECT_EQ(post(port_, "/v1/remesh", "deaf").status, 504);
   stub_.released = true;
@@ -220,16 +276,16 @@ TEST_F(ServiceTest, work_that_does_not_hear_the_stop_is_answered_for) {
 }
 
 TEST_F(ServiceTest, waiting_too_long_for_a_worker_is_overload_not_timeout) {
-  config_.request_timeout = milliseconds(300);
+  config_.request_timeout = milliseconds(500);
   start();
-  // The first may use its 300 ms and then, being deaf, holds the only thread.
+  // The first may use its time and then, being deaf, holds the only thread.
   const auto running = start_blocking("", "deaf");
   EXPECT_EQ(code_of(post(port_, "/v1/remesh", "good")), "overloaded");
   stub_.released = true;
 }
 
 TEST_F(ServiceTest, slow_clients_hold_nobody_up) {
-  config_.gate.head_timeout = milliseconds(5000);
+  config_.gate.head_timeout = std::chrono::minutes(5);
   config_.max_connections_per_address = config_.max_connections;
   start();
   std::vector<std::unique_ptr<RawClient>> slow;
@@ -238,19 +294,17 @@ TEST_F(ServiceTest, slow_clients_hold_nobody_up) {
     slow.back()->send(i % 2 == 0 ? "POST /v1/re" : "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nx");
   }
   const auto running = start_blocking();
-  // The best of a few: what else the machine does is not what is measured.
-  Clock::duration best = Clock::duration::max();
-  for (int i = 0; i < 10; ++i) {
+  const auto probe = [&] {
     const Clock::time_point start = Clock::now();
     EXPECT_EQ(get(port_, "/livez").status, 200);
-    best = std::min(best, Clock::now() - start);
-  }
-  EXPECT_LT(best, milliseconds(50));
+    return Clock::now() - start;
+  };
+  EXPECT_LT(best_time(milliseconds(50), probe), milliseconds(50));
 }
 
 TEST_F(ServiceTest, connections_beyond_the_limit_are_refused_with_an_answer) {
   config_.max_connections = 3;
-  config_.gate.head_timeout = milliseconds(5000);
+  config_.gate.head_timeout = std::chrono::minutes(5);
   start();
   std::vector<std::unique_ptr<RawClient>> idle;
   for (int i = 0; i < 3; ++i) idle.push_back(std::make_unique<RawClient>(port_));

@@ -64,7 +64,6 @@ class StubService : public ::testing::Test {
     config_.max_running = 1;
     config_.queue_size = 1;
     config_.max_body = 1000;
-    config_.gate.head_timeout = milliseconds(300);
   }
   ~StubService() override { stub_.released = true; }
 

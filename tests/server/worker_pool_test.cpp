@@ -107,13 +107,11 @@ TEST(WorkerPool, small_jobs_pass_those_that_have_run_for_long) {
   const std::shared_future<void> open(gate.get_future());
   std::atomic<bool> ran = false;
   WorkerPool pool(1, 8, 1);
+  const auto start = Clock::now();
   ASSERT_TRUE(pool.try_submit([&] { open.wait(); }));
   ASSERT_TRUE(pool.try_submit([&] { ran = true; }));
-  EXPECT_FALSE(ran);
-  const auto start = Clock::now();
   EXPECT_TRUE(eventually([&] { return ran.load(); }));
-  EXPECT_GT(Clock::now() - start, WorkerPool::kLong / 2);
-  EXPECT_LT(Clock::now() - start, WorkerPool::kLong * 3);
+  EXPECT_GE(Clock::now() - start, WorkerPool::kLong);
   gate.set_value();
 }
 

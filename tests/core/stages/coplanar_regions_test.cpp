@@ -190,6 +190,26 @@ TEST(coplanar_regions, renumbering_leaves_the_very_same_sets_of_faces) {
   for (unsigned seed = 1; seed <= 10; ++seed) EXPECT_EQ(named(shapes::renumbered(mesh, seed)), expected) << seed;
 }
 
+TEST(coplanar_regions, two_triangles_bend_where_their_digits_cannot_explain_it) {
+  // A square of side 1 with one corner lifted; the nearest plane is a quarter of that from all four corners.
+  const double step = 0.001;
+  for (const auto& [lift, patches] : {std::pair(0.9, 1u), {1.9, 1u}, {2.2, 2u}, {2.5, 2u}}) {
+    const StageChain chain(
+        shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, lift * step}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}),
+        kToleranceSteps * step);
+    const double local = chain.tolerance / kToleranceSteps;
+    const IdVector<FaceId, std::uint8_t> rung(chain.surface.face_count(), 0);
+    for (const bool is_printed : {true, false}) {
+      Regions regions;
+      regions.of_face.resize(chain.surface.face_count());
+      coplanar_regions(chain.surface, chain.adjacency, chain.geometry,
+                       {chain.tolerance, 1e-6, &chain.surface.face_label, &rung, is_printed ? local : 0}, regions,
+                       chain.control);
+      EXPECT_EQ(regions.planes.size(), is_printed ? patches : 1u) << lift;
+    }
+  }
+}
+
 TEST(coplanar_regions, on_the_last_rung_every_face_is_alone) {
   const StageChain chain(shapes::sheet(1, 1, 3, 3));
   const IdVector<FaceId, std::uint8_t> rung(chain.surface.face_count(), kSingleFace);

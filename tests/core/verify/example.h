@@ -38,7 +38,7 @@ struct Example {
     const RefinementClaim refinement{goals.value_or(Goals()), unrefined, reasons};
     const InputIntersections known{intersecting_patches, true};
     return remesh::verify({surface, surface_patch, frames, positions, faces, face_patch, corner_uv, plane_tolerance,
-                           goals ? &refinement : nullptr, &known},
+                           goals.has_value(), goals ? &refinement : nullptr, &known},
                           control);
   }
   /// The input intersects where the output does.

@@ -1,0 +1,465 @@
+// The page: what is there, and what happens when something is asked for.
+import { kValue, nearestTriangle, trianglesOfFace } from "./mesh/drawable.ts";
+import { UnreadableMesh } from "./mesh/surface.ts";
+import { kSamples } from "./samples.ts";
+import { type Post, type Running, ServiceClient, ServiceProblem } from "./service/client.ts";
+import type { Capabilities, Problem, Report } from "./service/types.ts";
+import { askForKey } from "./ui/key_dialog.ts";
+import { byId, h } from "./ui/dom.ts";
+import { DownloadPanel } from "./ui/download_panel.ts";
+import { type Finding, FindingsPanel, type Target, findingsOf } from "./ui/findings.ts";
+import { showLegend } from "./ui/legend.ts";
+import { OptionsForm } from "./ui/options_form.ts";
+import { ProgressCard } from "./ui/progress_card.ts";
+import { qualityPanel, reportTables } from "./ui/report_panel.ts";
+import { Tabs } from "./ui/tabs.ts";
+import { triangleNumbers } from "./ui/triangle_numbers.ts";
+import { count, degrees, real, seconds, sentence, whole } from "./ui/words.ts";
+import { listen } from "./view/gestures.ts";
+import { front } from "./view/orbit.ts";
+import type { Colouring } from "./view/surface_model.ts";
+import { type Section, type Side, Viewer, kSides } from "./view/viewer.ts";
+import { WorkerClient } from "./worker_client.ts";
+
+/** A remeshing or an analysis that is on the screen. */
+interface Shown {
+  report: Report;
+  /** As asked for, without the format. */
+  query: [string, string][];
+  source: Uint32Array | null;
+}
+
+class Page {
+  private readonly service = new ServiceClient(askForKey);
+  private readonly worker = new WorkerClient();
+  private readonly viewer = new Viewer(byId<HTMLCanvasElement>("canvas"), {
+    before: byId("before"),
+    after: byId("after"),
+  });
+  private readonly progress = new ProgressCard(
+    () => this.running?.cancel(),
+    (text) => this.say(text),
+  );
+  private readonly findings: FindingsPanel;
+  private readonly downloads: DownloadPanel;
+  private options: OptionsForm | null = null;
+  private file: File | null = null;
+  /** Told beforehand, since a service that refuses a body need not read it to its end. */
+  private mostBytes = Infinity;
+  private shown: Shown | null = null;
+  private running: Running | null = null;
+  private selected: { side: Side; triangle: number } | null = null;
+
+  constructor() {
+    this.findings = new FindingsPanel(
+      byId("findings"),
+      (finding) => this.markAll(finding),
+      (finding, i) => this.goTo(finding, i),
+    );
+    this.downloads = new DownloadPanel(byId("download"), this.service);
+    new Tabs(document.querySelector("[role=tablist]")!);
+    this.takeFiles();
+    this.takeViewSettings();
+    for (const side of kSides) {
+      listen(byId(side), side, this.viewer, {
+        pick: (where, triangle) => this.select(where, triangle),
+        clear: () => this.select(side, -1),
+      });
+    }
+    byId("setup").addEventListener("submit", (event) => {
+      event.preventDefault();
+      void this.run("/v1/remesh");
+    });
+    byId("analyze").addEventListener("click", () => void this.run("/v1/analyze"));
+    byId("reset").addEventListener("click", () => this.options?.reset());
+    this.clearResults();
+  }
+
+  async start(): Promise<void> {
+    try {
+      this.meet(await this.service.capabilities());
+    } catch (error) {
+      byId("options").replaceChildren(
+        h("p", { class: "notice" }, "The service did not answer. Reload the page to try again."),
+      );
+      this.complain(error);
+    }
+  }
+
+  private meet(capabilities: Capabilities): void {
+    byId("version").textContent = capabilities.versions.remeshd;
+    byId("formats").textContent =
+      capabilities.formats.input.map(({ name }) => name.toUpperCase()).join(", ") + " (.gz)";
+    this.options = new OptionsForm(byId("options"), capabilities.options, () => this.optionsChanged());
+    this.mostBytes = capabilities.limits["max_body"] ?? Infinity;
+    this.downloads.offer(capabilities.formats.output);
+    this.optionsChanged();
+  }
+
+  // ---- the mesh
+
+  private takeFiles(): void {
+    const input = byId<HTMLInputElement>("file");
+    input.addEventListener("change", () => {
+      if (input.files?.[0]) void this.open(input.files[0]);
+      input.value = "";
+    });
+    byId("samples").replaceChildren(
+      h("span", { class: "muted" }, "Samples"),
+      ...kSamples.map((sample) =>
+        h(
+          "button",
+          { type: "button", class: "quiet", click: () => void this.open(new File([sample.obj()], sample.file)) },
+          sample.name,
+        ),
+      ),
+    );
+    let depth = 0;
+    const over = (isOver: boolean): void => void document.body.classList.toggle("dropping", isOver);
+    addEventListener("dragenter", () => over(++depth > 0));
+    addEventListener("dragleave", () => over(--depth > 0));
+    addEventListener("dragover", (event) => event.preventDefault());
+    addEventListener("drop", (event) => {
+      event.preventDefault();
+      over((depth = 0) > 0);
+      const file = event.dataTransfer?.files[0];
+      if (file) void this.open(file);
+    });
+  }
+
+  private async open(file: File): Promise<void> {
+    this.running?.cancel();
+    this.file = file;
+    this.clearResults();
+    this.viewer.show("before", null);
+    byId("before-count").textContent = "reading …";
+    byId("before-empty").hidden = true;
+    byId("summary").hidden = true;
+    byId("unreadable").hidden = true;
+    this.enableActions();
+    this.say(`Reading ${file.name}`);
+    try {
+      const opened = await this.worker.open(file);
+      if (this.file !== file) return;
+      this.viewer.show("before", opened.drawable);
+      this.viewer.reset();
+      byId("before-count").textContent = count(opened.faces, "face");
+      this.summarise(file, [
+        ["Faces", whole(opened.faces)],
+        ["Vertices", whole(opened.points)],
+        ["Extent", opened.size.map(real).join(" × ")],
+        ["Smallest angle", degrees(opened.minAngle)],
+        ["Open edges", whole(opened.drawable.openEdges)],
+      ]);
+      this.say(`${file.name}: ${count(opened.faces, "face")}`);
+    } catch (error) {
+      if (this.file !== file) return;
+      const why = error instanceof UnreadableMesh ? error.message : `It cannot be drawn: ${String(error)}`;
+      this.summarise(file, []);
+      byId("before-count").textContent = "";
+      byId("unreadable").textContent = `${why} The service may know more: Remesh tells.`;
+      byId("unreadable").hidden = false;
+      this.say(why);
+    }
+  }
+
+  private summarise(file: File, facts: [string, string][]): void {
+    const rows = [["File", `${file.name}, ${sizeOf(file.size)}`] as [string, string], ...facts];
+    byId("summary").replaceChildren(
+      ...rows.map(([name, value]) => h("div", {}, h("dt", {}, name), h("dd", {}, value))),
+    );
+    byId("summary").hidden = false;
+  }
+
+  // ---- a run
+
+  private async run(path: Post["path"]): Promise<void> {
+    if (!this.file || !this.options || this.running) return;
+    if (this.file.size > this.mostBytes) {
+      return this.complain(
+        new Error(`the file has ${sizeOf(this.file.size)}; this service takes at most ${sizeOf(this.mostBytes)}`),
+      );
+    }
+    if (!this.options.check()) return this.say("An option is out of its range.");
+    const file = this.file;
+    const query = this.options.values();
+    const isRemesh = path === "/v1/remesh";
+    byId("problem").hidden = true;
+    byId("after-empty").hidden = true;
+    this.progress.start();
+    this.running = this.service.post(
+      { path, query: isRemesh ? [...query, ["format", "json"]] : query, body: file },
+      {
+        onSent: (part) => this.progress.enter(part < 1 ? "send" : "queued", part < 1 ? part : null),
+        onState: (state) => this.progress.show(state),
+        onReceived: () => this.progress.enter("receive", null),
+      },
+    );
+    this.enableActions();
+    try {
+      const body = await this.running.answer;
+      if (this.file !== file) return;
+      this.progress.enter("draw", null);
+      if (isRemesh) await this.showResult(file, query, body);
+      else
+        this.showReport({ report: (JSON.parse(await body.text()) as { report: Report }).report, query, source: null });
+    } catch (error) {
+      if (this.file === file) this.complain(error);
+    } finally {
+      this.running = null;
+      this.progress.end();
+      byId("after-empty").hidden = this.viewer.drawable("after") !== null;
+      this.enableActions();
+    }
+  }
+
+  private async showResult(file: File, query: [string, string][], body: Blob): Promise<void> {
+    const { report, after, before, source } = await this.worker.answer(body);
+    if (this.file !== file) return;
+    this.select("before", -1);
+    this.viewer.show("after", after);
+    if (before) this.viewer.recolour("before", before);
+    if (!this.viewer.drawable("before")) this.viewer.reset();
+    this.downloads.setResult({ file, query, json: body });
+    this.showReport({ report, query, source });
+    const output = report.output!;
+    byId("after-count").textContent = count(output.faces, "face");
+    this.say(
+      `Remeshed in ${seconds(report.timing_ms["total"] ?? 0)}: ${whole(report.input.faces)} faces became ${whole(output.faces)}, ` +
+        `smallest angle ${degrees(output.quality.min_angle_deg)}`,
+    );
+  }
+
+  private showReport(shown: Shown): void {
+    this.shown = shown;
+    const { report } = shown;
+    if (!report.output) {
+      this.viewer.show("after", null);
+      byId("after-count").textContent = "";
+      this.downloads.setResult(null);
+      this.say(
+        `Analyzed in ${seconds(report.timing_ms["total"] ?? 0)}: about ${count(report.predicted_faces, "face")} to expect`,
+      );
+    }
+    byId("quality").replaceChildren(qualityPanel(report));
+    byId("report").replaceChildren(reportTables(report));
+    const findings = findingsOf(report);
+    byId("tab-findings").replaceChildren(
+      "Findings",
+      ...(findings.length > 0 ? [" ", h("span", { class: "badge" }, whole(findings.length))] : []),
+    );
+    this.findings.show(findings);
+    this.optionsChanged();
+  }
+
+  private clearResults(): void {
+    this.shown = null;
+    this.select("before", -1);
+    this.viewer.show("after", null);
+    byId("after-count").textContent = "";
+    byId("after-empty").hidden = false;
+    byId("problem").hidden = true;
+    for (const id of ["quality", "report", "findings"]) {
+      byId(id).replaceChildren(h("p", { class: "nothing" }, "Remesh or analyze a mesh to see this."));
+    }
+    byId("tab-findings").replaceChildren("Findings");
+    this.downloads.setResult(null);
+    this.optionsChanged();
+  }
+
+  private complain(error: unknown): void {
+    if (error instanceof ServiceProblem && error.isCancelled) return this.say("Cancelled");
+    const problem: Partial<Problem> =
+      error instanceof ServiceProblem
+        ? error.problem
+        : { title: "This cannot be done:", detail: error instanceof Error ? error.message : String(error) };
+    const place = (["line", "byte", "element"] as const)
+      .filter((key) => problem[key] !== undefined)
+      .map((key) => `${key} ${whole(problem[key]!)}`);
+    if (problem.limit !== undefined) place.push(`limit ${whole(problem.limit)}`);
+    const detail = problem.detail ?? "";
+    byId("problem").replaceChildren(
+      h("p", {}, h("strong", {}, problem.title ?? "It failed"), " ", sentence(detail)),
+      h(
+        "p",
+        { class: "muted" },
+        [...place, problem.code && `code ${problem.code}`, problem.request_id && `request ${problem.request_id}`]
+          .filter(Boolean)
+          .join(" · "),
+      ),
+      h(
+        "button",
+        { type: "button", class: "quiet close", "aria-label": "Dismiss", click: () => (byId("problem").hidden = true) },
+        "×",
+      ),
+    );
+    byId("problem").hidden = false;
+    if (problem.option) this.options?.blame(problem.option);
+  }
+
+  private optionsChanged(): void {
+    const values = this.options?.values() ?? [];
+    byId("reset").hidden = values.length === 0;
+    this.downloads.setSettings(this.file?.name ?? "part.obj", values, this.service.hasKey);
+    const isStale = this.shown !== null && JSON.stringify(values) !== JSON.stringify(this.shown.query);
+    document.body.classList.toggle("stale", isStale);
+  }
+
+  private enableActions(): void {
+    const isReady = this.file !== null && this.options !== null && this.running === null;
+    byId<HTMLButtonElement>("run").disabled = !isReady;
+    byId<HTMLButtonElement>("analyze").disabled = !isReady;
+  }
+
+  // ---- the views
+
+  private takeViewSettings(): void {
+    const colouring = byId<HTMLSelectElement>("colouring");
+    const colour = (): void => {
+      this.viewer.colours = colouring.value as Colouring;
+      showLegend(byId("legend"), colouring.value as Colouring, this.viewer.palette.scale);
+    };
+    colouring.value = "patch";
+    colouring.addEventListener("change", colour);
+    colour();
+    const lines = byId<HTMLInputElement>("lines");
+    lines.addEventListener("change", () => (this.viewer.lines = lines.checked));
+    const linked = byId<HTMLInputElement>("linked");
+    linked.addEventListener("change", () => {
+      this.viewer.areLinked = linked.checked;
+      if (linked.checked) this.viewer.move("before", () => {});
+    });
+    byId("fit").addEventListener("click", () => {
+      for (const side of kSides) this.viewer.fit(side);
+    });
+
+    const axis = byId<HTMLSelectElement>("section-axis");
+    const part = byId<HTMLInputElement>("section-part");
+    const flip = byId("section-flip");
+    const cut = (): void => {
+      byId("section-place").hidden = axis.value === "";
+      this.viewer.setSection(
+        axis.value === ""
+          ? null
+          : {
+              axis: Number(axis.value) as Section["axis"],
+              part: Number(part.value) / 1000,
+              isFlipped: flip.ariaPressed === "true",
+            },
+      );
+    };
+    axis.addEventListener("change", () => {
+      // What is nearer to the eye goes, so that the cut is seen.
+      flip.ariaPressed = String(
+        axis.value !== "" && front(this.viewer.orbit("before")).getComponent(Number(axis.value)) < 0,
+      );
+      cut();
+    });
+    part.addEventListener("input", cut);
+    flip.addEventListener("click", () => {
+      flip.ariaPressed = String(flip.ariaPressed !== "true");
+      cut();
+    });
+  }
+
+  private select(side: Side, triangle: number): void {
+    if (this.selected) {
+      this.viewer.select(this.selected.side, -1);
+      byId(`${this.selected.side}-numbers`).hidden = true;
+    }
+    this.selected = null;
+    const drawable = this.viewer.drawable(side);
+    if (!drawable || triangle < 0 || 3 * triangle >= drawable.corners.length) return;
+    this.selected = { side, triangle };
+    this.viewer.select(side, triangle);
+    const panel = byId(`${side}-numbers`);
+    const source = side === "after" ? (this.shown?.source?.[drawable.face[triangle]!] ?? null) : null;
+    panel.replaceChildren(
+      triangleNumbers({
+        drawable,
+        triangle,
+        report: this.shown?.report ?? null,
+        source: this.viewer.drawable("before") ? source : null,
+        onSource: (face) => this.select("before", trianglesOfFace(this.viewer.drawable("before")!, face)[0]),
+        onClose: () => {
+          this.select(side, -1);
+          byId(side).focus();
+        },
+      }),
+    );
+    panel.classList.toggle("above", this.viewer.height(side, triangle) < 0.45);
+    panel.hidden = false;
+  }
+
+  private markAll(finding: Finding): void {
+    this.mark(finding, -1);
+  }
+
+  private goTo(finding: Finding, index: number): void {
+    const triangle = this.mark(finding, index);
+    if (triangle < 0) return;
+    this.viewer.flyToTriangle(finding.side, triangle);
+    this.select(finding.side, triangle);
+  }
+
+  /** Output: the triangle of the chosen one, or -1. */
+  private mark({ side, targets }: Finding, chosen: number): number {
+    for (const other of kSides) this.viewer.mark(other, { places: [], faces: [], chosen: -1 });
+    const drawable = this.viewer.drawable(side);
+    if (!drawable) return -1;
+    const point = (vertex: number): [number, number, number] =>
+      [...drawable.points.subarray(3 * vertex, 3 * vertex + 3)] as [number, number, number];
+    this.viewer.mark(side, {
+      places: targets.flatMap((target) =>
+        target.kind === "place" ? [target.at] : target.kind === "vertex" ? [point(target.vertex)] : [],
+      ),
+      faces: targets.flatMap((target) => (target.kind === "face" ? [target.face] : [])),
+      chosen,
+    });
+    const target = targets[chosen];
+    return target ? this.triangleOf(side, target) : -1;
+  }
+
+  private triangleOf(side: Side, target: Target): number {
+    const drawable = this.viewer.drawable(side)!;
+    switch (target.kind) {
+      case "place": {
+        const { centre, radius } = drawable.frame;
+        return nearestTriangle(
+          drawable,
+          target.at.map((x, axis) => (x - centre[axis]!) / radius) as [number, number, number],
+        );
+      }
+      case "face": {
+        const [begin, end] = trianglesOfFace(drawable, target.face);
+        return begin < end ? begin : -1;
+      }
+      case "vertex":
+        return Math.floor(drawable.corners.indexOf(target.vertex) / 3);
+      case "patch": {
+        for (let t = 0; t < drawable.face.length; ++t) {
+          if (drawable.values[kValue.count * t + kValue.patch] === target.patch) return t;
+        }
+        return -1;
+      }
+    }
+  }
+
+  private say(text: string): void {
+    byId("status").textContent = text;
+  }
+}
+
+function sizeOf(bytes: number): string {
+  const [size, unit] = bytes < 1e6 ? [bytes / 1e3, "kB"] : [bytes / 1e6, "MB"];
+  return `${real(Number(size.toPrecision(3)))} ${unit}`;
+}
+
+try {
+  void new Page().start();
+} catch (error) {
+  // A browser without WebGL 2, mostly.
+  const why = error instanceof Error ? error.message : String(error);
+  byId("problem").replaceChildren(h("p", {}, h("strong", {}, "This browser cannot draw the page."), ` ${why}`));
+  byId("problem").hidden = false;
+}

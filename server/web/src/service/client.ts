@@ -1,0 +1,178 @@
+// The daemon, as functions.
+import type { Capabilities, Problem, RequestState } from "./types.ts";
+
+/** What the daemon refuses, in its words. */
+export class ServiceProblem extends Error {
+  constructor(readonly problem: Problem) {
+    super(problem.detail);
+  }
+  get isCancelled(): boolean {
+    return this.problem.code === "cancelled";
+  }
+}
+
+export interface Post {
+  path: "/v1/remesh" | "/v1/analyze";
+  query: [string, string][];
+  body: Blob;
+}
+export interface Watching {
+  onSent: (part: number) => void;
+  onState: (state: RequestState) => void;
+  onReceived: (bytes: number) => void;
+}
+export interface Running {
+  answer: Promise<Blob>;
+  cancel: () => void;
+}
+
+/** Shorter requests are not watched. */
+const kWatchMs = 150;
+
+export class ServiceClient {
+  /** Held here and nowhere else. */
+  private key: string | null = null;
+
+  /** `askForKey` gives a key, or never returns. */
+  constructor(private readonly askForKey: (wasWrong: boolean) => Promise<string>) {}
+
+  get hasKey(): boolean {
+    return this.key !== null;
+  }
+
+  async capabilities(): Promise<Capabilities> {
+    return this.withKey(async () => {
+      const response = await fetch("/v1/capabilities", { headers: this.headers() });
+      if (!response.ok) throw await problemOf(response.status, response.statusText, await response.text());
+      return (await response.json()) as Capabilities;
+    });
+  }
+
+  /** Sends a mesh; cancelling ends `answer` with the problem `cancelled`. */
+  post(post: Post, watching: Watching): Running {
+    let stop: () => void = () => {};
+    let isCancelled = false;
+    const answer = this.withKey(() => {
+      if (isCancelled) throw cancelled();
+      const attempt = this.send(post, watching);
+      stop = attempt.cancel;
+      return attempt.answer;
+    });
+    return {
+      answer,
+      cancel: () => {
+        isCancelled = true;
+        stop();
+      },
+    };
+  }
+
+  private send({ path, query, body }: Post, watching: Watching): Running {
+    const id = crypto
+      .getRandomValues(new Uint8Array(16))
+      .reduce((text, byte) => text + byte.toString(16).padStart(2, "0"), "");
+    const request = new XMLHttpRequest();
+    const ended = new AbortController();
+    const answer = new Promise<Blob>((resolve, reject) => {
+      request.open("POST", `${path}?${new URLSearchParams(query)}`);
+      for (const [name, value] of Object.entries(this.headers())) request.setRequestHeader(name, value);
+      request.setRequestHeader("Content-Type", "application/octet-stream");
+      request.setRequestHeader("X-Request-Id", id);
+      request.responseType = "blob";
+      request.upload.onprogress = (event) => watching.onSent(event.loaded / Math.max(event.total, 1));
+      // The daemon knows a request once it has all of it.
+      request.upload.onload = () => void this.watch(id, ended.signal, watching.onState);
+      request.onprogress = (event) => watching.onReceived(event.loaded);
+      request.onload = async () => {
+        const blob = request.response as Blob;
+        if (request.status === 200) resolve(blob);
+        else reject(await problemOf(request.status, request.statusText, await blob.text()));
+      };
+      request.onerror = () => reject(unreachable());
+      request.onabort = () => reject(cancelled());
+      request.send(body);
+    }).finally(() => ended.abort());
+    const cancel = async (): Promise<void> => {
+      // The daemon answers the request itself; while it is still being sent, nobody there knows it.
+      const response = await fetch(`/v1/requests/${id}`, { method: "DELETE", headers: this.headers() }).catch(
+        () => null,
+      );
+      if (response?.status !== 204 && !ended.signal.aborted) request.abort();
+    };
+    return { answer, cancel: () => void cancel() };
+  }
+
+  /** Follows the stream of a request's progress. */
+  private async watch(id: string, signal: AbortSignal, onState: Watching["onState"]): Promise<void> {
+    for (;;) {
+      await new Promise((resolve) => setTimeout(resolve, kWatchMs));
+      if (signal.aborted) return;
+      try {
+        const response = await fetch(`/v1/requests/${id}/events`, { headers: this.headers(), signal });
+        if (response.ok && response.body) await readEvents(response.body, signal, onState);
+      } catch {
+        // Ended with the request, or will be tried again.
+      }
+    }
+  }
+
+  private headers(): Record<string, string> {
+    return this.key === null ? {} : { Authorization: `Bearer ${this.key}` };
+  }
+
+  private async withKey<T>(ask: () => Promise<T>): Promise<T> {
+    for (;;) {
+      try {
+        return await ask();
+      } catch (error) {
+        if (!(error instanceof ServiceProblem) || error.problem.status !== 401) throw error;
+        this.key = await this.askForKey(this.key !== null);
+      }
+    }
+  }
+}
+
+/** Server-sent events: `data: {...}` lines, an empty line between. */
+async function readEvents(
+  stream: ReadableStream<Uint8Array>,
+  signal: AbortSignal,
+  onState: Watching["onState"],
+): Promise<void> {
+  const reader = stream.getReader();
+  const decoder = new TextDecoder();
+  let text = "";
+  for (;;) {
+    const { done, value } = await reader.read();
+    if (done || signal.aborted) return;
+    text += decoder.decode(value, { stream: true });
+    const events = text.split("\n\n");
+    text = events.pop() ?? "";
+    for (const event of events) {
+      const data = /^data: (.*)$/m.exec(event)?.[1];
+      if (data) onState(JSON.parse(data) as RequestState);
+    }
+  }
+}
+
+async function problemOf(status: number, title: string, body: string): Promise<ServiceProblem> {
+  try {
+    const problem = JSON.parse(body) as Problem;
+    if (typeof problem.detail === "string") return new ServiceProblem(problem);
+  } catch {
+    // Not from the daemon: a proxy's page, perhaps.
+  }
+  return new ServiceProblem({ status, title, code: "unknown", detail: `The service answered with status ${status}.` });
+}
+
+function unreachable(): ServiceProblem {
+  const detail = "The service cannot be reached, or has closed the connection.";
+  return new ServiceProblem({ status: 0, title: "No answer", code: "unreachable", detail });
+}
+function cancelled(): ServiceProblem {
+  return new ServiceProblem({
+    status: 499,
+    title: "Cancelled",
+    code: "cancelled",
+    detail: "cancelled before it was sent",
+  });
+}

@@ -1,0 +1,126 @@
+// The parts of the contract (api/openapi.yaml) that the page reads.
+import type { Point } from "../mesh/drawable.ts";
+
+export interface OptionSpec {
+  name: string;
+  type: "boolean" | "number" | "integer" | "string";
+  default: boolean | number | string | null;
+  unset?: string;
+  minimum?: number;
+  exclusive_minimum?: number;
+  maximum?: number;
+  values?: string[];
+  excludes?: string;
+  description: string;
+}
+export interface Format {
+  name: string;
+  media_type: string;
+}
+export interface Capabilities {
+  name: string;
+  versions: { remeshd: string; api: string };
+  formats: { input: Format[]; output: Format[] };
+  options: OptionSpec[];
+  limits: Record<string, number>;
+}
+
+export interface Range {
+  min: number;
+  mean: number;
+  max: number;
+}
+export interface Histogram {
+  edges: number[];
+  counts: number[];
+}
+export interface Quality {
+  min_angle_deg: number;
+  max_angle_deg: number;
+  radius_edge_ratio: Range;
+  aspect_ratio: Range;
+  edge_length: Range;
+  area: Range;
+  angle_histogram_deg: Histogram;
+  radius_edge_histogram: Histogram;
+}
+export interface Statistics {
+  vertices: number;
+  faces: number;
+  components: number;
+  boundary_edges: number;
+  non_manifold_edges: number;
+  closed: boolean;
+  euler: number;
+  area: number;
+  volume: number | null;
+  intersecting_pairs: number | null;
+  bounding_box: { min: Point; max: Point } | null;
+  quality: Quality;
+}
+export interface Patch {
+  id: number;
+  normal: Point;
+  area: number;
+  input_faces: number;
+  output_faces: number;
+  status: "remeshed" | "reduced" | "kept";
+  reason: string | null;
+  deviation: number;
+}
+export interface Diagnostic {
+  code: string;
+  count: number;
+  elements: number[];
+  message: string;
+}
+export interface Places {
+  count: number;
+  places: Point[];
+}
+/** Of a remeshing, or of an analysis, which lacks what only a remeshing has. */
+export interface Report {
+  version: string;
+  options: Record<string, boolean | number | string | null>;
+  tolerance: { automatic: boolean; rounding_step: number; volume_bound: number };
+  input: Statistics;
+  output?: Statistics;
+  patches: Patch[];
+  diagnostics: Diagnostic[];
+  volume_ready: { ready: boolean; reasons: ({ code: string } & Places)[] };
+  predicted_faces: number;
+  smallest_gap: number | null;
+  unrefined?: ({ reason: string } & Places)[];
+  refinement_rounds?: number;
+  verified?: { surface: boolean; conforming: boolean; delaunay: boolean; quality: boolean | null; deviation: number };
+  timing_ms: Record<string, number>;
+}
+export interface AnswerMesh {
+  vertices: Point[];
+  faces: Point[];
+  face_patch: number[];
+  face_source: number[];
+  input_face_patch?: (number | null)[];
+}
+export interface Answer {
+  mesh: AnswerMesh;
+  report: Report;
+}
+export interface RequestState {
+  id: string;
+  stage: string;
+  fraction: number;
+  elapsed_s: number;
+}
+export interface Problem {
+  title: string;
+  status: number;
+  detail: string;
+  code: string;
+  request_id?: string;
+  line?: number;
+  byte?: number;
+  element?: number;
+  option?: string;
+  limit?: number;
+}

@@ -1,0 +1,136 @@
+import { curlLine, resultName } from "../service/curl.ts";
+import { type ServiceClient, ServiceProblem } from "../service/client.ts";
+import type { Format } from "../service/types.ts";
+import { h } from "./dom.ts";
+
+export interface Result {
+  file: File;
+  query: [string, string][];
+  json: Blob;
+}
+
+const kAbout: Record<string, string> = {
+  obj: "objects, groups, materials",
+  json: "with patches and report",
+  stl: "binary, floats",
+  ply: "binary, doubles",
+  off: "text",
+  vtu: "ParaView: patch and quality",
+  msh: "Gmsh 2.2",
+};
+
+/** The result in every format, and the line of a shell that makes it. */
+export class DownloadPanel {
+  private readonly buttons = h("div", { class: "formats", role: "group", "aria-label": "Formats" });
+  private readonly note = h("p", { class: "muted", role: "status" });
+  private readonly line = h("code", { id: "curl", tabindex: "0", role: "region", "aria-label": "The same by curl" });
+  private readonly copy = h("button", { type: "button", class: "quiet", click: () => void this.copyLine() }, "Copy");
+  private readonly format = h("select", { "aria-label": "Format of the curl line", change: () => this.showLine() });
+  private result: Result | null = null;
+  private settings: { file: string; query: [string, string][]; hasKey: boolean } = {
+    file: "part.obj",
+    query: [],
+    hasKey: false,
+  };
+
+  constructor(
+    panel: HTMLElement,
+    private readonly service: ServiceClient,
+  ) {
+    panel.replaceChildren(
+      h(
+        "div",
+        { class: "download" },
+        h(
+          "section",
+          { "aria-labelledby": "files-title" },
+          h("h3", { id: "files-title" }, "The result as a file"),
+          this.buttons,
+          this.note,
+        ),
+        h(
+          "section",
+          { "aria-labelledby": "curl-title" },
+          h("h3", { id: "curl-title" }, "The same from a shell"),
+          h("div", { class: "curl-row" }, h("label", { class: "inline" }, "as ", this.format), this.copy),
+          this.line,
+        ),
+      ),
+    );
+  }
+
+  offer(formats: Format[]): void {
+    this.buttons.replaceChildren(
+      ...formats.map(({ name, media_type }) =>
+        h(
+          "button",
+          { type: "button", disabled: true, "data-format": name, title: media_type, click: () => void this.save(name) },
+          h("strong", {}, name.toUpperCase()),
+          h("span", { class: "muted" }, kAbout[name] ?? media_type),
+        ),
+      ),
+    );
+    this.format.replaceChildren(...formats.map(({ name }) => h("option", { value: name }, name)));
+    this.showLine();
+  }
+
+  setResult(result: Result | null): void {
+    this.result = result;
+    this.note.textContent = result
+      ? "Formats other than JSON are made anew by the service: the same input and options give the same bytes."
+      : "Remesh a mesh first.";
+    for (const button of this.buttons.querySelectorAll("button")) button.disabled = result === null;
+  }
+
+  setSettings(file: string, query: [string, string][], hasKey: boolean): void {
+    this.settings = { file, query, hasKey };
+    this.showLine();
+  }
+
+  private showLine(): void {
+    const { file, query, hasKey } = this.settings;
+    this.line.textContent = curlLine(location.origin, file, query, this.format.value || "obj", hasKey);
+  }
+
+  private async save(format: string): Promise<void> {
+    if (!this.result) return;
+    const { file, query, json } = this.result;
+    for (const button of this.buttons.querySelectorAll("button")) button.disabled = true;
+    try {
+      if (format !== "json") this.note.textContent = `Making ${format.toUpperCase()} …`;
+      const nothing = (): void => {};
+      const blob =
+        format === "json"
+          ? json
+          : await this.service.post(
+              { path: "/v1/remesh", query: [...query, ["format", format]], body: file },
+              { onSent: nothing, onState: nothing, onReceived: nothing },
+            ).answer;
+      const name = resultName(file.name, format);
+      saveBlob(blob, name);
+      this.note.textContent = `Saved as ${name}.`;
+    } catch (error) {
+      this.note.textContent = error instanceof ServiceProblem ? error.problem.detail : String(error);
+    } finally {
+      for (const button of this.buttons.querySelectorAll("button")) button.disabled = this.result === null;
+    }
+  }
+
+  private async copyLine(): Promise<void> {
+    try {
+      await navigator.clipboard.writeText(this.line.textContent ?? "");
+      this.copy.textContent = "Copied";
+    } catch {
+      // Pages that did not come by TLS or from this machine may not write there: it is selected, to be copied by hand.
+      getSelection()?.selectAllChildren(this.line);
+      this.copy.textContent = "Selected";
+    }
+    setTimeout(() => (this.copy.textContent = "Copy"), 1500);
+  }
+}
+
+function saveBlob(blob: Blob, name: string): void {
+  const url = URL.createObjectURL(blob);
+  h("a", { href: url, download: name }).click();
+  setTimeout(() => URL.revokeObjectURL(url), 60_000);
+}

@@ -1,0 +1,84 @@
+import type { RequestState } from "../service/types.ts";
+import { byId, h } from "./dom.ts";
+import { label, seconds } from "./words.ts";
+
+/** In the order in which a request passes them; "send", "receive" and "draw" are the page's own. */
+const kStages = [
+  "send",
+  "queued",
+  "read",
+  "weld",
+  "regions",
+  "patches",
+  "loops",
+  "essential_vertices",
+  "triangulation",
+  "refinement",
+  "assembly",
+  "verify",
+  "quality",
+  "write",
+  "receive",
+  "draw",
+];
+/** Shorter runs need no card. */
+const kPatienceMs = 120;
+
+/** How far the run is: a bar of the stage, and all stages. */
+export class ProgressCard {
+  private readonly card = byId("progress");
+  private readonly bar = byId<HTMLProgressElement>("progress-bar");
+  private readonly items = new Map(kStages.map((stage) => [stage, h("li", {}, label(stage))]));
+  private started = 0;
+  private timer = 0;
+  private stage = "";
+
+  constructor(
+    onCancel: () => void,
+    private readonly announce: (text: string) => void,
+  ) {
+    byId("stages").replaceChildren(...this.items.values());
+    byId("cancel").addEventListener("click", onCancel);
+  }
+
+  start(): void {
+    this.started = performance.now();
+    this.enter("send", null);
+    clearInterval(this.timer);
+    this.timer = window.setInterval(() => this.tick(), 100);
+  }
+  show({ stage, fraction }: RequestState): void {
+    // Stages that do not tell stay at 0.
+    this.enter(stage, fraction === 0 ? null : fraction);
+  }
+  /** `fraction`: of the stage; null: not known. */
+  enter(stage: string, fraction: number | null): void {
+    if (fraction === null) this.bar.removeAttribute("value");
+    else this.bar.value = fraction;
+    const percent = fraction === null ? "" : ` ${Math.round(fraction * 100)} %`;
+    byId("progress-title").textContent = label(stage) + percent;
+    if (stage === this.stage) return;
+    this.stage = stage;
+    if (!this.card.hidden) this.announce(label(stage));
+    const at = kStages.indexOf(stage);
+    for (const [name, item] of this.items) {
+      const here = kStages.indexOf(name);
+      item.className = here < at ? "done" : here === at ? "current" : "";
+      if (here === at) item.setAttribute("aria-current", "step");
+      else item.removeAttribute("aria-current");
+    }
+  }
+  end(): void {
+    clearInterval(this.timer);
+    this.card.hidden = true;
+    this.stage = "";
+  }
+  get elapsedMs(): number {
+    return performance.now() - this.started;
+  }
+
+  private tick(): void {
+    if (this.elapsedMs > kPatienceMs) this.card.hidden = false;
+    byId("progress-time").textContent = seconds(this.elapsedMs);
+  }
+}

@@ -1,0 +1,179 @@
+import type { Range, Report, Statistics } from "../service/types.ts";
+import { type Child, h } from "./dom.ts";
+import { histogramChart } from "./histogram.ts";
+import { count, degrees, label, real, seconds, whole } from "./words.ts";
+
+type Row = [name: string, of: (statistics: Statistics) => string];
+
+const range = (r: Range): string => `${real(r.min)} / ${real(r.mean)} / ${real(r.max)}`;
+
+const kRows: Record<string, Row[]> = {
+  Size: [
+    ["Faces", (s) => whole(s.faces)],
+    ["Vertices", (s) => whole(s.vertices)],
+    ["Area", (s) => real(s.area)],
+    ["Volume", (s) => (s.volume === null ? "open" : real(s.volume))],
+    [
+      "Extent",
+      (s) =>
+        s.bounding_box ? s.bounding_box.max.map((x, i) => real(x - s.bounding_box!.min[i]!)).join(" × ") : "none",
+    ],
+  ],
+  Topology: [
+    ["Closed", (s) => (s.closed ? "yes" : "no")],
+    ["Components", (s) => whole(s.components)],
+    ["Euler number", (s) => whole(s.euler)],
+    ["Boundary edges", (s) => whole(s.boundary_edges)],
+    ["Non-manifold edges", (s) => whole(s.non_manifold_edges)],
+    ["Intersecting pairs", (s) => (s.intersecting_pairs === null ? "not counted" : whole(s.intersecting_pairs))],
+  ],
+  Shape: [
+    ["Smallest angle", (s) => degrees(s.quality.min_angle_deg)],
+    ["Largest angle", (s) => degrees(s.quality.max_angle_deg)],
+    ["Radius-edge ratio", (s) => range(s.quality.radius_edge_ratio)],
+    ["Aspect ratio", (s) => range(s.quality.aspect_ratio)],
+    ["Edge length", (s) => range(s.quality.edge_length)],
+    ["Triangle area", (s) => range(s.quality.area)],
+  ],
+};
+
+/** What the service found out, in numbers. */
+export function reportTables(report: Report): HTMLElement {
+  const tables = Object.entries(kRows).map(([title, rows]) =>
+    h(
+      "table",
+      { class: "numbers-table" },
+      h("caption", {}, title, title === "Shape" && h("span", { class: "muted" }, " least / mean / most")),
+      h(
+        "thead",
+        {},
+        h("tr", {}, h("td"), h("th", { scope: "col" }, "before"), report.output && h("th", { scope: "col" }, "after")),
+      ),
+      h(
+        "tbody",
+        {},
+        ...rows.map(([name, of]) =>
+          h(
+            "tr",
+            { "data-row": name },
+            h("th", { scope: "row" }, name),
+            h("td", {}, of(report.input)),
+            report.output && h("td", {}, of(report.output)),
+          ),
+        ),
+      ),
+    ),
+  );
+  const [size, topology, shape] = tables;
+  return h("div", { class: "tables" }, size, topology, aboutRun(report), timing(report), shape);
+}
+
+function factTable(title: string, facts: [string, string][]): HTMLElement {
+  return h(
+    "table",
+    { class: "numbers-table" },
+    h("caption", {}, title),
+    h(
+      "tbody",
+      {},
+      ...facts.map(([name, value]) =>
+        h("tr", { "data-row": name }, h("th", { scope: "row" }, name), h("td", {}, value)),
+      ),
+    ),
+  );
+}
+
+function aboutRun(report: Report): HTMLElement {
+  const { verified, tolerance } = report;
+  const verdict = (holds: boolean | null): string => (holds === null ? "not asked" : holds ? "holds" : "fails");
+  const facts: [string, string][] = [
+    ["Patches", whole(report.patches.length)],
+    ["Predicted faces", whole(report.predicted_faces)],
+    [
+      "Plane tolerance",
+      `${real(Number(report.options["plane_tolerance"]))}${tolerance.automatic ? " (automatic)" : ""}`,
+    ],
+  ];
+  if (report.smallest_gap !== null) facts.push(["Smallest gap", real(report.smallest_gap)]);
+  if (report.refinement_rounds !== undefined) facts.push(["Rounds", whole(report.refinement_rounds)]);
+  facts.push(["Ready for a volume mesh", report.volume_ready.ready ? "yes" : "no"]);
+  if (verified) {
+    facts.push(
+      ["Verified: surface", verdict(verified.surface)],
+      ["Verified: conforming", verdict(verified.conforming)],
+      ["Verified: Delaunay", verdict(verified.delaunay)],
+      ["Verified: quality", verdict(verified.quality)],
+      ["Deviation", real(verified.deviation)],
+    );
+  }
+  return factTable(report.output ? "This run" : "This analysis", facts);
+}
+
+function timing(report: Report): HTMLElement {
+  return factTable(
+    "Time",
+    Object.entries(report.timing_ms).map(([stage, ms]) => [label(stage), seconds(ms)]),
+  );
+}
+
+/** The report at a glance. */
+export function qualityPanel(report: Report): HTMLElement {
+  const { input, output, options } = report;
+  const isRefined = options["refine"] === true;
+  const ratio = typeof options["max_radius_edge_ratio"] === "number" ? options["max_radius_edge_ratio"] : null;
+  const angle =
+    typeof options["min_angle_deg"] === "number"
+      ? options["min_angle_deg"]
+      : ratio === null
+        ? null
+        : (Math.asin(1 / (2 * ratio)) * 180) / Math.PI;
+  const angleBound = isRefined && output && angle !== null && angle > 0 ? angle : null;
+  return h(
+    "div",
+    { class: "quality" },
+    tiles(report),
+    histogramChart(input.quality.angle_histogram_deg, output?.quality.angle_histogram_deg ?? null, {
+      title: "Angles",
+      axis: "degrees",
+      format: (value) => real(value),
+      bound: angleBound,
+      boundName: `asked for: ${angleBound === null ? "" : real(angleBound)}°`,
+    }),
+    histogramChart(input.quality.radius_edge_histogram, output?.quality.radius_edge_histogram ?? null, {
+      title: "Radius-edge ratio",
+      axis: "circumradius over shortest edge",
+      format: (value) => real(Number(value.toPrecision(3))),
+      bound: angleBound === null ? null : 1 / (2 * Math.sin((angleBound * Math.PI) / 180)),
+      boundName: "asked for",
+    }),
+  );
+}
+
+function tiles({ input, output, verified, unrefined, volume_ready, predicted_faces }: Report): HTMLElement {
+  const change = (name: string, of: (s: Statistics) => string): Child =>
+    h(
+      "div",
+      { class: "tile" },
+      h("dt", {}, name),
+      h(
+        "dd",
+        {},
+        h("span", { class: output ? "was" : "" }, of(input)),
+        output && h("span", { class: "now" }, of(output)),
+      ),
+    );
+  const verdict = (name: string, isGood: boolean, text: string): Child =>
+    h("div", { class: "tile" }, h("dt", {}, name), h("dd", {}, h("span", { class: isGood ? "good" : "poor" }, text)));
+  const missed = unrefined?.reduce((sum, part) => sum + part.count, 0) ?? 0;
+  return h(
+    "dl",
+    { class: "tiles" },
+    change("Faces", (s) => whole(s.faces)),
+    change("Smallest angle", (s) => degrees(s.quality.min_angle_deg)),
+    change("Largest radius-edge ratio", (s) => real(Number(s.quality.radius_edge_ratio.max.toPrecision(3)))),
+    !output && h("div", { class: "tile" }, h("dt", {}, "Predicted faces"), h("dd", {}, whole(predicted_faces))),
+    verified && verdict("Verified", true, "surface, edges, shape"),
+    output && verdict("Below the bound", missed === 0, missed === 0 ? "none" : count(missed, "face")),
+    verdict("Volume mesher", volume_ready.ready, volume_ready.ready ? "can take it" : "would refuse it"),
+  );
+}

@@ -1,0 +1,135 @@
+// How a surface is drawn. Triangles have no attributes but their corners: what belongs to one, its numbers and which of
+// its edges are lines, is read from a texture by its number, so that a million of them take one call, other colours
+// cost nothing, and lines need no geometry of their own.
+
+export const kTextureWidth = 2048;
+
+const kCommonVertex = /* glsl */ `
+  uniform vec4 section;
+  flat out int triangle;
+  out float cut;
+
+  void place() {
+    triangle = gl_VertexID / 3;
+    cut = dot(section.xyz, position) - section.w;
+    gl_Position = projectionMatrix * modelViewMatrix * vec4(position, 1.0);
+  }
+`;
+
+export const kSurfaceVertex = /* glsl */ `
+  ${kCommonVertex}
+  out vec3 corner;
+  out vec3 seen;
+
+  void main() {
+    place();
+    int c = gl_VertexID % 3;
+    corner = vec3(c == 0, c == 1, c == 2);
+    seen = (modelViewMatrix * vec4(position, 1.0)).xyz;
+  }
+`;
+
+export const kSurfaceFragment = /* glsl */ `
+  uniform sampler2D faces;
+  uniform int colouring;      // 0 plain, 1 patch, 2 smallest angle, 3 radius-edge ratio
+  uniform float lineWidth;    // pixels; 0: none
+  uniform vec3 plain;
+  uniform vec3 inside;
+  uniform vec3 lineColour;
+  uniform vec3 featureColour;
+  uniform vec3 openColour;
+  uniform vec3 selectedColour;
+  uniform vec3 keptColour;
+  uniform vec3 scale[5];      // colours from bad to good
+  uniform int selected;
+  uniform bool showsKept;
+  flat in int triangle;
+  in float cut;
+  in vec3 corner;
+  in vec3 seen;
+  out vec4 colour;
+
+  vec3 ramp(float x) {
+    float at = clamp(x, 0.0, 1.0) * 4.0;
+    int below = min(int(at), 3);
+    return mix(scale[below], scale[below + 1], at - float(below));
+  }
+
+  vec3 patchColour(float id) {
+    if (id < 0.0) return plain;
+    // Steps of the golden ratio: neighbours in number are far apart in hue.
+    float hue = fract(id * 0.61803398875 + 0.08);
+    float tone = fract(id * 0.38196601125);
+    vec3 rgb = clamp(abs(mod(hue * 6.0 + vec3(0.0, 4.0, 2.0), 6.0) - 3.0) - 1.0, 0.0, 1.0);
+    return mix(vec3(0.74 + 0.14 * tone), 0.42 + 0.56 * rgb, 0.5);
+  }
+
+  vec3 faceColour(vec4 numbers) {
+    if (colouring == 1) return patchColour(numbers.z);
+    if (colouring == 2) return ramp(numbers.x / 60.0);
+    if (colouring == 3) return ramp(1.0 - log2(max(numbers.y, 0.57735) / 0.57735) / 3.0);
+    return plain;
+  }
+
+  void main() {
+    if (cut > 0.0) discard;
+    // Here rather than for each corner: of a million triangles most are behind others.
+    vec4 numbers = texelFetch(faces, ivec2(triangle % ${kTextureWidth}, triangle / ${kTextureWidth}), 0);
+    vec3 base = faceColour(numbers);
+    int flags = int(numbers.w);
+    if (showsKept && (flags & 512) != 0) {
+      float stripe = fract((gl_FragCoord.x + gl_FragCoord.y) / 10.0);
+      base = mix(base, keptColour, stripe < 0.5 ? 0.85 : 0.35);
+    }
+    if (triangle == selected) base = selectedColour;
+
+    vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
+    float key = max(dot(normal, normalize(vec3(0.35, 0.55, 0.75))), 0.0);
+    float fill = max(dot(normal, normalize(vec3(-0.7, -0.1, 0.7))), 0.0);
+    vec3 lit = base * (0.56 + 0.42 * key + 0.14 * fill);
+    // The back of a face is the inside of the part: flat, as a cut is drawn.
+    if (!gl_FrontFacing) lit = (triangle == selected ? selectedColour : inside) * (0.82 + 0.18 * key);
+
+    vec3 width = fwidth(corner);
+    vec3 distance = corner / max(width, 1e-9);
+    if (lineWidth > 0.0) {
+      // Where triangles are smaller than lines are wide, lines would be all that there is.
+      float room = 1.0 / max(max(width.x, width.y), width.z);
+      vec3 mesh = distance;
+      vec3 feature = vec3(1e9);
+      vec3 open = vec3(1e9);
+      for (int k = 0; k < 3; ++k) {
+        if ((flags & (1 << k)) != 0) mesh[k] = 1e9;
+        if ((flags & (8 << k)) != 0) feature[k] = distance[k];
+        if ((flags & (64 << k)) != 0) open[k] = distance[k];
+      }
+      float thin = 1.0 - smoothstep(lineWidth - 0.5, lineWidth + 0.5, min(min(mesh.x, mesh.y), mesh.z));
+      float strong = 1.0 - smoothstep(lineWidth, lineWidth + 1.0, min(min(feature.x, feature.y), feature.z));
+      float border = 1.0 - smoothstep(lineWidth + 0.5, lineWidth + 1.5, min(min(open.x, open.y), open.z));
+      lit = mix(lit, lineColour, thin * 0.62 * smoothstep(1.5, 9.0, room));
+      lit = mix(lit, featureColour, strong * smoothstep(0.8, 8.0, room));
+      lit = mix(lit, openColour, border);
+    }
+    if (triangle == selected) {
+      float rim = min(min(distance.x, distance.y), distance.z);
+      lit = mix(lit, lineColour, 1.0 - smoothstep(1.5, 2.5, rim));
+    }
+    colour = vec4(lit, 1.0);
+  }
+`;
+
+/** For picking: each triangle in the colour of its number, from 1. */
+export const kPickVertex = /* glsl */ `
+  ${kCommonVertex}
+  void main() { place(); }
+`;
+export const kPickFragment = /* glsl */ `
+  flat in int triangle;
+  in float cut;
+  out vec4 colour;
+  void main() {
+    if (cut > 0.0) discard;
+    int id = triangle + 1;
+    colour = vec4(id & 255, (id >> 8) & 255, (id >> 16) & 255, (id >> 24) & 255) / 255.0;
+  }
+`;

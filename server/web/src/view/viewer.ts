@@ -1,0 +1,355 @@
+// The two views. One canvas lies behind both, drawn where their elements are; it is drawn when something has changed.
+import {
+  Color,
+  ColorManagement,
+  LineBasicMaterial,
+  LineLoop,
+  LinearSRGBColorSpace,
+  PerspectiveCamera,
+  Scene,
+  Vector3,
+  Vector4,
+  WebGLRenderTarget,
+  WebGLRenderer,
+  BufferGeometry,
+} from "three";
+
+import { type Drawable, type Point, kValue } from "../mesh/drawable.ts";
+import { type Marked, Marks } from "./marks.ts";
+import { type Orbit, between, kFieldOfView, lookAt, overview, place } from "./orbit.ts";
+import { type Palette, kDarkPalette, kLightPalette } from "./palette.ts";
+import { Triad } from "./triad.ts";
+import { type Colouring, SurfaceModel } from "./surface_model.ts";
+
+export const kSides = ["before", "after"] as const;
+export type Side = (typeof kSides)[number];
+
+export interface Section {
+  axis: 0 | 1 | 2;
+  /** From one end of the surface, 0, to the other, 1. */
+  part: number;
+  isFlipped: boolean;
+}
+
+// Colours are those of the palettes, as they are.
+ColorManagement.enabled = false;
+
+const kFlightMs = 550;
+/** While the camera moves, a frame that takes longer than this is drawn with fewer pixels. */
+const kSlowFrameMs = 45;
+const kRestMs = 180;
+
+class Pane {
+  readonly triad = new Triad();
+  readonly scene = new Scene();
+  readonly marks = new Marks();
+  readonly outline = new LineLoop(new BufferGeometry(), new LineBasicMaterial());
+  orbit: Orbit = overview(1);
+  model: SurfaceModel | null = null;
+
+  constructor(readonly element: HTMLElement) {
+    element.append(this.triad.element);
+    this.outline.visible = false;
+    this.outline.frustumCulled = false;
+    this.scene.add(this.marks.group, this.outline);
+  }
+}
+
+export class Viewer {
+  private readonly renderer: WebGLRenderer;
+  private readonly camera = new PerspectiveCamera(kFieldOfView);
+  private readonly panes: Record<Side, Pane>;
+  private readonly pickTarget = new WebGLRenderTarget(1, 1);
+  private readonly dark = matchMedia("(prefers-color-scheme: dark)");
+  private readonly stillness = matchMedia("(prefers-reduced-motion: reduce)");
+  private isScheduled = false;
+  private flight: { side: Side; from: Orbit; to: Orbit; start: number } | null = null;
+  private lastMove = 0;
+  private detail = 1;
+  private section: Section | null = null;
+  private colouring: Colouring = "plain";
+  private hasLines = true;
+  areLinked = true;
+
+  constructor(
+    private readonly canvas: HTMLCanvasElement,
+    elements: Record<Side, HTMLElement>,
+  ) {
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, powerPreference: "high-performance" });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.renderer.setScissorTest(true);
+    this.renderer.autoClear = false;
+    this.panes = { before: new Pane(elements.before), after: new Pane(elements.after) };
+    const again = (): void => this.invalidate();
+    new ResizeObserver(again).observe(canvas);
+    this.dark.addEventListener("change", () => {
+      this.paint();
+      again();
+    });
+    this.paint();
+  }
+
+  get palette(): Palette {
+    return this.dark.matches ? kDarkPalette : kLightPalette;
+  }
+  drawable(side: Side): Drawable | null {
+    return this.panes[side].model?.drawable ?? null;
+  }
+  orbit(side: Side): Orbit {
+    return this.panes[side].orbit;
+  }
+  aspect(side: Side): number {
+    const { clientWidth, clientHeight } = this.panes[side].element;
+    return clientHeight > 0 ? clientWidth / clientHeight : 1;
+  }
+
+  show(side: Side, drawable: Drawable | null): void {
+    const pane = this.panes[side];
+    if (pane.model) {
+      pane.scene.remove(pane.model.mesh);
+      pane.model.dispose();
+    }
+    pane.marks.clear();
+    pane.model = drawable && new SurfaceModel(drawable);
+    if (pane.model) pane.scene.add(pane.model.mesh);
+    this.paint();
+    this.applySection();
+    this.invalidate();
+  }
+
+  /** Colours the first mesh anew, now that its patches are known. */
+  recolour(side: Side, values: Float32Array): void {
+    const { model } = this.panes[side];
+    if (model) model.values = values;
+    this.invalidate();
+  }
+
+  set colours(colouring: Colouring) {
+    this.colouring = colouring;
+    this.paint();
+    this.invalidate();
+  }
+  set lines(hasLines: boolean) {
+    this.hasLines = hasLines;
+    this.paint();
+    this.invalidate();
+  }
+  setSection(section: Section | null): void {
+    this.section = section;
+    this.applySection();
+    this.invalidate();
+  }
+  select(side: Side, triangle: number): void {
+    const { model } = this.panes[side];
+    if (model) model.selected = triangle;
+    this.invalidate();
+  }
+  mark(side: Side, marked: Marked): void {
+    const { model, marks } = this.panes[side];
+    if (model) marks.show(model.drawable, marked);
+    this.invalidate();
+  }
+
+  /** Changes a camera, and the other one with it if they are linked. */
+  move(side: Side, change: (orbit: Orbit) => void): void {
+    this.flight = null;
+    this.lastMove = performance.now();
+    change(this.panes[side].orbit);
+    this.follow(side);
+    this.invalidate();
+  }
+  /** All of the surface again. */
+  fit(side: Side): void {
+    this.fly(side, overview(this.aspect(side)));
+  }
+  /** At once, in both. */
+  reset(): void {
+    this.flight = null;
+    for (const side of kSides) this.panes[side].orbit = overview(this.aspect(side));
+    this.invalidate();
+  }
+  /** To a triangle, and the size of what lies around it. */
+  flyToTriangle(side: Side, triangle: number): void {
+    const drawable = this.drawable(side);
+    if (!drawable || triangle < 0) return;
+    const corners = cornersOf(drawable, triangle);
+    const centre = corners[0].clone().add(corners[1]).add(corners[2]).divideScalar(3);
+    const size = Math.max(...corners.map((corner) => corner.distanceTo(centre)));
+    const normal = corners[1].clone().sub(corners[0]).cross(corners[2].clone().sub(corners[0])).normalize();
+    const towards = normal.lengthSq() > 0.5 ? normal.toArray() : null;
+    this.fly(side, lookAt(this.panes[side].orbit, centre.toArray(), towards, size));
+  }
+
+  /** Where a triangle's middle is seen, from the lower edge of its view, 0, to the upper one, 1. */
+  height(side: Side, triangle: number): number {
+    const { model, orbit } = this.panes[side];
+    if (!model) return 0;
+    this.camera.aspect = this.aspect(side);
+    place(this.camera, orbit);
+    const [a, b, c] = cornersOf(model.drawable, triangle);
+    return (a.add(b).add(c).divideScalar(3).project(this.camera).y + 1) / 2;
+  }
+
+  /** The triangle at a place of a view, in its pixels; -1 where there is none. */
+  pick(side: Side, x: number, y: number): number {
+    const { model, orbit, element, scene } = this.panes[side];
+    if (!model) return -1;
+    const { clientWidth: width, clientHeight: height } = element;
+    this.camera.aspect = width / height;
+    this.camera.setViewOffset(width, height, Math.floor(x), Math.floor(y), 1, 1);
+    place(this.camera, orbit);
+    const shown = model.mesh.material;
+    const others = scene.children.filter((child) => child !== model.mesh && child.visible);
+    for (const child of others) child.visible = false;
+    model.mesh.material = model.pickMaterial;
+    this.renderer.setRenderTarget(this.pickTarget);
+    this.renderer.setClearColor(0x000000, 0);
+    this.renderer.clear();
+    this.renderer.render(scene, this.camera);
+    const pixel = new Uint8Array(4);
+    this.renderer.readRenderTargetPixels(this.pickTarget, 0, 0, 1, 1, pixel);
+    this.renderer.setRenderTarget(null);
+    model.mesh.material = shown;
+    for (const child of others) child.visible = true;
+    this.camera.clearViewOffset();
+    return (pixel[0]! | (pixel[1]! << 8) | (pixel[2]! << 16) | (pixel[3]! << 24)) - 1;
+  }
+
+  invalidate(): void {
+    if (this.isScheduled) return;
+    this.isScheduled = true;
+    requestAnimationFrame((now) => this.draw(now));
+  }
+
+  private fly(side: Side, to: Orbit): void {
+    if (this.stillness.matches) {
+      this.panes[side].orbit = to;
+      this.follow(side);
+    } else {
+      this.flight = { side, from: this.panes[side].orbit, to, start: performance.now() };
+    }
+    this.invalidate();
+  }
+
+  private follow(side: Side): void {
+    if (!this.areLinked) return;
+    const other = side === "before" ? "after" : "before";
+    const { orbit } = this.panes[side];
+    this.panes[other].orbit = { ...orbit, target: orbit.target.clone() };
+  }
+
+  private draw(now: number): void {
+    this.isScheduled = false;
+    if (this.flight) this.advance(this.flight, now);
+    const isMoving = performance.now() - this.lastMove < kRestMs;
+    if (!isMoving) this.detail = 1;
+    const start = performance.now();
+    this.fitCanvas();
+    const frame = this.canvas.getBoundingClientRect();
+    for (const side of kSides) this.drawPane(this.panes[side], frame);
+    if (!isMoving) return;
+    // Reading a pixel waits for the card: the time is then the frame's.
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
+    if (performance.now() - start > kSlowFrameMs && this.detail > 0.35) this.detail *= 0.7;
+    this.invalidate();
+  }
+
+  private advance(flight: NonNullable<Viewer["flight"]>, now: number): void {
+    const part = Math.min(Math.max((now - flight.start) / kFlightMs, 0), 1);
+    this.panes[flight.side].orbit = between(flight.from, flight.to, part);
+    this.follow(flight.side);
+    this.lastMove = performance.now();
+    if (part === 1) this.flight = null;
+    this.invalidate();
+  }
+
+  private fitCanvas(): void {
+    const ratio = Math.min(devicePixelRatio, 2) * this.detail;
+    const { clientWidth, clientHeight } = this.canvas;
+    if (this.renderer.getPixelRatio() !== ratio) this.renderer.setPixelRatio(ratio);
+    if (
+      this.canvas.width !== Math.floor(clientWidth * ratio) ||
+      this.canvas.height !== Math.floor(clientHeight * ratio)
+    ) {
+      this.renderer.setSize(clientWidth, clientHeight, false);
+    }
+  }
+
+  private drawPane(pane: Pane, frame: DOMRect): void {
+    const box = pane.element.getBoundingClientRect();
+    if (box.width < 1 || box.height < 1) return;
+    const [x, y] = [box.left - frame.left, frame.bottom - box.bottom];
+    this.renderer.setViewport(x, y, box.width, box.height);
+    this.renderer.setScissor(x, y, box.width, box.height);
+    this.renderer.setClearColor(new Color().setStyle(this.palette.background), 1);
+    this.renderer.clear();
+    pane.triad.element.toggleAttribute("hidden", !pane.model);
+    if (!pane.model) return;
+    pane.triad.turn(pane.orbit);
+    this.camera.aspect = box.width / box.height;
+    place(this.camera, pane.orbit);
+    this.renderer.render(pane.scene, this.camera);
+  }
+
+  private paint(): void {
+    const ratio = Math.min(devicePixelRatio, 2);
+    for (const side of kSides) {
+      const { model, marks, outline } = this.panes[side];
+      marks.paint(this.palette, ratio);
+      outline.material.color.setStyle(this.palette.section);
+      if (!model) continue;
+      model.paint(this.palette);
+      model.colouring = this.colouring;
+      model.uniforms["lineWidth"]!.value = this.hasLines ? 0.55 * ratio : 0;
+    }
+  }
+
+  private applySection(): void {
+    // The same plane in both: that of the first one's box, or of the other where there is no first one.
+    const box = (this.panes.before.model ?? this.panes.after.model)?.drawable.box;
+    for (const side of kSides) {
+      const { model, outline } = this.panes[side];
+      outline.visible = this.section !== null && model !== null;
+      if (!model || !box) continue;
+      if (!this.section) {
+        model.section = new Vector4(0, 0, 0, 1);
+        continue;
+      }
+      const { axis, part, isFlipped } = this.section;
+      const sign = isFlipped ? -1 : 1;
+      const at = box.min[axis] + (box.max[axis] - box.min[axis]) * part;
+      const plane = new Vector4(0, 0, 0, sign * at);
+      plane.setComponent(axis, sign);
+      model.section = plane;
+      outline.geometry.setFromPoints(rectangle(box, axis, at));
+    }
+  }
+}
+
+/** In the frame. */
+function cornersOf({ positions }: Drawable, triangle: number): [Vector3, Vector3, Vector3] {
+  const corner = (k: number): Vector3 => new Vector3().fromArray(positions, 9 * triangle + 3 * k);
+  return [corner(0), corner(1), corner(2)];
+}
+
+function rectangle(box: Drawable["box"], axis: number, at: number): Vector3[] {
+  const [u, v] = [(axis + 1) % 3, (axis + 2) % 3];
+  const margin = 0.04;
+  return [
+    [0, 0],
+    [1, 0],
+    [1, 1],
+    [0, 1],
+  ].map(([i, j]) => {
+    const corner: Point = [0, 0, 0];
+    corner[axis] = at;
+    corner[u] = i ? box.max[u]! + margin : box.min[u]! - margin;
+    corner[v] = j ? box.max[v]! + margin : box.min[v]! - margin;
+    return new Vector3(...corner);
+  });
+}
+
+export function patchOf(drawable: Drawable, triangle: number): number {
+  return drawable.values[kValue.count * triangle + kValue.patch]!;
+}

@@ -1,0 +1,101 @@
+// What axe finds in every state of the page, in both colour schemes.
+import assert from "node:assert/strict";
+import { readFileSync } from "node:fs";
+import { createRequire } from "node:module";
+import { after, before, test } from "node:test";
+import { bracket, openPage, startBrowser, startDaemon, temporaryFolder } from "./support.mjs";
+
+const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
+const folder = temporaryFolder();
+let daemon;
+let browser;
+
+before(async () => {
+  [daemon, browser] = await Promise.all([
+    startDaemon("--api-key-file", folder.write("keys", "a-key-of-the-axe-test\n")),
+    startBrowser(),
+  ]);
+});
+after(async () => {
+  await browser?.close();
+  daemon?.stop();
+  folder.remove();
+});
+
+/** By way of the debugger, which the page's policy does not bind. */
+async function violations(page) {
+  await page.evaluate(axe);
+  const { violations: found } = await page.evaluate(() =>
+    globalThis.axe.run(document, { resultTypes: ["violations"] }),
+  );
+  return found.map(
+    ({ id, impact, nodes }) => `${impact} ${id}: ${nodes.map((node) => node.target.join(" ")).join(", ")}`,
+  );
+}
+
+for (const scheme of ["light", "dark"]) {
+  test(`axe finds nothing, ${scheme}`, async () => {
+    const { page, open, run, tab, drop, waitForText, type, close } = await openPage(browser, daemon.origin, { scheme });
+    const check = async (state) => assert.deepEqual(await violations(page), [], `${state}, ${scheme}`);
+    try {
+      await page.waitForSelector("#key-dialog[open]");
+      await check("the key is asked for");
+      await page.type("#key", "a-key-of-the-axe-test");
+      await page.keyboard.press("Enter");
+      await page.waitForSelector("#option-refine");
+      await check("nothing is there yet");
+      await page.click(".more summary");
+      await type("#option-min_angle_deg", "80");
+      await check("an option is wrong");
+      await type("#option-min_angle_deg", "30");
+      await open(bracket, /^4,800 faces$/);
+      await run();
+      await page.select("#section-axis", "1");
+      await page.select("#colouring", "angle");
+      const box = await (await page.$("#after")).boundingBox();
+      await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.65);
+      for (const name of ["quality", "report", "findings", "download"]) {
+        await tab(name);
+        await check(`results: ${name}`);
+      }
+      await drop(folder.write("broken.obj", "v 0 0 0\nf 1 2 3\n"));
+      await waitForText("#unreadable", /./);
+      await page.click("#run");
+      await waitForText("#problem", /./);
+      await check("an error is shown");
+    } finally {
+      await close();
+    }
+  });
+}
+
+test("everything is reached by the Tab key, in the order in which it is read", async () => {
+  const { page, close } = await openPage(browser, daemon.origin, {});
+  try {
+    await page.waitForSelector("#key-dialog[open]");
+    await page.type("#key", "a-key-of-the-axe-test");
+    await page.keyboard.press("Enter");
+    await page.waitForSelector("#option-refine");
+    const reached = [];
+    await page.evaluate(() => document.activeElement.blur());
+    for (let i = 0; i < 40; ++i) {
+      await page.keyboard.press("Tab");
+      reached.push(await page.evaluate(() => document.activeElement.id || document.activeElement.textContent.trim()));
+    }
+    const expected = [
+      "file",
+      "Bracket",
+      "option-refine",
+      "option-min_angle_deg",
+      "More options",
+      "colouring",
+      "fit",
+      "before",
+      "after",
+      "tab-quality",
+    ];
+    assert.deepEqual(reached.filter((id) => expected.includes(id)).slice(0, expected.length), expected);
+  } finally {
+    await close();
+  }
+});

@@ -1,0 +1,438 @@
+// The page as a person uses it, in a real browser against the real daemon.
+import assert from "node:assert/strict";
+import { existsSync, readFileSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import {
+  bracket,
+  chosenPart,
+  difference,
+  drawn,
+  openPage,
+  partOf,
+  pause,
+  shownNumber,
+  startBrowser,
+  startDaemon,
+  temporaryFolder,
+} from "./support.mjs";
+
+const folder = temporaryFolder();
+let daemon;
+let browser;
+
+before(async () => {
+  [daemon, browser] = await Promise.all([startDaemon(), startBrowser()]);
+});
+after(async () => {
+  await browser?.close();
+  daemon?.stop();
+  folder.remove();
+});
+
+/** A test with a page of its own, whose console must stay empty. */
+function onPage(name, run, options = {}) {
+  test(name, async () => {
+    const {
+      origin = daemon.origin,
+      mayComplain = false,
+      ...rest
+    } = typeof options === "function" ? await options() : options;
+    const visitor = await openPage(browser, origin, { downloads: folder.path, ...rest });
+    try {
+      await run(visitor);
+      if (!mayComplain) assert.deepEqual(visitor.faults, []);
+    } finally {
+      await visitor.close();
+    }
+  });
+}
+
+/** A prism over a thin triangle: corners below any bound. */
+function wedge() {
+  const vertices = [
+    [0, 0, 0],
+    [10, 0, 0],
+    [10, 1, 0],
+    [0, 0, 2],
+    [10, 0, 2],
+    [10, 1, 2],
+  ];
+  const faces = [
+    [2, 1, 0],
+    [3, 4, 5],
+    [0, 1, 4, 3],
+    [1, 2, 5, 4],
+    [2, 0, 3, 5],
+  ];
+  return folder.write("wedge.json", JSON.stringify({ vertices, faces }));
+}
+
+onPage(
+  "a dropped file is remeshed with an option changed, and both are drawn",
+  async ({ page, open, type, run, view, text }) => {
+    await open(bracket, /^4,800 faces$/);
+    const alone = await view("before");
+    assert.ok(drawn(alone).part > 0.12, `drawn: ${drawn(alone).part}`);
+    await type("#option-min_angle_deg", "30");
+    await run();
+    const report = JSON.parse(await daemon.remesh(bracket, { min_angle_deg: 30, format: "json" })).report;
+    assert.equal(await text("#after-count"), `${report.output.faces.toLocaleString("en")} faces`);
+    const [before, after] = [await view("before"), await view("after")];
+    for (const picture of [before, after]) {
+      assert.ok(drawn(picture).part > 0.12, `drawn: ${drawn(picture).part}`);
+      assert.ok(drawn(picture).colours > 200, `colours: ${drawn(picture).colours}`);
+    }
+    assert.ok(difference(alone, before) > 0.05, "the input was not coloured by its patches");
+    assert.ok(difference(before, after) > 0.1, "the result has the input's triangles");
+    // Without them it is the same surface in the same patches, from the same side.
+    await page.click("#lines");
+    const differs = difference(await view("before"), await view("after"));
+    assert.ok(differs < 0.03, `before and after differ in ${differs}`);
+  },
+);
+
+onPage("the numbers are those of the report", async ({ open, run, tab, cell, text }) => {
+  await open(bracket, /^4,800 faces$/);
+  await run();
+  const { report } = JSON.parse(await daemon.remesh(bracket, { format: "json" }));
+  await tab("report");
+  for (const [column, statistics] of [
+    ["before", report.input],
+    ["after", report.output],
+  ]) {
+    assert.equal(await cell("Faces", column), statistics.faces.toLocaleString("en"));
+    assert.equal(await cell("Vertices", column), statistics.vertices.toLocaleString("en"));
+    assert.equal(await cell("Area", column), shownNumber(statistics.area));
+    assert.equal(await cell("Volume", column), shownNumber(statistics.volume));
+    assert.equal(await cell("Euler number", column), String(statistics.euler));
+    assert.equal(await cell("Closed", column), statistics.closed ? "yes" : "no");
+    const { min, mean, max } = statistics.quality.radius_edge_ratio;
+    assert.equal(await cell("Radius-edge ratio", column), [min, mean, max].map(shownNumber).join(" / "));
+  }
+  assert.equal(await cell("Smallest angle", "after"), `${report.output.quality.min_angle_deg.toFixed(1)}°`);
+  assert.equal(await cell("Patches", "before"), String(report.patches.length));
+  assert.equal(await cell("Verified: conforming", "before"), "holds");
+  await tab("quality");
+  const counts = report.output.quality.angle_histogram_deg.counts;
+  assert.match(await text("#quality .histogram table"), new RegExp(`50 – 60[\\d,]*?${counts[5].toLocaleString("en")}`));
+});
+
+onPage("the histograms show what the report counts", async ({ page, open, run }) => {
+  await open(bracket, /^4,800 faces$/);
+  await run();
+  const { report } = JSON.parse(await daemon.remesh(bracket, { format: "json" }));
+  const heights = await page.$$eval("#quality .histogram:first-of-type .bar-after", (bars) =>
+    bars.map((bar) => Number(bar.getAttribute("height"))),
+  );
+  const counts = report.output.quality.angle_histogram_deg.counts.filter((n) => n > 0);
+  assert.equal(heights.length, counts.length);
+  const scale = heights[0] / counts[0];
+  counts.forEach((n, i) => assert.ok(Math.abs(heights[i] - n * scale) < 0.5 || heights[i] === 1, `bar ${i}`));
+});
+
+onPage("every format is downloaded, and reads back", async ({ page, open, run, tab, waitForText }) => {
+  await open(bracket, /^4,800 faces$/);
+  await run();
+  await tab("download");
+  for (const format of ["json", "obj", "stl", "ply", "off", "vtu", "msh"]) {
+    await page.click(`#download [data-format="${format}"]`);
+    await waitForText("#download section p", new RegExp(`Saved as bracket-remeshed\\.${format}`));
+    const path = join(folder.path, `bracket-remeshed.${format}`);
+    for (let i = 0; i < 100 && !existsSync(path); ++i) await pause(50);
+    const got = readFileSync(path);
+    const expected = await daemon.remesh(bracket, { format });
+    if (format === "json") assert.deepEqual(JSON.parse(got).mesh, JSON.parse(expected).mesh);
+    else assert.ok(got.equals(expected), `${format} differs from what curl gets`);
+  }
+  const faces = JSON.parse(await daemon.remesh(bracket, { format: "json" })).mesh.faces.length.toLocaleString("en");
+  for (const format of ["obj", "stl", "ply", "off", "json"]) {
+    await open(join(folder.path, `bracket-remeshed.${format}`), new RegExp(`^${faces} faces$`));
+  }
+});
+
+onPage("the curl line does the same", async ({ page, open, type, tab, text }) => {
+  await open(bracket, /^4,800 faces$/);
+  await type("#option-min_angle_deg", "28");
+  await page.click("#option-refine");
+  await tab("download");
+  assert.equal(
+    await text("#curl"),
+    "curl --fail-with-body --data-binary @bracket.obj " +
+      `'${daemon.origin}/v1/remesh?refine=false&min_angle_deg=28&format=obj' -o bracket-remeshed.obj`,
+  );
+});
+
+onPage(
+  "a broken file is told in words, with the place",
+  async ({ open, drop, page, waitForText, text }) => {
+    await open(bracket, /^4,800 faces$/);
+    await drop(folder.write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"));
+    await waitForText("#unreadable", /A face names a point that is not there/);
+    await page.click("#run");
+    await waitForText("#problem", /Index out of range.*9/i);
+    assert.match(await text("#problem"), /line 4/);
+    assert.equal(await page.$eval("#problem", (element) => element.getAttribute("role")), "alert");
+    await open(bracket, /^4,800 faces$/);
+    assert.equal(await page.$eval("#problem", (element) => element.hidden), true);
+  },
+  { mayComplain: true },
+);
+
+onPage(
+  "an option out of its range is told before anything is sent",
+  async ({ page, open, type, text, waitForText }) => {
+    await open(bracket, /^4,800 faces$/);
+    await type("#option-min_angle_deg", "50");
+    await waitForText("#option-min_angle_deg-note", /at least 0 and at most 33/);
+    await page.click("#run");
+    assert.equal(await text("#status"), "An option is out of its range.");
+    await type("#option-min_angle_deg", "20");
+    assert.equal(await page.$eval("#option-max_radius_edge_ratio", (input) => input.disabled), true);
+    await page.click("#reset");
+    assert.equal(await page.$eval("#option-min_angle_deg", (input) => input.value), "");
+  },
+);
+
+onPage(
+  "a long run shows its stages and is cancelled",
+  async ({ page, open, type, text, waitForText }) => {
+    await open(bracket, /^4,800 faces$/);
+    await type("#option-max_edge_length", "0.12");
+    await page.click("#run");
+    await waitForText("#stages .current", /^Refinement$/, 30_000);
+    const passed = await page.$$eval("#stages .done", (stages) => stages.map((stage) => stage.textContent));
+    assert.deepEqual(passed.slice(0, 4), ["Send", "Queued", "Read", "Weld"]);
+    assert.match(await text("#progress-time"), /s$/);
+    const start = Date.now();
+    await page.click("#cancel");
+    await waitForText("#status", /^Cancelled$/, 5_000);
+    assert.ok(Date.now() - start < 3_000);
+    assert.equal(await page.$eval("#progress", (element) => element.hidden), true);
+    const metrics = await (await fetch(`${daemon.origin}/metrics`)).text();
+    assert.match(metrics, /code="499"/);
+    // And the page goes on.
+    await type("#option-max_edge_length", "");
+    await page.click("#run");
+    await waitForText("#status", /^Remeshed in/, 30_000);
+  },
+  { mayComplain: true },
+);
+
+onPage("a click tells a triangle's numbers, and where it comes from", async ({ page, open, run, view, text }) => {
+  await open(bracket, /^4,800 faces$/);
+  await run();
+  const answer = JSON.parse(await daemon.remesh(bracket, { format: "json" }));
+  const plain = await view("after");
+  const box = await (await page.$("#after")).boundingBox();
+  await page.mouse.click(box.x + box.width * 0.5, box.y + box.height * 0.65);
+  await page.waitForSelector("#after-numbers:not([hidden])");
+  const face = Number((await text("#after-numbers h3")).replace(/\D/g, ""));
+  const corners = answer.mesh.faces[face];
+  const rows = await page.$$eval("#after-numbers tbody tr", (all) =>
+    all.map((row) => [...row.children].map((cell) => cell.textContent)),
+  );
+  rows.forEach((row, i) => {
+    assert.equal(row[0], corners[i].toLocaleString("en"));
+    assert.deepEqual(row.slice(1, 4), answer.mesh.vertices[corners[i]].map(shownNumber));
+  });
+  const [a, b, c] = corners.map((v) => answer.mesh.vertices[v]);
+  const minus = (p, q) => p.map((x, i) => x - q[i]);
+  const angle = (p, q, r) => {
+    const [u, v] = [minus(q, p), minus(r, p)];
+    return (
+      (Math.acos(u.reduce((sum, x, i) => sum + x * v[i], 0) / Math.hypot(...u) / Math.hypot(...v)) * 180) / Math.PI
+    );
+  };
+  assert.deepEqual(
+    rows.map((row) => row[4]),
+    [angle(a, b, c), angle(b, c, a), angle(c, a, b)].map((x) => `${x.toFixed(1)}°`),
+  );
+  assert.match(await text("#after-numbers dl"), new RegExp(`Patch${answer.mesh.face_patch[face]}`));
+  assert.ok(chosenPart(await view("after")) > chosenPart(plain), "it is not shown");
+  // To the face of the input that it lies on.
+  await page.click("#after-numbers .link");
+  assert.equal(Number((await text("#before-numbers h3")).replace(/\D/g, "")), answer.mesh.face_source[face]);
+  await page.click("#before-numbers .close");
+  assert.equal(await page.$eval("#before-numbers", (element) => element.hidden), true);
+});
+
+onPage(
+  "keys turn, zoom and pick; the cameras go together until they are unlinked",
+  async ({ page, open, run, view }) => {
+    await open(bracket, /^4,800 faces$/);
+    await run();
+    const pictures = async () => [await view("before"), await view("after")];
+    const first = await pictures();
+    await page.focus("#before");
+    const unturned = await view("before");
+    for (let i = 0; i < 4; ++i) await page.keyboard.press("ArrowRight");
+    let now = await pictures();
+    assert.ok(difference(unturned, now[0]) > 0.05 && difference(first[1], now[1]) > 0.05);
+    await page.keyboard.press("+");
+    for (let i = 0; i < 9; ++i) await page.keyboard.press("ArrowUp");
+    await page.keyboard.press("Enter");
+    assert.equal(await page.$eval("#before-numbers", (element) => element.hidden), false);
+    await page.keyboard.press("Escape");
+    assert.equal(await page.$eval("#before-numbers", (element) => element.hidden), true);
+    await page.click("#linked");
+    now = await pictures();
+    await page.focus("#before");
+    await page.keyboard.press("ArrowDown");
+    const later = await pictures();
+    assert.ok(difference(now[0], later[0]) > 0.05);
+    assert.equal(difference(now[1], later[1]), 0);
+  },
+);
+
+onPage("dragging turns, the wheel zooms", async ({ page, open, view }) => {
+  await open(bracket, /^4,800 faces$/);
+  const first = await view("before");
+  const box = await (await page.$("#before")).boundingBox();
+  await page.mouse.move(box.x + 200, box.y + 200);
+  await page.mouse.down();
+  await page.mouse.move(box.x + 320, box.y + 230, { steps: 5 });
+  await page.mouse.up();
+  const turned = await view("before");
+  assert.ok(difference(first, turned) > 0.05);
+  await page.mouse.wheel({ deltaY: -600 });
+  const nearer = await view("before");
+  assert.ok(drawn(nearer).part > drawn(turned).part * 1.2, `${drawn(turned).part} became ${drawn(nearer).part}`);
+});
+
+onPage("colours, edges and the section change what is drawn", async ({ page, open, run, view }) => {
+  await open(bracket, /^4,800 faces$/);
+  await run();
+  const byPatch = await view("after");
+  await page.select("#colouring", "angle");
+  const [inputAngles, angles] = [await view("before"), await view("after")];
+  assert.ok(difference(byPatch, angles) > 0.05);
+  // Needles are red; the result has none, since no angle is below 25 degrees.
+  const red = [138, 38, 36];
+  assert.ok(partOf(inputAngles, red, 40) > 4 * partOf(angles, red, 40));
+  assert.match(await page.$eval("#legend", (element) => element.textContent), /0°.*60°/);
+  await page.select("#colouring", "ratio");
+  assert.ok(difference(angles, await view("after")) > 0.03);
+  await page.select("#colouring", "plain");
+  const plain = await view("after");
+  await page.click("#lines");
+  const smooth = await view("after");
+  assert.ok(drawn(smooth).colours < drawn(plain).colours / 2);
+  await page.select("#section-axis", "1");
+  const cut = await view("after");
+  assert.ok(difference(smooth, cut) > 0.05);
+  await page.click("#section-flip");
+  assert.ok(difference(cut, await view("after")) > 0.05);
+  await page.select("#section-axis", "");
+  assert.equal(difference(smooth, await view("after")), 0);
+});
+
+onPage("findings are listed, marked, and flown to", async ({ page, open, run, tab, view, text }) => {
+  await open(wedge(), /^5 faces$/);
+  await run();
+  const { report } = JSON.parse(await daemon.remesh(join(folder.path, "wedge.json"), { format: "json" }));
+  assert.ok(report.unrefined.length > 0, "the wedge has no corner below the bound");
+  await tab("findings");
+  const listed = await page.$$eval(".groups .group-count", (all) => all.map((count) => Number(count.textContent)));
+  assert.deepEqual(listed, [...report.unrefined.map((part) => part.count)]);
+  const far = await view("after");
+  assert.ok(partOf(far, [216, 27, 96], 30) > 0.00005, "nothing is marked");
+  await page.click(".targets button");
+  const near = await view("after");
+  assert.ok(difference(far, near) > 0.05);
+  // The triangle there is below the bound, and lies where the report says.
+  assert.ok(Number.parseFloat(await page.$eval("#after-numbers dl dd", (element) => element.textContent)) < 25);
+  assert.match(await text(".targets p"), /sharper than the bound/);
+});
+
+onPage("diagnostics lead to the faces of the input", async ({ page, drop, waitForText, tab, view, text }) => {
+  // A cube without its lid: open edges.
+  const open = [
+    "v 0 0 0",
+    "v 1 0 0",
+    "v 1 1 0",
+    "v 0 1 0",
+    "v 0 0 1",
+    "v 1 0 1",
+    "v 1 1 1",
+    "v 0 1 1",
+    "f 4 3 2 1",
+    "f 1 2 6 5",
+    "f 2 3 7 6",
+    "f 3 4 8 7",
+    "f 4 1 5 8",
+  ].join("\n");
+  await drop(folder.write("open.obj", open));
+  await waitForText("#before-count", /^5 faces$/);
+  await page.click("#analyze");
+  await waitForText("#status", /^Analyzed in/);
+  await tab("findings");
+  assert.match(await text(".groups"), /Open boundary/);
+  const groups = await page.$$(".groups button");
+  await groups.at(-1).click();
+  const marked = await view("before");
+  assert.ok(partOf(marked, [216, 27, 96], 60) > 0.01, "the faces are not marked");
+  await page.click(".targets button");
+  assert.equal(await text("#before-numbers h3"), "Face 1");
+});
+
+onPage(
+  "where a key is needed, it is asked for and kept in memory only",
+  async ({ page, waitForText, open, run, tab, text }) => {
+    await page.waitForSelector("#key-dialog[open]");
+    await page.type("#key", "not-the-key-at-all");
+    await page.keyboard.press("Enter");
+    await waitForText("#key-wrong", /does not know this key/);
+    await page.type("#key", "a-key-of-the-page-test");
+    await page.keyboard.press("Enter");
+    await page.waitForSelector("#option-refine");
+    await open(bracket, /^4,800 faces$/);
+    await run();
+    await tab("download");
+    assert.match(await text("#curl"), /Bearer \$REMESHD_API_KEY/);
+    const kept = await page.evaluate(
+      () =>
+        JSON.stringify([{ ...localStorage }, { ...sessionStorage }, document.cookie]) +
+        document.documentElement.outerHTML,
+    );
+    assert.ok(!kept.includes("a-key-of-the-page-test"));
+  },
+  async () => {
+    keyed ??= await startDaemon("--api-key-file", folder.write("keys", "a-key-of-the-page-test\n"));
+    return { origin: keyed.origin, mayComplain: true };
+  },
+);
+let keyed;
+after(() => keyed?.stop());
+
+test("the page is small, comes from one place, and may load nothing else", async () => {
+  const index = await fetch(daemon.origin);
+  const policy = index.headers.get("content-security-policy");
+  for (const part of [
+    "default-src 'none'",
+    "script-src 'self'",
+    "worker-src 'self'",
+    "style-src 'self'",
+    "connect-src 'self'",
+    "frame-ancestors 'none'",
+  ]) {
+    assert.ok(policy.includes(part), part);
+  }
+  assert.doesNotMatch(policy, /unsafe|\*|https?:/);
+  const html = await index.text();
+  assert.doesNotMatch(html, /<script(?![^>]*src=)|<style|\son\w+=|\sstyle=/);
+  const files = new Set([...html.matchAll(/"(\/assets\/[^"]+)"/g)].map((match) => match[1]));
+  for (const path of files) {
+    const body = await (await fetch(daemon.origin + path)).text();
+    for (const match of body.matchAll(/"(\/assets\/[\w.-]+)"/g)) files.add(match[1]);
+  }
+  assert.equal(files.size, 4);
+  let total = 0;
+  for (const path of ["/", ...files]) {
+    const response = await fetch(daemon.origin + path, { method: "HEAD", headers: { "Accept-Encoding": "gzip" } });
+    assert.equal(response.status, 200);
+    assert.equal(response.headers.get("content-encoding"), "gzip");
+    total += Number(response.headers.get("content-length"));
+  }
+  assert.ok(total < 1_000_000, `${total} bytes`);
+});

@@ -1,0 +1,85 @@
+// Pictures of the page, for its README and for whoever looks after a failure. REMESHD_PAGE_PICTURES says where they go.
+import assert from "node:assert/strict";
+import { mkdirSync, statSync } from "node:fs";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { openPage, pause, startBrowser, startDaemon, temporaryFolder } from "./support.mjs";
+
+const kMostBytes = 200_000;
+
+const scratch = temporaryFolder();
+const folder = process.env.REMESHD_PAGE_PICTURES ?? scratch.path;
+let daemon;
+let browser;
+
+before(async () => {
+  mkdirSync(folder, { recursive: true });
+  [daemon, browser] = await Promise.all([startDaemon(), startBrowser()]);
+});
+after(async () => {
+  await browser?.close();
+  daemon?.stop();
+  scratch.remove();
+});
+
+function picture(name, options, prepare) {
+  test(name, async () => {
+    const visitor = await openPage(browser, daemon.origin, { width: 1361, height: 850, ...options });
+    try {
+      await prepare(visitor);
+      await pause(300);
+      const path = join(folder, `${name}.jpg`);
+      await visitor.page.screenshot({ path, type: "jpeg", quality: 84 });
+      assert.ok(statSync(path).size < kMostBytes, `${statSync(path).size} bytes`);
+      assert.deepEqual(visitor.faults, []);
+    } finally {
+      await visitor.close();
+    }
+  });
+}
+
+async function sample({ page, waitForText }, name) {
+  const button = await page.waitForSelector(`::-p-xpath(//div[@id="samples"]/button[.="${name}"])`);
+  await button.click();
+  await waitForText("#before-count", /^[\d,]+ faces$/);
+}
+
+picture("remeshed", {}, async (visitor) => {
+  await sample(visitor, "Bracket");
+  await visitor.run();
+});
+
+picture("angles-dark", { scheme: "dark" }, async (visitor) => {
+  const { page, type, run } = visitor;
+  await sample(visitor, "Hub");
+  await type("#option-max_edge_length", "4");
+  await page.select("#colouring", "angle");
+  await page.select("#section-axis", "1");
+  await run();
+  await visitor.tab("report");
+});
+
+picture("finding", {}, async (visitor) => {
+  const { drop, page, run, tab, waitForText } = visitor;
+  // A ramp that runs out to a sharp edge, in a box: corners below any bound.
+  const vertices = [
+    [0, 0, 0],
+    [60, 0, 0],
+    [60, 30, 0],
+    [0, 30, 0],
+    [60, 0, 12],
+    [60, 30, 12],
+  ];
+  const faces = [
+    [3, 2, 1, 0],
+    [0, 1, 4],
+    [3, 5, 2],
+    [1, 2, 5, 4],
+    [0, 4, 5, 3],
+  ];
+  await drop(scratch.write("ramp.json", JSON.stringify({ vertices, faces })));
+  await waitForText("#before-count", /^5 faces$/);
+  await run();
+  await tab("findings");
+  await page.click(".targets button");
+});

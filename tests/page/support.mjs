@@ -1,0 +1,216 @@
+// A daemon, a browser, and what the tests ask of pictures.
+import { spawn } from "node:child_process";
+import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { PNG } from "pngjs";
+import puppeteer from "puppeteer-core";
+
+export const root = join(dirname(fileURLToPath(import.meta.url)), "../..");
+export const bracket = join(root, "tests/data/bracket.obj");
+/** While a camera moves, the page may draw with fewer pixels, and draws anew when it has stopped. */
+const kRestMs = 260;
+/** So that both views have the same whole number of pixels. */
+const kWidth = 1281;
+export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+/** The real daemon on a free port. */
+export async function startDaemon(...options) {
+  const environment = Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith("REMESHD_")));
+  const child = spawn(process.env.REMESHD_PATH, ["--bind", "127.0.0.1:0", "--log-format", "json", ...options], {
+    stdio: ["ignore", "ignore", "pipe"],
+    env: environment,
+  });
+  const address = await new Promise((resolve, reject) => {
+    let text = "";
+    child.stderr.on("data", (data) => {
+      text += data;
+      const found = /"address": *"([^"]+)"/.exec(text);
+      if (found) resolve(found[1]);
+    });
+    child.on("exit", () => reject(new Error(`the daemon ended: ${text}`)));
+  });
+  const origin = `http://${address}`;
+  return {
+    origin,
+    stop: () => child.kill("SIGKILL"),
+    /** What a program would get for the same file and query. */
+    async remesh(file, query) {
+      const response = await fetch(`${origin}/v1/remesh?${new URLSearchParams(query)}`, {
+        method: "POST",
+        body: readFileSync(file),
+      });
+      if (response.status !== 200) throw new Error(`status ${response.status}: ${await response.text()}`);
+      return Buffer.from(await response.arrayBuffer());
+    },
+  };
+}
+
+export function temporaryFolder() {
+  const path = mkdtempSync(join(tmpdir(), "remeshd-page-"));
+  return {
+    path,
+    write(name, content) {
+      writeFileSync(join(path, name), content);
+      return join(path, name);
+    },
+    remove: () => rmSync(path, { recursive: true, force: true }),
+  };
+}
+
+export async function startBrowser() {
+  return puppeteer.launch({
+    executablePath: process.env.CHROMIUM_PATH,
+    headless: true,
+    args: [
+      "--no-sandbox",
+      "--use-gl=angle",
+      "--use-angle=swiftshader",
+      "--enable-unsafe-swiftshader",
+      "--disable-dev-shm-usage",
+      "--force-device-scale-factor=1",
+      "--hide-scrollbars",
+    ],
+    protocolTimeout: 120_000,
+  });
+}
+
+/** A tab of the page, with everything that a person does there. `faults` gathers what must not be in any console. */
+export async function openPage(browser, origin, { width = kWidth, height = 800, scheme = "light", downloads } = {}) {
+  const context = await browser.createBrowserContext();
+  const page = await context.newPage();
+  await page.setViewport({ width, height });
+  // Without flights of the camera: what is seen is then there at once.
+  await page.emulateMediaFeatures([
+    { name: "prefers-color-scheme", value: scheme },
+    { name: "prefers-reduced-motion", value: "reduce" },
+  ]);
+  const faults = [];
+  page.on("pageerror", (error) => faults.push(`error: ${error.message}`));
+  page.on("console", (message) => {
+    if (["error", "warn"].includes(message.type())) faults.push(`${message.type()}: ${message.text()}`);
+  });
+  page.on("request", (request) => {
+    if (!request.url().startsWith(origin) && !/^(blob|data):/.test(request.url()))
+      faults.push(`elsewhere: ${request.url()}`);
+  });
+  const session = await page.createCDPSession();
+  if (downloads)
+    await session.send("Browser.setDownloadBehavior", {
+      behavior: "allow",
+      downloadPath: downloads,
+      browserContextId: context.id,
+    });
+  await page.goto(origin, { waitUntil: "load" });
+  await page.waitForFunction(() => document.querySelector("#option-refine, #key-dialog[open]"));
+
+  const text = (selector) => page.$eval(selector, (element) => element.textContent);
+  const self = {
+    page,
+    faults,
+    text,
+    close: () => context.close(),
+    /** As the desktop does it: a file dragged over the page and let go. */
+    async drop(file) {
+      const data = { items: [], files: [file], dragOperationsMask: 1 };
+      for (const type of ["dragEnter", "dragOver", "drop"])
+        await session.send("Input.dispatchDragEvent", { type, x: 200, y: 300, data });
+    },
+    async waitForText(selector, pattern, timeout = 20_000) {
+      try {
+        await page.waitForFunction(
+          (s, source) => new RegExp(source).test(document.querySelector(s)?.textContent ?? ""),
+          { timeout, polling: 50 },
+          selector,
+          pattern.source,
+        );
+      } catch {
+        throw new Error(
+          `${selector} never said ${pattern}, but: ${await text(selector)}; the console: ${faults.join(" | ")}`,
+        );
+      }
+    },
+    async open(file, faces) {
+      await self.drop(file);
+      await self.waitForText("#before-count", faces);
+    },
+    async type(selector, value) {
+      await page.click(selector, { count: 3 });
+      await page.keyboard.press("Backspace");
+      if (value !== "") await page.type(selector, value);
+    },
+    async run() {
+      await page.click("#run");
+      await self.waitForText("#status", /^Remeshed in/, 60_000);
+    },
+    async tab(name) {
+      await page.click(`#tab-${name}`);
+    },
+    /** The number in a row of the report, before or after. */
+    async cell(row, column) {
+      return page.$eval(
+        `[data-row="${row}"]`,
+        (element, i) => element.querySelectorAll("td")[i].textContent,
+        column === "after" ? 1 : 0,
+      );
+    },
+    async picture(selector) {
+      await page.evaluate(() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve))));
+      const clip = await page.$eval(selector, (element) => {
+        const { x, y, width, height } = element.getBoundingClientRect();
+        return { x, y, width, height };
+      });
+      return PNG.sync.read(Buffer.from(await page.screenshot({ clip })));
+    },
+    /** A view, once it has come to rest. */
+    async view(side) {
+      await pause(kRestMs);
+      return self.picture(`#${side}`);
+    },
+  };
+  return self;
+}
+
+const colourAt = (png, at) => (png.data[at] << 16) | (png.data[at + 1] << 8) | png.data[at + 2];
+
+/** Of 255. */
+const kRounding = 4;
+
+function partWhere(png, holds) {
+  let count = 0;
+  for (let at = 0; at < png.data.length; at += 4) if (holds(at)) ++count;
+  return count / (png.data.length / 4);
+}
+
+/** Part of a picture's pixels that are not of its most frequent colour, and how many colours it has. */
+export function drawn(png) {
+  const counts = new Map();
+  for (let at = 0; at < png.data.length; at += 4)
+    counts.set(colourAt(png, at), (counts.get(colourAt(png, at)) ?? 0) + 1);
+  const most = Math.max(...counts.values());
+  return { part: 1 - most / (png.data.length / 4), colours: counts.size };
+}
+
+/** Part of the pixels that differ by more than rounding. */
+export function difference(a, b) {
+  return partWhere(a, (at) => [0, 1, 2].some((i) => Math.abs(a.data[at + i] - b.data[at + i]) > kRounding));
+}
+
+/** Part of the pixels of the yellow of a chosen triangle, which nothing else has. */
+export function chosenPart({ data, ...png }) {
+  return partWhere({ data, ...png }, (at) => data[at] - data[at + 2] > 85 && data[at + 1] - data[at + 2] > 50);
+}
+
+/** Part of the pixels about as red, green and blue as that. */
+export function partOf(png, [red, green, blue], tolerance = 12) {
+  return partWhere(
+    png,
+    (at) =>
+      Math.max(Math.abs(png.data[at] - red), Math.abs(png.data[at + 1] - green), Math.abs(png.data[at + 2] - blue)) <=
+      tolerance,
+  );
+}
+
+/** Numbers as the page writes them. */
+export const shownNumber = (value) => new Intl.NumberFormat("en", { maximumSignificantDigits: 5 }).format(value);
