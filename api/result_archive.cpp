@@ -11,10 +11,24 @@ namespace remesh::api {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "archives are little-endian");
-static_assert(sizeof(Vec3) == 24 && sizeof(Triangle) == 12 && sizeof(PatchId) == 4 && sizeof(FaceId) == 4);
+static_assert(sizeof(Vec3) == 24);
 
 /// The last digit is the version of what follows.
 constexpr std::string_view kMagic = "REMESHD1";
+
+constexpr std::uint32_t value_of(std::uint32_t number) { return number; }
+template <class Tag>
+constexpr std::uint32_t value_of(Id<Tag> id) {
+  return id.value;
+}
+
+/// The corners of all triangles, one after another.
+std::vector<VertexId> corners_of(const TriangleMesh& mesh) {
+  std::vector<VertexId> corners;
+  corners.reserve(mesh.faces.size() * 3);
+  for (const Triangle& face : mesh.faces) corners.insert(corners.end(), face.begin(), face.end());
+  return corners;
+}
 
 class Packer {
  public:
@@ -33,9 +47,24 @@ class Packer {
     number(items.size());
     append(items.data(), items.size() * sizeof(T));
   }
+  /// Numbers that stand near each other mostly: each as its distance from the one before, in as few bytes as that
+  /// takes.
+  template <class Items>
+  void ids(const Items& items) {
+    number(items.size());
+    std::uint32_t last = 0;
+    for (const auto& item : items) {
+      const std::uint32_t value = value_of(item);
+      const std::uint32_t distance = value - last;  // modulo 2^32, so that no id needs a case of its own
+      std::uint32_t zigzag = (distance << 1) ^ (0u - (distance >> 31));
+      for (; zigzag >= 0x80; zigzag >>= 7) out_ += static_cast<char>(zigzag | 0x80);
+      out_ += static_cast<char>(zigzag);
+      last = value;
+    }
+  }
   void labels(const LabelSet& set) {
     texts(set.names);
-    array(set.of_face.items());
+    ids(set.of_face.items());
   }
   void reserve(std::size_t bytes) { out_.reserve(bytes); }
   void append(const void* bytes, std::size_t size) {
@@ -70,9 +99,17 @@ class Unpacker {
     const std::string_view bytes = cut(count * sizeof(T));
     if (!bytes.empty()) std::memcpy(items.data(), bytes.data(), bytes.size());
   }
+  template <class Item>
+  void ids(std::vector<Item>& items) {
+    const std::uint64_t count = number();
+    if (count > rest_.size()) fail();
+    items.reserve(count);
+    std::uint32_t last = 0;
+    for (std::uint64_t i = 0; i < count; ++i) items.emplace_back(last += distance());
+  }
   void labels(LabelSet& set) {
     set.names = texts();
-    array(set.of_face.items());
+    ids(set.of_face.items());
   }
   void expect(std::string_view bytes) {
     if (cut(bytes.size()) != bytes) fail();
@@ -85,6 +122,16 @@ class Unpacker {
   }
 
  private:
+  std::uint32_t distance() {
+    std::uint32_t zigzag = 0;
+    for (int shift = 0;; shift += 7) {
+      if (rest_.empty() || shift > 28) fail();
+      const auto byte = static_cast<unsigned char>(rest_.front());
+      rest_.remove_prefix(1);
+      zigzag |= std::uint32_t{byte & 0x7fu} << shift;
+      if (byte < 0x80) return (zigzag >> 1) ^ (0u - (zigzag & 1));
+    }
+  }
   std::string_view cut(std::uint64_t size) {
     if (size > rest_.size()) fail();
     const std::string_view bytes = rest_.substr(0, size);
@@ -98,7 +145,7 @@ class Unpacker {
 }  // namespace
 
 std::string pack_result(const KeptResult& kept) {
-  constexpr std::size_t kPerFace = sizeof(Triangle) + 5 * sizeof(std::uint32_t);
+  constexpr std::size_t kPerFace = 12;  // about
   const Result& result = kept.result;
   Packer out;
   out.reserve(4096 + result.mesh.positions.size() * sizeof(Vec3) + result.mesh.faces.size() * kPerFace);
@@ -109,13 +156,13 @@ std::string pack_result(const KeptResult& kept) {
   out.text(kept.file_name);
   out.texts(kept.comments);
   out.array(result.mesh.positions.items());
-  out.array(result.mesh.faces.items());
+  out.ids(corners_of(result.mesh));
   out.labels(result.mesh.labels.object);
   out.labels(result.mesh.labels.group);
   out.labels(result.mesh.labels.material);
   out.texts(result.mesh.labels.material_libraries);
-  out.array(result.face_patch.items());
-  out.array(result.face_source.items());
+  out.ids(result.face_patch.items());
+  out.ids(result.face_source.items());
   return out.take();
 }
 
@@ -132,13 +179,18 @@ KeptResult unpack_result(std::string_view bytes) {
   kept.file_name = in.text();
   kept.comments = in.texts();
   in.array(result.mesh.positions.items());
-  in.array(result.mesh.faces.items());
+  std::vector<VertexId> corners;
+  in.ids(corners);
+  if (corners.size() % 3 != 0) Unpacker::fail();
+  result.mesh.faces.reserve(corners.size() / 3);
+  for (std::size_t i = 0; i < corners.size(); i += 3)
+    result.mesh.faces.push_back({corners[i], corners[i + 1], corners[i + 2]});
   in.labels(result.mesh.labels.object);
   in.labels(result.mesh.labels.group);
   in.labels(result.mesh.labels.material);
   result.mesh.labels.material_libraries = in.texts();
-  in.array(result.face_patch.items());
-  in.array(result.face_source.items());
+  in.ids(result.face_patch.items());
+  in.ids(result.face_source.items());
   in.expect_end();
   return kept;
 }

@@ -32,9 +32,11 @@ struct JobRunner::Held {
   const RequestRegistry::Entry running;
   std::shared_ptr<MemoryShare> memory;
   std::optional<WorkerPool::Ticket> ticket;  ///< in the pool's queue; guarded by the runner's mutex
+  bool is_done = false;                      ///< and waits for its commit; guarded by the runner's mutex
   std::atomic<bool> is_lost{false};
   std::atomic<bool> is_committing{false};
   std::atomic<Clock::time_point> started{Clock::time_point::max()};
+  Clock::time_point ended{};  ///< of computing; for whoever commits
   // Of the renewing thread alone.
   Clock::time_point renewed;
   Progress told;
@@ -54,7 +56,8 @@ JobRunner::~JobRunner() { stop(); }
 
 void JobRunner::start() {
   renewals_.emplace(std::min(kMostBetweenLooks, settings_.lease / 8), [this] { renew_all(); });
-  thread_ = std::thread([this] { claim_until_stopped(); });
+  claimer_ = std::thread([this] { claim_until_stopped(); });
+  committer_ = std::thread([this] { commit_until_stopped(); });
 }
 
 void JobRunner::begin_drain() {
@@ -75,7 +78,7 @@ std::list<std::shared_ptr<JobRunner::Held>> JobRunner::held() const {
 void JobRunner::stop() {
   begin_drain();
   stopping_ = true;
-  if (thread_.joinable()) thread_.join();
+  if (claimer_.joinable()) claimer_.join();
   for (const std::shared_ptr<Held>& held : held()) {
     std::optional<WorkerPool::Ticket> ticket;
     {
@@ -89,6 +92,12 @@ void JobRunner::stop() {
   }
   const Clock::time_point deadline = Clock::now() + kStopPatience;
   while (!is_idle() && Clock::now() < deadline) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  {
+    const std::lock_guard lock(mutex_);
+    committer_may_end_ = true;
+  }
+  done_changed_.notify_all();
+  if (committer_.joinable()) committer_.join();
   renewals_.reset();
 }
 
@@ -122,7 +131,10 @@ void JobRunner::claim_until_stopped() {
 
 bool JobRunner::has_room() const {
   const std::lock_guard lock(mutex_);
-  return held_.size() < settings_.max_held && !pool_.is_full(JobSize::kLarge);
+  const auto computing = std::count_if(held_.begin(), held_.end(), [](const auto& held) { return !held->is_done; });
+  // While the store takes no results, nothing more is begun.
+  const bool has_place = static_cast<std::size_t>(computing) < settings_.max_held && done_.size() < settings_.max_held;
+  return has_place && !pool_.is_full(JobSize::kLarge);
 }
 
 JobRunner::Step JobRunner::claim_one() {
@@ -194,7 +206,17 @@ void JobRunner::run(const std::shared_ptr<Held>& held) {
     held->ticket.reset();
   }
   try {
-    if (const std::optional<JobOutcome> outcome = work_on(*held)) commit(*held, *outcome);
+    if (std::optional<JobOutcome> outcome = work_on(*held)) {
+      held->ended = Clock::now();
+      {
+        const std::lock_guard lock(mutex_);
+        held->is_done = true;
+        done_.emplace_back(held, std::move(*outcome));
+      }
+      done_changed_.notify_one();
+      wake_.set();
+      return;
+    }
   } catch (const std::exception& error) {
     // The lease runs out, and somebody tries again.
     log::write(log::Level::kError, "job left", {{"job", held->claim.id}, {"error", std::string(error.what())}});
@@ -213,6 +235,7 @@ void JobRunner::release(const std::shared_ptr<Held>& held) {
 
 std::optional<JobOutcome> JobRunner::work_on(Held& held) {
   std::optional<std::string> input;
+  held.started = Clock::now();
   try {
     input = store_.read_blob(held.claim.id, BlobKind::kInput);
   } catch (const StoreError&) {
@@ -225,7 +248,6 @@ std::optional<JobOutcome> JobRunner::work_on(Held& held) {
     if (!input) throw std::runtime_error("the input of a job is missing");
     api::Request request = unpack_request(held.claim.request);
     request.body = *input;
-    held.started = Clock::now();
     running.is_computing = true;
     api::KeptRemesh kept = operation_(request, settings_.limits, running.control);
     running.is_computing = false;
@@ -266,6 +288,25 @@ std::optional<JobOutcome> JobRunner::outcome_of_failure(Held& held, const std::e
   return JobOutcome{JobState::kFailed, "", "", problem.status, std::move(problem.body)};
 }
 
+void JobRunner::commit_until_stopped() {
+  std::unique_lock lock(mutex_);
+  for (;;) {
+    done_changed_.wait(lock, [this] { return committer_may_end_ || !done_.empty(); });
+    if (done_.empty()) return;
+    const std::shared_ptr<Held> held = done_.front().first;
+    const JobOutcome outcome = std::move(done_.front().second);
+    done_.pop_front();
+    lock.unlock();
+    try {
+      commit(*held, outcome);
+    } catch (const std::exception& error) {
+      log::write(log::Level::kError, "job left", {{"job", held->claim.id}, {"error", std::string(error.what())}});
+    }
+    release(held);
+    lock.lock();
+  }
+}
+
 void JobRunner::commit(Held& held, const JobOutcome& outcome) {
   for (;;) {
     try {
@@ -275,7 +316,7 @@ void JobRunner::commit(Held& held, const JobOutcome& outcome) {
                  {{"job", held.claim.id},
                   {"token", held.claim.token},
                   {"state", std::string(state_name(outcome.state))},
-                  {"ms", milliseconds_between(held.started.load(), Clock::now())}});
+                  {"work_ms", milliseconds_between(held.started.load(), held.ended)}});
       if (is_done) metrics_.count_job(state_name(outcome.state));
       return;
     } catch (const StoreError& error) {

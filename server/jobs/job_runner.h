@@ -4,6 +4,8 @@
 
 #include <atomic>
 #include <chrono>
+#include <condition_variable>
+#include <deque>
 #include <functional>
 #include <list>
 #include <memory>
@@ -11,6 +13,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <utility>
 
 #include "api/service.h"
 #include "server/jobs/job_store.h"
@@ -66,6 +69,7 @@ class JobRunner {
   /// Output: nothing where the job has no outcome here: it was lost, or goes back.
   std::optional<JobOutcome> work_on(Held& held);
   std::optional<JobOutcome> outcome_of_failure(Held& held, const std::exception_ptr& failure);
+  void commit_until_stopped();
   void commit(Held& held, const JobOutcome& outcome);
   void give_back(Held& held, JobStore::Attempt attempt, const char* reason);
   void release(const std::shared_ptr<Held>& held);
@@ -83,9 +87,14 @@ class JobRunner {
   std::atomic<bool> stopping_{false};
   mutable std::mutex mutex_;
   std::list<std::shared_ptr<Held>> held_;
+  /// Jobs that are done: committed by a thread of its own, so that the next one need not wait for the store.
+  std::deque<std::pair<std::shared_ptr<Held>, JobOutcome>> done_;
+  std::condition_variable done_changed_;
+  bool committer_may_end_ = false;
   std::atomic<std::size_t> claiming_{0};
   std::optional<Periodic> renewals_;
-  std::thread thread_;
+  std::thread claimer_;
+  std::thread committer_;
 };
 
 }  // namespace remesh::server::jobs

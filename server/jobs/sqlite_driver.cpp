@@ -7,7 +7,7 @@
 #include <atomic>
 #include <ctime>
 #include <fstream>
-#include <mutex>
+#include <thread>
 #include <utility>
 
 #include "server/jobs/database.h"
@@ -15,7 +15,10 @@
 namespace remesh::server::jobs {
 namespace {
 
-constexpr int kBusyTimeoutMs = 20'000;
+/// How long a connection waits for another that writes, and how long it sleeps meanwhile. SQLite's own waiting sleeps
+/// longer each time, which costs more than most transactions take.
+constexpr std::chrono::seconds kBusyPatience{20};
+constexpr std::chrono::microseconds kBusyNap{1000};
 /// Free pages, of 4 KiB, that the file keeps for what comes.
 constexpr std::int64_t kKeptPages = 16384;
 /// How often is looked whether another process has written.
@@ -100,7 +103,7 @@ class SqliteDatabase : public Database {
 
  private:
   void set_up(FileClock& clock) {
-    check(::sqlite3_busy_timeout(handle_, kBusyTimeoutMs));
+    check(::sqlite3_busy_handler(handle_, nap, nullptr));
     check(::sqlite3_create_function(handle_, "remeshd_now", 0, SQLITE_UTF8 | SQLITE_INNOCUOUS, &clock, give_now,
                                     nullptr, nullptr));
     // The first is for new files only; freed pages then can be given back to the file system.
@@ -108,6 +111,13 @@ class SqliteDatabase : public Database {
                                "PRAGMA journal_size_limit=67108864", "PRAGMA temp_store=MEMORY"}) {
       run(pragma, {}, Result::kText);
     }
+  }
+
+  /// Output: 0 where it has waited long enough.
+  static int nap(void*, int naps) {
+    if (naps * kBusyNap > kBusyPatience) return 0;
+    std::this_thread::sleep_for(kBusyNap);
+    return 1;
   }
 
   static void give_now(sqlite3_context* context, int, sqlite3_value**) {

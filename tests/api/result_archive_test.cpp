@@ -82,8 +82,10 @@ TEST(ResultArchive, every_number_and_label_comes_back) {
   kept.result.mesh.labels.group.names = {"a", ""};
   kept.result.mesh.labels.group.of_face.push_back(1);
   kept.result.mesh.labels.material_libraries = {"x.mtl"};
+  kept.result.mesh.faces.push_back({VertexId(2), VertexId(0xfffffffeu), VertexId(1)});
   kept.result.face_patch.push_back(PatchId(7));
-  kept.result.face_source.push_back(FaceId());
+  for (const std::uint32_t id : {0xffffffffu, 0u, 0x80000000u, 0x7fffffffu, 63u, 64u, 127u, 128u})
+    kept.result.face_source.push_back(FaceId(id));
   const KeptResult back = unpack_result(pack_result(kept));
   EXPECT_EQ(back.format, kept.format);
   EXPECT_EQ(back.summary, kept.summary);

@@ -43,7 +43,7 @@ class Postgres:
         self.process = None
         self.settings = [f"--{setting}" for setting in
                          ("listen_addresses=127.0.0.1", f"port={self.port}", f"unix_socket_directories={self.folder}",
-                          "shared_buffers=32MB", "max_wal_size=256MB", *settings)]
+                          *settings)]
         self.user = {}
         if os.getuid() == 0:  # the server refuses to run as root
             self.user = {"user": "postgres"}

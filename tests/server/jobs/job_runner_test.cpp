@@ -1,0 +1,196 @@
+/// What becomes of jobs whose work ends in every way, with a stub in place of the geometry. The store is SQLite.
+#include "server/jobs/job_runner.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <filesystem>
+#include <new>
+
+#include "server/jobs/job_request.h"
+#include "server/jobs/sql_store.h"
+#include "server/log.h"
+#include "tests/server/raw_client.h"
+
+namespace remesh::server::jobs {
+namespace {
+
+using std::chrono::milliseconds;
+
+class Runner : public ::testing::Test {
+ protected:
+  Runner() : folder_(std::filesystem::temp_directory_path() / ("remeshd-runner-" + new_request_id())) {
+    log::set_up(log::Format::kText, log::Level::kOff);
+    std::filesystem::create_directories(folder_);
+    store_ = std::make_unique<SqlStore>(make_sqlite_driver(folder_ / "jobs.sqlite"), StoreRules{});
+    settings_.worker = "test";
+  }
+  ~Runner() override {
+    released_ = true;
+    if (runner_) runner_->stop();
+    pool_.reset();
+    runner_.reset();
+    store_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+
+  void start(int places = 1) {
+    settings_.max_held = static_cast<std::size_t>(places);
+    pool_ = std::make_unique<WorkerPool>(places, 16, 1);
+    runner_ = std::make_unique<JobRunner>(
+        *store_, *pool_, registry_, memory_, metrics_,
+        [this](const api::Request& request, const api::Limits&, RunControl& control) { return work(request, control); },
+        settings_);
+    runner_->start();
+  }
+
+  api::KeptRemesh work(const api::Request& request, RunControl& control) {
+    ++calls_;
+    if (request.body == "throw") throw std::runtime_error("a secret of the server");
+    if (request.body == "no memory") throw std::bad_alloc();
+    if (request.body == "bad") throw Error(Code::kEmptyMesh, Stage::kRead, "there is no face").at_line(3);
+    while (request.body == "block" && !released_) {
+      std::this_thread::sleep_for(milliseconds(2));
+      control.check();
+    }
+    return {"mesh of " + std::string(request.body), "{}", {}};
+  }
+
+  std::string submit(const std::string& body, std::uint64_t memory = 1) {
+    NewJob job;
+    job.id = new_request_id();
+    job.request = pack_request({});
+    job.body = body;
+    job.memory = memory;
+    store_->submit(job);
+    if (runner_) runner_->wake();
+    return job.id;
+  }
+  JobRecord ended(const std::string& id) {
+    EXPECT_TRUE(eventually([&] { return is_final(store_->find(id)->state); }));
+    return *store_->find(id);
+  }
+  bool reaches(const std::string& id, JobState state) {
+    return eventually([&] { return store_->find(id)->state == state; });
+  }
+
+  const std::filesystem::path folder_;
+  std::unique_ptr<SqlStore> store_;
+  RunnerSettings settings_;
+  RequestRegistry registry_;
+  MemoryBudget memory_{1 << 20};
+  Metrics metrics_;
+  std::atomic<int> calls_{0};
+  std::atomic<bool> released_{false};
+  std::unique_ptr<WorkerPool> pool_;
+  std::unique_ptr<JobRunner> runner_;
+};
+
+TEST_F(Runner, a_job_that_waits_is_done_and_its_result_kept) {
+  const std::string id = submit("a part");
+  start();
+  EXPECT_EQ(ended(id).state, JobState::kSucceeded);
+  EXPECT_EQ(store_->read_blob(id, BlobKind::kMesh), "mesh of a part");
+  EXPECT_EQ(store_->read_blob(id, BlobKind::kInput), std::nullopt);
+}
+
+TEST_F(Runner, an_error_of_the_input_is_not_tried_again) {
+  start();
+  const JobRecord job = ended(submit("bad"));
+  EXPECT_EQ(job.state, JobState::kFailed);
+  EXPECT_EQ(job.attempts, 1);
+  EXPECT_EQ(job.problem_status, 422);
+  EXPECT_NE(job.problem.find("\"code\":\"empty_mesh\""), std::string::npos);
+  EXPECT_NE(job.problem.find("\"line\":3"), std::string::npos);
+}
+
+TEST_F(Runner, a_defect_is_told_as_opaque_and_not_tried_again) {
+  start();
+  const JobRecord job = ended(submit("throw"));
+  EXPECT_EQ(job.problem_status, 500);
+  EXPECT_EQ(job.problem.find("secret"), std::string::npos);
+  EXPECT_EQ(job.attempts, 1);
+}
+
+TEST_F(Runner, want_of_memory_is_tried_again_but_not_for_ever) {
+  start();
+  const JobRecord job = ended(submit("no memory"));
+  EXPECT_EQ(job.state, JobState::kFailed);
+  EXPECT_EQ(job.attempts, 3);
+  EXPECT_EQ(job.problem_status, 503);
+}
+
+TEST_F(Runner, a_job_has_its_time_and_no_more) {
+  settings_.job_timeout = milliseconds(100);
+  settings_.lease = milliseconds(800);
+  start();
+  const JobRecord job = ended(submit("block"));
+  EXPECT_EQ(job.problem_status, 504);
+  EXPECT_NE(job.problem.find("\"code\":\"timeout\""), std::string::npos);
+}
+
+TEST_F(Runner, a_job_cancelled_elsewhere_is_dropped_at_the_next_look) {
+  settings_.lease = milliseconds(800);
+  start();
+  const std::string id = submit("block");
+  ASSERT_TRUE(reaches(id, JobState::kRunning));
+  EXPECT_TRUE(store_->cancel(id));
+  EXPECT_TRUE(eventually([&] { return runner_->is_idle(); }));
+  EXPECT_EQ(store_->find(id)->state, JobState::kCancelled);
+  EXPECT_EQ(ended(submit("next")).state, JobState::kSucceeded);
+}
+
+TEST_F(Runner, no_more_is_held_than_there_are_places) {
+  start(2);
+  std::vector<std::string> ids;
+  for (int i = 0; i < 5; ++i) ids.push_back(submit("block"));
+  ASSERT_TRUE(eventually([&] { return calls_ == 2; }));
+  std::this_thread::sleep_for(milliseconds(100));
+  EXPECT_EQ(store_->statistics().running, 2);
+  released_ = true;
+  for (const std::string& id : ids) EXPECT_EQ(ended(id).state, JobState::kSucceeded);
+}
+
+TEST_F(Runner, a_job_is_left_alone_while_its_memory_is_taken) {
+  start(2);
+  const std::string first = submit("block", 700'000);
+  ASSERT_TRUE(reaches(first, JobState::kRunning));
+  const std::string large = submit("large", 700'000);
+  const std::string small = submit("small", 1000);
+  EXPECT_EQ(ended(small).state, JobState::kSucceeded);
+  EXPECT_EQ(store_->find(large)->state, JobState::kQueued);
+  released_ = true;
+  EXPECT_EQ(ended(large).state, JobState::kSucceeded);
+  EXPECT_TRUE(eventually([&] { return memory_.reserved() == 0; }));
+}
+
+TEST_F(Runner, a_drain_finishes_what_was_begun_and_begins_nothing) {
+  start();
+  const std::string first = submit("block");
+  ASSERT_TRUE(reaches(first, JobState::kRunning));
+  const std::string second = submit("waits");
+  runner_->begin_drain();
+  released_ = true;
+  EXPECT_EQ(ended(first).state, JobState::kSucceeded);
+  EXPECT_TRUE(eventually([&] { return runner_->is_idle(); }));
+  EXPECT_EQ(store_->find(second)->state, JobState::kQueued);
+}
+
+TEST_F(Runner, a_stop_gives_back_what_runs_and_what_waits_in_the_pool) {
+  start();
+  const std::string first = submit("block");
+  ASSERT_TRUE(reaches(first, JobState::kRunning));
+  runner_->stop();
+  EXPECT_EQ(store_->find(first)->state, JobState::kQueued);
+  EXPECT_EQ(store_->find(first)->attempts, 0);
+}
+
+TEST_F(Runner, an_input_that_is_missing_fails_its_job) {
+  const std::string id = submit("gone");
+  make_sqlite_driver(folder_ / "jobs.sqlite")->connect()->run("DELETE FROM remeshd_blob");
+  start();
+  EXPECT_EQ(ended(id).problem_status, 500);
+}
+
+}  // namespace
+}  // namespace remesh::server::jobs
