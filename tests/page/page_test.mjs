@@ -207,8 +207,8 @@ onPage(
     assert.match(await text("#progress-time"), /s$/);
     const start = Date.now();
     await page.click("#cancel");
-    await waitForText("#status", /^Cancelled$/, 5_000);
-    assert.ok(Date.now() - start < 3_000);
+    await waitForText("#status", /^Cancelled$/, 10_000);
+    assert.ok(Date.now() - start < 8_000);
     assert.equal(await page.$eval("#progress", (element) => element.hidden), true);
     const metrics = await (await fetch(`${daemon.origin}/metrics`)).text();
     assert.match(metrics, /code="499"/);
