@@ -185,7 +185,7 @@ onPage(
   async ({ page, open, type, text, waitForText }) => {
     await open(bracket, /^4,800 faces$/);
     await type("#option-min_angle_deg", "50");
-    await waitForText("#option-min_angle_deg-note", /at least 0 and at most 33/);
+    await waitForText("#option-min_angle_deg-note", /^This takes a number, 0 to 33; or auto/);
     await page.click("#run");
     assert.equal(await text("#status"), "An option is out of its range.");
     await type("#option-min_angle_deg", "20");
@@ -207,8 +207,8 @@ onPage(
     assert.match(await text("#progress-time"), /s$/);
     const start = Date.now();
     await page.click("#cancel");
-    await waitForText("#status", /^Cancelled$/, 5_000);
-    assert.ok(Date.now() - start < 3_000);
+    await waitForText("#status", /^Cancelled$/, 10_000);
+    assert.ok(Date.now() - start < 8_000);
     assert.equal(await page.$eval("#progress", (element) => element.hidden), true);
     const metrics = await (await fetch(`${daemon.origin}/metrics`)).text();
     assert.match(metrics, /code="499"/);

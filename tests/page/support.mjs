@@ -119,7 +119,7 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
       for (const type of ["dragEnter", "dragOver", "drop"])
         await session.send("Input.dispatchDragEvent", { type, x: 200, y: 300, data });
     },
-    async waitForText(selector, pattern, timeout = 20_000) {
+    async waitForText(selector, pattern, timeout = 60_000) {
       try {
         await page.waitForFunction(
           (s, source) => new RegExp(source).test(document.querySelector(s)?.textContent ?? ""),
