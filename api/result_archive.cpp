@@ -163,6 +163,7 @@ std::string pack_result(const KeptResult& kept) {
   out.texts(result.mesh.labels.material_libraries);
   out.ids(result.face_patch.items());
   out.ids(result.face_source.items());
+  out.ids(result.input_face_patch.items());
   return out.take();
 }
 
@@ -191,6 +192,7 @@ KeptResult unpack_result(std::string_view bytes) {
   result.mesh.labels.material_libraries = in.texts();
   in.ids(result.face_patch.items());
   in.ids(result.face_source.items());
+  in.ids(result.input_face_patch.items());
   in.expect_end();
   return kept;
 }

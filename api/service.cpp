@@ -193,7 +193,8 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
   control.enter(Stage::kRead);
   ParsedRequest parsed;
   parse_request(request, limits, control, parsed);
-  Remeshed remeshed = remesh_for_job(std::move(parsed.job), limits, FaceSource::kAlways, control);
+  Remeshed remeshed =
+      remesh_for_job(std::move(parsed.job), limits_of_mesh(parsed, request, limits), FaceSource::kAlways, control);
   const Report report = std::move(remeshed.result.report);
 
   control.enter(Stage::kWrite);

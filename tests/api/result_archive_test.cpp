@@ -55,7 +55,7 @@ TEST(ResultArchive, a_kept_result_is_written_in_every_format_as_it_would_have_be
     ASSERT_EQ(later.headers.size(), direct.headers.size());
     EXPECT_EQ(later.headers[0], direct.headers[0]) << "Remesh-Summary";
     if (format == Format::kJson) {
-      EXPECT_EQ(without_times(later.body), without_times(direct.body));
+      EXPECT_TRUE(without_times(later.body) == without_times(direct.body)) << later.body.substr(0, 1000);
     } else {
       EXPECT_TRUE(later.body == direct.body) << name;
     }
@@ -86,6 +86,7 @@ TEST(ResultArchive, every_number_and_label_comes_back) {
   kept.result.face_patch.push_back(PatchId(7));
   for (const std::uint32_t id : {0xffffffffu, 0u, 0x80000000u, 0x7fffffffu, 63u, 64u, 127u, 128u})
     kept.result.face_source.push_back(FaceId(id));
+  kept.result.input_face_patch.push_back(PatchId(3));
   const KeptResult back = unpack_result(pack_result(kept));
   EXPECT_EQ(back.format, kept.format);
   EXPECT_EQ(back.summary, kept.summary);
@@ -96,6 +97,7 @@ TEST(ResultArchive, every_number_and_label_comes_back) {
   EXPECT_EQ(back.result.mesh.labels, kept.result.mesh.labels);
   EXPECT_EQ(back.result.face_patch, kept.result.face_patch);
   EXPECT_EQ(back.result.face_source, kept.result.face_source);
+  EXPECT_EQ(back.result.input_face_patch, kept.result.input_face_patch);
 }
 
 TEST(ResultArchive, damaged_bytes_are_refused) {

@@ -207,7 +207,7 @@ def main():
     parser.add_argument("--seed", type=int, default=random.randrange(1 << 30))
     wanted = parser.parse_args()
     if not can_use(wanted.store):
-        print("SKIPPED: there is no PostgreSQL (Debian: postgresql)")
+        print("SKIPPED: there is no PostgreSQL (Debian: postgresql-15)")
         return 77
     print(f"{wanted.store}: {wanted.kills} kills of daemons, {wanted.store_kills} of the store, --seed {wanted.seed}", flush=True)
     random.seed(wanted.seed)

@@ -422,7 +422,7 @@ def main():
     kind = sys.argv[3]
     wanted = sys.argv[4:]
     if not can_use(kind):
-        print("SKIPPED: there is no PostgreSQL (Debian: postgresql)")
+        print("SKIPPED: there is no PostgreSQL (Debian: postgresql-15)")
         return 77
     failures = 0
     tests = [(name, test) for name, test in globals().items() if name.startswith("test_")]

@@ -16,13 +16,43 @@ import tempfile
 import time
 
 
+UNPACKED = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../build/unpacked")
+
+
 def find_programs():
-    """The folder of initdb and postgres, or None."""
-    found = sorted(glob.glob("/usr/lib/postgresql/*/bin/initdb"))
-    if found:
-        return os.path.dirname(found[-1])
-    on_path = shutil.which("initdb")
-    return os.path.dirname(on_path) if on_path else None
+    """The folder of initdb, postgres and psql: installed, or unpacked by ./dev; or None."""
+    for root in ("/", UNPACKED):
+        for found in sorted(glob.glob(f"{root}/usr/lib/postgresql/*/bin/initdb"), reverse=True):
+            folder = os.path.dirname(os.path.realpath(found))
+            if os.path.exists(f"{folder}/psql"):
+                return folder
+    return None
+
+
+def account_to_run_as():
+    """What to give subprocess so that the server, which refuses to run as root, does not."""
+    if os.getuid() != 0:
+        return {}
+    for name in ("postgres", "nobody"):
+        try:
+            account = pwd.getpwnam(name)
+            return {"user": account.pw_uid, "group": account.pw_gid, "extra_groups": []}
+        except KeyError:
+            continue
+    raise RuntimeError("there is no account for PostgreSQL to run as")
+
+
+def reachable(programs, folder, account):
+    """The programs, copied into the folder where that account cannot start them where they are."""
+    with contextlib.suppress(OSError):
+        if subprocess.run([f"{programs}/initdb", "--version"], check=False, stdout=subprocess.DEVNULL, cwd="/",
+                          **account).returncode == 0:
+            return programs
+    version = os.path.basename(os.path.dirname(programs))
+    root = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(programs)))))
+    for part in (f"usr/lib/postgresql/{version}", f"usr/share/postgresql/{version}"):
+        shutil.copytree(os.path.join(root, part), os.path.join(folder, part), symlinks=True)
+    return os.path.join(folder, f"usr/lib/postgresql/{version}/bin")
 
 
 def free_port():
@@ -35,8 +65,11 @@ class Postgres:
     """A server for the length of a `with`; it can be killed and started again."""
 
     def __init__(self, settings=()):
-        self.programs = find_programs()
         self.folder = tempfile.mkdtemp(prefix="remeshd-postgres-")
+        self.user = account_to_run_as()
+        if self.user:
+            os.chown(self.folder, self.user["user"], self.user["group"])
+        self.programs = reachable(find_programs(), self.folder, self.user)
         self.data = os.path.join(self.folder, "data")
         self.port = free_port()
         self.url = f"postgres://remeshd@127.0.0.1:{self.port}/postgres"
@@ -44,11 +77,6 @@ class Postgres:
         self.settings = [f"--{setting}" for setting in
                          ("listen_addresses=127.0.0.1", f"port={self.port}", f"unix_socket_directories={self.folder}",
                           *settings)]
-        self.user = {}
-        if os.getuid() == 0:  # the server refuses to run as root
-            self.user = {"user": "postgres"}
-            account = pwd.getpwnam("postgres")
-            os.chown(self.folder, account.pw_uid, account.pw_gid)
         subprocess.run([f"{self.programs}/initdb", "-D", self.data, "-A", "trust", "-U", "remeshd", "--no-sync", "-E", "UTF8",
                         "--locale=C"], check=True, stdout=subprocess.DEVNULL, cwd="/", **self.user)
 
@@ -97,7 +125,7 @@ class Postgres:
 
 def main():
     if find_programs() is None:
-        print("SKIPPED: there is no PostgreSQL (Debian: postgresql)")
+        print("SKIPPED: there is no PostgreSQL (Debian: postgresql-15)")
         return 77
     with Postgres() as server:
         return subprocess.run(sys.argv[1:], check=False, env={**os.environ, "REMESHD_TEST_STORE": server.url}).returncode

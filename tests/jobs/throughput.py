@@ -43,7 +43,7 @@ def main():
     parser.add_argument("--blob-dir", action="store_true", help="meshes in a folder, not in the store")
     wanted = parser.parse_args()
     if not can_use(wanted.store):
-        print("SKIPPED: there is no PostgreSQL (Debian: postgresql)")
+        print("SKIPPED: there is no PostgreSQL (Debian: postgresql-15)")
         return 77
     load = os.getloadavg()[0]
     times = {}
