@@ -70,9 +70,10 @@ class Rounds {
       for (const SegmentId s : impossible_) segments_.lock(s);
       if (!impossible_.empty()) continue;
       std::vector<PatchMesh> refined = finish();
-      if (attempt < kMostAttempts && are_points_wanted(refined)) continue;
+      const bool are_chords_left = find_points(refined);
+      if (are_chords_left && attempt < kMostAttempts) continue;
       meshes_ = std::move(refined);
-      split_chords(surface_, patches_, meshes_, result_, control_);
+      if (are_chords_left) split_chords(surface_, patches_, meshes_, result_, control_);
       return std::move(result_);
     }
   }
@@ -259,7 +260,7 @@ class Rounds {
   }
 
   /// A chord gets a point in its middle, next time. Returns whether there are any.
-  bool are_points_wanted(const std::vector<PatchMesh>& refined) {
+  bool find_points(const std::vector<PatchMesh>& refined) {
     const std::vector<Chord> chords = find_chords(refined, surface_.vertex_count() + result_.first_inner, control_);
     for (const Chord& chord : chords) {
       const PatchMesh& patch = refined[chord.patch.value];

@@ -247,7 +247,7 @@ test("the bounds of an option are the ones that the service names", async () => 
     for (const text of ["-1", "0", "0.5", "1", "2", "33", "34", "1e3", "x"]) {
       const response = await fetch(`${daemon.origin}/v1/analyze?${spec.name}=${text}`, {
         method: "POST",
-        body: page.kSamples[0].obj(),
+        body: "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n",
       });
       const isRefused = response.status === 400 && (await response.json()).option === spec.name;
       assert.equal(page.faultOfNumber(spec, text) !== null, isRefused, `${spec.name}=${text}`);

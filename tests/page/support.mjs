@@ -89,6 +89,8 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
   const faults = [];
   page.on("pageerror", (error) => faults.push(`error: ${error.message}`));
   page.on("console", (message) => {
+    // A request may be over just when the page asks how far it is: 404, which browsers note by themselves.
+    if (message.location().url?.includes("/v1/requests/")) return;
     if (["error", "warn"].includes(message.type())) faults.push(`${message.type()}: ${message.text()}`);
   });
   page.on("request", (request) => {
@@ -117,7 +119,7 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
       for (const type of ["dragEnter", "dragOver", "drop"])
         await session.send("Input.dispatchDragEvent", { type, x: 200, y: 300, data });
     },
-    async waitForText(selector, pattern, timeout = 20_000) {
+    async waitForText(selector, pattern, timeout = 60_000) {
       try {
         await page.waitForFunction(
           (s, source) => new RegExp(source).test(document.querySelector(s)?.textContent ?? ""),
@@ -200,6 +202,11 @@ export function difference(a, b) {
 /** Part of the pixels of the yellow of a chosen triangle, which nothing else has. */
 export function chosenPart({ data, ...png }) {
   return partWhere({ data, ...png }, (at) => data[at] - data[at + 2] > 85 && data[at + 1] - data[at + 2] > 50);
+}
+
+/** Part of the pixels of the purple of patches that were kept or reduced. */
+export function stripedPart(png) {
+  return partWhere(png, (at) => png.data[at + 2] - png.data[at + 1] > 60 && png.data[at] - png.data[at + 1] > 40);
 }
 
 /** Part of the pixels about as red, green and blue as that. */

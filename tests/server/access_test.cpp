@@ -2,9 +2,12 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cstdio>
 #include <fstream>
 #include <stdexcept>
+#include <thread>
+#include <vector>
 
 #include "server/address_counts.h"
 #include "server/api_keys.h"
@@ -72,6 +75,22 @@ TEST(ApiKeys, a_file_is_read_again_and_the_old_keys_stay_where_it_is_wrong) {
     EXPECT_THROW(keys.reload(), std::invalid_argument) << bad;
     EXPECT_TRUE(keys.admits(with_header("x-api-key", kOtherKey)));
   }
+}
+
+TEST(ApiKeys, requests_are_compared_while_the_file_is_read_again) {
+  // Keys that were freed too early show, at the latest, under a sanitizer.
+  const KeyFile file(kKey + "\n");
+  ApiKeys keys(file.path(), "");
+  std::atomic<bool> goes_on = true;
+  std::vector<std::thread> askers;
+  for (int i = 0; i < 3; ++i) {
+    askers.emplace_back([&] {
+      while (goes_on) EXPECT_TRUE(keys.admits(with_header("x-api-key", kKey)));
+    });
+  }
+  for (int i = 0; i < 300; ++i) keys.reload();
+  goes_on = false;
+  for (std::thread& asker : askers) asker.join();
 }
 
 TEST(ApiKeys, a_missing_file_and_a_short_key_are_errors) {

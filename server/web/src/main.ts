@@ -1,5 +1,5 @@
 // The page: what is there, and what happens when something is asked for.
-import { kValue, nearestTriangle, trianglesOfFace } from "./mesh/drawable.ts";
+import { Inspection, type Told } from "./inspection.ts";
 import { UnreadableMesh } from "./mesh/surface.ts";
 import { kSamples } from "./samples.ts";
 import { type Post, type Running, ServiceClient, ServiceProblem } from "./service/client.ts";
@@ -7,26 +7,21 @@ import type { Capabilities, Problem, Report } from "./service/types.ts";
 import { askForKey } from "./ui/key_dialog.ts";
 import { byId, h } from "./ui/dom.ts";
 import { DownloadPanel } from "./ui/download_panel.ts";
-import { type Finding, FindingsPanel, type Target, findingsOf } from "./ui/findings.ts";
-import { showLegend } from "./ui/legend.ts";
+import { FindingsPanel, findingsOf } from "./ui/findings.ts";
 import { OptionsForm } from "./ui/options_form.ts";
 import { ProgressCard } from "./ui/progress_card.ts";
 import { qualityPanel, reportTables } from "./ui/report_panel.ts";
 import { Tabs } from "./ui/tabs.ts";
-import { triangleNumbers } from "./ui/triangle_numbers.ts";
+import { wireToolbar } from "./ui/toolbar.ts";
 import { count, degrees, real, seconds, sentence, whole } from "./ui/words.ts";
 import { listen } from "./view/gestures.ts";
-import { front } from "./view/orbit.ts";
-import type { Colouring } from "./view/surface_model.ts";
-import { type Section, type Side, Viewer, kSides } from "./view/viewer.ts";
+import { Viewer, kSides } from "./view/viewer.ts";
 import { WorkerClient } from "./worker_client.ts";
 
 /** A remeshing or an analysis that is on the screen. */
-interface Shown {
-  report: Report;
+interface Shown extends Told {
   /** As asked for, without the format. */
   query: [string, string][];
-  source: Uint32Array | null;
 }
 
 class Page {
@@ -36,6 +31,7 @@ class Page {
     before: byId("before"),
     after: byId("after"),
   });
+  private readonly inspection = new Inspection(this.viewer);
   private readonly progress = new ProgressCard(
     () => this.running?.cancel(),
     (text) => this.say(text),
@@ -48,22 +44,21 @@ class Page {
   private mostBytes = Infinity;
   private shown: Shown | null = null;
   private running: Running | null = null;
-  private selected: { side: Side; triangle: number } | null = null;
 
   constructor() {
     this.findings = new FindingsPanel(
       byId("findings"),
-      (finding) => this.markAll(finding),
-      (finding, i) => this.goTo(finding, i),
+      (finding) => void this.inspection.mark(finding, -1),
+      (finding, index) => this.inspection.goTo(finding, index),
     );
     this.downloads = new DownloadPanel(byId("download"), this.service);
     new Tabs(document.querySelector("[role=tablist]")!);
     this.takeFiles();
-    this.takeViewSettings();
+    wireToolbar(this.viewer);
     for (const side of kSides) {
       listen(byId(side), side, this.viewer, {
-        pick: (where, triangle) => this.select(where, triangle),
-        clear: () => this.select(side, -1),
+        pick: (where, triangle) => this.inspection.select(where, triangle),
+        clear: () => this.inspection.clear(),
       });
     }
     byId("setup").addEventListener("submit", (event) => {
@@ -157,7 +152,7 @@ class Page {
       const why = error instanceof UnreadableMesh ? error.message : `It cannot be drawn: ${String(error)}`;
       this.summarise(file, []);
       byId("before-count").textContent = "";
-      byId("unreadable").textContent = `${why} The service may know more: Remesh tells.`;
+      byId("unreadable").textContent = `${why} So it is not drawn here. Remesh it to hear what the service says.`;
       byId("unreadable").hidden = false;
       this.say(why);
     }
@@ -216,7 +211,7 @@ class Page {
   private async showResult(file: File, query: [string, string][], body: Blob): Promise<void> {
     const { report, after, before, source } = await this.worker.answer(body);
     if (this.file !== file) return;
-    this.select("before", -1);
+    this.inspection.clear();
     this.viewer.show("after", after);
     if (before) this.viewer.recolour("before", before);
     if (!this.viewer.drawable("before")) this.viewer.reset();
@@ -231,7 +226,7 @@ class Page {
   }
 
   private showReport(shown: Shown): void {
-    this.shown = shown;
+    this.shown = this.inspection.told = shown;
     const { report } = shown;
     if (!report.output) {
       this.viewer.show("after", null);
@@ -253,8 +248,8 @@ class Page {
   }
 
   private clearResults(): void {
-    this.shown = null;
-    this.select("before", -1);
+    this.shown = this.inspection.told = null;
+    this.inspection.clear();
     this.viewer.show("after", null);
     byId("after-count").textContent = "";
     byId("after-empty").hidden = false;
@@ -311,146 +306,13 @@ class Page {
     byId<HTMLButtonElement>("analyze").disabled = !isReady;
   }
 
-  // ---- the views
-
-  private takeViewSettings(): void {
-    const colouring = byId<HTMLSelectElement>("colouring");
-    const colour = (): void => {
-      this.viewer.colours = colouring.value as Colouring;
-      showLegend(byId("legend"), colouring.value as Colouring, this.viewer.palette.scale);
-    };
-    colouring.value = "patch";
-    colouring.addEventListener("change", colour);
-    colour();
-    const lines = byId<HTMLInputElement>("lines");
-    lines.addEventListener("change", () => (this.viewer.lines = lines.checked));
-    const linked = byId<HTMLInputElement>("linked");
-    linked.addEventListener("change", () => {
-      this.viewer.areLinked = linked.checked;
-      if (linked.checked) this.viewer.move("before", () => {});
-    });
-    byId("fit").addEventListener("click", () => {
-      for (const side of kSides) this.viewer.fit(side);
-    });
-
-    const axis = byId<HTMLSelectElement>("section-axis");
-    const part = byId<HTMLInputElement>("section-part");
-    const flip = byId("section-flip");
-    const cut = (): void => {
-      byId("section-place").hidden = axis.value === "";
-      this.viewer.setSection(
-        axis.value === ""
-          ? null
-          : {
-              axis: Number(axis.value) as Section["axis"],
-              part: Number(part.value) / 1000,
-              isFlipped: flip.ariaPressed === "true",
-            },
-      );
-    };
-    axis.addEventListener("change", () => {
-      // What is nearer to the eye goes, so that the cut is seen.
-      flip.ariaPressed = String(
-        axis.value !== "" && front(this.viewer.orbit("before")).getComponent(Number(axis.value)) < 0,
-      );
-      cut();
-    });
-    part.addEventListener("input", cut);
-    flip.addEventListener("click", () => {
-      flip.ariaPressed = String(flip.ariaPressed !== "true");
-      cut();
-    });
-  }
-
-  private select(side: Side, triangle: number): void {
-    if (this.selected) {
-      this.viewer.select(this.selected.side, -1);
-      byId(`${this.selected.side}-numbers`).hidden = true;
-    }
-    this.selected = null;
-    const drawable = this.viewer.drawable(side);
-    if (!drawable || triangle < 0 || 3 * triangle >= drawable.corners.length) return;
-    this.selected = { side, triangle };
-    this.viewer.select(side, triangle);
-    const panel = byId(`${side}-numbers`);
-    const source = side === "after" ? (this.shown?.source?.[drawable.face[triangle]!] ?? null) : null;
-    panel.replaceChildren(
-      triangleNumbers({
-        drawable,
-        triangle,
-        report: this.shown?.report ?? null,
-        source: this.viewer.drawable("before") ? source : null,
-        onSource: (face) => this.select("before", trianglesOfFace(this.viewer.drawable("before")!, face)[0]),
-        onClose: () => {
-          this.select(side, -1);
-          byId(side).focus();
-        },
-      }),
-    );
-    panel.classList.toggle("above", this.viewer.height(side, triangle) < 0.45);
-    panel.hidden = false;
-  }
-
-  private markAll(finding: Finding): void {
-    this.mark(finding, -1);
-  }
-
-  private goTo(finding: Finding, index: number): void {
-    const triangle = this.mark(finding, index);
-    if (triangle < 0) return;
-    this.viewer.flyToTriangle(finding.side, triangle);
-    this.select(finding.side, triangle);
-  }
-
-  /** Output: the triangle of the chosen one, or -1. */
-  private mark({ side, targets }: Finding, chosen: number): number {
-    for (const other of kSides) this.viewer.mark(other, { places: [], faces: [], chosen: -1 });
-    const drawable = this.viewer.drawable(side);
-    if (!drawable) return -1;
-    const point = (vertex: number): [number, number, number] =>
-      [...drawable.points.subarray(3 * vertex, 3 * vertex + 3)] as [number, number, number];
-    this.viewer.mark(side, {
-      places: targets.flatMap((target) =>
-        target.kind === "place" ? [target.at] : target.kind === "vertex" ? [point(target.vertex)] : [],
-      ),
-      faces: targets.flatMap((target) => (target.kind === "face" ? [target.face] : [])),
-      chosen,
-    });
-    const target = targets[chosen];
-    return target ? this.triangleOf(side, target) : -1;
-  }
-
-  private triangleOf(side: Side, target: Target): number {
-    const drawable = this.viewer.drawable(side)!;
-    switch (target.kind) {
-      case "place": {
-        const { centre, radius } = drawable.frame;
-        return nearestTriangle(
-          drawable,
-          target.at.map((x, axis) => (x - centre[axis]!) / radius) as [number, number, number],
-        );
-      }
-      case "face": {
-        const [begin, end] = trianglesOfFace(drawable, target.face);
-        return begin < end ? begin : -1;
-      }
-      case "vertex":
-        return Math.floor(drawable.corners.indexOf(target.vertex) / 3);
-      case "patch": {
-        for (let t = 0; t < drawable.face.length; ++t) {
-          if (drawable.values[kValue.count * t + kValue.patch] === target.patch) return t;
-        }
-        return -1;
-      }
-    }
-  }
-
   private say(text: string): void {
     byId("status").textContent = text;
   }
 }
 
 function sizeOf(bytes: number): string {
+  if (bytes < 1000) return count(bytes, "byte");
   const [size, unit] = bytes < 1e6 ? [bytes / 1e3, "kB"] : [bytes / 1e6, "MB"];
   return `${real(Number(size.toPrecision(3)))} ${unit}`;
 }

@@ -192,15 +192,15 @@ export function trianglesOfFace(drawable: Drawable, face: number): [number, numb
   return [lowerBound(face), lowerBound(face + 1)];
 }
 
-/** The triangle whose centroid is nearest to a place, given in the frame. */
-export function nearestTriangle(drawable: Drawable, place: Point): number {
-  const { positions } = drawable;
+/** The triangle whose centroid is nearest to a place, given in model units. */
+export function nearestTriangle({ positions, frame }: Drawable, at: Point): number {
+  const place = at.map((x, axis) => (x - frame.centre[axis]!) / frame.radius);
   let [best, least] = [-1, Infinity];
   for (let t = 0; 9 * t < positions.length; ++t) {
     let distance = 0;
     for (let axis = 0; axis < 3; ++axis) {
-      const at = 9 * t + axis;
-      const d = (positions[at]! + positions[at + 3]! + positions[at + 6]!) / 3 - place[axis]!;
+      const first = 9 * t + axis;
+      const d = (positions[first]! + positions[first + 3]! + positions[first + 6]!) / 3 - place[axis]!;
       distance += d * d;
     }
     if (distance < least) [best, least] = [t, distance];

@@ -104,14 +104,14 @@ export class ServiceClient {
 
   /** Follows the stream of a request's progress. */
   private async watch(id: string, signal: AbortSignal, onState: Watching["onState"]): Promise<void> {
-    for (;;) {
-      await new Promise((resolve) => setTimeout(resolve, kWatchMs));
+    for (let wait = kWatchMs; ; wait *= 2) {
+      await new Promise((resolve) => setTimeout(resolve, wait));
       if (signal.aborted) return;
       try {
         const response = await fetch(`/v1/requests/${id}/events`, { headers: this.headers(), signal });
-        if (response.ok && response.body) await readEvents(response.body, signal, onState);
+        if (response.ok && response.body) return await readEvents(response.body, signal, onState);
       } catch {
-        // Ended with the request, or will be tried again.
+        // Not known yet, or ended with the request: tried again, or not.
       }
     }
   }

@@ -71,8 +71,7 @@ export class OptionsForm {
       const rival = this.fields.find((other) => other.spec.name === spec.excludes && other.value() !== null);
       setEnabled(!rival);
       const wrong = fault();
-      note.textContent =
-        wrong ?? (rival ? `Not together with ${label(rival.spec.name).toLowerCase()}.` : sentence(spec.description));
+      note.textContent = wrong ?? (rival ? `Not together with ${label(rival.spec.name).toLowerCase()}.` : help(spec));
       note.classList.toggle("wrong", wrong !== null);
       row.querySelector("input")?.setAttribute("aria-invalid", String(wrong !== null));
     }
@@ -211,21 +210,33 @@ export class OptionsForm {
   }
 }
 
+/** "0 to 33", "above 0"; empty where anything goes. */
+function range({ minimum, exclusive_minimum, maximum }: OptionSpec): string {
+  if (minimum !== undefined && maximum !== undefined) return `${real(minimum)} to ${real(maximum)}`;
+  return [
+    minimum === undefined ? "" : `at least ${real(minimum)}`,
+    exclusive_minimum === undefined ? "" : `above ${real(exclusive_minimum)}`,
+    maximum === undefined ? "" : `at most ${real(maximum)}`,
+  ]
+    .filter(Boolean)
+    .join(", ");
+}
+
+/** What an option does and takes. */
+function help(spec: OptionSpec): string {
+  const takes = range(spec);
+  return `${sentence(spec.description)}${takes && ` (${takes})`}.`;
+}
+
 /** What is wrong with a number, in words; the service has the last word. */
 export function faultOfNumber(spec: OptionSpec, text: string): string | null {
   const value = spec.type === "integer" && !/^\d+$/.test(text) ? NaN : Number(text);
-  const bounds = [
-    spec.minimum === undefined ? "" : `at least ${real(spec.minimum)}`,
-    spec.exclusive_minimum === undefined ? "" : `above ${real(spec.exclusive_minimum)}`,
-    spec.maximum === undefined ? "" : `at most ${real(spec.maximum)}`,
-  ]
-    .filter(Boolean)
-    .join(" and ");
   const isInside =
     Number.isFinite(value) &&
     !(value < (spec.minimum ?? -Infinity)) &&
     !(value <= (spec.exclusive_minimum ?? -Infinity)) &&
     !(value > (spec.maximum ?? Infinity));
   if (isInside) return null;
-  return `This takes a ${spec.type === "integer" ? "whole number" : "number"} ${bounds}`.trim() + ".";
+  const number = spec.type === "integer" ? "a whole number" : "a number";
+  return `This takes ${number}, ${range(spec)}${spec.unset ? `; or ${spec.unset}` : ""}.`;
 }

@@ -1,0 +1,104 @@
+// What of the surfaces is looked at: one chosen triangle with its numbers, and what a finding points at.
+import { kValue, nearestTriangle, type Point, trianglesOfFace } from "./mesh/drawable.ts";
+import type { Report } from "./service/types.ts";
+import { byId } from "./ui/dom.ts";
+import type { Finding, Target } from "./ui/findings.ts";
+import { triangleNumbers } from "./ui/triangle_numbers.ts";
+import { type Side, type Viewer, kSides } from "./view/viewer.ts";
+
+/** What is known of the surfaces on the screen. */
+export interface Told {
+  report: Report;
+  /** For each face of the result the input face under it. */
+  source: Uint32Array | null;
+}
+
+/** Numbers of a triangle below this part of its view stand above it. */
+const kLow = 0.45;
+
+export class Inspection {
+  told: Told | null = null;
+  private selected: Side | null = null;
+
+  constructor(private readonly viewer: Viewer) {}
+
+  clear(): void {
+    if (this.selected === null) return;
+    this.viewer.select(this.selected, -1);
+    byId(`${this.selected}-numbers`).hidden = true;
+    this.selected = null;
+  }
+
+  /** Shows a triangle's numbers, where they do not cover it; drops those of another one. */
+  select(side: Side, triangle: number, height = this.viewer.height(side, triangle)): void {
+    this.clear();
+    const drawable = this.viewer.drawable(side);
+    if (!drawable || triangle < 0 || 3 * triangle >= drawable.corners.length) return;
+    this.selected = side;
+    this.viewer.select(side, triangle);
+    const before = this.viewer.drawable("before");
+    const source = side === "after" ? this.told?.source?.[drawable.face[triangle]!] : undefined;
+    const panel = byId(`${side}-numbers`);
+    panel.replaceChildren(
+      triangleNumbers({
+        drawable,
+        triangle,
+        report: this.told?.report ?? null,
+        source: before && source !== undefined ? source : null,
+        onSource: (face) => this.select("before", before ? trianglesOfFace(before, face)[0] : -1),
+        onClose: () => {
+          this.clear();
+          byId(side).focus();
+        },
+      }),
+    );
+    panel.classList.toggle("above", height < kLow);
+    panel.hidden = false;
+  }
+
+  /** To one of the places of a finding. */
+  goTo(finding: Finding, index: number): void {
+    const triangle = this.mark(finding, index);
+    if (triangle < 0) return;
+    this.viewer.flyToTriangle(finding.side, triangle);
+    // It comes to the middle.
+    this.select(finding.side, triangle, 0.5);
+  }
+
+  /** Marks all that a finding points at. Output: the triangle of the chosen one, or -1. */
+  mark({ side, targets }: Finding, chosen: number): number {
+    for (const other of kSides) this.viewer.mark(other, { places: [], faces: [], chosen: -1 });
+    const drawable = this.viewer.drawable(side);
+    if (!drawable) return -1;
+    const places = targets.flatMap((target): Point[] => {
+      if (target.kind === "place") return [target.at];
+      if (target.kind !== "vertex") return [];
+      const [x, y, z] = drawable.points.subarray(3 * target.vertex, 3 * target.vertex + 3);
+      return [[x!, y!, z!]];
+    });
+    const faces = targets.flatMap((target) => (target.kind === "face" ? [target.face] : []));
+    this.viewer.mark(side, { places, faces, chosen });
+    const target = targets[chosen];
+    return target ? this.triangleOf(side, target) : -1;
+  }
+
+  private triangleOf(side: Side, target: Target): number {
+    const drawable = this.viewer.drawable(side)!;
+    switch (target.kind) {
+      case "place":
+        return nearestTriangle(drawable, target.at);
+      case "face": {
+        const [begin, end] = trianglesOfFace(drawable, target.face);
+        return begin < end ? begin : -1;
+      }
+      case "vertex":
+        return Math.floor(drawable.corners.indexOf(target.vertex) / 3);
+      case "patch": {
+        for (let t = 0; t < drawable.face.length; ++t) {
+          if (drawable.values[kValue.count * t + kValue.patch] === target.patch) return t;
+        }
+        return -1;
+      }
+    }
+  }
+}
