@@ -167,6 +167,11 @@ const std::vector<Setting>& settings() {
       {"--role", "what this daemon does: serve (answer, and take no jobs from the store), work (only that), or both",
        [](Config& c, const auto& text) { c.jobs.role = parse_choice(kRoles, text); },
        [](const Config& c) { return choice_name(kRoles, c.jobs.role); }},
+      {"--max-queued-jobs", "jobs that may wait, in the whole store",
+       [](Config& c, const auto& text) {
+         c.jobs.max_queued = static_cast<std::int64_t>(between(1, 1'000'000'000, parse_count(text)));
+       },
+       [](const Config& c) { return format_count(static_cast<std::uint64_t>(c.jobs.max_queued)); }},
       duration(
           "--job-timeout", "computing time of a job", [](Config & c) -> auto& { return c.jobs.job_timeout; }),
       duration(

@@ -168,6 +168,7 @@ JobService& JobRoutes::jobs() const {
 Admission JobRoutes::admit(const RequestHead&) const {
   if (context_.draining) throw HttpError(503, "draining", "this server is about to stop");
   if (!jobs().is_well()) throw store_unavailable();
+  if (jobs().is_full()) throw HttpError(503, "overloaded", "as many jobs wait as may: try again later");
   // The body is only passed on: what its work takes is up to whoever claims it. Twice, since the store copies.
   return {context_.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
 }

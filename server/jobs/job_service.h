@@ -30,6 +30,8 @@ class JobService {
 
   JobStore& store() { return *store_; }
   bool is_well() const { return store_->is_well(); }
+  /// Whether as many jobs wait as may.
+  bool is_full() const { return statistics().queued >= settings_.max_queued; }
   /// As of a second or two ago.
   QueueStatistics statistics() const;
   /// A job was submitted here: no need to wait for the store to say so.

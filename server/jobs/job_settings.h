@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 
 #include "server/jobs/job_store.h"
@@ -21,6 +22,8 @@ struct JobSettings {
   Role role = Role::kBoth;
   StoreRules rules;
   std::chrono::milliseconds job_timeout{3'600'000};
+  std::int64_t max_queued =
+      100'000;  ///< jobs that may wait, in the whole store; about, since daemons count for themselves
 };
 
 /// The folder that `state_dir` means, made where it is missing; empty where none can be written.

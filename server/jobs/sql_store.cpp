@@ -11,7 +11,6 @@
 namespace remesh::server::jobs {
 namespace {
 
-constexpr std::size_t kChunk = 1 << 20;
 /// Rows that one statement of upkeep changes, so that none holds others up for long.
 constexpr std::int64_t kBatch = 100;
 /// No transaction takes nearly as long, whatever the clocks of file servers say.
@@ -172,28 +171,28 @@ void SqlStore::write_blob(Database& database, const std::string& id, BlobKind ki
   }
   std::int64_t part = 0;
   do {
-    const std::string_view chunk = bytes.substr(0, kChunk);
-    database.run("INSERT INTO remeshd_blob (job, kind, part, data) VALUES ($1, $2, $3, $4)",
-                 {std::string_view(id), name, part++, Bytes{chunk}});
-    bytes.remove_prefix(chunk.size());
+    const std::string_view piece = bytes.substr(0, DatabaseDriver::kPiece);
+    driver_->insert_piece(database, id, name, part, piece);
+    part += DatabaseDriver::kPartsOfPiece;
+    bytes.remove_prefix(piece.size());
   } while (!bytes.empty());
 }
 
 std::optional<std::string> SqlStore::read_blob(const std::string& id, BlobKind kind) {
   return with_database("read", Access::kRead, [&](Database& database) -> std::optional<std::string> {
     const std::string_view name = kind_name(kind);
-    const Values which{std::string_view(id), name};
-    const Rows parts =
-        database.run("SELECT part, file FROM remeshd_blob WHERE job = $1 AND kind = $2 ORDER BY part", which);
-    if (parts.empty()) return std::nullopt;
-    if (parts[0][1] && !folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
-    if (parts[0][1]) return folder_->read(*parts[0][1]);
+    const Rows blob = database.run("SELECT max(part), max(file) FROM remeshd_blob WHERE job = $1 AND kind = $2",
+                                   {std::string_view(id), name});
+    if (!blob.at(0)[0]) return std::nullopt;
+    if (blob[0][1] && !folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
+    if (blob[0][1]) return folder_->read(*blob[0][1]);
     std::string bytes;
-    for (const Row& part : parts) {
-      const Rows chunk = database.run("SELECT data FROM remeshd_blob WHERE job = $1 AND kind = $2 AND part = $3",
-                                      {std::string_view(id), name, integer(part[0])}, Database::Result::kBytes);
-      if (chunk.empty()) return std::nullopt;  // it expired meanwhile
-      bytes += chunk[0][0].value();
+    for (std::int64_t part = 0; part <= integer(blob[0][0]); part += DatabaseDriver::kPartsOfPiece) {
+      const Rows piece = database.run(
+          "SELECT data FROM remeshd_blob WHERE job = $1 AND kind = $2 AND part >= $3 AND part < $4 ORDER BY part",
+          {std::string_view(id), name, part, part + DatabaseDriver::kPartsOfPiece}, Database::Result::kBytes);
+      if (piece.empty()) return std::nullopt;  // it expired meanwhile
+      for (const Row& row : piece) bytes += row[0].value();
     }
     return bytes;
   });

@@ -193,6 +193,12 @@ class SqliteDriver : public DatabaseDriver {
     clock_.set_base(base);
   }
 
+  void insert_piece(Database& database, std::string_view job, std::string_view kind, std::int64_t part,
+                    std::string_view bytes) override {
+    database.run("INSERT INTO remeshd_blob (job, kind, part, data) VALUES ($1, $2, $3, $4)",
+                 {job, kind, part, Bytes{bytes}});
+  }
+
   void tidy(Database& database) override {
     // Pages that are free are used again; only where there are many does the file shrink, a little at a time.
     const std::int64_t free_pages = std::stoll(database.run("PRAGMA freelist_count").at(0).at(0).value());

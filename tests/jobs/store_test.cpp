@@ -115,15 +115,17 @@ TEST_P(StoreTest, a_job_that_was_submitted_is_claimed_with_all_that_came_with_it
   EXPECT_FALSE(store->claim("other", kAnyMemory));
 }
 
-TEST_P(StoreTest, bytes_of_every_value_and_many_chunks_come_back_as_they_were) {
-  std::string body((5 << 20) / 2 + 1, '\0');
-  std::mt19937 random(7);
-  for (char& c : body) c = static_cast<char>(random());
+TEST_P(StoreTest, bytes_of_every_value_and_every_length_come_back_as_they_were) {
   const auto store = open();
-  const std::string id = submit(*store, body);
-  EXPECT_TRUE(store->read_blob(id, BlobKind::kInput) == body);
-  const std::string empty = submit(*store, "");
-  EXPECT_EQ(store->read_blob(empty, BlobKind::kInput), "");
+  std::mt19937 random(7);
+  constexpr std::size_t kPiece = DatabaseDriver::kPiece;
+  for (const std::size_t length : {std::size_t{0}, std::size_t{1}, std::size_t{7999}, std::size_t{8000},
+                                   std::size_t{8001}, kPiece - 1, kPiece, kPiece + 1, 2 * kPiece + 8001}) {
+    std::string body(length, '\0');
+    for (char& c : body) c = static_cast<char>(random());
+    const std::string id = submit(*store, body);
+    EXPECT_TRUE(store->read_blob(id, BlobKind::kInput) == body) << length;
+  }
 }
 
 TEST_P(StoreTest, another_process_sees_what_was_committed) {

@@ -22,10 +22,10 @@ def measure(program, kind, workers, count, with_blob_dir):
         serving = Daemon(program, [*flags, "--role", "serve"]).start()
         fleet = []
         try:
-            jobs = [submit(serving.port, SECOND).json()["id"] for _ in range(count)]
-            start = time.monotonic()
             fleet = [start_worker(program, flags, cores[i % len(cores)]) for i in range(workers)]
-            wait_for(lambda: sum(len(daemon.logged("job committed")) for daemon in fleet) == count, 600, 0.01)
+            start = time.monotonic()
+            jobs = [submit(serving.port, SECOND).json()["id"] for _ in range(count)]
+            wait_for(lambda: sum(len(daemon.logged("job committed")) for daemon in fleet) == count, 600, 0.05)
             seconds = time.monotonic() - start
             work = sum(line["work_ms"] for daemon in fleet for line in daemon.logged("job committed")) / 1000
             assert all(state_of(serving.port, job)["state"] == "succeeded" for job in jobs)
@@ -39,7 +39,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("remeshd")
     parser.add_argument("--store", default="postgres", choices=["sqlite", "postgres"])
-    parser.add_argument("--jobs", type=int, default=30)
+    parser.add_argument("--jobs", type=int, default=40)
     parser.add_argument("--blob-dir", action="store_true", help="meshes in a folder, not in the store")
     wanted = parser.parse_args()
     if not can_use(wanted.store):
