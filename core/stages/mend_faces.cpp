@@ -72,6 +72,29 @@ class Mending {
     return std::adjacent_find(sorted_loop_.begin(), sorted_loop_.end()) != sorted_loop_.end();
   }
 
+  /// Whether nothing is left of the loop when every edge goes that it runs back along at once.
+  bool cancels_itself() const {
+    std::vector<VertexId> left;
+    for (const VertexId v : loop_) {
+      if (left.size() >= 2 && left[left.size() - 2] == v)
+        left.pop_back();
+      else
+        left.push_back(v);
+    }
+    std::size_t first = 0, end = left.size();
+    while (end - first >= 3) {  // around its end, too
+      if (left[first + 1] == left[end - 1]) {
+        ++first;
+        --end;
+      } else if (left[end - 2] == left[first]) {
+        end -= 2;
+      } else {
+        break;
+      }
+    }
+    return end - first < 3;
+  }
+
   void take_face(FaceId f) {
     const FaceId source = surface_.face_source[f];
     const std::uint32_t label = surface_.face_label[f];
@@ -79,7 +102,7 @@ class Mending {
     for (const VertexId v : surface_.face(f))
       if (loop_.empty() || loop_.back() != v) loop_.push_back(v);
     while (loop_.size() > 1 && loop_.front() == loop_.back()) loop_.pop_back();
-    if (loop_.size() < 3) {  // its edges cancel each other: nothing opens
+    if (cancels_itself()) {  // nothing opens
       zero_area_.add(source.value);
       return;
     }

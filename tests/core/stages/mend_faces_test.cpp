@@ -180,6 +180,23 @@ TEST(mend_faces, a_flat_polygon_without_area_is_dropped_as_a_triangle_is) {
   expect_holds(surface);
 }
 
+TEST(mend_faces, a_polygon_that_only_runs_back_along_itself_is_dropped) {
+  // None of these points is on a line with two others, so it is the order of the corners alone.
+  const std::vector<Vec3> points{{4, 2, 2}, {0, 0, 2}, {1, 4, 0}, {1, 0, 4}};
+  const std::vector<std::vector<std::uint32_t>> nothing{{3, 0, 2, 0},       {0, 3, 0, 2},       {0, 1, 2, 1, 3, 1},
+                                                        {2, 1, 3, 1, 0, 1}, {0, 1, 2, 3, 2, 1}, {2, 3, 2, 1, 0, 1}};
+  for (const auto& polygon : nothing) {
+    std::vector<Diagnostic> diagnostics;
+    const Surface surface = mended(shapes::from_lists(points, {{0, 1, 2}, polygon}), 1e-6, diagnostics);
+    expect_holds(surface);
+    EXPECT_EQ(surface.face_count(), 1u);
+    EXPECT_EQ(count_of(diagnostics, DiagnosticCode::kZeroAreaFace), 1u);
+  }
+  // A triangle that a way leads to and back from is one.
+  const Surface surface = mended(shapes::from_lists(points, {{0, 1, 2, 3, 2}}));
+  EXPECT_GE(surface.face_count(), 1u);
+}
+
 TEST(mend_faces, only_zero_area_faces_are_an_empty_mesh) {
   try {
     mended(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}}));
