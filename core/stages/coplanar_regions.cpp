@@ -57,13 +57,21 @@ class Growth {
   }
 
   void run() {
-    const std::vector<FaceId> seeds = order();
-    // Thin faces seed only what no other face has taken.
-    for (const bool thin : {false, true}) {
-      for (std::size_t i = 0; i < seeds.size(); ++i) {
-        if (i % 4096 == 0) control_.progress(0.5 * (thin + static_cast<double>(i) / static_cast<double>(seeds.size())));
-        if (!regions_.of_face[seeds[i]].is_valid() && (thin || !is_thin(seeds[i]))) grow_from(seeds[i]);
-      }
+    std::vector<FaceId> open = open_faces();
+    const auto all = static_cast<double>(open.size());
+    while (!open.empty()) {
+      control_.progress(1 - static_cast<double>(open.size()) / all);
+      // While regions take much of what is open, the next seed is found sooner than all are sorted.
+      grow_from(*std::min_element(open.begin(), open.end(), [&](FaceId f, FaceId g) { return is_before(f, g); }));
+      const std::size_t before = open.size();
+      open.erase(std::remove_if(open.begin(), open.end(), [&](FaceId f) { return regions_.of_face[f].is_valid(); }),
+                 open.end());
+      if (before - open.size() < before / 16) break;
+    }
+    tbb::parallel_sort(open.begin(), open.end(), [&](FaceId f, FaceId g) { return is_before(f, g); });
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (i % 4096 == 0) control_.progress(1 - static_cast<double>(open.size() - i) / all);
+      if (!regions_.of_face[open[i]].is_valid()) grow_from(open[i]);
     }
     merge();
   }
@@ -93,25 +101,21 @@ class Growth {
     return std::fabs(dot(cross(b, c), d)) > kPrinted * rule_.printed_step * areas;
   }
 
-  /// Faces without a region, the largest first; among equally large ones the one at the smallest place.
-  std::vector<FaceId> order() const {
-    struct Key {
-      double area;
-      Vec3 place;
-      FaceId face;
-    };
-    std::vector<Key> keys;
-    for (std::uint32_t i = 0; i < surface_.face_count(); ++i) {
-      const FaceId f(i);
-      if (!regions_.of_face[f].is_valid()) keys.push_back({geometry_[f].area, geometry_[f].centre, f});
-    }
-    tbb::parallel_sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
-      if (a.area != b.area) return a.area > b.area;
-      return a.place != b.place ? a.place < b.place : a.face < b.face;
-    });
-    std::vector<FaceId> seeds(keys.size());
-    std::transform(keys.begin(), keys.end(), seeds.begin(), [](const Key& k) { return k.face; });
-    return seeds;
+  std::vector<FaceId> open_faces() const {
+    std::vector<FaceId> open;
+    open.reserve(surface_.face_count());
+    for (std::uint32_t i = 0; i < surface_.face_count(); ++i)
+      if (!regions_.of_face[FaceId(i)].is_valid()) open.push_back(FaceId(i));
+    return open;
+  }
+
+  /// The order of seeds: the largest face first, among equally large ones the one at the smallest place. Thin faces
+  /// seed only what no other face has taken.
+  bool is_before(FaceId f, FaceId g) const {
+    if (is_thin(f) != is_thin(g)) return is_thin(g);
+    const FaceGeometry &a = geometry_[f], &b = geometry_[g];
+    if (a.area != b.area) return a.area > b.area;
+    return a.centre != b.centre ? a.centre < b.centre : f < g;
   }
 
   bool fits(FaceId f, const Plane& plane, double tol) const {
