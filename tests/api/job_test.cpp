@@ -3,16 +3,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <limits>
 #include <nlohmann/json.hpp>
 
 #include "core/io/gzip.h"
+#include "tests/support/errors.h"
 
 namespace remesh::api {
 namespace {
 
 using nlohmann::json;
+using test::error_of;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::StartsWith;
@@ -31,16 +32,6 @@ Job job_of(std::string_view mesh, const Fields& options = {}, std::string accept
 RemeshAnswer remesh(Job job, const Limits& limits = {}) {
   RunControl control;
   return run_remesh_job(std::move(job), limits, control);
-}
-
-Error error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << "no error";
-  return Error(Code::kInternal, Stage::kQueued, "none");
 }
 
 TEST(RemeshJob, the_answer_is_the_mesh_in_the_inputs_format_and_its_report) {

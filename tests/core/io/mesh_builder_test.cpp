@@ -2,26 +2,18 @@
 
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <limits>
 #include <vector>
 
+#include "tests/support/errors.h"
 #include "tests/support/reading.h"
 
 namespace remesh {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+using test::error_of;
 
-Error error_of(const std::function<void()>& act) {
-  try {
-    act();
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << "no error";
-  return Error(Code::kInternal, Stage::kQueued, "none");
-}
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Builder : public testing::Test {
  protected:
