@@ -1,6 +1,7 @@
 /// One remeshing from bytes to bytes: what the daemon and the command line share.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -17,6 +18,7 @@ namespace remesh::api {
 /// What is to be done. `options` holds those known before the mesh is read; a JSON mesh may bring more.
 struct Job {
   std::string_view mesh;
+  std::function<void()> release_mesh;  ///< called once the mesh is read and its bytes are not needed any more
   std::optional<Format> input_format;  ///< nothing: the content tells
   std::string accept;                  ///< as in the header of that name; empty: anything
   OptionReader options;
