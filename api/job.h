@@ -18,10 +18,10 @@ namespace remesh::api {
 /// What is to be done. `options` holds those known before the mesh is read; a JSON mesh may bring more.
 struct Job {
   std::string_view mesh;
-  std::function<void()> release_mesh;  ///< called once the mesh is read and its bytes are not needed any more
   std::optional<Format> input_format;  ///< nothing: the content tells
   std::string accept;                  ///< as in the header of that name; empty: anything
   OptionReader options;
+  std::function<void()> release_mesh = nullptr;  ///< called once the mesh is read and its bytes not needed any more
 };
 
 /// The remeshed surface and its report, and the mesh as bytes.

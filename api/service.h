@@ -38,12 +38,12 @@ inline DecompressionLimits decompression_limits(const Limits& limits) {
 /// One request, after HTTP: `query` in the order given, decoded.
 struct Request {
   std::string_view body;
-  std::function<void()> release_body;  ///< called once it is read, if anything
-  std::string content_type;            ///< as sent, may be empty
-  std::string content_encoding;        ///< as sent, may be empty
-  std::string accept;                  ///< as sent, may be empty
+  std::string content_type;      ///< as sent, may be empty
+  std::string content_encoding;  ///< as sent, may be empty
+  std::string accept;            ///< as sent, may be empty
   Fields query;
-  std::string file_name;  ///< of the upload, if it had one; not trusted
+  std::string file_name;                         ///< of the upload, if it had one; not trusted
+  std::function<void()> release_body = nullptr;  ///< called once the body is read and not needed any more
 };
 
 /// A piece of work in numbers, for whoever counts what a daemon does.

@@ -1,46 +1,20 @@
 #include "core/io/obj_chunk.h"
 
 #include <algorithm>
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <cstring>
 #include <system_error>
 #include <utility>
 
+#include "core/io/digits.h"
 #include "core/io/label_collector.h"
 #include "core/io/obj_records.h"
 #include "core/io/text.h"
 
 namespace remesh {
 namespace {
-
-/// Reads the digits that text begins with, at most eight, and returns how many.
-int read_digits(const char* at, const char* end, std::int32_t& value) {
-  constexpr std::uint64_t kZeros = 0x3030303030303030;
-  constexpr std::uint64_t kHighBits = 0x8080808080808080;
-  if (std::endian::native != std::endian::little || end - at < 8) {
-    int digits = 0;
-    for (; digits < 8 && at != end && is_digit(*at); ++at, ++digits) value = 10 * value + (*at - '0');
-    return digits;
-  }
-  // All eight bytes in one word, the first one lowest. What is no digit has its high bit set then.
-  std::uint64_t word = 0;
-  std::memcpy(&word, at, sizeof word);
-  word ^= kZeros;
-  const std::uint64_t others = (word | (word + 0x7676767676767676)) & kHighBits;
-  const int digits = std::countr_zero(others) / 8;
-  if (digits == 0) return 0;
-  // Zeros in front of the digits; then pairs, fours and eights of them at once.
-  word <<= 64 - 8 * digits;
-  word = (word * 10 + (word >> 8)) & 0x00ff00ff00ff00ff;
-  word = (word * 100 + (word >> 16)) & 0x0000ffff0000ffff;
-  word = word * 10000 + (word >> 32);
-  value = static_cast<std::int32_t>(word & 0xffffffff);
-  return digits;
-}
 
 /// Whether no token goes on with that character: a blank or a line end. Nearly all characters are above them.
 bool is_token_end(char c) { return static_cast<unsigned char>(c) <= ' ' && (is_blank(c) || is_line_end(c)); }
