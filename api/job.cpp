@@ -62,6 +62,8 @@ Input read_input(Job& job, const Limits& limits, RunControl& control) {
   } else {
     input.read = read_mesh(input.format, job.mesh, read_limits, control);
   }
+  job.mesh = {};
+  if (job.release_mesh) job.release_mesh();
   input.options = bounded(job.options.options(), limits);
   input.read_ms = ms_since(start);
   return input;

@@ -1,6 +1,7 @@
 /// One remeshing from bytes to bytes: what the daemon and the command line share.
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -20,6 +21,7 @@ struct Job {
   std::optional<Format> input_format;  ///< nothing: the content tells
   std::string accept;                  ///< as in the header of that name; empty: anything
   OptionReader options;
+  std::function<void()> release_mesh = nullptr;  ///< called once the mesh is read and its bytes not needed any more
 };
 
 /// The remeshed surface and its report, and the mesh as bytes.

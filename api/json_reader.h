@@ -19,8 +19,13 @@ namespace remesh::api {
 /// but
 ///          not of this shape; kIndexOutOfRange, kNonfiniteCoordinate - with the face or vertex, from 0; kEmptyMesh -
 ///          no face; kMeshTooLarge - past `limits`; of an option, what OptionReader::add says.
-/// Cost:    O(length).
+/// Cost:    O(length); twice of what ends with an error.
 ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options);
+
+/// The same, every number by an event of nlohmann-json's parser: what read_json falls back to where anything is odd or
+/// wrong.
+ReadResult read_json_by_events(std::string_view text, const ReadLimits& limits, RunControl& control,
+                               OptionReader& options);
 
 /// Reads an options object alone: {"plane_tolerance": 1e-5, "repair": ["degenerate"]}.
 /// Errors: kMalformedJson; kInvalidOption; what OptionReader::add says.

@@ -80,6 +80,10 @@ void parse_request(const Request& request, const Limits& limits, RunControl& con
   }
   const std::string_view body = decoded_body(request, limits, control, parsed.decoded);
   parsed.job.accept = request.accept;
+  parsed.job.release_mesh = [&] {
+    std::string().swap(parsed.decoded);
+    if (request.release_body) request.release_body();
+  };
   for (const auto& [name, value] : request.query) parsed.job.options.add(name, value);
   if (media_type_of(request.content_type) == "multipart/form-data") {
     read_form(body, request, control, parsed);

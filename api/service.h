@@ -42,7 +42,8 @@ struct Request {
   std::string content_encoding;  ///< as sent, may be empty
   std::string accept;            ///< as sent, may be empty
   Fields query;
-  std::string file_name;  ///< of the upload, if it had one; not trusted
+  std::string file_name;                         ///< of the upload, if it had one; not trusted
+  std::function<void()> release_body = nullptr;  ///< called once the body is read and not needed any more
 };
 
 /// A piece of work in numbers, for whoever counts what a daemon does.

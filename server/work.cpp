@@ -34,6 +34,7 @@ class Job {
     input_.accept = request.header("accept");
     input_.query = std::move(request.query);
     input_.body = body_;
+    input_.release_body = [this] { body_ = Body(); };
   }
 
   void run() {
@@ -52,7 +53,7 @@ class Job {
     } catch (...) {
       failure = std::current_exception();
     }
-    body_ = Body();  // a large upload need not live until its answer is sent
+    body_ = Body();  // where it was not read to its end
     running_->is_computing = false;
     {
       const std::lock_guard lock(mutex_);

@@ -156,11 +156,12 @@ class BatchRun {
 
   Report remesh_file(const File& file) {
     const std::string path = (fs::path(job_.folder) / file.name).string();
-    const std::string content = read_file(path, control_);
+    FileContent content = read_file(path, control_);
     api::Job job;
     job.options = options();
     job.input_format = format_from_file_name(file.name);
-    job.mesh = content;
+    job.mesh = content.view();
+    job.release_mesh = [&] { content.release(); };
     api::RemeshAnswer answer = api::run_remesh_job(std::move(job), limits_, control_);
     if (!file.output.empty()) {
       std::error_code error;

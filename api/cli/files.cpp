@@ -48,27 +48,6 @@ bool write_all(int fd, std::string_view content) {
   return true;
 }
 
-std::string read_all(int fd, const std::string& path, const RunControl& control) {
-  constexpr std::size_t kChunk = std::size_t{1} << 20;
-  struct stat status {};
-  const bool has_size = ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
-  std::string content;
-  std::size_t used = 0;
-  for (;;) {
-    // One byte more than the file has, so that its end is seen without another chunk.
-    const std::size_t wanted = has_size && used == 0 ? static_cast<std::size_t>(status.st_size) + 1 : kChunk;
-    if (content.size() < used + wanted) content.resize(std::max(used + wanted, used * 2));
-    const ssize_t got = ::read(fd, content.data() + used, content.size() - used);
-    if (got < 0 && errno != EINTR) fail(path);
-    control.check();
-    if (got < 0) continue;
-    if (got == 0) break;
-    used += static_cast<std::size_t>(got);
-  }
-  content.resize(used);
-  return content;
-}
-
 /// What a new file made by an ordinary program would get.
 mode_t default_mode() {
   const mode_t mask = ::umask(0);
@@ -91,12 +70,40 @@ void replace_file(const std::string& target, std::string_view content, mode_t mo
 
 }  // namespace
 
-std::string read_file(const std::string& path, const RunControl& control) {
-  if (path == "-") return read_all(STDIN_FILENO, "standard input", control);
+/// Room for so many bytes, which are not written to: to fill a large file's with zeros first takes as long as to read
+/// it.
+void FileContent::reserve(std::size_t size) {
+  if (size <= capacity_) return;
+  std::unique_ptr<char[]> larger(new char[size]);
+  std::copy_n(bytes_.get(), size_, larger.get());
+  bytes_ = std::move(larger);
+  capacity_ = size;
+}
+
+FileContent FileContent::read(int fd, const std::string& path, const RunControl& control) {
+  constexpr std::size_t kChunk = std::size_t{1} << 20;
+  struct stat status {};
+  const bool has_size = ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
+  FileContent content;
+  // One byte more than the file has, so that its end is seen without another chunk.
+  if (has_size) content.reserve(static_cast<std::size_t>(status.st_size) + 1);
+  for (;;) {
+    if (content.size_ == content.capacity_) content.reserve(std::max(kChunk, 2 * content.size_));
+    const ssize_t got = ::read(fd, content.bytes_.get() + content.size_, content.capacity_ - content.size_);
+    if (got < 0 && errno != EINTR) fail(path);
+    control.check();
+    if (got < 0) continue;
+    if (got == 0) return content;
+    content.size_ += static_cast<std::size_t>(got);
+  }
+}
+
+FileContent read_file(const std::string& path, const RunControl& control) {
+  if (path == "-") return FileContent::read(STDIN_FILENO, "standard input", control);
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
   control.check();  // to open a pipe is to wait for its writer
   if (file.get() < 0) fail(path);
-  return read_all(file.get(), path, control);
+  return FileContent::read(file.get(), path, control);
 }
 
 void write_file(const std::string& path, std::string_view content) {

@@ -1,6 +1,8 @@
 /// Files of the command line: `-` is standard input or output.
 #pragma once
 
+#include <cstddef>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -15,9 +17,27 @@ class FileError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The bytes of a file.
+class FileContent {
+ public:
+  /// All that can be read from an open file; `path` names it in errors. Errors: as read_file.
+  static FileContent read(int fd, const std::string& path, const RunControl& control);
+
+  std::string_view view() const { return {bytes_.get(), size_}; }
+  /// Gives the memory back, when nobody looks at it any more.
+  void release() { *this = FileContent(); }
+
+ private:
+  void reserve(std::size_t size);
+
+  std::unique_ptr<char[]> bytes_;
+  std::size_t size_ = 0;
+  std::size_t capacity_ = 0;
+};
+
 /// The whole file.
 /// Errors: FileError; kCancelled - a signal came and `control` says to stop.
-std::string read_file(const std::string& path, const RunControl& control);
+FileContent read_file(const std::string& path, const RunControl& control);
 
 /// Writes the whole file or none of it: into a new file beside it first, which then takes its place. What is no
 /// ordinary file, such as /dev/null or a pipe, is written as it is. Errors: FileError; nothing is left behind.

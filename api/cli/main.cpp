@@ -160,8 +160,9 @@ void stop_on_signals(RunControl& control) {
 void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   job.input_format = format_from_file_name(arguments.input);
   if (const auto format = format_from_file_name(arguments.output)) job.accept = media_type(*format);
-  const std::string mesh = read_file(arguments.input, control);
-  job.mesh = mesh;
+  FileContent mesh = read_file(arguments.input, control);
+  job.mesh = mesh.view();
+  job.release_mesh = [&] { mesh.release(); };
 
   api::RemeshAnswer answer;
   std::string report;
@@ -185,8 +186,8 @@ void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
   if (const auto format = format_from_file_name(arguments.output)) job.accept = media_type(*format);
   job.options = arguments.options;
   job.wants_report = !arguments.report.empty();
-  const std::string mesh = read_file(arguments.input, control);
-  job.mesh = mesh;
+  const FileContent mesh = read_file(arguments.input, control);
+  job.mesh = mesh.view();
 
   Remote remote(std::move(job));
   RemoteAnswer answer;

@@ -2,9 +2,13 @@
 #pragma once
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_pipeline.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -31,6 +35,34 @@ void for_blocks(std::size_t n, std::size_t size, RunControl& control, const Body
     control.check();
     body(block * size, std::min(n, (block + 1) * size));
   });
+}
+
+/// Calls `make(i)` for i from 0 to n - 1 in parallel, and `take(i, result)` on each result in that order, one at a
+/// time. No more than a few results are there at once. Output: false if some `take` said false: then there are no more
+/// calls of it, and soon none of `make`. A point of cancellation before each.
+template <class Result, class Make, class Take>
+bool map_in_order(std::size_t n, RunControl& control, const Make& make, const Take& take) {
+  using Item = std::pair<std::size_t, Result>;
+  constexpr std::size_t kResultsPerThread = 4;
+  const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
+  std::size_t next = 0;
+  std::atomic<bool> is_stopped = false;
+  const auto count = [&](tbb::flow_control& flow) {
+    if (next == n || is_stopped) flow.stop();
+    return next++;
+  };
+  const auto make_item = [&](std::size_t i) {
+    control.check();
+    return is_stopped ? Item(i, Result()) : Item(i, make(i));
+  };
+  const auto take_item = [&](Item item) {
+    if (!is_stopped && !take(item.first, std::move(item.second))) is_stopped = true;
+  };
+  tbb::parallel_pipeline(kResultsPerThread * threads,
+                         tbb::make_filter<void, std::size_t>(tbb::filter_mode::serial_in_order, count) &
+                             tbb::make_filter<std::size_t, Item>(tbb::filter_mode::parallel, make_item) &
+                             tbb::make_filter<Item, void>(tbb::filter_mode::serial_in_order, take_item));
+  return !is_stopped;
 }
 
 }  // namespace remesh

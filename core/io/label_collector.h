@@ -23,14 +23,15 @@ class LabelCollector {
     name_ = std::move(label);
   }
 
-  void add_face(std::size_t faces_before) {
-    if (!is_named_) return;
+  void add_face(std::size_t faces_before) { add_faces(faces_before, 1); }
+  void add_faces(std::size_t faces_before, std::size_t count) {
+    if (!is_named_ || count == 0) return;
     if (set_.of_face.empty() && faces_before > 0) set_.of_face.assign(faces_before, index_of(""));
     if (!index_is_known_) {
       index_ = index_of(name_);
       index_is_known_ = true;
     }
-    set_.of_face.push_back(index_);
+    set_.of_face.resize(faces_before + count, index_);
   }
 
   LabelSet take() { return std::move(set_); }

@@ -18,8 +18,7 @@ namespace remesh {
 /// Holds:   no file is opened, whatever `mtllib` names; names are in the order in which faces first bear them.
 /// Errors:  kInvalidMesh, kIndexOutOfRange, kNonfiniteCoordinate - with the line; kMeshTooLarge - past `limits`, or
 ///          a face of more than 4 million corners; kEmptyMesh - no face; kCancelled, kTimeout - through `control`.
-/// Cost:    O(text).
-/// Source:  faces, groups, objects and materials through tinyobjloader's callbacks; coordinates by std::from_chars.
+/// Cost:    O(text); plain records on the caller's TBB arena, see obj_readers.h.
 ReadResult read_obj(std::string_view text, const ReadLimits& limits, RunControl& control);
 
 /// Writes OBJ text: `comments` as `#` lines, the `mtllib` records, vertices, faces in their order; `o`, `g` and

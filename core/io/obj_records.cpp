@@ -8,12 +8,8 @@
 namespace remesh {
 namespace {
 
-// Not <cctype>: the records do not depend on a locale.
-constexpr bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
-constexpr bool is_keyword_character(char c) { return is_letter(c) || (c >= '0' && c <= '9') || c == '_'; }
-
 bool is_keyword(std::string_view token) {
-  return is_letter(token.front()) && std::all_of(token.begin(), token.end(), is_keyword_character);
+  return is_letter(token.front()) && std::all_of(token.begin(), token.end(), is_obj_keyword_character);
 }
 
 bool is_comment(std::string_view line) {

@@ -6,14 +6,18 @@
 #include <string>
 #include <string_view>
 
+#include "core/io/text.h"
 #include "core/io/text_lines.h"
 
 namespace remesh {
 
+/// A keyword starts with a letter and goes on with these.
+constexpr bool is_obj_keyword_character(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
+
 /// Walks over OBJ text once, record by record: `keyword arguments`.
 /// Input:   line ends LF, CRLF or CR; a `\` at the end of a line continues it (not a comment, which may end in a path);
 ///          a UTF-8 byte-order mark is skipped. The text outlives the walk.
-/// Holds:   comments and blank lines are skipped; a keyword starts with a letter, letters, digits and `_` follow.
+/// Holds:   comments and blank lines are skipped; a keyword is one of letters, digits and `_`, a letter first.
 /// Errors:  kInvalidMesh, with the line - UTF-16 or UTF-32; a control character outside comments; a line that starts
 /// otherwise. Cost:    O(text), one look at each byte; joined lines are copied, all others are views into the text.
 class ObjRecords {

@@ -1,6 +1,8 @@
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <vector>
 
 #include "core/io/obj.h"
 #include "core/io/text.h"
@@ -27,24 +29,25 @@ void append_free_text(std::string& out, std::string_view keyword, std::string_vi
   out += '\n';
 }
 
-/// Writes a record of one kind where the label changes from one face to the next.
-class LabelWriter {
- public:
-  LabelWriter(std::string_view keyword, const LabelSet& labels) : keyword_(keyword), labels_(labels) {}
+/// Writes a record where the label changes from one face to the next.
+void append_label(std::string& out, std::string_view keyword, const LabelSet& labels, FaceId f) {
+  if (!labels.is_used()) return;
+  const std::uint32_t label = labels.of_face[f];
+  if (f.value > 0 && label == labels.of_face[FaceId(f.value - 1)]) return;
+  append_free_text(out, keyword, labels.names[label]);
+}
 
-  void write(std::string& out, FaceId f) {
-    if (!labels_.is_used()) return;
-    const std::uint32_t label = labels_.of_face[f];
-    if (f.value > 0 && label == current_) return;
-    current_ = label;
-    append_free_text(out, keyword_, labels_.names[label]);
+void append_face(std::string& out, const TriangleMesh& mesh, FaceId f) {
+  append_label(out, "o", mesh.labels.object, f);
+  append_label(out, "g", mesh.labels.group, f);
+  append_label(out, "usemtl", mesh.labels.material, f);
+  out += 'f';
+  for (const VertexId v : mesh.faces[f]) {
+    out += ' ';
+    append_integer(out, std::uint64_t{v.value} + 1);
   }
-
- private:
-  std::string_view keyword_;
-  const LabelSet& labels_;
-  std::uint32_t current_ = 0;
-};
+  out += '\n';
+}
 
 }  // namespace
 
@@ -60,27 +63,13 @@ std::string write_obj(const TriangleMesh& mesh, const std::vector<std::string>& 
   }
   for (const std::string& files : mesh.labels.material_libraries) append_free_text(out, "mtllib", files);
 
-  WriteProgress progress(vertices + faces, control);
-  for (const Vec3& position : mesh.positions) {
-    progress.tick();
-    out += 'v';
-    append_coordinates(out, position);
-  }
-
-  std::array<LabelWriter, 3> label_writers{LabelWriter("o", mesh.labels.object), LabelWriter("g", mesh.labels.group),
-                                           LabelWriter("usemtl", mesh.labels.material)};
-  FaceId f(0);
-  for (const Triangle& triangle : mesh.faces) {
-    progress.tick();
-    for (LabelWriter& labels : label_writers) labels.write(out, f);
-    out += 'f';
-    for (const VertexId v : triangle) {
-      out += ' ';
-      append_integer(out, std::uint64_t{v.value} + 1);
-    }
-    out += '\n';
-    ++f.value;
-  }
+  const double share = static_cast<double>(vertices) / static_cast<double>(std::max<std::size_t>(vertices + faces, 1));
+  append_elements(out, vertices, {0, share}, control, [&](std::string& text, std::size_t v) {
+    text += 'v';
+    append_coordinates(text, mesh.positions[VertexId(v)]);
+  });
+  append_elements(out, faces, {share, 1}, control,
+                  [&](std::string& text, std::size_t f) { append_face(text, mesh, FaceId(f)); });
   return out;
 }
 

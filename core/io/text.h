@@ -17,6 +17,11 @@ constexpr bool is_control_character(char c) {
   return (byte < 0x20 && !is_blank(c)) || byte == 0x7f;
 }
 
+constexpr bool is_line_end(char c) { return c == '\n' || c == '\r'; }
+// Not <cctype>: formats do not depend on a locale.
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+constexpr bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
 /// `text` without the blanks at both ends.
 std::string_view trim(std::string_view text);
 

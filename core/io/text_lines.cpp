@@ -43,7 +43,7 @@ TextLines::TextLines(std::string_view text) : text_(text) {
                      "the text is in " + std::string(*encoding) +
                          "; meshes are read in UTF-8 or any other encoding that extends ASCII");
   }
-  if (text.starts_with("\xef\xbb\xbf")) offset_ = 3;
+  if (text.starts_with(kUtf8Mark)) offset_ = kUtf8Mark.size();
 }
 
 bool TextLines::next() {

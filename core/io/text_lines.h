@@ -8,6 +8,9 @@
 
 namespace remesh {
 
+/// The byte-order mark of UTF-8.
+inline constexpr std::string_view kUtf8Mark = "\xef\xbb\xbf";
+
 /// Walks over text once, line by line.
 /// Input:   line ends LF, CRLF or CR, mixed or not; a UTF-8 byte-order mark is skipped. The text outlives the walk.
 /// Errors:  kInvalidMesh - the text begins with the byte-order mark of another encoding, which the message names.

@@ -1,11 +1,13 @@
 /// What the writers of several formats share.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "core/base/blocks.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 
@@ -26,6 +28,32 @@ class WriteProgress {
   RunControl& control_;
   std::size_t done_ = 0;
 };
+
+/// The part of a stage's progress that some work makes.
+struct ProgressShare {
+  double begin, end;
+};
+
+/// Appends what `append(text, i)` appends for each i from 0 to n - 1, in that order; blocks of it are made on the
+/// caller's TBB arena. Errors: kCancelled, kTimeout - through `control`.
+template <class Append>
+void append_elements(std::string& out, std::size_t n, ProgressShare share, RunControl& control, const Append& append) {
+  constexpr std::size_t kBlock = 4096;
+  const std::size_t blocks = (n + kBlock - 1) / kBlock;
+  const double step = (share.end - share.begin) / static_cast<double>(std::max<std::size_t>(blocks, 1));
+  map_in_order<std::string>(
+      blocks, control,
+      [&](std::size_t block) {
+        std::string text;
+        for (std::size_t i = block * kBlock; i < std::min(n, (block + 1) * kBlock); ++i) append(text, i);
+        return text;
+      },
+      [&](std::size_t block, const std::string& text) {
+        out += text;
+        control.progress(share.begin + step * static_cast<double>(block + 1));
+        return true;
+      });
+}
 
 /// The lines of a comment, which may hold line ends; control characters become blanks.
 std::vector<std::string> comment_lines(std::string_view comment);

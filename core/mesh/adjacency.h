@@ -19,7 +19,7 @@ using EdgeId = Id<EdgeTag>;
 class Adjacency {
  public:
   /// Output: edges ordered by (smaller vertex, larger vertex); the half-edges of an edge ascending.
-  /// Cost:   O(n) for vertices of bounded degree, O(n log n) at worst.
+  /// Cost:   O(n) for vertices of bounded degree, O(n log n) at worst; on the caller's TBB arena.
   Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin, std::span<const VertexId> corners);
 
   std::size_t edge_count() const { return edge_begin_.size() - 1; }
@@ -30,31 +30,32 @@ class Adjacency {
   /// The edge between two vertices; invalid if there is none. Cost: O(log n).
   EdgeId find(VertexId a, VertexId b) const;
   EdgeId edge_of(std::uint32_t half_edge) const { return edge_of_[half_edge]; }
-  FaceId face_of(std::uint32_t half_edge) const { return face_of_[half_edge]; }
+  FaceId face_of(std::uint32_t half_edge) const { return are_triangles_ ? FaceId(half_edge / 3) : face_of_[half_edge]; }
   VertexId from(std::uint32_t half_edge) const { return corners_[half_edge]; }
   VertexId to(std::uint32_t half_edge) const { return corners_[next(half_edge)]; }
   /// The following corner in the same face.
   std::uint32_t next(std::uint32_t half_edge) const {
+    if (are_triangles_) return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1;
     const std::uint32_t f = face_of_[half_edge].value;
     return half_edge + 1 == face_begin_[f + 1] ? face_begin_[f] : half_edge + 1;
   }
   /// The other half-edge where the edge has exactly two that run in opposite directions; else kNone.
-  std::uint32_t twin(std::uint32_t half_edge) const {
-    const auto around = half_edges(edge_of_[half_edge]);
-    if (around.size() != 2) return kNone;
-    const std::uint32_t other = around[0] == half_edge ? around[1] : around[0];
-    return corners_[other] == corners_[half_edge] ? kNone : other;
-  }
+  std::uint32_t twin(std::uint32_t half_edge) const { return twin_[half_edge]; }
 
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
  private:
+  void group_by_smaller_vertex(std::vector<std::uint32_t>& bucket);
+  void number_edges(const std::vector<std::uint32_t>& bucket);
+
   std::span<const std::uint32_t> face_begin_;
   std::span<const VertexId> corners_;
   std::vector<std::uint32_t> half_edges_;
   std::vector<std::uint32_t> edge_begin_;
   std::vector<EdgeId> edge_of_;
-  std::vector<FaceId> face_of_;
+  std::vector<std::uint32_t> twin_;
+  bool are_triangles_ = true;
+  std::vector<FaceId> face_of_;  ///< where not all faces are triangles
 };
 
 }  // namespace remesh

@@ -24,7 +24,7 @@ IdVector<FaceId, FaceGeometry> face_geometry(const Surface& surface, RunControl&
     for (std::size_t f = range.begin(); f < range.end(); ++f) {
       const auto loop = surface.face(FaceId(f));
       const Vec3 origin = surface.local[loop[0]];
-      Vec3 twice_area, sum;
+      Vec3 twice_area;
       Box3 box;
       double longest = 0;
       Vec3 longest_side;
@@ -32,19 +32,18 @@ IdVector<FaceId, FaceGeometry> face_geometry(const Surface& surface, RunControl&
         const Vec3 a = surface.local[loop[i]];
         const Vec3 b = surface.local[loop[i + 1 == loop.size() ? 0 : i + 1]];
         twice_area += cross(a - origin, b - origin);
-        sum += a - origin;
         if (norm_squared(b - a) > longest) {
           longest = norm_squared(b - a);
           longest_side = b - a;
         }
-        box.add(a);
+        if (loop.size() > 3) box.add(a);
       }
       const double extent = loop.size() == 3 ? std::sqrt(longest) : box.diagonal();
       FaceGeometry& g = result[FaceId(f)];
-      g.normal = normalized(twice_area);
+      const double length = norm(twice_area);
+      g.normal = length > 0 ? Vec3{twice_area.x / length, twice_area.y / length, twice_area.z / length} : Vec3{};
       if (g.normal == Vec3{}) g.normal = some_normal_to(longest_side);
-      g.centre = origin + (1.0 / static_cast<double>(loop.size())) * sum;
-      g.area = 0.5 * norm(twice_area);
+      g.area = 0.5 * length;
       g.height = extent > 0 ? 2 * g.area / extent : 0;
     }
   });

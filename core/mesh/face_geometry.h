@@ -11,12 +11,20 @@ namespace remesh {
 /// In local units.
 struct FaceGeometry {
   Vec3 normal;  ///< unit; where rounding leaves no direction, some direction across the longest side
-  Vec3 centre;  ///< mean of the corners
   double area = 0;
   /// The least height of a triangle; of a polygon, twice its area over its longest extent. What distance from a plane
   /// says about the face's angle is that distance over this.
   double height = 0;
 };
+
+/// The mean of a face's corners.
+inline Vec3 face_centre(const Surface& surface, FaceId f) {
+  const auto loop = surface.face(f);
+  const Vec3 origin = surface.local[loop[0]];
+  Vec3 sum;
+  for (const VertexId v : loop) sum += surface.local[v] - origin;
+  return origin + (1.0 / static_cast<double>(loop.size())) * sum;
+}
 
 IdVector<FaceId, FaceGeometry> face_geometry(const Surface& surface, RunControl& control);
 

@@ -1,12 +1,17 @@
 #include "core/stages/coplanar_regions.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cmath>
 #include <initializer_list>
 #include <utility>
 
+#include "core/base/blocks.h"
 #include "core/base/tolerance.h"
 #include "core/geometry/plane_fit.h"
 
@@ -24,14 +29,92 @@ constexpr std::uint8_t kMostTrials = 8;
 /// What printing does to a coordinate, in its steps, and a little more for what the numbers went through before.
 constexpr double kPrinted = 0.51;
 
+constexpr std::size_t kBlock = 4096;
+
+/// Faces in the order in which regions are grown from them: the largest first; among equally large ones the one at the
+/// smallest place. Most faces get their region from another one, so that few are ever asked for.
+class Seeds {
+ public:
+  Seeds(const Surface& surface, const IdVector<FaceId, FaceGeometry>& geometry) : surface_(surface) {
+    open_.reserve(surface.face_count());
+    for (std::uint32_t i = 0; i < surface.face_count(); ++i) open_.push_back({geometry[FaceId(i)].area, FaceId(i)});
+  }
+
+  template <class Keep>
+  void keep_if(const Keep& keep) {
+    open_.erase(std::remove_if(open_.begin(), open_.end(), [&](const Seed& s) { return !keep(s.face); }), open_.end());
+    looks_left_ = kLooks * open_.size();
+  }
+  /// The next one that is open still; invalid at the end.
+  template <class IsOpen>
+  FaceId next(const IsOpen& is_open) {
+    if (is_sorted_) {
+      while (next_ < open_.size() && !is_open(open_[next_].face)) ++next_;
+      return next_ < open_.size() ? open_[next_++].face : FaceId();
+    }
+    open_.erase(std::remove_if(open_.begin(), open_.end(), [&](const Seed& s) { return !is_open(s.face); }),
+                open_.end());
+    if (open_.empty()) return {};
+    if (looks_left_ >= open_.size()) {
+      looks_left_ -= open_.size();
+      return first();
+    }
+    sort();
+    return open_[next_++].face;
+  }
+
+ private:
+  struct Seed {
+    double area;
+    FaceId face;
+  };
+  struct Placed {
+    double area;
+    Vec3 place;
+    FaceId face;
+    bool is_before(const Placed& b) const {
+      if (area != b.area) return area > b.area;
+      return place != b.place ? place < b.place : face < b.face;
+    }
+  };
+  /// So often each face may be looked at before they are sorted.
+  static constexpr std::size_t kLooks = 8;
+
+  Placed placed(const Seed& s) const { return {s.area, face_centre(surface_, s.face), s.face}; }
+
+  FaceId first() const {
+    Placed best = placed(open_[0]);
+    for (const Seed& s : open_) {
+      if (s.area < best.area) continue;
+      const Placed other = placed(s);
+      if (other.is_before(best)) best = other;
+    }
+    return best.face;
+  }
+
+  void sort() {
+    std::vector<Placed> all(open_.size());
+    std::transform(open_.begin(), open_.end(), all.begin(), [&](const Seed& s) { return placed(s); });
+    tbb::parallel_sort(all.begin(), all.end(), [](const Placed& a, const Placed& b) { return a.is_before(b); });
+    std::transform(all.begin(), all.end(), open_.begin(), [](const Placed& p) { return Seed{p.area, p.face}; });
+    is_sorted_ = true;
+  }
+
+  const Surface& surface_;
+  std::vector<Seed> open_;
+  std::size_t looks_left_ = 0;
+  std::size_t next_ = 0;  ///< once they are sorted
+  bool is_sorted_ = false;
+};
+
 /// Faces accepted so far, for the plane through them: area-weighted, so that the normal depends on the rim alone.
 struct Fit {
   Vec3 area_vector, moment;
   double area = 0;
 
-  void add(const FaceGeometry& g) {
+  void add(const FaceGeometry& g, const Vec3& centre) {
     area_vector += g.area * g.normal;
-    moment += g.area * g.centre;
+    moment += g.area * centre;
     area += g.area;
   }
   Plane plane() const { return {(1 / area) * moment, normalized(area_vector)}; }
@@ -54,30 +137,28 @@ class Growth {
     for (const Vec3& p : surface.local) box.add(p);
     floor_ = kToleranceFloor * box.diagonal();
     first_region_ = static_cast<std::uint32_t>(regions.planes.size());
+    for (std::size_t rung = 0; rung < tolerance_at_.size(); ++rung)
+      tolerance_at_[rung] = tolerance_at_rung(rule.plane_tolerance, static_cast<std::uint8_t>(rung), floor_);
+    for (std::size_t f = 0; f < surface.face_count(); ++f)
+      if (regions.of_face[FaceId(f)].is_valid()) stamp_[f] = kTaken;
   }
 
   void run() {
-    std::vector<FaceId> open = open_faces();
-    const auto all = static_cast<double>(open.size());
-    while (!open.empty()) {
-      control_.progress(1 - static_cast<double>(open.size()) / all);
-      // While regions take much of what is open, the next seed is found sooner than all are sorted.
-      grow_from(*std::min_element(open.begin(), open.end(), [&](FaceId f, FaceId g) { return is_before(f, g); }));
-      const std::size_t before = open.size();
-      open.erase(std::remove_if(open.begin(), open.end(), [&](FaceId f) { return regions_.of_face[f].is_valid(); }),
-                 open.end());
-      if (before - open.size() < before / 16) break;
-    }
-    tbb::parallel_sort(open.begin(), open.end(), [&](FaceId f, FaceId g) { return is_before(f, g); });
-    for (std::size_t i = 0; i < open.size(); ++i) {
-      if (i % 4096 == 0) control_.progress(1 - static_cast<double>(open.size() - i) / all);
-      if (!regions_.of_face[open[i]].is_valid()) grow_from(open[i]);
+    // Thin faces seed only what no other face has taken.
+    for (const bool thin : {false, true}) {
+      const auto is_open = [&](FaceId f) { return stamp_[f.value] != kTaken; };
+      Seeds seeds(surface_, geometry_);
+      seeds.keep_if([&](FaceId f) { return is_open(f) && is_thin(f) == thin; });
+      for (FaceId seed = seeds.next(is_open); seed.is_valid(); seed = seeds.next(is_open)) {
+        grow_from(seed);
+        control_.progress(static_cast<double>(faces_taken_) / static_cast<double>(surface_.face_count()));
+      }
     }
     merge();
   }
 
  private:
-  double tolerance(FaceId f) const { return tolerance_at_rung(rule_.plane_tolerance, (*rule_.rung)[f], floor_); }
+  double tolerance(FaceId f) const { return tolerance_at_[(*rule_.rung)[f]]; }
   bool is_thin(FaceId f) const { return geometry_[f].height < kThinFace * tolerance(f); }
 
   /// Whether the two triangles at an edge bend by more than printing can do: then no four corners that are printed as
@@ -101,23 +182,6 @@ class Growth {
     return std::fabs(dot(cross(b, c), d)) > kPrinted * rule_.printed_step * areas;
   }
 
-  std::vector<FaceId> open_faces() const {
-    std::vector<FaceId> open;
-    open.reserve(surface_.face_count());
-    for (std::uint32_t i = 0; i < surface_.face_count(); ++i)
-      if (!regions_.of_face[FaceId(i)].is_valid()) open.push_back(FaceId(i));
-    return open;
-  }
-
-  /// The order of seeds: the largest face first, among equally large ones the one at the smallest place. Thin faces
-  /// seed only what no other face has taken.
-  bool is_before(FaceId f, FaceId g) const {
-    if (is_thin(f) != is_thin(g)) return is_thin(g);
-    const FaceGeometry &a = geometry_[f], &b = geometry_[g];
-    if (a.area != b.area) return a.area > b.area;
-    return a.centre != b.centre ? a.centre < b.centre : f < g;
-  }
-
   bool fits(FaceId f, const Plane& plane, double tol) const {
     // The normal first: it is one test, where a large polygon with many neighbours has many corners.
     const FaceGeometry& g = geometry_[f];
@@ -138,14 +202,14 @@ class Growth {
       const std::uint32_t twin = adjacency_.twin(h);
       if (twin == Adjacency::kNone) continue;
       const FaceId g = adjacency_.face_of(twin);
-      if (regions_.of_face[g].is_valid() || stamp_[g.value] == now_ || is_bend(h)) continue;
+      if (stamp_[g.value] == kTaken || stamp_[g.value] == now_ || is_bend(h)) continue;
       if ((*rule_.zone)[g] == (*rule_.zone)[f] && (*rule_.rung)[g] == (*rule_.rung)[f]) accept(g);
     }
   }
 
   /// Finds the plane of the seed's region by growing while fitting, then the region by growing in that plane.
   void grow_from(FaceId seed) {
-    const Plane seed_plane = Plane{geometry_[seed].centre, geometry_[seed].normal};
+    const Plane seed_plane = Plane{face_centre(surface_, seed), geometry_[seed].normal};
     if ((*rule_.rung)[seed] == kSingleFace) {
       found_.assign(1, seed);
       close(seed_plane);
@@ -154,10 +218,7 @@ class Growth {
     const double tol = tolerance(seed);
     Plane plane = grow_fitting(seed, seed_plane, tol);
     const double band = kBand * tol;
-    const auto all_fit = [&] {
-      return std::all_of(found_.begin(), found_.end(), [&](FaceId f) { return fits(f, plane, band); });
-    };
-    if (!all_fit()) {
+    if (!do_all_fit(plane, band)) {
       for (const FaceId f : found_)
         if (trials_[f.value] < kMostTrials) ++trials_[f.value];
       if (!fits(seed, plane, band)) plane = seed_plane;
@@ -166,12 +227,28 @@ class Growth {
     close(plane);
   }
 
+  /// Whether all that was found does.
+  bool do_all_fit(const Plane& plane, double tol) const {
+    std::atomic<bool> do_fit = true;
+    const auto look = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end && do_fit; ++i)
+        if (!fits(found_[i], plane, tol)) do_fit = false;
+    };
+    if (found_.size() <= kBlock)
+      look(0, found_.size());
+    else
+      for_blocks(found_.size(), kBlock, control_, look);
+    return do_fit;
+  }
+
   /// What is known of a region while regions are merged; a region that has been taken in by another one is empty.
   struct Piece {
-    std::vector<FaceId> faces;
+    std::vector<FaceId> faces;  ///< filled in, as are the moments, if any regions might be merged
     PointMoments moments;
+    double tolerance = 0;
     double height = 0;  ///< of its highest face: what its normal is worth
     std::uint8_t failures = 0;
+    bool may_merge = false;
   };
 
   /// Joins neighbouring regions that have one plane after all. Growth begins with a plane as good as one face, and on a
@@ -179,38 +256,55 @@ class Growth {
   void merge() {
     if (first_region_ == regions_.planes.size()) return;
     std::vector<Piece> pieces(regions_.planes.size() - first_region_);
-    for (std::uint32_t i = 0; i < surface_.face_count(); ++i) {
-      if (i % 4096 == 0) control_.check();
-      const RegionId r = regions_.of_face[FaceId(i)];
-      if (r.value < first_region_ || (*rule_.rung)[FaceId(i)] == kSingleFace) continue;
-      Piece& piece = pieces[r.value - first_region_];
-      piece.faces.push_back(FaceId(i));
-      piece.height = std::max(piece.height, geometry_[FaceId(i)].height);
-      for (const VertexId v : surface_.face(FaceId(i))) piece.moments.add(surface_.local[v]);
-    }
+    const auto for_each_face = [&](const auto& visit) {
+      for (std::uint32_t i = 0; i < surface_.face_count(); ++i) {
+        if (i % kBlock == 0) control_.check();
+        const RegionId r = regions_.of_face[FaceId(i)];
+        if (r.value >= first_region_ && (*rule_.rung)[FaceId(i)] != kSingleFace)
+          visit(FaceId(i), pieces[r.value - first_region_]);
+      }
+    };
+    for_each_face([&](FaceId f, Piece& piece) {
+      piece.may_merge = true;
+      piece.tolerance = tolerance(f);
+      piece.height = std::max(piece.height, geometry_[f].height);
+    });
+    auto pairs = bordering_pieces(pieces);
+    if (pairs.empty()) return;
+    for_each_face([&](FaceId f, Piece& piece) {
+      piece.faces.push_back(f);
+      for (const VertexId v : surface_.face(f)) piece.moments.add(surface_.local[v]);
+    });
     // Each pass may make neighbours of regions that were not; few are needed.
     constexpr int kMostPasses = 8;
-    bool is_changed = true;
-    for (int pass = 0; pass < kMostPasses && is_changed; ++pass) {
-      is_changed = false;
-      for (const auto& [a, b] : bordering_pieces(pieces)) is_changed = try_merge(pieces, a, b) || is_changed;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      bool is_changed = false;
+      for (const auto& [a, b] : pairs) is_changed = try_merge(pieces, a, b) || is_changed;
+      if (!is_changed || pass + 1 == kMostPasses) return;
+      pairs = bordering_pieces(pieces);
     }
   }
 
   /// Pairs of new regions with an edge between them whose planes might be one, ascending: in the order of their seeds.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> bordering_pieces(const std::vector<Piece>& pieces) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
-    for (std::uint32_t h = 0; h < surface_.corners.size(); ++h) {
-      if (h % 4096 == 0) control_.check();
-      const std::uint32_t twin = adjacency_.twin(h);
-      if (twin == Adjacency::kNone || twin < h) continue;
-      const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
-      const RegionId r = regions_.of_face[f], q = regions_.of_face[g];
-      if (r == q || std::min(r, q).value < first_region_ || (*rule_.zone)[f] != (*rule_.zone)[g] || is_bend(h))
-        continue;
-      const std::uint32_t a = std::min(r, q).value - first_region_, b = std::max(r, q).value - first_region_;
-      if (is_alike(pieces, a, b)) pairs.push_back({a, b});
-    }
+    using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+    const auto find = [&](std::size_t begin, std::size_t end) {
+      Pairs found;
+      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+        const std::uint32_t twin = adjacency_.twin(h);
+        if (twin == Adjacency::kNone || twin < h) continue;
+        const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
+        const RegionId r = regions_.of_face[f], q = regions_.of_face[g];
+        if (r == q || std::min(r, q).value < first_region_ || (*rule_.zone)[f] != (*rule_.zone)[g] || is_bend(h))
+          continue;
+        const std::uint32_t a = std::min(r, q).value - first_region_, b = std::max(r, q).value - first_region_;
+        if (is_alike(pieces, a, b)) found.push_back({a, b});
+      }
+      return found;
+    };
+    Pairs pairs;
+    for (const Pairs& found : map_blocks<Pairs>(surface_.corners.size(), kBlock, control_, find))
+      pairs.insert(pairs.end(), found.begin(), found.end());
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
     return pairs;
@@ -218,21 +312,21 @@ class Growth {
 
   /// Whether two regions' planes turn against each other by no more than what the tolerance explains.
   bool is_alike(const std::vector<Piece>& pieces, std::uint32_t a, std::uint32_t b) const {
-    if (pieces[a].faces.empty() || pieces[b].faces.empty()) return false;
+    if (!pieces[a].may_merge || !pieces[b].may_merge) return false;
     const double cosine =
         dot(regions_.planes[RegionId(first_region_ + a)].normal, regions_.planes[RegionId(first_region_ + b)].normal);
     const double height = std::min(pieces[a].height, pieces[b].height);
-    const double sine = 2 * kThinFace * tolerance(pieces[a].faces[0]) / std::max(height, 1e-300);
+    const double sine = 2 * kThinFace * pieces[a].tolerance / std::max(height, 1e-300);
     return cosine > 0 && 1 - cosine * cosine <= sine * sine;
   }
 
   bool try_merge(std::vector<Piece>& pieces, std::uint32_t a, std::uint32_t b) {
-    if (pieces[a].faces.empty() || pieces[b].faces.empty()) return false;
+    if (!pieces[a].may_merge || !pieces[b].may_merge) return false;
     if (pieces[a].failures >= kMostTrials || pieces[b].failures >= kMostTrials) return false;
     PointMoments moments = pieces[a].moments;
     moments.merge(pieces[b].moments);
     const PlaneFit fit = fit_plane(moments);
-    const double band = kBand * tolerance(pieces[a].faces[0]);
+    const double band = kBand * pieces[a].tolerance;
     constexpr double kRounding = 1e-7;  // of moments, in local units
     if (fit.rms > band + kRounding) return false;
     Plane plane{moments.mean(), fit.normal};
@@ -275,7 +369,7 @@ class Growth {
     Fit fit;
     const auto take = [&](FaceId f) {
       found_.push_back(f);
-      if (!is_thin(f) || f == seed) fit.add(geometry_[f]);
+      if (!is_thin(f) || f == seed) fit.add(geometry_[f], face_centre(surface_, f));
     };
     found_.clear();
     stamp_[seed.value] = now_;
@@ -318,7 +412,11 @@ class Growth {
 
   void close(const Plane& plane) {
     const RegionId region = regions_.planes.push_back(plane);
-    for (const FaceId f : found_) regions_.of_face[f] = region;
+    for (const FaceId f : found_) {
+      regions_.of_face[f] = region;
+      stamp_[f.value] = kTaken;
+    }
+    faces_taken_ += found_.size();
   }
 
   const Surface& surface_;
@@ -328,9 +426,13 @@ class Growth {
   Regions& regions_;
   RunControl& control_;
   double floor_ = 0;
-  std::uint32_t first_region_ = 0;  // older ones are not touched
-  std::uint32_t now_ = 0;
+  std::uint32_t first_region_ = 0;                      // older ones are not touched
+  std::array<double, kSingleFace + 1> tolerance_at_{};  ///< each rung
+  std::size_t faces_taken_ = 0;
+  /// Per face: the growth that found it last, or that it has its region.
   std::vector<std::uint32_t> stamp_;
+  static constexpr std::uint32_t kTaken = 0xffffffffu;
+  std::uint32_t now_ = 0;
   std::vector<std::uint8_t> trials_;
   std::vector<FaceId> found_, next_layer_;
 };
@@ -354,7 +456,7 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency,
                       const IdVector<FaceId, FaceGeometry>& geometry, double floor, double tolerance) {
   const auto is_witness = [&](FaceId f) { return geometry[f].height >= kWitness * tolerance; };
   const auto bend = [&](FaceId of, FaceId against) {
-    const Plane plane{geometry[against].centre, geometry[against].normal};
+    const Plane plane{face_centre(surface, against), geometry[against].normal};
     double most = 0;
     for (const VertexId v : surface.face(of)) {
       most = std::max(most, std::fabs(plane.distance(surface.local[v])));
@@ -363,9 +465,9 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency,
     return most;
   };
   const auto is_noise = [&](double distance) { return distance > floor && distance <= tolerance; };
-  for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
+  const auto has_noise = [&](std::uint32_t i) {
     const FaceId f(i);
-    if (!is_witness(f)) continue;
+    if (!is_witness(f)) return false;
     if (surface.face(f).size() > 3 && is_noise(bend(f, f))) return true;
     for (std::uint32_t h = surface.face_begin[i]; h < surface.face_begin[i + 1]; ++h) {
       const std::uint32_t twin = adjacency.twin(h);
@@ -373,8 +475,15 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency,
       const FaceId g = adjacency.face_of(twin);
       if (is_witness(g) && dot(geometry[f].normal, geometry[g].normal) > 0 && is_noise(bend(g, f))) return true;
     }
-  }
-  return false;
+    return false;
+  };
+  std::atomic<bool> is_found = false;
+  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(surface.face_count()), kBlock),
+                    [&](const auto& range) {
+                      for (std::uint32_t i = range.begin(); i < range.end() && !is_found; ++i)
+                        if (has_noise(i)) is_found = true;
+                    });
+  return is_found;
 }
 
 }  // namespace remesh

@@ -4,6 +4,7 @@
 
 #include "api/json_reader.h"
 #include "tests/fuzz/fuzz.h"
+#include "tests/support/same_reading.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace remesh;
@@ -11,7 +12,12 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   api::OptionReader options;
   try {
     const std::string_view content(reinterpret_cast<const char*>(data), size);
-    fuzz::check_mesh(api::read_json(content, {100'000, 100'000}, control, options).mesh);
+    const ReadResult result = api::read_json(content, {100'000, 100'000}, control, options);
+    fuzz::check_mesh(result.mesh);
+    api::OptionReader same_options;
+    fuzz::require(
+        test::is_same_reading(result, api::read_json_by_events(content, {100'000, 100'000}, control, same_options)),
+        "the readings differ");
   } catch (const Error& error) {
     fuzz::check_error(error);
   }

@@ -61,6 +61,7 @@ int main(int argc, char** argv) {
       {"obj",
        {written(Format::kObj), "v 0 0\nv 1 0 0 1 0 0\r\nv +1e0 .5 -1.#IND\nf 1/1 -2//3 \\\n3/4/5 # six\nl 1 2\np 1\n",
         "mtllib a.mtl\ng a b\no\nusemtl\ns off\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf -3 -2 -1\n"}},
+      {"obj_ways", {written(Format::kObj), "v 0 0\nv 1 0 0 1\nv 0 1 0 # c\r\nvn 0 0 1\rg a\tb\nf 1//1 -1/2 2/\n"}},
       {"stl",
        {written(Format::kStl), written(Format::kStl) + "x",
         "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 "

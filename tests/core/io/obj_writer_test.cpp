@@ -1,5 +1,8 @@
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <random>
 #include <string>
@@ -111,6 +114,19 @@ TEST(obj_writer, any_finite_doubles_and_labels_read_back_bit_for_bit) {
     ASSERT_TRUE(std::equal(face.begin(), face.end(), mesh.faces[FaceId(f)].begin(), mesh.faces[FaceId(f)].end())) << f;
   }
   EXPECT_EQ(back.labels, mesh.labels);
+}
+
+TEST(obj_writer, any_number_of_threads_writes_the_same_bytes) {
+  TriangleMesh mesh;
+  for (int i = 0; i < 50'000; ++i) mesh.positions.push_back({1.0 / (i + 1), std::sqrt(i), -1.5 * i});
+  for (std::uint32_t f = 0; f < 70'000; ++f)
+    mesh.faces.push_back({VertexId(f % 50'000), VertexId(f * 7 % 50'000), VertexId(f / 2)});
+  mesh.labels.group = labels({"a", "b"}, {});
+  for (std::uint32_t f = 0; f < 70'000; ++f) mesh.labels.group.of_face.push_back(f / 4000 % 2);
+  const auto write_with = [&](int threads) { return tbb::task_arena(threads).execute([&] { return write(mesh); }); };
+  const std::string alone = write_with(1);
+  EXPECT_EQ(std::count(alone.begin(), alone.end(), 'g'), 18);
+  for (const int threads : {2, 5}) EXPECT_EQ(write_with(threads), alone);
 }
 
 TEST(obj_writer, a_stop_is_obeyed_and_progress_shown) {

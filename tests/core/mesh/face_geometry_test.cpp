@@ -30,7 +30,12 @@ TEST(face_geometry, a_triangle_of_sides_3_4_5) {
   EXPECT_DOUBLE_EQ(g.area, 6);
   EXPECT_DOUBLE_EQ(g.height, 12.0 / 5);
   expect_near(g.normal, {0, 0, 1});
-  expect_near(g.centre, {4.0 / 3, 1, 1});
+}
+
+TEST(face_geometry, the_centre_is_the_mean_of_the_corners) {
+  Surface surface = shapes::surface(shapes::from_lists({{0, 0, 1}, {4, 0, 1}, {0, 3, 1}}, {{0, 1, 2}}));
+  surface.local = surface.positions;
+  expect_near(face_centre(surface, FaceId(0)), {4.0 / 3, 1, 1});
 }
 
 TEST(face_geometry, the_height_of_a_triangle_is_its_least_one) {

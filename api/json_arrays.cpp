@@ -1,0 +1,125 @@
+#include "api/json_arrays.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <system_error>
+
+#include "core/io/digits.h"
+#include "core/io/text.h"
+
+namespace remesh::api {
+namespace {
+
+class Scanner {
+ public:
+  Scanner(std::string_view text, std::size_t begin, RunControl& control)
+      : begin_(text.data()), at_(begin_ + begin), end_(begin_ + text.size()), control_(control) {}
+
+  /// Reads elements by `read_element` up to the closing bracket; returns where that is.
+  template <class ReadElement>
+  std::size_t read_array(const ReadElement& read_element) {
+    if (peek() != ']') {
+      for (std::uint32_t count = 0;; ++count) {
+        if (count % 4096 == 0)
+          control_.progress(static_cast<double>(at_ - begin_) / static_cast<double>(end_ - begin_));
+        read_element();
+        if (peek() == ']') break;
+        take(',');
+      }
+    }
+    return static_cast<std::size_t>(at_ - begin_);
+  }
+
+  /// The next character that is no blank.
+  char peek() {
+    while (at_ != end_ && (*at_ == ' ' || *at_ == '\n' || *at_ == '\r' || *at_ == '\t')) ++at_;
+    if (at_ == end_) throw NotPlain();
+    return *at_;
+  }
+
+  void take(char c) {
+    if (peek() != c) throw NotPlain();
+    ++at_;
+  }
+
+  /// A JSON number: no sign but -, no zeros in front, digits on both sides of the point.
+  double take_number() {
+    peek();
+    const char* digits = at_ + (*at_ == '-');
+    if (digits == end_ || !is_digit(*digits)) throw NotPlain();
+    const char* point = digits + 1;
+    while (point != end_ && is_digit(*point)) ++point;
+    if (*digits == '0' && point != digits + 1) throw NotPlain();
+    if (point != end_ && *point == '.' && (point + 1 == end_ || !is_digit(point[1]))) throw NotPlain();
+
+    double value = 0;
+    const auto [stop, status] = std::from_chars(at_, end_, value);
+    if (status == std::errc::result_out_of_range) {
+      const Real real = parse_real({at_, static_cast<std::size_t>(stop - at_)});
+      if (real.fault != RealFault::kNone) throw NotPlain();
+      value = real.value;
+    } else if (status != std::errc{} || !std::isfinite(value)) {
+      throw NotPlain();
+    }
+    at_ = stop;
+    return stop == point ? value + 0.0 : value;
+  }
+
+  std::uint32_t take_index() {
+    peek();
+    std::int32_t value = 0;
+    const int digits = read_digits(at_, end_, value);
+    if (digits == 0 || (digits > 1 && *at_ == '0')) throw NotPlain();
+    at_ += digits;
+    return static_cast<std::uint32_t>(value);
+  }
+
+ private:
+  const char* const begin_;
+  const char* at_;
+  const char* const end_;
+  RunControl& control_;
+};
+
+}  // namespace
+
+std::size_t read_plain_vertices(std::string_view text, std::size_t begin, const ReadLimits& limits, RunControl& control,
+                                PolygonMesh& mesh) {
+  Scanner scanner(text, begin, control);
+  return scanner.read_array([&] {
+    if (mesh.vertex_count() >= limits.max_vertices) throw NotPlain();
+    Vec3 position;
+    scanner.take('[');
+    position.x = scanner.take_number();
+    scanner.take(',');
+    position.y = scanner.take_number();
+    scanner.take(',');
+    position.z = scanner.take_number();
+    scanner.take(']');
+    mesh.positions.push_back(position);
+  });
+}
+
+std::size_t read_plain_faces(std::string_view text, std::size_t begin, const ReadLimits& limits, RunControl& control,
+                             PolygonMesh& mesh) {
+  constexpr std::size_t kMaxCorners = std::numeric_limits<std::uint32_t>::max();
+  Scanner scanner(text, begin, control);
+  return scanner.read_array([&] {
+    if (mesh.face_count() >= limits.max_faces) throw NotPlain();
+    scanner.take('[');
+    for (;;) {
+      if (mesh.corners.size() >= kMaxCorners) throw NotPlain();
+      mesh.corners.emplace_back(scanner.take_index());
+      if (scanner.peek() == ']') break;
+      scanner.take(',');
+    }
+    scanner.take(']');
+    if (mesh.corners.size() - mesh.face_begin.back() < 3) throw NotPlain();
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+  });
+}
+
+}  // namespace remesh::api

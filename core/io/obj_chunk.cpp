@@ -1,0 +1,187 @@
+#include "core/io/obj_chunk.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <system_error>
+#include <utility>
+
+#include "core/io/digits.h"
+#include "core/io/label_collector.h"
+#include "core/io/obj_records.h"
+#include "core/io/text.h"
+
+namespace remesh {
+namespace {
+
+/// Whether no token goes on with that character: a blank or a line end. Nearly all characters are above them.
+bool is_token_end(char c) { return static_cast<unsigned char>(c) <= ' ' && (is_blank(c) || is_line_end(c)); }
+
+/// Every member that takes something answers whether it could: false is the end of the chunk. That the text ends with a
+/// line end spares each step a look at where the text ends.
+class Parser {
+ public:
+  explicit Parser(std::string_view text) : at_(text.data()), end_(at_ + text.size()) {}
+
+  bool parse() {
+    while (at_ != end_) {
+      skip_blanks();
+      if (*at_ == 'v' && is_blank(at_[1])) {
+        ++at_;
+        if (!take_vertex()) return false;
+      } else if (*at_ == 'f' && is_blank(at_[1])) {
+        ++at_;
+        if (!take_face()) return false;
+      } else if (*at_ == '#') {
+        skip_comment();
+      } else if (!is_line_end(*at_) && !take_other_record()) {
+        return false;
+      }
+      ++at_;  // over the line end
+    }
+    return true;
+  }
+
+  ObjChunk take() { return std::move(chunk_); }
+
+ private:
+  bool take_vertex() {
+    double position[3] = {0, 0, 0};
+    for (int axis = 0; axis < 3; ++axis) {
+      skip_blanks();
+      if (has_value()) {
+        if (!take_coordinate(position[axis])) return false;
+      } else if (axis == 2) {
+        chunk_.findings.missing_z.add(chunk_.positions.size());
+      } else {
+        return false;
+      }
+    }
+    skip_blanks();
+    if (has_value()) chunk_.findings.extra_values.add(chunk_.positions.size());
+    chunk_.positions.push_back({position[0], position[1], position[2]});
+    return end_record();
+  }
+
+  bool take_coordinate(double& value) {
+    const auto [stop, status] = std::from_chars(at_, end_, value);
+    if (status == std::errc{} && is_token_end(*stop) && std::isfinite(value)) {
+      at_ = stop;
+      return true;
+    }
+    const char* const begin = at_;
+    while (!is_token_end(*at_)) ++at_;
+    const Real real = parse_real({begin, static_cast<std::size_t>(at_ - begin)});
+    value = real.value;
+    return real.fault == RealFault::kNone;
+  }
+
+  bool take_face() {
+    const std::size_t first = chunk_.corners.size();
+    for (skip_blanks(); has_value(); skip_blanks()) {
+      if (!take_corner()) return false;
+    }
+    const std::size_t corners = chunk_.corners.size() - first;
+    if (corners < 3 || corners > kMaxObjFaceCorners) return false;
+    chunk_.face_end.push_back(static_cast<std::uint32_t>(chunk_.corners.size()));
+    return end_record();
+  }
+
+  /// `i`, `i/j`, `i//k` or `i/j/k`, the numbers after a slash missing or not.
+  bool take_corner() {
+    std::int32_t index = 0, unused = 0;
+    if (!take_integer(index) || index == 0) return false;
+    for (int part = 0; part < 2 && *at_ == '/'; ++part) {
+      ++at_;
+      if (!is_token_end(*at_) && *at_ != '/' && !take_integer(unused)) return false;
+    }
+    if (!is_token_end(*at_)) return false;
+    if (index > 0) {
+      chunk_.largest_index = std::max(chunk_.largest_index, static_cast<std::uint32_t>(index));
+      chunk_.corners.emplace_back(static_cast<std::uint32_t>(index - 1));
+    } else {
+      const std::int64_t difference = index + static_cast<std::int64_t>(chunk_.positions.size());
+      chunk_.relative.push_back(static_cast<std::uint32_t>(chunk_.corners.size()));
+      chunk_.corners.emplace_back(static_cast<std::uint32_t>(static_cast<std::int32_t>(difference)));
+    }
+    return true;
+  }
+
+  /// Of at most eight digits, as vertices are numbered; a longer one makes the chunk odd.
+  bool take_integer(std::int32_t& value) {
+    const char* at = at_;
+    const bool is_negative = *at == '-';
+    at += is_negative;
+    std::int32_t magnitude = 0;
+    const int digits = read_digits(at, end_, magnitude);
+    value = is_negative ? -magnitude : magnitude;
+    at_ = at + digits;
+    return digits > 0 && !is_digit(*at_);
+  }
+
+  bool take_other_record() {
+    const char* const begin = at_;
+    if (!is_letter(*at_)) return false;
+    while (is_obj_keyword_character(*at_)) ++at_;
+    if (!is_token_end(*at_)) return false;
+    const std::string_view keyword(begin, static_cast<std::size_t>(at_ - begin));
+    const char* const arguments = at_;
+    if (!skip_rest_of_line()) return false;
+    const std::string_view value = trim({arguments, static_cast<std::size_t>(at_ - arguments)});
+    if (keyword == "v" || keyword == "f") return false;
+    if (keyword == "o") return take_label(ObjChunk::LabelKind::kObject, value);
+    if (keyword == "g") return take_label(ObjChunk::LabelKind::kGroup, value);
+    if (keyword == "usemtl") return take_label(ObjChunk::LabelKind::kMaterial, value);
+    if (keyword == "mtllib") {
+      if (!value.empty()) chunk_.material_libraries.push_back(value);
+      return true;
+    }
+    chunk_.findings.dropped.count(keyword);
+    return chunk_.findings.dropped.kinds().size() < DroppedRecords::kMaxKinds;
+  }
+
+  bool take_label(ObjChunk::LabelKind kind, std::string_view name) {
+    chunk_.labels.push_back({kind, static_cast<std::uint32_t>(chunk_.face_end.size()), name});
+    return name.size() <= kMaxNameLength;
+  }
+
+  /// Whether a value begins here: neither the line's end nor a comment.
+  bool has_value() const { return !is_line_end(*at_) && *at_ != '#'; }
+
+  /// Goes to the line end of a record whose values have been taken.
+  bool end_record() { return is_line_end(*at_) || skip_rest_of_line(); }
+
+  /// Fails on what no text holds, and where the next line continues this one.
+  bool skip_rest_of_line() {
+    const char* at = at_;
+    while (!is_control_character(*at)) ++at;
+    at_ = at;
+    return is_line_end(*at) && at[-1] != '\\';
+  }
+
+  void skip_comment() {
+    const char* at = at_;
+    while (!is_line_end(*at)) ++at;
+    at_ = at;
+  }
+
+  void skip_blanks() {
+    while (is_blank(*at_)) ++at_;
+  }
+
+  const char* at_;
+  const char* const end_;
+  ObjChunk chunk_;
+};
+
+}  // namespace
+
+std::optional<ObjChunk> parse_obj_chunk(std::string_view text) {
+  Parser parser(text);
+  if (!parser.parse()) return std::nullopt;
+  return parser.take();
+}
+
+}  // namespace remesh
