@@ -27,36 +27,21 @@ std::string_view type_name(OptionType type) {
 
 void write_option(JsonWriter& json, const OptionSpec& spec) {
   json.begin_object();
-  json.key("name");
-  json.string(spec.name);
-  json.key("type");
-  json.string(type_name(spec.type));
+  json.member("name", spec.name);
+  json.member("type", type_name(spec.type));
   json.key("default");
   write_option_value(json, option_value(spec, with_defaults(RequestOptions{})));
-  if (!spec.unset.empty()) {
-    json.key("unset");
-    json.string(spec.unset);
-  }
-  if (spec.minimum) {
-    json.key(spec.above_minimum ? "exclusive_minimum" : "minimum");
-    json.number(*spec.minimum);
-  }
-  if (spec.maximum) {
-    json.key("maximum");
-    json.number(*spec.maximum);
-  }
+  if (!spec.unset.empty()) json.member("unset", spec.unset);
+  if (spec.minimum) json.member(spec.above_minimum ? "exclusive_minimum" : "minimum", *spec.minimum);
+  if (spec.maximum) json.member("maximum", *spec.maximum);
   if (const std::vector<std::string_view> words = option_words(spec); !words.empty()) {
     json.key("values");
     json.begin_array();
     for (const std::string_view word : words) json.string(word);
     json.end_array();
   }
-  if (!spec.excludes.empty()) {
-    json.key("excludes");
-    json.string(spec.excludes);
-  }
-  json.key("description");
-  json.string(spec.help);
+  if (!spec.excludes.empty()) json.member("excludes", spec.excludes);
+  json.member("description", spec.help);
   json.end_object();
 }
 
@@ -66,30 +51,23 @@ void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(For
   for (const Format format : kFormats) {
     if (!is_known(format)) continue;
     json.begin_object();
-    json.key("name");
-    json.string(format_name(format));
-    json.key("media_type");
-    json.string(media_type(format));
+    json.member("name", format_name(format));
+    json.member("media_type", media_type(format));
     json.end_object();
   }
   json.end_array();
 }
 
 void write_limits(JsonWriter& json, const Limits& limits) {
-  const auto integer = [&](std::string_view name, std::uint64_t value) {
-    json.key(name);
-    json.integer(value);
-  };
   json.begin_object();
-  integer("max_body", limits.max_body);
-  integer("max_decompressed", limits.max_decompressed);
-  integer("max_ratio", limits.max_ratio);
-  integer("max_vertices", limits.max_vertices);
-  integer("max_faces", limits.max_faces);
-  integer("max_output_faces", limits.max_output_faces);
-  integer("workers", static_cast<std::uint64_t>(limits.workers));
-  json.key("request_timeout_s");
-  json.number(limits.request_timeout_s);
+  json.member("max_body", limits.max_body);
+  json.member("max_decompressed", limits.max_decompressed);
+  json.member("max_ratio", limits.max_ratio);
+  json.member("max_vertices", limits.max_vertices);
+  json.member("max_faces", limits.max_faces);
+  json.member("max_output_faces", limits.max_output_faces);
+  json.member("workers", static_cast<std::uint64_t>(limits.workers));
+  json.member("request_timeout_s", limits.request_timeout_s);
   json.end_object();
 }
 
@@ -105,14 +83,11 @@ Response json_response(std::string body) {
 Response capabilities(const Limits& limits) {
   JsonWriter json;
   json.begin_object();
-  json.key("name");
-  json.string("remeshd");
+  json.member("name", "remeshd");
   json.key("versions");
   json.begin_object();
-  json.key("remeshd");
-  json.string(version());
-  json.key("api");
-  json.string("v1");
+  json.member("remeshd", version());
+  json.member("api", "v1");
   json.end_object();
   json.key("formats");
   json.begin_object();

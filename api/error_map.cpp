@@ -93,27 +93,21 @@ std::string_view status_title(int status) {
 
 Response to_response(const Problem& problem, std::string_view request_id) {
   JsonWriter json;
-  const auto text = [&](std::string_view name, std::string_view value) {
-    json.key(name);
-    json.string(value);
-  };
-  const auto number = [&](std::string_view name, const std::optional<std::uint64_t>& value) {
-    if (!value) return;
-    json.key(name);
-    json.integer(*value);
+  const auto if_known = [&](std::string_view name, const std::optional<std::uint64_t>& value) {
+    if (value) json.member(name, *value);
   };
   json.begin_object();
-  text("type", "urn:remeshd:problem:" + problem.code);
-  text("title", title_of(problem.code));
-  number("status", static_cast<std::uint64_t>(problem.status));
-  text("detail", problem.detail);
-  text("code", problem.code);
-  if (!request_id.empty()) text("request_id", request_id);
-  number("line", problem.line);
-  number("byte", problem.byte);
-  number("element", problem.element);
-  if (!problem.option.empty()) text("option", problem.option);
-  number("limit", problem.limit);
+  json.member("type", "urn:remeshd:problem:" + problem.code);
+  json.member("title", title_of(problem.code));
+  json.member("status", static_cast<std::uint64_t>(problem.status));
+  json.member("detail", problem.detail);
+  json.member("code", problem.code);
+  if (!request_id.empty()) json.member("request_id", request_id);
+  if_known("line", problem.line);
+  if_known("byte", problem.byte);
+  if_known("element", problem.element);
+  if (!problem.option.empty()) json.member("option", problem.option);
+  if_known("limit", problem.limit);
   json.end_object();
 
   Response response;

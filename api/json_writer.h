@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -10,8 +11,7 @@ namespace remesh::api {
 
 /// Writes one document. The caller opens and closes what it should; commas come by themselves.
 /// Holds: the text is valid UTF-8, whatever bytes the strings have; numbers are the shortest text that reads back to
-/// the
-///        same double, and null where they are not finite.
+///        the same double, and null where they are not finite.
 class JsonWriter {
  public:
   void begin_object() { open('{'); }
@@ -28,6 +28,32 @@ class JsonWriter {
   void string(std::string_view value);
   /// A value that is JSON already.
   void raw(std::string_view json) { literal(json); }
+
+  /// A key with its value; null where there is none.
+  void member(std::string_view name, bool value) {
+    key(name);
+    boolean(value);
+  }
+  void member(std::string_view name, double value) {
+    key(name);
+    number(value);
+  }
+  void member(std::string_view name, std::uint64_t value) {
+    key(name);
+    integer(value);
+  }
+  void member(std::string_view name, std::string_view value) {
+    key(name);
+    string(value);
+  }
+  /// Else a pointer to characters would be taken for a bool.
+  void member(std::string_view name, const char* value) { member(name, std::string_view(value)); }
+  template <class T>
+  void member(std::string_view name, const std::optional<T>& value) {
+    if (value) return member(name, *value);
+    key(name);
+    null();
+  }
 
   void reserve(std::size_t bytes) { out_.reserve(bytes); }
   std::string take() { return std::move(out_); }

@@ -21,29 +21,6 @@ class Pace {
   std::uint32_t count_ = 0;
 };
 
-void member(JsonWriter& json, std::string_view name, std::uint64_t value) {
-  json.key(name);
-  json.integer(value);
-}
-void member(JsonWriter& json, std::string_view name, double value) {
-  json.key(name);
-  json.number(value);
-}
-void member(JsonWriter& json, std::string_view name, bool value) {
-  json.key(name);
-  json.boolean(value);
-}
-void member(JsonWriter& json, std::string_view name, std::string_view value) {
-  json.key(name);
-  json.string(value);
-}
-template <class T>
-void member(JsonWriter& json, std::string_view name, const std::optional<T>& value) {
-  if (value) return member(json, name, *value);
-  json.key(name);
-  json.null();
-}
-
 void write_point(JsonWriter& json, const Vec3& p) {
   json.begin_array();
   json.number(p.x);
@@ -62,9 +39,9 @@ void write_places(JsonWriter& json, const std::vector<Vec3>& places) {
 void write_range(JsonWriter& json, std::string_view name, const Range& range) {
   json.key(name);
   json.begin_object();
-  member(json, "min", range.min);
-  member(json, "mean", range.mean);
-  member(json, "max", range.max);
+  json.member("min", range.min);
+  json.member("mean", range.mean);
+  json.member("max", range.max);
   json.end_object();
 }
 
@@ -84,8 +61,8 @@ void write_histogram(JsonWriter& json, std::string_view name, const Histogram& h
 
 void write_quality(JsonWriter& json, const Quality& quality) {
   json.begin_object();
-  member(json, "min_angle_deg", quality.min_angle_deg);
-  member(json, "max_angle_deg", quality.max_angle_deg);
+  json.member("min_angle_deg", quality.min_angle_deg);
+  json.member("max_angle_deg", quality.max_angle_deg);
   write_range(json, "radius_edge_ratio", quality.radius_edge_ratio);
   write_range(json, "aspect_ratio", quality.aspect_ratio);
   write_range(json, "edge_length", quality.edge_length);
@@ -97,17 +74,17 @@ void write_quality(JsonWriter& json, const Quality& quality) {
 
 void write_statistics(JsonWriter& json, const MeshStatistics& mesh) {
   json.begin_object();
-  member(json, "vertices", mesh.vertices);
-  member(json, "faces", mesh.faces);
-  member(json, "components", mesh.components);
-  member(json, "boundary_edges", mesh.boundary_edges);
-  member(json, "non_manifold_edges", mesh.non_manifold_edges);
-  member(json, "closed", mesh.closed);
+  json.member("vertices", mesh.vertices);
+  json.member("faces", mesh.faces);
+  json.member("components", mesh.components);
+  json.member("boundary_edges", mesh.boundary_edges);
+  json.member("non_manifold_edges", mesh.non_manifold_edges);
+  json.member("closed", mesh.closed);
   json.key("euler");
   json.signed_integer(mesh.euler);
-  member(json, "area", mesh.area);
-  member(json, "volume", mesh.volume);
-  member(json, "intersecting_pairs", mesh.intersecting_pairs);
+  json.member("area", mesh.area);
+  json.member("volume", mesh.volume);
+  json.member("intersecting_pairs", mesh.intersecting_pairs);
   json.key("bounding_box");
   if (mesh.bounding_box.is_empty()) {
     json.null();
@@ -140,19 +117,19 @@ void write_patches(JsonWriter& json, const std::vector<PatchSummary>& patches, R
     pace();
     const PatchSummary& patch = patches[id];
     json.begin_object();
-    member(json, "id", std::uint64_t{id});
+    json.member("id", std::uint64_t{id});
     json.key("normal");
     write_point(json, patch.normal);
-    member(json, "offset", patch.offset);
-    member(json, "area", patch.area);
-    member(json, "input_faces", patch.input_faces);
-    member(json, "output_faces", patch.output_faces);
-    member(json, "loops", std::uint64_t{patch.loops});
-    member(json, "essential_vertices", std::uint64_t{patch.essential_vertices});
-    member(json, "status", status_name(patch.status));
+    json.member("offset", patch.offset);
+    json.member("area", patch.area);
+    json.member("input_faces", patch.input_faces);
+    json.member("output_faces", patch.output_faces);
+    json.member("loops", std::uint64_t{patch.loops});
+    json.member("essential_vertices", std::uint64_t{patch.essential_vertices});
+    json.member("status", status_name(patch.status));
     const std::string_view reason = reason_name(patch.reason);
-    member(json, "reason", reason.empty() ? std::nullopt : std::optional(reason));
-    member(json, "deviation", patch.deviation);
+    json.member("reason", reason.empty() ? std::nullopt : std::optional(reason));
+    json.member("deviation", patch.deviation);
     json.end_object();
   }
   json.end_array();
@@ -162,13 +139,13 @@ void write_diagnostics(JsonWriter& json, const std::vector<Diagnostic>& diagnost
   json.begin_array();
   for (const Diagnostic& diagnostic : diagnostics) {
     json.begin_object();
-    member(json, "code", diagnostic_name(diagnostic.code));
-    member(json, "count", diagnostic.count);
+    json.member("code", diagnostic_name(diagnostic.code));
+    json.member("count", diagnostic.count);
     json.key("elements");
     json.begin_array();
     for (const std::uint64_t element : diagnostic.elements) json.integer(element);
     json.end_array();
-    member(json, "message", std::string_view(diagnostic.message));
+    json.member("message", diagnostic.message);
     json.end_object();
   }
   json.end_array();
@@ -177,13 +154,13 @@ void write_diagnostics(JsonWriter& json, const std::vector<Diagnostic>& diagnost
 /// Whether a volume mesher would take the surface, and if not why and where.
 void write_volume_ready(JsonWriter& json, const std::vector<VolumeObstacle>& obstacles) {
   json.begin_object();
-  member(json, "ready", obstacles.empty());
+  json.member("ready", obstacles.empty());
   json.key("reasons");
   json.begin_array();
   for (const VolumeObstacle& obstacle : obstacles) {
     json.begin_object();
-    member(json, "code", diagnostic_name(obstacle.code));
-    member(json, "count", obstacle.count);
+    json.member("code", diagnostic_name(obstacle.code));
+    json.member("count", obstacle.count);
     write_places(json, obstacle.places);
     json.end_object();
   }
@@ -195,8 +172,8 @@ void write_unrefined(JsonWriter& json, const std::vector<Unrefined>& unrefined) 
   json.begin_array();
   for (const Unrefined& left : unrefined) {
     json.begin_object();
-    member(json, "reason", unrefined_name(left.reason));
-    member(json, "count", left.count);
+    json.member("reason", unrefined_name(left.reason));
+    json.member("count", left.count);
     write_places(json, left.places);
     json.end_object();
   }
@@ -205,11 +182,11 @@ void write_unrefined(JsonWriter& json, const std::vector<Unrefined>& unrefined) 
 
 void write_verdict(JsonWriter& json, const Verdict& verdict) {
   json.begin_object();
-  member(json, "surface", verdict.surface);
-  member(json, "conforming", verdict.conforming);
-  member(json, "delaunay", verdict.delaunay);
-  member(json, "quality", verdict.quality);
-  member(json, "deviation", verdict.deviation);
+  json.member("surface", verdict.surface);
+  json.member("conforming", verdict.conforming);
+  json.member("delaunay", verdict.delaunay);
+  json.member("quality", verdict.quality);
+  json.member("deviation", verdict.deviation);
   json.end_object();
 }
 
@@ -217,9 +194,9 @@ void write_times(JsonWriter& json, const StageTimes& times) {
   json.begin_object();
   for (int s = 0; s < kStageCount; ++s) {
     const Stage stage = static_cast<Stage>(s);
-    if (times.ran(stage)) member(json, stage_name(stage), times.of(stage));
+    if (times.ran(stage)) json.member(stage_name(stage), times.of(stage));
   }
-  member(json, "total", times.total());
+  json.member("total", times.total());
   json.end_object();
 }
 
@@ -305,14 +282,14 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   const bool is_remesh = kind == ReportKind::kRemesh;
 
   json.begin_object();
-  member(json, "version", std::string_view(version()));
+  json.member("version", version());
   json.key("options");
   write_options(json, used);
   json.key("tolerance");
   json.begin_object();
-  member(json, "automatic", report.plane_tolerance_is_automatic);
-  member(json, "rounding_step", report.rounding_step);
-  member(json, "volume_bound", report.volume_bound);
+  json.member("automatic", report.plane_tolerance_is_automatic);
+  json.member("rounding_step", report.rounding_step);
+  json.member("volume_bound", report.volume_bound);
   json.end_object();
   json.key("input");
   write_statistics(json, report.input);
@@ -326,12 +303,12 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   write_diagnostics(json, report.diagnostics);
   json.key("volume_ready");
   write_volume_ready(json, report.volume_obstacles);
-  member(json, "predicted_faces", report.predicted_faces);
-  member(json, "smallest_gap", report.smallest_gap);
+  json.member("predicted_faces", report.predicted_faces);
+  json.member("smallest_gap", report.smallest_gap);
   if (is_remesh) {
     json.key("unrefined");
     write_unrefined(json, report.unrefined);
-    member(json, "refinement_rounds", std::uint64_t{report.refinement_rounds});
+    json.member("refinement_rounds", std::uint64_t{report.refinement_rounds});
     json.key("verified");
     write_verdict(json, report.verified);
   }

@@ -53,6 +53,9 @@ struct Options {
   Vec3 reference_direction;  ///< used with ReferenceAxis::kGiven; any length but 0
 };
 
+/// Errors: Code::kInvalidOption - a value out of its range, or two options that exclude each other (`option` is set).
+void check_options(const Options& options);
+
 /// How a run is carried out; nothing here changes a byte of the result.
 struct RunSettings {
   int workers = 1;                ///< threads that compute, at least 1

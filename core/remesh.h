@@ -22,9 +22,6 @@ struct Result {
 /// The version of the project, as in the report and in `--version`.
 const char* version();
 
-/// Errors: Code::kInvalidOption - a value out of its range, or two options that exclude each other (`option` is set).
-void check_options(const Options& options);
-
 /// Re-triangulates a surface: coplanar faces become patches, patches are triangulated from their essential vertices.
 /// Input:   a mesh that holds what PolygonMesh promises; `diagnostics` of its reader, passed on into the report.
 /// Output:  vertices with their input coordinates, bit for bit; triangles by patch; the report with a verdict all true.

@@ -52,6 +52,15 @@ struct Response : api::Response {
   std::string problem_code;  ///< of an error
 };
 
+/// JSON that is true now: nobody may keep it.
+inline Response json_response(std::string text) {
+  Response response;
+  response.content_type = "application/json";
+  response.body = std::move(text);
+  response.headers.emplace_back("Cache-Control", "no-store");
+  return response;
+}
+
 /// Ends a request with an error that HTTP itself knows (not found, overloaded, ...), as remesh::Error does for the
 /// rest.
 class HttpError : public std::runtime_error {

@@ -22,14 +22,6 @@ Response plain(int status, std::string text) {
   return response;
 }
 
-Response json(std::string text) {
-  Response response;
-  response.content_type = "application/json";
-  response.body = std::move(text);
-  response.headers.emplace_back("Cache-Control", "no-store");
-  return response;
-}
-
 Response wrap(api::Response answer) {
   Response response;
   static_cast<api::Response&>(response) = std::move(answer);
@@ -199,7 +191,7 @@ Response Service::readiness() const {
 }
 
 Response Service::show_request(const Call& call) {
-  return json(progress_json(*find_or_404(registry_, call.parameter)));
+  return json_response(progress_json(*find_or_404(registry_, call.parameter)));
 }
 
 Response Service::cancel_request(const Call& call) {

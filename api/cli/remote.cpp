@@ -2,6 +2,7 @@
 
 #include <httplib.h>
 
+#include <algorithm>
 #include <chrono>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -21,11 +22,15 @@ constexpr std::chrono::seconds kPatience{120};
 constexpr std::chrono::milliseconds kFirstPoll{100};
 constexpr std::chrono::milliseconds kSlowestPoll{1000};
 
+RemoteError no_url(const std::string& text) { return {0, "server_unreachable", text + " is no http or https URL"}; }
+
 /// Where a URL ends that a client takes, and a path begins: "http://host:80", "/path".
+/// Errors: RemoteError - another scheme, no host.
 std::pair<std::string, std::string> split_url(std::string url) {
   if (url.find("://") == std::string::npos) url.insert(0, "http://");
-  const std::size_t path = url.find('/', url.find("://") + 3);
-  if (path == std::string::npos) return {url, ""};
+  const std::size_t host = url.find("://") + 3;
+  const std::size_t path = std::min(url.find('/', host), url.size());
+  if ((!url.starts_with("http://") && !url.starts_with("https://")) || host == path) throw no_url(url);
   std::string rest = url.substr(path);
   while (!rest.empty() && rest.back() == '/') rest.pop_back();
   return {url.substr(0, path), rest};
@@ -66,7 +71,7 @@ RemoteError problem_of(int status, const std::string& body) {
 class Remote::Client {
  public:
   explicit Client(RemoteJob job) : job_(std::move(job)), url_(split_url(job_.server)), http_(url_.first) {
-    if (!http_.is_valid()) throw RemoteError(0, "server_unreachable", job_.server + " is no http or https URL");
+    if (!http_.is_valid()) throw no_url(job_.server);
     http_.set_connection_timeout(5);
     http_.set_read_timeout(60);
     http_.set_write_timeout(60);

@@ -92,4 +92,21 @@ void Adjacency::number_edges(const std::vector<std::uint32_t>& bucket) {
   });
 }
 
+EdgeId Adjacency::find(VertexId a, VertexId b) const {
+  const std::pair sought(std::min(a, b), std::max(a, b));
+  const auto ends = [&](std::uint32_t e) {
+    const std::uint32_t h = half_edges_[edge_begin_[e]];
+    return std::pair(std::min(from(h), to(h)), std::max(from(h), to(h)));
+  };
+  std::uint32_t low = 0;
+  for (auto high = static_cast<std::uint32_t>(edge_count()); low < high;) {
+    const std::uint32_t middle = low + (high - low) / 2;
+    if (ends(middle) < sought)
+      low = middle + 1;
+    else
+      high = middle;
+  }
+  return low < edge_count() && ends(low) == sought ? EdgeId(low) : EdgeId();
+}
+
 }  // namespace remesh

@@ -27,6 +27,8 @@ class Adjacency {
   std::span<const std::uint32_t> half_edges(EdgeId e) const {
     return std::span(half_edges_).subspan(edge_begin_[e.value], edge_begin_[e.value + 1] - edge_begin_[e.value]);
   }
+  /// The edge between two vertices; invalid if there is none. Cost: O(log n).
+  EdgeId find(VertexId a, VertexId b) const;
   EdgeId edge_of(std::uint32_t half_edge) const { return edge_of_[half_edge]; }
   FaceId face_of(std::uint32_t half_edge) const { return are_triangles_ ? FaceId(half_edge / 3) : face_of_[half_edge]; }
   VertexId from(std::uint32_t half_edge) const { return corners_[half_edge]; }

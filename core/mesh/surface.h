@@ -1,6 +1,7 @@
 /// The working surface: what the stages after `weld` see.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -23,14 +24,27 @@ struct Surface {
   double unit = 1;  ///< model units per local unit
   std::vector<std::uint32_t> face_begin{0};
   std::vector<VertexId> corners;
-  IdVector<VertexId, VertexId> vertex_source;  ///< the first input vertex with these coordinates
-  IdVector<FaceId, FaceId> face_source;        ///< the input face this one came from
+  IdVector<VertexId, VertexId>
+      vertex_source;                     ///< the first input vertex with these coordinates; of a new one, a neighbour's
+  IdVector<FaceId, FaceId> face_source;  ///< the input face this one came from
   IdVector<FaceId, std::uint32_t> face_label;  ///< equal numbers: no barrier between the faces
 
   std::size_t vertex_count() const { return positions.size(); }
   std::size_t face_count() const { return face_begin.size() - 1; }
   std::span<const VertexId> face(FaceId f) const {
     return std::span(corners).subspan(face_begin[f.value], face_begin[f.value + 1] - face_begin[f.value]);
+  }
+
+  /// A place of the model in local units.
+  Vec3 to_local(const Vec3& p) const {
+    // Below this, coordinates count as 0: predicates must not underflow.
+    constexpr double kLeast = 0x1p-100;
+    Vec3 q;
+    for (int axis = 0; axis < 3; ++axis) {
+      q[axis] = (p[axis] - centre[axis]) / unit;
+      if (std::fabs(q[axis]) < kLeast) q[axis] = 0;
+    }
+    return q;
   }
 
   void add_face(std::span<const VertexId> loop, FaceId source, std::uint32_t label) {

@@ -9,6 +9,10 @@ namespace remesh {
 DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::vector<Vec2> points, std::span<const std::uint32_t> sides,
                            std::span<const std::uint32_t> number)
     : points_(std::move(points)), edge_at_(points_.size(), kNone), live_triangles_(mesh.triangle_count()) {
+  // Most operations touch few triangles: scratch that grows by doubling would be most of the work in a small patch.
+  constexpr std::size_t kUsual = 16;
+  for (std::vector<std::uint32_t>* scratch : {&cavity_, &stack_, &changed_, &ring_}) scratch->reserve(kUsual);
+  rim_.reserve(kUsual);
   const std::uint32_t n = mesh.half_edge_count();
   corner_.resize(n);
   twin_.resize(n);
@@ -245,6 +249,8 @@ Triangulation2d DelaunayMesh::compact(std::vector<std::uint32_t>& vertex, std::v
   std::vector<std::uint32_t> new_vertex(points_.size(), kNone), new_triangle(triangle_slots(), kNone);
   vertex.clear();
   triangle.clear();
+  vertex.reserve(points_.size());
+  triangle.reserve(live_triangles_);
   for (std::uint32_t t = 0; t < triangle_slots(); ++t) {
     if (!is_live(t)) continue;
     new_triangle[t] = static_cast<std::uint32_t>(triangle.size());

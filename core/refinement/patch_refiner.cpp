@@ -212,15 +212,26 @@ void PatchRefiner::push(const Task& task, double shortest_squared) {
   constexpr std::int64_t kLargest = (1023 + 4) << 3;
   const auto queue = static_cast<std::size_t>(std::max<std::int64_t>(0, kLargest - bits));
   if (queue >= queues_.size()) queues_.resize(queue + 1);
-  queues_[queue].tasks.push_back(task);
+  std::uint32_t at = free_task_;
+  if (at == kNone) {
+    at = static_cast<std::uint32_t>(tasks_.size());
+    tasks_.push_back({task, kNone});
+  } else {
+    free_task_ = tasks_[at].next;
+    tasks_[at] = {task, kNone};
+  }
+  Queue& q = queues_[queue];
+  (q.first == kNone ? q.first : tasks_[q.last].next) = at;
+  q.last = at;
   ++waiting_;
 }
 
 bool PatchRefiner::pop(Task& task) {
-  while (!queues_.empty() && queues_.back().done == queues_.back().tasks.size()) queues_.pop_back();
+  while (!queues_.empty() && queues_.back().first == kNone) queues_.pop_back();
   if (queues_.empty()) return false;
-  Queue& queue = queues_.back();
-  task = queue.tasks[queue.done++];
+  const std::uint32_t at = std::exchange(queues_.back().first, tasks_[queues_.back().first].next);
+  task = tasks_[at].task;
+  tasks_[at].next = std::exchange(free_task_, at);
   --waiting_;
   return true;
 }
@@ -351,7 +362,7 @@ bool PatchRefiner::cut_side_at(std::uint32_t side, double t) {
   const std::uint32_t v = cut_one(side, t, p, kNone);
   if (v == kNone) return false;
   const auto fresh = static_cast<std::uint32_t>(sides_.size() - 1);
-  chains_[sides_[side].chain].sides.push_back(fresh);
+  add_to_chain(fresh);
   if (partner == kNone) return true;
   // A slit: each side keeps the piece at its own start, so the pairs cross over.
   if (cut_one(partner, t, p, v) == kNone) return false;
@@ -383,7 +394,8 @@ std::uint32_t PatchRefiner::cut_one(std::uint32_t side, double t, Vec2 p, std::u
 void PatchRefiner::take_over(SegmentId segment, std::span<const double> cuts) {
   const auto chain = std::lower_bound(chains_.begin(), chains_.end(), segment,
                                       [](const Chain& c, SegmentId s) { return c.segment < s; });
-  std::vector<std::uint32_t> pieces = chain->sides;
+  std::vector<std::uint32_t> pieces;
+  for (std::uint32_t s = chain->first; s != kNone; s = sides_[s].next) pieces.push_back(s);
   std::sort(pieces.begin(), pieces.end(),
             [&](std::uint32_t a, std::uint32_t b) { return sides_[a].t0 < sides_[b].t0; });
   // Piece by piece, the cuts inside it: the middle one first, so that no vertex gets them all as neighbours.
@@ -530,6 +542,10 @@ PatchRefiner::Refined PatchRefiner::finish() const {
   result.patch.frame = patch_.frame;
   result.patch.loops = patch_.loops;
   result.patch.mesh = mesh_.compact(vertex, triangle);
+  result.patch.uv.reserve(vertex.size());
+  result.patch.vertices.reserve(vertex.size());
+  result.cuts.reserve(vertex.size());
+  result.reason.reserve(triangle.size());
   for (const std::uint32_t v : vertex) {
     result.patch.uv.push_back(mesh_.point(v));
     result.patch.vertices.push_back(v < corner_count_ ? patch_.vertices[v] : VertexId());

@@ -92,6 +92,7 @@ class PatchRefiner {
   struct Side {
     SegmentId segment;
     double t0, t1;          ///< its piece
+    std::uint32_t next;     ///< another piece of its chain, or kNone
     std::uint32_t chain;    ///< in `chains_`
     std::uint32_t partner;  ///< the other side of a slit, or kNone
     bool is_forward;        ///< the half-edge runs from t0 to t1
@@ -99,7 +100,7 @@ class PatchRefiner {
   /// The pieces of one segment, in no order; of a slit, those of its first side.
   struct Chain {
     SegmentId segment;
-    std::vector<std::uint32_t> sides;
+    std::uint32_t first;  ///< side; the others follow by Side::next
   };
   /// A triangle that waits, by its shortest edge.
   struct Task {
@@ -112,6 +113,7 @@ class PatchRefiner {
     bool is_too_large;
   };
 
+  void add_to_chain(std::uint32_t side);
   void collect_corners(PatchId id);
   void collect_sides(PatchId id);
   bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
@@ -179,10 +181,15 @@ class PatchRefiner {
 
   /// First in, first out: layer after layer, where all are alike.
   struct Queue {
-    std::vector<Task> tasks;
-    std::size_t done = 0;
+    std::uint32_t first = kNone, last = kNone;  ///< in `tasks_`
+  };
+  struct QueuedTask {
+    Task task;
+    std::uint32_t next;
   };
   std::vector<Queue> queues_;  ///< the higher, the shorter the shortest edge: eight an octave of its square
+  std::vector<QueuedTask> tasks_;
+  std::uint32_t free_task_ = kNone;  ///< the first of the places that are free again, linked
   std::size_t waiting_ = 0;
   std::uint64_t quota_ = 0;
   std::vector<Cut> own_cuts_;

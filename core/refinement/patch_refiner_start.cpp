@@ -16,6 +16,7 @@ namespace {
 
 std::vector<std::uint32_t> half_edges_of(const SegmentTable& segments, PatchId p) {
   std::vector<std::uint32_t> half_edges;
+  half_edges.reserve(segments.sides_of_patch(p).size());
   for (const std::uint32_t i : segments.sides_of_patch(p)) half_edges.push_back(segments.all_sides()[i].half_edge);
   return half_edges;
 }
@@ -145,8 +146,15 @@ void PatchRefiner::collect_corners(PatchId id) {
       }
 }
 
+/// Where a side goes in its chain is of no importance.
+void PatchRefiner::add_to_chain(std::uint32_t side) {
+  sides_[side].next = std::exchange(chains_[sides_[side].chain].first, side);
+}
+
 /// The sides as they are in the patch's mesh: one a segment, or two of a slit, which stand together.
 void PatchRefiner::collect_sides(PatchId id) {
+  sides_.reserve(2 * segments_.sides_of_patch(id).size());
+  chains_.reserve(segments_.sides_of_patch(id).size());
   for (const std::uint32_t i : segments_.sides_of_patch(id)) {
     const SegmentSide& side = segments_.all_sides()[i];
     const auto index = static_cast<std::uint32_t>(sides_.size());
@@ -154,10 +162,10 @@ void PatchRefiner::collect_sides(PatchId id) {
     if (is_second)
       sides_.back().partner = index;
     else
-      chains_.push_back({side.segment, {index}});
+      chains_.push_back({side.segment, index});
     const bool is_forward = patch_.vertices[patch_.mesh.from(side.half_edge)] == segments_[side.segment].from;
-    sides_.push_back({side.segment, 0, 1, static_cast<std::uint32_t>(chains_.size() - 1), is_second ? index - 1 : kNone,
-                      is_forward});
+    sides_.push_back({side.segment, 0, 1, kNone, static_cast<std::uint32_t>(chains_.size() - 1),
+                      is_second ? index - 1 : kNone, is_forward});
   }
 }
 
@@ -174,7 +182,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
   std::vector<Piece> pieces;
   const auto original = static_cast<std::uint32_t>(sides_.size());
   const auto own = segments_.sides_of_patch(id);
-  std::uint32_t first_cut = 0;
+  std::uint32_t first_cut = 0, first_piece = 0;  // of the segment: the first vertex on it, the first side after s
   for (std::uint32_t s = 0; s < original; ++s) {
     const Side side = sides_[s];
     const std::vector<double>& at = cuts[side.segment];
@@ -182,6 +190,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
     const bool is_second = side.partner != kNone && side.partner < s;
     if (!is_second) {
       first_cut = static_cast<std::uint32_t>(points.size());
+      first_piece = static_cast<std::uint32_t>(sides_.size());
       for (const double t : at) {
         points.push_back(to_plane(patch_.frame, segments_.position(side.segment, t)));
         segment_.push_back(side.segment);
@@ -196,13 +205,12 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
       const std::uint32_t index = k == 0 ? s : static_cast<std::uint32_t>(sides_.size());
       if (k > 0) {
         sides_.push_back(side);
-        std::vector<std::uint32_t>& chain = chains_[side.chain].sides;
         sides_[index].partner = kNone;
         if (is_second) {
-          sides_[index].partner = chain[k];
-          sides_[chain[k]].partner = index;
+          sides_[index].partner = first_piece + k - 1;
+          sides_[first_piece + k - 1].partner = index;
         } else {
-          chain.push_back(index);
+          add_to_chain(index);
         }
       }
       sides_[index].t0 = k == 0 ? 0 : at[k - 1];

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <optional>
 
 #include "core/base/union_find.h"
 #include "core/geometry/predicates.h"
 #include "core/mesh/adjacency.h"
+#include "core/stages/polygon_cuts.h"
 #include "core/stages/polygon_split.h"
 
 namespace remesh {
@@ -35,6 +36,7 @@ class Mending {
       if (f % 4096 == 0) control_.progress(static_cast<double>(f) / static_cast<double>(faces));
       take_face(FaceId(f));
     }
+    cuts_.reset();
     surface_.take_faces(std::move(mended_));
     if (degenerate_ == Mend::kYes && std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end())
       drop_degenerate();
@@ -125,10 +127,9 @@ class Mending {
       emit(loop_, source, label, false);
       return;
     }
-    for (const auto& [i, j, k] : split.triangles) {
-      const std::array triangle{loop_[i], loop_[j], loop_[k]};
+    if (!cuts_) cuts_.emplace(surface_);
+    for (const PolygonCuts::Corners& triangle : cuts_->cut(loop_, split))
       emit_triangle(triangle, source, label, are_collinear(triangle));
-    }
   }
 
   /// One with a repeated corner is left out: its edges cancel each other.
@@ -226,6 +227,7 @@ class Mending {
   const std::vector<std::uint8_t>& as_it_is_;
   Mend degenerate_;
   RunControl& control_;
+  std::optional<PolygonCuts> cuts_;
   Surface mended_;  // faces only
   std::vector<std::uint8_t> is_degenerate_;
   std::vector<VertexId> loop_, sorted_loop_;

@@ -17,8 +17,9 @@ namespace remesh {
 ///          face or to hand it a vertex. Later stages ask for it where a polygon turned out to have no triangulation of
 ///          its own.
 /// Output:  a surface that holds all that Surface promises. A polygon comes as triangles in its place if it is not
-///          planar within the tolerance, crosses itself in its plane, touches itself, or is to stay as it is. Counts
-///          nonplanar_polygon and zero_area_face.
+///          planar within the tolerance, crosses itself in its plane, touches itself, or is to stay as it is; no cut is
+///          an edge of another face (see PolygonCuts), which may take new vertices. Counts nonplanar_polygon and
+///          zero_area_face.
 /// Holds:   closed stays closed: a zero-area face is dropped by handing the vertices on its longest edges to the faces
 ///          beyond them, so that each of its edges meets its counterpart. It is kept where such a face is `as_it_is`,
 ///          and with Mend::kNo for `degenerate`, if it has three corners left.

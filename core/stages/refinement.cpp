@@ -71,7 +71,10 @@ class Rounds {
       if (!impossible_.empty()) continue;
       std::vector<PatchMesh> refined = finish();
       const bool are_chords_left = find_points(refined);
-      if (are_chords_left && attempt < kMostAttempts) continue;
+      if (are_chords_left && attempt < kMostAttempts) {
+        swap_unrefined(refined);
+        continue;
+      }
       meshes_ = std::move(refined);
       if (are_chords_left) split_chords(surface_, patches_, meshes_, result_, control_);
       return std::move(result_);
@@ -235,10 +238,11 @@ class Rounds {
       for (const double t : cuts) result_.new_positions.push_back(segments_.position(SegmentId(s), t));
     }
     std::vector<PatchMesh> refined(meshes_.size());
+    is_refined_.assign(meshes_.size(), 1);
     for (std::size_t p = 0; p < meshes_.size(); ++p) {
       if (p % 1024 == 0) control_.check();
       if (!refiners_[p]) {
-        refined[p] = meshes_[p];
+        is_refined_[p] = 0;
         result_.reason.insert(result_.reason.end(), meshes_[p].mesh.triangle_count(), UnrefinedReason::kBoundaryLocked);
         continue;
       }
@@ -255,8 +259,15 @@ class Rounds {
       result_.reason.insert(result_.reason.end(), patch.reason.begin(), patch.reason.end());
       refined[p] = std::move(patch.patch);
     }
+    swap_unrefined(refined);
     result_.first_inner = first[segments_.size()];
     return refined;
+  }
+
+  /// Patches that stay as they were are lent to the result, and taken back if all begins again.
+  void swap_unrefined(std::vector<PatchMesh>& refined) {
+    for (std::size_t p = 0; p < meshes_.size(); ++p)
+      if (is_refined_[p] == 0) std::swap(refined[p], meshes_[p]);
   }
 
   /// A chord gets a point in its middle, next time. Returns whether there are any.
@@ -285,6 +296,7 @@ class Rounds {
   std::vector<std::uint64_t> quota_;  ///< one per dirty patch
   std::vector<Message> messages_;     ///< sorted
   std::vector<SegmentId> impossible_;
+  std::vector<std::uint8_t> is_refined_;   ///< of each patch, when all are finished
   std::vector<std::vector<Vec2>> points_;  ///< of each patch: to be put in at the beginning
   Refinement result_;
 };

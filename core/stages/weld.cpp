@@ -106,9 +106,6 @@ class NearWelding {
   std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> grid_;
 };
 
-/// Coordinates below this, in local units, count as 0: predicates must not underflow.
-constexpr double kLeastLocal = 0x1p-100;
-
 void set_local_units(Surface& surface) {
   Box3 box;
   for (const Vec3& p : surface.positions) box.add(p);
@@ -119,14 +116,7 @@ void set_local_units(Surface& surface) {
   std::frexp(std::max({half.x, half.y, half.z}), &exponent);
   surface.unit = std::ldexp(1.0, exponent);
   surface.local.reserve(surface.positions.size());
-  for (const Vec3& p : surface.positions) {
-    Vec3 q;
-    for (int axis = 0; axis < 3; ++axis) {
-      q[axis] = (p[axis] - centre[axis]) / surface.unit;
-      if (std::fabs(q[axis]) < kLeastLocal) q[axis] = 0;
-    }
-    surface.local.push_back(q);
-  }
+  for (const Vec3& p : surface.positions) surface.local.push_back(surface.to_local(p));
 }
 
 IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Barriers& barriers, std::size_t faces) {

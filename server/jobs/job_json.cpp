@@ -22,35 +22,25 @@ std::string time_text(std::int64_t ms) {
 }
 
 void write_time(api::JsonWriter& json, std::string_view name, const std::optional<std::int64_t>& ms) {
-  json.key(name);
-  ms ? json.string(time_text(*ms)) : json.null();
+  json.member(name, ms ? std::optional(time_text(*ms)) : std::nullopt);
 }
 
 void write_links(api::JsonWriter& json, const std::string& id) {
   const std::string self = job_path(id);
   json.key("links");
   json.begin_object();
-  json.key("self");
-  json.string(self);
-  for (const char* name : {"result", "report", "events"}) {
-    json.key(name);
-    json.string(self + "/" + name);
-  }
+  json.member("self", self);
+  for (const char* name : {"result", "report", "events"}) json.member(name, self + "/" + name);
   json.end_object();
 }
 
 void write_job(api::JsonWriter& json, const JobRecord& job) {
   json.begin_object();
-  json.key("id");
-  json.string(job.id);
-  json.key("state");
-  json.string(state_name(job.state));
-  json.key("stage");
-  job.state == JobState::kRunning ? json.string(job.stage) : json.null();
-  json.key("fraction");
-  json.number(job.state == JobState::kQueued ? 0 : job.fraction);
-  json.key("attempts");
-  json.integer(static_cast<std::uint64_t>(job.attempts));
+  json.member("id", job.id);
+  json.member("state", state_name(job.state));
+  json.member("stage", job.state == JobState::kRunning ? std::optional(job.stage) : std::nullopt);
+  json.member("fraction", job.state == JobState::kQueued ? 0 : job.fraction);
+  json.member("attempts", static_cast<std::uint64_t>(job.attempts));
   write_time(json, "created_at", job.created_ms);
   write_time(json, "started_at", job.started_ms);
   write_time(json, "finished_at", job.finished_ms);

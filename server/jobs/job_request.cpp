@@ -9,15 +9,11 @@ namespace remesh::server::jobs {
 
 std::string pack_request(const api::Request& request) {
   api::JsonWriter json;
-  const auto text = [&](std::string_view name, std::string_view value) {
-    json.key(name);
-    json.string(value);
-  };
   json.begin_object();
-  text("content_type", request.content_type);
-  text("content_encoding", request.content_encoding);
-  text("accept", request.accept);
-  text("file_name", request.file_name);
+  json.member("content_type", request.content_type);
+  json.member("content_encoding", request.content_encoding);
+  json.member("accept", request.accept);
+  json.member("file_name", request.file_name);
   json.key("query");
   json.begin_array();
   for (const auto& [name, value] : request.query) {

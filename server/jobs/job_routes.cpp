@@ -33,14 +33,6 @@ auto ask(Question question) {
   }
 }
 
-Response json(std::string text) {
-  Response response;
-  response.content_type = "application/json";
-  response.body = std::move(text);
-  response.headers.emplace_back("Cache-Control", "no-store");
-  return response;
-}
-
 bool is_job_id(std::string_view text) {
   return text.size() == 32 &&
          std::all_of(text.begin(), text.end(), [](char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'f'); });
@@ -194,7 +186,7 @@ Response JobRoutes::submit(const Call& call) const {
 
   const auto record = ask([&] { return jobs().store().find(submission.id); });
   if (!record) throw HttpError(410, "result_expired", "the job of this Idempotency-Key is gone");
-  Response response = json(job_json(*record));
+  Response response = json_response(job_json(*record));
   response.status = 202;
   response.headers.emplace_back("Location", job_path(submission.id));
   response.headers.emplace_back("Retry-After", kPollSeconds);
@@ -217,12 +209,12 @@ Response JobRoutes::list(const Call& call) const {
   if (owner.empty()) {
     throw HttpError(403, "forbidden", "jobs are listed for an API key only, and this server asks for none");
   }
-  return json(jobs_json(ask([&] { return store.list(owner, kMostListed); })));
+  return json_response(jobs_json(ask([&] { return store.list(owner, kMostListed); })));
 }
 
 Response JobRoutes::show(const Call& call) const {
   const JobRecord job = find_own(call);
-  Response response = json(job_json(job));
+  Response response = json_response(job_json(job));
   if (!is_final(job.state)) response.headers.emplace_back("Retry-After", kPollSeconds);
   return response;
 }
@@ -260,7 +252,7 @@ Response JobRoutes::report(const Call& call) const {
   if (std::optional<Response> problem = answer_without_result(job)) return std::move(*problem);
   std::optional<std::string> report = ask([&] { return jobs().store().read_blob(job.id, BlobKind::kReport); });
   if (!report) throw HttpError(410, "result_expired", "the result was kept for its time, and is gone");
-  return json(std::move(*report));
+  return json_response(std::move(*report));
 }
 
 Response JobRoutes::follow(const Call& call) const {

@@ -109,7 +109,20 @@ class SqliteDatabase : public Database {
     // The first is for new files only; freed pages then can be given back to the file system.
     for (const char* pragma : {"PRAGMA auto_vacuum=INCREMENTAL", "PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL",
                                "PRAGMA journal_size_limit=67108864", "PRAGMA temp_store=MEMORY"}) {
-      run(pragma, {}, Result::kText);
+      set_patiently(pragma);
+    }
+  }
+
+  /// Of two that set the journal of a new file at once, both may hold what the other waits for: SQLite tells one of
+  /// them so at once, without asking the busy handler.
+  void set_patiently(const char* pragma) {
+    for (int naps = 0;; ++naps) {
+      try {
+        run(pragma, {}, Result::kText);
+        return;
+      } catch (const StoreError&) {
+        if (::sqlite3_errcode(handle_) != SQLITE_BUSY || nap(nullptr, naps) == 0) throw;
+      }
     }
   }
 

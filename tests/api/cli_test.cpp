@@ -15,6 +15,8 @@
 #include <sstream>
 #include <thread>
 
+#include "tests/support/temporary_folder.h"
+
 namespace remesh {
 namespace {
 
@@ -31,23 +33,12 @@ class Cli : public testing::Test {
     std::string err;
   };
 
-  void SetUp() override {
-    std::string pattern = testing::TempDir() + "remesh-cli-XXXXXX";
-    ASSERT_NE(::mkdtemp(pattern.data()), nullptr);
-    folder_ = pattern;
-    write("square.obj", kSquare);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
+  void SetUp() override { write("square.obj", kSquare); }
 
-  void write(const std::string& name, std::string_view content) const { std::ofstream(path(name)) << content; }
-  std::string read(const std::string& name) const {
-    std::ifstream file(path(name));
-    return {std::istreambuf_iterator<char>(file), {}};
-  }
-  std::filesystem::path path(const std::string& name) const { return folder_ / name; }
-  std::size_t file_count() const {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
-  }
+  void write(const std::string& name, std::string_view content) const { folder_.write(name, content); }
+  std::string read(const std::string& name) const { return folder_.read(name); }
+  std::filesystem::path path(const std::string& name) const { return folder_.path(name); }
+  std::size_t file_count() const { return folder_.entry_count(); }
 
   /// Starts the program in the folder; its streams go to files beside it.
   pid_t start(std::vector<std::string> arguments, std::string_view input) const {
@@ -56,7 +47,7 @@ class Cli : public testing::Test {
     std::vector<char*> argv;
     for (std::string& argument : arguments) argv.push_back(argument.data());
     argv.push_back(nullptr);
-    const std::string in = in_path(), out = out_path(), err = err_path(), folder = folder_;
+    const std::string in = in_path(), out = out_path(), err = err_path(), folder = folder_.path();
     const pid_t child = ::fork();
     if (child != 0) return child;
     const auto redirect = [](const std::string& file, int flags, int fd) {
@@ -101,11 +92,11 @@ class Cli : public testing::Test {
 
  private:
   // Beside the folder, so that it holds only what the program made.
-  std::string in_path() const { return folder_.string() + ".in"; }
-  std::string out_path() const { return folder_.string() + ".out"; }
-  std::string err_path() const { return folder_.string() + ".err"; }
+  std::string in_path() const { return folder_.path() + ".in"; }
+  std::string out_path() const { return folder_.path() + ".out"; }
+  std::string err_path() const { return folder_.path() + ".err"; }
 
-  std::filesystem::path folder_;
+  const test::TemporaryFolder folder_;
 };
 
 TEST_F(Cli, a_mesh_goes_in_and_comes_out_with_its_report) {
@@ -174,7 +165,6 @@ std::map<std::string, std::vector<std::string>> rows_of(const std::string& table
 }
 
 TEST_F(Cli, a_batch_is_a_table_with_a_line_for_each_mesh_and_stops_at_none) {
-  std::filesystem::create_directories(path("parts/deep"));
   write("parts/a.obj", kSquare);
   write("parts/bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
   write("parts/deep/b.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
@@ -199,7 +189,6 @@ TEST_F(Cli, a_batch_is_a_table_with_a_line_for_each_mesh_and_stops_at_none) {
 }
 
 TEST_F(Cli, a_batch_writes_its_meshes_where_it_is_told_none_over_another) {
-  std::filesystem::create_directories(path("parts/deep"));
   write("parts/a.obj", kSquare);
   write("parts/a.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   write("parts/deep/c.obj", kSquare);

@@ -3,31 +3,22 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <map>
 #include <set>
 
 #include "core/base/error.h"
+#include "tests/support/errors.h"
 
 namespace remesh::api {
 namespace {
 
+using test::error_of;
 using testing::HasSubstr;
 
 RequestOptions read(std::string_view name, std::string_view text, ValueKind kind = ValueKind::kUntyped) {
   OptionReader reader;
   reader.add(name, text, kind);
   return reader.options();
-}
-
-Error error_of(const std::function<void()>& action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << "no error";
-  return {Code::kInternal, Stage::kRead, ""};
 }
 
 void expect_invalid(std::string_view name, std::string_view text, ValueKind kind = ValueKind::kUntyped) {

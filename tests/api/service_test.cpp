@@ -18,7 +18,6 @@ namespace remesh::api {
 namespace {
 
 using nlohmann::json;
-using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
@@ -486,76 +485,6 @@ TEST(RunAnalyze, an_analysis_is_a_report_without_an_output) {
   EXPECT_THROW(run_analyze(request_of(kCube, "", {{"format", "obj"}}), {}, again), Error);
 }
 
-TEST(Capabilities, they_tell_options_formats_and_limits) {
-  Limits limits;
-  limits.max_faces = 77;
-  const json answer = json::parse(capabilities(limits).body);
-  EXPECT_EQ(answer["limits"]["max_faces"], 77);
-  EXPECT_EQ(answer["options"].size(), option_table().size());
-  EXPECT_EQ(answer["options"][1]["name"], "min_angle_deg");
-  EXPECT_EQ(answer["options"][1]["maximum"], 33);
-  EXPECT_EQ(answer["options"][1]["default"], 25);
-  EXPECT_EQ(answer["options"][1]["unset"], "auto");
-  const auto names = [&](const char* direction) {
-    std::vector<std::string> all;
-    for (const json& format : answer["formats"][direction]) all.push_back(format["name"]);
-    return all;
-  };
-  EXPECT_EQ(names("input"), (std::vector<std::string>{"obj", "json", "stl", "ply", "off"}));
-  EXPECT_EQ(names("output"), (std::vector<std::string>{"obj", "json", "stl", "ply", "off", "vtu", "msh"}));
-  EXPECT_EQ(answer["formats"]["input"][0]["media_type"], "model/obj");
-}
-
-TEST(Openapi, its_parameters_are_the_table_of_options) {
-  const json document = json::parse(openapi().body);
-  EXPECT_THAT(document["openapi"].get<std::string>(), StartsWith("3.1"));
-  const json answer = json::parse(capabilities({}).body);
-  for (const json& option : answer["options"]) {
-    const std::string name = option["name"];
-    SCOPED_TRACE(name);
-    const json& parameter = document["components"]["parameters"][name];
-    ASSERT_EQ(parameter["name"], name);
-    const json& schema = parameter["schema"];
-    EXPECT_EQ(schema["type"], option["type"]);
-    EXPECT_EQ(schema.value("default", json()), option["default"]);
-    EXPECT_EQ(schema.value("minimum", json()), option.value("minimum", json()));
-    EXPECT_EQ(schema.value("exclusiveMinimum", json()), option.value("exclusive_minimum", json()));
-    EXPECT_EQ(schema.value("maximum", json()), option.value("maximum", json()));
-    if (parameter.contains("example")) {
-      OptionReader reader;
-      EXPECT_NO_THROW(reader.add(name, parameter["example"].dump()));
-      EXPECT_NO_THROW(reader.check());
-    }
-    if (option.contains("excludes")) {
-      EXPECT_THAT(parameter["description"].get<std::string>(),
-                  AllOf(HasSubstr("Excludes"), HasSubstr("`" + option["excludes"].get<std::string>() + "`")));
-    }
-    EXPECT_TRUE(document["components"]["schemas"]["Options"]["properties"].contains(name));
-    for (const char* path : {"/v1/remesh", "/v1/analyze"}) {
-      const json& parameters = document["paths"][path]["post"]["parameters"];
-      EXPECT_NE(std::find(parameters.begin(), parameters.end(), json{{"$ref", "#/components/parameters/" + name}}),
-                parameters.end());
-    }
-  }
-}
-
-// Every "$ref" in a document, as a JSON pointer.
-void collect_references(const json& node, std::vector<std::string>& references) {
-  for (const auto& [key, value] : node.items()) {
-    if (key == "$ref" && value.is_string()) references.push_back(value.get<std::string>().substr(1));
-    if (value.is_structured()) collect_references(value, references);
-  }
-}
-
-TEST(Openapi, every_reference_has_its_target) {
-  const json document = json::parse(openapi().body);
-  std::vector<std::string> references;
-  collect_references(document, references);
-  EXPECT_GT(references.size(), 50u);
-  for (const std::string& reference : references)
-    EXPECT_TRUE(document.contains(json::json_pointer(reference))) << reference;
-}
-
 TEST(Openapi, the_report_schema_names_what_a_report_has) {
   const json document = json::parse(openapi().body);
   // A wedge: its corner of 10 degrees cannot reach the bound.
@@ -588,25 +517,6 @@ TEST(Openapi, its_examples_are_answered) {
     const json report = json::parse(remesh(request_of(examples[name]["value"].dump())).body)["report"];
     EXPECT_EQ(report["patches"].size(), count) << name;
     EXPECT_EQ(report["verified"]["quality"], true) << name;
-  }
-}
-
-TEST(Openapi, its_problems_are_as_they_are_sent) {
-  const json document = json::parse(openapi().body);
-  const json& content = document["components"]["responses"]["Problem"]["content"]["application/problem+json"];
-  const std::map<std::string, Code> codes{{"index_out_of_range", Code::kIndexOutOfRange},
-                                          {"output_too_large", Code::kOutputTooLarge},
-                                          {"invalid_option", Code::kInvalidOption}};
-  EXPECT_EQ(content["examples"].size(), codes.size());
-  for (const auto& [name, code] : codes) {
-    const json& shown = content["examples"][name]["value"];
-    Error error(code, Stage::kRead, shown["detail"].get<std::string>());
-    if (shown.contains("element")) error.at_element(shown["element"]);
-    if (shown.contains("option")) error.for_option(shown["option"]);
-    if (shown.contains("limit")) error.with_limit(shown["limit"]);
-    const Response response = to_response(to_problem(error), shown["request_id"].get<std::string>());
-    EXPECT_EQ(response.status, shown["status"]);
-    EXPECT_EQ(json::parse(response.body), shown);
   }
 }
 

@@ -285,7 +285,7 @@ TEST(remesh_surface, a_cylinder_of_a_thousand_facets_in_full_doubles_keeps_them_
   }
 }
 
-TEST(remesh_surface, a_bent_polygon_whose_every_cut_is_an_edge_already_is_answered) {
+TEST(remesh_surface, a_bent_polygon_whose_every_cut_is_an_edge_already_joins_no_edges) {
   // Three triangles of a tetrahedron, and a quad over all four of its corners: either diagonal has faces.
   const PolygonMesh mesh =
       shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 2, 1}}, {{0, 1, 3}, {0, 1, 2, 3}, {1, 2, 3}, {2, 0, 3}});
@@ -296,7 +296,24 @@ TEST(remesh_surface, a_bent_polygon_whose_every_cut_is_an_edge_already_is_answer
     const Result result = remesh_surface(mesh, options, {}, control);
     EXPECT_TRUE(result.report.verified.all_true());
     EXPECT_GE(result.mesh.faces.size(), 4u);
-    EXPECT_EQ(result.report.output.non_manifold_edges, result.report.input.non_manifold_edges + 1);
+    EXPECT_EQ(result.report.output.non_manifold_edges, result.report.input.non_manifold_edges);
+  }
+}
+
+TEST(remesh_surface, a_bent_quadrilateral_that_closes_a_tetrahedron_is_answered_beside_zero_area_faces) {
+  // Found by fuzzing: the shape's own cut of the quadrilateral is the two triangles' common edge.
+  const PolygonMesh mesh = shapes::from_lists({{4, 4, 0}, {0, 4, 4}, {0, 0, 4}, {4, 0, 1}},
+                                              {{2, 2, 3, 1}, {0, 0, 3}, {1, 2, 2, 0}, {3, 2, 0, 1}, {0, 0, 0}});
+  for (const bool refine : {false, true}) {
+    Options options;
+    options.refine = refine;
+    RunControl control;
+    const Result result = remesh_surface(mesh, options, {}, control);
+    EXPECT_TRUE(result.report.verified.all_true());
+    EXPECT_TRUE(result.report.output.closed);
+    EXPECT_EQ(result.report.output.non_manifold_edges, 0u);
+    // |(b - a) x (c - a) . (d - a)| / 6 of the four corners.
+    EXPECT_NEAR(std::fabs(result.report.output.volume.value_or(0)), 16.0 / 6, 1e-12);
   }
 }
 

@@ -12,6 +12,7 @@
 #include <thread>
 
 #include "core/io/obj.h"
+#include "tests/support/errors.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -19,6 +20,8 @@
 
 namespace remesh {
 namespace {
+
+using test::error_of;
 
 Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined(), const RunSettings& settings = {}) {
   RunControl control;
@@ -84,16 +87,6 @@ void expect_sound(const Result& result) {
   std::vector<std::uint64_t> faces(result.report.patches.size());
   for (const PatchId p : result.face_patch) ++faces[p.value];
   for (std::size_t p = 0; p < faces.size(); ++p) EXPECT_EQ(faces[p], result.report.patches[p].output_faces);
-}
-
-Error error_of(const std::function<void()>& work) {
-  try {
-    work();
-  } catch (const Error& error) {
-    return error;
-  }
-  ADD_FAILURE() << "nothing was thrown";
-  return Error(Code::kInternal, Stage::kQueued, "");
 }
 
 /// A part with several kinds of patches: a plate with a hole on legs.

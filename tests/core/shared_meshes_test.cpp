@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -150,11 +150,12 @@ TEST_F(SharedMeshes, every_file_comes_back_verified_within_ten_seconds_with_ever
     try {
       const PolygonMesh mesh = read_any(name);
       RunControl control;
-      const auto begin = std::chrono::steady_clock::now();
+      // Of the processor, on all threads: what a machine that does nothing else needs at most.
+      const std::clock_t begin = std::clock();
       const Result result = remesh_surface(mesh, unrefined(), RunSettings{2, false}, control);
-      [[maybe_unused]] const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+      [[maybe_unused]] const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
 #ifdef NDEBUG
-      EXPECT_LE(seconds.count(), 10);
+      EXPECT_LE(seconds, 10);
 #endif
       const Report& report = result.report;
       EXPECT_TRUE(report.verified.all_true());

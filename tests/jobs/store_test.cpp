@@ -101,6 +101,29 @@ class StoreTest : public ::testing::TestWithParam<Blobs> {
 INSTANTIATE_TEST_SUITE_P(Blobs, StoreTest, ::testing::Values(Blobs::kInStore, Blobs::kInFolder),
                          [](const auto& test) { return test.param == Blobs::kInStore ? "in_store" : "in_folder"; });
 
+TEST_P(StoreTest, daemons_that_start_at_once_on_a_new_store_all_open_it) {
+  if (!is_sqlite()) GTEST_SKIP() << "PostgreSQL is there before its daemons";
+  for (int round = 0; round < 20; ++round) {
+    const std::string path = (folder_ / ("new" + std::to_string(round) + ".sqlite")).string();
+    std::atomic<int> ready{0}, opened{0};
+    std::vector<std::thread> daemons;
+    for (int i = 0; i < 6; ++i)
+      daemons.emplace_back([&] {
+        ++ready;
+        while (ready < 6) std::this_thread::yield();
+        try {
+          SqlStore store(make_sqlite_driver(path), StoreRules{});
+          submit(store);
+          ++opened;
+        } catch (const StoreError& error) {
+          ADD_FAILURE() << error.what();
+        }
+      });
+    for (std::thread& daemon : daemons) daemon.join();
+    ASSERT_EQ(opened, 6) << "round " << round;
+  }
+}
+
 TEST_P(StoreTest, a_job_that_was_submitted_is_claimed_with_all_that_came_with_it) {
   const auto store = open();
   const std::string id = submit(*store, "v 0 0 0", "owner", 7);

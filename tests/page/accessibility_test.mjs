@@ -2,25 +2,11 @@
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
-import { after, before, test } from "node:test";
-import { bracket, openPage, startBrowser, startDaemon, temporaryFolder } from "./support.mjs";
+import { test } from "node:test";
+import { bracket, openPage, stage } from "./support.mjs";
 
 const axe = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const folder = temporaryFolder();
-let daemon;
-let browser;
-
-before(async () => {
-  [daemon, browser] = await Promise.all([
-    startDaemon("--api-key-file", folder.write("keys", "a-key-of-the-axe-test\n")),
-    startBrowser(),
-  ]);
-});
-after(async () => {
-  await browser?.close();
-  daemon?.stop();
-  folder.remove();
-});
+const set = stage((folder) => ["--api-key-file", folder.write("keys", "a-key-of-the-axe-test\n")]);
 
 /** By way of the debugger, which the page's policy does not bind. */
 async function violations(page) {
@@ -35,7 +21,9 @@ async function violations(page) {
 
 for (const scheme of ["light", "dark"]) {
   test(`axe finds nothing, ${scheme}`, async () => {
-    const { page, open, run, tab, drop, waitForText, type, close } = await openPage(browser, daemon.origin, { scheme });
+    const { page, open, run, tab, drop, waitForText, type, close } = await openPage(set.browser, set.daemon.origin, {
+      scheme,
+    });
     const check = async (state) => assert.deepEqual(await violations(page), [], `${state}, ${scheme}`);
     try {
       await page.waitForSelector("#key-dialog[open]");
@@ -58,7 +46,7 @@ for (const scheme of ["light", "dark"]) {
         await tab(name);
         await check(`results: ${name}`);
       }
-      await drop(folder.write("broken.obj", "v 0 0 0\nf 1 2 3\n"));
+      await drop(set.folder.write("broken.obj", "v 0 0 0\nf 1 2 3\n"));
       await waitForText("#unreadable", /./);
       await page.click("#run");
       await waitForText("#problem", /./);
@@ -70,7 +58,7 @@ for (const scheme of ["light", "dark"]) {
 }
 
 test("everything is reached by the Tab key, in the order in which it is read", async () => {
-  const { page, close } = await openPage(browser, daemon.origin, {});
+  const { page, close } = await openPage(set.browser, set.daemon.origin, {});
   try {
     await page.waitForSelector("#key-dialog[open]");
     await page.type("#key", "a-key-of-the-axe-test");

@@ -1,23 +1,12 @@
 // A million triangles in the page, drawn in software: slow there, but nothing may fail.
 import assert from "node:assert/strict";
-import { after, before, test } from "node:test";
-import { difference, drawn, openPage, pause, startBrowser, startDaemon, temporaryFolder } from "./support.mjs";
+import { test } from "node:test";
+import { differsFrom, isDrawn, openPage, pause, stage } from "./support.mjs";
 
 const kSide = 288;
 const kPatience = 240_000;
 
-const folder = temporaryFolder();
-let daemon;
-let browser;
-
-before(async () => {
-  [daemon, browser] = await Promise.all([startDaemon(), startBrowser()]);
-});
-after(async () => {
-  await browser?.close();
-  daemon?.stop();
-  folder.remove();
-});
+const set = stage();
 
 /** A box whose six sides are a grid of triangles each, as binary STL; its 2 * 6 * 288^2 are 995,328. */
 function box() {
@@ -58,7 +47,7 @@ function box() {
 }
 
 test("a million triangles load, are remeshed into a million, turn, and are picked", async () => {
-  const { page, faults, drop, waitForText, type, view, close } = await openPage(browser, daemon.origin);
+  const { page, faults, drop, waitForText, type, view, close } = await openPage(set.browser, set.daemon.origin);
   const since = (start) => `${((performance.now() - start) / 1000).toFixed(1)} s`;
   try {
     // How long the page itself stands still at most, and how long its frames take.
@@ -69,11 +58,10 @@ test("a million triangles load, are remeshed into a million, turn, and are picke
       }).observe({ entryTypes: ["longtask"] });
     });
     let start = performance.now();
-    await drop(folder.write("million.stl", box()));
+    await drop(set.folder.write("million.stl", box()));
     await waitForText("#before-count", /^995,328 faces$/, kPatience);
     console.log(`read and ready: ${since(start)}`);
-    const first = await view("before");
-    assert.ok(drawn(first).part > 0.12);
+    await view("before", isDrawn());
     console.log(`longest task of the page: ${(await page.evaluate(() => globalThis.longest)).toFixed(0)} ms`);
 
     // Equal pieces of a side: about as many again.
@@ -87,10 +75,9 @@ test("a million triangles load, are remeshed into a million, turn, and are picke
     assert.ok(
       Number((await page.$eval("#after-count", (element) => element.textContent)).replace(/\D/g, "")) > 700_000,
     );
-    assert.ok(drawn(await view("after")).part > 0.12);
+    const unturned = await view("after", isDrawn());
 
     const box2 = await (await page.$("#after")).boundingBox();
-    const turnOnce = await view("after");
     await page.mouse.move(box2.x + 150, box2.y + 150);
     await page.mouse.down();
     start = performance.now();
@@ -102,12 +89,12 @@ test("a million triangles load, are remeshed into a million, turn, and are picke
     console.log(`a frame of both views while turning: ${((performance.now() - start) / kSteps / 2).toFixed(0)} ms`);
     await page.mouse.up();
     await pause(3000);
-    assert.ok(difference(turnOnce, await view("after")) > 0.05);
+    await view("after", differsFrom(unturned, 0.05));
     await page.mouse.click(box2.x + box2.width / 2, box2.y + box2.height / 2);
     await page.waitForSelector("#after-numbers:not([hidden])", { timeout: kPatience });
     await page.select("#colouring", "angle");
     await page.select("#section-axis", "0");
-    assert.ok(drawn(await view("after")).part > 0.05);
+    await view("after", isDrawn(0.05));
     assert.deepEqual(faults, []);
   } finally {
     await close();

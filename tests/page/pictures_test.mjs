@@ -2,29 +2,18 @@
 import assert from "node:assert/strict";
 import { mkdirSync, statSync } from "node:fs";
 import { join } from "node:path";
-import { after, before, test } from "node:test";
-import { openPage, pause, startBrowser, startDaemon, temporaryFolder } from "./support.mjs";
+import { test } from "node:test";
+import { openPage, pause, stage } from "./support.mjs";
 
 const kMostBytes = 200_000;
 
-const scratch = temporaryFolder();
-const folder = process.env.REMESHD_PAGE_PICTURES ?? scratch.path;
-let daemon;
-let browser;
-
-before(async () => {
-  mkdirSync(folder, { recursive: true });
-  [daemon, browser] = await Promise.all([startDaemon(), startBrowser()]);
-});
-after(async () => {
-  await browser?.close();
-  daemon?.stop();
-  scratch.remove();
-});
+const set = stage();
+const folder = process.env.REMESHD_PAGE_PICTURES ?? set.folder.path;
+mkdirSync(folder, { recursive: true });
 
 function picture(name, options, prepare) {
   test(name, async () => {
-    const visitor = await openPage(browser, daemon.origin, { width: 1361, height: 850, ...options });
+    const visitor = await openPage(set.browser, set.daemon.origin, { width: 1361, height: 850, ...options });
     try {
       await prepare(visitor);
       await pause(300);
@@ -77,7 +66,7 @@ picture("finding", {}, async (visitor) => {
     [1, 2, 5, 4],
     [0, 4, 5, 3],
   ];
-  await drop(scratch.write("ramp.json", JSON.stringify({ vertices, faces })));
+  await drop(set.folder.write("ramp.json", JSON.stringify({ vertices, faces })));
   await waitForText("#before-count", /^5 faces$/);
   await run();
   await tab("findings");

@@ -1,8 +1,10 @@
 // A daemon, a browser, and what the tests ask of pictures.
+import assert from "node:assert/strict";
 import { spawn } from "node:child_process";
 import { mkdtempSync, readFileSync, rmSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { dirname, join } from "node:path";
+import { after, before } from "node:test";
 import { fileURLToPath } from "node:url";
 import { PNG } from "pngjs";
 import puppeteer from "puppeteer-core";
@@ -13,7 +15,22 @@ export const bracket = join(root, "tests/data/bracket.obj");
 const kRestMs = 260;
 /** So that both views have the same whole number of pixels. */
 const kWidth = 1281;
+/** How long a view may take to show what it should: long, so that a busy machine is not taken for a fault. */
+const kPatienceMs = 20_000;
 export const pause = (ms) => new Promise((resolve) => setTimeout(resolve, ms));
+
+/** What `check` gives once it no longer throws. It is asked again and again; in the end what it throws is thrown. */
+export async function eventually(check) {
+  const deadline = Date.now() + kPatienceMs;
+  for (;;) {
+    try {
+      return await check();
+    } catch (error) {
+      if (Date.now() > deadline) throw error;
+    }
+    await pause(100);
+  }
+}
 
 /** The real daemon on a free port. */
 export async function startDaemon(...options) {
@@ -74,6 +91,23 @@ export async function startBrowser() {
     ],
     protocolTimeout: 120_000,
   });
+}
+
+/**
+ * A daemon and a browser for the tests of a file, from before the first to after the last, and a folder, at once.
+ * `options`: what the daemon is told, given that folder.
+ */
+export function stage(options = () => []) {
+  const set = { folder: temporaryFolder(), daemon: undefined, browser: undefined };
+  before(async () => {
+    [set.daemon, set.browser] = await Promise.all([startDaemon(...options(set.folder)), startBrowser()]);
+  });
+  after(async () => {
+    await set.browser?.close();
+    set.daemon?.stop();
+    set.folder.remove();
+  });
+  return set;
 }
 
 /** A tab of the page, with everything that a person does there. `faults` gathers what must not be in any console. */
@@ -165,10 +199,14 @@ export async function openPage(browser, origin, { width = kWidth, height = 800, 
       });
       return PNG.sync.read(Buffer.from(await page.screenshot({ clip })));
     },
-    /** A view, once it has come to rest. */
-    async view(side) {
-      await pause(kRestMs);
-      return self.picture(`#${side}`);
+    /** A view, once it has come to rest and `check` throws nothing of it: a busy browser shows a frame late. */
+    async view(side, check = () => {}) {
+      return eventually(async () => {
+        await pause(kRestMs);
+        const picture = await self.picture(`#${side}`);
+        await check(picture);
+        return picture;
+      });
     },
   };
   return self;
@@ -198,6 +236,14 @@ export function drawn(png) {
 export function difference(a, b) {
   return partWhere(a, (at) => [0, 1, 2].some((i) => Math.abs(a.data[at + i] - b.data[at + i]) > kRounding));
 }
+
+/** Checks of a picture, for `view`: more than `part` of it is surface; more than `part` of it is not as in another. */
+export const isDrawn =
+  (part = 0.12) =>
+  (png) =>
+    assert.ok(drawn(png).part > part, `drawn: ${drawn(png).part}`);
+export const differsFrom = (other, part) => (png) =>
+  assert.ok(difference(other, png) > part, `differs in ${difference(other, png)}`);
 
 /** Part of the pixels of the yellow of a chosen triangle, which nothing else has. */
 export function chosenPart({ data, ...png }) {

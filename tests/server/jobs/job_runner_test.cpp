@@ -66,6 +66,11 @@ class Runner : public ::testing::Test {
     if (runner_) runner_->wake();
     return job.id;
   }
+  /// What becomes of a body that waits for nothing but a runner.
+  JobRecord outcome_of(const std::string& body) {
+    start();
+    return ended(submit(body));
+  }
   JobRecord ended(const std::string& id) {
     EXPECT_TRUE(eventually([&] { return is_final(store_->find(id)->state); }));
     return *store_->find(id);
@@ -95,8 +100,7 @@ TEST_F(Runner, a_job_that_waits_is_done_and_its_result_kept) {
 }
 
 TEST_F(Runner, an_error_of_the_input_is_not_tried_again) {
-  start();
-  const JobRecord job = ended(submit("bad"));
+  const JobRecord job = outcome_of("bad");
   EXPECT_EQ(job.state, JobState::kFailed);
   EXPECT_EQ(job.attempts, 1);
   EXPECT_EQ(job.problem_status, 422);
@@ -105,16 +109,14 @@ TEST_F(Runner, an_error_of_the_input_is_not_tried_again) {
 }
 
 TEST_F(Runner, a_defect_is_told_as_opaque_and_not_tried_again) {
-  start();
-  const JobRecord job = ended(submit("throw"));
+  const JobRecord job = outcome_of("throw");
   EXPECT_EQ(job.problem_status, 500);
   EXPECT_EQ(job.problem.find("secret"), std::string::npos);
   EXPECT_EQ(job.attempts, 1);
 }
 
 TEST_F(Runner, want_of_memory_is_tried_again_but_not_for_ever) {
-  start();
-  const JobRecord job = ended(submit("no memory"));
+  const JobRecord job = outcome_of("no memory");
   EXPECT_EQ(job.state, JobState::kFailed);
   EXPECT_EQ(job.attempts, 3);
   EXPECT_EQ(job.problem_status, 503);
@@ -123,8 +125,7 @@ TEST_F(Runner, want_of_memory_is_tried_again_but_not_for_ever) {
 TEST_F(Runner, a_job_has_its_time_and_no_more) {
   settings_.job_timeout = milliseconds(100);
   settings_.lease = milliseconds(800);
-  start();
-  const JobRecord job = ended(submit("block"));
+  const JobRecord job = outcome_of("block");
   EXPECT_EQ(job.problem_status, 504);
   EXPECT_NE(job.problem.find("\"code\":\"timeout\""), std::string::npos);
 }

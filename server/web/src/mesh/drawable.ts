@@ -3,6 +3,7 @@ import { kNonManifold, kOpen, mergeEqualPoints, twins } from "./adjacency.ts";
 import { measureAll } from "./quality.ts";
 import { type Surface, faceCount } from "./surface.ts";
 import { triangulate } from "./triangulate.ts";
+import { type Vector, dot, normalOf } from "./vector.ts";
 
 export type Point = [number, number, number];
 
@@ -138,24 +139,13 @@ export class Draft {
   private isBend(t: number, other: number): boolean {
     const a = this.normal(t),
       b = this.normal(other);
-    const product = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
     // A triangle without area has no direction: no line beside it.
-    return product < kFlat * Math.hypot(...a) * Math.hypot(...b);
+    return dot(a, b) < kFlat * Math.hypot(...a) * Math.hypot(...b);
   }
 
-  private normal(t: number): Point {
-    const { points } = this.surface;
+  private normal(t: number): Vector {
     const { corners } = this.triangles;
-    const a = 3 * corners[3 * t]!,
-      b = 3 * corners[3 * t + 1]!,
-      c = 3 * corners[3 * t + 2]!;
-    const ux = points[b]! - points[a]!,
-      uy = points[b + 1]! - points[a + 1]!,
-      uz = points[b + 2]! - points[a + 2]!;
-    const vx = points[c]! - points[a]!,
-      vy = points[c + 1]! - points[a + 1]!,
-      vz = points[c + 2]! - points[a + 2]!;
-    return [uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx];
+    return normalOf(this.surface.points, 3 * corners[3 * t]!, 3 * corners[3 * t + 1]!, 3 * corners[3 * t + 2]!);
   }
 }
 

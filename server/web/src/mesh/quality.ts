@@ -1,4 +1,5 @@
 // The numbers of one triangle, by Verdict's definitions, as in the daemon's report.
+import { cross, dot, fromTo } from "./vector.ts";
 
 const kDegrees = 180 / Math.PI;
 
@@ -21,16 +22,10 @@ export function measureTriangle(points: Float64Array, a: number, b: number, c: n
   let doubled = 0;
   for (let i = 0; i < 3; ++i) {
     const [p, q, r] = [corners[i]!, corners[(i + 1) % 3]!, corners[(i + 2) % 3]!];
-    const ux = points[q]! - points[p]!,
-      uy = points[q + 1]! - points[p + 1]!,
-      uz = points[q + 2]! - points[p + 2]!;
-    const vx = points[r]! - points[p]!,
-      vy = points[r + 1]! - points[p + 1]!,
-      vz = points[r + 2]! - points[p + 2]!;
-    const cross = Math.hypot(uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx);
-    angles[i] = Math.atan2(cross, ux * vx + uy * vy + uz * vz) * kDegrees;
-    lengths[i] = Math.hypot(points[r]! - points[q]!, points[r + 1]! - points[q + 1]!, points[r + 2]! - points[q + 2]!);
-    doubled = cross;
+    const [u, v] = [fromTo(points, p, q), fromTo(points, p, r)];
+    doubled = Math.hypot(...cross(u, v));
+    angles[i] = Math.atan2(doubled, dot(u, v)) * kDegrees;
+    lengths[i] = Math.hypot(...fromTo(points, q, r));
   }
   const shortest = Math.min(...lengths);
   return {
@@ -48,22 +43,14 @@ export function measureAll(points: Float64Array, corners: Uint32Array, values: F
     const a = 3 * corners[3 * t]!,
       b = 3 * corners[3 * t + 1]!,
       c = 3 * corners[3 * t + 2]!;
-    const ux = points[b]! - points[a]!,
-      uy = points[b + 1]! - points[a + 1]!,
-      uz = points[b + 2]! - points[a + 2]!;
-    const vx = points[c]! - points[a]!,
-      vy = points[c + 1]! - points[a + 1]!,
-      vz = points[c + 2]! - points[a + 2]!;
-    const wx = vx - ux,
-      wy = vy - uy,
-      wz = vz - uz;
-    const nx = uy * vz - uz * vy,
-      ny = uz * vx - ux * vz,
-      nz = ux * vy - uy * vx;
-    const doubled = Math.sqrt(nx * nx + ny * ny + nz * nz);
-    const uu = ux * ux + uy * uy + uz * uz,
-      vv = vx * vx + vy * vy + vz * vz,
-      ww = wx * wx + wy * wy + wz * wz;
+    const u = fromTo(points, a, b),
+      v = fromTo(points, a, c),
+      w = fromTo(points, b, c),
+      normal = cross(u, v);
+    const doubled = Math.sqrt(dot(normal, normal));
+    const uu = dot(u, u),
+      vv = dot(v, v),
+      ww = dot(w, w);
     const shortest = Math.min(uu, vv, ww);
     // The smallest angle is across from the shortest edge.
     const cosine = (uu + vv + ww) / 2 - shortest;

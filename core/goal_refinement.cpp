@@ -1,0 +1,92 @@
+#include "core/goal_refinement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <string>
+
+#include "core/refinement/gap_search.h"
+#include "core/refinement/prediction.h"
+#include "core/refinement/segment_table.h"
+
+namespace remesh {
+namespace {
+
+std::string count_text(double count) {
+  return count < 1e15 ? std::to_string(static_cast<std::uint64_t>(count)) : "10^15";
+}
+
+}  // namespace
+
+bool GoalRefinement::has_goals() const {
+  return goals_.min_angle_deg > 0 || std::isfinite(goals_.max_edge_length) || std::isfinite(goals_.max_area) ||
+         goals_.proximity > 0;
+}
+
+std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) {
+  const SizeField sizes = size_field(on, meshes);
+  if (has_goals()) predicted_faces_ = static_cast<std::uint64_t>(predict(meshes, goals_, sizes, control_).expected);
+  return predicted_faces_;
+}
+
+Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder, std::vector<PatchMesh>& meshes) {
+  frozen_.resize(on.patches.count(), 0);
+  for (std::size_t p = 0; p < on.patches.count(); ++p)
+    if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[p] = 1;
+  if (is_budget_too_small()) frozen_.assign(on.patches.count(), 1);
+  const SizeField sizes = size_field(on, meshes);
+  const Prediction prediction = predict(meshes, goals_, sizes, control_);
+  refuse_if_hopeless(prediction.least);
+  predicted_faces_ = static_cast<std::uint64_t>(prediction.expected);
+  Goals within_budget = goals_;
+  within_budget.max_faces = budget_;
+  Refinement refined = remesh::refine(on.surface, on.patches, frozen_, within_budget, sizes, meshes, control_);
+  if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
+  return refined;
+}
+
+/// Before anything is allocated by it: what must have more faces than allowed is not begun.
+void GoalRefinement::refuse_if_hopeless(double least) const {
+  // Half-edges are numbered in 31 bits.
+  constexpr std::uint64_t kMostFaces = std::uint64_t{1} << 29;
+  const std::uint64_t most = std::min(goals_.max_faces, kMostFaces);
+  if (least > static_cast<double>(most))
+    throw Error(Code::kOutputTooLarge, Stage::kRefinement,
+                "with these sizes the result has at least " + count_text(least) + " faces, more than allowed")
+        .for_option("max_output_faces")
+        .with_limit(most);
+}
+
+SizeField GoalRefinement::size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) {
+  if (goals_.proximity == 0 && goals_.gradation == 0) return SizeField(goals_.max_edge_length);
+  std::unique_ptr<GapSearch> gaps;
+  if (goals_.proximity > 0) {
+    gaps = std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, meshes);
+    smallest_gap_ = gaps->smallest(control_);
+  }
+  // With proximity it is the gaps' sizes that grow; around short segments the bound on angles sees to it. Alone,
+  // gradation is about these.
+  std::vector<std::array<VertexId, 2>> segments;
+  if (!gaps) segments = segment_ends(meshes);
+  return SizeField(on.surface, gaps.get(), segments, goals_, on.plane_tolerance, control_);
+}
+
+bool GoalRefinement::is_over_budget(std::uint64_t faces) {
+  if (!has_goals() || faces <= goals_.max_faces || is_budget_too_small()) return false;
+  ++retries_;
+  budget_ -= std::min(budget_, (faces - goals_.max_faces) * (std::uint64_t{1} << retries_));
+  return true;
+}
+
+bool GoalRefinement::freeze(const std::vector<PatchId>& failed) {
+  if (!has_goals()) return false;
+  bool is_new = false;
+  for (const PatchId p : failed) {
+    is_new = is_new || frozen_[p.value] == 0;
+    frozen_[p.value] = 1;
+  }
+  return is_new;
+}
+
+}  // namespace remesh

@@ -1,0 +1,73 @@
+/// Refinement as a run uses it: from options to goals, within a budget, patch by patch where one fails.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/surface.h"
+#include "core/refinement/goals.h"
+#include "core/refinement/size_field.h"
+#include "core/stages/ladder.h"
+#include "core/stages/patch_meshing.h"
+#include "core/stages/patches.h"
+#include "core/stages/refinement.h"
+
+namespace remesh {
+
+/// What is refined.
+struct PatchedSurface {
+  const Surface& surface;
+  const Adjacency& adjacency;
+  const PatchSet& patches;
+  double plane_tolerance;  ///< model units
+};
+
+/// What attempts at one surface have shown so far.
+class GoalRefinement {
+ public:
+  /// Without goals nothing is refined.
+  GoalRefinement(const Goals& goals, RunControl& control)
+      : goals_(goals), budget_(goals.max_faces), control_(control) {}
+
+  const Goals& goals() const { return goals_; }
+  bool has_goals() const;
+  /// Faces, as predicted by the last attempt.
+  std::uint64_t predicted_faces() const { return predicted_faces_; }
+  /// To the nearest facet that is not a neighbour, model units; known with goals.proximity.
+  std::optional<double> smallest_gap() const { return smallest_gap_; }
+
+  /// How many faces refinement would make of these triangles.
+  std::uint64_t predict_faces(const PatchedSurface& on, const std::vector<PatchMesh>& meshes);
+
+  /// Refines the patches' triangles; those that the ladder keeps, and those frozen, stay.
+  /// Errors: kOutputTooLarge - no result with these sizes can have as few faces as are allowed.
+  Refinement refine(const PatchedSurface& on, const Ladder& ladder, std::vector<PatchMesh>& meshes);
+
+  /// Whether a result of so many faces is more than the budget: a refinement may overshoot it by what patches do for
+  /// each other at the end. Then the next attempt gets less, once or twice more, and at last nothing is refined.
+  bool is_over_budget(std::uint64_t faces);
+
+  /// Patches whose refinement failed the check stay as they were before it. Output: whether that is a change.
+  bool freeze(const std::vector<PatchId>& failed);
+  /// After a step of the ladder the patches are others.
+  void thaw() { frozen_.clear(); }
+
+ private:
+  static constexpr int kMostRetries = 6;
+  bool is_budget_too_small() const { return retries_ > kMostRetries; }
+  SizeField size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes);
+  void refuse_if_hopeless(double least) const;
+
+  Goals goals_;
+  std::uint64_t budget_;  ///< faces that refinement may make it
+  RunControl& control_;
+  int retries_ = 0;
+  std::vector<std::uint8_t> frozen_;  ///< per patch: not refined
+  std::uint64_t predicted_faces_ = 0;
+  std::optional<double> smallest_gap_;
+};
+
+}  // namespace remesh

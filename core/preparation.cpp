@@ -1,0 +1,109 @@
+#include "core/preparation.h"
+
+#include "core/base/tolerance.h"
+#include "core/quality.h"
+#include "core/stages/coplanar_regions.h"
+#include "core/stages/duplicate_faces.h"
+#include "core/stages/findings.h"
+#include "core/stages/mend_faces.h"
+#include "core/stages/t_junctions.h"
+#include "core/stages/weld.h"
+#include "core/stages/winding.h"
+
+namespace remesh {
+namespace {
+
+class Preparation {
+ public:
+  Preparation(const PolygonMesh& input, const Options& options, const MendingLimits& limits, Report& report,
+              RunControl& control)
+      : input_(input), options_(options), limits_(limits), report_(report), control_(control) {}
+
+  Prepared run(Stopwatch& watch) {
+    // Vertices with equal coordinates, or nearly equal ones, become one.
+    watch.enter(Stage::kWeld);
+    surface() = weld(input_, options_.barriers, report_.diagnostics, control_, options_.weld_tolerance);
+    find_edges();
+    watch.enter(Stage::kQuality);
+    measure();
+    watch.enter(Stage::kWeld);
+    choose_tolerance();
+    mend();
+    prepared_.geometry = face_geometry(surface(), control_);
+    return std::move(prepared_);
+  }
+
+ private:
+  Surface& surface() { return prepared_.surface; }
+  const Adjacency& adjacency() const { return *prepared_.adjacency; }
+
+  void find_edges() {
+    control_.check();
+    prepared_.adjacency =
+        std::make_unique<Adjacency>(surface().vertex_count(), surface().face_begin, surface().corners);
+  }
+
+  void measure() {
+    const auto& positions = surface().positions.items();
+    report_.input = measure_surface(positions, surface().face_begin, surface().corners, adjacency(), control_);
+    report_.input.vertices = input_.vertex_count();
+    report_.input.faces = input_.face_count();
+    const std::vector<Triangle> triangles = triangulated(surface(), control_).triangles;
+    const bool are_all_triangles = surface().corners.size() == 3 * surface().face_count();
+    report_.input.quality = are_all_triangles ? measure_quality(positions, triangles, adjacency(), control_)
+                                              : measure_quality(positions, triangles, control_);
+    find_defects(surface(), adjacency(), report_.diagnostics, control_);
+  }
+
+  void choose_tolerance() {
+    const double diagonal = report_.input.bounding_box.diagonal();
+    const Rounding rounding = rounding_of(surface().positions.items());
+    report_.rounding_step = rounding.step;
+    report_.plane_tolerance_is_automatic = !options_.plane_tolerance.has_value();
+    if (options_.plane_tolerance) {
+      report_.plane_tolerance = *options_.plane_tolerance;
+      return;
+    }
+    const AutomaticTolerance automatic = automatic_tolerance(rounding.step, diagonal);
+    const double unit = surface().unit;
+    report_.plane_tolerance = automatic.value;
+    if (automatic.if_noisy != automatic.value &&
+        is_noise_present(surface(), adjacency(), face_geometry(surface(), control_), automatic.value / unit,
+                         automatic.if_noisy / unit))
+      report_.plane_tolerance = automatic.if_noisy;
+    if (rounding.is_decimal && report_.plane_tolerance == kToleranceSteps * rounding.step)
+      prepared_.printed_step = rounding.step;
+  }
+
+  void mend() {
+    const Repair& repair = options_.repair;
+    const double tolerance = report_.plane_tolerance / surface().unit;
+    std::vector<Diagnostic>& found = report_.diagnostics;
+    // Faces that repeat others go, edges are split at the vertices that lie on them.
+    if (drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), found, control_)) find_edges();
+    if (split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is,
+                          mend_if(repair.t_junctions && limits_.are_t_junctions_split), found, control_))
+      find_edges();
+    // Faces without a plane are split, faces without an area dropped; nothing opens.
+    if (mend_faces(surface(), tolerance, limits_.as_it_is, mend_if(repair.degenerate), found, control_)) find_edges();
+    // Neighbours look the same way, closed pieces outwards if that is asked for.
+    if (unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_)) find_edges();
+    if (turn_inside_out(surface(), adjacency(), mend_if(repair.inside_out), found, control_)) find_edges();
+  }
+
+  const PolygonMesh& input_;
+  const Options& options_;
+  const MendingLimits& limits_;
+  Report& report_;
+  RunControl& control_;
+  Prepared prepared_;
+};
+
+}  // namespace
+
+Prepared prepare(const PolygonMesh& input, const Options& options, const MendingLimits& limits, Report& report,
+                 Stopwatch& watch, RunControl& control) {
+  return Preparation(input, options, limits, report, control).run(watch);
+}
+
+}  // namespace remesh

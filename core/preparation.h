@@ -1,0 +1,40 @@
+/// From the mesh as read to a surface of which every face has a plane, and the tolerance that its coordinates ask for.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/face_geometry.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/surface.h"
+#include "core/options.h"
+#include "core/report.h"
+#include "core/stopwatch.h"
+
+namespace remesh {
+
+/// What the stages after it work on.
+struct Prepared {
+  Surface surface;
+  std::unique_ptr<Adjacency> adjacency;  ///< of the surface
+  IdVector<FaceId, FaceGeometry> geometry;
+  double printed_step = 0;  ///< model units; of the decimals that the tolerance comes from; 0: it has another origin
+};
+
+/// Mendings that an earlier attempt found to stand in the way.
+struct MendingLimits {
+  std::vector<std::uint8_t> as_it_is;  ///< per input face, or empty: see mend_faces
+  bool are_t_junctions_split = true;   ///< false: not even if the options ask for it
+};
+
+/// Welds, measures, chooses the plane tolerance and mends, in this order.
+/// Output:  the surface; the report's input, tolerances and diagnostics, added to those of the reader that it has.
+/// Errors:  kEmptyMesh - no face, or none with an area; kInvalidMesh - see mend_faces.
+/// Cost:    O(n log n).
+Prepared prepare(const PolygonMesh& input, const Options& options, const MendingLimits& limits, Report& report,
+                 Stopwatch& watch, RunControl& control);
+
+}  // namespace remesh

@@ -1,0 +1,168 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "api/options.h"
+#include "api/service.h"
+
+namespace remesh::api {
+namespace {
+
+using nlohmann::json;
+using testing::AllOf;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+TEST(Capabilities, they_tell_every_option_and_format) {
+  const json answer = json::parse(capabilities({}).body);
+  EXPECT_EQ(answer["options"].size(), option_table().size());
+  const auto names = [&](const char* direction) {
+    std::vector<std::string> all;
+    for (const json& format : answer["formats"][direction]) all.push_back(format["name"]);
+    return all;
+  };
+  EXPECT_EQ(names("input"), (std::vector<std::string>{"obj", "json", "stl", "ply", "off"}));
+  EXPECT_EQ(names("output"), (std::vector<std::string>{"obj", "json", "stl", "ply", "off", "vtu", "msh"}));
+  EXPECT_EQ(answer["formats"]["input"][0]["media_type"], "model/obj");
+}
+
+/// What is told of one option, without its description.
+json option_told(std::string_view name) {
+  const json answer = json::parse(capabilities({}).body);
+  for (json option : answer["options"]) {
+    if (option["name"] != name) continue;
+    EXPECT_FALSE(option["description"].get<std::string>().empty()) << name;
+    option.erase("description");
+    return option;
+  }
+  ADD_FAILURE() << "nothing is told of " << name;
+  return {};
+}
+
+TEST(Capabilities, an_option_tells_its_type_default_bounds_and_words_and_nothing_it_has_not) {
+  EXPECT_EQ(option_told("refine"), json::parse(R"({"name": "refine", "type": "boolean", "default": true})"));
+  EXPECT_EQ(option_told("normal_tolerance"), json::parse(R"({"name": "normal_tolerance", "type": "number",
+      "default": 1e-6, "minimum": 0, "maximum": 0.5})"));
+  EXPECT_EQ(option_told("max_edge_length"), json::parse(R"({"name": "max_edge_length", "type": "number",
+      "default": null, "unset": "none", "exclusive_minimum": 0, "excludes": "max_edge_fraction"})"));
+  EXPECT_EQ(option_told("max_output_faces"), json::parse(R"({"name": "max_output_faces", "type": "integer",
+      "default": null, "unset": "none", "minimum": 1})"));
+  EXPECT_EQ(option_told("barriers"), json::parse(R"({"name": "barriers", "type": "string",
+      "default": "object,group,material", "values": ["object", "group", "material"]})"));
+}
+
+TEST(Capabilities, what_is_told_of_an_option_is_what_it_takes) {
+  const auto is_taken = [](const std::string& name, const json& value) {
+    try {
+      OptionReader().add(name, value.is_string() ? value.get<std::string>() : value.dump());
+      return true;
+    } catch (const Error&) {
+      return false;
+    }
+  };
+  const json answer = json::parse(capabilities({}).body);
+  for (const json& option : answer["options"]) {
+    SCOPED_TRACE(option.dump());
+    const std::string name = option["name"];
+    EXPECT_TRUE(option["default"].is_null() || is_taken(name, option["default"]));
+    EXPECT_TRUE(!option.contains("unset") || is_taken(name, option["unset"]));
+    for (const json& word : option.value("values", json::array())) EXPECT_TRUE(is_taken(name, word));
+    if (option.contains("minimum")) {
+      EXPECT_TRUE(is_taken(name, option["minimum"]));
+      EXPECT_FALSE(is_taken(name, option["minimum"].get<double>() - 1e-3));
+    }
+    if (option.contains("exclusive_minimum")) {
+      EXPECT_FALSE(is_taken(name, option["exclusive_minimum"]));
+      EXPECT_TRUE(is_taken(name, option["exclusive_minimum"].get<double>() + 1e-3));
+    }
+    if (option.contains("maximum")) {
+      EXPECT_TRUE(is_taken(name, option["maximum"]));
+      EXPECT_FALSE(is_taken(name, option["maximum"].get<double>() + 1e-3));
+    }
+  }
+}
+
+TEST(Capabilities, every_limit_is_told_under_its_own_name) {
+  const Limits limits{1, 2, 3, 4, 5, 6, 7, 8.5};
+  const Response response = capabilities(limits);
+  EXPECT_EQ(response.status, 200);
+  EXPECT_EQ(response.content_type, "application/json");
+  EXPECT_EQ(json::parse(response.body)["limits"],
+            json::parse(R"({"max_body": 1, "max_decompressed": 2, "max_ratio": 3, "max_vertices": 4, "max_faces": 5,
+                            "max_output_faces": 6, "workers": 7, "request_timeout_s": 8.5})"));
+}
+
+TEST(Openapi, its_parameters_are_the_table_of_options) {
+  const json document = json::parse(openapi().body);
+  EXPECT_THAT(document["openapi"].get<std::string>(), StartsWith("3.1"));
+  const json answer = json::parse(capabilities({}).body);
+  for (const json& option : answer["options"]) {
+    const std::string name = option["name"];
+    SCOPED_TRACE(name);
+    const json& parameter = document["components"]["parameters"][name];
+    ASSERT_EQ(parameter["name"], name);
+    const json& schema = parameter["schema"];
+    EXPECT_EQ(schema["type"], option["type"]);
+    EXPECT_EQ(schema.value("default", json()), option["default"]);
+    EXPECT_EQ(schema.value("minimum", json()), option.value("minimum", json()));
+    EXPECT_EQ(schema.value("exclusiveMinimum", json()), option.value("exclusive_minimum", json()));
+    EXPECT_EQ(schema.value("maximum", json()), option.value("maximum", json()));
+    if (parameter.contains("example")) {
+      OptionReader reader;
+      EXPECT_NO_THROW(reader.add(name, parameter["example"].dump()));
+      EXPECT_NO_THROW(reader.check());
+    }
+    if (option.contains("excludes")) {
+      EXPECT_THAT(parameter["description"].get<std::string>(),
+                  AllOf(HasSubstr("Excludes"), HasSubstr("`" + option["excludes"].get<std::string>() + "`")));
+    }
+    EXPECT_TRUE(document["components"]["schemas"]["Options"]["properties"].contains(name));
+    for (const char* path : {"/v1/remesh", "/v1/analyze"}) {
+      const json& parameters = document["paths"][path]["post"]["parameters"];
+      EXPECT_NE(std::find(parameters.begin(), parameters.end(), json{{"$ref", "#/components/parameters/" + name}}),
+                parameters.end());
+    }
+  }
+}
+
+// Every "$ref" in a document, as a JSON pointer.
+void collect_references(const json& node, std::vector<std::string>& references) {
+  for (const auto& [key, value] : node.items()) {
+    if (key == "$ref" && value.is_string()) references.push_back(value.get<std::string>().substr(1));
+    if (value.is_structured()) collect_references(value, references);
+  }
+}
+
+TEST(Openapi, every_reference_has_its_target) {
+  const json document = json::parse(openapi().body);
+  std::vector<std::string> references;
+  collect_references(document, references);
+  EXPECT_GT(references.size(), 50u);
+  for (const std::string& reference : references)
+    EXPECT_TRUE(document.contains(json::json_pointer(reference))) << reference;
+}
+
+TEST(Openapi, its_problems_are_as_they_are_sent) {
+  const json document = json::parse(openapi().body);
+  const json& content = document["components"]["responses"]["Problem"]["content"]["application/problem+json"];
+  const std::map<std::string, Code> codes{{"index_out_of_range", Code::kIndexOutOfRange},
+                                          {"output_too_large", Code::kOutputTooLarge},
+                                          {"invalid_option", Code::kInvalidOption}};
+  EXPECT_EQ(content["examples"].size(), codes.size());
+  for (const auto& [name, code] : codes) {
+    const json& shown = content["examples"][name]["value"];
+    Error error(code, Stage::kRead, shown["detail"].get<std::string>());
+    if (shown.contains("element")) error.at_element(shown["element"]);
+    if (shown.contains("option")) error.for_option(shown["option"]);
+    if (shown.contains("limit")) error.with_limit(shown["limit"]);
+    const Response response = to_response(to_problem(error), shown["request_id"].get<std::string>());
+    EXPECT_EQ(response.status, shown["status"]);
+    EXPECT_EQ(json::parse(response.body), shown);
+  }
+}
+
+}  // namespace
+}  // namespace remesh::api

@@ -1,0 +1,123 @@
+#include "api/cli/files.h"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "core/base/error.h"
+#include "tests/support/temporary_folder.h"
+
+namespace remesh::cli {
+namespace {
+
+using testing::HasSubstr;
+
+class Files : public testing::Test {
+ protected:
+  std::string read_by_us(const std::string& name) const { return read_file(folder_.path(name), control_); }
+  /// What the file error says; empty if there is none.
+  template <typename Act>
+  static std::string complaint(const Act& act) {
+    try {
+      act();
+    } catch (const FileError& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  const test::TemporaryFolder folder_;
+  RunControl control_;
+};
+
+/// Bytes of every value, more of them than are read at once.
+std::string many_bytes() {
+  std::string bytes(3'000'001, '\0');
+  for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i % 251);
+  return bytes;
+}
+
+TEST_F(Files, a_file_is_read_to_its_last_byte) {
+  for (const std::string& content : {std::string(), std::string("a\0b\r\n", 5), many_bytes()}) {
+    folder_.write("part", content);
+    EXPECT_TRUE(read_by_us("part") == content) << content.size() << " bytes";
+  }
+}
+
+TEST_F(Files, a_pipe_is_read_until_it_is_closed_however_it_comes) {
+  ASSERT_EQ(::mkfifo(folder_.path("pipe").c_str(), 0600), 0);
+  const std::string content = many_bytes();
+  std::thread writer([&] {
+    std::ofstream pipe(folder_.path("pipe"), std::ios::binary);
+    pipe << content.substr(0, 10) << std::flush << content.substr(10);
+  });
+  const std::string got = read_by_us("pipe");
+  writer.join();
+  EXPECT_TRUE(got == content) << got.size() << " bytes";
+}
+
+TEST_F(Files, what_cannot_be_read_is_named_with_the_reason) {
+  EXPECT_EQ(complaint([&] { read_by_us("none"); }), folder_.path("none") + ": No such file or directory");
+  EXPECT_EQ(complaint([&] { read_file(folder_.path(), control_); }), folder_.path() + ": Is a directory");
+}
+
+TEST_F(Files, a_stop_ends_reading) {
+  folder_.write("part", "v 0 0 0\n");
+  control_.cancel();
+  try {
+    read_by_us("part");
+    FAIL() << "it was read";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, Code::kCancelled);
+  }
+}
+
+TEST_F(Files, a_new_file_has_its_content_and_the_permissions_of_any_other) {
+  const mode_t mask = ::umask(027);
+  write_file(folder_.path("out"), many_bytes());
+  ::umask(mask);
+  EXPECT_TRUE(folder_.read("out") == many_bytes());
+  struct stat status {};
+  ASSERT_EQ(::stat(folder_.path("out").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777, 0640u);
+  EXPECT_EQ(folder_.entry_count(), 1u);
+}
+
+TEST_F(Files, whoever_reads_the_old_file_reads_it_to_its_end) {
+  folder_.write("out", "the old content");
+  std::ifstream reader(folder_.path("out"));
+  std::string first;
+  reader >> first;
+  write_file(folder_.path("out"), "new");
+  EXPECT_EQ(std::string(std::istreambuf_iterator<char>(reader), {}), " old content");
+  EXPECT_EQ(folder_.read("out"), "new");
+}
+
+TEST_F(Files, a_link_into_another_folder_leads_to_the_new_content) {
+  folder_.write("kept/real", "old");
+  std::filesystem::create_symlink("kept/real", folder_.path("link"));
+  write_file(folder_.path("link"), "new");
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_.path("link")));
+  EXPECT_EQ(folder_.read("kept/real"), "new");
+}
+
+TEST_F(Files, a_write_that_fails_says_why_and_leaves_nothing) {
+  std::filesystem::create_directory(folder_.path("folder"));
+  EXPECT_EQ(complaint([&] { write_file(folder_.path("folder"), "x"); }), folder_.path("folder") + ": Is a directory");
+  EXPECT_EQ(complaint([&] { write_file(folder_.path("no/file"), "x"); }),
+            folder_.path("no/file") + ": No such file or directory");
+  EXPECT_EQ(complaint([] { write_file("/dev/full", "x"); }), "/dev/full: No space left on device");
+  // A name as long as can be: the file beside it has no name then.
+  EXPECT_THAT(complaint([&] { write_file(folder_.path(std::string(255, 'a')), "x"); }),
+              HasSubstr("File name too long"));
+  EXPECT_EQ(folder_.entry_count(), 1u);
+}
+
+}  // namespace
+}  // namespace remesh::cli

@@ -1,0 +1,155 @@
+#include "api/job.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "core/io/gzip.h"
+#include "tests/support/errors.h"
+
+namespace remesh::api {
+namespace {
+
+using nlohmann::json;
+using test::error_of;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr std::string_view kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+
+Job job_of(std::string_view mesh, const Fields& options = {}, std::string accept = "") {
+  Job job;
+  job.mesh = mesh;
+  job.accept = std::move(accept);
+  job.options.add("refine", "false");
+  for (const auto& [name, value] : options) job.options.add(name, value);
+  return job;
+}
+
+RemeshAnswer remesh(Job job, const Limits& limits = {}) {
+  RunControl control;
+  return run_remesh_job(std::move(job), limits, control);
+}
+
+TEST(RemeshJob, the_answer_is_the_mesh_in_the_inputs_format_and_its_report) {
+  const RemeshAnswer answer = remesh(job_of(kSquare));
+  EXPECT_EQ(answer.format, Format::kObj);
+  EXPECT_EQ(answer.options.format, Format::kObj);
+  EXPECT_EQ(answer.report.input.faces, 2u);
+  EXPECT_DOUBLE_EQ(answer.report.output.area, 1);
+  const RemeshAnswer again = remesh(job_of(answer.body));
+  EXPECT_EQ(again.report.input.faces, answer.report.output.faces);
+  EXPECT_DOUBLE_EQ(again.report.input.area, 1);
+}
+
+TEST(RemeshJob, the_option_goes_before_accept_and_accept_before_the_inputs_format) {
+  EXPECT_EQ(remesh(job_of(kSquare, {}, "model/stl")).format, Format::kStl);
+  EXPECT_EQ(remesh(job_of(kSquare, {{"format", "off"}}, "model/stl")).format, Format::kOff);
+}
+
+TEST(RemeshJob, reading_and_writing_are_among_the_times) {
+  for (const char* format : {"obj", "json"}) {
+    const StageTimes times = remesh(job_of(kSquare, {{"format", format}})).times;
+    for (const Stage stage : {Stage::kRead, Stage::kTriangulation, Stage::kWrite}) {
+      EXPECT_TRUE(times.ran(stage)) << format << " " << stage_name(stage);
+    }
+    EXPECT_FALSE(times.ran(Stage::kRefinement)) << format;
+  }
+}
+
+TEST(RemeshJob, a_compressed_mesh_is_the_mesh) {
+  RunControl control;
+  EXPECT_EQ(remesh(job_of(gzip(kSquare, control))).body, remesh(job_of(kSquare)).body);
+}
+
+TEST(RemeshJob, the_bound_of_faces_is_the_servers_unless_a_lower_one_is_asked_for) {
+  Limits limits;
+  limits.max_output_faces = 50;
+  EXPECT_EQ(remesh(job_of(kSquare), limits).options.core.max_output_faces, 50u);
+  EXPECT_EQ(remesh(job_of(kSquare, {{"max_output_faces", "10"}}), limits).options.core.max_output_faces, 10u);
+  const Error above = error_of([&] { remesh(job_of(kSquare, {{"max_output_faces", "51"}}), limits); });
+  EXPECT_EQ(above.code, Code::kInvalidOption);
+  EXPECT_EQ(above.option, "max_output_faces");
+  EXPECT_EQ(above.limit, 50u);
+  limits.max_output_faces = std::numeric_limits<std::uint64_t>::max();
+  EXPECT_EQ(remesh(job_of(kSquare), limits).options.core.max_output_faces, std::nullopt);
+}
+
+TEST(RemeshJob, the_face_under_each_face_is_found_where_it_is_told_or_asked_for) {
+  const auto sources = [](const char* format, FaceSource wanted) {
+    RunControl control;
+    return remesh_for_job(job_of(kSquare, {{"format", format}}), {}, wanted, control).result.face_source.size();
+  };
+  EXPECT_EQ(sources("json", FaceSource::kWhereJson), 2u);
+  EXPECT_EQ(sources("obj", FaceSource::kWhereJson), 0u);
+  EXPECT_EQ(sources("obj", FaceSource::kAlways), 2u);
+}
+
+TEST(RemeshJob, a_stop_ends_it) {
+  RunControl control;
+  control.cancel();
+  EXPECT_EQ(error_of([&] { run_remesh_job(job_of(kSquare), {}, control); }).code, Code::kCancelled);
+}
+
+TEST(AnalyzeJob, an_analysis_remeshes_nothing_and_is_json_whatever_the_input) {
+  RunControl control;
+  const AnalysisAnswer answer = run_analyze_job(job_of(kSquare), {}, control);
+  EXPECT_EQ(answer.options.format, Format::kJson);
+  EXPECT_EQ(answer.report.input.faces, 2u);
+  EXPECT_EQ(answer.report.output.faces, 0u);
+  EXPECT_FALSE(answer.times.ran(Stage::kWrite));
+  for (const Job& job : {job_of(kSquare, {{"format", "obj"}}), job_of(kSquare, {}, "model/obj")}) {
+    EXPECT_EQ(error_of([&] { run_analyze_job(job, {}, control); }).code, Code::kNotAcceptable);
+  }
+}
+
+/// Three patches, one of them kept, a warning over two lines, and triangles below the bound.
+Report told_report() {
+  Report report;
+  report.input.faces = 12;
+  report.output.faces = 3456;
+  report.output.quality.min_angle_deg = 17.25;
+  report.patches.resize(3);
+  report.patches[1].status = PatchStatus::kKept;
+  report.patches[2].status = PatchStatus::kReduced;
+  report.verified.surface = report.verified.conforming = report.verified.delaunay = true;
+  report.verified.quality = false;
+  report.diagnostics.push_back({DiagnosticCode::kDuplicateFace, 4, {}, "first\nsecond\tthird"});
+  report.unrefined.push_back({UnrefinedReason::kSizeFloor, 7, {}});
+  return report;
+}
+
+TEST(Summary, it_counts_faces_patches_and_warnings_in_one_line) {
+  EXPECT_EQ(remesh_summary(told_report()),
+            "input_faces=12, output_faces=3456, patches=3, kept=1, min_angle_deg=17.25, verified=0, warnings=1");
+}
+
+TEST(Summary, only_what_holds_in_every_respect_is_verified) {
+  Report report = told_report();
+  report.verified.quality = std::nullopt;
+  EXPECT_THAT(remesh_summary(report), HasSubstr("verified=1,"));
+  report.verified.delaunay = false;
+  EXPECT_THAT(remesh_summary(report), HasSubstr("verified=0,"));
+}
+
+TEST(Summary, comments_are_a_line_each_whatever_a_message_holds) {
+  EXPECT_THAT(summary_comments(told_report()),
+              ElementsAre("remeshd " + std::string(version()), remesh_summary(told_report()),
+                          "warning: duplicate_face: 4: first second third", "unrefined: size_floor: 7"));
+}
+
+TEST(Summary, the_report_by_itself_is_the_one_of_the_json_answer_but_for_its_times) {
+  RunControl control;
+  const RemeshAnswer answer = remesh(job_of(kSquare, {{"format", "json"}}));
+  const std::string document = report_document(answer, control);
+  EXPECT_EQ(document.back(), '\n');
+  json alone = json::parse(document), within = json::parse(answer.body)["report"];
+  for (json* report : {&alone, &within}) report->erase("timing_ms");
+  EXPECT_EQ(alone, within);
+}
+
+}  // namespace
+}  // namespace remesh::api
