@@ -1,0 +1,166 @@
+/// Fixed pieces of work, small enough to run where every instruction is counted: `./dev bench --check`.
+/// Usage: remesh_cases NAME does one of them on one thread, remesh_cases --list tells the names, and
+/// remesh_cases --write box|bracket FACES writes a mesh as OBJ for larger measurements.
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/json_reader.h"
+#include "api/json_writer.h"
+#include "core/geometry/delaunay_divide_conquer.h"
+#include "core/io/obj.h"
+#include "core/remesh.h"
+#include "core/stages/patch_triangulation.h"
+#include "tests/support/polygons.h"
+#include "tests/support/shapes.h"
+
+namespace remesh::bench {
+namespace {
+
+TriangleMesh triangles_of(const PolygonMesh& mesh) {
+  TriangleMesh result;
+  result.positions = mesh.positions;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(FaceId(f));
+    result.faces.push_back({face[0], face[1], face[2]});
+  }
+  return result;
+}
+
+std::string obj_of(const PolygonMesh& mesh) {
+  RunControl control;
+  return write_obj(triangles_of(mesh), {}, control);
+}
+
+std::string json_of(const PolygonMesh& mesh) {
+  api::JsonWriter json;
+  json.begin_object();
+  json.key("vertices");
+  json.begin_array();
+  for (const Vec3& p : mesh.positions) {
+    json.begin_array();
+    for (const double x : {p.x, p.y, p.z}) json.number(x);
+    json.end_array();
+  }
+  json.end_array();
+  json.key("faces");
+  json.begin_array();
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    json.begin_array();
+    for (const VertexId v : mesh.face(FaceId(f))) json.integer(v.value);
+    json.end_array();
+  }
+  json.end_array();
+  json.end_object();
+  return json.take();
+}
+
+PolygonMesh turned_box(int n) { return shapes::rotated(shapes::box({1, 2, 3}, n), {1, 2, 3}, 30); }
+PolygonMesh turned_bracket(int cuts) { return shapes::rotated(shapes::l_bracket(cuts), {1, 2, 3}, 30); }
+
+using Work = std::function<void()>;
+
+void read(const std::string& text) {
+  RunControl control;
+  (void)read_obj(text, {}, control);
+}
+
+Work remeshing(PolygonMesh mesh, bool refine) {
+  Options options;
+  options.refine = refine;
+  return [mesh = std::move(mesh), options] {
+    RunControl control;
+    (void)remesh_surface(mesh, options, {}, control);
+  };
+}
+
+struct Case {
+  std::string_view name;
+  Work (*prepare)();  ///< what it returns is counted
+};
+
+const Case kCases[] = {
+    {"read_obj", [] { return Work([text = obj_of(turned_box(40))] { read(text); }); }},
+    {"read_odd_obj", [] { return Work([text = obj_of(turned_box(20)) + "vn 0 \\\n0 1\n"] { read(text); }); }},
+    {"write_obj",
+     [] {
+       return Work([mesh = triangles_of(turned_box(40))] {
+         RunControl control;
+         (void)write_obj(mesh, {}, control);
+       });
+     }},
+    {"read_json",
+     [] {
+       return Work([text = json_of(turned_box(40))] {
+         RunControl control;
+         api::OptionReader options;
+         (void)api::read_json(text, {}, control, options);
+       });
+     }},
+    {"triangulate_points",
+     [] {
+       return Work([points = polygons::scattered(1, 20'000)] {
+         RunControl control;
+         (void)delaunay_divide_conquer(points, control);
+       });
+     }},
+    {"triangulate_star",
+     [] {
+       return Work([input = polygons::patch_input(polygons::star_with_holes(1, 10'000, 10))] {
+         RunControl control;
+         (void)triangulate_patch(input.points, input.edges, control);
+       });
+     }},
+    {"remesh_box",
+     [] {
+       return remeshing(shapes::box({1, 2, 3}, 40), false);
+     }},
+    {"remesh_turned_bracket", [] { return remeshing(turned_bracket(25), false); }},
+    {"remesh_sphere", [] { return remeshing(shapes::sphere(5), false); }},
+    {"refine_plate", [] { return remeshing(shapes::plate_with_round_hole(256), true); }},
+};
+
+/// What is counted: under callgrind everything within this function.
+[[gnu::noinline]] void run_case(const Work& work) { work(); }
+
+int usage() {
+  std::fprintf(stderr, "usage: remesh_cases NAME | --list | --write box|bracket FACES\n");
+  return 2;
+}
+
+int run(const std::vector<std::string>& arguments) {
+  if (arguments.size() == 1 && arguments[0] == "--list") {
+    for (const Case& c : kCases) std::printf("%s\n", std::string(c.name).c_str());
+    return 0;
+  }
+  if (arguments.size() == 3 && arguments[0] == "--write") {
+    const double faces = std::atof(arguments[2].c_str());
+    if (!(faces >= 100 && faces <= 1e8)) return usage();
+    const bool is_box = arguments[1] == "box";
+    if (!is_box && arguments[1] != "bracket") return usage();
+    const std::string text = obj_of(is_box ? shapes::box({1, 2, 3}, static_cast<int>(std::sqrt(faces / 12)))
+                                           : turned_bracket(static_cast<int>(std::sqrt(faces / 28))));
+    return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() ? 0 : 1;
+  }
+  if (arguments.size() != 1) return usage();
+  const auto* found =
+      std::find_if(std::begin(kCases), std::end(kCases), [&](const Case& c) { return c.name == arguments[0]; });
+  if (found == std::end(kCases)) return usage();
+  const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
+  tbb::task_arena(1).execute([&] { run_case(found->prepare()); });
+  return 0;
+}
+
+}  // namespace
+}  // namespace remesh::bench
+
+int main(int argc, char** argv) { return remesh::bench::run({argv + 1, argv + argc}); }
