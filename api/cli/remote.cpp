@@ -87,7 +87,7 @@ class Remote::Client {
       if (job_.wants_report) answer.report = fetch(path + "/report", control) + "\n";
       return answer;
     } catch (const Error&) {
-      http_.Delete((url_.second + path).c_str(), headers_);  // told to stop: the server need not go on
+      cancel(path);  // told to stop: the server need not go on
       throw;
     }
   }
@@ -105,7 +105,6 @@ class Remote::Client {
     for (std::chrono::milliseconds pause = kFirstPoll;; pause = std::min(2 * pause, kSlowestPoll)) {
       control.check();
       const httplib::Result result = question();
-      control.check();
       if (result && result->status != 503 && result->status != 502 && result->status != 429) return *result;
       if (Clock::now() > deadline) {
         if (result) throw problem_of(result->status, result->body);
@@ -129,11 +128,28 @@ class Remote::Client {
     if (!job_.accept.empty()) headers.emplace("Accept", job_.accept);
     if (!job_.content_encoding.empty()) headers.emplace("Content-Encoding", job_.content_encoding);
     const std::string type = job_.content_type.empty() ? "application/octet-stream" : job_.content_type;
-    const httplib::Response answer = insist(
-        [&] { return http_.Post(target.c_str(), headers, job_.mesh.data(), job_.mesh.size(), type.c_str()); }, control);
-    if (answer.status != 202) throw problem_of(answer.status, answer.body);
+    bool is_sent = false;
+    const auto post = [&] {
+      is_sent = true;
+      return http_.Post(target.c_str(), headers, job_.mesh.data(), job_.mesh.size(), type.c_str());
+    };
+    try {
+      const httplib::Response answer = insist(post, control);
+      if (answer.status != 202) throw problem_of(answer.status, answer.body);
+      return path_of_job(answer);
+    } catch (const Error&) {
+      // Told to stop before there was an answer, which may have been on its way: the key tells which job that was.
+      if (!is_sent) throw;
+      if (const httplib::Result answer = post(); answer && answer->status == 202) cancel(path_of_job(*answer));
+      throw;
+    }
+  }
+
+  static std::string path_of_job(const httplib::Response& answer) {
     return "/v1/jobs/" + json::parse(answer.body).at("id").get<std::string>();
   }
+
+  void cancel(const std::string& path) { http_.Delete((url_.second + path).c_str(), headers_); }
 
   void wait_until_ended(const std::string& path, const RunControl& control) {
     for (std::chrono::milliseconds pause = kFirstPoll;; pause = std::min(pause * 3 / 2, kSlowestPoll)) {

@@ -233,6 +233,27 @@ TEST(Remote, a_stop_cancels_the_job_at_the_server) {
   EXPECT_THAT(server.asked(), ElementsAre("POST /v1/jobs", "GET /v1/jobs/7", "DELETE /v1/jobs/7"));
 }
 
+TEST(Remote, a_stop_while_the_answer_to_the_submission_is_on_its_way_cancels_that_job) {
+  // At first the answer comes after the stop; then it never comes, and is asked for again under the same key.
+  for (const int status : {202, 503}) {
+    RunControl control;
+    int submissions = 0;
+    const StubServer server(job_that_succeeds([&](const Seen& seen, httplib::Response& response) {
+      if (seen.method != "POST" || ++submissions > 1) return false;
+      control.cancel();
+      if (status == 202) return false;
+      reply(response, status, "{}");
+      return true;
+    }));
+    EXPECT_THROW(Remote(job_for(server)).run(control), Error);
+    const std::vector<Seen> seen = server.seen();
+    EXPECT_EQ(seen.back().method + " " + seen.back().target, "DELETE /v1/jobs/7");
+    if (status == 202) continue;
+    ASSERT_EQ(seen.size(), 3u);
+    EXPECT_EQ(seen[1].header("Idempotency-Key"), seen[0].header("Idempotency-Key"));
+  }
+}
+
 TEST(Remote, what_is_no_url_is_refused_at_once) {
   for (const char* url : {"ftp://somewhere", "http://", "://"}) {
     RemoteJob job;
