@@ -61,10 +61,23 @@ class Cull {
 
   void run() {
     find_places();
-    const TriangleTree tree = tree_of(boxes_of(places_));
+    // Faces of small patches are held against each other anyway: they ask for large patches alone.
+    std::vector<PatchId> all, large;
+    for (std::uint32_t p = 0; p < places_.size(); ++p) {
+      all.push_back(PatchId(p));
+      if (!has_few(PatchId(p))) large.push_back(PatchId(p));
+    }
+    if (large.empty()) all.clear();
+    const TriangleTree tree_of_all = tree_of(boxes_of_patches(all)), tree_of_large = tree_of(boxes_of_patches(large));
     auto found = map_blocks<Near>(surface_.faces.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       Near near;
-      for (std::size_t f = begin; f < end; ++f) look_at(f, tree, near);
+      for (std::size_t f = begin; f < end; ++f) {
+        if (is_looked_at_inside(f)) near.faces.push_back(static_cast<std::uint32_t>(f));
+        if (has_few(surface_.patch[f]))
+          look_at(f, large, tree_of_large, near);
+        else
+          look_at(f, all, tree_of_all, near);
+      }
       return near;
     });
     for (Near& near : found) {
@@ -89,11 +102,10 @@ class Cull {
     }
     return TriangleTree(corners, triangles, control_);
   }
-  template <class Boxed>
-  static std::vector<Box3> boxes_of(const std::vector<Boxed>& all) {
+  static std::vector<Box3> boxes_of(const std::vector<Part>& parts) {
     std::vector<Box3> boxes;
-    boxes.reserve(all.size());
-    for (const Boxed& one : all) boxes.push_back(one.box);
+    boxes.reserve(parts.size());
+    for (const Part& part : parts) boxes.push_back(part.box);
     return boxes;
   }
 
@@ -142,21 +154,23 @@ class Cull {
       if (place.box.is_empty()) place.box = {Vec3{2, 2, 2}, Vec3{2, 2, 2}};
   }
 
-  void look_at(std::size_t f, const TriangleTree& tree, Near& near) const {
+  std::vector<Box3> boxes_of_patches(const std::vector<PatchId>& patches) const {
+    std::vector<Box3> boxes;
+    boxes.reserve(patches.size());
+    for (const PatchId p : patches) boxes.push_back(places_[p.value].box);
+    return boxes;
+  }
+
+  /// Finds the parts of a face that are near patches; `tree` has the boxes of these.
+  void look_at(std::size_t f, const std::vector<PatchId>& patches, const TriangleTree& tree, Near& near) const {
     const PatchId own = surface_.patch[f];
-    bool is_near_few = false;
     tree.visit_meeting(box_of(f), 0, [&](std::size_t slot) {
-      const PatchId p(tree.face(slot).value);
+      const PatchId p = patches[tree.face(slot).value];
       if (p == own) return true;
-      if (has_few(own) && has_few(p)) {
-        is_near_few = is_near_few || !part_near(f, p).is_empty();
-      } else {
-        const Box3 box = part_near(f, p);
-        if (!box.is_empty()) near.parts.push_back({box, static_cast<std::uint32_t>(f), own, p});
-      }
+      const Box3 box = part_near(f, p);
+      if (!box.is_empty()) near.parts.push_back({box, static_cast<std::uint32_t>(f), own, p});
       return true;
     });
-    if (is_near_few || is_looked_at_inside(f)) near.faces.push_back(static_cast<std::uint32_t>(f));
   }
 
   /// The box of what lies of a face where a patch is, by height over that patch's plane; empty if nothing does, or if

@@ -29,7 +29,8 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 }  // namespace exact
 
-inline int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+/// The same where floating-point arithmetic is sure of it; 0 where it is not.
+inline int certain_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   // Half an ulp of 1, and Shewchuk's bound on the relative error of the determinant (o3derrboundA).
   constexpr double kEpsilon = 0x1p-53;
   constexpr double kErrorBound = (7 + 56 * kEpsilon) * kEpsilon;
@@ -41,9 +42,12 @@ inline int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) 
   const double error = kErrorBound * (std::fabs(ad.z) * (std::fabs(bc) + std::fabs(cb)) +
                                       std::fabs(ab.z) * (std::fabs(cd) + std::fabs(dc)) +
                                       std::fabs(ac.z) * (std::fabs(db) + std::fabs(bd)));
-  if (determinant > error) return 1;
-  if (determinant < -error) return -1;
-  return exact::orient3d(a, b, c, d);
+  return determinant > error ? 1 : determinant < -error ? -1 : 0;
+}
+
+inline int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const int certain = certain_orient3d(a, b, c, d);
+  return certain != 0 ? certain : exact::orient3d(a, b, c, d);
 }
 
 }  // namespace remesh

@@ -155,6 +155,16 @@ std::vector<VertexId> distinct(const Triangle& t) {
   return ids;
 }
 
+/// Are all corners of `b` that are not shared seen, without exact arithmetic, to be on one side of the plane of `a`?
+/// Then the two meet in what they share, whether `b` has area or not. So it is with most neighbours on a surface.
+bool is_clearly_beyond(const Corners& a, const Corners& b, int shared) {
+  if (shared == 3) return false;
+  const int side = certain_orient3d(a[0], a[1], a[2], b[2]);
+  for (int k = shared; k < 2; ++k)
+    if (certain_orient3d(a[0], a[1], a[2], b[k]) != side) return false;
+  return side != 0;
+}
+
 /// do_intersect for triangles that have area; `axis` is one of a's projection.
 bool do_proper_triangles_intersect(const Corners& a, const Corners& b, int shared, int axis) {
   if (shared == 3) return true;
@@ -206,10 +216,12 @@ bool do_degenerate_triangles_intersect(const Triangle& f, const Triangle& g, std
 
 bool do_intersect(const Triangle& f, const Triangle& g, std::span<const Vec3> positions) {
   Triangle a = f, b = g;
-  const auto axis = projection_axis(corners(a, positions));
-  if (!axis || !projection_axis(corners(b, positions))) return do_degenerate_triangles_intersect(f, g, positions);
   const int shared = align(a, b);
-  return do_proper_triangles_intersect(corners(a, positions), corners(b, positions), shared, *axis);
+  const Corners corners_a = corners(a, positions), corners_b = corners(b, positions);
+  if (is_clearly_beyond(corners_a, corners_b, shared) || is_clearly_beyond(corners_b, corners_a, shared)) return false;
+  const auto axis = projection_axis(corners_a);
+  if (!axis || !projection_axis(corners_b)) return do_degenerate_triangles_intersect(f, g, positions);
+  return do_proper_triangles_intersect(corners_a, corners_b, shared, *axis);
 }
 
 }  // namespace remesh

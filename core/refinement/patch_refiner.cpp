@@ -526,14 +526,19 @@ void PatchRefiner::treat(const Task& task) {
   state_[t] = why;
 }
 
-void PatchRefiner::run(std::uint64_t quota, RunControl& control) {
+void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
   quota_ = quota;
   Task task;
-  std::uint32_t steps = 0;
+  std::uint32_t steps = 0, told = triangle_count();
+  const auto tell = [&] {
+    const std::uint32_t now = triangle_count();
+    progress.add(std::int64_t{now} - std::exchange(told, now));
+  };
   while (quota_ > 0 && !impossible_.is_valid() && pop(task)) {
-    if (++steps % 1024 == 0) control.check();
+    if (++steps % 1024 == 0) tell();
     treat(task);
   }
+  tell();
 }
 
 PatchRefiner::Refined PatchRefiner::finish() const {

@@ -10,6 +10,7 @@
 #include "core/base/run_control.h"
 #include "core/refinement/delaunay_mesh.h"
 #include "core/refinement/goals.h"
+#include "core/refinement/refinement_progress.h"
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
 #include "core/report.h"
@@ -66,7 +67,7 @@ class PatchRefiner {
   void insert_point(Vec2 p);
 
   /// Works until nothing is left to do or `quota` more triangles (in all patches) would be made.
-  void run(std::uint64_t quota, RunControl& control);
+  void run(std::uint64_t quota, RefinementProgress& progress);
 
   /// A segment that had to be cut, and rounding left no room for it: the patch is of no use any more, and the segment
   /// must stay as it is, for all patches. Invalid: all is well.

@@ -45,7 +45,8 @@ constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 class Rounds {
  public:
   Rounds(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
-         const Goals& goals, const SizeField& sizes, std::vector<PatchMesh>& meshes, RunControl& control)
+         const Goals& goals, const SizeField& sizes, double expected_faces, std::vector<PatchMesh>& meshes,
+         RunControl& control)
       : surface_(surface),
         patches_(patches),
         is_frozen_(is_frozen),
@@ -54,6 +55,7 @@ class Rounds {
         criteria_(goals, sizes),
         meshes_(meshes),
         control_(control),
+        progress_(control, expected_faces),
         segments_(surface, meshes, is_frozen, sizes, goals, control) {}
 
   Refinement run() {
@@ -95,6 +97,9 @@ class Rounds {
 
   void begin() {
     const std::size_t n = meshes_.size();
+    progress_.begin(std::accumulate(
+        meshes_.begin(), meshes_.end(), std::uint64_t{0},
+        [](std::uint64_t faces, const PatchMesh& patch) { return faces + patch.mesh.triangle_count(); }));
     impossible_.clear();
     refiners_.clear();
     refiners_.resize(n);
@@ -153,7 +158,8 @@ class Rounds {
         if (!refiner->impossible().is_valid()) refiner->take_over(message->segment, cuts_[message->segment]);
       if (!refiner->impossible().is_valid()) {
         const std::uint64_t made = refiner->triangle_count() - std::min(refiner->triangle_count(), before);
-        refiner->run(quota_[i] - std::min<std::uint64_t>(quota_[i], made), control_);
+        progress_.add(std::int64_t{refiner->triangle_count()} - before);
+        refiner->run(quota_[i] - std::min<std::uint64_t>(quota_[i], made), progress_);
       }
     };
     tbb::parallel_for(std::size_t{0}, large, refine_one);
@@ -289,6 +295,7 @@ class Rounds {
   const Criteria criteria_;
   std::vector<PatchMesh>& meshes_;
   RunControl& control_;
+  RefinementProgress progress_;
   SegmentTable segments_;
   IdVector<SegmentId, std::vector<double>> cuts_;  ///< of each segment, ascending
   std::vector<std::unique_ptr<PatchRefiner>> refiners_;
@@ -304,8 +311,9 @@ class Rounds {
 }  // namespace
 
 Refinement refine(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
-                  const Goals& goals, const SizeField& sizes, std::vector<PatchMesh>& meshes, RunControl& control) {
-  return Rounds(surface, patches, is_frozen, goals, sizes, meshes, control).run();
+                  const Goals& goals, const SizeField& sizes, double expected_faces, std::vector<PatchMesh>& meshes,
+                  RunControl& control) {
+  return Rounds(surface, patches, is_frozen, goals, sizes, expected_faces, meshes, control).run();
 }
 
 void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,

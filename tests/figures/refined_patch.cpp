@@ -73,14 +73,15 @@ class Figure {
     constexpr std::uint64_t kNoQuota = std::numeric_limits<std::uint64_t>::max();
     const Criteria criteria(goals, sizes);
     PatchRefiner refiner(meshes_[patch_.value], patch_, segments, criteria, no_cuts, kNoQuota, control_);
-    refiner.run(kNoQuota, control_);
+    RefinementProgress progress(control_, 0);
+    refiner.run(kNoQuota, progress);
     return refiner.finish().patch;
   }
 
   PatchMesh refine_all(const Goals& goals, std::uint32_t& rounds) {
     std::vector<PatchMesh> meshes = meshes_;
     const SizeField sizes(goals.max_edge_length);
-    rounds = refine(part_.surface, part_.patches, frozen_, goals, sizes, meshes, control_).rounds;
+    rounds = refine(part_.surface, part_.patches, frozen_, goals, sizes, 0, meshes, control_).rounds;
     return meshes[patch_.value];
   }
 

@@ -20,7 +20,9 @@ using testing::HasSubstr;
 
 class Files : public testing::Test {
  protected:
-  std::string read_by_us(const std::string& name) const { return read_file(folder_.path(name), control_); }
+  std::string read_by_us(const std::string& name) const {
+    return std::string(read_file(folder_.path(name), control_).view());
+  }
   /// What the file error says; empty if there is none.
   template <typename Act>
   static std::string complaint(const Act& act) {

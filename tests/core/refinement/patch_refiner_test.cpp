@@ -43,13 +43,14 @@ struct Subject {
   }
   PatchRefiner::Refined run() {
     PatchRefiner refiner = this->refiner();
-    refiner.run(kNoLimit, chain.control);
+    refiner.run(kNoLimit, progress);
     EXPECT_TRUE(refiner.is_done());
     EXPECT_FALSE(refiner.impossible().is_valid());
     return refiner.finish();
   }
 
   StageChain chain;
+  RefinementProgress progress{chain.control, 1000};
   Goals goals;
   SizeField sizes;
   Criteria criteria;
@@ -175,7 +176,7 @@ TEST(patch_refiner, has_work_is_false_only_where_nothing_would_change) {
 TEST(patch_refiner, its_own_cuts_are_told_once_and_are_all_there_are) {
   Subject subject(shapes::sheet(10, 1, 1, 1), with_angle(30));
   PatchRefiner refiner = subject.refiner();
-  refiner.run(kNoLimit, subject.chain.control);
+  refiner.run(kNoLimit, subject.progress);
   std::vector<Cut> own = refiner.take_own_cuts();
   EXPECT_TRUE(refiner.take_own_cuts().empty());
   std::sort(own.begin(), own.end());
@@ -193,7 +194,7 @@ TEST(patch_refiner, cuts_of_others_are_taken_over_each_once) {
   const std::vector<double> some{0.25, 0.5}, all{0.125, 0.25, 0.5, 0.75};
   for (const auto& cuts : {some, all, all}) refiner.take_over(SegmentId(0), cuts);
   EXPECT_TRUE(refiner.take_own_cuts().empty()) << "what others cut is not told again";
-  refiner.run(0, subject.chain.control);
+  refiner.run(0, subject.progress);
   const PatchRefiner::Refined refined = refiner.finish();
   expect_sound(subject, refined);
   std::vector<double> found;
@@ -210,7 +211,7 @@ TEST(patch_refiner, the_cuts_of_two_patches_are_of_one_tree) {
   for (std::uint32_t p = 0; p < 6; ++p) {
     PatchRefiner refiner(subject.chain.meshes[p], PatchId(p), subject.table, subject.criteria, subject.cuts, kNoLimit,
                          subject.chain.control);
-    refiner.run(kNoLimit, subject.chain.control);
+    refiner.run(kNoLimit, subject.progress);
     own.push_back(refiner.take_own_cuts());
   }
   for (std::uint32_t s = 0; s < subject.table.size(); ++s) {
@@ -235,14 +236,14 @@ TEST(patch_refiner, it_stops_at_its_quota_and_goes_on_from_there) {
   Subject subject(shapes::sheet(100, 1, 1, 1), with_angle(30));
   PatchRefiner refiner = subject.refiner();
   const std::uint32_t before = refiner.triangle_count();
-  refiner.run(50, subject.chain.control);
+  refiner.run(50, subject.progress);
   EXPECT_FALSE(refiner.is_done());
   EXPECT_GT(refiner.triangle_count(), before);
   EXPECT_LE(refiner.triangle_count(), before + 50);
   const PatchRefiner::Refined half = refiner.finish();
   expect_sound(subject, half);
   EXPECT_NE(std::count(half.reason.begin(), half.reason.end(), UnrefinedReason::kBudget), 0);
-  refiner.run(kNoLimit, subject.chain.control);
+  refiner.run(kNoLimit, subject.progress);
   EXPECT_TRUE(refiner.is_done());
   EXPECT_GE(measure(refiner.finish().patch).smallest_angle_deg, 30);
 }
@@ -276,10 +277,11 @@ TEST(patch_refiner, it_can_be_stopped) {
   options.max_edge_length = 0.005;
   Subject subject(shapes::sheet(1, 1, 1, 1), options);
   RunControl control;
+  RefinementProgress progress(control, 1);
   control.cancel();
   EXPECT_THROW(PatchRefiner(subject.chain.meshes[0], PatchId(0), subject.table, subject.criteria, subject.cuts,
                             kNoLimit, control)
-                   .run(kNoLimit, control),
+                   .run(kNoLimit, progress),
                Error);
 }
 
