@@ -57,7 +57,7 @@ class DelaunayCheck {
     const Side left(edge.uses[0].half_edge), right(edge.uses[1].half_edge);
     // Triangles without sound coordinates have been reported, or are the input's own and may be as they like.
     if (!is_positive_[left.face] || !is_positive_[right.face]) return;
-    const PatchId patch = edge.uses[0].patch;
+    const PatchId patch = edge.uses[0].patch();
     const auto& uv = model_.corner_uv;
     if (uv[left.from] != uv[right.to] || uv[left.to] != uv[right.from]) {
       found.push_back({patch, Fault::kPlaneCoordinates, left.face});

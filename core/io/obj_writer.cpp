@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <charconv>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -41,12 +42,14 @@ void append_face(std::string& out, const TriangleMesh& mesh, FaceId f) {
   append_label(out, "o", mesh.labels.object, f);
   append_label(out, "g", mesh.labels.group, f);
   append_label(out, "usemtl", mesh.labels.material, f);
-  out += 'f';
+  char line[3 * 21 + 2] = {'f'};
+  char* at = line + 1;
   for (const VertexId v : mesh.faces[f]) {
-    out += ' ';
-    append_integer(out, std::uint64_t{v.value} + 1);
+    *at++ = ' ';
+    at = std::to_chars(at, line + sizeof line, std::uint64_t{v.value} + 1).ptr;
   }
-  out += '\n';
+  *at++ = '\n';
+  out.append(line, at);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include "core/io/write_text.h"
 
 #include <algorithm>
+#include <charconv>
 
 #include "core/io/text.h"
 
@@ -23,11 +24,14 @@ std::string without_control_characters(std::string_view text) {
 }
 
 void append_coordinates(std::string& out, const Vec3& position) {
+  char line[3 * 32 + 1];  // the longest number has 24 characters: -2.2250738585072014e-308
+  char* at = line;
   for (const double coordinate : {position.x, position.y, position.z}) {
-    out += ' ';
-    append_real(out, coordinate);
+    *at++ = ' ';
+    at = std::to_chars(at, line + sizeof line, coordinate).ptr;
   }
-  out += '\n';
+  *at++ = '\n';
+  out.append(line, at);
 }
 
 }  // namespace remesh

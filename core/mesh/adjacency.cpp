@@ -70,7 +70,6 @@ void Adjacency::number_edges(const std::vector<std::uint32_t>& bucket) {
   for (std::size_t block = 0; block < blocks; ++block) edges_before[block + 1] += edges_before[block];
   edge_begin_.resize(edges_before.back() + 1);
   edge_begin_.back() = static_cast<std::uint32_t>(corners_.size());
-  edge_of_.resize(corners_.size());
   twin_.resize(corners_.size());
   tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
     std::uint32_t edge = edges_before[block];
@@ -78,10 +77,7 @@ void Adjacency::number_edges(const std::vector<std::uint32_t>& bucket) {
       for (std::uint32_t begin = bucket[v], end = begin; begin < bucket[v + 1]; begin = end, ++edge) {
         edge_begin_[edge] = begin;
         for (end = begin + 1; end < bucket[v + 1] && !is_first(begin, end);) ++end;
-        for (std::uint32_t i = begin; i < end; ++i) {
-          edge_of_[half_edges_[i]] = EdgeId(edge);
-          twin_[half_edges_[i]] = kNone;
-        }
+        for (std::uint32_t i = begin; i < end; ++i) twin_[half_edges_[i]] = kNone;
         const std::uint32_t g = half_edges_[begin], h = half_edges_[end - 1];
         if (end - begin == 2 && corners_[g] != corners_[h]) {
           twin_[g] = h;
@@ -107,6 +103,14 @@ EdgeId Adjacency::find(VertexId a, VertexId b) const {
       high = middle;
   }
   return low < edge_count() && ends(low) == sought ? EdgeId(low) : EdgeId();
+}
+
+EdgeId Adjacency::edge_of(std::uint32_t half_edge) const {
+  const auto ends = [&](std::uint32_t h) { return std::minmax({from(h), to(h)}); };
+  const auto wanted = ends(half_edge);
+  const auto found = std::partition_point(edge_begin_.begin(), edge_begin_.end() - 1,
+                                          [&](std::uint32_t i) { return ends(half_edges_[i]) < wanted; });
+  return EdgeId(static_cast<std::size_t>(found - edge_begin_.begin()));
 }
 
 }  // namespace remesh

@@ -29,7 +29,8 @@ class Adjacency {
   }
   /// The edge between two vertices; invalid if there is none. Cost: O(log n).
   EdgeId find(VertexId a, VertexId b) const;
-  EdgeId edge_of(std::uint32_t half_edge) const { return edge_of_[half_edge]; }
+  /// Cost: O(log n); nothing is stored for it, as most of what asks for a neighbour asks for the twin.
+  EdgeId edge_of(std::uint32_t half_edge) const;
   FaceId face_of(std::uint32_t half_edge) const { return are_triangles_ ? FaceId(half_edge / 3) : face_of_[half_edge]; }
   VertexId from(std::uint32_t half_edge) const { return corners_[half_edge]; }
   VertexId to(std::uint32_t half_edge) const { return corners_[next(half_edge)]; }
@@ -52,7 +53,6 @@ class Adjacency {
   std::span<const VertexId> corners_;
   std::vector<std::uint32_t> half_edges_;
   std::vector<std::uint32_t> edge_begin_;
-  std::vector<EdgeId> edge_of_;
   std::vector<std::uint32_t> twin_;
   bool are_triangles_ = true;
   std::vector<FaceId> face_of_;  ///< where not all faces are triangles

@@ -23,6 +23,37 @@ struct Indexed {
   }
 };
 
+/// Finds, for each vertex that is used, the first one with its coordinates.
+/// Output: false if that takes too long: someone has chosen coordinates that collide. Sorting takes its time always.
+bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::vector<std::uint8_t>& is_used,
+                        std::vector<std::uint32_t>& stands_for, RunControl& control) {
+  constexpr std::uint32_t kFree = 0xffffffffu;
+  constexpr std::size_t kMostLooks = 16;  // a vertex, on average
+  // Adding 0 makes -0 0, which it equals.
+  const auto hash = [](const Vec3& p) {
+    std::uint64_t h = 0;
+    for (const double c : {p.x, p.y, p.z}) {
+      h = (h ^ std::bit_cast<std::uint64_t>(c + 0.0)) * 0x9e3779b97f4a7c15u;
+      h ^= h >> 32;
+    }
+    return h;
+  };
+  const std::size_t size = std::bit_ceil(2 * positions.size() + 1);
+  std::vector<std::uint32_t> table(size, kFree);
+  std::size_t looks = 0;
+  for (std::uint32_t i = 0; i < positions.size(); ++i) {
+    if (i % 4096 == 0) control.check();
+    if (!is_used[i]) continue;
+    const Vec3 p = positions[VertexId(i)];
+    std::size_t slot = hash(p) & (size - 1);
+    for (; table[slot] != kFree && positions[VertexId(table[slot])] != p; slot = (slot + 1) & (size - 1))
+      if (++looks > kMostLooks * positions.size()) return false;
+    if (table[slot] == kFree) table[slot] = i;
+    stands_for[i] = table[slot];
+  }
+  return true;
+}
+
 /// Welding within a tolerance. Those that others stand for are further apart than the tolerance, so there are few of
 /// them in a cell of a grid as wide as it twice, and few cells are within reach.
 class NearWelding {
@@ -121,7 +152,9 @@ void set_local_units(Surface& surface) {
 
 IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Barriers& barriers, std::size_t faces) {
   using Key = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
-  std::map<Key, std::uint32_t> number_of;
+  std::map<Key, std::size_t> number_of;
+  Key last;
+  std::size_t number = 0;
   IdVector<FaceId, std::uint32_t> numbers(faces, 0);
   const auto label = [](const LabelSet& set, bool is_barrier, FaceId f) {
     return is_barrier && set.is_used() ? set.of_face[f] : 0u;
@@ -130,7 +163,9 @@ IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Ba
     const FaceId f(i);
     const Key key{label(labels.object, barriers.object, f), label(labels.group, barriers.group, f),
                   label(labels.material, barriers.material, f)};
-    numbers[f] = number_of.try_emplace(key, static_cast<std::uint32_t>(number_of.size())).first->second;
+    if (i == 0 || key != last) number = number_of.try_emplace(key, number_of.size()).first->second;
+    last = key;
+    numbers[f] = static_cast<std::uint32_t>(number);
   }
   return numbers;
 }
@@ -150,22 +185,21 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
 
   std::vector<std::uint8_t> is_used(n, 0);
   for (const VertexId v : input.corners) is_used[v.value] = 1;
-  std::vector<Indexed> sorted;
-  sorted.reserve(n);
-  for (std::uint32_t i = 0; i < n; ++i) {
-    if (is_used[i])
-      sorted.push_back({input.positions[VertexId(i)], i});
-    else
-      unused.add(i);
-  }
+  for (std::uint32_t i = 0; i < n; ++i)
+    if (!is_used[i]) unused.add(i);
   control.check();
-  tbb::parallel_sort(sorted.begin(), sorted.end());
-  control.check();
-
   std::vector<std::uint32_t> stands_for(n);
-  for (std::size_t k = 0; k < sorted.size(); ++k) {
-    const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;
-    stands_for[sorted[k].index] = is_first ? sorted[k].index : stands_for[sorted[k - 1].index];
+  std::vector<Indexed> sorted;
+  if (tolerance > 0 || !find_equal_by_hash(input.positions, is_used, stands_for, control)) {
+    sorted.reserve(n);
+    for (std::uint32_t i = 0; i < n; ++i)
+      if (is_used[i]) sorted.push_back({input.positions[VertexId(i)], i});
+    tbb::parallel_sort(sorted.begin(), sorted.end());
+    control.check();
+    for (std::size_t k = 0; k < sorted.size(); ++k) {
+      const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;
+      stands_for[sorted[k].index] = is_first ? sorted[k].index : stands_for[sorted[k - 1].index];
+    }
   }
   if (tolerance > 0) {
     duplicate.message = "vertices within the weld tolerance of another one were made one with it";

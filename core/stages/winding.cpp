@@ -72,9 +72,8 @@ class Unifying {
       if (i % 4096 == 0) control_.check();
       const FaceId f = piece_[i];
       for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
-        const auto around = edges_.half_edges(edges_.edge_of(h));
-        if (around.size() != 2 || edges_.from(h) == edges_.to(h)) continue;
-        const std::uint32_t other = around[0] == h ? around[1] : around[0];
+        const std::uint32_t other = other_of_two(h);
+        if (other == Adjacency::kNone) continue;
         const bool is_opposite = edges_.from(other) == edges_.from(h);
         const std::uint8_t side = side_[f.value] ^ static_cast<std::uint8_t>(is_opposite);
         const FaceId g = edges_.face_of(other);
@@ -87,6 +86,14 @@ class Unifying {
       }
     }
     return is_possible;
+  }
+
+  /// The other half-edge of an edge with two faces, whichever way they look.
+  std::uint32_t other_of_two(std::uint32_t h) const {
+    if (const std::uint32_t twin = edges_.twin(h); twin != Adjacency::kNone) return twin;
+    const auto around = edges_.half_edges(edges_.edge_of(h));
+    if (around.size() != 2 || edges_.from(h) == edges_.to(h)) return Adjacency::kNone;
+    return around[0] == h ? around[1] : around[0];
   }
 
   void turn_smaller_side() {

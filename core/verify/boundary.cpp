@@ -63,7 +63,7 @@ class BoundaryCheck {
 
  private:
   void blame(const Edge& edge, Fault fault, VertexId at) {
-    for (const Use& use : edge.uses) findings_.add(use.patch, fault, at.value);
+    for (const Use& use : edge.uses) findings_.add(use.patch(), fault, at.value);
   }
 
   bool is_kept(VertexId v) const { return model_.is_kept[v.value] != 0; }
@@ -98,9 +98,9 @@ class BoundaryCheck {
     if (!model_.is_within_tolerance(offset.distance, reach) || !model_.is_within_tolerance(offset.backwards, reach))
       blame(edge, Fault::kChord, chain[0]);
     for (const Use& use : edge.uses) {
-      double& deviation = result_.deviation[use.patch.value];
+      double& deviation = result_.deviation[use.patch().value];
       deviation = std::fmax(deviation, offset.distance);
-      result_.slivers[use.patch.value] += offset.sliver;
+      result_.slivers[use.patch().value] += offset.sliver;
     }
   }
 
@@ -110,7 +110,7 @@ class BoundaryCheck {
                                   largest_coordinate(model_.points[chain.back().value]));
     if (!(offset.distance <= Model::rounding(reach)) || !offset.is_ascending)
       blame(edge, Fault::kNewOffLine, chain.front());
-    for (const Use& use : edge.uses) result_.slivers[use.patch.value] += offset.sliver;
+    for (const Use& use : edge.uses) result_.slivers[use.patch().value] += offset.sliver;
   }
 
   /// Merges the chains of both sides, ordered by their ends.

@@ -14,13 +14,13 @@ constexpr std::size_t kBlock = 8192;
 bool have_same_uses(std::span<const Use> a, std::span<const Use> b, bool is_flipped) {
   if (a.size() != b.size()) return false;
   for (std::size_t begin = 0; begin < a.size();) {
-    const PatchId patch = a[begin].patch;
+    const PatchId patch = a[begin].patch();
     std::size_t end = begin;
     std::size_t forward_a = 0, forward_b = 0;
-    for (; end < a.size() && a[end].patch == patch; ++end) {
-      if (b[end].patch != patch) return false;
-      forward_a += a[end].is_forward;
-      forward_b += b[end].is_forward;
+    for (; end < a.size() && a[end].patch() == patch; ++end) {
+      if (b[end].patch() != patch) return false;
+      forward_a += a[end].is_forward();
+      forward_b += b[end].is_forward();
     }
     if (forward_a != (is_flipped ? end - begin - forward_b : forward_b)) return false;
     begin = end;
@@ -29,8 +29,9 @@ bool have_same_uses(std::span<const Use> a, std::span<const Use> b, bool is_flip
 }
 
 bool has_patch(std::span<const Use> uses, PatchId patch) {
-  const auto found = std::partition_point(uses.begin(), uses.end(), [patch](const Use& u) { return u.patch < patch; });
-  return found != uses.end() && found->patch == patch;
+  const auto found =
+      std::partition_point(uses.begin(), uses.end(), [patch](const Use& u) { return u.patch() < patch; });
+  return found != uses.end() && found->patch() == patch;
 }
 
 EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& control)
@@ -75,7 +76,7 @@ EdgeCounts list_boundary(const EdgeTable& table, RunControl& control, std::vecto
       ++block.counts.edges;
       if (edge.uses.size() != 2)
         block.counts.is_closed = block.counts.is_consistent = false;
-      else if (edge.uses[0].is_forward == edge.uses[1].is_forward)
+      else if (edge.uses[0].is_forward() == edge.uses[1].is_forward())
         block.counts.is_consistent = false;
       if (!edge.is_interior()) block.boundary.push_back(edge);
     });

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -23,13 +24,26 @@ struct Faces {
 };
 
 /// One side of one face along an edge.
+/// There is one for each corner of the input at once, so it is packed: patches are fewer than faces, and those fewer
+/// than 2^31.
 struct Use {
-  VertexId high;  ///< the edge's larger vertex
-  PatchId patch;
-  std::uint32_t half_edge = 0;  ///< the corner from which it runs
-  bool is_forward = false;      ///< from the smaller vertex to the larger
+  Use() = default;
+  Use(VertexId high_end, PatchId of, std::uint32_t from_corner, bool runs_forward)
+      : high(high_end), half_edge(from_corner), patch_(of.value & 0x7fffffffu), is_forward_(runs_forward) {}
 
-  friend constexpr auto operator<=>(const Use&, const Use&) = default;
+  VertexId high;                ///< the edge's larger vertex
+  std::uint32_t half_edge = 0;  ///< the corner from which it runs
+  PatchId patch() const { return PatchId(std::uint32_t{patch_}); }
+  /// From the smaller vertex to the larger.
+  bool is_forward() const { return is_forward_ != 0; }
+
+  friend bool operator<(const Use& a, const Use& b) {
+    return std::tuple(a.high, a.patch(), a.half_edge) < std::tuple(b.high, b.patch(), b.half_edge);
+  }
+
+ private:
+  std::uint32_t patch_ : 31 = 0;
+  std::uint32_t is_forward_ : 1 = 0;
 };
 
 /// An edge with its uses, ordered by patch, then half-edge.
@@ -39,7 +53,7 @@ struct Edge {
 
   /// Inside a patch: exactly two faces, of one patch, that run along it in opposite directions. All else bounds.
   bool is_interior() const {
-    return uses.size() == 2 && uses[0].patch == uses[1].patch && uses[0].is_forward != uses[1].is_forward;
+    return uses.size() == 2 && uses[0].patch() == uses[1].patch() && uses[0].is_forward() != uses[1].is_forward();
   }
   VertexId other(VertexId end) const { return end == low ? high : low; }
 };

@@ -94,7 +94,7 @@ class GoalCheck {
     for (const Edge& edge : seams_.edges())
       for (const VertexId v : {edge.low, edge.high})
         if (model_.is_new(v))
-          for (const Use& use : edge.uses) findings_.add(use.patch, Fault::kLockedBoundary, v.value);
+          for (const Use& use : edge.uses) findings_.add(use.patch(), Fault::kLockedBoundary, v.value);
   }
 
   void check_faces() {
@@ -195,7 +195,7 @@ class GoalCheck {
             const double noise = Model::rounding(std::max(largest_coordinate(a), largest_coordinate(b)));
             if (!(norm(b - a) < min_length_ * (1 - kMargin) - noise)) return;
             if (edge.is_interior() && is_in_input_angle(edge)) return;
-            for (const Use& use : edge.uses) found.push_back({use.patch, Fault::kShortEdge, edge.low.value});
+            for (const Use& use : edge.uses) found.push_back({use.patch(), Fault::kShortEdge, edge.low.value});
           });
           return found;
         });
@@ -203,7 +203,7 @@ class GoalCheck {
   }
 
   bool is_in_input_angle(const Edge& edge) const {
-    return lines_->any_meeting(edge.low, edge.high, edge.uses[0].patch, [&](VertexId at) {
+    return lines_->any_meeting(edge.low, edge.high, edge.uses[0].patch(), [&](VertexId at) {
       const Vec3 to_low = model_.points[edge.low.value] - model_.points[at.value];
       const Vec3 to_high = model_.points[edge.high.value] - model_.points[at.value];
       return 2 * dot(to_low, to_high) > norm(to_low) * norm(to_high) * (1 - kMargin);

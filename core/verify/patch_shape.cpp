@@ -176,7 +176,7 @@ class PatchCheck {
   bool is_input_triangle(std::span<const VertexId> face) const {
     if (face[0].value >= model_.surface_vertex_count || face[1].value >= model_.surface_vertex_count) return false;
     for (const Use& use : input_edges_.find(face[0], face[1])) {
-      if (use.patch.value != patch_ || use.is_forward != (face[0] < face[1])) continue;
+      if (use.patch().value != patch_ || use.is_forward() != (face[0] < face[1])) continue;
       const auto after =
           std::upper_bound(model_.input.face_begin.begin(), model_.input.face_begin.end(), use.half_edge);
       const auto same = model_.input.face(static_cast<std::size_t>(after - model_.input.face_begin.begin() - 1));

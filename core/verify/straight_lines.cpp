@@ -34,8 +34,8 @@ StraightLines::StraightLines(const Model& model, const BoundaryGraph& seams, Run
         lines_.push_back({chain.low, chain.high, seams.edges()[chain.edge].uses});
         for (const VertexId v : vertices.subspan(1, vertices.size() - 2)) line_of_[v.value] = line;
         for (const Use& use : lines_.back().uses) {
-          reaches_.push_back({chain.low, use.patch, chain.high, line});
-          reaches_.push_back({chain.high, use.patch, chain.low, line});
+          reaches_.push_back({chain.low, use.patch(), chain.high, line});
+          reaches_.push_back({chain.high, use.patch(), chain.low, line});
         }
       },
       [](const Edge&, VertexId, Stray) {});

@@ -1,10 +1,13 @@
 /// Fixed pieces of work, small enough to run where every instruction is counted: `./dev bench --check`.
 /// Usage: remesh_cases NAME does one of them on one thread, remesh_cases --list tells the names, and
-/// remesh_cases --write box|bracket FACES writes a mesh as OBJ for larger measurements.
+/// remesh_cases --write box|bracket FACES writes a mesh as OBJ for larger measurements; remesh_cases --rate FACES
+/// THREADS SECONDS prints how many requests a second to remesh such a box are answered without HTTP.
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -12,10 +15,13 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <thread>
+#include <utility>
 #include <vector>
 
 #include "api/json_reader.h"
 #include "api/json_writer.h"
+#include "api/service.h"
 #include "core/geometry/delaunay_divide_conquer.h"
 #include "core/io/obj.h"
 #include "core/remesh.h"
@@ -132,8 +138,32 @@ const Case kCases[] = {
 /// What is counted: under callgrind everything within this function.
 [[gnu::noinline]] void run_case(const Work& work) { work(); }
 
+double requests_a_second(double faces, int threads, double seconds) {
+  const std::string text = obj_of(shapes::box({1, 2, 3}, static_cast<int>(std::sqrt(faces / 12))));
+  api::Request request;
+  request.body = text;
+  request.query = {{"refine", "false"}};
+  using Clock = std::chrono::steady_clock;
+  const Clock::time_point start = Clock::now();
+  const auto elapsed = [&] { return std::chrono::duration<double>(Clock::now() - start).count(); };
+  std::atomic<std::uint64_t> answered = 0;
+  std::vector<std::thread> workers;
+  for (int t = 0; t < threads; ++t)
+    workers.emplace_back([&] {
+      tbb::task_arena arena(1);
+      for (; elapsed() < seconds; ++answered)
+        arena.execute([&] {
+          RunControl control;
+          (void)api::run_remesh(request, {}, control);
+        });
+    });
+  for (std::thread& worker : workers) worker.join();
+  return static_cast<double>(answered) / elapsed();
+}
+
 int usage() {
-  std::fprintf(stderr, "usage: remesh_cases NAME | --list | --write box|bracket FACES\n");
+  std::fprintf(stderr,
+               "usage: remesh_cases NAME | --list | --write box|bracket FACES | --rate FACES THREADS SECONDS\n");
   return 2;
 }
 
@@ -150,6 +180,13 @@ int run(const std::vector<std::string>& arguments) {
     const std::string text = obj_of(is_box ? shapes::box({1, 2, 3}, static_cast<int>(std::sqrt(faces / 12)))
                                            : turned_bracket(static_cast<int>(std::sqrt(faces / 28))));
     return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() ? 0 : 1;
+  }
+  if (arguments.size() == 4 && arguments[0] == "--rate") {
+    const double faces = std::atof(arguments[1].c_str()), seconds = std::atof(arguments[3].c_str());
+    const int threads = std::atoi(arguments[2].c_str());
+    if (!(faces >= 100 && faces <= 1e8 && seconds > 0) || threads < 1) return usage();
+    std::printf("%.1f\n", requests_a_second(faces, threads, seconds));
+    return 0;
   }
   if (arguments.size() != 1) return usage();
   const auto* found =

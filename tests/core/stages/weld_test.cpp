@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
@@ -52,6 +54,31 @@ TEST(weld, minus_zero_equals_zero) {
       welded(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {-0.0, 0, -0.0}, {1, 1, 0}}, {{0, 1, 2}, {3, 1, 4}}));
   EXPECT_EQ(result.surface.vertex_count(), 4u);
   EXPECT_EQ(result.surface.corners[3], result.surface.corners[0]);
+}
+
+/// Someone who knows the hash of vertices can choose them so that all are looked for in one place.
+TEST(weld, vertices_chosen_to_collide_are_welded_all_the_same_and_soon) {
+  constexpr std::uint64_t kFactor = 0x9e3779b97f4a7c15u;
+  std::uint64_t inverse = kFactor;
+  for (int i = 0; i < 6; ++i) inverse *= 2 - kFactor * inverse;
+  ASSERT_EQ(kFactor * inverse, 1u);
+  // Of (0, 0, z) the hash's lower half is that of `bits * kFactor` with its upper half upon it: here always 0.
+  PolygonMesh mesh;
+  for (std::uint64_t i = 1; mesh.vertex_count() < 60'000; ++i) {
+    const auto z = std::bit_cast<double>((i << 32 | i) * inverse);
+    if (!(std::fabs(z) < 1e100 && std::fabs(z) > 1e-100)) continue;
+    mesh.positions.push_back({0, 0, z});
+    mesh.positions.push_back({-0.0, 0, z});
+  }
+  for (std::uint32_t v = 0; v + 2 < mesh.vertex_count(); ++v) {
+    for (std::uint32_t i = 0; i < 3; ++i) mesh.corners.emplace_back(v + i);
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+  }
+  const Welded result = welded(mesh);
+  EXPECT_EQ(result.surface.vertex_count(), 30'000u);
+  EXPECT_EQ(result.find(DiagnosticCode::kDuplicateVertex)->count, 30'000u);
+  for (std::uint32_t v = 0; v < result.surface.vertex_count(); ++v)
+    ASSERT_EQ(result.surface.vertex_source[VertexId(v)], VertexId(2 * v));
 }
 
 TEST(weld, neighbouring_doubles_stay_apart) {
