@@ -23,25 +23,18 @@ class Preparation {
     // Vertices with equal coordinates, or nearly equal ones, become one.
     watch.enter(Stage::kWeld);
     surface() = weld(input_, options_.barriers, report_.diagnostics, control_, options_.weld_tolerance);
-    find_edges();
+    control_.check();
     watch.enter(Stage::kQuality);
     measure();
     watch.enter(Stage::kWeld);
     choose_tolerance();
     mend();
-    prepared_.geometry = face_geometry(surface(), control_);
     return std::move(prepared_);
   }
 
  private:
   Surface& surface() { return prepared_.surface; }
-  const Adjacency& adjacency() const { return *prepared_.adjacency; }
-
-  void find_edges() {
-    control_.check();
-    prepared_.adjacency =
-        std::make_unique<Adjacency>(surface().vertex_count(), surface().face_begin, surface().corners);
-  }
+  const Adjacency& adjacency() { return prepared_.adjacency(); }
 
   void measure() {
     const auto& positions = surface().positions.items();
@@ -67,9 +60,8 @@ class Preparation {
     const AutomaticTolerance automatic = automatic_tolerance(rounding.step, diagonal);
     const double unit = surface().unit;
     report_.plane_tolerance = automatic.value;
-    if (automatic.if_noisy != automatic.value &&
-        is_noise_present(surface(), adjacency(), face_geometry(surface(), control_), automatic.value / unit,
-                         automatic.if_noisy / unit))
+    if (automatic.if_noisy != automatic.value && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
+                                                                  automatic.value / unit, automatic.if_noisy / unit))
       report_.plane_tolerance = automatic.if_noisy;
     if (rounding.is_decimal && report_.plane_tolerance == kToleranceSteps * rounding.step)
       prepared_.printed_step = rounding.step;
@@ -79,16 +71,19 @@ class Preparation {
     const Repair& repair = options_.repair;
     const double tolerance = report_.plane_tolerance / surface().unit;
     std::vector<Diagnostic>& found = report_.diagnostics;
+    const auto if_changed = [&](bool is_changed) {
+      control_.check();
+      if (is_changed) prepared_.release();
+    };
     // Faces that repeat others go, edges are split at the vertices that lie on them.
-    if (drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), found, control_)) find_edges();
-    if (split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is,
-                          mend_if(repair.t_junctions && limits_.are_t_junctions_split), found, control_))
-      find_edges();
+    if_changed(drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), found, control_));
+    if_changed(split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is,
+                                 mend_if(repair.t_junctions && limits_.are_t_junctions_split), found, control_));
     // Faces without a plane are split, faces without an area dropped; nothing opens.
-    if (mend_faces(surface(), tolerance, limits_.as_it_is, mend_if(repair.degenerate), found, control_)) find_edges();
+    if_changed(mend_faces(surface(), tolerance, limits_.as_it_is, mend_if(repair.degenerate), found, control_));
     // Neighbours look the same way, closed pieces outwards if that is asked for.
-    if (unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_)) find_edges();
-    if (turn_inside_out(surface(), adjacency(), mend_if(repair.inside_out), found, control_)) find_edges();
+    if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
+    if_changed(turn_inside_out(surface(), adjacency(), mend_if(repair.inside_out), found, control_));
   }
 
   const PolygonMesh& input_;
@@ -100,6 +95,17 @@ class Preparation {
 };
 
 }  // namespace
+
+const Adjacency& Prepared::adjacency() {
+  if (!adjacency_)
+    adjacency_ = std::make_unique<Adjacency>(surface.vertex_count(), surface.face_begin, surface.corners);
+  return *adjacency_;
+}
+
+const IdVector<FaceId, FaceGeometry>& Prepared::geometry(RunControl& control) {
+  if (geometry_.empty()) geometry_ = face_geometry(surface, control);
+  return geometry_;
+}
 
 Prepared prepare(const PolygonMesh& input, const Options& options, const MendingLimits& limits, Report& report,
                  Stopwatch& watch, RunControl& control) {

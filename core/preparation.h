@@ -17,11 +17,23 @@
 namespace remesh {
 
 /// What the stages after it work on.
-struct Prepared {
+class Prepared {
+ public:
   Surface surface;
-  std::unique_ptr<Adjacency> adjacency;  ///< of the surface
-  IdVector<FaceId, FaceGeometry> geometry;
   double printed_step = 0;  ///< model units; of the decimals that the tolerance comes from; 0: it has another origin
+
+  /// Of the surface; made when they are asked for and not there.
+  const Adjacency& adjacency();
+  const IdVector<FaceId, FaceGeometry>& geometry(RunControl& control);
+  /// The surface has changed, or nobody is likely to ask for them again: together they are as large as the surface.
+  void release() {
+    adjacency_.reset();
+    geometry_ = {};
+  }
+
+ private:
+  std::unique_ptr<Adjacency> adjacency_;
+  IdVector<FaceId, FaceGeometry> geometry_;
 };
 
 /// Mendings that an earlier attempt found to stand in the way.

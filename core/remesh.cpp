@@ -76,8 +76,9 @@ class Run {
 
  private:
   const Surface& surface() const { return prepared_.surface; }
-  const Adjacency& adjacency() const { return *prepared_.adjacency; }
-  PatchedSurface patched() const { return {surface(), adjacency(), patches_, report_.plane_tolerance}; }
+  const Adjacency& adjacency() { return prepared_.adjacency(); }
+  const IdVector<FaceId, FaceGeometry>& geometry() { return prepared_.geometry(control_); }
+  PatchedSurface patched() { return {surface(), adjacency(), patches_, report_.plane_tolerance}; }
 
   void prepare() {
     report_.diagnostics = diagnostics_of_reader_;
@@ -116,7 +117,9 @@ class Run {
         assemble();
         if (refiner_->is_over_budget(assembled_.faces.size())) continue;
         refuse_if_too_large();
-        // The independent check of the promises.
+        summarise(ladder);
+        // The independent check of the promises. It makes what it needs of the surface itself.
+        prepared_.release();
         watch_.enter(Stage::kVerify);
         report_.verified = check();
         if (!report_.verified.all_true() && separate_new_vertices(surface(), meshes_, refinement_, control_)) {
@@ -140,7 +143,6 @@ class Run {
         return false;
       }
     }
-    summarise(ladder);
     if (options_.refine) warn_of_curves();
     for (std::size_t p = 0; p < meshes_.size(); ++p) report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
     return true;
@@ -194,12 +196,12 @@ class Run {
 
   /// Patches that cover nothing twice in their plane: their loops do not cross, and none of their faces is so thin that
   /// it may be turned over.
-  std::vector<std::uint8_t> simple_patches() const {
+  std::vector<std::uint8_t> simple_patches() {
     std::vector<std::uint8_t> is_simple;
     for (const PatchMesh& mesh : meshes_) is_simple.push_back(mesh.reason == PatchReason::kNone);
+    const IdVector<FaceId, FaceGeometry>& geometry = this->geometry();
     for (std::size_t f = 0; f < surface().face_count(); ++f)
-      if (prepared_.geometry[FaceId(f)].height < kThinFace * local_tolerance())
-        is_simple[patches_.of_face[FaceId(f)].value] = 0;
+      if (geometry[FaceId(f)].height < kThinFace * local_tolerance()) is_simple[patches_.of_face[FaceId(f)].value] = 0;
     return is_simple;
   }
 
@@ -229,7 +231,7 @@ class Run {
   /// Faces of one plane, their patches, the patches' loops, and the vertices that stay.
   void find_patches(Ladder& ladder) {
     watch_.enter(Stage::kRegions);
-    coplanar_regions(surface(), adjacency(), prepared_.geometry,
+    coplanar_regions(surface(), adjacency(), geometry(),
                      {local_tolerance(), options_.normal_tolerance, &ladder.zone(), &ladder.rung(),
                       prepared_.printed_step / surface().unit},
                      regions_, control_);
@@ -304,7 +306,7 @@ class Run {
 
   void summarise(const Ladder& ladder) {
     PatchSummaries summaries =
-        summarise_patches(surface(), adjacency(), prepared_.geometry, patches_, loops_, essential_, ladder, control_);
+        summarise_patches(surface(), adjacency(), geometry(), patches_, loops_, essential_, ladder, control_);
     report_.patches = std::move(summaries.patches);
     report_.predicted_faces = refiner_->has_goals() ? refiner_->predicted_faces() : summaries.triangles;
     report_.volume_bound = summaries.volume_bound;
