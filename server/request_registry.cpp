@@ -1,9 +1,13 @@
 #include "server/request_registry.h"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstdint>
 #include <cstdio>
-#include <random>
+#include <system_error>
 
 namespace remesh::server {
 
@@ -60,11 +64,13 @@ bool is_request_id(std::string_view text) {
 
 std::string new_request_id() {
   // Drawn from the system: an id lets its holder cancel the request, so it must not be guessable.
-  thread_local std::random_device device;
+  std::array<std::uint32_t, 4> words{};
+  if (::getentropy(words.data(), sizeof words) != 0)
+    throw std::system_error(errno, std::generic_category(), "no random numbers");
   std::string id;
-  for (int i = 0; i < 4; ++i) {
+  for (const std::uint32_t word : words) {
     std::array<char, 9> digits;
-    std::snprintf(digits.data(), digits.size(), "%08x", device());
+    std::snprintf(digits.data(), digits.size(), "%08x", word);
     id += digits.data();
   }
   return id;
