@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <system_error>
 
 #include "core/io/digits.h"
@@ -105,13 +104,12 @@ std::size_t read_plain_vertices(std::string_view text, std::size_t begin, const 
 
 std::size_t read_plain_faces(std::string_view text, std::size_t begin, const ReadLimits& limits, RunControl& control,
                              PolygonMesh& mesh) {
-  constexpr std::size_t kMaxCorners = std::numeric_limits<std::uint32_t>::max();
   Scanner scanner(text, begin, control);
   return scanner.read_array([&] {
     if (mesh.face_count() >= limits.max_faces) throw NotPlain();
     scanner.take('[');
     for (;;) {
-      if (mesh.corners.size() >= kMaxCorners) throw NotPlain();
+      if (mesh.corners.size() >= PolygonMesh::kMaxCorners) throw NotPlain();
       mesh.corners.emplace_back(scanner.take_index());
       if (scanner.peek() == ']') break;
       scanner.take(',');

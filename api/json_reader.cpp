@@ -4,7 +4,6 @@
 #include <array>
 #include <cstdint>
 #include <iterator>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <unordered_map>
@@ -373,9 +372,9 @@ void Handler::add_corner(const Number& number) {
     fail_at(Code::kIndexOutOfRange, face_count(),
             "face " + number_text(face_count()) + " names vertex " + shortened(number.text()));
   }
-  constexpr std::size_t kMaxCorners = std::numeric_limits<std::uint32_t>::max();
-  if (mesh_.corners.size() >= kMaxCorners) {
-    throw Error(Code::kMeshTooLarge, Stage::kRead, "the faces have too many corners").with_limit(kMaxCorners);
+  if (mesh_.corners.size() >= PolygonMesh::kMaxCorners) {
+    throw Error(Code::kMeshTooLarge, Stage::kRead, "the faces have too many corners")
+        .with_limit(PolygonMesh::kMaxCorners);
   }
   mesh_.corners.push_back(VertexId(static_cast<std::uint32_t>(number.magnitude)));
 }

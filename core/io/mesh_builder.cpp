@@ -1,16 +1,9 @@
 #include "core/io/mesh_builder.h"
 
 #include <algorithm>
-#include <limits>
 #include <utility>
 
 namespace remesh {
-namespace {
-
-/// `face_begin` counts corners in 32 bits.
-constexpr std::uint64_t kMaxCorners = std::numeric_limits<std::uint32_t>::max();
-
-}  // namespace
 
 double parse_coordinate(std::string_view token, Place place) {
   const Real real = parse_real(token);
@@ -48,7 +41,8 @@ void MeshBuilder::begin_face(std::uint64_t corners, Place place) {
     throw read_error(place, Code::kInvalidMesh, "a face with " + std::to_string(corners) + " corners; it takes 3")
         .at_element(mesh_.face_count());
   }
-  if (corners > kMaxCorners - mesh_.corners.size()) throw too_large_error(place, "face corners", kMaxCorners);
+  if (corners > PolygonMesh::kMaxCorners - mesh_.corners.size())
+    throw too_large_error(place, "face corners", PolygonMesh::kMaxCorners);
   mesh_.face_begin.push_back(static_cast<std::uint32_t>(mesh_.corners.size() + corners));
 }
 

@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cstdint>
 #include <istream>
-#include <limits>
 #include <streambuf>
 #include <string>
 #include <system_error>
@@ -21,8 +20,6 @@
 namespace remesh {
 namespace {
 
-/// `face_begin` counts corners in 32 bits.
-constexpr std::uint64_t kMaxCorners = std::numeric_limits<std::uint32_t>::max();
 /// Bytes between two looks at the control: some milliseconds.
 constexpr std::size_t kProgressStep = std::size_t{1} << 18;
 
@@ -110,7 +107,7 @@ class ObjReader final : private std::streambuf {
   /// Checks a face and delivers its vertex indices alone, so that tinyobjloader meets nothing it would let through.
   void deliver_face(std::string_view arguments) {
     if (mesh_.face_count() >= limits_.max_faces) throw too_large("faces", limits_.max_faces);
-    const std::uint64_t max_corners = std::min(kMaxObjFaceCorners, kMaxCorners - mesh_.corners.size());
+    const std::uint64_t max_corners = std::min(kMaxObjFaceCorners, PolygonMesh::kMaxCorners - mesh_.corners.size());
     std::uint64_t corners = 0;
     delivery_ = "f";
     for (auto token = next_value(arguments); !token.empty(); token = next_value(arguments)) {

@@ -5,7 +5,6 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <utility>
 #include <vector>
@@ -70,7 +69,7 @@ class Gatherer {
   /// False if the chunk does not fit to those before it, or passes a limit.
   bool add(ObjChunk chunk) {
     reserve(mesh_.positions.items(), chunk.positions.size(), limits_.max_vertices);
-    reserve(mesh_.corners, chunk.corners.size(), kMaxCorners);
+    reserve(mesh_.corners, chunk.corners.size(), PolygonMesh::kMaxCorners);
     reserve(mesh_.face_begin, chunk.face_end.size(), limits_.max_faces);
     --chunks_left_;
     if (!resolve(chunk)) return false;
@@ -95,9 +94,6 @@ class Gatherer {
   }
 
  private:
-  /// `face_begin` counts corners in 32 bits.
-  static constexpr std::uint64_t kMaxCorners = std::numeric_limits<std::uint32_t>::max();
-
   /// Room for what is added and, where that is too little, for as much in each of the chunks to come: memory that is
   /// not written to costs nothing, moving the items would.
   template <class T>
@@ -110,7 +106,7 @@ class Gatherer {
 
   /// Makes relative indices absolute.
   bool resolve(ObjChunk& chunk) const {
-    if (chunk.corners.size() > kMaxCorners - mesh_.corners.size()) return false;
+    if (chunk.corners.size() > PolygonMesh::kMaxCorners - mesh_.corners.size()) return false;
     for (const std::uint32_t corner : chunk.relative) {
       VertexId& vertex = chunk.corners[corner];
       const std::int64_t index =

@@ -89,27 +89,15 @@ void Adjacency::number_edges(const std::vector<std::uint32_t>& bucket) {
 }
 
 EdgeId Adjacency::find(VertexId a, VertexId b) const {
-  const std::pair sought(std::min(a, b), std::max(a, b));
-  const auto ends = [&](std::uint32_t e) {
-    const std::uint32_t h = half_edges_[edge_begin_[e]];
-    return std::pair(std::min(from(h), to(h)), std::max(from(h), to(h)));
+  const auto ends = [&](std::uint32_t begin) {
+    const std::uint32_t h = half_edges_[begin];
+    return std::minmax({from(h), to(h)});
   };
-  std::uint32_t low = 0;
-  for (auto high = static_cast<std::uint32_t>(edge_count()); low < high;) {
-    const std::uint32_t middle = low + (high - low) / 2;
-    if (ends(middle) < sought)
-      low = middle + 1;
-    else
-      high = middle;
-  }
-  return low < edge_count() && ends(low) == sought ? EdgeId(low) : EdgeId();
-}
-
-EdgeId Adjacency::edge_of(std::uint32_t half_edge) const {
-  const auto ends = [&](std::uint32_t h) { return std::minmax({from(h), to(h)}); };
-  const auto wanted = ends(half_edge);
-  const auto found = std::partition_point(edge_begin_.begin(), edge_begin_.end() - 1,
-                                          [&](std::uint32_t i) { return ends(half_edges_[i]) < wanted; });
+  const std::pair<VertexId, VertexId> wanted = std::minmax(a, b);
+  const auto last = edge_begin_.end() - 1;
+  const auto found =
+      std::partition_point(edge_begin_.begin(), last, [&](std::uint32_t begin) { return ends(begin) < wanted; });
+  if (found == last || ends(*found) != wanted) return {};
   return EdgeId(static_cast<std::size_t>(found - edge_begin_.begin()));
 }
 

@@ -30,7 +30,7 @@ class Adjacency {
   /// The edge between two vertices; invalid if there is none. Cost: O(log n).
   EdgeId find(VertexId a, VertexId b) const;
   /// Cost: O(log n); nothing is stored for it, as most of what asks for a neighbour asks for the twin.
-  EdgeId edge_of(std::uint32_t half_edge) const;
+  EdgeId edge_of(std::uint32_t half_edge) const { return find(from(half_edge), to(half_edge)); }
   FaceId face_of(std::uint32_t half_edge) const { return are_triangles_ ? FaceId(half_edge / 3) : face_of_[half_edge]; }
   VertexId from(std::uint32_t half_edge) const { return corners_[half_edge]; }
   VertexId to(std::uint32_t half_edge) const { return corners_[next(half_edge)]; }

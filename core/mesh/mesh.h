@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,6 +38,9 @@ struct FaceLabels {
 /// Holds: face_begin has one entry more than there are faces, starts at 0, ends at corners.size(); every face has
 ///        3 or more corners; every corner is a valid vertex; every coordinate is finite.
 struct PolygonMesh {
+  /// `face_begin` counts corners in 32 bits.
+  static constexpr std::uint64_t kMaxCorners = std::numeric_limits<std::uint32_t>::max();
+
   IdVector<VertexId, Vec3> positions;
   std::vector<std::uint32_t> face_begin{0};
   std::vector<VertexId> corners;

@@ -20,54 +20,21 @@
 #include <vector>
 
 #include "api/json_reader.h"
-#include "api/json_writer.h"
 #include "api/service.h"
 #include "core/geometry/delaunay_divide_conquer.h"
 #include "core/io/obj.h"
 #include "core/remesh.h"
 #include "core/stages/patch_triangulation.h"
+#include "tests/bench/json_text.h"
 #include "tests/support/polygons.h"
 #include "tests/support/shapes.h"
 
 namespace remesh::bench {
 namespace {
 
-TriangleMesh triangles_of(const PolygonMesh& mesh) {
-  TriangleMesh result;
-  result.positions = mesh.positions;
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-    const auto face = mesh.face(FaceId(f));
-    result.faces.push_back({face[0], face[1], face[2]});
-  }
-  return result;
-}
-
 std::string obj_of(const PolygonMesh& mesh) {
   RunControl control;
-  return write_obj(triangles_of(mesh), {}, control);
-}
-
-std::string json_of(const PolygonMesh& mesh) {
-  api::JsonWriter json;
-  json.begin_object();
-  json.key("vertices");
-  json.begin_array();
-  for (const Vec3& p : mesh.positions) {
-    json.begin_array();
-    for (const double x : {p.x, p.y, p.z}) json.number(x);
-    json.end_array();
-  }
-  json.end_array();
-  json.key("faces");
-  json.begin_array();
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-    json.begin_array();
-    for (const VertexId v : mesh.face(FaceId(f))) json.integer(v.value);
-    json.end_array();
-  }
-  json.end_array();
-  json.end_object();
-  return json.take();
+  return write_obj(shapes::as_triangles(mesh), {}, control);
 }
 
 PolygonMesh turned_box(int n) { return shapes::rotated(shapes::box({1, 2, 3}, n), {1, 2, 3}, 30); }
@@ -99,14 +66,14 @@ const Case kCases[] = {
     {"read_odd_obj", [] { return Work([text = obj_of(turned_box(20)) + "vn 0 \\\n0 1\n"] { read(text); }); }},
     {"write_obj",
      [] {
-       return Work([mesh = triangles_of(turned_box(40))] {
+       return Work([mesh = shapes::as_triangles(turned_box(40))] {
          RunControl control;
          (void)write_obj(mesh, {}, control);
        });
      }},
     {"read_json",
      [] {
-       return Work([text = json_of(turned_box(40))] {
+       return Work([text = json_of(shapes::as_triangles(turned_box(40)))] {
          RunControl control;
          api::OptionReader options;
          (void)api::read_json(text, {}, control, options);

@@ -16,9 +16,10 @@
 #include <vector>
 
 #include "api/json_reader.h"
-#include "api/json_writer.h"
 #include "core/io/obj.h"
+#include "tests/bench/json_text.h"
 #include "tests/bench/timing.h"
+#include "tests/support/shapes.h"
 
 namespace remesh::bench {
 namespace {
@@ -83,42 +84,11 @@ struct Nothing {
   bool parse_error(std::size_t, const std::string&, const nlohmann::json::exception&) { return false; }
 };
 
-std::string json_of(const TriangleMesh& mesh) {
-  api::JsonWriter json;
-  json.begin_object();
-  json.key("vertices");
-  json.begin_array();
-  for (const Vec3& p : mesh.positions) {
-    json.begin_array();
-    for (const double x : {p.x, p.y, p.z}) json.number(x);
-    json.end_array();
-  }
-  json.end_array();
-  json.key("faces");
-  json.begin_array();
-  for (const Triangle& face : mesh.faces) {
-    json.begin_array();
-    for (const VertexId v : face) json.integer(v.value);
-    json.end_array();
-  }
-  json.end_array();
-  json.end_object();
-  return json.take();
-}
-
 int run(const char* path, int runs) {
   std::ifstream file(path, std::ios::binary);
   const std::string obj{std::istreambuf_iterator<char>(file), {}};
   RunControl control;
-  TriangleMesh mesh;
-  {
-    const PolygonMesh polygons = read_obj(obj, {}, control).mesh;
-    mesh.positions = polygons.positions;
-    for (std::uint32_t f = 0; f < polygons.face_count(); ++f) {
-      const auto face = polygons.face(FaceId(f));
-      mesh.faces.push_back({face[0], face[1], face[2]});
-    }
-  }
+  const TriangleMesh mesh = shapes::as_triangles(read_obj(obj, {}, control).mesh);
   const std::string json = json_of(mesh);
   std::map<std::string, std::vector<double>> times;
   tbb::task_arena one(1), two(2);

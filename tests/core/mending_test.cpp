@@ -289,11 +289,8 @@ TEST(remesh_surface, a_bent_polygon_whose_every_cut_is_an_edge_already_joins_no_
   // Three triangles of a tetrahedron, and a quad over all four of its corners: either diagonal has faces.
   const PolygonMesh mesh =
       shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {0, 4, 0}, {0, 2, 1}}, {{0, 1, 3}, {0, 1, 2, 3}, {1, 2, 3}, {2, 0, 3}});
-  for (const bool refine : {false, true}) {
-    Options options;
-    options.refine = refine;
-    RunControl control;
-    const Result result = remesh_surface(mesh, options, {}, control);
+  for (const Options& options : {unrefined(), Options{}}) {
+    const Result result = remeshed(mesh, options);
     EXPECT_TRUE(result.report.verified.all_true());
     EXPECT_GE(result.mesh.faces.size(), 4u);
     EXPECT_EQ(result.report.output.non_manifold_edges, result.report.input.non_manifold_edges);
@@ -304,11 +301,8 @@ TEST(remesh_surface, a_bent_quadrilateral_that_closes_a_tetrahedron_is_answered_
   // Found by fuzzing: the shape's own cut of the quadrilateral is the two triangles' common edge.
   const PolygonMesh mesh = shapes::from_lists({{4, 4, 0}, {0, 4, 4}, {0, 0, 4}, {4, 0, 1}},
                                               {{2, 2, 3, 1}, {0, 0, 3}, {1, 2, 2, 0}, {3, 2, 0, 1}, {0, 0, 0}});
-  for (const bool refine : {false, true}) {
-    Options options;
-    options.refine = refine;
-    RunControl control;
-    const Result result = remesh_surface(mesh, options, {}, control);
+  for (const Options& options : {unrefined(), Options{}}) {
+    const Result result = remeshed(mesh, options);
     EXPECT_TRUE(result.report.verified.all_true());
     EXPECT_TRUE(result.report.output.closed);
     EXPECT_EQ(result.report.output.non_manifold_edges, 0u);

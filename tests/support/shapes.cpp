@@ -97,6 +97,16 @@ PolygonMesh from_lists(const std::vector<Vec3>& positions, const std::vector<std
   return mesh;
 }
 
+TriangleMesh as_triangles(const PolygonMesh& mesh) {
+  TriangleMesh triangles;
+  triangles.positions = mesh.positions;
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(FaceId(f));
+    triangles.faces.push_back({face[0], face[1], face[2]});
+  }
+  return triangles;
+}
+
 PolygonMesh flat(const std::vector<std::string_view>& rows, int cuts) {
   Builder b;
   for_each_cell(rows, [&](int x, int y) {

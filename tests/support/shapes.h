@@ -17,6 +17,9 @@ namespace remesh::shapes {
 /// A mesh from lists, as one would write it by hand.
 PolygonMesh from_lists(const std::vector<Vec3>& positions, const std::vector<std::vector<std::uint32_t>>& faces);
 
+/// The same triangles as a triangle mesh. Input: a mesh of triangles only.
+TriangleMesh as_triangles(const PolygonMesh& mesh);
+
 // Flat sheets, z = 0.
 
 /// The cells of a drawing: every '#' is a unit square of two triangles, cut `cuts` x `cuts`; the bottom row has y in

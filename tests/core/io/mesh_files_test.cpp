@@ -35,17 +35,6 @@ Result remeshed(const PolygonMesh& mesh, const Options& options) {
   return remesh_surface(mesh, options, RunSettings{}, control);
 }
 
-/// Every triangle of a mesh, its vertices as they are.
-TriangleMesh as_triangles(const PolygonMesh& mesh) {
-  TriangleMesh triangles;
-  triangles.positions = mesh.positions;
-  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
-    const auto face = mesh.face(FaceId(f));
-    triangles.faces.push_back({face[0], face[1], face[2]});
-  }
-  return triangles;
-}
-
 PolygonMesh through(Format format, const TriangleMesh& mesh) {
   RunControl control;
   const IdVector<FaceId, PatchId> patches(mesh.faces.size(), PatchId(0));
@@ -59,7 +48,7 @@ TEST(mesh_files, the_same_mesh_in_any_format_gives_the_same_surface) {
   refined.max_edge_length = 0.7;
   for (const PolygonMesh& shape : {shapes::l_bracket(2), shapes::plate_with_round_hole(8), shapes::sphere(1)}) {
     // Coordinates as STL has them, so that all formats can hold the same.
-    const TriangleMesh mesh = as_triangles(through(Format::kStl, as_triangles(shape)));
+    const TriangleMesh mesh = shapes::as_triangles(through(Format::kStl, shapes::as_triangles(shape)));
     for (const Options& options : {unrefined(), refined}) {
       const auto expected = geometry(remeshed(through(Format::kObj, mesh), options).mesh);
       for (const Format format : {Format::kStl, Format::kPly, Format::kOff}) {
