@@ -8,6 +8,7 @@
 #include <string>
 #include <utility>
 
+#include "core/base/blocks.h"
 #include "core/base/tolerance.h"
 #include "core/goal_refinement.h"
 #include "core/mesh/adjacency.h"
@@ -35,6 +36,8 @@
 
 namespace remesh {
 namespace {
+
+constexpr std::size_t kBlock = 8192;
 
 /// One run over one surface: what the stages hand to each other.
 class Run {
@@ -88,8 +91,8 @@ class Run {
     refiner_.emplace(goals_of(options_, report_.input.bounding_box.diagonal()), control_);
   }
 
-  Ladder make_ladder() const {
-    Ladder ladder(surface());
+  Ladder make_ladder() {
+    Ladder ladder(surface(), control_);
     if (options_.keep_boundary_vertices) ladder.forced().assign(surface().vertex_count(), 1);
     return ladder;
   }
@@ -200,8 +203,9 @@ class Run {
     std::vector<std::uint8_t> is_simple;
     for (const PatchMesh& mesh : meshes_) is_simple.push_back(mesh.reason == PatchReason::kNone);
     const IdVector<FaceId, FaceGeometry>& geometry = this->geometry();
-    for (std::size_t f = 0; f < surface().face_count(); ++f)
-      if (geometry[FaceId(f)].height < kThinFace * local_tolerance()) is_simple[patches_.of_face[FaceId(f)].value] = 0;
+    const auto is_thin = [&](std::size_t f) { return geometry[FaceId(f)].height < kThinFace * local_tolerance(); };
+    for (const FaceId f : select_ids<FaceId>(surface().face_count(), kBlock, control_, is_thin))
+      is_simple[patches_.of_face[f].value] = 0;
     return is_simple;
   }
 

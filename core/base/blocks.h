@@ -21,6 +21,11 @@ namespace remesh {
 template <class Result, class Body>
 std::vector<Result> map_blocks(std::size_t n, std::size_t size, RunControl& control, const Body& body) {
   std::vector<Result> results((n + size - 1) / size);
+  if (results.size() == 1) {
+    control.check();
+    results[0] = body(std::size_t{0}, n);
+    return results;
+  }
   tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t block) {
     control.check();
     results[block] = body(block * size, std::min(n, (block + 1) * size));
@@ -31,10 +36,29 @@ std::vector<Result> map_blocks(std::size_t n, std::size_t size, RunControl& cont
 /// The same for a body that keeps its results itself, by index.
 template <class Body>
 void for_blocks(std::size_t n, std::size_t size, RunControl& control, const Body& body) {
+  if (n <= size) {
+    control.check();
+    if (n > 0) body(std::size_t{0}, n);
+    return;
+  }
   tbb::parallel_for(std::size_t{0}, (n + size - 1) / size, [&](std::size_t block) {
     control.check();
     body(block * size, std::min(n, (block + 1) * size));
   });
+}
+
+/// The ids, ascending, of those of 0 .. n - 1 for which `is_wanted(i)` is true; asked for in parallel.
+template <class Id, class IsWanted>
+std::vector<Id> select_ids(std::size_t n, std::size_t size, RunControl& control, const IsWanted& is_wanted) {
+  const auto found = map_blocks<std::vector<Id>>(n, size, control, [&](std::size_t begin, std::size_t end) {
+    std::vector<Id> wanted;
+    for (std::size_t i = begin; i < end; ++i)
+      if (is_wanted(i)) wanted.push_back(Id(i));
+    return wanted;
+  });
+  std::vector<Id> all;
+  for (const std::vector<Id>& wanted : found) all.insert(all.end(), wanted.begin(), wanted.end());
+  return all;
 }
 
 /// Calls `make(i)` for i from 0 to n - 1 in parallel, and `take(i, result)` on each result in that order, one at a

@@ -58,8 +58,8 @@ struct Box3 {
   Vec3 max{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
 
   void add(const Vec3& p) {
-    min = {std::fmin(min.x, p.x), std::fmin(min.y, p.y), std::fmin(min.z, p.z)};
-    max = {std::fmax(max.x, p.x), std::fmax(max.y, p.y), std::fmax(max.z, p.z)};
+    min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
+    max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
   }
   bool is_empty() const { return !(min.x <= max.x); }
   double diagonal() const { return is_empty() ? 0 : norm(max - min); }

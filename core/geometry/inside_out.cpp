@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/blocks.h"
 #include "core/base/union_find.h"
 #include "core/geometry/predicates.h"
 #include "core/geometry/predicates_3d.h"
@@ -12,6 +13,7 @@
 namespace remesh {
 namespace {
 
+constexpr std::size_t kBlock = 8192;
 /// A volume counts as negative from here, of the piece's area times its extent: a doubled sheet has none but rounding.
 constexpr double kNoVolume = 1e-12;
 
@@ -64,27 +66,30 @@ class Pieces {
 
   void connect() {
     UnionFind sets(face_count());
-    for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
-      if (e % 4096 == 0) control_.check();
-      const auto around = edges_.half_edges(EdgeId(e));
-      if (around.size() == 2) sets.join(edges_.face_of(around[0]).value, edges_.face_of(around[1]).value);
-    }
+    for_blocks(edges_.edge_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t e = begin; e < end; ++e) {
+        const auto around = edges_.half_edges(EdgeId(e));
+        if (around.size() == 2) sets.join(edges_.face_of(around[0]).value, edges_.face_of(around[1]).value);
+      }
+    });
     piece_of_.resize(face_count());
+    for_blocks(face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) piece_of_[f] = sets.find(static_cast<std::uint32_t>(f));
+    });
     for (std::uint32_t f = 0; f < face_count(); ++f) {
-      const std::uint32_t first = sets.find(f);
-      if (first == f) {
+      if (piece_of_[f] == f) {
         piece_of_[f] = static_cast<std::uint32_t>(pieces_.size());
         pieces_.emplace_back().first = FaceId(f);
       } else {
-        piece_of_[f] = piece_of_[first];
+        piece_of_[f] = piece_of_[piece_of_[f]];
       }
     }
-    for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
-      if (e % 4096 == 0) control_.check();
+    const auto is_open = [&](std::size_t e) {
       const auto around = edges_.half_edges(EdgeId(e));
-      if (edges_.from(around[0]) == edges_.to(around[0]) || edges_.twin(around[0]) != Adjacency::kNone) continue;
-      for (const std::uint32_t h : around) pieces_[piece_of_[edges_.face_of(h).value]].is_closed = false;
-    }
+      return edges_.from(around[0]) != edges_.to(around[0]) && edges_.twin(around[0]) == Adjacency::kNone;
+    };
+    for (const EdgeId e : select_ids<EdgeId>(edges_.edge_count(), kBlock, control_, is_open))
+      for (const std::uint32_t h : edges_.half_edges(e)) pieces_[piece_of_[edges_.face_of(h).value]].is_closed = false;
   }
 
   Vec3 twice_area_of(std::span<const VertexId> loop) const {
@@ -96,14 +101,24 @@ class Pieces {
   }
 
   void add_volumes() {
-    for (std::uint32_t f = 0; f < face_count(); ++f) {
-      if (f % 4096 == 0) control_.check();
-      Piece& piece = pieces_[piece_of_[f]];
-      if (!piece.is_closed) continue;
-      // From a point of the piece: far from it the volume would drown in rounding.
-      const Vec3 from = positions_[face(piece.first.value)[0].value];
-      piece.volume += dot(positions_[face(f)[0].value] - from, twice_area_of(face(f))) / 6;
-    }
+    // Each block sums what follows each other in one piece.
+    using Sums = std::vector<std::pair<std::uint32_t, double>>;
+    for (const Sums& sums : map_blocks<Sums>(face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+           Sums of_block;
+           for (std::size_t f = begin; f < end; ++f) {
+             if (!pieces_[piece_of_[f]].is_closed) continue;
+             if (of_block.empty() || of_block.back().first != piece_of_[f]) of_block.push_back({piece_of_[f], 0});
+             of_block.back().second += volume_under(f);
+           }
+           return of_block;
+         }))
+      for (const auto& [piece, volume] : sums) pieces_[piece].volume += volume;
+  }
+
+  /// Of the tetrahedra between a face and a point of its piece: from afar it would drown in rounding.
+  double volume_under(std::size_t f) const {
+    const Vec3 from = positions_[face(pieces_[piece_of_[f]].first.value)[0].value];
+    return dot(positions_[face(f)[0].value] - from, twice_area_of(face(f))) / 6;
   }
 
   /// What is asked of negative pieces only.

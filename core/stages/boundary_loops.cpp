@@ -1,30 +1,50 @@
 #include "core/stages/boundary_loops.h"
 
+#include "core/base/blocks.h"
+
 namespace remesh {
+namespace {
+
+constexpr std::size_t kBlock = 8192;
+
+}  // namespace
 
 BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
                              RunControl& control) {
   BoundaryLoops loops;
+  // Where a loop may begin: the boundary's half-edges, patch by patch.
+  const auto starts = map_blocks<std::vector<std::uint32_t>>(
+      patches.faces.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::uint32_t> found;
+        for (std::size_t i = begin; i < end; ++i) {
+          const std::uint32_t f = patches.faces[i].value;
+          for (std::uint32_t h = surface.face_begin[f]; h < surface.face_begin[f + 1]; ++h)
+            if (is_patch_boundary(adjacency, patches, h)) found.push_back(h);
+        }
+        return found;
+      });
   std::vector<std::uint8_t> is_walked(surface.corners.size(), 0);
-  std::uint32_t faces_seen = 0;
-  for (std::uint32_t p = 0; p < patches.count(); ++p) {
-    for (const FaceId f : patches.faces_of(PatchId(p))) {
-      if (++faces_seen % 4096 == 0) control.check();
-      for (std::uint32_t start = surface.face_begin[f.value]; start < surface.face_begin[f.value + 1]; ++start) {
-        if (is_walked[start] || !is_patch_boundary(adjacency, patches, start)) continue;
-        std::uint32_t h = start;
-        do {
-          loops.half_edges.push_back(h);
-          is_walked[h] = 1;
-          // Turn about the head of h, through the patch's faces, to the next open edge.
-          h = adjacency.next(h);
-          while (!is_patch_boundary(adjacency, patches, h)) h = adjacency.next(adjacency.twin(h));
-        } while (h != start);
-        loops.loop_begin.push_back(static_cast<std::uint32_t>(loops.half_edges.size()));
-      }
-    }
+  const auto close_patch = [&] {
     loops.patch_begin.push_back(static_cast<std::uint32_t>(loops.loop_begin.size() - 1));
+  };
+  PatchId patch(0);
+  for (const std::vector<std::uint32_t>& block : starts) {
+    control.check();
+    for (const std::uint32_t start : block) {
+      if (is_walked[start]) continue;
+      for (; patches.of_face[adjacency.face_of(start)] != patch; ++patch.value) close_patch();
+      std::uint32_t h = start;
+      do {
+        loops.half_edges.push_back(h);
+        is_walked[h] = 1;
+        // Turn about the head of h, through the patch's faces, to the next open edge.
+        h = adjacency.next(h);
+        while (!is_patch_boundary(adjacency, patches, h)) h = adjacency.next(adjacency.twin(h));
+      } while (h != start);
+      loops.loop_begin.push_back(static_cast<std::uint32_t>(loops.half_edges.size()));
+    }
   }
+  for (; patch.value < patches.count(); ++patch.value) close_patch();
   return loops;
 }
 

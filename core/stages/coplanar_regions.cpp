@@ -32,47 +32,28 @@ constexpr double kPrinted = 0.51;
 constexpr std::size_t kBlock = 4096;
 
 /// Faces in the order in which regions are grown from them: the largest first; among equally large ones the one at the
-/// smallest place. Most faces get their region from another one, so that few are ever asked for.
+/// smallest place. Most faces get their region from another one, so that few are ever asked for: each block of faces
+/// knows its first, and is looked through again when that one has been taken.
 class Seeds {
  public:
-  Seeds(const Surface& surface, const IdVector<FaceId, FaceGeometry>& geometry) : surface_(surface) {
-    open_.reserve(surface.face_count());
-    for (std::uint32_t i = 0; i < surface.face_count(); ++i) open_.push_back({geometry[FaceId(i)].area, FaceId(i)});
-  }
+  Seeds(const Surface& surface, const IdVector<FaceId, FaceGeometry>& geometry, RunControl& control)
+      : surface_(surface), geometry_(geometry), control_(control), looks_left_(kLooks * surface.face_count()) {}
 
-  template <class Keep>
-  void keep_if(const Keep& keep) {
-    open_.erase(std::remove_if(open_.begin(), open_.end(), [&](const Seed& s) { return !keep(s.face); }), open_.end());
-    looks_left_ = kLooks * open_.size();
-  }
-  /// The next one that is open still; invalid at the end.
+  /// The next one that is open still; invalid at the end. Faces that are not open stay so.
   template <class IsOpen>
   FaceId next(const IsOpen& is_open) {
-    if (is_sorted_) {
-      while (next_ < open_.size() && !is_open(open_[next_].face)) ++next_;
-      return next_ < open_.size() ? open_[next_++].face : FaceId();
-    }
-    open_.erase(std::remove_if(open_.begin(), open_.end(), [&](const Seed& s) { return !is_open(s.face); }),
-                open_.end());
-    if (open_.empty()) return {};
-    if (looks_left_ >= open_.size()) {
-      looks_left_ -= open_.size();
-      return first();
-    }
-    sort();
-    return open_[next_++].face;
+    if (!is_sorted_ && looks_left_ > 0) return first(is_open);
+    if (!is_sorted_) sort(is_open);
+    while (next_ < sorted_.size() && !is_open(sorted_[next_])) ++next_;
+    return next_ < sorted_.size() ? sorted_[next_++] : FaceId();
   }
 
  private:
   struct Seed {
-    double area;
-    FaceId face;
-  };
-  struct Placed {
-    double area;
+    double area = -1;
     Vec3 place;
     FaceId face;
-    bool is_before(const Placed& b) const {
+    bool is_before(const Seed& b) const {
       if (area != b.area) return area > b.area;
       return place != b.place ? place < b.place : face < b.face;
     }
@@ -80,31 +61,57 @@ class Seeds {
   /// So often each face may be looked at before they are sorted.
   static constexpr std::size_t kLooks = 8;
 
-  Placed placed(const Seed& s) const { return {s.area, face_centre(surface_, s.face), s.face}; }
+  Seed placed(FaceId f) const { return {geometry_[f].area, face_centre(surface_, f), f}; }
 
-  FaceId first() const {
-    Placed best = placed(open_[0]);
-    for (const Seed& s : open_) {
-      if (s.area < best.area) continue;
-      const Placed other = placed(s);
-      if (other.is_before(best)) best = other;
+  template <class IsOpen>
+  Seed first_of(std::size_t begin, std::size_t end, const IsOpen& is_open) const {
+    Seed best;
+    for (FaceId f(begin); f.value < end; ++f.value) {
+      if (!is_open(f) || geometry_[f].area < best.area) continue;
+      const Seed other = placed(f);
+      if (!best.face.is_valid() || other.is_before(best)) best = other;
     }
+    return best;
+  }
+
+  template <class IsOpen>
+  FaceId first(const IsOpen& is_open) {
+    const std::size_t n = surface_.face_count();
+    const bool is_new = first_of_block_.empty();
+    first_of_block_.resize((n + kBlock - 1) / kBlock);
+    std::vector<std::size_t> stale;
+    for (std::size_t block = 0; block < first_of_block_.size(); ++block)
+      if (const FaceId f = first_of_block_[block].face; is_new || (f.is_valid() && !is_open(f))) stale.push_back(block);
+    looks_left_ -= std::min(looks_left_, first_of_block_.size() + kBlock * stale.size());
+    for_blocks(stale.size(), 1, control_, [&](std::size_t i, std::size_t) {
+      const std::size_t begin = kBlock * stale[i];
+      first_of_block_[stale[i]] = first_of(begin, std::min(n, begin + kBlock), is_open);
+    });
+    Seed best;
+    for (const Seed& other : first_of_block_)
+      if (other.face.is_valid() && (!best.face.is_valid() || other.is_before(best))) best = other;
     return best.face;
   }
 
-  void sort() {
-    std::vector<Placed> all(open_.size());
-    std::transform(open_.begin(), open_.end(), all.begin(), [&](const Seed& s) { return placed(s); });
-    tbb::parallel_sort(all.begin(), all.end(), [](const Placed& a, const Placed& b) { return a.is_before(b); });
-    std::transform(all.begin(), all.end(), open_.begin(), [](const Placed& p) { return Seed{p.area, p.face}; });
+  template <class IsOpen>
+  void sort(const IsOpen& is_open) {
     is_sorted_ = true;
+    sorted_ =
+        select_ids<FaceId>(surface_.face_count(), kBlock, control_, [&](std::size_t f) { return is_open(FaceId(f)); });
+    std::vector<Seed> all(sorted_.size());
+    std::transform(sorted_.begin(), sorted_.end(), all.begin(), [&](FaceId f) { return placed(f); });
+    tbb::parallel_sort(all.begin(), all.end(), [](const Seed& a, const Seed& b) { return a.is_before(b); });
+    std::transform(all.begin(), all.end(), sorted_.begin(), [](const Seed& s) { return s.face; });
   }
 
   const Surface& surface_;
-  std::vector<Seed> open_;
-  std::size_t looks_left_ = 0;
-  std::size_t next_ = 0;  ///< once they are sorted
+  const IdVector<FaceId, FaceGeometry>& geometry_;
+  RunControl& control_;
+  std::size_t looks_left_;
+  std::vector<Seed> first_of_block_;  ///< no face: none of them is open
   bool is_sorted_ = false;
+  std::vector<FaceId> sorted_;
+  std::size_t next_ = 0;
 };
 
 /// Faces accepted so far, for the plane through them: area-weighted, so that the normal depends on the rim alone.
@@ -116,6 +123,11 @@ struct Fit {
     area_vector += g.area * g.normal;
     moment += g.area * centre;
     area += g.area;
+  }
+  void add(const Fit& other) {
+    area_vector += other.area_vector;
+    moment += other.moment;
+    area += other.area;
   }
   Plane plane() const { return {(1 / area) * moment, normalized(area_vector)}; }
 };
@@ -144,11 +156,11 @@ class Growth {
   }
 
   void run() {
+    find_joints();
     // Thin faces seed only what no other face has taken.
     for (const bool thin : {false, true}) {
-      const auto is_open = [&](FaceId f) { return stamp_[f.value] != kTaken; };
-      Seeds seeds(surface_, geometry_);
-      seeds.keep_if([&](FaceId f) { return is_open(f) && is_thin(f) == thin; });
+      const auto is_open = [&](FaceId f) { return stamp_[f.value] != kTaken && is_thin(f) == thin; };
+      Seeds seeds(surface_, geometry_, control_);
       for (FaceId seed = seeds.next(is_open); seed.is_valid(); seed = seeds.next(is_open)) {
         grow_from(seed);
         control_.progress(static_cast<double>(faces_taken_) / static_cast<double>(surface_.face_count()));
@@ -196,14 +208,26 @@ class Growth {
     return true;
   }
 
+  /// Over which edges regions may grow at all.
+  void find_joints() {
+    is_joint_.resize(surface_.corners.size());
+    for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+        const std::uint32_t twin = adjacency_.twin(h);
+        if (twin == Adjacency::kNone) continue;
+        const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
+        is_joint_[h] = stamp_[f.value] != kTaken && stamp_[g.value] != kTaken && (*rule_.zone)[g] == (*rule_.zone)[f] &&
+                       (*rule_.rung)[g] == (*rule_.rung)[f] && !is_bend(h);
+      }
+    });
+  }
+
   template <class Accept>
   void for_each_open_neighbour(FaceId f, Accept accept) {
     for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
-      const std::uint32_t twin = adjacency_.twin(h);
-      if (twin == Adjacency::kNone) continue;
-      const FaceId g = adjacency_.face_of(twin);
-      if (stamp_[g.value] == kTaken || stamp_[g.value] == now_ || is_bend(h)) continue;
-      if ((*rule_.zone)[g] == (*rule_.zone)[f] && (*rule_.rung)[g] == (*rule_.rung)[f]) accept(g);
+      if (!is_joint_[h]) continue;
+      const FaceId g = adjacency_.face_of(adjacency_.twin(h));
+      if (stamp_[g.value] != kTaken && stamp_[g.value] != now_) accept(g);
     }
   }
 
@@ -234,11 +258,15 @@ class Growth {
       for (std::size_t i = begin; i < end && do_fit; ++i)
         if (!fits(found_[i], plane, tol)) do_fit = false;
     };
-    if (found_.size() <= kBlock)
-      look(0, found_.size());
-    else
-      for_blocks(found_.size(), kBlock, control_, look);
+    for_blocks(found_.size(), kBlock, control_, look);
     return do_fit;
+  }
+
+  /// Makes `value` at least `least`, whoever else does.
+  static void raise(double& value, double least) {
+    const std::atomic_ref shared(value);
+    double now = shared.load(std::memory_order_relaxed);
+    while (now < least && !shared.compare_exchange_weak(now, least, std::memory_order_relaxed)) continue;
   }
 
   /// What is known of a region while regions are merged; a region that has been taken in by another one is empty.
@@ -256,25 +284,30 @@ class Growth {
   void merge() {
     if (first_region_ == regions_.planes.size()) return;
     std::vector<Piece> pieces(regions_.planes.size() - first_region_);
-    const auto for_each_face = [&](const auto& visit) {
-      for (std::uint32_t i = 0; i < surface_.face_count(); ++i) {
-        if (i % kBlock == 0) control_.check();
-        const RegionId r = regions_.of_face[FaceId(i)];
-        if (r.value >= first_region_ && (*rule_.rung)[FaceId(i)] != kSingleFace)
-          visit(FaceId(i), pieces[r.value - first_region_]);
-      }
+    const auto piece_of = [&](FaceId f) {
+      const RegionId r = regions_.of_face[f];
+      const bool may_merge = r.value >= first_region_ && (*rule_.rung)[f] != kSingleFace;
+      return may_merge ? &pieces[r.value - first_region_] : nullptr;
     };
-    for_each_face([&](FaceId f, Piece& piece) {
-      piece.may_merge = true;
-      piece.tolerance = tolerance(f);
-      piece.height = std::max(piece.height, geometry_[f].height);
+    // All faces of a region are on one step of the ladder.
+    for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (FaceId f(begin); f.value < end; ++f.value)
+        if (Piece* piece = piece_of(f)) raise(piece->height, geometry_[f].height);
     });
+    for (FaceId f(0); f.value < surface_.face_count(); ++f.value)
+      if (Piece* piece = piece_of(f); piece != nullptr && !piece->may_merge) {
+        piece->may_merge = true;
+        piece->tolerance = tolerance(f);
+      }
     auto pairs = bordering_pieces(pieces);
     if (pairs.empty()) return;
-    for_each_face([&](FaceId f, Piece& piece) {
-      piece.faces.push_back(f);
-      for (const VertexId v : surface_.face(f)) piece.moments.add(surface_.local[v]);
-    });
+    for (FaceId f(0); f.value < surface_.face_count(); ++f.value) {
+      if (f.value % kBlock == 0) control_.check();
+      Piece* piece = piece_of(f);
+      if (piece == nullptr) continue;
+      piece->faces.push_back(f);
+      for (const VertexId v : surface_.face(f)) piece->moments.add(surface_.local[v]);
+    }
     // Each pass may make neighbours of regions that were not; few are needed.
     constexpr int kMostPasses = 8;
     for (int pass = 0; pass < kMostPasses; ++pass) {
@@ -366,34 +399,47 @@ class Growth {
   /// a layer does not matter.
   Plane grow_fitting(FaceId seed, Plane plane, double tol) {
     ++now_;
-    Fit fit;
-    const auto take = [&](FaceId f) {
-      found_.push_back(f);
-      if (!is_thin(f) || f == seed) fit.add(geometry_[f], face_centre(surface_, f));
-    };
-    found_.clear();
+    found_.assign(1, seed);
     stamp_[seed.value] = now_;
-    take(seed);
-    std::size_t layer_begin = 0, fitted = 1;
-    while (layer_begin < found_.size()) {
+    Fit fit;
+    std::size_t summed = 0, fitted = 1;
+    const auto add_found = [&] {
+      fit.add(fit_of(seed, summed, found_.size()));
+      summed = found_.size();
+    };
+    for (std::size_t layer_begin = 0; layer_begin < found_.size();) {
       const std::size_t layer_end = found_.size();
-      next_layer_.clear();
       for (std::size_t i = layer_begin; i < layer_end; ++i) {
         if (i % 4096 == 0) control_.check();
         for_each_open_neighbour(found_[i], [&](FaceId g) {
           if (trials_[g.value] >= kMostTrials || !fits(g, plane, tol)) return;
           stamp_[g.value] = now_;
-          next_layer_.push_back(g);
+          found_.push_back(g);
         });
       }
-      for (const FaceId g : next_layer_) take(g);
       layer_begin = layer_end;
-      if (found_.size() >= 2 * fitted && fit.area > 0) {
-        plane = fit.plane();
-        fitted = found_.size();
-      }
+      if (found_.size() < 2 * fitted) continue;
+      add_found();
+      if (fit.area == 0) continue;
+      plane = fit.plane();
+      fitted = found_.size();
     }
+    add_found();
     return fit.area > 0 ? fit.plane() : plane;
+  }
+
+  /// Of the faces found from `begin` to `end`; thin ones say nothing, but the seed has to.
+  Fit fit_of(FaceId seed, std::size_t begin, std::size_t end) const {
+    Fit fit;
+    const auto sum = [&](std::size_t from, std::size_t to) {
+      Fit part;
+      for (std::size_t i = begin + from; i < begin + to; ++i)
+        if (const FaceId f = found_[i]; !is_thin(f) || f == seed) part.add(geometry_[f], face_centre(surface_, f));
+      return part;
+    };
+    if (end - begin <= kBlock) return sum(0, end - begin);
+    for (const Fit& part : map_blocks<Fit>(end - begin, kBlock, control_, sum)) fit.add(part);
+    return fit;
   }
 
   void grow_in_plane(FaceId seed, const Plane& plane, double tol) {
@@ -412,10 +458,12 @@ class Growth {
 
   void close(const Plane& plane) {
     const RegionId region = regions_.planes.push_back(plane);
-    for (const FaceId f : found_) {
-      regions_.of_face[f] = region;
-      stamp_[f.value] = kTaken;
-    }
+    for_blocks(found_.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        regions_.of_face[found_[i]] = region;
+        stamp_[found_[i].value] = kTaken;
+      }
+    });
     faces_taken_ += found_.size();
   }
 
@@ -434,7 +482,8 @@ class Growth {
   static constexpr std::uint32_t kTaken = 0xffffffffu;
   std::uint32_t now_ = 0;
   std::vector<std::uint8_t> trials_;
-  std::vector<FaceId> found_, next_layer_;
+  std::vector<std::uint8_t> is_joint_;  ///< of each half-edge
+  std::vector<FaceId> found_;
 };
 
 }  // namespace

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <cstdint>
 
+#include "core/base/blocks.h"
 #include "core/base/union_find.h"
 
 namespace remesh {
 namespace {
+
+constexpr std::size_t kBlock = 8192;
 
 class Duplicates {
  public:
@@ -16,13 +19,16 @@ class Duplicates {
   /// Output: what to do with each face; empty if none repeats another.
   const std::vector<std::uint8_t>& find() {
     find_first_half_edges();
-    for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
-      if (e % 4096 == 0) control_.check();
+    const auto has_equal_faces = [&](std::size_t e) {
       const auto around = edges_.half_edges(EdgeId(e));
-      if (around.size() < 2) continue;
+      if (around.size() > 2) return true;  // perhaps
+      return around.size() == 2 && is_first(around[0]) && is_first(around[1]) &&
+             order(edges_.face_of(around[0]), edges_.face_of(around[1])) == 0;
+    };
+    for (const EdgeId e : select_ids<EdgeId>(edges_.edge_count(), kBlock, control_, has_equal_faces)) {
       faces_.clear();
-      for (const std::uint32_t h : around)
-        if (first_[edges_.face_of(h).value] == h) faces_.push_back(edges_.face_of(h));
+      for (const std::uint32_t h : edges_.half_edges(e))
+        if (is_first(h)) faces_.push_back(edges_.face_of(h));
       if (faces_.size() > 1) compare();
     }
     if (!fate_.empty()) decide_on_backs();
@@ -36,23 +42,28 @@ class Duplicates {
   /// all faces over the same loop, whichever way they run.
   void find_first_half_edges() {
     first_.assign(surface_.face_count(), Adjacency::kNone);
-    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
-      if (f % 4096 == 0) control_.check();
-      const std::uint32_t begin = surface_.face_begin[f], end = surface_.face_begin[f + 1];
-      std::uint32_t least = begin;
-      std::size_t times = 1;
-      for (std::uint32_t h = begin + 1; h < end; ++h) {
-        if (surface_.corners[h] == surface_.corners[least]) ++times;
-        if (surface_.corners[h] < surface_.corners[least]) {
-          least = h;
-          times = 1;
-        }
-      }
-      if (times > 1) continue;
-      const std::uint32_t before = least == begin ? end - 1 : least - 1, after = least + 1 == end ? begin : least + 1;
-      first_[f] = surface_.corners[before] < surface_.corners[after] ? before : least;
-    }
+    for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) first_[f] = first_half_edge(f);
+    });
   }
+
+  std::uint32_t first_half_edge(std::size_t f) const {
+    const std::uint32_t begin = surface_.face_begin[f], end = surface_.face_begin[f + 1];
+    std::uint32_t least = begin;
+    std::size_t times = 1;
+    for (std::uint32_t h = begin + 1; h < end; ++h) {
+      if (surface_.corners[h] == surface_.corners[least]) ++times;
+      if (surface_.corners[h] < surface_.corners[least]) {
+        least = h;
+        times = 1;
+      }
+    }
+    if (times > 1) return Adjacency::kNone;
+    const std::uint32_t before = least == begin ? end - 1 : least - 1, after = least + 1 == end ? begin : least + 1;
+    return surface_.corners[before] < surface_.corners[after] ? before : least;
+  }
+
+  bool is_first(std::uint32_t h) const { return first_[edges_.face_of(h).value] == h; }
 
   bool runs_forward(FaceId f) const {
     const std::uint32_t h = first_[f.value];

@@ -5,11 +5,13 @@
 #include <cmath>
 #include <span>
 
-#include "core/base/union_find.h"
+#include "core/base/blocks.h"
+#include "core/mesh/pinched_vertices.h"
 
 namespace remesh {
 namespace {
 
+constexpr std::size_t kBlock = 8192;
 /// Simplification looks at each vertex of a run at most this often on average; what is left then stays.
 constexpr std::size_t kMostLooks = 64;
 
@@ -40,7 +42,8 @@ class Selection {
   IdVector<VertexId, std::uint8_t> run() {
     find_boundary();
     mark_junctions();
-    mark_pinches();
+    // What touches there must go on touching.
+    for (const VertexId v : pinched_vertices(surface_, adjacency_, control_)) essential_[v] = 1;
     for (std::uint32_t v = 0; v < surface_.vertex_count(); ++v) {
       if (v % 4096 == 0) control_.check();
       if (essential_[VertexId(v)] && degree_[v] > 0)
@@ -68,13 +71,13 @@ class Selection {
   void find_boundary() {
     const std::size_t vertices = surface_.vertex_count();
     degree_.assign(vertices, 0);
-    std::vector<EdgeId> boundary;
-    for (std::uint32_t e = 0; e < adjacency_.edge_count(); ++e) {
-      if (e % 4096 == 0) control_.check();
-      if (!is_patch_boundary(adjacency_, patches_, adjacency_.half_edges(EdgeId(e))[0])) continue;
-      boundary.push_back(EdgeId(e));
-      ++degree_[low(EdgeId(e)).value];
-      ++degree_[high(EdgeId(e)).value];
+    const auto is_boundary = [&](std::size_t e) {
+      return is_patch_boundary(adjacency_, patches_, adjacency_.half_edges(EdgeId(e))[0]);
+    };
+    const auto boundary = select_ids<EdgeId>(adjacency_.edge_count(), kBlock, control_, is_boundary);
+    for (const EdgeId e : boundary) {
+      ++degree_[low(e).value];
+      ++degree_[high(e).value];
     }
     first_.assign(vertices + 1, 0);
     for (std::size_t v = 0; v < vertices; ++v) first_[v + 1] = first_[v] + degree_[v];
@@ -99,27 +102,6 @@ class Selection {
         stays = position.distance > tolerance_ || position.along <= 0 || position.along >= 1;
       }
       essential_[v] = stays;
-    }
-  }
-
-  /// Marks vertices around which the faces are not connected over edges: what touches there must go on touching.
-  void mark_pinches() {
-    UnionFind fans(surface_.corners.size());
-    for (std::uint32_t e = 0; e < adjacency_.edge_count(); ++e) {
-      const auto around = adjacency_.half_edges(EdgeId(e));
-      for (std::size_t i = 1; i < around.size(); ++i) {
-        const std::uint32_t g = around[0], h = around[i];
-        const bool same_way = adjacency_.from(g) == adjacency_.from(h);
-        fans.join(g, same_way ? h : adjacency_.next(h));
-        fans.join(adjacency_.next(g), same_way ? adjacency_.next(h) : h);
-      }
-    }
-    std::vector<std::uint32_t> fan_of(surface_.vertex_count(), Adjacency::kNone);
-    for (std::uint32_t c = 0; c < surface_.corners.size(); ++c) {
-      const VertexId v = surface_.corners[c];
-      const std::uint32_t fan = fans.find(c);
-      if (fan_of[v.value] == Adjacency::kNone) fan_of[v.value] = fan;
-      if (fan_of[v.value] != fan) essential_[v] = 1;
     }
   }
 

@@ -6,89 +6,14 @@
 #include <string>
 
 #include "core/base/blocks.h"
-#include "core/base/union_find.h"
 #include "core/geometry/overlap.h"
+#include "core/mesh/pinched_vertices.h"
 #include "core/stages/polygon_split.h"
 
 namespace remesh {
 namespace {
 
 constexpr std::size_t kBlock = 8192;
-
-/// Vertices at which the faces fall into fans that have no edge in common.
-class PinchedVertices {
- public:
-  PinchedVertices(const Surface& surface, const Adjacency& edges, RunControl& control)
-      : surface_(surface), edges_(edges), control_(control) {}
-
-  std::vector<VertexId> find() {
-    degree_.assign(surface_.vertex_count(), 0);
-    some_.assign(surface_.vertex_count(), Adjacency::kNone);
-    for (std::uint32_t h = 0; h < surface_.corners.size(); ++h) {
-      if (h % kBlock == 0) control_.check();
-      ++degree_[surface_.corners[h].value];
-      some_[surface_.corners[h].value] = h;
-    }
-    // A walk around most vertices meets all their faces.
-    const auto found = map_blocks<std::vector<VertexId>>(surface_.vertex_count(), kBlock, control_,
-                                                         [&](std::size_t begin, std::size_t end) {
-                                                           std::vector<VertexId> odd;
-                                                           for (std::size_t v = begin; v < end; ++v)
-                                                             if (degree_[v] > 1 && walk(some_[v]) != degree_[v])
-                                                               odd.push_back(VertexId(v));
-                                                           return odd;
-                                                         });
-    std::vector<std::uint8_t> is_odd(surface_.vertex_count(), 0);
-    std::vector<VertexId> odd;
-    for (const auto& vertices : found) odd.insert(odd.end(), vertices.begin(), vertices.end());
-    for (const VertexId v : odd) is_odd[v.value] = 1;
-    return odd.empty() ? odd : count_fans(odd, is_odd);
-  }
-
- private:
-  std::uint32_t before(std::uint32_t h) const {
-    const std::uint32_t f = edges_.face_of(h).value;
-    return h == surface_.face_begin[f] ? surface_.face_begin[f + 1] - 1 : h - 1;
-  }
-
-  /// How many corners at its first vertex are reached from h over edges of two faces that look the same way.
-  std::uint32_t walk(std::uint32_t start) const {
-    std::uint32_t count = 1;
-    std::uint32_t h = edges_.twin(before(start));
-    for (; h != Adjacency::kNone && h != start; h = edges_.twin(before(h))) ++count;
-    if (h == start) return count;
-    for (h = edges_.twin(start); h != Adjacency::kNone; h = edges_.twin(edges_.next(h))) ++count;
-    return count;
-  }
-
-  /// Of the others, joins the corners over whatever edges there are.
-  std::vector<VertexId> count_fans(const std::vector<VertexId>& odd, const std::vector<std::uint8_t>& is_odd) {
-    UnionFind fans(surface_.corners.size());
-    std::vector<std::uint32_t> count(surface_.vertex_count(), 0);
-    for (std::uint32_t h = 0; h < surface_.corners.size(); ++h) ++count[surface_.corners[h].value];
-    const auto corner_at = [&](std::uint32_t h, VertexId v) { return edges_.from(h) == v ? h : edges_.next(h); };
-    for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
-      if (e % kBlock == 0) control_.check();
-      const auto around = edges_.half_edges(EdgeId(e));
-      for (const VertexId v : {edges_.from(around[0]), edges_.to(around[0])}) {
-        if (!is_odd[v.value]) continue;
-        if (edges_.from(around[0]) == edges_.to(around[0])) {  // a repeated corner is no edge
-          count[v.value] -= fans.join(around[0], edges_.next(around[0]));
-          break;
-        }
-        for (const std::uint32_t h : around) count[v.value] -= fans.join(corner_at(around[0], v), corner_at(h, v));
-      }
-    }
-    std::vector<VertexId> pinched;
-    std::copy_if(odd.begin(), odd.end(), std::back_inserter(pinched), [&](VertexId v) { return count[v.value] > 1; });
-    return pinched;
-  }
-
-  const Surface& surface_;
-  const Adjacency& edges_;
-  RunControl& control_;
-  std::vector<std::uint32_t> degree_, some_;  ///< of each vertex: how many corners, and the last of them
-};
 
 /// A diagonal by which a polygon was split.
 struct Diagonal {
@@ -157,7 +82,7 @@ void find_defects(const Surface& welded, const Adjacency& edges, std::vector<Dia
     if (around.size() == 1) open.add(source);
     if (around.size() > 2) non_manifold.add(source);
   }
-  for (const VertexId v : PinchedVertices(welded, edges, control).find()) pinched.add(welded.vertex_source[v].value);
+  for (const VertexId v : pinched_vertices(welded, edges, control)) pinched.add(welded.vertex_source[v].value);
   for (Diagnostic* d : {&non_manifold, &pinched, &open})
     if (d->count > 0) diagnostics.push_back(std::move(*d));
 }

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 
+#include "core/base/blocks.h"
 #include "core/stages/mend_faces.h"
 
 namespace remesh {
 namespace {
+
+constexpr std::size_t kBlock = 8192;
 
 /// After this many rounds, what fails goes to single faces at once: a chain of neighbours failing one after the other
 /// must not cost a round for each of its steps.
@@ -13,16 +16,15 @@ constexpr int kPatientRounds = 6;
 
 }  // namespace
 
-Ladder::Ladder(const Surface& surface)
+Ladder::Ladder(const Surface& surface, RunControl& control)
     : zone_(surface.face_label),
       rung_(surface.face_count(), 0),
       reason_(surface.face_count(), PatchReason::kNone),
       is_kept_(surface.face_count(), 0),
       forced_(surface.vertex_count(), 0) {
   for (const std::uint32_t label : surface.face_label) next_zone_ = std::max(next_zone_, label + 1);
-  for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
-    const FaceId f(i);
-    if (!is_without_area(surface, f)) continue;
+  const auto has_no_area = [&](std::size_t f) { return is_without_area(surface, FaceId(f)); };
+  for (const FaceId f : select_ids<FaceId>(surface.face_count(), kBlock, control, has_no_area)) {
     is_kept_[f] = 1;
     rung_[f] = kSingleFace;
     reason_[f] = PatchReason::kNotPlanar;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/run_control.h"
 #include "core/report.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/coplanar_regions.h"
@@ -22,7 +23,7 @@ struct FailedPatch {
 class Ladder {
  public:
   /// Faces without area begin on the last step: each is kept as it is, alone, with its vertices.
-  explicit Ladder(const Surface& surface);
+  Ladder(const Surface& surface, RunControl& control);
 
   /// Takes every failed patch one step up: its faces lose their region and may only join each other again, under the
   /// next tolerance; the vertices of its boundary become essential.

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <optional>
 
+#include "core/base/blocks.h"
 #include "core/base/union_find.h"
 #include "core/geometry/predicates.h"
 #include "core/mesh/adjacency.h"
@@ -12,6 +14,8 @@
 
 namespace remesh {
 namespace {
+
+constexpr std::size_t kBlock = 8192;
 
 class Mending {
  public:
@@ -25,12 +29,7 @@ class Mending {
 
   bool run(std::vector<Diagnostic>& diagnostics) {
     const std::size_t faces = surface_.face_count();
-    std::size_t sound = 0;
-    while (sound < faces && as_it_is_.empty() && is_sound(FaceId(sound))) {
-      if (sound % 4096 == 0) control_.progress(static_cast<double>(sound) / static_cast<double>(faces));
-      ++sound;
-    }
-    if (sound == faces) return false;
+    if (as_it_is_.empty() && are_all_sound()) return false;
     is_degenerate_.reserve(faces);
     for (std::size_t f = 0; f < faces; ++f) {
       if (f % 4096 == 0) control_.progress(static_cast<double>(f) / static_cast<double>(faces));
@@ -60,6 +59,15 @@ class Mending {
 
   /// Whether a face is a triangle with an area: most are, and nothing is to be done for them.
   bool is_sound(FaceId f) const { return surface_.face(f).size() == 3 && !is_without_area(surface_, f); }
+
+  bool are_all_sound() const {
+    std::atomic<bool> are_sound = true;
+    for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end && are_sound; ++f)
+        if (!is_sound(FaceId(f))) are_sound = false;
+    });
+    return are_sound;
+  }
 
   void emit(std::span<const VertexId> loop, FaceId source, std::uint32_t label, bool is_degenerate) {
     mended_.add_face(loop, source, label);

@@ -2,8 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "core/base/blocks.h"
 
 namespace remesh {
+namespace {
+
+constexpr std::size_t kBlock = 8192;
+
+/// What some of a patch's faces add to it; local units.
+struct FacesSummary {
+  double area = 0, deviation = 0;
+  std::vector<VertexId> essential;  ///< of their corners
+};
+
+}  // namespace
 
 PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency,
                                  const IdVector<FaceId, FaceGeometry>& geometry, const PatchSet& patches,
@@ -42,11 +56,22 @@ PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjace
       }
     std::uint64_t inside = 0;
     double area = 0;
-    for (const FaceId f : patches.faces_of(p)) {
-      area += geometry[f].area;
-      for (const VertexId v : surface.face(f)) {
-        s.deviation = std::max(s.deviation, std::fabs(plane.distance(surface.local[v])));
-        if (!essential[v] || counted[v] == p) continue;
+    const auto measure = [&](std::size_t begin, std::size_t end) {
+      FacesSummary sum;
+      for (const FaceId f : patches.faces_of(p).subspan(begin, end - begin)) {
+        sum.area += geometry[f].area;
+        for (const VertexId v : surface.face(f)) {
+          sum.deviation = std::max(sum.deviation, std::fabs(plane.distance(surface.local[v])));
+          if (essential[v] && counted[v] != p) sum.essential.push_back(v);
+        }
+      }
+      return sum;
+    };
+    for (const FacesSummary& sum : map_blocks<FacesSummary>(s.input_faces, kBlock, control, measure)) {
+      area += sum.area;
+      s.deviation = std::max(s.deviation, sum.deviation);
+      for (const VertexId v : sum.essential) {
+        if (counted[v] == p) continue;
         counted[v] = p;
         ++inside;
       }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <map>
@@ -11,8 +12,12 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "core/base/blocks.h"
+
 namespace remesh {
 namespace {
+
+constexpr std::size_t kBlock = 8192;
 
 struct Indexed {
   Vec3 position;
@@ -38,19 +43,33 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
     }
     return h;
   };
-  const std::size_t size = std::bit_ceil(2 * positions.size() + 1);
-  std::vector<std::uint32_t> table(size, kFree);
-  std::size_t looks = 0;
-  for (std::uint32_t i = 0; i < positions.size(); ++i) {
-    if (i % 4096 == 0) control.check();
-    if (!is_used[i]) continue;
+  // All threads fill one table. Which slot a place gets depends on them; that its first vertex stays in it does not.
+  std::vector<std::uint32_t> table(std::bit_ceil(2 * positions.size() + 1), kFree);
+  const std::size_t mask = table.size() - 1;
+  std::atomic<bool> is_colliding = false;
+  const auto enter = [&](std::uint32_t i, std::size_t& looks) {
     const Vec3 p = positions[VertexId(i)];
-    std::size_t slot = hash(p) & (size - 1);
-    for (; table[slot] != kFree && positions[VertexId(table[slot])] != p; slot = (slot + 1) & (size - 1))
-      if (++looks > kMostLooks * positions.size()) return false;
-    if (table[slot] == kFree) table[slot] = i;
-    stands_for[i] = table[slot];
-  }
+    for (std::size_t slot = hash(p) & mask;; slot = (slot + 1) & mask, ++looks) {
+      const std::atomic_ref entry(table[slot]);
+      std::uint32_t other = entry.load(std::memory_order_relaxed);
+      if (other == kFree && entry.compare_exchange_strong(other, i, std::memory_order_relaxed)) return slot;
+      if (positions[VertexId(other)] != p) continue;
+      while (i < other && !entry.compare_exchange_weak(other, i, std::memory_order_relaxed)) continue;
+      return slot;
+    }
+  };
+  for_blocks(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    std::size_t looks = 0;
+    for (std::size_t i = begin; i < end && !is_colliding; ++i) {
+      if (is_used[i]) stands_for[i] = static_cast<std::uint32_t>(enter(static_cast<std::uint32_t>(i), looks));
+      if (looks > kMostLooks * kBlock) is_colliding = true;
+    }
+  });
+  if (is_colliding) return false;
+  for_blocks(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (is_used[i]) stands_for[i] = table[stands_for[i]];
+  });
   return true;
 }
 
@@ -137,17 +156,28 @@ class NearWelding {
   std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> grid_;
 };
 
-void set_local_units(Surface& surface) {
+void set_local_units(Surface& surface, RunControl& control) {
+  const std::size_t n = surface.vertex_count();
   Box3 box;
-  for (const Vec3& p : surface.positions) box.add(p);
+  for (const Box3& part : map_blocks<Box3>(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+         Box3 of_block;
+         for (std::size_t v = begin; v < end; ++v) of_block.add(surface.positions[VertexId(v)]);
+         return of_block;
+       })) {
+    box.add(part.min);
+    box.add(part.max);
+  }
   const Vec3 centre = 0.5 * box.min + 0.5 * box.max;
   surface.centre = centre;
   const Vec3 half = box.max - centre;
   int exponent = 0;
   std::frexp(std::max({half.x, half.y, half.z}), &exponent);
   surface.unit = std::ldexp(1.0, exponent);
-  surface.local.reserve(surface.positions.size());
-  for (const Vec3& p : surface.positions) surface.local.push_back(surface.to_local(p));
+  surface.local.resize(n);
+  for_blocks(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      surface.local[VertexId(v)] = surface.to_local(surface.positions[VertexId(v)]);
+  });
 }
 
 IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Barriers& barriers, std::size_t faces) {
@@ -156,8 +186,12 @@ IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Ba
   Key last;
   std::size_t number = 0;
   IdVector<FaceId, std::uint32_t> numbers(faces, 0);
-  const auto label = [](const LabelSet& set, bool is_barrier, FaceId f) {
-    return is_barrier && set.is_used() ? set.of_face[f] : 0u;
+  const auto separates = [](const LabelSet& set, bool is_barrier) { return is_barrier && set.is_used(); };
+  if (!separates(labels.object, barriers.object) && !separates(labels.group, barriers.group) &&
+      !separates(labels.material, barriers.material))
+    return numbers;
+  const auto label = [&](const LabelSet& set, bool is_barrier, FaceId f) {
+    return separates(set, is_barrier) ? set.of_face[f] : 0u;
   };
   for (std::size_t i = 0; i < faces; ++i) {
     const FaceId f(i);
@@ -184,10 +218,12 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
                   "vertices that were welded lie within the weld tolerance of one that was not made one with them"};
 
   std::vector<std::uint8_t> is_used(n, 0);
-  for (const VertexId v : input.corners) is_used[v.value] = 1;
+  for_blocks(input.corners.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c)
+      std::atomic_ref(is_used[input.corners[c].value]).store(1, std::memory_order_relaxed);
+  });
   for (std::uint32_t i = 0; i < n; ++i)
     if (!is_used[i]) unused.add(i);
-  control.check();
   std::vector<std::uint32_t> stands_for(n);
   std::vector<Indexed> sorted;
   if (tolerance > 0 || !find_equal_by_hash(input.positions, is_used, stands_for, control)) {
@@ -212,6 +248,8 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
   control.check();
   Surface surface;
   std::vector<VertexId> welded(n);
+  surface.positions.reserve(n);
+  surface.vertex_source.reserve(n);
   for (std::uint32_t i = 0; i < n; ++i) {
     if (!is_used[i]) continue;
     // With a tolerance, of two vertices with equal coordinates the first knows for which it stands.
@@ -223,13 +261,13 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
     }
     welded[i] = welded[one];
   }
-  control.check();
-  set_local_units(surface);
-  control.check();
+  set_local_units(surface, control);
 
   surface.face_begin = input.face_begin;
-  surface.corners.reserve(input.corners.size());
-  for (const VertexId v : input.corners) surface.corners.push_back(welded[v.value]);
+  surface.corners.resize(input.corners.size());
+  for_blocks(input.corners.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c) surface.corners[c] = welded[input.corners[c].value];
+  });
   surface.face_source.reserve(input.face_count());
   for (std::size_t f = 0; f < input.face_count(); ++f) surface.face_source.push_back(FaceId(f));
   surface.face_label = number_labels(input.labels, barriers, input.face_count());

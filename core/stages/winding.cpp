@@ -5,22 +5,25 @@
 #include <cstdint>
 #include <tuple>
 
+#include "core/base/blocks.h"
 #include "core/geometry/inside_out.h"
 
 namespace remesh {
 namespace {
 
+constexpr std::size_t kBlock = 8192;
+
 /// The edges with two faces that look opposite ways: their first half-edges.
 std::vector<std::uint32_t> inconsistent_edges(const Adjacency& edges, RunControl& control) {
-  std::vector<std::uint32_t> found;
-  for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
-    if (e % 4096 == 0) control.check();
+  const auto is_inconsistent = [&](std::size_t e) {
     const auto around = edges.half_edges(EdgeId(e));
-    if (around.size() == 2 && edges.from(around[0]) == edges.from(around[1]) &&
-        edges.from(around[0]) != edges.to(around[0]))
-      found.push_back(around[0]);
-  }
-  return found;
+    return around.size() == 2 && edges.from(around[0]) == edges.from(around[1]) &&
+           edges.from(around[0]) != edges.to(around[0]);
+  };
+  std::vector<std::uint32_t> first;
+  for (const EdgeId e : select_ids<EdgeId>(edges.edge_count(), kBlock, control, is_inconsistent))
+    first.push_back(edges.half_edges(e)[0]);
+  return first;
 }
 
 double area(const Surface& surface, FaceId f) {

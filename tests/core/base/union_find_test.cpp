@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -41,6 +43,30 @@ TEST(union_find, random_joins_agree_with_relabelling) {
     std::replace(label.begin(), label.end(), std::uint32_t{high}, std::uint32_t{low});
     for (std::uint32_t i = 0; i < kMembers; ++i) ASSERT_EQ(sets.find(i), label[i]);
   }
+}
+
+TEST(union_find, joins_by_many_threads_at_once_give_the_sets_of_joins_one_after_the_other) {
+  constexpr std::uint32_t kMembers = 20'000;
+  constexpr int kThreads = 4;
+  Random random(2);
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> joins(kMembers - 100);
+  for (auto& [a, b] : joins) {
+    a = static_cast<std::uint32_t>(random.below(kMembers));
+    b = static_cast<std::uint32_t>(random.below(kMembers));
+  }
+  UnionFind expected(kMembers), sets(kMembers);
+  std::size_t expected_joins = 0;
+  for (const auto& [a, b] : joins) expected_joins += expected.join(a, b);
+  std::atomic<std::size_t> joined = 0;
+  std::vector<std::thread> threads;
+  for (int t = 0; t < kThreads; ++t)
+    threads.emplace_back([&, t] {
+      for (std::size_t i = static_cast<std::size_t>(t); i < joins.size(); i += kThreads)
+        joined += sets.join(joins[i].first, joins[i].second);
+    });
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(joined, expected_joins);
+  for (std::uint32_t i = 0; i < kMembers; ++i) ASSERT_EQ(sets.find(i), expected.find(i));
 }
 
 TEST(union_find, a_long_chain_takes_near_linear_time) {
