@@ -21,6 +21,9 @@ Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangl
 /// The same, where the edges of the triangles are known already.
 Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, const Adjacency& adjacency,
                         RunControl& control);
+/// The same for triangles as corners, three each.
+Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& adjacency,
+                        RunControl& control);
 
 /// Quality of one triangle. Where its area is zero: angle 0, and 0 for the ratios, which would be infinite.
 struct FaceQuality {

@@ -118,7 +118,7 @@ class Examination {
   }
 
   void examine_pieces(const Adjacency& edges) {
-    const std::vector<Vec3> scaled = scaled_for_predicates(positions_);
+    const std::vector<Vec3> scaled = scaled_for_predicates(positions_, control_);
     for (const FaceId f : find_inside_out(scaled, face_begin_, corners_, edges, control_).first_faces)
       inside_out_.add(centroid(faces_[f.value]));
   }

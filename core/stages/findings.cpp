@@ -1,13 +1,18 @@
 #include "core/stages/findings.h"
 
 #include <algorithm>
+#include <atomic>
 #include <compare>
 #include <iterator>
+#include <numeric>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/union_find.h"
 #include "core/geometry/overlap.h"
+#include "core/mesh/triangle_corners.h"
 #include "core/stages/polygon_split.h"
 
 namespace remesh {
@@ -19,22 +24,32 @@ constexpr std::size_t kBlock = 8192;
 class PinchedVertices {
  public:
   PinchedVertices(const Surface& surface, const Adjacency& edges, RunControl& control)
-      : surface_(surface), edges_(edges), control_(control) {}
+      : surface_(surface), edges_(edges), control_(control), some_(surface.vertex_count()) {}
 
   std::vector<VertexId> find() {
-    degree_.assign(surface_.vertex_count(), 0);
-    some_.assign(surface_.vertex_count(), Adjacency::kNone);
-    for (std::uint32_t h = 0; h < surface_.corners.size(); ++h) {
+    for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t h = begin; h < end; ++h)
+        some_[surface_.corners[h].value].store(static_cast<std::uint32_t>(h + 1), std::memory_order_relaxed);
+    });
+    // A walk around most vertices meets all their faces, from whichever it starts. If so around all, all are met.
+    const auto counts =
+        map_blocks<std::size_t>(surface_.vertex_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+          std::size_t count = 0;
+          for (std::size_t v = begin; v < end; ++v) count += count_around(v);
+          return count;
+        });
+    if (std::accumulate(counts.begin(), counts.end(), std::size_t{0}) == surface_.corners.size()) return {};
+
+    std::vector<std::uint32_t> degree(surface_.vertex_count(), 0);
+    for (std::size_t h = 0; h < surface_.corners.size(); ++h) {
       if (h % kBlock == 0) control_.check();
-      ++degree_[surface_.corners[h].value];
-      some_[surface_.corners[h].value] = h;
+      ++degree[surface_.corners[h].value];
     }
-    // A walk around most vertices meets all their faces.
     const auto found = map_blocks<std::vector<VertexId>>(surface_.vertex_count(), kBlock, control_,
                                                          [&](std::size_t begin, std::size_t end) {
                                                            std::vector<VertexId> odd;
                                                            for (std::size_t v = begin; v < end; ++v)
-                                                             if (degree_[v] > 1 && walk(some_[v]) != degree_[v])
+                                                             if (count_around(v) != degree[v])
                                                                odd.push_back(VertexId(v));
                                                            return odd;
                                                          });
@@ -42,7 +57,7 @@ class PinchedVertices {
     std::vector<VertexId> odd;
     for (const auto& vertices : found) odd.insert(odd.end(), vertices.begin(), vertices.end());
     for (const VertexId v : odd) is_odd[v.value] = 1;
-    return odd.empty() ? odd : count_fans(odd, is_odd);
+    return count_fans(odd, is_odd, std::move(degree));
   }
 
  private:
@@ -61,11 +76,16 @@ class PinchedVertices {
     return count;
   }
 
-  /// Of the others, joins the corners over whatever edges there are.
-  std::vector<VertexId> count_fans(const std::vector<VertexId>& odd, const std::vector<std::uint8_t>& is_odd) {
+  /// The corners that a walk around a vertex meets.
+  std::uint32_t count_around(std::size_t v) const {
+    const std::uint32_t some = some_[v].load(std::memory_order_relaxed);
+    return some == 0 ? 0 : walk(some - 1);
+  }
+
+  /// Of the others, joins the corners over whatever edges there are. `count`: the corners of each vertex.
+  std::vector<VertexId> count_fans(const std::vector<VertexId>& odd, const std::vector<std::uint8_t>& is_odd,
+                                   std::vector<std::uint32_t> count) {
     UnionFind fans(surface_.corners.size());
-    std::vector<std::uint32_t> count(surface_.vertex_count(), 0);
-    for (std::uint32_t h = 0; h < surface_.corners.size(); ++h) ++count[surface_.corners[h].value];
     const auto corner_at = [&](std::uint32_t h, VertexId v) { return edges_.from(h) == v ? h : edges_.next(h); };
     for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
       if (e % kBlock == 0) control_.check();
@@ -87,8 +107,10 @@ class PinchedVertices {
   const Surface& surface_;
   const Adjacency& edges_;
   RunControl& control_;
-  std::vector<std::uint32_t> degree_, some_;  ///< of each vertex: how many corners, and the last of them
+  std::vector<std::atomic<std::uint32_t>> some_;  ///< of each vertex, one of its corners, counted from 1; 0: none
 };
+
+bool are_all_triangles(const Surface& surface) { return surface.corners.size() == 3 * surface.face_count(); }
 
 /// A diagonal by which a polygon was split.
 struct Diagonal {
@@ -123,6 +145,7 @@ std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& f
 template <class Add>
 void for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& faces, RunControl& control,
                                  const Add& add) {
+  if (are_all_triangles(surface)) return;
   const std::vector<Diagonal> diagonals = diagonals_of(surface, faces);
   if (diagonals.empty()) return;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
@@ -148,14 +171,21 @@ void find_defects(const Surface& welded, const Adjacency& edges, std::vector<Dia
                      {},
                      "vertices join faces that have no edge there in common; elements are vertices"};
   Diagnostic open{DiagnosticCode::kOpenBoundary, 0, {}, "edges have one face only; elements are faces"};
-  for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
-    if (e % kBlock == 0) control.check();
-    const auto around = edges.half_edges(EdgeId(e));
-    const std::uint32_t h = around[0];
-    if (edges.from(h) == edges.to(h)) continue;
-    const std::uint32_t source = welded.face_source[edges.face_of(h)].value;
-    if (around.size() == 1) open.add(source);
-    if (around.size() > 2) non_manifold.add(source);
+  struct Odd {
+    std::vector<FaceId> open, non_manifold;  ///< a face at each such edge
+  };
+  const auto blocks = map_blocks<Odd>(edges.edge_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    Odd odd;
+    for (std::size_t e = begin; e < end; ++e) {
+      const auto around = edges.half_edges(EdgeId(e));
+      if (around.size() == 2 || edges.from(around[0]) == edges.to(around[0])) continue;
+      (around.size() == 1 ? odd.open : odd.non_manifold).push_back(edges.face_of(around[0]));
+    }
+    return odd;
+  });
+  for (const Odd& odd : blocks) {
+    for (const FaceId f : odd.open) open.add(welded.face_source[f].value);
+    for (const FaceId f : odd.non_manifold) non_manifold.add(welded.face_source[f].value);
   }
   for (const VertexId v : PinchedVertices(welded, edges, control).find()) pinched.add(welded.vertex_source[v].value);
   for (Diagnostic* d : {&non_manifold, &pinched, &open})
@@ -164,6 +194,17 @@ void find_defects(const Surface& welded, const Adjacency& edges, std::vector<Dia
 
 Triangulated triangulated(const Surface& surface, RunControl& control) {
   Triangulated result;
+  if (are_all_triangles(surface)) {
+    result.triangles.resize(surface.face_count());
+    result.face.resize(surface.face_count());
+    for_blocks(surface.face_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) {
+        result.triangles[f] = {surface.corners[3 * f], surface.corners[3 * f + 1], surface.corners[3 * f + 2]};
+        result.face[f] = FaceId(f);
+      }
+    });
+    return result;
+  }
   result.triangles.reserve(surface.face_count());
   result.face.reserve(surface.face_count());
   std::vector<Vec3> points;
@@ -188,15 +229,16 @@ Triangulated triangulated(const Surface& surface, RunControl& control) {
 FoundIntersections find_intersections(const Surface& surface, const Triangulated& faces, const PatchSet& patches,
                                       const std::vector<std::uint8_t>& is_simple, double plane_tolerance,
                                       std::vector<Diagnostic>& diagnostics, RunControl& control) {
-  std::vector<PatchId> patch;
-  patch.reserve(faces.face.size());
-  for (const FaceId f : faces.face) patch.push_back(patches.of_face[f]);
+  std::vector<PatchId> patch_of_triangle;
+  if (!are_all_triangles(surface))
+    for (const FaceId f : faces.face) patch_of_triangle.push_back(patches.of_face[f]);
+  const std::span<const PatchId> patch = are_all_triangles(surface) ? patches.of_face.items() : patch_of_triangle;
   std::vector<Vec3> normals;
   normals.reserve(patches.count());
   for (const Plane& plane : patches.planes) normals.push_back(plane.normal);
   const std::vector<Vec3>& positions = surface.positions.items();
-  const SelfIntersections found =
-      patch_intersections({positions, faces.triangles, patch, normals, is_simple}, kMostIntersections, control);
+  const SelfIntersections found = patch_intersections(
+      {positions, corners_of(faces.triangles), patch, normals, is_simple}, kMostIntersections, control);
 
   struct Pair {
     FaceId f, g;
