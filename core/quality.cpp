@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
-#include "core/base/concurrent_union_find.h"
+#include "core/base/union_find.h"
 #include "core/geometry/largest_coordinate.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_corners.h"
@@ -329,13 +329,12 @@ struct VertexBlock {
 VertexBlock measure_vertices(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
                              std::span<const VertexId> corners, RunControl& control) {
   std::vector<std::atomic<std::uint8_t>> is_used(positions.size());
-  ConcurrentUnionFind components(positions.size());
+  UnionFind components(positions.size());
   for_blocks(face_begin.size() - 1, kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
       for (std::uint32_t h = face_begin[f]; h < face_begin[f + 1]; ++h) {
-        const std::uint32_t v = corners[h].value;
-        is_used[v].store(1, std::memory_order_relaxed);
-        if (h > face_begin[f]) components.join(corners[h - 1].value, v);
+        is_used[corners[h].value].store(1, std::memory_order_relaxed);
+        if (h > face_begin[f]) components.join(corners[h - 1].value, corners[h].value);
       }
   });
   return combined(map_blocks<VertexBlock>(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -343,7 +342,7 @@ VertexBlock measure_vertices(std::span<const Vec3> positions, std::span<const st
     for (std::size_t v = begin; v < end; ++v) {
       if (is_used[v].load(std::memory_order_relaxed) == 0) continue;
       ++block.vertices;
-      block.components += components.is_root(static_cast<std::uint32_t>(v));
+      block.components += components.find(static_cast<std::uint32_t>(v)) == v;
       block.box.add(positions[v]);
     }
     return block;
@@ -406,15 +405,10 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
 
 }  // namespace
 
-Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control) {
-  const std::vector<std::uint32_t> face_begin = triangle_begins(faces.size(), control);
-  const Adjacency adjacency(positions.size(), face_begin, corners_of(faces));
-  return measure_quality(positions, corners_of(faces), adjacency, control);
-}
-
-Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, const Adjacency& adjacency,
-                        RunControl& control) {
-  return measure_quality(positions, corners_of(faces), adjacency, control);
+Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control) {
+  const std::vector<std::uint32_t> face_begin = triangle_begins(corners.size() / 3, control);
+  const Adjacency adjacency(positions.size(), face_begin, corners);
+  return measure_quality(positions, corners, adjacency, control);
 }
 
 Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& adjacency,

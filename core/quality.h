@@ -16,12 +16,10 @@ namespace remesh {
 
 /// Quality of triangles, by Verdict's definitions. Zero-area triangles count with angle 0 and are left out of the
 /// ratios' means and maxima (a ratio that is not finite is never reported).
+/// Input:  three corners a triangle.
 /// Holds:  the same bits for any number of threads.
-Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control);
+Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control);
 /// The same, where the edges of the triangles are known already.
-Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, const Adjacency& adjacency,
-                        RunControl& control);
-/// The same for triangles as corners, three each.
 Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& adjacency,
                         RunControl& control);
 

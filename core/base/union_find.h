@@ -1,6 +1,7 @@
 /// Disjoint sets of 0 .. n-1.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <numeric>
 #include <utility>
@@ -8,25 +9,37 @@
 
 namespace remesh {
 
-/// The representative of a set is its smallest member, so it does not depend on the order of the joins.
+/// The representative of a set is its smallest member, so it does not depend on the order of the joins. Threads may
+/// call both functions at once; what is found then is good as soon as all joins are over.
 class UnionFind {
  public:
   explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
 
   std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
+    while (true) {
+      const std::uint32_t parent = at(i).load(std::memory_order_relaxed);
+      if (parent == i) return i;
+      // Halves the way up. Whatever others write here meanwhile is an ancestor, too.
+      const std::uint32_t above = at(parent).load(std::memory_order_relaxed);
+      if (above != parent) at(i).store(above, std::memory_order_relaxed);
+      i = above;
+    }
   }
-  /// Returns whether the two were apart.
+  /// Returns whether the two were apart: true n - k times in all where k sets are left.
   bool join(std::uint32_t i, std::uint32_t j) {
-    i = find(i);
-    j = find(j);
-    if (i > j) std::swap(i, j);
-    parent_[j] = i;
-    return i != j;
+    while (true) {
+      i = find(i);
+      j = find(j);
+      if (i == j) return false;
+      if (i > j) std::swap(i, j);
+      std::uint32_t root = j;  // if it is one still
+      if (at(j).compare_exchange_strong(root, i, std::memory_order_relaxed)) return true;
+    }
   }
 
  private:
+  std::atomic_ref<std::uint32_t> at(std::uint32_t i) { return std::atomic_ref(parent_[i]); }
+
   std::vector<std::uint32_t> parent_;
 };
 

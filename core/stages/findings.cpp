@@ -1,116 +1,20 @@
 #include "core/stages/findings.h"
 
 #include <algorithm>
-#include <atomic>
 #include <compare>
-#include <iterator>
-#include <numeric>
 #include <span>
 #include <string>
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/union_find.h"
 #include "core/geometry/overlap.h"
-#include "core/mesh/triangle_corners.h"
+#include "core/mesh/pinched_vertices.h"
 #include "core/stages/polygon_split.h"
 
 namespace remesh {
 namespace {
 
 constexpr std::size_t kBlock = 8192;
-
-/// Vertices at which the faces fall into fans that have no edge in common.
-class PinchedVertices {
- public:
-  PinchedVertices(const Surface& surface, const Adjacency& edges, RunControl& control)
-      : surface_(surface), edges_(edges), control_(control), some_(surface.vertex_count()) {}
-
-  std::vector<VertexId> find() {
-    for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t h = begin; h < end; ++h)
-        some_[surface_.corners[h].value].store(static_cast<std::uint32_t>(h + 1), std::memory_order_relaxed);
-    });
-    // A walk around most vertices meets all their faces, from whichever it starts. If so around all, all are met.
-    const auto counts =
-        map_blocks<std::size_t>(surface_.vertex_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
-          std::size_t count = 0;
-          for (std::size_t v = begin; v < end; ++v) count += count_around(v);
-          return count;
-        });
-    if (std::accumulate(counts.begin(), counts.end(), std::size_t{0}) == surface_.corners.size()) return {};
-
-    std::vector<std::uint32_t> degree(surface_.vertex_count(), 0);
-    for (std::size_t h = 0; h < surface_.corners.size(); ++h) {
-      if (h % kBlock == 0) control_.check();
-      ++degree[surface_.corners[h].value];
-    }
-    const auto found = map_blocks<std::vector<VertexId>>(surface_.vertex_count(), kBlock, control_,
-                                                         [&](std::size_t begin, std::size_t end) {
-                                                           std::vector<VertexId> odd;
-                                                           for (std::size_t v = begin; v < end; ++v)
-                                                             if (count_around(v) != degree[v])
-                                                               odd.push_back(VertexId(v));
-                                                           return odd;
-                                                         });
-    std::vector<std::uint8_t> is_odd(surface_.vertex_count(), 0);
-    std::vector<VertexId> odd;
-    for (const auto& vertices : found) odd.insert(odd.end(), vertices.begin(), vertices.end());
-    for (const VertexId v : odd) is_odd[v.value] = 1;
-    return count_fans(odd, is_odd, std::move(degree));
-  }
-
- private:
-  std::uint32_t before(std::uint32_t h) const {
-    const std::uint32_t f = edges_.face_of(h).value;
-    return h == surface_.face_begin[f] ? surface_.face_begin[f + 1] - 1 : h - 1;
-  }
-
-  /// How many corners at its first vertex are reached from h over edges of two faces that look the same way.
-  std::uint32_t walk(std::uint32_t start) const {
-    std::uint32_t count = 1;
-    std::uint32_t h = edges_.twin(before(start));
-    for (; h != Adjacency::kNone && h != start; h = edges_.twin(before(h))) ++count;
-    if (h == start) return count;
-    for (h = edges_.twin(start); h != Adjacency::kNone; h = edges_.twin(edges_.next(h))) ++count;
-    return count;
-  }
-
-  /// The corners that a walk around a vertex meets.
-  std::uint32_t count_around(std::size_t v) const {
-    const std::uint32_t some = some_[v].load(std::memory_order_relaxed);
-    return some == 0 ? 0 : walk(some - 1);
-  }
-
-  /// Of the others, joins the corners over whatever edges there are. `count`: the corners of each vertex.
-  std::vector<VertexId> count_fans(const std::vector<VertexId>& odd, const std::vector<std::uint8_t>& is_odd,
-                                   std::vector<std::uint32_t> count) {
-    UnionFind fans(surface_.corners.size());
-    const auto corner_at = [&](std::uint32_t h, VertexId v) { return edges_.from(h) == v ? h : edges_.next(h); };
-    for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
-      if (e % kBlock == 0) control_.check();
-      const auto around = edges_.half_edges(EdgeId(e));
-      for (const VertexId v : {edges_.from(around[0]), edges_.to(around[0])}) {
-        if (!is_odd[v.value]) continue;
-        if (edges_.from(around[0]) == edges_.to(around[0])) {  // a repeated corner is no edge
-          count[v.value] -= fans.join(around[0], edges_.next(around[0]));
-          break;
-        }
-        for (const std::uint32_t h : around) count[v.value] -= fans.join(corner_at(around[0], v), corner_at(h, v));
-      }
-    }
-    std::vector<VertexId> pinched;
-    std::copy_if(odd.begin(), odd.end(), std::back_inserter(pinched), [&](VertexId v) { return count[v.value] > 1; });
-    return pinched;
-  }
-
-  const Surface& surface_;
-  const Adjacency& edges_;
-  RunControl& control_;
-  std::vector<std::atomic<std::uint32_t>> some_;  ///< of each vertex, one of its corners, counted from 1; 0: none
-};
-
-bool are_all_triangles(const Surface& surface) { return surface.corners.size() == 3 * surface.face_count(); }
 
 /// A diagonal by which a polygon was split.
 struct Diagonal {
@@ -122,13 +26,14 @@ struct Diagonal {
 std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& faces) {
   std::vector<Diagonal> all;
   std::vector<std::pair<VertexId, VertexId>> sides;
-  for (std::size_t begin = 0; begin < faces.face.size();) {
-    const FaceId f = faces.face[begin];
+  for (std::size_t begin = 0; begin < faces.size();) {
+    const FaceId f = faces.face(begin);
     std::size_t end = begin;
     sides.clear();
-    for (; end < faces.face.size() && faces.face[end] == f; ++end)
-      for (std::size_t i = 0; i < 3; ++i)
-        sides.push_back(std::minmax({faces.triangles[end][i], faces.triangles[end][(i + 1) % 3]}));
+    for (; end < faces.size() && faces.face(end) == f; ++end) {
+      const Triangle t = faces.triangle(end);
+      for (std::size_t i = 0; i < 3; ++i) sides.push_back(std::minmax({t[i], t[(i + 1) % 3]}));
+    }
     begin = end;
     if (surface.face(f).size() == 3) continue;
     // Two of its triangles share it. So they do the bridge to a hole, which is no edge of another face.
@@ -145,7 +50,7 @@ std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& f
 template <class Add>
 void for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& faces, RunControl& control,
                                  const Add& add) {
-  if (are_all_triangles(surface)) return;
+  if (!faces.are_split()) return;
   const std::vector<Diagonal> diagonals = diagonals_of(surface, faces);
   if (diagonals.empty()) return;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
@@ -187,33 +92,26 @@ void find_defects(const Surface& welded, const Adjacency& edges, std::vector<Dia
     for (const FaceId f : odd.open) open.add(welded.face_source[f].value);
     for (const FaceId f : odd.non_manifold) non_manifold.add(welded.face_source[f].value);
   }
-  for (const VertexId v : PinchedVertices(welded, edges, control).find()) pinched.add(welded.vertex_source[v].value);
+  for (const VertexId v : pinched_vertices(welded, edges, control)) pinched.add(welded.vertex_source[v].value);
   for (Diagnostic* d : {&non_manifold, &pinched, &open})
     if (d->count > 0) diagnostics.push_back(std::move(*d));
 }
 
-Triangulated triangulated(const Surface& surface, RunControl& control) {
-  Triangulated result;
-  if (are_all_triangles(surface)) {
-    result.triangles.resize(surface.face_count());
-    result.face.resize(surface.face_count());
-    for_blocks(surface.face_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) {
-        result.triangles[f] = {surface.corners[3 * f], surface.corners[3 * f + 1], surface.corners[3 * f + 2]};
-        result.face[f] = FaceId(f);
-      }
-    });
-    return result;
-  }
-  result.triangles.reserve(surface.face_count());
-  result.face.reserve(surface.face_count());
+std::size_t Triangulated::first_of(FaceId f) const {
+  if (!are_split()) return f.value;
+  return static_cast<std::size_t>(std::lower_bound(face_.begin(), face_.end(), f) - face_.begin());
+}
+
+Triangulated::Triangulated(const Surface& surface, RunControl& control)
+    : surface_(&surface), are_split_(surface.corners.size() != 3 * surface.face_count()) {
+  if (!are_split_) return;
   std::vector<Vec3> points;
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
-    if (i % 4096 == 0) control.check();
+    if (i % kBlock == 0) control.check();
     const auto loop = surface.face(FaceId(i));
     const auto add = [&](VertexId a, VertexId b, VertexId c) {
-      result.triangles.push_back({a, b, c});
-      result.face.push_back(FaceId(i));
+      corners_.insert(corners_.end(), {a, b, c});
+      face_.push_back(FaceId(i));
     };
     if (loop.size() == 3) {
       add(loop[0], loop[1], loop[2]);
@@ -223,22 +121,21 @@ Triangulated triangulated(const Surface& surface, RunControl& control) {
     for (const VertexId v : loop) points.push_back(surface.local[v]);
     for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles) add(loop[a], loop[b], loop[c]);
   }
-  return result;
 }
 
 FoundIntersections find_intersections(const Surface& surface, const Triangulated& faces, const PatchSet& patches,
                                       const std::vector<std::uint8_t>& is_simple, double plane_tolerance,
                                       std::vector<Diagnostic>& diagnostics, RunControl& control) {
   std::vector<PatchId> patch_of_triangle;
-  if (!are_all_triangles(surface))
-    for (const FaceId f : faces.face) patch_of_triangle.push_back(patches.of_face[f]);
-  const std::span<const PatchId> patch = are_all_triangles(surface) ? patches.of_face.items() : patch_of_triangle;
+  if (faces.are_split())
+    for (std::size_t t = 0; t < faces.size(); ++t) patch_of_triangle.push_back(patches.of_face[faces.face(t)]);
+  const std::span<const PatchId> patch = faces.are_split() ? patch_of_triangle : patches.of_face.items();
   std::vector<Vec3> normals;
   normals.reserve(patches.count());
   for (const Plane& plane : patches.planes) normals.push_back(plane.normal);
   const std::vector<Vec3>& positions = surface.positions.items();
-  const SelfIntersections found = patch_intersections(
-      {positions, corners_of(faces.triangles), patch, normals, is_simple}, kMostIntersections, control);
+  const SelfIntersections found =
+      patch_intersections({positions, faces.corners(), patch, normals, is_simple}, kMostIntersections, control);
 
   struct Pair {
     FaceId f, g;
@@ -247,10 +144,9 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
   };
   std::vector<Pair> pairs;
   for (const auto& [t, u] : found.pairs) {
-    const auto [f, g] = std::minmax({faces.face[t.value], faces.face[u.value]});
+    const auto [f, g] = std::minmax({faces.face(t.value), faces.face(u.value)});
     if (f != g)
-      pairs.push_back(
-          {f, g, do_overlap(faces.triangles[t.value], faces.triangles[u.value], positions, plane_tolerance)});
+      pairs.push_back({f, g, do_overlap(faces.triangle(t.value), faces.triangle(u.value), positions, plane_tolerance)});
   }
   for_each_edge_on_a_diagonal(surface, faces, control, [&](FaceId f, FaceId g) {
     if (pairs.size() < 2 * kMostIntersections) pairs.push_back({std::min(f, g), std::max(f, g), false});

@@ -1,6 +1,7 @@
 #include "core/verify/edge_table.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
@@ -11,16 +12,26 @@ namespace {
 constexpr std::size_t kBlock = 8192;
 constexpr std::size_t kVerticesOfPart = 1024;
 
-/// Few uses, as most often, are put in order by insertion.
-void sort(std::span<Use> uses) {
-  constexpr std::size_t kMany = 24;
-  if (uses.size() > kMany) return std::sort(uses.begin(), uses.end());
-  for (std::size_t i = 1; i < uses.size(); ++i) {
-    const Use use = uses[i];
-    std::size_t at = i;
-    for (; at > 0 && use < uses[at - 1]; --at) uses[at] = uses[at - 1];
-    uses[at] = use;
+/// Puts uses in order that are by half-edge already. Few of them, as most often, each by how many come before it: no
+/// branch on what nobody can foresee.
+void put_in_order(std::span<const Use> uses, std::span<Use> sorted) {
+  constexpr std::size_t kFew = 16;
+  if (uses.size() > kFew) {
+    std::copy(uses.begin(), uses.end(), sorted.begin());
+    return std::sort(sorted.begin(), sorted.end());
   }
+  std::array<std::uint64_t, kFew> key;
+  std::array<std::uint32_t, kFew> rank;
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    key[i] = std::uint64_t{uses[i].high.value} << 32 | uses[i].patch().value;
+    rank[i] = 0;
+    for (std::size_t j = 0; j < i; ++j) {
+      const std::uint32_t is_after = key[j] <= key[i];
+      rank[i] += is_after;
+      rank[j] += 1 - is_after;
+    }
+  }
+  for (std::size_t i = 0; i < uses.size(); ++i) sorted[rank[i]] = uses[i];
 }
 
 }  // namespace
@@ -120,24 +131,27 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
   static_assert(kVerticesOfPart <= 1 << 16);
   std::vector<std::uint32_t> place(last - first + 1, 0);
   for (std::size_t i = 0; i < half_edges.size(); ++i) {
-    gathered[i] = use(half_edges[i]);
-    low[i] = static_cast<std::uint16_t>(std::min(this->from(half_edges[i]), this->to(half_edges[i])).value - first);
-    ++place[low[i] + 1];
+    const std::uint32_t h = half_edges[i];
+    const VertexId a = from(h), b = to(h);
+    gathered[i] = {std::max(a, b), faces_.patch[face_of(h)], h, a < b};
+    low[i] = static_cast<std::uint16_t>(std::min(a, b).value - first);
+    ++place[low[i] + 1u];
   }
   for (std::size_t v = first; v < last; ++v) {
     bucket_[v] = begin + place[v - first];
     place[v - first + 1] += place[v - first];
   }
-  std::vector<Use> uses(half_edges.size());
-  for (std::size_t i = 0; i < gathered.size(); ++i) uses[place[low[i]]++] = gathered[i];
+  std::vector<Use> bucketed(half_edges.size());
+  for (std::size_t i = 0; i < gathered.size(); ++i) bucketed[place[low[i]]++] = gathered[i];
+  std::vector<Use>& uses = gathered;  // needed no more
   Part part;
-  std::size_t from = 0;
+  std::size_t start = 0;
   for (std::size_t v = first; v < last; ++v) {
-    const std::size_t to = place[v - first];
-    sort(std::span(uses).subspan(from, to - from));
-    visit_edges(VertexId(v), std::span<const Use>(uses).subspan(from, to - from),
-                [&](const Edge& edge) { part.add(edge); });
-    from = to;
+    const std::size_t stop = place[v - first];
+    const std::span<Use> bucket = std::span(uses).subspan(start, stop - start);
+    put_in_order(std::span(bucketed).subspan(start, stop - start), bucket);
+    visit_edges(VertexId(v), std::span<const Use>(bucket), [&](const Edge& edge) { part.add(edge); });
+    start = stop;
   }
   std::transform(uses.begin(), uses.end(), half_edges.begin(), [](const Use& u) { return u.half_edge; });
   return part;

@@ -136,30 +136,32 @@ class PatchCheck {
   /// Adds a face to heights and measures; returns twice its area vector.
   Vec3 add_face(std::span<const VertexId> face, Reading& reading) const {
     const Vec3 first = model_.points[face[0].value];
-    add_height(face[0], first, reading);
+    Heights heights;
+    double reach = 0, magnitude = 0;
+    const auto add_point = [&](const Vec3& p) {
+      heights.add(height(p));
+      reach = std::max(reach, largest_coordinate(p - frame_.origin));
+    };
+    add_point(first);
     Vec3 twice_area, previous;
     for (std::size_t i = 1; i < face.size(); ++i) {
       const Vec3 p = model_.points[face[i].value];
-      add_height(face[i], p, reading);
+      add_point(p);
       const Vec3 next = p - first;
-      if (i > 1) {
-        twice_area += cross(previous, next);
-        reading.measures.magnitude += (std::fabs(previous.x) + std::fabs(previous.y) + std::fabs(previous.z)) *
-                                      (std::fabs(next.x) + std::fabs(next.y) + std::fabs(next.z));
-      }
+      twice_area += cross(previous, next);
+      magnitude += (std::fabs(previous.x) + std::fabs(previous.y) + std::fabs(previous.z)) *
+                   (std::fabs(next.x) + std::fabs(next.y) + std::fabs(next.z));
       previous = next;
     }
-    reading.measures.terms += face.size() - 2;
-    reading.measures.twice_area += twice_area;
-    reading.measures.twice_absolute_area += std::sqrt(norm_squared(twice_area));
-    reading.measures.volume += dot(first, twice_area) / 6;
+    reading.heights.add(heights);
+    reading.reach = std::max(reading.reach, reach);
+    Measures& measures = reading.measures;
+    measures.magnitude += magnitude;
+    measures.terms += face.size() - 2;
+    measures.twice_area += twice_area;
+    measures.twice_absolute_area += std::sqrt(norm_squared(twice_area));
+    measures.volume += dot(first, twice_area) / 6;
     return twice_area;
-  }
-  void add_height(VertexId v, const Vec3& p, Reading& reading) const {
-    reading.heights.add(height(p));
-    reading.reach = std::max(reading.reach, largest_coordinate(p - frame_.origin));
-    // A new vertex was rounded when it was made, by its coordinates, not by its distance from the frame's origin.
-    if (model_.is_new(v)) reading.reach = std::max(reading.reach, largest_coordinate(p));
   }
 
   void read_input(std::uint32_t f, Reading& reading) const {
@@ -176,6 +178,9 @@ class PatchCheck {
     const auto report = [&](Fault fault) { reading.findings.push_back({PatchId(patch_), fault, f}); };
     const auto face = model_.output.face(f);
     const Vec3 twice_area = add_face(face, reading);
+    // A new vertex was rounded when it was made, by its coordinates, not by its distance from the frame's origin.
+    for (const VertexId v : face)
+      if (model_.is_new(v)) reading.reach = std::max(reading.reach, largest_coordinate(model_.points[v.value]));
 
     const Vec3 a = model_.points[face[0].value], b = model_.points[face[1].value], c = model_.points[face[2].value];
     const double extent = std::sqrt(std::max({norm_squared(b - a), norm_squared(c - b), norm_squared(a - c)}));

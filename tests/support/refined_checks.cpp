@@ -64,8 +64,11 @@ std::vector<Corners3> triangles_of(const PolygonMesh& mesh) {
   RunControl control;
   const Surface surface = mended(mesh);
   std::vector<Corners3> all;
-  for (const Triangle& t : triangulated(surface, control).triangles)
-    all.push_back({surface.positions[t[0]], surface.positions[t[1]], surface.positions[t[2]]});
+  const Triangulated triangles(surface, control);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto [a, b, c] = triangles.triangle(i);
+    all.push_back({surface.positions[a], surface.positions[b], surface.positions[c]});
+  }
   return all;
 }
 

@@ -1,6 +1,7 @@
 #include "core/base/union_find.h"
 
 #include <gtest/gtest.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <utility>
@@ -40,6 +41,22 @@ TEST(union_find, random_joins_agree_with_relabelling) {
     const auto [low, high] = std::minmax(label[a], label[b]);
     std::replace(label.begin(), label.end(), std::uint32_t{high}, std::uint32_t{low});
     for (std::uint32_t i = 0; i < kMembers; ++i) ASSERT_EQ(sets.find(i), label[i]);
+  }
+}
+
+TEST(union_find, joins_by_several_threads_make_the_same_sets_as_joins_by_one) {
+  constexpr int kMembers = 20'000;
+  for (const std::size_t joins : {100, 5'000, 15'000, 40'000}) {
+    Random random(joins);
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs(joins);
+    for (auto& [a, b] : pairs) {
+      a = static_cast<std::uint32_t>(random.below(kMembers));
+      b = static_cast<std::uint32_t>(random.below(kMembers));
+    }
+    UnionFind expected(kMembers), sets(kMembers);
+    for (const auto& [a, b] : pairs) expected.join(a, b);
+    tbb::parallel_for(std::size_t{0}, joins, [&](std::size_t i) { sets.join(pairs[i].first, pairs[i].second); });
+    for (std::uint32_t i = 0; i < kMembers; ++i) ASSERT_EQ(sets.find(i), expected.find(i)) << i;
   }
 }
 

@@ -1,0 +1,105 @@
+#include "core/mesh/pinched_vertices.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cstdint>
+#include <iterator>
+#include <numeric>
+
+#include "core/base/blocks.h"
+#include "core/base/union_find.h"
+
+namespace remesh {
+namespace {
+
+constexpr std::size_t kBlock = 8192;
+
+class Search {
+ public:
+  Search(const Surface& surface, const Adjacency& edges, RunControl& control)
+      : surface_(surface), edges_(edges), control_(control) {}
+
+  std::vector<VertexId> run() {
+    // A walk around most vertices meets all their faces. Where all walks together meet all corners, each one does.
+    find_corners();
+    const auto met =
+        map_blocks<std::size_t>(surface_.vertex_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+          std::size_t corners = 0;
+          for (std::size_t v = begin; v < end; ++v) corners += walk(v);
+          return corners;
+        });
+    if (std::accumulate(met.begin(), met.end(), std::size_t{0}) == surface_.corners.size()) return {};
+    std::vector<std::uint32_t> degree(surface_.vertex_count(), 0);
+    for (const VertexId v : surface_.corners) ++degree[v.value];
+    std::vector<VertexId> odd;
+    for (std::size_t v = 0; v < degree.size(); ++v) {
+      if (v % kBlock == 0) control_.check();
+      if (walk(v) != degree[v]) odd.push_back(VertexId(v));
+    }
+    return with_several_fans(odd, std::move(degree));
+  }
+
+ private:
+  /// Of each vertex any corner: which one makes no difference.
+  void find_corners() {
+    some_.assign(surface_.vertex_count(), Adjacency::kNone);
+    for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t h = begin; h < end; ++h)
+        std::atomic_ref(some_[surface_.corners[h].value])
+            .store(static_cast<std::uint32_t>(h), std::memory_order_relaxed);
+    });
+  }
+
+  std::uint32_t before(std::uint32_t h) const {
+    const std::uint32_t f = edges_.face_of(h).value;
+    return h == surface_.face_begin[f] ? surface_.face_begin[f + 1] - 1 : h - 1;
+  }
+
+  /// How many corners at a vertex are reached from one of them over edges of two faces that look the same way.
+  std::uint32_t walk(std::size_t vertex) const {
+    const std::uint32_t start = some_[vertex];
+    if (start == Adjacency::kNone) return 0;
+    std::uint32_t count = 1;
+    std::uint32_t h = edges_.twin(before(start));
+    for (; h != Adjacency::kNone && h != start; h = edges_.twin(before(h))) ++count;
+    if (h == start) return count;
+    for (h = edges_.twin(start); h != Adjacency::kNone; h = edges_.twin(edges_.next(h))) ++count;
+    return count;
+  }
+
+  /// Of the others, joins the corners over whatever edges there are. `fans`: of each vertex how many corners it has.
+  std::vector<VertexId> with_several_fans(const std::vector<VertexId>& odd, std::vector<std::uint32_t> fans) const {
+    std::vector<std::uint8_t> is_odd(surface_.vertex_count(), 0);
+    for (const VertexId v : odd) is_odd[v.value] = 1;
+    UnionFind joined(surface_.corners.size());
+    const auto corner_at = [&](std::uint32_t h, VertexId v) { return edges_.from(h) == v ? h : edges_.next(h); };
+    for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
+      if (e % kBlock == 0) control_.check();
+      const auto around = edges_.half_edges(EdgeId(e));
+      for (const VertexId v : {edges_.from(around[0]), edges_.to(around[0])}) {
+        if (!is_odd[v.value]) continue;
+        if (edges_.from(around[0]) == edges_.to(around[0])) {  // a repeated corner is no edge
+          fans[v.value] -= joined.join(around[0], edges_.next(around[0]));
+          break;
+        }
+        for (const std::uint32_t h : around) fans[v.value] -= joined.join(corner_at(around[0], v), corner_at(h, v));
+      }
+    }
+    std::vector<VertexId> pinched;
+    std::copy_if(odd.begin(), odd.end(), std::back_inserter(pinched), [&](VertexId v) { return fans[v.value] > 1; });
+    return pinched;
+  }
+
+  const Surface& surface_;
+  const Adjacency& edges_;
+  RunControl& control_;
+  std::vector<std::uint32_t> some_;
+};
+
+}  // namespace
+
+std::vector<VertexId> pinched_vertices(const Surface& surface, const Adjacency& edges, RunControl& control) {
+  return Search(surface, edges, control).run();
+}
+
+}  // namespace remesh
