@@ -41,10 +41,10 @@ class Preparation {
     report_.input = measure_surface(positions, surface().face_begin, surface().corners, adjacency(), control_);
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
-    const std::vector<Triangle> triangles = triangulated(surface(), control_).triangles;
-    const bool are_all_triangles = surface().corners.size() == 3 * surface().face_count();
-    report_.input.quality = are_all_triangles ? measure_quality(positions, triangles, adjacency(), control_)
-                                              : measure_quality(positions, triangles, control_);
+    const Triangulated triangles(surface(), control_);
+    report_.input.quality = triangles.are_split()
+                                ? measure_quality(positions, triangles.corners(), control_)
+                                : measure_quality(positions, triangles.corners(), adjacency(), control_);
     find_defects(surface(), adjacency(), report_.diagnostics, control_);
   }
 

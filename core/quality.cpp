@@ -1,16 +1,20 @@
 #include "core/quality.h"
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <cfloat>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
-#include <numeric>
 #include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/union_find.h"
+#include "core/geometry/largest_coordinate.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/triangle_corners.h"
 
 namespace remesh {
 namespace {
@@ -24,19 +28,14 @@ constexpr double kDegrees = 180 / 3.14159265358979323846;
 constexpr std::array<double, 14> kRadiusEdgeBins = {0.57,   0.6,    0.65, 0.7071, 0.8, 0.9,  1.0,
                                                     1.1831, 1.4142, 2.0,  3.0,    5.0, 10.0, 100.0};
 constexpr int kAngleBins = 18;
+constexpr double kBinDegrees = 180.0 / kAngleBins;
 
 /// Coordinates are multiplied by this power of two before anything else, so that neither the squares nor the products
 /// of three lengths overflow, and denormal extents are not lost. Exact, and undone exactly at the end.
 class Scale {
  public:
   Scale(std::span<const Vec3> positions, RunControl& control) {
-    const auto largest = map_blocks<double>(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-      double m = 0;
-      for (std::size_t i = begin; i < end; ++i)
-        m = std::max({m, std::fabs(positions[i].x), std::fabs(positions[i].y), std::fabs(positions[i].z)});
-      return m;
-    });
-    const double m = largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
+    const double m = largest_coordinate(positions, control);
     if (m > 0) exponent_ = std::clamp(std::ilogb(m) + 1, -1000, 1000);
     factor_ = std::ldexp(1.0, -exponent_);
   }
@@ -79,30 +78,35 @@ Range undo(const Scale& scale, const Range& range, int dimension) {
 }
 
 struct TriangleMeasures {
-  double angle[3];  ///< radians
-  double area;
-  double radius_edge_ratio;  ///< infinite for zero area
-  double aspect_ratio;       ///< infinite for zero area
+  double twice_area = 0;         ///< this and the next two are in one unit, some power of two
+  double along[3] = {0, 0, 0};   ///< of each corner's angle: its cosine times the two sides there; its sine: twice_area
+  double length[3] = {0, 0, 0};  ///< of the side opposite each corner
+  double area = 0;
+  double radius_edge_ratio = HUGE_VAL;  ///< infinite for zero area
+  double aspect_ratio = HUGE_VAL;       ///< infinite for zero area
+
+  /// In degrees.
+  double angle(int corner) const { return std::atan2(twice_area, along[corner]) * kDegrees; }
 };
 
 TriangleMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
   Vec3 side[3] = {c - b, a - c, b - a};  // side[i] is opposite corner i
   double largest = 0;
   for (const Vec3& s : side) largest = std::max({largest, std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)});
-  TriangleMeasures out{{0, 0, 0}, 0, HUGE_VAL, HUGE_VAL};
+  TriangleMeasures out;
   if (largest == 0) return out;
   // A triangle that is tiny beside the whole is brought to size 1, or its squares would underflow.
-  const int exponent = std::ilogb(largest);
-  const int grow = exponent < -250 ? std::min(-exponent, 1000) : 0;
+  const int grow = largest < 0x1p-250 ? std::min(-std::ilogb(largest), 1000) : 0;
   if (grow > 0)
     for (Vec3& s : side) s = std::ldexp(1.0, grow) * s;
-  double length[3];
+  double* const length = out.length;
   for (int i = 0; i < 3; ++i) length[i] = std::sqrt(norm_squared(side[i]));
   const int longest = static_cast<int>(std::max_element(length, length + 3) - length);
   const int u = (longest + 1) % 3, v = (longest + 2) % 3;
   // The cross product of the two shorter sides suffers least from cancellation.
   const double twice_area = std::sqrt(norm_squared(cross(side[u], side[v])));
-  for (int i = 0; i < 3; ++i) out.angle[i] = std::atan2(twice_area, -dot(side[(i + 1) % 3], side[(i + 2) % 3]));
+  out.twice_area = twice_area;
+  for (int i = 0; i < 3; ++i) out.along[i] = -dot(side[(i + 1) % 3], side[(i + 2) % 3]);
   out.area = grow > 0 ? std::ldexp(twice_area / 2, -2 * grow) : twice_area / 2;
   if (twice_area > 0) {
     // R = abc / (4 area): over the shortest side, the product of the two others is left.
@@ -115,31 +119,121 @@ TriangleMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
   return out;
 }
 
+using AngleCounts = std::array<std::uint64_t, kAngleBins>;
+
+std::size_t bin_of_angle(double degrees) {
+  return std::min(static_cast<std::size_t>(degrees / kBinDegrees), std::size_t{kAngleBins - 1});
+}
+
+/// Bins of angles by their cosines: an arc tangent for each angle would cost as much as all other measures together.
+class BinsByCosine {
+ public:
+  BinsByCosine() {
+    for (int i = 0; i < kCells; ++i) {
+      // The rounded cosine may be off, by some 1e-15, and so may an angle from atan2: such are told apart by that one.
+      constexpr double kMargin = 1e-12;
+      const auto bin = [](double cosine) { return bin_of_angle(std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees); };
+      const std::size_t low = bin(cosine_of(i) - kMargin), high = bin(cosine_of(i + 1) + kMargin);
+      bin_[i] = low == high ? static_cast<std::int8_t>(low) : kUnsure;
+    }
+  }
+
+  /// Output: -1 where it takes the angle itself to tell.
+  int operator()(double cosine) const {
+    return bin_[std::clamp(static_cast<int>((cosine + 1) * (kCells / 2)), 0, kCells - 1)];
+  }
+
+ private:
+  static constexpr int kCells = 1 << 11;
+  static constexpr std::int8_t kUnsure = -1;
+  static double cosine_of(int cell) { return static_cast<double>(cell) / (kCells / 2) - 1; }
+
+  std::array<std::int8_t, kCells> bin_;
+};
+
+/// The smallest and the largest of many angles, and how many there are in each bin.
+class Angles {
+ public:
+  void add(const TriangleMeasures& m) {
+    // Where squares of lengths have lost digits, cosines have, too; where there is no area, the angles are 0 or 180.
+    const double shortest = std::min({m.length[0], m.length[1], m.length[2]});
+    if (!(m.twice_area > 0x1p-400) || shortest < 0x1p-300) {
+      for (int i = 0; i < 3; ++i) add(m.angle(i));
+      return;
+    }
+    static const BinsByCosine bin_of;
+    const double unit = 1 / (m.length[0] * m.length[1] * m.length[2]);
+    for (int i = 0; i < 3; ++i) {
+      // Of right angles there are many, and they would be told by the arc tangent each.
+      const double cosine = m.along[i] * m.length[i] * unit;
+      const int bin = m.along[i] == 0 ? kRightAngle : bin_of(cosine);
+      ++counts_[bin >= 0 ? static_cast<std::size_t>(bin) : bin_of_angle(m.angle(i))];
+    }
+    // All three have the same sine: the largest cosine is the smallest angle's.
+    const auto [least, most] = std::minmax({m.along[0], m.along[1], m.along[2]});
+    if (const Direction d{most, m.twice_area}; d.is_before(smallest_)) smallest_ = d;
+    if (const Direction d{least, m.twice_area}; largest_.is_before(d)) largest_ = d;
+  }
+  void add(const Angles& other) {
+    min_ = std::min(min_, other.min_);
+    max_ = std::max(max_, other.max_);
+    if (other.smallest_.is_before(smallest_)) smallest_ = other.smallest_;
+    if (largest_.is_before(other.largest_)) largest_ = other.largest_;
+    for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
+  }
+
+  /// 0 where nothing was added, as all others.
+  double min() const { return is_empty() ? 0 : std::min(min_, smallest_.degrees()); }
+  double max() const { return is_empty() ? 0 : std::max(max_, largest_.degrees()); }
+  const AngleCounts& counts() const { return counts_; }
+
+ private:
+  static constexpr int kRightAngle = static_cast<int>(90 / kBinDegrees);
+
+  /// An angle by its cosine and sine, in some unit.
+  struct Direction {
+    double cosine, sine;
+
+    /// By their cotangents: those of needles differ where their cosines are the same.
+    bool is_before(const Direction& other) const { return cosine * other.sine > other.cosine * sine; }
+    double degrees() const { return std::atan2(sine, cosine) * kDegrees; }
+  };
+
+  void add(double degrees) {
+    min_ = std::min(min_, degrees);
+    max_ = std::max(max_, degrees);
+    ++counts_[bin_of_angle(degrees)];
+  }
+  bool is_empty() const { return min_ > max_ && largest_.sine == 0; }
+
+  double min_ = HUGE_VAL, max_ = -HUGE_VAL;  ///< degrees, of the angles that were computed
+  Direction smallest_{-1, 0};                ///< of the others; 180 degrees where there are none
+  Direction largest_{1, 0};                  ///< of the others; 0 where there are none
+  AngleCounts counts_{};
+};
+
 /// What one block of triangles contributes.
 struct QualityBlock {
-  Summary angle, radius_edge, aspect, area;
-  std::array<std::uint64_t, kAngleBins> angle_counts{};
+  Angles angles;
+  Summary radius_edge, aspect, area;
   std::array<std::uint64_t, kRadiusEdgeBins.size() - 1> radius_edge_counts{};
 
   void add(const QualityBlock& other) {
-    angle.add(other.angle);
+    angles.add(other.angles);
     radius_edge.add(other.radius_edge);
     aspect.add(other.aspect);
     area.add(other.area);
-    for (std::size_t i = 0; i < angle_counts.size(); ++i) angle_counts[i] += other.angle_counts[i];
     for (std::size_t i = 0; i < radius_edge_counts.size(); ++i) radius_edge_counts[i] += other.radius_edge_counts[i];
   }
 };
 
-QualityBlock measure_block(const Scale& scale, std::span<const Vec3> positions, std::span<const Triangle> faces) {
+/// `corners`: three a triangle.
+QualityBlock measure_block(const Scale& scale, std::span<const Vec3> positions, std::span<const VertexId> corners) {
   QualityBlock block;
-  for (const Triangle& t : faces) {
-    const auto m = measure(scale(positions[t[0].value]), scale(positions[t[1].value]), scale(positions[t[2].value]));
-    for (const double angle : m.angle) {
-      const double degrees = angle * kDegrees;
-      block.angle.add(degrees);
-      ++block.angle_counts[std::min(static_cast<std::size_t>(degrees / 10), block.angle_counts.size() - 1)];
-    }
+  for (std::size_t h = 0; h < corners.size(); h += 3) {
+    const auto corner = [&](std::size_t i) { return scale(positions[corners[h + i].value]); };
+    const TriangleMeasures m = measure(corner(0), corner(1), corner(2));
+    block.angles.add(m);
     block.area.add(m.area);
     if (std::isfinite(m.radius_edge_ratio)) {
       block.radius_edge.add(m.radius_edge_ratio);
@@ -172,36 +266,26 @@ Summary measure_edges(const Scale& scale, std::span<const Vec3> positions, const
   }));
 }
 
-Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, const Scale& scale,
+Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, const Scale& scale,
                         const Adjacency& adjacency, RunControl& control) {
   const QualityBlock total =
-      combined(map_blocks<QualityBlock>(faces.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-        return measure_block(scale, positions, faces.subspan(begin, end - begin));
+      combined(map_blocks<QualityBlock>(corners.size() / 3, kBlock, control, [&](std::size_t begin, std::size_t end) {
+        return measure_block(scale, positions, corners.subspan(3 * begin, 3 * (end - begin)));
       }));
   Quality quality;
-  quality.min_angle_deg = total.angle.range().min;
-  quality.max_angle_deg = total.angle.range().max;
+  quality.min_angle_deg = total.angles.min();
+  quality.max_angle_deg = total.angles.max();
   quality.radius_edge_ratio = total.radius_edge.range();
   quality.aspect_ratio = total.aspect.range();
   quality.area = undo(scale, total.area.range(), 2);
   quality.edge_length = undo(scale, measure_edges(scale, positions, adjacency, control).range(), 1);
-  for (int i = 0; i <= kAngleBins; ++i) quality.angle_histogram_deg.edges.push_back(10.0 * i);
-  quality.angle_histogram_deg.counts.assign(total.angle_counts.begin(), total.angle_counts.end());
+  for (int i = 0; i <= kAngleBins; ++i) quality.angle_histogram_deg.edges.push_back(kBinDegrees * i);
+  const AngleCounts& angle_counts = total.angles.counts();
+  quality.angle_histogram_deg.counts.assign(angle_counts.begin(), angle_counts.end());
   quality.radius_edge_histogram.edges.assign(kRadiusEdgeBins.begin(), kRadiusEdgeBins.end());
   quality.radius_edge_histogram.counts.assign(total.radius_edge_counts.begin(), total.radius_edge_counts.end());
   return quality;
 }
-
-/// Triangles as polygons, the form that Adjacency and measure_surface read.
-struct TrianglesAsPolygons {
-  explicit TrianglesAsPolygons(std::span<const Triangle> faces) : face_begin(faces.size() + 1) {
-    for (std::size_t f = 0; f < face_begin.size(); ++f) face_begin[f] = static_cast<std::uint32_t>(3 * f);
-    corners.reserve(3 * faces.size());
-    for (const Triangle& face : faces) corners.insert(corners.end(), face.begin(), face.end());
-  }
-  std::vector<std::uint32_t> face_begin;
-  std::vector<VertexId> corners;
-};
 
 /// Area and the sum for the volume of one block of faces.
 struct AreaBlock {
@@ -231,64 +315,105 @@ AreaBlock measure_areas(const Scale& scale, std::span<const Vec3> positions, std
   }));
 }
 
+/// What the vertices that faces use come to.
+struct VertexBlock {
+  std::uint64_t vertices = 0, components = 0;
+  Box3 box;
+  void add(const VertexBlock& other) {
+    vertices += other.vertices;
+    components += other.components;
+    box.add(other.box);
+  }
+};
+
+VertexBlock measure_vertices(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
+                             std::span<const VertexId> corners, RunControl& control) {
+  std::vector<std::atomic<std::uint8_t>> is_used(positions.size());
+  UnionFind components(positions.size());
+  for_blocks(face_begin.size() - 1, kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      for (std::uint32_t h = face_begin[f]; h < face_begin[f + 1]; ++h) {
+        is_used[corners[h].value].store(1, std::memory_order_relaxed);
+        if (h > face_begin[f]) components.join(corners[h - 1].value, corners[h].value);
+      }
+  });
+  return combined(map_blocks<VertexBlock>(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    VertexBlock block;
+    for (std::size_t v = begin; v < end; ++v) {
+      if (is_used[v].load(std::memory_order_relaxed) == 0) continue;
+      ++block.vertices;
+      block.components += components.find(static_cast<std::uint32_t>(v)) == v;
+      block.box.add(positions[v]);
+    }
+    return block;
+  }));
+}
+
+/// What the edges come to.
+struct EdgeBlock {
+  std::uint64_t edges = 0, boundary = 0, non_manifold = 0;
+  std::uint64_t inconsistent = 0;  ///< without two half-edges in opposite directions
+  void add(const EdgeBlock& other) {
+    edges += other.edges;
+    boundary += other.boundary;
+    non_manifold += other.non_manifold;
+    inconsistent += other.inconsistent;
+  }
+};
+
+EdgeBlock count_edges(const Adjacency& adjacency, RunControl& control) {
+  return combined(
+      map_blocks<EdgeBlock>(adjacency.edge_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+        EdgeBlock block;
+        for (std::size_t e = begin; e < end; ++e) {
+          const auto around = adjacency.half_edges(EdgeId(e));
+          if (adjacency.from(around[0]) == adjacency.to(around[0])) continue;  // a repeated corner is no edge
+          ++block.edges;
+          if (around.size() == 1) ++block.boundary;
+          if (around.size() > 2) ++block.non_manifold;
+          if (adjacency.twin(around[0]) == Adjacency::kNone) ++block.inconsistent;
+        }
+        return block;
+      }));
+}
+
 MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
                                std::span<const VertexId> corners, const Scale& scale, const Adjacency& adjacency,
                                RunControl& control) {
   MeshStatistics out;
   out.faces = face_begin.size() - 1;
+  const VertexBlock used = measure_vertices(positions, face_begin, corners, control);
+  out.vertices = used.vertices;
+  out.components = used.components;
+  out.bounding_box = used.box;
 
-  std::vector<bool> is_used(positions.size(), false);
-  UnionFind components(positions.size());
-  for (std::size_t f = 0; f < out.faces; ++f) {
-    if (f % kBlock == 0) control.check();
-    for (std::uint32_t h = face_begin[f]; h < face_begin[f + 1]; ++h) {
-      const VertexId v = corners[h];
-      if (!is_used[v.value]) {
-        is_used[v.value] = true;
-        ++out.vertices;
-        ++out.components;
-        out.bounding_box.add(positions[v.value]);
-      }
-      if (h > face_begin[f] && components.join(corners[face_begin[f]].value, v.value)) --out.components;
-    }
-  }
-
-  std::uint64_t edges = 0;
-  bool is_closed = out.faces > 0, is_consistent = true;
-  for (std::size_t e = 0; e < adjacency.edge_count(); ++e) {
-    if (e % kBlock == 0) control.check();
-    const auto around = adjacency.half_edges(EdgeId(e));
-    if (adjacency.from(around[0]) == adjacency.to(around[0])) continue;  // a repeated corner is no edge
-    ++edges;
-    if (around.size() == 1) ++out.boundary_edges;
-    if (around.size() > 2) ++out.non_manifold_edges;
-    is_closed = is_closed && around.size() == 2;
-    is_consistent = is_consistent && adjacency.twin(around[0]) != Adjacency::kNone;
-  }
-  out.closed = is_closed;
-  out.euler =
-      static_cast<std::int64_t>(out.vertices) - static_cast<std::int64_t>(edges) + static_cast<std::int64_t>(out.faces);
+  const EdgeBlock edges = count_edges(adjacency, control);
+  out.boundary_edges = edges.boundary;
+  out.non_manifold_edges = edges.non_manifold;
+  out.closed = out.faces > 0 && edges.boundary == 0 && edges.non_manifold == 0;
+  out.euler = static_cast<std::int64_t>(out.vertices) - static_cast<std::int64_t>(edges.edges) +
+              static_cast<std::int64_t>(out.faces);
 
   // Volume is measured from the middle of the box: far from the origin it would drown in rounding.
   Vec3 centre;
   if (!out.bounding_box.is_empty()) centre = 0.5 * (scale(out.bounding_box.min) + scale(out.bounding_box.max));
   const AreaBlock sums = measure_areas(scale, positions, face_begin, corners, centre, control);
   out.area = scale.undo(sums.area, 2);
-  if (is_closed && is_consistent) out.volume = scale.undo(sums.volume, 3);
+  if (out.closed && edges.inconsistent == 0) out.volume = scale.undo(sums.volume, 3);
   return out;
 }
 
 }  // namespace
 
-Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control) {
-  const TrianglesAsPolygons polygons(faces);
-  const Adjacency adjacency(positions.size(), polygons.face_begin, polygons.corners);
-  return measure_quality(positions, faces, adjacency, control);
+Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control) {
+  const std::vector<std::uint32_t> face_begin = triangle_begins(corners.size() / 3, control);
+  const Adjacency adjacency(positions.size(), face_begin, corners);
+  return measure_quality(positions, corners, adjacency, control);
 }
 
-Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, const Adjacency& adjacency,
+Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& adjacency,
                         RunControl& control) {
-  return measure_quality(positions, faces, Scale(positions, control), adjacency, control);
+  return measure_quality(positions, corners, Scale(positions, control), adjacency, control);
 }
 
 IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl& control) {
@@ -299,8 +424,8 @@ IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl&
       const auto [a, b, c] = mesh.faces[f];
       const TriangleMeasures m = measure(scale(mesh.positions[a]), scale(mesh.positions[b]), scale(mesh.positions[c]));
       const auto finite = [](double ratio) { return std::isfinite(ratio) ? ratio : 0; };
-      quality[f] = {*std::min_element(m.angle, m.angle + 3) * kDegrees, finite(m.radius_edge_ratio),
-                    finite(m.aspect_ratio)};
+      const auto smallest = static_cast<int>(std::max_element(m.along, m.along + 3) - m.along);
+      quality[f] = {m.angle(smallest), finite(m.radius_edge_ratio), finite(m.aspect_ratio)};
     }
   });
   return quality;
@@ -313,12 +438,12 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
 
 MeshStatistics measure_surface(const TriangleMesh& mesh, RunControl& control) {
   const std::span<const Vec3> positions = mesh.positions.items();
-  const std::span<const Triangle> faces = mesh.faces.items();
-  const TrianglesAsPolygons polygons(faces);
-  const Adjacency adjacency(positions.size(), polygons.face_begin, polygons.corners);
+  const std::span<const VertexId> corners = corners_of(mesh.faces.items());
+  const std::vector<std::uint32_t> face_begin = triangle_begins(mesh.faces.size(), control);
+  const Adjacency adjacency(positions.size(), face_begin, corners);
   const Scale scale(positions, control);
-  MeshStatistics out = measure_surface(positions, polygons.face_begin, polygons.corners, scale, adjacency, control);
-  out.quality = measure_quality(positions, faces, scale, adjacency, control);
+  MeshStatistics out = measure_surface(positions, face_begin, corners, scale, adjacency, control);
+  out.quality = measure_quality(positions, corners, scale, adjacency, control);
   return out;
 }
 

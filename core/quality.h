@@ -16,10 +16,11 @@ namespace remesh {
 
 /// Quality of triangles, by Verdict's definitions. Zero-area triangles count with angle 0 and are left out of the
 /// ratios' means and maxima (a ratio that is not finite is never reported).
+/// Input:  three corners a triangle.
 /// Holds:  the same bits for any number of threads.
-Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control);
+Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control);
 /// The same, where the edges of the triangles are known already.
-Quality measure_quality(std::span<const Vec3> positions, std::span<const Triangle> faces, const Adjacency& adjacency,
+Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& adjacency,
                         RunControl& control);
 
 /// Quality of one triangle. Where its area is zero: angle 0, and 0 for the ratios, which would be infinite.

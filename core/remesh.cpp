@@ -12,6 +12,7 @@
 #include "core/base/tolerance.h"
 #include "core/goal_refinement.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/triangle_corners.h"
 #include "core/preparation.h"
 #include "core/quality.h"
 #include "core/refinement/gap_search.h"
@@ -107,7 +108,7 @@ class Run {
       // Every patch, in parallel: projection, lexicographic triangulation, flips, recovery of the loops, carving.
       watch_.enter(Stage::kTriangulation);
       mesh_all_patches();
-      if (is_first) find_input_intersections(triangulated(surface(), control_));
+      if (is_first) find_input_intersections(Triangulated(surface(), control_));
       is_first = false;
       std::vector<FailedPatch> failed = failed_meshes();
       // The patches' triangles become one mesh, in which no edge inside a patch is the edge of another one.
@@ -210,17 +211,14 @@ class Run {
   }
 
   void examine_input() {
-    const Triangulated faces = triangulated(surface(), control_);
+    const Triangulated faces(surface(), control_);
     find_input_intersections(faces);
     // Of a polygon one triangle stands for all.
     std::vector<std::pair<FaceId, FaceId>> pairs;
-    const auto triangle_of = [&](FaceId f) {
-      return FaceId(
-          static_cast<std::size_t>(std::lower_bound(faces.face.begin(), faces.face.end(), f) - faces.face.begin()));
-    };
-    for (const auto& [f, g] : input_intersections_.pairs) pairs.push_back({triangle_of(f), triangle_of(g)});
+    for (const auto& [f, g] : input_intersections_.pairs)
+      pairs.push_back({FaceId(faces.first_of(f)), FaceId(faces.first_of(g))});
     report_.volume_obstacles =
-        find_volume_obstacles(surface().positions.items(), faces.triangles, pairs, report_.plane_tolerance, control_);
+        find_volume_obstacles(surface().positions.items(), faces.corners(), pairs, report_.plane_tolerance, control_);
   }
 
   InputIntersections intersecting_patches() const {
@@ -339,8 +337,9 @@ class Run {
     result.face_patch = std::move(assembled_.face_patch);
     report_.output = measure_surface(result.mesh, control_);
     report_.output.intersecting_pairs = report_.verified.intersections.size();
-    report_.volume_obstacles = find_volume_obstacles(result.mesh.positions.items(), result.mesh.faces.items(),
-                                                     report_.verified.intersections, report_.plane_tolerance, control_);
+    report_.volume_obstacles =
+        find_volume_obstacles(result.mesh.positions.items(), corners_of(result.mesh.faces.items()),
+                              report_.verified.intersections, report_.plane_tolerance, control_);
     report_.unrefined = summarise_unrefined(unrefined_, result.mesh.positions.items(), result.mesh.faces.items());
     // Where each output face came from: the input face under its centroid, and what that one is labelled.
     watch_.enter(Stage::kAssembly);

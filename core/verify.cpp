@@ -1,14 +1,17 @@
 #include "core/verify.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
 #include <utility>
 #include <vector>
 
 #include "core/base/blocks.h"
 #include "core/geometry/patch_intersections.h"
+#include "core/mesh/triangle_corners.h"
 #include "core/verify/boundary.h"
 #include "core/verify/edge_table.h"
 #include "core/verify/exact.h"
@@ -76,19 +79,36 @@ class DelaunayCheck {
   const std::vector<std::uint8_t>& is_positive_;
 };
 
-std::int64_t used_vertices(std::span<const VertexId> corners, std::size_t vertex_count) {
-  std::vector<std::uint8_t> is_used(vertex_count, 0);
-  for (const VertexId v : corners) is_used[v.value] = 1;
-  return std::count(is_used.begin(), is_used.end(), std::uint8_t{1});
+/// For how many of 0 .. n-1 is_set(i) holds.
+template <class IsSet>
+std::int64_t count_set(std::size_t n, RunControl& control, const IsSet& is_set) {
+  const auto counts = map_blocks<std::int64_t>(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+    std::int64_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) count += is_set(i);
+    return count;
+  });
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+}
+
+std::int64_t count_input_vertices(const Model& model, RunControl& control) {
+  std::vector<std::atomic<std::uint8_t>> is_used(model.surface_vertex_count);
+  for_blocks(model.input.corners.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t h = begin; h < end; ++h) is_used[model.input.corners[h].value].store(1, std::memory_order_relaxed);
+  });
+  return count_set(is_used.size(), control,
+                   [&](std::size_t v) { return is_used[v].load(std::memory_order_relaxed) != 0; });
 }
 
 void check_whole(const Model& model, const EdgeCounts& input, const EdgeCounts& output, const ShapeSums& shapes,
-                 Findings& findings) {
-  const auto euler = [&](const Faces& faces, const EdgeCounts& counts) {
-    return used_vertices(faces.corners, model.points.size()) - static_cast<std::int64_t>(counts.edges) +
-           static_cast<std::int64_t>(faces.count());
+                 Findings& findings, RunControl& control) {
+  const auto euler = [](std::int64_t vertices, const Faces& faces, const EdgeCounts& counts) {
+    return vertices - static_cast<std::int64_t>(counts.edges) + static_cast<std::int64_t>(faces.count());
   };
-  if (euler(model.input, input) != euler(model.output, output)) findings.add(PatchId(), Fault::kEuler);
+  const std::int64_t input_vertices = count_input_vertices(model, control);
+  const std::int64_t output_vertices =
+      count_set(model.is_kept.size(), control, [&](std::size_t v) { return model.is_kept[v] != 0; });
+  if (euler(input_vertices, model.input, input) != euler(output_vertices, model.output, output))
+    findings.add(PatchId(), Fault::kEuler);
   if (input.is_closed && !output.is_closed) findings.add(PatchId(), Fault::kOpened);
   if (input.is_closed && input.is_consistent && !(std::fabs(shapes.volume_change) <= shapes.volume_bound))
     findings.add(PatchId(), Fault::kVolume);
@@ -111,8 +131,8 @@ std::vector<std::pair<FaceId, FaceId>> check_intersections(const Claim& claim,
   std::vector<std::uint8_t> is_simple(claim.frames.size(), 1);
   for (std::size_t f = 0; f < claim.faces.size(); ++f)
     if (!is_positive[f]) is_simple[claim.face_patch[f].value] = 0;
-  SelfIntersections found =
-      patch_intersections({claim.positions, claim.faces, claim.face_patch, normals, is_simple}, kMostPairs, control);
+  SelfIntersections found = patch_intersections(
+      {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, kMostPairs, control);
   static const InputIntersections kNone;
   const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNone;
   if (known.is_complete)
@@ -141,14 +161,11 @@ Verdict verify(const Claim& claim, RunControl& control) {
   control.progress(0.2);
 
   // Who uses each edge, before and after.
-  const EdgeTable input_edges(model.points.size(), model.input, control);
+  EdgeTable input_edges(model.points.size(), model.input, control);
   control.progress(0.4);
-  const EdgeTable output_edges(model.points.size(), model.output, control);
-  std::vector<Edge> input_boundary, output_boundary;
-  const EdgeCounts input_counts = list_boundary(input_edges, control, input_boundary);
-  const EdgeCounts output_counts = list_boundary(output_edges, control, output_boundary);
-  const Seams seams{BoundaryGraph(model.points.size(), std::move(input_boundary)),
-                    BoundaryGraph(model.points.size(), std::move(output_boundary))};
+  EdgeTable output_edges(model.points.size(), model.output, control);
+  const Seams seams{BoundaryGraph(model.points.size(), input_edges.take_bounding()),
+                    BoundaryGraph(model.points.size(), output_edges.take_bounding())};
   control.progress(0.6);
 
   // Loops kept, edges conforming.
@@ -164,7 +181,7 @@ Verdict verify(const Claim& claim, RunControl& control) {
   DelaunayCheck(model, output_edges, is_positive).run(findings, control);
   verdict.intersections = check_intersections(claim, is_positive, findings, control);
   if (claim.refinement != nullptr) check_goals(*claim.refinement, model, output_edges, seams.output, findings, control);
-  check_whole(model, input_counts, output_counts, shapes, findings);
+  check_whole(model, input_edges.counts(), output_edges.counts(), shapes, findings, control);
   findings.write_to(verdict);
   control.progress(1);
   return verdict;

@@ -10,6 +10,7 @@
 #include "core/geometry/overlap.h"
 #include "core/geometry/predicates_3d.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/triangle_corners.h"
 
 namespace remesh {
 namespace {
@@ -20,15 +21,11 @@ constexpr std::size_t kFewAround = 8;
 
 class Examination {
  public:
-  Examination(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control)
-      : positions_(positions), faces_(faces), control_(control) {
-    corners_.reserve(3 * faces.size());
-    face_begin_.reserve(faces.size() + 1);
-    for (const Triangle& face : faces) {
-      corners_.insert(corners_.end(), face.begin(), face.end());
-      face_begin_.push_back(static_cast<std::uint32_t>(corners_.size()));
-    }
-  }
+  Examination(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control)
+      : positions_(positions),
+        corners_(corners),
+        control_(control),
+        face_begin_(triangle_begins(corners.size() / 3, control)) {}
 
   std::vector<VolumeObstacle> run(std::span<const std::pair<FaceId, FaceId>> intersections, double plane_tolerance) {
     const Adjacency edges(positions_.size(), face_begin_, corners_);
@@ -102,6 +99,10 @@ class Examination {
         duplicate_.add(centroid({edges.from(around[0]), edges.to(around[0]), apexes_[i]}));
   }
 
+  Triangle face(FaceId f) const {
+    const std::size_t h = 3 * std::size_t{f.value};
+    return {corners_[h], corners_[h + 1], corners_[h + 2]};
+  }
   Vec3 centroid(const Triangle& t) const {
     const auto third = [&](int i) { return (1.0 / 3) * positions_[t[i].value]; };
     return third(0) + third(1) + third(2);
@@ -109,7 +110,7 @@ class Examination {
 
   void examine_pairs(std::span<const std::pair<FaceId, FaceId>> pairs, double tolerance) {
     for (const auto& [f, g] : pairs) {
-      Triangle a = faces_[f.value], b = faces_[g.value];
+      Triangle a = face(f), b = face(g);
       std::sort(a.begin(), a.end());
       std::sort(b.begin(), b.end());
       if (a == b) continue;
@@ -118,9 +119,9 @@ class Examination {
   }
 
   void examine_pieces(const Adjacency& edges) {
-    const std::vector<Vec3> scaled = scaled_for_predicates(positions_);
+    const std::vector<Vec3> scaled = scaled_for_predicates(positions_, control_);
     for (const FaceId f : find_inside_out(scaled, face_begin_, corners_, edges, control_).first_faces)
-      inside_out_.add(centroid(faces_[f.value]));
+      inside_out_.add(centroid(face(f)));
   }
 
   struct Arm {
@@ -130,10 +131,9 @@ class Examination {
   };
 
   std::span<const Vec3> positions_;
-  std::span<const Triangle> faces_;
+  std::span<const VertexId> corners_;
   RunControl& control_;
-  std::vector<std::uint32_t> face_begin_{0};
-  std::vector<VertexId> corners_;
+  std::vector<std::uint32_t> face_begin_;
   std::vector<Arm> arms_;
   std::vector<VertexId> apexes_;
   VolumeObstacle open_{DiagnosticCode::kOpenBoundary, 0, {}}, non_manifold_{DiagnosticCode::kNonManifoldEdge, 0, {}},
@@ -144,10 +144,10 @@ class Examination {
 
 }  // namespace
 
-std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const Triangle> faces,
+std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const VertexId> corners,
                                                   std::span<const std::pair<FaceId, FaceId>> intersections,
                                                   double plane_tolerance, RunControl& control) {
-  return Examination(positions, faces, control).run(intersections, plane_tolerance);
+  return Examination(positions, corners, control).run(intersections, plane_tolerance);
 }
 
 }  // namespace remesh

@@ -1,6 +1,7 @@
 /// Points and vectors in the plane and in space, in doubles.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <compare>
 
@@ -43,7 +44,12 @@ constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
 
 constexpr double norm_squared(const Vec3& a) { return dot(a, a); }
 /// Length without overflow or underflow of the squares.
-inline double norm(const Vec3& a) { return std::hypot(a.x, a.y, a.z); }
+inline double norm(const Vec3& a) {
+  const double squared = norm_squared(a);
+  // Almost always the squares are far from both, and this is several times as fast.
+  if (squared > 0x1p-900 && squared < 0x1p1000) return std::sqrt(squared);
+  return std::hypot(a.x, a.y, a.z);
+}
 inline double norm(Vec2 a) { return std::hypot(a.x, a.y); }
 /// The unit vector of `a`; the null vector stays null.
 inline Vec3 normalized(const Vec3& a) {
@@ -57,9 +63,11 @@ struct Box3 {
   Vec3 min{HUGE_VAL, HUGE_VAL, HUGE_VAL};
   Vec3 max{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
 
-  void add(const Vec3& p) {
-    min = {std::min(min.x, p.x), std::min(min.y, p.y), std::min(min.z, p.z)};
-    max = {std::max(max.x, p.x), std::max(max.y, p.y), std::max(max.z, p.z)};
+  /// A coordinate that is no number adds nothing.
+  void add(const Vec3& p) { add({p, p}); }
+  void add(const Box3& other) {
+    min = {std::min(min.x, other.min.x), std::min(min.y, other.min.y), std::min(min.z, other.min.z)};
+    max = {std::max(max.x, other.max.x), std::max(max.y, other.max.y), std::max(max.z, other.max.z)};
   }
   bool is_empty() const { return !(min.x <= max.x); }
   double diagonal() const { return is_empty() ? 0 : norm(max - min); }

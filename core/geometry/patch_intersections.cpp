@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "core/base/blocks.h"
+#include "core/geometry/largest_coordinate.h"
 #include "core/geometry/pair_search.h"
 #include "core/geometry/predicates_3d.h"
 #include "core/geometry/triangle_intersection.h"
@@ -19,6 +21,9 @@ constexpr std::size_t kBlock = 4096;
 /// rim.
 constexpr std::uint32_t kFewFaces = 16;
 
+/// So many faces of a patch are asked for at once, whether any is near another patch.
+constexpr std::size_t kRun = 32;
+
 /// Heights are sums of three products: their rounding, of the largest coordinate.
 constexpr double kHeightMargin = 0x1p-49;
 
@@ -27,14 +32,36 @@ struct Place {
   Box3 box;
   double low = HUGE_VAL, high = -HUGE_VAL;
 
-  void add(const Box3& b, double from, double to) {
-    for (int axis = 0; axis < 3; ++axis) {
-      box.min[axis] = std::min(box.min[axis], b.min[axis]);
-      box.max[axis] = std::max(box.max[axis], b.max[axis]);
-    }
-    low = std::min(low, from);
-    high = std::max(high, to);
+  void add(const Place& other) {
+    box.add(other.box);
+    low = std::min(low, other.low);
+    high = std::max(high, other.high);
   }
+};
+
+/// A place to which several threads add at once; what it comes to does not depend on their order.
+class SharedPlace {
+ public:
+  SharedPlace() {
+    for (auto& bound : bounds_) bound.store(-HUGE_VAL, std::memory_order_relaxed);
+  }
+
+  void add(const Place& place) {
+    const auto& [min, max] = place.box;
+    const std::array<double, 8> bounds = {-min.x, -min.y, -min.z, max.x, max.y, max.z, -place.low, place.high};
+    for (std::size_t i = 0; i < bounds.size(); ++i) {
+      double known = bounds_[i].load(std::memory_order_relaxed);
+      while (known < bounds[i] && !bounds_[i].compare_exchange_weak(known, bounds[i], std::memory_order_relaxed)) {
+      }
+    }
+  }
+  Place get() const {
+    const auto bound = [&](std::size_t i) { return bounds_[i].load(std::memory_order_relaxed); };
+    return {{{-bound(0), -bound(1), -bound(2)}, {bound(3), bound(4), bound(5)}}, -bound(6), bound(7)};
+  }
+
+ private:
+  std::array<std::atomic<double>, 8> bounds_;  ///< upper ones, and lower ones with their signs changed
 };
 
 /// What lies of a face where another patch is; lengths as in Cull.
@@ -47,16 +74,12 @@ struct Part {
 /// Sorts out what may intersect at all. Lengths are scaled to the largest coordinate.
 class Cull {
  public:
-  Cull(const PatchedFaces& surface, RunControl& control) : surface_(surface), control_(control) {
-    double largest = 0;
-    for (const Vec3& p : surface.positions)
-      largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  Cull(const PatchedFaces& surface, RunControl& control)
+      : surface_(surface), control_(control), count_(surface.normals.size()), places_(surface.normals.size()) {
     // Without overflow for any magnitude, and exactly.
     int exponent = 0;
-    std::frexp(largest, &exponent);
+    std::frexp(largest_coordinate(surface.positions, control), &exponent);
     scale_ = std::ldexp(1.0, -std::clamp(exponent, -1000, 1000));
-    count_.assign(surface.normals.size(), 0);
-    for (const PatchId p : surface.patch) ++count_[p.value];
   }
 
   void run() {
@@ -69,14 +92,18 @@ class Cull {
     }
     if (large.empty()) all.clear();
     const TriangleTree tree_of_all = tree_of(boxes_of_patches(all)), tree_of_large = tree_of(boxes_of_patches(large));
-    auto found = map_blocks<Near>(surface_.faces.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+    auto found = map_blocks<Near>(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       Near near;
-      for (std::size_t f = begin; f < end; ++f) {
-        if (is_looked_at_inside(f)) near.faces.push_back(static_cast<std::uint32_t>(f));
-        if (has_few(surface_.patch[f]))
-          look_at(f, large, tree_of_large, near);
-        else
-          look_at(f, all, tree_of_all, near);
+      while (begin < end) {
+        const std::size_t run_end = end_of_run(begin, std::min(end, begin + kRun));
+        const bool is_few = has_few(surface_.patch[begin]);
+        const std::vector<PatchId>& patches = is_few ? large : all;
+        const TriangleTree& tree = is_few ? tree_of_large : tree_of_all;
+        const bool is_inside = is_looked_at_inside(begin), is_near = is_near_others(begin, run_end, patches, tree);
+        for (; begin < run_end; ++begin) {
+          if (is_inside) near.faces.push_back(static_cast<std::uint32_t>(begin));
+          if (is_near) look_at(begin, patches, tree, near);
+        }
       }
       return near;
     });
@@ -120,19 +147,33 @@ class Cull {
     std::vector<Part> parts;
   };
 
-  bool has_few(PatchId p) const { return count_[p.value] <= kFewFaces; }
-  Vec3 corner(std::size_t f, int i) const { return scale_ * surface_.positions[surface_.faces[f][i].value]; }
+  bool has_few(PatchId p) const { return count_[p.value].load(std::memory_order_relaxed) <= kFewFaces; }
+  Vec3 corner(std::size_t f, int i) const { return scale_ * surface_.positions[surface_.corners[3 * f + i].value]; }
 
   Box3 box_of(std::size_t f) const {
-    Box3 box{corner(f, 0), corner(f, 0)};
-    for (int i = 1; i < 3; ++i) {
-      const Vec3 p = corner(f, i);
-      for (int axis = 0; axis < 3; ++axis) {
-        box.min[axis] = std::min(box.min[axis], p[axis]);
-        box.max[axis] = std::max(box.max[axis], p[axis]);
-      }
-    }
+    Box3 box;
+    for (int i = 0; i < 3; ++i) box.add(corner(f, i));
     return box;
+  }
+
+  /// Where the faces of one patch that begin there end, at most at `last`.
+  std::size_t end_of_run(std::size_t begin, std::size_t last) const {
+    std::size_t end = begin + 1;
+    while (end < last && surface_.patch[end] == surface_.patch[begin]) ++end;
+    return end;
+  }
+
+  /// May some of these faces of one patch be near another one? Asked for a run at once, most are not.
+  bool is_near_others(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches,
+                      const TriangleTree& tree) const {
+    Box3 box;
+    for (std::size_t f = begin; f < end; ++f) box.add(box_of(f));
+    bool is_near = false;
+    tree.visit_meeting(box, 0, [&](std::size_t slot) {
+      is_near = patches[tree.face(slot).value] != surface_.patch[begin];
+      return !is_near;
+    });
+    return is_near;
   }
 
   std::array<double, 3> heights(std::size_t f, std::size_t patch) const {
@@ -140,24 +181,33 @@ class Cull {
     return {dot(n, corner(f, 0)), dot(n, corner(f, 1)), dot(n, corner(f, 2))};
   }
 
+  /// Also counts the faces of each patch.
   void find_places() {
-    places_.resize(surface_.normals.size());
-    for (std::size_t f = 0; f < surface_.faces.size(); ++f) {
-      if (f % kBlock == 0) control_.check();
-      const std::size_t p = surface_.patch[f].value;
-      const auto at = heights(f, p);
-      places_[p].add(box_of(f), *std::min_element(at.begin(), at.end()) - kHeightMargin,
-                     *std::max_element(at.begin(), at.end()) + kHeightMargin);
-    }
-    // A patch without faces is nowhere.
-    for (Place& place : places_)
-      if (place.box.is_empty()) place.box = {Vec3{2, 2, 2}, Vec3{2, 2, 2}};
+    for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      while (begin < end) {
+        const PatchId p = surface_.patch[begin];
+        const std::size_t run_end = end_of_run(begin, end);
+        count_[p.value].fetch_add(static_cast<std::uint32_t>(run_end - begin), std::memory_order_relaxed);
+        Place place;
+        for (; begin < run_end; ++begin) {
+          const auto [a, b, c] = heights(begin, p.value);
+          place.add({box_of(begin), std::min({a, b, c}) - kHeightMargin, std::max({a, b, c}) + kHeightMargin});
+        }
+        places_[p.value].add(place);
+      }
+    });
+  }
+
+  /// A patch without faces is nowhere.
+  Box3 box_of_patch(PatchId p) const {
+    const Box3 box = places_[p.value].get().box;
+    return box.is_empty() ? Box3{Vec3{2, 2, 2}, Vec3{2, 2, 2}} : box;
   }
 
   std::vector<Box3> boxes_of_patches(const std::vector<PatchId>& patches) const {
     std::vector<Box3> boxes;
     boxes.reserve(patches.size());
-    for (const PatchId p : patches) boxes.push_back(places_[p.value].box);
+    for (const PatchId p : patches) boxes.push_back(box_of_patch(p));
     return boxes;
   }
 
@@ -177,7 +227,7 @@ class Cull {
   /// it is not where the patch's box is. Of a needle that only touches the patch with its short side, that is this side
   /// alone.
   Box3 part_near(std::size_t f, PatchId patch) const {
-    const Place& place = places_[patch.value];
+    const Place place = places_[patch.value].get();
     const double low = place.low - kHeightMargin, high = place.high + kHeightMargin;
     const std::array<double, 3> height = heights(f, patch.value);
     Box3 box;
@@ -204,9 +254,41 @@ class Cull {
   const PatchedFaces& surface_;
   RunControl& control_;
   double scale_ = 1;
-  std::vector<std::uint32_t> count_;  ///< faces of each patch
-  std::vector<Place> places_;
+  std::vector<std::atomic<std::uint32_t>> count_;  ///< faces of each patch
+  std::vector<SharedPlace> places_;
   Near near_;
+};
+
+/// What is left of a surface, with vertices of its own: where patches are large, they are few. They stand in the order
+/// in which they were.
+class Excerpt {
+ public:
+  Excerpt(const PatchedFaces& surface, const Cull& cull) : surface_(surface) {
+    if (cull.faces().empty() && cull.parts().empty()) return;
+    number_.resize(surface.positions.size(), 0);
+    const auto mark = [&](std::size_t f) {
+      for (const VertexId v : surface.face(f)) number_[v.value] = 1;
+    };
+    for (const std::uint32_t f : cull.faces()) mark(f);
+    for (const Part& part : cull.parts()) mark(part.face);
+    for (std::size_t v = 0; v < number_.size(); ++v) {
+      if (number_[v] == 0) continue;
+      number_[v] = static_cast<std::uint32_t>(positions_.size());
+      positions_.push_back(surface.positions[v]);
+    }
+  }
+
+  const std::vector<Vec3>& positions() const { return positions_; }
+  /// A face of the surface that is left.
+  Triangle face(std::size_t f) const {
+    const auto [a, b, c] = surface_.face(f);
+    return {VertexId(number_[a.value]), VertexId(number_[b.value]), VertexId(number_[c.value])};
+  }
+
+ private:
+  const PatchedFaces& surface_;
+  std::vector<std::uint32_t> number_;  ///< of the surface's vertices
+  std::vector<Vec3> positions_;
 };
 
 }  // namespace
@@ -214,21 +296,22 @@ class Cull {
 SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t max_pairs, RunControl& control) {
   Cull cull(surface, control);
   cull.run();
+  const Excerpt excerpt(surface, cull);
   // Between small patches and inside patches: whole faces.
   std::vector<Triangle> faces;
   std::vector<std::uint32_t> pieces;
   for (const std::uint32_t f : cull.faces()) {
-    faces.push_back(surface.faces[f]);
+    faces.push_back(excerpt.face(f));
     pieces.push_back(cull.is_looked_at_inside(f) ? kNoPiece : surface.patch[f].value);
   }
-  SelfIntersections found = self_intersections(surface.positions, faces, pieces, max_pairs, control);
+  SelfIntersections found = self_intersections(excerpt.positions(), faces, pieces, max_pairs, control);
   for (auto& [f, g] : found.pairs) {
     f = FaceId(cull.faces()[f.value]);
     g = FaceId(cull.faces()[g.value]);
   }
   // Where one of two patches is large: each face only where the other patch is.
   const std::vector<Part>& parts = cull.parts();
-  const std::vector<Vec3> positions = scaled_for_predicates(surface.positions);
+  const std::vector<Vec3> positions = scaled_for_predicates(excerpt.positions(), control);
   const TriangleTree tree = cull.tree_of(Cull::boxes_of(parts));
   const auto part = [&](std::size_t slot) -> const Part& { return parts[tree.face(slot).value]; };
   find_pairs(
@@ -236,8 +319,7 @@ SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t m
       [](std::size_t, std::size_t) { return false; },
       [&](std::size_t slot, std::size_t other) {
         const Part &a = part(slot), &b = part(other);
-        return a.of == b.near && a.near == b.of &&
-               do_intersect(surface.faces[a.face], surface.faces[b.face], positions);
+        return a.of == b.near && a.near == b.of && do_intersect(excerpt.face(a.face), excerpt.face(b.face), positions);
       },
       max_pairs, found, control);
   std::sort(found.pairs.begin(), found.pairs.end());

@@ -17,11 +17,14 @@ namespace remesh {
 
 /// A triangulated surface in patches.
 struct PatchedFaces {
-  std::span<const Vec3> positions;  ///< finite, pairwise different
-  std::span<const Triangle> faces;
+  std::span<const Vec3> positions;       ///< finite, pairwise different
+  std::span<const VertexId> corners;     ///< three a face
   std::span<const PatchId> patch;        ///< of each face
   std::span<const Vec3> normals;         ///< unit, of each patch
   std::span<const std::uint8_t> simple;  ///< of each patch: 1 - it covers nothing twice, seen along its normal
+
+  std::size_t face_count() const { return patch.size(); }
+  Triangle face(std::size_t f) const { return {corners[3 * f], corners[3 * f + 1], corners[3 * f + 2]}; }
 };
 
 /// Finds the pairs of faces that intersect (`self_intersections`), but for pairs within one large patch that is simple.

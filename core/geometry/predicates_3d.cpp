@@ -1,10 +1,16 @@
 #include "core/geometry/predicates_3d.h"
 
-#include <algorithm>
-
+#include "core/base/blocks.h"
 #include "core/geometry/expansion.h"
+#include "core/geometry/largest_coordinate.h"
 
 namespace remesh {
+namespace {
+
+constexpr std::size_t kBlock = 1 << 14;
+
+}  // namespace
+
 namespace exact {
 
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
@@ -19,15 +25,16 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 }  // namespace exact
 
-std::vector<Vec3> scaled_for_predicates(std::span<const Vec3> positions) {
-  double largest = 0;
-  for (const Vec3& p : positions) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+std::vector<Vec3> scaled_for_predicates(std::span<const Vec3> positions, RunControl& control) {
+  const double largest = largest_coordinate(positions, control);
   std::vector<Vec3> scaled(positions.begin(), positions.end());
   if (largest == 0) return scaled;
   const int shift = 249 - std::ilogb(largest);
   // The factor itself may be out of range: two steps, of which a large coordinate's first one is exact.
   const double first = std::ldexp(1, shift / 2), second = std::ldexp(1, shift - shift / 2);
-  for (Vec3& p : scaled) p = second * (first * p);
+  for_blocks(scaled.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v) scaled[v] = second * (first * scaled[v]);
+  });
   return scaled;
 }
 

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/run_control.h"
 #include "core/base/vec.h"
 
 namespace remesh {
@@ -20,7 +21,7 @@ int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Input:  finite coordinates of any magnitude.
 /// Holds:  predicates on the result have the sign of those on the input, as long as every coordinate that is not 0 is
 ///         at least 2^-499 of the largest; smaller ones may lose digits.
-std::vector<Vec3> scaled_for_predicates(std::span<const Vec3> positions);
+std::vector<Vec3> scaled_for_predicates(std::span<const Vec3> positions, RunControl& control);
 
 /// The part of a predicate that the filter cannot decide. Call the predicate, not this.
 namespace exact {

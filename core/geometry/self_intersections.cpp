@@ -36,7 +36,7 @@ class Search {
  public:
   Search(std::span<const Vec3> positions, std::span<const Triangle> faces, std::span<const std::uint32_t> pieces,
          std::size_t max_pairs, RunControl& control)
-      : positions_(scaled_for_predicates(positions)),
+      : positions_(scaled_for_predicates(positions, control)),
         faces_(faces),
         pieces_(pieces),
         max_pairs_(max_pairs),

@@ -14,18 +14,9 @@ struct Item {
   FaceId face;
 };
 
-// Not Box3::add, which takes care of NaN: that would cost more than all else here.
-void extend(Box3& box, const Box3& other) {
-  for (int axis = 0; axis < 3; ++axis) {
-    box.min[axis] = std::min(box.min[axis], other.min[axis]);
-    box.max[axis] = std::max(box.max[axis], other.max[axis]);
-  }
-}
-void extend(Box3& box, const Vec3& p) { extend(box, {p, p}); }
-
 Box3 box_of(const Triangle& face, std::span<const Vec3> positions) {
   Box3 box;
-  for (const VertexId v : face) extend(box, positions[v.value]);
+  for (const VertexId v : face) box.add(positions[v.value]);
   return box;
 }
 
@@ -38,7 +29,7 @@ int longest_axis(const Box3& box) {
 void split(std::span<Item> items, std::size_t middle, RunControl& control) {
   control.check();
   Box3 centres;
-  for (const Item& item : items) extend(centres, item.centre);
+  for (const Item& item : items) centres.add(item.centre);
   const int axis = longest_axis(centres);
   std::uint32_t comparisons = 0;
   std::nth_element(items.begin(), items.begin() + static_cast<std::ptrdiff_t>(middle), items.end(),
@@ -91,11 +82,11 @@ TriangleTree::TriangleTree(std::span<const Vec3> positions, std::span<const Tria
       for (; j < last; ++j) {
         Box3& box = node_box_[node_index(level, j)];
         if (level < leaf_level_) {
-          extend(box, node_box_[node_index(level + 1, 2 * j)]);
-          extend(box, node_box_[node_index(level + 1, 2 * j + 1)]);
+          box.add(node_box_[node_index(level + 1, 2 * j)]);
+          box.add(node_box_[node_index(level + 1, 2 * j + 1)]);
         } else {
           for (std::size_t slot = node_begin(level, j); slot < node_begin(level, j + 1); ++slot)
-            extend(box, slot_box_[slot]);
+            box.add(slot_box_[slot]);
         }
       }
     });

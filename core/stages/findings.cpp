@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <compare>
-#include <iterator>
+#include <span>
 #include <string>
+#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/geometry/overlap.h"
@@ -25,13 +26,14 @@ struct Diagonal {
 std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& faces) {
   std::vector<Diagonal> all;
   std::vector<std::pair<VertexId, VertexId>> sides;
-  for (std::size_t begin = 0; begin < faces.face.size();) {
-    const FaceId f = faces.face[begin];
+  for (std::size_t begin = 0; begin < faces.size();) {
+    const FaceId f = faces.face(begin);
     std::size_t end = begin;
     sides.clear();
-    for (; end < faces.face.size() && faces.face[end] == f; ++end)
-      for (std::size_t i = 0; i < 3; ++i)
-        sides.push_back(std::minmax({faces.triangles[end][i], faces.triangles[end][(i + 1) % 3]}));
+    for (; end < faces.size() && faces.face(end) == f; ++end) {
+      const Triangle t = faces.triangle(end);
+      for (std::size_t i = 0; i < 3; ++i) sides.push_back(std::minmax({t[i], t[(i + 1) % 3]}));
+    }
     begin = end;
     if (surface.face(f).size() == 3) continue;
     // Two of its triangles share it. So they do the bridge to a hole, which is no edge of another face.
@@ -48,6 +50,7 @@ std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& f
 template <class Add>
 void for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& faces, RunControl& control,
                                  const Add& add) {
+  if (!faces.are_split()) return;
   const std::vector<Diagonal> diagonals = diagonals_of(surface, faces);
   if (diagonals.empty()) return;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
@@ -73,31 +76,42 @@ void find_defects(const Surface& welded, const Adjacency& edges, std::vector<Dia
                      {},
                      "vertices join faces that have no edge there in common; elements are vertices"};
   Diagnostic open{DiagnosticCode::kOpenBoundary, 0, {}, "edges have one face only; elements are faces"};
-  for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
-    if (e % kBlock == 0) control.check();
-    const auto around = edges.half_edges(EdgeId(e));
-    const std::uint32_t h = around[0];
-    if (edges.from(h) == edges.to(h)) continue;
-    const std::uint32_t source = welded.face_source[edges.face_of(h)].value;
-    if (around.size() == 1) open.add(source);
-    if (around.size() > 2) non_manifold.add(source);
+  struct Odd {
+    std::vector<FaceId> open, non_manifold;  ///< a face at each such edge
+  };
+  const auto blocks = map_blocks<Odd>(edges.edge_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    Odd odd;
+    for (std::size_t e = begin; e < end; ++e) {
+      const auto around = edges.half_edges(EdgeId(e));
+      if (around.size() == 2 || edges.from(around[0]) == edges.to(around[0])) continue;
+      (around.size() == 1 ? odd.open : odd.non_manifold).push_back(edges.face_of(around[0]));
+    }
+    return odd;
+  });
+  for (const Odd& odd : blocks) {
+    for (const FaceId f : odd.open) open.add(welded.face_source[f].value);
+    for (const FaceId f : odd.non_manifold) non_manifold.add(welded.face_source[f].value);
   }
   for (const VertexId v : pinched_vertices(welded, edges, control)) pinched.add(welded.vertex_source[v].value);
   for (Diagnostic* d : {&non_manifold, &pinched, &open})
     if (d->count > 0) diagnostics.push_back(std::move(*d));
 }
 
-Triangulated triangulated(const Surface& surface, RunControl& control) {
-  Triangulated result;
-  result.triangles.reserve(surface.face_count());
-  result.face.reserve(surface.face_count());
+std::size_t Triangulated::first_of(FaceId f) const {
+  if (!are_split()) return f.value;
+  return static_cast<std::size_t>(std::lower_bound(face_.begin(), face_.end(), f) - face_.begin());
+}
+
+Triangulated::Triangulated(const Surface& surface, RunControl& control)
+    : surface_(&surface), are_split_(surface.corners.size() != 3 * surface.face_count()) {
+  if (!are_split_) return;
   std::vector<Vec3> points;
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
-    if (i % 4096 == 0) control.check();
+    if (i % kBlock == 0) control.check();
     const auto loop = surface.face(FaceId(i));
     const auto add = [&](VertexId a, VertexId b, VertexId c) {
-      result.triangles.push_back({a, b, c});
-      result.face.push_back(FaceId(i));
+      corners_.insert(corners_.end(), {a, b, c});
+      face_.push_back(FaceId(i));
     };
     if (loop.size() == 3) {
       add(loop[0], loop[1], loop[2]);
@@ -107,21 +121,21 @@ Triangulated triangulated(const Surface& surface, RunControl& control) {
     for (const VertexId v : loop) points.push_back(surface.local[v]);
     for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles) add(loop[a], loop[b], loop[c]);
   }
-  return result;
 }
 
 FoundIntersections find_intersections(const Surface& surface, const Triangulated& faces, const PatchSet& patches,
                                       const std::vector<std::uint8_t>& is_simple, double plane_tolerance,
                                       std::vector<Diagnostic>& diagnostics, RunControl& control) {
-  std::vector<PatchId> patch;
-  patch.reserve(faces.face.size());
-  for (const FaceId f : faces.face) patch.push_back(patches.of_face[f]);
+  std::vector<PatchId> patch_of_triangle;
+  if (faces.are_split())
+    for (std::size_t t = 0; t < faces.size(); ++t) patch_of_triangle.push_back(patches.of_face[faces.face(t)]);
+  const std::span<const PatchId> patch = faces.are_split() ? patch_of_triangle : patches.of_face.items();
   std::vector<Vec3> normals;
   normals.reserve(patches.count());
   for (const Plane& plane : patches.planes) normals.push_back(plane.normal);
   const std::vector<Vec3>& positions = surface.positions.items();
   const SelfIntersections found =
-      patch_intersections({positions, faces.triangles, patch, normals, is_simple}, kMostIntersections, control);
+      patch_intersections({positions, faces.corners(), patch, normals, is_simple}, kMostIntersections, control);
 
   struct Pair {
     FaceId f, g;
@@ -130,10 +144,9 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
   };
   std::vector<Pair> pairs;
   for (const auto& [t, u] : found.pairs) {
-    const auto [f, g] = std::minmax({faces.face[t.value], faces.face[u.value]});
+    const auto [f, g] = std::minmax({faces.face(t.value), faces.face(u.value)});
     if (f != g)
-      pairs.push_back(
-          {f, g, do_overlap(faces.triangles[t.value], faces.triangles[u.value], positions, plane_tolerance)});
+      pairs.push_back({f, g, do_overlap(faces.triangle(t.value), faces.triangle(u.value), positions, plane_tolerance)});
   }
   for_each_edge_on_a_diagonal(surface, faces, control, [&](FaceId f, FaceId g) {
     if (pairs.size() < 2 * kMostIntersections) pairs.push_back({std::min(f, g), std::max(f, g), false});

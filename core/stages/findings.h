@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -20,14 +21,29 @@ namespace remesh {
 void find_defects(const Surface& welded, const Adjacency& edges, std::vector<Diagnostic>& diagnostics,
                   RunControl& control);
 
-/// A surface's faces as triangles.
-struct Triangulated {
-  std::vector<Triangle> triangles;
-  std::vector<FaceId> face;  ///< of each triangle; ascending
-};
+/// A surface's faces as triangles, polygons split by split_polygon. Looks into the surface: where that has nothing but
+/// triangles, they are its own.
+class Triangulated {
+ public:
+  Triangulated(const Surface& surface, RunControl& control);
 
-/// The faces as triangles, polygons split by split_polygon; for measuring the quality of the input.
-Triangulated triangulated(const Surface& surface, RunControl& control);
+  /// Has the surface other polygons?
+  bool are_split() const { return are_split_; }
+  std::size_t size() const { return corners().size() / 3; }
+  /// Three a triangle.
+  std::span<const VertexId> corners() const { return are_split() ? corners_ : surface_->corners; }
+  Triangle triangle(std::size_t t) const { return {corners()[3 * t], corners()[3 * t + 1], corners()[3 * t + 2]}; }
+  /// The face that a triangle is of; ascending.
+  FaceId face(std::size_t t) const { return are_split() ? face_[t] : FaceId(t); }
+  /// The first triangle of a face.
+  std::size_t first_of(FaceId f) const;
+
+ private:
+  const Surface* surface_;
+  bool are_split_;
+  std::vector<VertexId> corners_;
+  std::vector<FaceId> face_;
+};
 
 /// Faces of a surface that intersect, in pairs.
 struct FoundIntersections {

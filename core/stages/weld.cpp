@@ -163,10 +163,8 @@ void set_local_units(Surface& surface, RunControl& control) {
          Box3 of_block;
          for (std::size_t v = begin; v < end; ++v) of_block.add(surface.positions[VertexId(v)]);
          return of_block;
-       })) {
-    box.add(part.min);
-    box.add(part.max);
-  }
+       }))
+    box.add(part);
   const Vec3 centre = 0.5 * box.min + 0.5 * box.max;
   surface.centre = centre;
   const Vec3 half = box.max - centre;

@@ -3,12 +3,16 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
+
+#include "core/base/blocks.h"
 
 namespace remesh::verification {
 namespace {
 
+constexpr std::size_t kBlock = 8192;
 constexpr std::size_t kCheckEvery = 8192;
 
 /// How far a chain's inner vertices are from the straight line between its ends.
@@ -19,8 +23,8 @@ struct Offset {
   double sliver = 0;         ///< area between chain and line
 };
 
-Offset measure(const std::vector<Vec3>& points, std::span<const VertexId> chain) {
-  const Vec3& from = points[chain.front().value];
+Offset measure(const Points& points, std::span<const VertexId> chain) {
+  const Vec3 from = points[chain.front().value];
   const Vec3 line = points[chain.back().value] - from;
   const double length = norm(line);
   Offset offset;
@@ -156,12 +160,15 @@ class BoundaryCheck {
   /// A new vertex joins the patches along its chain, or is one patch's.
   void check_new_vertices();
 
-  template <class Visit>
-  void for_each_corner(const Faces& faces, const Visit& visit) {
-    for (std::size_t f = 0; f < faces.count(); ++f) {
-      if (f % kCheckEvery == 0) control_.check();
-      for (const VertexId v : faces.face(f)) visit(v, faces.patch[f]);
-    }
+  /// Calls visit(vertex, patch, result) for the corners of a block of faces, with one result for each block.
+  template <class Result, class Visit>
+  std::vector<Result> map_corners(const Faces& faces, const Visit& visit) {
+    return map_blocks<Result>(faces.count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      Result result{};
+      for (std::size_t f = begin; f < end; ++f)
+        for (const VertexId v : faces.face(f)) visit(v, faces.patch[f], result);
+      return result;
+    });
   }
 
   const Model& model_;
@@ -186,26 +193,40 @@ void sort_unique(std::vector<std::uint64_t>& items) {
 
 void BoundaryCheck::check_joints() {
   // Most vertices belong to one patch, and need no list.
-  std::vector<PatchId> only_patch(model_.points.size());
-  std::vector<std::uint8_t> is_shared(model_.points.size(), 0);
-  for_each_corner(model_.input, [&](VertexId v, PatchId p) {
-    PatchId& only = only_patch[v.value];
-    if (!only.is_valid())
-      only = p;
-    else if (only != p)
-      is_shared[v.value] = 1;
+  constexpr std::uint32_t kNone = 0, kSeveral = 0xffffffffu;
+  std::vector<std::atomic<std::uint32_t>> only_patch(model_.points.size());  // its number and 1
+  const auto number = [](PatchId p) { return p.value + 1; };
+  const auto of = [&](VertexId v) { return only_patch[v.value].load(std::memory_order_relaxed); };
+  for_blocks(model_.input.count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f)
+      for (const VertexId v : model_.input.face(f)) {
+        const std::uint32_t p = number(model_.input.patch[f]);
+        std::uint32_t only = of(v);
+        if (only == kNone && only_patch[v.value].compare_exchange_strong(only, p, std::memory_order_relaxed)) continue;
+        if (only != p && only != kSeveral) only_patch[v.value].store(kSeveral, std::memory_order_relaxed);
+      }
   });
   std::vector<std::uint64_t> before, after;
-  for_each_corner(model_.input, [&](VertexId v, PatchId p) {
-    if (is_shared[v.value]) before.push_back(joint(v, p));
+  using Joints = std::vector<std::uint64_t>;
+  const auto of_input = map_corners<Joints>(model_.input, [&](VertexId v, PatchId p, Joints& joints) {
+    if (of(v) == kSeveral) joints.push_back(joint(v, p));
   });
-  for_each_corner(model_.output, [&](VertexId v, PatchId p) {
+  for (const Joints& joints : of_input) before.insert(before.end(), joints.begin(), joints.end());
+  struct OfOutput {
+    Joints joints;
+    std::vector<Finding> foreign;
+  };
+  const auto of_output = map_corners<OfOutput>(model_.output, [&](VertexId v, PatchId p, OfOutput& found) {
     if (model_.is_new(v)) return;
-    if (is_shared[v.value])
-      after.push_back(joint(v, p));
-    else if (only_patch[v.value] != p)
-      findings_.add(p, Fault::kForeignVertex, v.value);
+    if (of(v) == kSeveral)
+      found.joints.push_back(joint(v, p));
+    else if (of(v) != number(p))
+      found.foreign.push_back({p, Fault::kForeignVertex, v.value});
   });
+  for (const OfOutput& found : of_output) {
+    after.insert(after.end(), found.joints.begin(), found.joints.end());
+    findings_.add(found.foreign);
+  }
   sort_unique(before);
   sort_unique(after);
 
@@ -234,12 +255,16 @@ void BoundaryCheck::check_new_vertices() {
   const std::size_t first = model_.surface_vertex_count;
   if (model_.new_vertex_end == first) return;
   std::vector<PatchId> only_patch(model_.new_vertex_end - first);
-  for_each_corner(model_.output, [&](VertexId v, PatchId p) {
-    if (!model_.is_new(v)) return;
-    PatchId& only = only_patch[v.value - first];
-    if (!only.is_valid()) only = p;
-    if (output_.has(v) ? !output_.is_passage_of(v, p) : only != p) findings_.add(p, Fault::kNewVertex, v.value);
-  });
+  for (std::size_t f = 0; f < model_.output.count(); ++f) {
+    if (f % kCheckEvery == 0) control_.check();
+    const PatchId p = model_.output.patch[f];
+    for (const VertexId v : model_.output.face(f)) {
+      if (!model_.is_new(v)) continue;
+      PatchId& only = only_patch[v.value - first];
+      if (!only.is_valid()) only = p;
+      if (output_.has(v) ? !output_.is_passage_of(v, p) : only != p) findings_.add(p, Fault::kNewVertex, v.value);
+    }
+  }
   for (std::size_t i = 0; i < only_patch.size(); ++i)
     if (!only_patch[i].is_valid()) findings_.add(PatchId(), Fault::kNewVertex, static_cast<std::uint32_t>(first + i));
 }

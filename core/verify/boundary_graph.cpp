@@ -4,13 +4,18 @@
 
 namespace remesh::verification {
 
-BoundaryGraph::BoundaryGraph(std::size_t vertex_count, std::vector<Edge> edges)
-    : edges_(std::move(edges)), degree_(vertex_count, 0), incident_(vertex_count) {
-  for (std::uint32_t e = 0; e < edges_.size(); ++e)
-    for (const VertexId v : {edges_[e].low, edges_[e].high}) {
-      std::uint32_t& degree = degree_[v.value];
-      if (degree < 2) incident_[v.value][degree] = e;
-      ++degree;
+BoundaryGraph::BoundaryGraph(std::size_t vertex_count, BoundingEdges bounding)
+    : bounding_(std::move(bounding)), node_of_(vertex_count, 0), nodes_(1) {
+  for (std::uint32_t e = 0; e < edges().size(); ++e)
+    for (const VertexId v : {edges()[e].low, edges()[e].high}) {
+      std::uint32_t& number = node_of_[v.value];
+      if (number == 0) {
+        number = static_cast<std::uint32_t>(nodes_.size());
+        nodes_.emplace_back();
+      }
+      Node& node = nodes_[number];
+      if (node.degree < 2) node.edges[node.degree] = e;
+      ++node.degree;
     }
 }
 

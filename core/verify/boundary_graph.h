@@ -27,24 +27,21 @@ enum class Stray {
 
 class BoundaryGraph {
  public:
-  /// Input:  edges from list_boundary.
-  BoundaryGraph(std::size_t vertex_count, std::vector<Edge> edges);
+  BoundaryGraph(std::size_t vertex_count, BoundingEdges bounding);
 
-  std::span<const Edge> edges() const { return edges_; }
+  std::span<const Edge> edges() const { return bounding_.edges; }
   /// Does a bounding edge end there?
-  bool has(VertexId v) const { return degree_[v.value] > 0; }
+  bool has(VertexId v) const { return node(v).degree > 0; }
   /// Exactly two edges meet there, with the same patches on the same sides: it is inside one seam.
-  bool is_passage(VertexId v) const {
-    return degree_[v.value] == 2 && is_passage(v, incident_[v.value][0], incident_[v.value][1]);
-  }
+  bool is_passage(VertexId v) const { return node(v).degree == 2 && is_passage(v, node(v).edges[0], node(v).edges[1]); }
   /// The vertices before and after a passage.
   std::array<VertexId, 2> neighbours(VertexId passage) const {
-    const auto& [a, b] = incident_[passage.value];
-    return {edges_[a].other(passage), edges_[b].other(passage)};
+    const auto& [a, b] = node(passage).edges;
+    return {edges()[a].other(passage), edges()[b].other(passage)};
   }
   /// Is a vertex inside a seam of that patch?
   bool is_passage_of(VertexId v, PatchId patch) const {
-    return degree_[v.value] == 2 && has_patch(edges_[incident_[v.value][0]].uses, patch);
+    return node(v).degree == 2 && has_patch(edges()[node(v).edges[0]].uses, patch);
   }
 
   /// Cuts the graph at all vertices v for which not is_inner(v).
@@ -53,7 +50,7 @@ class BoundaryGraph {
   template <class IsInner, class OnChain, class OnStray>
   void for_each_chain(RunControl& control, const IsInner& is_inner, const OnChain& on_chain,
                       const OnStray& on_stray) const {
-    std::vector<bool> is_walked(edges_.size(), false);
+    std::vector<bool> is_walked(edges().size(), false);
     std::vector<VertexId> run;
     const auto walk = [&](VertexId start, std::uint32_t first) {
       run.assign(1, start);
@@ -61,33 +58,33 @@ class BoundaryGraph {
       VertexId v = start;
       for (;;) {
         is_walked[e] = true;
-        v = edges_[e].other(v);
+        v = edges()[e].other(v);
         run.push_back(v);
         if (!is_inner(v)) break;
-        if (degree_[v.value] != 2) return on_stray(edges_[e], v, Stray::kNoPassage);
-        const std::uint32_t next = incident_[v.value][0] == e ? incident_[v.value][1] : incident_[v.value][0];
-        if (is_walked[next]) return on_stray(edges_[e], v, Stray::kLoop);  // no edge of a sound surface
+        if (node(v).degree != 2) return on_stray(edges()[e], v, Stray::kNoPassage);
+        const std::uint32_t next = node(v).edges[0] == e ? node(v).edges[1] : node(v).edges[0];
+        if (is_walked[next]) return on_stray(edges()[e], v, Stray::kLoop);  // no edge of a sound surface
         if (!is_passage(v, e, next)) {
-          on_stray(edges_[e], v, Stray::kNoPassage);
-          return on_stray(edges_[next], v, Stray::kNoPassage);
+          on_stray(edges()[e], v, Stray::kNoPassage);
+          return on_stray(edges()[next], v, Stray::kNoPassage);
         }
         e = next;
       }
       const bool is_upwards = start < v;
-      const bool is_flipped = (edges_[first].low == start) != is_upwards;
+      const bool is_flipped = (edges()[first].low == start) != is_upwards;
       on_chain(Chain{std::min(start, v), std::max(start, v), first, is_flipped}, std::span<const VertexId>(run));
     };
-    for (std::uint32_t e = 0; e < edges_.size(); ++e) {
+    for (std::uint32_t e = 0; e < edges().size(); ++e) {
       if (e % kCheckEvery == 0) control.check();
       if (is_walked[e]) continue;
-      if (!is_inner(edges_[e].low))
-        walk(edges_[e].low, e);
-      else if (!is_inner(edges_[e].high))
-        walk(edges_[e].high, e);
+      if (!is_inner(edges()[e].low))
+        walk(edges()[e].low, e);
+      else if (!is_inner(edges()[e].high))
+        walk(edges()[e].high, e);
     }
     // No vertex that counts leads to the others.
-    for (std::uint32_t e = 0; e < edges_.size(); ++e)
-      if (!is_walked[e]) on_stray(edges_[e], edges_[e].low, Stray::kLoop);
+    for (std::uint32_t e = 0; e < edges().size(); ++e)
+      if (!is_walked[e]) on_stray(edges()[e], edges()[e].low, Stray::kLoop);
   }
 
  private:
@@ -96,12 +93,20 @@ class BoundaryGraph {
   /// Both edges have v as an end; they are walked in one sense if v is the larger end of one and the smaller of the
   /// other.
   bool is_passage(VertexId v, std::uint32_t a, std::uint32_t b) const {
-    return have_same_uses(edges_[a].uses, edges_[b].uses, (edges_[a].low == v) == (edges_[b].low == v));
+    return have_same_uses(edges()[a].uses, edges()[b].uses, (edges()[a].low == v) == (edges()[b].low == v));
   }
 
-  std::vector<Edge> edges_;
-  std::vector<std::uint32_t> degree_;
-  std::vector<std::array<std::uint32_t, 2>> incident_;  ///< the first two edges of each vertex
+  /// What ends at a vertex: how many edges, and the first two of them.
+  struct Node {
+    std::uint32_t degree = 0;
+    std::array<std::uint32_t, 2> edges{};
+  };
+  const Node& node(VertexId v) const { return nodes_[node_of_[v.value]]; }
+
+  BoundingEdges bounding_;
+  std::vector<std::uint32_t>
+      node_of_;  ///< of each vertex; most are inside patches, and share node 0, where no edge ends
+  std::vector<Node> nodes_;
 };
 
 }  // namespace remesh::verification

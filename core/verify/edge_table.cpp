@@ -1,13 +1,38 @@
 #include "core/verify/edge_table.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/base/blocks.h"
+#include "core/base/grouping.h"
 
 namespace remesh::verification {
 namespace {
 
 constexpr std::size_t kBlock = 8192;
+constexpr std::size_t kVerticesOfPart = 1024;
+
+/// Puts uses in order that are by half-edge already. Few of them, as most often, each by how many come before it: no
+/// branch on what nobody can foresee.
+void put_in_order(std::span<const Use> uses, std::span<Use> sorted) {
+  constexpr std::size_t kFew = 16;
+  if (uses.size() > kFew) {
+    std::copy(uses.begin(), uses.end(), sorted.begin());
+    return std::sort(sorted.begin(), sorted.end());
+  }
+  std::array<std::uint64_t, kFew> key;
+  std::array<std::uint32_t, kFew> rank;
+  for (std::size_t i = 0; i < uses.size(); ++i) {
+    key[i] = std::uint64_t{uses[i].high.value} << 32 | uses[i].patch().value;
+    rank[i] = 0;
+    for (std::size_t j = 0; j < i; ++j) {
+      const std::uint32_t is_after = key[j] <= key[i];
+      rank[i] += is_after;
+      rank[j] += 1 - is_after;
+    }
+  }
+  for (std::size_t i = 0; i < uses.size(); ++i) sorted[rank[i]] = uses[i];
+}
 
 }  // namespace
 
@@ -34,62 +59,112 @@ bool has_patch(std::span<const Use> uses, PatchId patch) {
   return found != uses.end() && found->patch() == patch;
 }
 
-EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& control)
-    : bucket_(vertex_count + 1, 0), uses_(faces.corners.size()) {
-  const auto for_each_half_edge = [&](const auto& visit) {
-    for (std::size_t f = 0; f < faces.count(); ++f) {
-      if (f % kBlock == 0) control.check();
-      const std::uint32_t begin = faces.face_begin[f], end = faces.face_begin[f + 1];
-      for (std::uint32_t h = begin; h < end; ++h)
-        visit(f, h, faces.corners[h], faces.corners[h + 1 == end ? begin : h + 1]);
-    }
-  };
-  // A counting sort by the smaller vertex, then a small sort within each bucket.
-  for_each_half_edge(
-      [&](std::size_t, std::uint32_t, VertexId from, VertexId to) { ++bucket_[std::min(from, to).value + 1]; });
-  for (std::size_t v = 0; v < vertex_count; ++v) bucket_[v + 1] += bucket_[v];
-  std::vector<std::uint32_t> at(bucket_.begin(), bucket_.end() - 1);
-  for_each_half_edge([&](std::size_t f, std::uint32_t h, VertexId from, VertexId to) {
-    uses_[at[std::min(from, to).value]++] = {std::max(from, to), faces.patch[f], h, from < to};
-  });
-  for_blocks(vertex_count, kBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) std::sort(uses_.begin() + bucket_[v], uses_.begin() + bucket_[v + 1]);
-  });
-}
-
-std::span<const Use> EdgeTable::find(VertexId a, VertexId b) const {
-  const VertexId low = std::min(a, b), high = std::max(a, b);
-  const auto first = uses_.begin() + bucket_[low.value], last = uses_.begin() + bucket_[low.value + 1];
-  const auto begin = std::partition_point(first, last, [high](const Use& use) { return use.high < high; });
-  const auto end = std::partition_point(begin, last, [high](const Use& use) { return use.high == high; });
-  return {begin, end};
-}
-
-EdgeCounts list_boundary(const EdgeTable& table, RunControl& control, std::vector<Edge>& boundary) {
-  struct Block {
-    EdgeCounts counts;
-    std::vector<Edge> boundary;
-  };
-  const auto blocks = map_blocks<Block>(table.vertex_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-    Block block;
-    table.for_each_edge(begin, end, [&](const Edge& edge) {
-      ++block.counts.edges;
-      if (edge.uses.size() != 2)
-        block.counts.is_closed = block.counts.is_consistent = false;
-      else if (edge.uses[0].is_forward() == edge.uses[1].is_forward())
-        block.counts.is_consistent = false;
-      if (!edge.is_interior()) block.boundary.push_back(edge);
-    });
-    return block;
-  });
+/// The edges of neighbouring smaller vertices.
+struct EdgeTable::Part {
   EdgeCounts counts;
-  for (const Block& block : blocks) {
-    counts.edges += block.counts.edges;
-    counts.is_closed = counts.is_closed && block.counts.is_closed;
-    counts.is_consistent = counts.is_consistent && block.counts.is_consistent;
-    boundary.insert(boundary.end(), block.boundary.begin(), block.boundary.end());
+  std::vector<Edge> edges;  ///< those that bound, their uses one after the other
+  std::vector<Use> uses;
+
+  void add(const Edge& edge) {
+    ++counts.edges;
+    if (edge.uses.size() != 2)
+      counts.is_closed = counts.is_consistent = false;
+    else if (edge.uses[0].is_forward() == edge.uses[1].is_forward())
+      counts.is_consistent = false;
+    if (edge.is_interior()) return;
+    edges.push_back(edge);
+    uses.insert(uses.end(), edge.uses.begin(), edge.uses.end());
   }
-  return counts;
+};
+
+EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& control)
+    : faces_(faces), bucket_(vertex_count + 1) {
+  if (faces.corners.size() != 3 * faces.count()) {
+    face_of_.resize(faces.corners.size());
+    for_blocks(faces.count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f)
+        std::fill(face_of_.begin() + faces.face_begin[f], face_of_.begin() + faces.face_begin[f + 1],
+                  static_cast<std::uint32_t>(f));
+    });
+  }
+  // First by parts of so many smaller vertices, then each part for itself.
+  const std::size_t parts = (vertex_count + kVerticesOfPart - 1) / kVerticesOfPart;
+  Grouping by_part = group_by(
+      faces.corners.size(), parts, [&](std::uint32_t h) { return std::min(from(h), to(h)).value / kVerticesOfPart; },
+      control);
+  half_edges_ = std::move(by_part.items);
+  bucket_.back() = static_cast<std::uint32_t>(half_edges_.size());
+  const auto found = map_blocks<Part>(parts, 1, control, [&](std::size_t part, std::size_t) {
+    const std::uint32_t begin = by_part.begin[part], end = by_part.begin[part + 1];
+    return sort_part(part * kVerticesOfPart, std::min(vertex_count, (part + 1) * kVerticesOfPart), begin,
+                     std::span(half_edges_).subspan(begin, end - begin));
+  });
+
+  std::size_t edges = 0, uses = 0;
+  for (const Part& part : found) {
+    edges += part.edges.size();
+    uses += part.uses.size();
+  }
+  bounding_.edges.reserve(edges);
+  bounding_.uses.reserve(uses);
+  for (const Part& part : found) {
+    counts_.edges += part.counts.edges;
+    counts_.is_closed = counts_.is_closed && part.counts.is_closed;
+    counts_.is_consistent = counts_.is_consistent && part.counts.is_consistent;
+    std::size_t at = bounding_.uses.size();
+    bounding_.uses.insert(bounding_.uses.end(), part.uses.begin(), part.uses.end());
+    for (Edge edge : part.edges) {
+      edge.uses = std::span(bounding_.uses).subspan(at, edge.uses.size());
+      at += edge.uses.size();
+      bounding_.edges.push_back(edge);
+    }
+  }
+}
+
+/// Puts the half-edges whose smaller vertices are in [first, last) in the order of their uses, by these vertices. They
+/// are those of the table from `begin` on.
+EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::uint32_t begin,
+                                     std::span<std::uint32_t> half_edges) {
+  // A counting sort by the smaller vertex, then a small sort within each bucket.
+  std::vector<Use> gathered(half_edges.size());
+  std::vector<std::uint16_t> low(half_edges.size());  // less `first`
+  static_assert(kVerticesOfPart <= 1 << 16);
+  std::vector<std::uint32_t> place(last - first + 1, 0);
+  for (std::size_t i = 0; i < half_edges.size(); ++i) {
+    const std::uint32_t h = half_edges[i];
+    const VertexId a = from(h), b = to(h);
+    gathered[i] = {std::max(a, b), faces_.patch[face_of(h)], h, a < b};
+    low[i] = static_cast<std::uint16_t>(std::min(a, b).value - first);
+    ++place[low[i] + 1u];
+  }
+  for (std::size_t v = first; v < last; ++v) {
+    bucket_[v] = begin + place[v - first];
+    place[v - first + 1] += place[v - first];
+  }
+  std::vector<Use> bucketed(half_edges.size());
+  for (std::size_t i = 0; i < gathered.size(); ++i) bucketed[place[low[i]]++] = gathered[i];
+  std::vector<Use>& uses = gathered;  // needed no more
+  Part part;
+  std::size_t start = 0;
+  for (std::size_t v = first; v < last; ++v) {
+    const std::size_t stop = place[v - first];
+    const std::span<Use> bucket = std::span(uses).subspan(start, stop - start);
+    put_in_order(std::span(bucketed).subspan(start, stop - start), bucket);
+    visit_edges(VertexId(v), std::span<const Use>(bucket), [&](const Edge& edge) { part.add(edge); });
+    start = stop;
+  }
+  std::transform(uses.begin(), uses.end(), half_edges.begin(), [](const Use& u) { return u.half_edge; });
+  return part;
+}
+
+std::vector<Use> EdgeTable::find(VertexId a, VertexId b) const {
+  const VertexId low = std::min(a, b), high = std::max(a, b);
+  const auto high_of = [&](std::uint32_t h) { return std::max(from(h), to(h)); };
+  const auto first = half_edges_.begin() + bucket_[low.value], last = half_edges_.begin() + bucket_[low.value + 1];
+  auto found = std::partition_point(first, last, [&](std::uint32_t h) { return high_of(h) < high; });
+  std::vector<Use> uses;
+  for (; found != last && high_of(*found) == high; ++found) uses.push_back(use(*found));
+  return uses;
 }
 
 }  // namespace remesh::verification

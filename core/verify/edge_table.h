@@ -1,9 +1,12 @@
 /// The checker's own edges: who uses each edge, and in which direction.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <tuple>
+#include <utility>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -24,8 +27,6 @@ struct Faces {
 };
 
 /// One side of one face along an edge.
-/// There is one for each corner of the input at once, so it is packed: patches are fewer than faces, and those fewer
-/// than 2^31.
 struct Use {
   Use() = default;
   Use(VertexId high_end, PatchId of, std::uint32_t from_corner, bool runs_forward)
@@ -38,11 +39,12 @@ struct Use {
   bool is_forward() const { return is_forward_ != 0; }
 
   friend bool operator<(const Use& a, const Use& b) {
-    return std::tuple(a.high, a.patch(), a.half_edge) < std::tuple(b.high, b.patch(), b.half_edge);
+    if (a.high != b.high) return a.high < b.high;
+    return std::tuple(a.patch(), a.half_edge) < std::tuple(b.patch(), b.half_edge);
   }
 
  private:
-  std::uint32_t patch_ : 31 = 0;
+  std::uint32_t patch_ : 31 = 0;  ///< patches are fewer than faces, and those fewer than 2^31
   std::uint32_t is_forward_ : 1 = 0;
 };
 
@@ -64,40 +66,83 @@ bool have_same_uses(std::span<const Use> a, std::span<const Use> b, bool is_flip
 /// Is one of the uses that patch's?
 bool has_patch(std::span<const Use> uses, PatchId patch);
 
-/// All edges of some faces, by their smaller vertex.
-class EdgeTable {
- public:
-  /// Cost:   O(n log n).
-  EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& control);
-
-  std::size_t vertex_count() const { return bucket_.size() - 1; }
-  /// Calls visit(Edge) for each edge whose smaller vertex is in [begin, end), by (smaller, larger vertex).
-  template <class Visit>
-  void for_each_edge(std::size_t begin, std::size_t end, const Visit& visit) const {
-    for (std::size_t v = begin; v < end; ++v)
-      for (std::size_t i = bucket_[v]; i < bucket_[v + 1];) {
-        std::size_t j = i + 1;
-        while (j < bucket_[v + 1] && uses_[j].high == uses_[i].high) ++j;
-        visit(Edge{VertexId(v), uses_[i].high, std::span(uses_).subspan(i, j - i)});
-        i = j;
-      }
-  }
-  /// The uses of the edge between a and b; empty if there is none.
-  std::span<const Use> find(VertexId a, VertexId b) const;
-
- private:
-  std::vector<std::uint32_t> bucket_;  ///< uses of vertex v's edges: [bucket_[v], bucket_[v + 1])
-  std::vector<Use> uses_;
-};
-
-/// What the whole table tells.
+/// What the edges of some faces come to.
 struct EdgeCounts {
   std::uint64_t edges = 0;
   bool is_closed = true;      ///< every edge has two uses
   bool is_consistent = true;  ///< and these run in opposite directions
 };
 
-/// Counts the edges and lists those that bound patches, in order.
-EdgeCounts list_boundary(const EdgeTable& table, RunControl& control, std::vector<Edge>& boundary);
+/// Edges that bound patches, by (smaller, larger vertex), with what they look into.
+struct BoundingEdges {
+  BoundingEdges() = default;
+  BoundingEdges(BoundingEdges&&) = default;
+  BoundingEdges& operator=(BoundingEdges&&) = default;
+
+  std::vector<Edge> edges;
+  std::vector<Use> uses;
+};
+
+/// All edges of some faces, by their smaller vertex. Most of them nobody asks for again, and there are many: of each
+/// use its half-edge is kept, and the rest read from the faces.
+class EdgeTable {
+ public:
+  /// Input:  faces that stay as long as the table.
+  /// Cost:   O(n log n).
+  EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& control);
+
+  std::size_t vertex_count() const { return bucket_.size() - 1; }
+  const EdgeCounts& counts() const { return counts_; }
+  /// Once.
+  BoundingEdges take_bounding() { return std::move(bounding_); }
+
+  /// Calls visit(Edge) for each edge whose smaller vertex is in [begin, end), by (smaller, larger vertex). The edge's
+  /// uses are there during the call.
+  template <class Visit>
+  void for_each_edge(std::size_t begin, std::size_t end, const Visit& visit) const {
+    std::vector<Use> uses;
+    for (std::size_t v = begin; v < end; ++v) {
+      uses.clear();
+      for (std::size_t i = bucket_[v]; i < bucket_[v + 1]; ++i) uses.push_back(use(half_edges_[i]));
+      visit_edges(VertexId(v), uses, visit);
+    }
+  }
+  /// The uses of the edge between a and b; empty if there is none.
+  std::vector<Use> find(VertexId a, VertexId b) const;
+
+ private:
+  struct Part;
+
+  /// Input:  the uses of all edges with that smaller vertex, in order.
+  template <class Visit>
+  static void visit_edges(VertexId low, std::span<const Use> uses, const Visit& visit) {
+    for (std::size_t i = 0; i < uses.size();) {
+      std::size_t j = i + 1;
+      while (j < uses.size() && uses[j].high == uses[i].high) ++j;
+      visit(Edge{low, uses[i].high, uses.subspan(i, j - i)});
+      i = j;
+    }
+  }
+
+  std::size_t face_of(std::uint32_t half_edge) const { return face_of_.empty() ? half_edge / 3 : face_of_[half_edge]; }
+  VertexId from(std::uint32_t half_edge) const { return faces_.corners[half_edge]; }
+  VertexId to(std::uint32_t half_edge) const {
+    if (face_of_.empty()) return faces_.corners[half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1];
+    const std::size_t f = face_of_[half_edge];
+    return faces_.corners[half_edge + 1 == faces_.face_begin[f + 1] ? faces_.face_begin[f] : half_edge + 1];
+  }
+  Use use(std::uint32_t half_edge) const {
+    const VertexId a = from(half_edge), b = to(half_edge);
+    return {std::max(a, b), faces_.patch[face_of(half_edge)], half_edge, a < b};
+  }
+  Part sort_part(std::size_t first, std::size_t last, std::uint32_t begin, std::span<std::uint32_t> half_edges);
+
+  Faces faces_;
+  std::vector<std::uint32_t> face_of_;     ///< of each half-edge; empty where all faces are triangles
+  std::vector<std::uint32_t> bucket_;      ///< uses of vertex v's edges: [bucket_[v], bucket_[v + 1])
+  std::vector<std::uint32_t> half_edges_;  ///< of each use
+  EdgeCounts counts_;
+  BoundingEdges bounding_;
+};
 
 }  // namespace remesh::verification

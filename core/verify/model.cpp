@@ -9,6 +9,7 @@
 #include <functional>
 
 #include "core/base/blocks.h"
+#include "core/mesh/triangle_corners.h"
 
 namespace remesh::verification {
 namespace {
@@ -19,12 +20,7 @@ bool is_same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(&a, &b, siz
 
 /// 1 over the power of two above the largest coordinate.
 double scale_of(std::span<const Vec3> positions, RunControl& control) {
-  const auto largest = map_blocks<double>(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-    double m = 0;
-    for (std::size_t i = begin; i < end; ++i) m = std::max(m, largest_coordinate(positions[i]));
-    return m;
-  });
-  const double m = largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
+  const double m = largest_coordinate(positions, control);
   return m > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(m) + 1, -1000, 1000)) : 1.0;
 }
 
@@ -80,15 +76,35 @@ bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count) {
          is_bound(goals.max_edge_length) && is_bound(goals.max_area) && is_bound(goals.min_edge_length);
 }
 
-}  // namespace
-
-ByPatch::ByPatch(std::size_t patch_count, std::span<const PatchId> patch_of)
-    : begin_(patch_count + 1, 0), items_(patch_of.size()) {
-  for (const PatchId p : patch_of) ++begin_[p.value + 1];
-  for (std::size_t p = 0; p < patch_count; ++p) begin_[p + 1] += begin_[p];
-  std::vector<std::uint32_t> at(begin_.begin(), begin_.end() - 1);
-  for (std::size_t i = 0; i < patch_of.size(); ++i) items_[at[patch_of[i].value]++] = static_cast<std::uint32_t>(i);
+/// The output's faces in the model's vertices, and which of these it uses.
+void renumber_output(const Claim& claim, const std::vector<VertexId>& match, Model& model, Findings& findings,
+                     RunControl& control) {
+  const std::size_t face_count = claim.faces.size();
+  model.is_kept.assign(model.points.size(), 0);
+  model.output_face_begin = triangle_begins(face_count, control);
+  model.output_corners.resize(3 * face_count);
+  const auto blocks =
+      map_blocks<std::vector<Finding>>(face_count, kBlock, control, [&](std::size_t begin, std::size_t end) {
+        std::vector<Finding> moved;
+        for (std::size_t f = begin; f < end; ++f)
+          for (std::size_t i = 0; i < 3; ++i) {
+            const VertexId v = claim.faces[f][i], matched = match[v.value];
+            if (matched.value >= model.new_vertex_end)
+              moved.push_back({claim.face_patch[f], Fault::kMovedVertex, v.value});
+            std::atomic_ref(model.is_kept[matched.value]).store(1, std::memory_order_relaxed);
+            model.output_corners[3 * f + i] = matched;
+          }
+        return moved;
+      });
+  for (const auto& moved : blocks) findings.add(moved);
 }
+
+Grouping by_patch(const Faces& faces, std::size_t patch_count, RunControl& control) {
+  return group_by(
+      faces.count(), patch_count, [&](std::uint32_t f) { return faces.patch[f].value; }, control);
+}
+
+}  // namespace
 
 bool is_well_formed(const Claim& claim, RunControl& control) {
   const Surface& surface = claim.surface;
@@ -101,12 +117,15 @@ bool is_well_formed(const Claim& claim, RunControl& control) {
   std::atomic<bool> is_good{true};
   const auto test = [&](std::size_t n, const auto& is_item_good) {
     for_blocks(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i)
-        if (!is_item_good(i)) is_good.store(false, std::memory_order_relaxed);
+      bool is_block_good = true;
+      for (std::size_t i = begin; i < end; ++i) is_block_good &= is_item_good(i);
+      if (!is_block_good) is_good.store(false, std::memory_order_relaxed);
     });
   };
   test(surface.positions.size(), [&](std::size_t v) { return is_finite(surface.positions[VertexId(v)]); });
-  test(surface.corners.size(), [&](std::size_t h) { return surface.corners[h].value < surface.positions.size(); });
+  const std::span<const VertexId> corners = surface.corners;
+  const std::size_t vertex_count = surface.vertex_count();
+  test(corners.size(), [=](std::size_t h) { return corners[h].value < vertex_count; });
   test(surface.face_count(), [&](std::size_t f) {
     return surface.face_begin[f] + 3 <= surface.face_begin[f + 1] && claim.surface_patch[FaceId(f)].value < patch_count;
   });
@@ -124,10 +143,7 @@ Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
   const double scale = scale_of(surface, control);
   model.scale = scale;
   model.surface_vertex_count = surface.size();
-  model.points.resize(surface.size());
-  for_blocks(surface.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t v = begin; v < end; ++v) model.points[v] = scale * surface[v];
-  });
+  model.points = Points(surface, scale);
   model.tolerance = scale * claim.plane_tolerance;
   model.frames = claim.frames.items();
   for (Frame& frame : model.frames) {
@@ -139,7 +155,7 @@ Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
   std::vector<VertexId> match = matches.of_surface;
   const auto append = [&](std::size_t v) {
     match[v] = VertexId(model.points.size());
-    model.points.push_back(scale * claim.positions[v]);
+    model.points.push_back(claim.positions[v]);
   };
   for (std::size_t v = 0; v < match.size(); ++v)
     if (claim.has_new_vertices && !match[v].is_valid() && matches.is_single[v] && is_finite(scale * claim.positions[v]))
@@ -151,25 +167,12 @@ Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
     append(v);
   }
 
-  model.is_kept.assign(model.points.size(), 0);
-  model.output_corners.reserve(3 * claim.faces.size());
-  model.output_face_begin.reserve(claim.faces.size() + 1);
-  model.output_face_begin.push_back(0);
-  for (std::size_t f = 0; f < claim.faces.size(); ++f) {
-    if (f % kBlock == 0) control.check();
-    for (const VertexId v : claim.faces[f]) {
-      const VertexId matched = match[v.value];
-      if (matched.value >= model.new_vertex_end) findings.add(claim.face_patch[f], Fault::kMovedVertex, v.value);
-      model.is_kept[matched.value] = 1;
-      model.output_corners.push_back(matched);
-    }
-    model.output_face_begin.push_back(static_cast<std::uint32_t>(model.output_corners.size()));
-  }
+  renumber_output(claim, match, model, findings, control);
   model.input = {claim.surface.face_begin, claim.surface.corners, claim.surface_patch.items()};
   model.output = {model.output_face_begin, model.output_corners, claim.face_patch};
   model.corner_uv = claim.corner_uv;
-  model.input_by_patch = ByPatch(model.patch_count(), model.input.patch);
-  model.output_by_patch = ByPatch(model.patch_count(), model.output.patch);
+  model.input_by_patch = by_patch(model.input, model.patch_count(), control);
+  model.output_by_patch = by_patch(model.output, model.patch_count(), control);
   return model;
 }
 

@@ -7,24 +7,30 @@
 #include <span>
 #include <vector>
 
+#include "core/base/grouping.h"
+#include "core/geometry/largest_coordinate.h"
 #include "core/verify.h"
 #include "core/verify/edge_table.h"
 #include "core/verify/findings.h"
 
 namespace remesh::verification {
 
-/// Indices grouped by patch.
-class ByPatch {
+/// Points in the model's scale: the surface's, scaled when they are asked for, and then those that were added.
+class Points {
  public:
-  ByPatch() = default;
-  ByPatch(std::size_t patch_count, std::span<const PatchId> patch_of);
-  std::span<const std::uint32_t> operator[](std::size_t patch) const {
-    return std::span(items_).subspan(begin_[patch], begin_[patch + 1] - begin_[patch]);
+  Points() = default;
+  Points(std::span<const Vec3> of_surface, double scale) : of_surface_(of_surface), scale_(scale) {}
+
+  std::size_t size() const { return of_surface_.size() + added_.size(); }
+  Vec3 operator[](std::size_t v) const {
+    return v < of_surface_.size() ? scale_ * of_surface_[v] : added_[v - of_surface_.size()];
   }
+  void push_back(const Vec3& unscaled) { added_.push_back(scale_ * unscaled); }
 
  private:
-  std::vector<std::uint32_t> begin_;
-  std::vector<std::uint32_t> items_;
+  std::span<const Vec3> of_surface_;
+  double scale_ = 1;
+  std::vector<Vec3> added_;
 };
 
 /// Vertices are numbered as in the surface. The new ones of a refined result follow, then output vertices that are
@@ -34,14 +40,14 @@ struct Model {
   Model() = default;
   Model(Model&&) = default;  // not copied: spans look into the model itself
 
-  std::vector<Vec3> points;
+  Points points;
   std::size_t surface_vertex_count = 0;
   std::size_t new_vertex_end = 0;     ///< new vertices are numbered from surface_vertex_count to here
   std::vector<std::uint8_t> is_kept;  ///< the output uses this vertex
   Faces input;
   Faces output;
-  ByPatch input_by_patch;
-  ByPatch output_by_patch;
+  Grouping input_by_patch;
+  Grouping output_by_patch;
   std::vector<Frame> frames;
   std::span<const Vec2> corner_uv;  ///< one per output corner
   double scale = 1;                 ///< model units times this are the units here
@@ -65,9 +71,6 @@ struct Model {
   std::vector<std::uint32_t> output_face_begin;
   std::vector<VertexId> output_corners;
 };
-
-/// The largest of a point's coordinates, without sign.
-inline double largest_coordinate(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
 
 /// Do the claim's arrays fit together, with every number in range and every surface coordinate finite?
 bool is_well_formed(const Claim& claim, RunControl& control);

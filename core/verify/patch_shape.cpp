@@ -12,7 +12,7 @@ namespace remesh::verification {
 namespace {
 
 constexpr std::size_t kPatchesPerBlock = 256;
-constexpr std::size_t kCheckEvery = 8192;
+constexpr std::size_t kFacesPerBlock = 8192;
 
 /// Smallest and largest height over the patch's plane.
 struct Heights {
@@ -21,6 +21,10 @@ struct Heights {
   void add(double h) {
     low = std::min(low, h);
     high = std::max(high, h);
+  }
+  void add(const Heights& other) {
+    low = std::min(low, other.low);
+    high = std::max(high, other.high);
   }
 };
 
@@ -32,8 +36,34 @@ struct Measures {
   double magnitude = 0;  ///< sum of the products that went into twice_area
   std::size_t terms = 0;
 
+  void add(const Measures& other) {
+    twice_area += other.twice_area;
+    twice_absolute_area += other.twice_absolute_area;
+    volume += other.volume;
+    magnitude += other.magnitude;
+    terms += other.terms;
+  }
   /// Rounding of `twice_area`: each term by a few units in its last place, each addition by one in that of the sum.
   double rounding() const { return static_cast<double>(terms + 8) * 0x1p-52 * magnitude; }
+};
+
+/// What some faces of a patch, of one side, come to.
+struct Reading {
+  Heights heights;
+  Measures measures;
+  double reach = 0;              ///< largest coordinate relative to the frame's origin
+  FaceId facing_away;            ///< the first of the input's
+  bool are_all_positive = true;  ///< the output's
+  std::vector<Finding> findings;
+
+  void add(const Reading& other) {
+    heights.add(other.heights);
+    measures.add(other.measures);
+    reach = std::max(reach, other.reach);
+    facing_away = std::min(facing_away, other.facing_away);  // an invalid one is the largest
+    are_all_positive = are_all_positive && other.are_all_positive;
+    findings.insert(findings.end(), other.findings.begin(), other.findings.end());
+  }
 };
 
 bool is_frame(const Frame& frame) {
@@ -45,7 +75,7 @@ bool is_frame(const Frame& frame) {
          std::frexp(frame.scale, &exponent) == 0.5 && (frame.grid == kCoarseGrid || frame.grid == kFineGrid);
 }
 
-double longest_extent(std::span<const VertexId> face, const std::vector<Vec3>& points) {
+double longest_extent(std::span<const VertexId> face, const Points& points) {
   Box3 box;
   for (const VertexId v : face) box.add(points[v.value]);
   return box.diagonal();
@@ -73,8 +103,11 @@ class PatchCheck {
     if (input_faces_.empty() || output_faces_.empty()) return report(Fault::kNoFaces);
     has_frame_ = is_frame(frame_);
     if (!has_frame_) report(Fault::kFrame);
-    for (const std::uint32_t f : input_faces_) read_input(f);
-    for (const std::uint32_t f : output_faces_) read_output(f);
+    control_.check();
+    input_ = read(input_faces_, [&](std::uint32_t f, Reading& reading) { read_input(f, reading); });
+    output_ = read(output_faces_, [&](std::uint32_t f, Reading& reading) { read_output(f, reading); });
+    findings_.insert(findings_.end(), output_.findings.begin(), output_.findings.end());
+    reach_ = std::max(input_.reach, output_.reach);
     compare_areas();
     const double deviation = check_deviation();
     sums.deviation = std::max(sums.deviation, deviation);
@@ -83,29 +116,47 @@ class PatchCheck {
 
  private:
   void report(Fault fault, std::uint32_t element = 0) { findings_.push_back({PatchId(patch_), fault, element}); }
-  void tick() {
-    if (++steps_ % kCheckEvery == 0) control_.check();
+
+  /// Reads the faces of one side: all at once or, of a large patch, block by block.
+  template <class ReadFace>
+  Reading read(std::span<const std::uint32_t> faces, const ReadFace& read_face) {
+    const auto read_block = [&](std::size_t begin, std::size_t end) {
+      Reading reading;
+      for (const std::uint32_t f : faces.subspan(begin, end - begin)) read_face(f, reading);
+      return reading;
+    };
+    if (faces.size() <= kFacesPerBlock) return read_block(0, faces.size());
+    Reading all;
+    for (const Reading& block : map_blocks<Reading>(faces.size(), kFacesPerBlock, control_, read_block)) all.add(block);
+    return all;
   }
 
-  double height(VertexId v) {
-    const Vec3 d = model_.points[v.value] - frame_.origin;
-    reach_ = std::max(reach_, largest_coordinate(d));
-    // A new vertex was rounded when it was made, by its coordinates, not by its distance from the frame's origin.
-    if (model_.is_new(v)) reach_ = std::max(reach_, largest_coordinate(model_.points[v.value]));
-    return dot(d, frame_.normal);
-  }
+  double height(const Vec3& p) const { return dot(p - frame_.origin, frame_.normal); }
 
-  /// Adds a face to the measures; returns twice its area vector.
-  Vec3 add_face(std::span<const VertexId> face, Measures& measures) {
-    const Vec3& first = model_.points[face[0].value];
-    Vec3 twice_area, previous = model_.points[face[1].value] - first;
-    for (std::size_t i = 2; i < face.size(); ++i) {
-      const Vec3 next = model_.points[face[i].value] - first;
+  /// Adds a face to heights and measures; returns twice its area vector.
+  Vec3 add_face(std::span<const VertexId> face, Reading& reading) const {
+    const Vec3 first = model_.points[face[0].value];
+    Heights heights;
+    double reach = 0, magnitude = 0;
+    const auto add_point = [&](const Vec3& p) {
+      heights.add(height(p));
+      reach = std::max(reach, largest_coordinate(p - frame_.origin));
+    };
+    add_point(first);
+    Vec3 twice_area, previous;
+    for (std::size_t i = 1; i < face.size(); ++i) {
+      const Vec3 p = model_.points[face[i].value];
+      add_point(p);
+      const Vec3 next = p - first;
       twice_area += cross(previous, next);
-      measures.magnitude += (std::fabs(previous.x) + std::fabs(previous.y) + std::fabs(previous.z)) *
-                            (std::fabs(next.x) + std::fabs(next.y) + std::fabs(next.z));
+      magnitude += (std::fabs(previous.x) + std::fabs(previous.y) + std::fabs(previous.z)) *
+                   (std::fabs(next.x) + std::fabs(next.y) + std::fabs(next.z));
       previous = next;
     }
+    reading.heights.add(heights);
+    reading.reach = std::max(reading.reach, reach);
+    Measures& measures = reading.measures;
+    measures.magnitude += magnitude;
     measures.terms += face.size() - 2;
     measures.twice_area += twice_area;
     measures.twice_absolute_area += std::sqrt(norm_squared(twice_area));
@@ -113,49 +164,49 @@ class PatchCheck {
     return twice_area;
   }
 
-  void read_input(std::uint32_t f) {
-    tick();
+  void read_input(std::uint32_t f, Reading& reading) const {
     const auto face = model_.input.face(f);
-    for (const VertexId v : face) input_heights_.add(height(v));
-    const Vec3 twice_area = add_face(face, input_);
+    const Vec3 twice_area = add_face(face, reading);
     if (!(dot(twice_area, frame_.normal) > 0)) {
       const double extent = longest_extent(face, model_.points);
       const bool is_high = extent > 0 && !model_.is_within_tolerance(norm(twice_area) / extent / 2, extent);
-      if (is_high && !facing_away_.is_valid()) facing_away_ = FaceId(f);
+      if (is_high && !reading.facing_away.is_valid()) reading.facing_away = FaceId(f);
     }
   }
 
-  void read_output(std::uint32_t f) {
-    tick();
+  void read_output(std::uint32_t f, Reading& reading) const {
+    const auto report = [&](Fault fault) { reading.findings.push_back({PatchId(patch_), fault, f}); };
     const auto face = model_.output.face(f);
-    for (const VertexId v : face) output_heights_.add(height(v));
-    const Vec3 twice_area = add_face(face, output_);
+    const Vec3 twice_area = add_face(face, reading);
+    // A new vertex was rounded when it was made, by its coordinates, not by its distance from the frame's origin.
+    for (const VertexId v : face)
+      if (model_.is_new(v)) reading.reach = std::max(reading.reach, largest_coordinate(model_.points[v.value]));
 
-    const Vec3 &a = model_.points[face[0].value], &b = model_.points[face[1].value], &c = model_.points[face[2].value];
+    const Vec3 a = model_.points[face[0].value], b = model_.points[face[1].value], c = model_.points[face[2].value];
     const double extent = std::sqrt(std::max({norm_squared(b - a), norm_squared(c - b), norm_squared(a - c)}));
     const double twice_size = std::sqrt(norm_squared(twice_area));
     if (!(twice_size > 1e-12 * extent * extent) && is_collinear(a, b, c) && !is_input_triangle(face))
-      report(Fault::kZeroArea, f);
+      report(Fault::kZeroArea);
     // Turned over in space; but of a triangle no higher than the tolerance noise decides where it looks.
     const bool is_away = !(dot(twice_area, frame_.normal) > 0) &&
                          !(extent > 0 && model_.is_within_tolerance(twice_size / extent, extent));
-    const bool is_turned_over = !read_plane_coordinates(f, face) || is_away;
-    if (is_turned_over && !is_input_triangle(face)) report(Fault::kInverted, f);
+    const bool is_turned_over = !read_plane_coordinates(f, face, reading) || is_away;
+    if (is_turned_over && !is_input_triangle(face)) report(Fault::kInverted);
   }
 
   /// Tests the stored coordinates of a face; returns whether they turn counter-clockwise.
-  bool read_plane_coordinates(std::uint32_t f, std::span<const VertexId> face) {
+  bool read_plane_coordinates(std::uint32_t f, std::span<const VertexId> face, Reading& reading) const {
     if (!has_frame_) return true;  // nothing to go by; the frame has been reported
     const Vec2* uv = &model_.corner_uv[3 * f];
     for (int i = 0; i < 3; ++i) {
       if (is_on_grid(uv[i], frame_.grid) && is_projection(uv[i], face[i])) continue;
-      report(Fault::kPlaneCoordinates, f);
-      are_all_positive_ = false;
+      reading.findings.push_back({PatchId(patch_), Fault::kPlaneCoordinates, f});
+      reading.are_all_positive = false;
       return true;
     }
     const bool is_positive = orientation(uv[0], uv[1], uv[2], frame_.grid) > 0;
     is_positive_[f] = is_positive ? 1 : 0;
-    are_all_positive_ = are_all_positive_ && is_positive;
+    reading.are_all_positive = reading.are_all_positive && is_positive;
     return is_positive;
   }
 
@@ -163,7 +214,7 @@ class PatchCheck {
   /// computations (the stage's and this one), each of some four operations on numbers no larger than the sum of |d|'s
   /// coordinates. A new vertex may have been made in the plane: then it is the one in space that was rounded.
   bool is_projection(Vec2 uv, VertexId v) const {
-    const Vec3& p = model_.points[v.value];
+    const Vec3 p = model_.points[v.value];
     const Vec3 d = p - frame_.origin;
     double noise = 0x1p-49 * (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / frame_.scale;
     if (model_.is_new(v)) noise += Model::rounding(largest_coordinate(p)) / frame_.scale;
@@ -193,8 +244,8 @@ class PatchCheck {
 
   /// The area vector depends on the boundary alone (Stokes), so it may change by the slivers there, and by rounding.
   void compare_areas() {
-    const double change = norm(output_.twice_area - input_.twice_area) / 2;
-    if (!(change <= boundary_.slivers[patch_] * (1 + 1e-9) + input_.rounding() + output_.rounding()))
+    const double change = norm(output_.measures.twice_area - input_.measures.twice_area) / 2;
+    if (!(change <= boundary_.slivers[patch_] * (1 + 1e-9) + input_.measures.rounding() + output_.measures.rounding()))
       report(Fault::kArea);
   }
 
@@ -202,18 +253,18 @@ class PatchCheck {
   double check_deviation() {
     const double along_boundary = boundary_.deviation[patch_];
     height_bound_ =
-        std::max({input_heights_.high - output_heights_.low, output_heights_.high - input_heights_.low, 0.0});
+        std::max({input_.heights.high - output_.heights.low, output_.heights.high - input_.heights.low, 0.0});
     if (!has_frame_) return along_boundary;
     const bool is_flat = model_.is_within_tolerance(height_bound_, reach_);
-    if ((!is_flat || facing_away_.is_valid()) && is_unchanged()) {
+    if ((!is_flat || input_.facing_away.is_valid()) && is_unchanged()) {
       height_bound_ = 0;
       return 0;
     }
-    if (facing_away_.is_valid()) report(Fault::kFacingAway, facing_away_.value);
+    if (input_.facing_away.is_valid()) report(Fault::kFacingAway, input_.facing_away.value);
     if (is_flat) return std::max(along_boundary, height_bound_);
-    const double measured =
-        std::max(are_all_positive_ ? largest_height_of_dropped(model_, patch_, seams_.input, control_) : height_bound_,
-                 bound_of_new_heights());
+    const double measured = std::max(
+        output_.are_all_positive ? largest_height_of_dropped(model_, patch_, seams_.input, control_) : height_bound_,
+        bound_of_new_heights());
     if (!model_.is_within_tolerance(measured, reach_)) report(Fault::kDeviation);
     return std::max(along_boundary, std::min(measured, height_bound_));
   }
@@ -225,8 +276,8 @@ class PatchCheck {
     for (const std::uint32_t f : output_faces_)
       for (const VertexId v : model_.output.face(f))
         if (model_.is_new(v) && !seams_.output.has(v)) {
-          const double h = height(v);
-          bound = std::max({bound, input_heights_.high - h, h - input_heights_.low});
+          const double h = height(model_.points[v.value]);
+          bound = std::max({bound, input_.heights.high - h, h - input_.heights.low});
         }
     if (model_.is_within_tolerance(bound, reach_)) return bound;
     return std::min(bound, largest_height_of_new(model_, patch_, seams_.output, control_));
@@ -235,11 +286,11 @@ class PatchCheck {
   /// Input and output of the patch, and the slivers between their boundaries, enclose no more than the area that they
   /// cover times the difference of their heights; the slivers of neighbours cancel where the surface is closed.
   void add_volume(ShapeSums& sums) const {
-    sums.volume_change += output_.volume - input_.volume;
-    sums.volume_bound +=
-        (std::max(input_.twice_absolute_area, output_.twice_absolute_area) / 2 + boundary_.slivers[patch_]) *
-            (height_bound_ + 1e-15 * reach_) +
-        input_.rounding() + output_.rounding();
+    sums.volume_change += output_.measures.volume - input_.measures.volume;
+    sums.volume_bound += (std::max(input_.measures.twice_absolute_area, output_.measures.twice_absolute_area) / 2 +
+                          boundary_.slivers[patch_]) *
+                             (height_bound_ + 1e-15 * reach_) +
+                         input_.measures.rounding() + output_.measures.rounding();
   }
 
   const Model& model_;
@@ -254,12 +305,8 @@ class PatchCheck {
   RunControl& control_;
 
   bool has_frame_ = false;
-  bool are_all_positive_ = true;
-  std::size_t steps_ = 0;
-  double reach_ = 0;  ///< largest coordinate relative to the frame's origin
-  Heights input_heights_, output_heights_;
-  Measures input_, output_;
-  FaceId facing_away_;
+  Reading input_, output_;
+  double reach_ = 0;  ///< of both
   double height_bound_ = 0;
 };
 

@@ -148,6 +148,65 @@ TEST(Quality, agrees_with_a_plain_computation_on_random_triangles) {
   EXPECT_EQ(total(q.radius_edge_histogram), faces.size());
 }
 
+/// The angles of triangles by an arc tangent each, in degrees.
+std::vector<double> plain_angles(const TriangleMesh& mesh) {
+  std::vector<double> angles;
+  for (const Triangle& t : mesh.faces)
+    for (int i = 0; i < 3; ++i) {
+      const Vec3 at = mesh.positions[t[i]];
+      const Vec3 to = mesh.positions[t[(i + 1) % 3]] - at, other = mesh.positions[t[(i + 2) % 3]] - at;
+      angles.push_back(std::atan2(std::sqrt(norm_squared(cross(to, other))), dot(to, other)) * 180 / kPi);
+    }
+  return angles;
+}
+
+TEST(Quality, angles_of_lattice_triangles_are_in_the_bins_of_their_arc_tangents) {
+  // All of a lattice of 4 x 4 x 2 points: right angles and halves of them, at many lengths, and zero areas. None has an
+  // angle that is a multiple of 10 degrees but 60, 90 and 120, and of these only 90 is exact in doubles.
+  std::vector<Vec3> positions;
+  for (int i = 0; i < 32; ++i) positions.push_back({1.0 * (i & 3), 1.0 * (i >> 2 & 3), 1.0 * (i >> 4)});
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t a = 0; a < 32; ++a)
+    for (std::uint32_t b = 0; b < 32; ++b)
+      for (std::uint32_t c = 0; c < 32; ++c)
+        if (a != b && b != c && a != c) faces.push_back({a, b, c});
+  const TriangleMesh mesh = shapes::triangles(shapes::from_lists(positions, faces));
+  std::vector<std::uint64_t> least(18, 0), most(18, 0);
+  for (const double angle : plain_angles(mesh))
+    for (int k = 0; k < 18; ++k) {
+      const bool is_last = k == 17;
+      const double doubt = angle == 90 ? 0 : 1e-9;
+      least[k] += angle >= 10 * k + doubt && (is_last || angle < 10 * k + 10 - doubt);
+      most[k] += angle >= 10 * k - doubt && (is_last || angle < 10 * k + 10 + doubt);
+    }
+  const Quality q = quality_of(positions, faces);
+  for (int k = 0; k < 18; ++k) {
+    EXPECT_GE(q.angle_histogram_deg.counts[k], least[k]) << k;
+    EXPECT_LE(q.angle_histogram_deg.counts[k], most[k]) << k;
+  }
+  EXPECT_EQ(total(q.angle_histogram_deg), 3 * faces.size());
+  EXPECT_EQ(q.min_angle_deg, 0);
+  EXPECT_EQ(q.max_angle_deg, 180);
+}
+
+TEST(Quality, the_extreme_angles_are_those_of_their_arc_tangents_to_a_few_last_places) {
+  // Needles of all sizes beside each other: cosines tell none of their angles from another.
+  for (int needle = 0; needle < 60; ++needle) {
+    std::vector<Vec3> positions;
+    std::vector<std::vector<std::uint32_t>> faces;
+    for (int i = 0; i <= needle; ++i) {
+      const double height = std::pow(0.6, i), at = 0.1 + 0.7 * std::fmod(0.37 * i, 1);
+      const auto n = static_cast<std::uint32_t>(positions.size());
+      for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{at, height, 0}}) positions.push_back(p);
+      faces.push_back({n, n + 1, n + 2});
+    }
+    const auto angles = plain_angles(shapes::triangles(shapes::from_lists(positions, faces)));
+    const Quality q = quality_of(positions, faces);
+    EXPECT_NEAR(q.min_angle_deg / *std::min_element(angles.begin(), angles.end()), 1, 1e-15 * 8) << needle;
+    EXPECT_NEAR(q.max_angle_deg / *std::max_element(angles.begin(), angles.end()), 1, 1e-15 * 8) << needle;
+  }
+}
+
 TEST(Quality, has_the_same_bits_for_any_number_of_threads) {
   const auto mesh = shapes::triangles(shapes::rotated(shapes::noisy_sheet(60, 3), {1, 2, 3}, 40));
   RunControl control;

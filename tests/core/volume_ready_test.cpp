@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "core/geometry/self_intersections.h"
+#include "core/mesh/triangle_corners.h"
 #include "tests/support/shapes.h"
 
 namespace remesh {
@@ -19,7 +20,7 @@ std::map<DiagnosticCode, VolumeObstacle> obstacles_of(const PolygonMesh& mesh) {
   const auto& faces = triangles.faces.items();
   const SelfIntersections found = self_intersections(positions, faces, {}, 1'000'000, control);
   std::map<DiagnosticCode, VolumeObstacle> by_code;
-  for (VolumeObstacle& o : find_volume_obstacles(positions, faces, found.pairs, 1e-9, control)) {
+  for (VolumeObstacle& o : find_volume_obstacles(positions, corners_of(faces), found.pairs, 1e-9, control)) {
     EXPECT_EQ(o.places.size(), std::min<std::size_t>(o.count, VolumeObstacle::kMaxPlaces));
     by_code[o.code] = std::move(o);
   }

@@ -12,6 +12,7 @@
 
 #include "core/geometry/patch_intersections.h"
 #include "core/geometry/self_intersections.h"
+#include "core/mesh/triangle_corners.h"
 #include "core/stages/findings.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -63,8 +64,11 @@ std::vector<Corners3> triangles_of(const PolygonMesh& mesh) {
   RunControl control;
   const Surface surface = mended(mesh);
   std::vector<Corners3> all;
-  for (const Triangle& t : triangulated(surface, control).triangles)
-    all.push_back({surface.positions[t[0]], surface.positions[t[1]], surface.positions[t[2]]});
+  const Triangulated triangles(surface, control);
+  for (std::size_t i = 0; i < triangles.size(); ++i) {
+    const auto [a, b, c] = triangles.triangle(i);
+    all.push_back({surface.positions[a], surface.positions[b], surface.positions[c]});
+  }
   return all;
 }
 
@@ -129,9 +133,9 @@ std::size_t intersecting_pairs(const Result& result) {
   for (const PatchSummary& patch : result.report.patches) normals.push_back(patch.normal);
   const std::vector<std::uint8_t> is_simple(normals.size(), 1);
   RunControl control;
-  return patch_intersections(
-             {result.mesh.positions.items(), result.mesh.faces.items(), result.face_patch.items(), normals, is_simple},
-             1000, control)
+  return patch_intersections({result.mesh.positions.items(), corners_of(result.mesh.faces.items()),
+                              result.face_patch.items(), normals, is_simple},
+                             1000, control)
       .pairs.size();
 }
 

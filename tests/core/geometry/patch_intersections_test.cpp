@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "core/mesh/triangle_corners.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 
@@ -28,8 +29,8 @@ struct Patched {
 
   SelfIntersections find() const {
     RunControl control;
-    return patch_intersections({triangles.positions.items(), triangles.faces.items(), patch, normals, simple},
-                               1'000'000, control);
+    return patch_intersections(
+        {triangles.positions.items(), corners_of(triangles.faces.items()), patch, normals, simple}, 1'000'000, control);
   }
   SelfIntersections find_all() const {
     RunControl control;

@@ -101,9 +101,10 @@ TEST(predicates_3d, points_of_a_small_grid_have_the_sign_of_integer_arithmetic_a
 }
 
 TEST(predicates_3d, scaling_brings_any_magnitude_into_the_range_by_a_power_of_two) {
+  RunControl control;
   for (const double size : {5e-324, 1e-300, 1.0, 3.4e38, 1.7e308}) {
     const std::vector<Vec3> points = {{size, -size, 0}, {0.5 * size, 0, -0.75 * size}};
-    const std::vector<Vec3> scaled = scaled_for_predicates(points);
+    const std::vector<Vec3> scaled = scaled_for_predicates(points, control);
     EXPECT_GE(scaled[0].x, 0x1p249);
     EXPECT_LT(scaled[0].x, 0x1p250);
     // The quotient is a power of two, the same for every coordinate.
@@ -114,7 +115,7 @@ TEST(predicates_3d, scaling_brings_any_magnitude_into_the_range_by_a_power_of_tw
     EXPECT_EQ(scaled[1].x, std::ldexp(0.5 * size, 250 - exponent));
     EXPECT_EQ(scaled[1].z, std::ldexp(-0.75 * size, 250 - exponent));
   }
-  EXPECT_EQ(scaled_for_predicates(std::vector<Vec3>{{0, 0, 0}}), (std::vector<Vec3>{{0, 0, 0}}));
+  EXPECT_EQ(scaled_for_predicates(std::vector<Vec3>{{0, 0, 0}}, control), (std::vector<Vec3>{{0, 0, 0}}));
 }
 
 }  // namespace

@@ -1,0 +1,58 @@
+/// Items grouped by small numbers, in parallel.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/base/run_control.h"
+
+namespace remesh {
+
+/// The numbers 0 .. n-1 by their keys.
+struct Grouping {
+  std::vector<std::uint32_t> begin;  ///< of each key's items; one entry more than there are keys
+  std::vector<std::uint32_t> items;  ///< ascending in each group
+
+  std::span<const std::uint32_t> operator[](std::size_t key) const {
+    return std::span(items).subspan(begin[key], begin[key + 1] - begin[key]);
+  }
+};
+
+/// A counting sort of 0 .. n-1 by key_of(i), which is below `key_count` and asked for twice.
+/// Cost:   O(n + keys); on the caller's TBB arena, as far as there are many more items than keys.
+template <class KeyOf>
+Grouping group_by(std::size_t n, std::size_t key_count, const KeyOf& key_of, RunControl& control) {
+  // Each block counts for itself; so many items in each that all counts together are fewer than items.
+  constexpr std::size_t kLeast = 1 << 14;
+  const std::size_t size = std::max(kLeast, 8 * key_count);
+  const std::size_t blocks = (n + size - 1) / size;
+  std::vector<std::uint32_t> at(blocks * key_count, 0);
+  const auto for_each_item = [&](const auto& visit) {
+    for_blocks(n, size, control, [&](std::size_t begin, std::size_t end) {
+      std::uint32_t* const of_block = at.data() + begin / size * key_count;
+      for (std::size_t i = begin; i < end; ++i) visit(of_block[key_of(static_cast<std::uint32_t>(i))], i);
+    });
+  };
+  for_each_item([](std::uint32_t& count, std::size_t) { ++count; });
+  Grouping groups;
+  groups.begin.reserve(key_count + 1);
+  std::uint32_t total = 0;
+  for (std::size_t key = 0; key < key_count; ++key) {
+    groups.begin.push_back(total);
+    for (std::size_t block = 0; block < blocks; ++block) {
+      const std::uint32_t count = at[block * key_count + key];
+      at[block * key_count + key] = total;
+      total += count;
+    }
+  }
+  groups.begin.push_back(total);
+  groups.items.resize(n);
+  for_each_item([&](std::uint32_t& place, std::size_t i) { groups.items[place++] = static_cast<std::uint32_t>(i); });
+  return groups;
+}
+
+}  // namespace remesh

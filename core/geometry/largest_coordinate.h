@@ -1,0 +1,31 @@
+/// The size of a set of points: what they are scaled by, before anything could overflow.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+
+namespace remesh {
+
+/// The largest of a point's coordinates, without sign.
+inline double largest_coordinate(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
+
+/// The largest coordinate of all points, without sign; 0 if there are none.
+/// Cost:   O(n), on the caller's TBB arena.
+inline double largest_coordinate(std::span<const Vec3> points, RunControl& control) {
+  constexpr std::size_t kBlock = 1 << 14;
+  const auto largest = map_blocks<double>(points.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    double m = 0;
+    for (std::size_t i = begin; i < end; ++i) m = std::max(m, largest_coordinate(points[i]));
+    return m;
+  });
+  return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
+}
+
+}  // namespace remesh
