@@ -32,7 +32,8 @@ double squared_length(Vec2 a) { return dot(a, a); }
 }  // namespace
 
 Criteria::Criteria(const Goals& goals, const SizeField& field)
-    : max_area(goals.max_area),
+    : has_sizes(!field.is_uniform() || std::isfinite(field.largest()) || std::isfinite(goals.max_area)),
+      max_area(goals.max_area),
       min_edge_length(goals.min_edge_length),
       split_boundaries(goals.split_boundaries),
       sizes(field) {
@@ -99,6 +100,7 @@ bool PatchRefiner::is_sharp(double squares, double shortest_squared, double twic
 }
 
 bool PatchRefiner::is_too_large(std::uint32_t t, double longest_squared, double twice_area) const {
+  if (!criteria_.has_sizes) return false;
   const double scale = patch_.frame.scale;
   if (twice_area / 2 * scale * scale > criteria_.max_area) return true;
   const double longest = std::sqrt(longest_squared) * scale;
@@ -125,9 +127,9 @@ bool PatchRefiner::is_at_input_angle(std::uint32_t shortest) const {
 
 bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const {
   if (is_free(a) || is_free(b)) return false;
-  const double chord = norm(mesh_.point(a) - mesh_.point(b)) * patch_.frame.scale;
   const auto is_same_shell = [&](double from_a, double from_b) {
-    return std::fabs(from_a - from_b) <= kSameShell * from_a && chord < from_a * (1 - kSameShell);
+    if (!(std::fabs(from_a - from_b) <= kSameShell * from_a)) return false;
+    return norm(mesh_.point(a) - mesh_.point(b)) * patch_.frame.scale < from_a * (1 - kSameShell);
   };
   const auto segments_at = [&](std::uint32_t corner) {
     return std::pair(corner_segments_.begin() + corner_begin_[corner],
