@@ -133,7 +133,7 @@ class PatchRefiner {
 
   void treat(const Task& task);
   Vec2 steiner_point(const Shape& shape) const;
-  int count_good(Vec2 p) const;
+  int count_good(Vec2 p, int least) const;
   Vec2 lowered(Vec2 p, std::uint32_t shortest) const;
   bool is_encroached(Vec2 p, Vec2 a, Vec2 b) const;
   /// Cuts a piece where the table says. Returns whether it did.
