@@ -1,4 +1,5 @@
-/// Exact geometric predicates in the plane: a cheap filter first, then expansion arithmetic.
+/// Exact geometric predicates in the plane: a cheap filter first, then integers for points of the lattice on which
+/// patches lie, expansion arithmetic for others.
 /// The coordinates' magnitudes must be 0 or within [2^-120, 2^120] (patch frames guarantee it), so that no product
 /// under- or overflows.
 /// Source: Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997.

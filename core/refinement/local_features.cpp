@@ -28,29 +28,38 @@ class FeatureSearch {
     const std::uint32_t a = mesh.from(h), b = mesh.to(h);
     const Vec2 pa = patch_.uv[a], pb = patch_.uv[b];
     double best = dot(pb - pa, pb - pa);
-    queue_.assign(1, h);
+    double nearest_before = best;
+    std::size_t most = kMostIdle;
+    queue_.assign(1, {h, kOwnEnd, kOwnEnd});
     seen_[h / 3] = h;
     for (std::size_t i = 0; i < queue_.size(); ++i) {
-      const std::uint32_t entry = queue_[i];
-      const std::uint32_t v = mesh.apex(entry);
-      if (v != a && v != b) best = std::min(best, squared_distance(pa, pb, patch_.uv[v]));
-      for (const std::uint32_t e : {Mesh::next(entry), Mesh::previous(entry)}) {
-        const std::uint32_t c = mesh.from(e), d = mesh.to(e);
-        const Vec2 pc = patch_.uv[c], pd = patch_.uv[d];
+      const Entry entry = queue_[i];
+      if (best < nearest_before) {
+        nearest_before = best;
+        most = std::min(i + kMostIdle, kMostTriangles);
+      }
+      const std::uint32_t v = mesh.apex(entry.half_edge);
+      const bool is_apex_own = v == a || v == b;
+      const double apex_distance = is_apex_own ? kOwnEnd : squared_distance(pa, pb, patch_.uv[v]);
+      if (!is_apex_own) best = std::min(best, apex_distance);
+      for (const bool is_next : {true, false}) {
+        const std::uint32_t e = is_next ? Mesh::next(entry.half_edge) : Mesh::previous(entry.half_edge);
+        const double from_distance = is_next ? entry.to_distance : apex_distance;
+        const double to_distance = is_next ? apex_distance : entry.from_distance;
+        const Vec2 pc = patch_.uv[mesh.from(e)], pd = patch_.uv[mesh.to(e)];
         if (mesh.is_constrained(e)) {
-          if (c != a && c != b && d != a && d != b)
+          if (from_distance != kOwnEnd && to_distance != kOwnEnd)
             best = std::min({best, squared_distance(pc, pd, pa), squared_distance(pc, pd, pb)});
           continue;
         }
         const std::uint32_t g = mesh.twin(e);
-        if (seen_[g / 3] == h || queue_.size() >= kMostTriangles) continue;
+        if (seen_[g / 3] == h || queue_.size() >= most) continue;
         // The nearest place of a triangle's side, where the two do not cross, is at an end of one of them.
-        double away = squared_distance(pa, pb, pc);
-        if (away >= best) away = std::min(away, squared_distance(pa, pb, pd));
-        if (away >= best) away = std::min({away, squared_distance(pc, pd, pa), squared_distance(pc, pd, pb)});
-        if (away >= best) continue;
+        if (from_distance >= best && to_distance >= best && squared_distance(pc, pd, pa) >= best &&
+            squared_distance(pc, pd, pb) >= best)
+          continue;
         seen_[g / 3] = h;
-        queue_.push_back(g);
+        queue_.push_back({g, to_distance, from_distance});
       }
     }
     return std::sqrt(best);
@@ -59,10 +68,18 @@ class FeatureSearch {
  private:
   using Mesh = Triangulation2d;
   static constexpr std::size_t kMostTriangles = 256;
+  /// So many in a row that bring nothing nearer end a search: fans of long triangles, which all come near.
+  static constexpr std::size_t kMostIdle = 64;
+  static constexpr double kOwnEnd = -1;  ///< the distance of the segment's own ends: less than any
+  /// A triangle, by the half-edge over which it is entered, and how far that one's ends are, squared.
+  struct Entry {
+    std::uint32_t half_edge;
+    double from_distance, to_distance;
+  };
 
   const PatchMesh& patch_;
   std::vector<std::uint32_t> seen_;  ///< the half-edge whose search has entered a triangle last
-  std::vector<std::uint32_t> queue_;
+  std::vector<Entry> queue_;
 };
 
 }  // namespace

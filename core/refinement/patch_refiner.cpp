@@ -32,7 +32,8 @@ double squared_length(Vec2 a) { return dot(a, a); }
 }  // namespace
 
 Criteria::Criteria(const Goals& goals, const SizeField& field)
-    : max_area(goals.max_area),
+    : has_sizes(!field.is_uniform() || std::isfinite(field.largest()) || std::isfinite(goals.max_area)),
+      max_area(goals.max_area),
       min_edge_length(goals.min_edge_length),
       split_boundaries(goals.split_boundaries),
       sizes(field) {
@@ -99,6 +100,7 @@ bool PatchRefiner::is_sharp(double squares, double shortest_squared, double twic
 }
 
 bool PatchRefiner::is_too_large(std::uint32_t t, double longest_squared, double twice_area) const {
+  if (!criteria_.has_sizes) return false;
   const double scale = patch_.frame.scale;
   if (twice_area / 2 * scale * scale > criteria_.max_area) return true;
   const double longest = std::sqrt(longest_squared) * scale;
@@ -125,9 +127,9 @@ bool PatchRefiner::is_at_input_angle(std::uint32_t shortest) const {
 
 bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const {
   if (is_free(a) || is_free(b)) return false;
-  const double chord = norm(mesh_.point(a) - mesh_.point(b)) * patch_.frame.scale;
   const auto is_same_shell = [&](double from_a, double from_b) {
-    return std::fabs(from_a - from_b) <= kSameShell * from_a && chord < from_a * (1 - kSameShell);
+    if (!(std::fabs(from_a - from_b) <= kSameShell * from_a)) return false;
+    return norm(mesh_.point(a) - mesh_.point(b)) * patch_.frame.scale < from_a * (1 - kSameShell);
   };
   const auto segments_at = [&](std::uint32_t corner) {
     return std::pair(corner_segments_.begin() + corner_begin_[corner],
@@ -265,16 +267,17 @@ bool PatchRefiner::is_encroached(Vec2 p, Vec2 a, Vec2 b) const {
   return product < 0 && product * product > criteria_.lens * squared_length(u) * squared_length(v);
 }
 
-/// How many triangles between p and the edges of the cavity that was found meet the bound.
-int PatchRefiner::count_good(Vec2 p) const {
-  int count = 0;
+/// How many triangles between p and the edges of the cavity that was found meet the bound; any number that is not more
+/// than `least` where they are not more.
+int PatchRefiner::count_good(Vec2 p, int least) const {
+  int possible = static_cast<int>(mesh_.rim().size());
   for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
     const Vec2 a = mesh_.point(e.from), b = mesh_.point(e.to);
     const double squared[3] = {squared_length(b - a), squared_length(a - p), squared_length(b - p)};
-    const double least = std::min({squared[0], squared[1], squared[2]});
-    count += is_sharp(squared[0] + squared[1] + squared[2], least, cross(a - p, b - p)) ? 0 : 1;
+    const double shortest = std::min({squared[0], squared[1], squared[2]});
+    if (is_sharp(squared[0] + squared[1] + squared[2], shortest, cross(a - p, b - p)) && --possible <= least) break;
   }
-  return count;
+  return possible;
 }
 
 /// A lower place over the shortest edge may serve its neighbours too: along a straight chain of equal edges, one point
@@ -282,10 +285,10 @@ int PatchRefiner::count_good(Vec2 p) const {
 Vec2 PatchRefiner::lowered(Vec2 p, std::uint32_t shortest) const {
   const Vec2 middle = 0.5 * (mesh_.point(mesh_.from(shortest)) + mesh_.point(mesh_.to(shortest)));
   Vec2 best = p;
-  int most = count_good(p);
+  int most = count_good(p, 0);
   for (int i = 1; i < kHeights && most < static_cast<int>(mesh_.rim().size()); ++i) {
     const Vec2 place = p - (i * kHeightStep) * (p - middle);
-    const int count = count_good(place);
+    const int count = count_good(place, most);
     if (count <= most) continue;
     most = count;
     best = place;

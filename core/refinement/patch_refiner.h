@@ -36,6 +36,7 @@ struct Criteria {
   double tangent;     ///< of the bound on angles (a little above the goal: it is measured in space in the end); 0: none
   double lens;        ///< squared cosine beyond which an apex over a piece encroaches on it
   double off_centre;  ///< height of an off-centre over the shortest edge, per its length
+  bool has_sizes;     ///< or any triangle is small enough
   double max_area;    ///< model units
   double even_size;   ///< edge of the triangles that fill wide areas; infinity: none
   double min_edge_length;
@@ -132,7 +133,7 @@ class PatchRefiner {
 
   void treat(const Task& task);
   Vec2 steiner_point(const Shape& shape) const;
-  int count_good(Vec2 p) const;
+  int count_good(Vec2 p, int least) const;
   Vec2 lowered(Vec2 p, std::uint32_t shortest) const;
   bool is_encroached(Vec2 p, Vec2 a, Vec2 b) const;
   /// Cuts a piece where the table says. Returns whether it did.

@@ -8,6 +8,7 @@
 #include <numbers>
 #include <tuple>
 
+#include "core/base/blocks.h"
 #include "core/base/union_find.h"
 #include "core/refinement/local_features.h"
 
@@ -44,17 +45,21 @@ struct Use {
 
 /// Constrained half-edges that bound a patch; what was only held for the chord rule is none.
 std::vector<Use> segment_uses(const Surface& surface, const std::vector<PatchMesh>& meshes, RunControl& control) {
-  std::vector<Use> uses;
-  for (std::uint32_t p = 0; p < meshes.size(); ++p) {
-    if (p % 4096 == 0) control.check();
-    const PatchMesh& patch = meshes[p];
-    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
-      if (!patch.mesh.is_constrained(h) || patch.is_held(h)) continue;
-      VertexId a = patch.vertices[patch.mesh.from(h)], b = patch.vertices[patch.mesh.to(h)];
-      if (surface.positions[b] < surface.positions[a]) std::swap(a, b);
-      uses.push_back({a, b, PatchId(p), h});
+  const auto blocks = map_blocks<std::vector<Use>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
+    std::vector<Use> uses;
+    for (; p < end; ++p) {
+      const PatchMesh& patch = meshes[p];
+      for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+        if (!patch.mesh.is_constrained(h) || patch.is_held(h)) continue;
+        VertexId a = patch.vertices[patch.mesh.from(h)], b = patch.vertices[patch.mesh.to(h)];
+        if (surface.positions[b] < surface.positions[a]) std::swap(a, b);
+        uses.push_back({a, b, PatchId(p), h});
+      }
     }
-  }
+    return uses;
+  });
+  std::vector<Use> uses;
+  for (const std::vector<Use>& block : blocks) uses.insert(uses.end(), block.begin(), block.end());
   tbb::parallel_sort(uses.begin(), uses.end());
   return uses;
 }
@@ -175,18 +180,20 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     if (members[root] > 1) segments_[SegmentId(e / 2)].shell_base[e % 2] = shortest[root] / 3;
   }
 
-  for (std::uint32_t s = 0; s < segments_.size(); ++s) {
-    BoundarySegment& segment = segments_[SegmentId(s)];
-    const double noise = kRoundings * roundings[s];
-    // What is narrower than the shortest edge allowed cannot be cut across.
-    if (!(feature[s] > noise) || feature[s] < goals.min_edge_length) segment.is_locked = true;
-    double size = feature[s];
-    for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(SegmentId(s), t)));
-    const double angle = std::min(sharpest[2 * s], sharpest[2 * s + 1]);
-    // Shells at an angle below 60 degrees are nearer to each other than to the corner.
-    const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
-    segment.floor = std::max({shortest_piece, kFloorShare * size, noise / std::sin(angle)});
-  }
+  for_blocks(segments_.size(), 1024, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s) {
+      BoundarySegment& segment = segments_[SegmentId(s)];
+      const double noise = kRoundings * roundings[s];
+      // What is narrower than the shortest edge allowed cannot be cut across.
+      if (!(feature[s] > noise) || feature[s] < goals.min_edge_length) segment.is_locked = true;
+      double size = feature[s];
+      for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(SegmentId(s), t)));
+      const double angle = std::min(sharpest[2 * s], sharpest[2 * s + 1]);
+      // Shells at an angle below 60 degrees are nearer to each other than to the corner.
+      const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
+      segment.floor = std::max({shortest_piece, kFloorShare * size, noise / std::sin(angle)});
+    }
+  });
 }
 
 Vec3 SegmentTable::position(SegmentId s, double t) const {

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "core/base/blocks.h"
 #include "core/geometry/predicates.h"
 #include "core/stages/delaunay_flips.h"
 
@@ -34,22 +35,33 @@ struct Use {
   }
 };
 
-std::vector<Use> edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
-  std::vector<Use> uses;
-  for (std::uint32_t p = 0; p < meshes.size(); ++p) {
-    if (p % 4096 == 0) control.check();
-    const PatchMesh& patch = meshes[p];
-    for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
-      const std::uint32_t twin = patch.mesh.twin(h);
-      if (twin != Triangulation2d::kNone && twin < h) continue;
-      const Key key = key_of(patch, h);
-      if (!key.second.is_valid() || key.second.value >= vertex_end) continue;
-      const bool is_inside = twin != Triangulation2d::kNone && (!patch.mesh.is_constrained(h) || patch.is_held(h));
-      uses.push_back({key, is_inside, PatchId(p), h});
+/// The edges whose two ends are vertices below `vertex_end` and that are wanted, each once a patch, sorted.
+template <class IsWanted>
+std::vector<Use> edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control,
+                           const IsWanted& is_wanted) {
+  const auto blocks = map_blocks<std::vector<Use>>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
+    std::vector<Use> uses;
+    for (; p < end; ++p) {
+      const PatchMesh& patch = meshes[p];
+      for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+        const std::uint32_t twin = patch.mesh.twin(h);
+        if (twin != Triangulation2d::kNone && twin < h) continue;
+        const Key key = key_of(patch, h);
+        if (!key.second.is_valid() || key.second.value >= vertex_end) continue;
+        const bool is_inside = twin != Triangulation2d::kNone && (!patch.mesh.is_constrained(h) || patch.is_held(h));
+        if (is_wanted(key, is_inside)) uses.push_back({key, is_inside, PatchId(p), h});
+      }
     }
-  }
+    return uses;
+  });
+  std::vector<Use> uses;
+  for (const std::vector<Use>& block : blocks) uses.insert(uses.end(), block.begin(), block.end());
   tbb::parallel_sort(uses.begin(), uses.end());
   return uses;
+}
+
+std::vector<Use> edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+  return edge_uses(meshes, vertex_end, control, [](const Key&, bool) { return true; });
 }
 
 std::vector<Chord> chords_of(const std::vector<Use>& uses, RunControl& control) {
@@ -151,10 +163,25 @@ bool for_chords(std::vector<PatchMesh>& meshes, const std::vector<Chord>& chords
 }  // namespace
 
 std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
-  return chords_of(edge_uses(meshes, vertex_end, control), control);
+  if (meshes.size() < 2) return {};
+  // Few edges inside patches join two such vertices, and only what joins the same two could be equal to one of them.
+  std::vector<Use> uses = edge_uses(meshes, vertex_end, control, [](const Key&, bool is_inside) { return is_inside; });
+  if (uses.empty()) return {};
+  std::vector<std::uint8_t> is_end(vertex_end, 0);
+  for (const Use& use : uses) is_end[use.key.first.value] = is_end[use.key.second.value] = 1;
+  const std::vector<Use> boundary = edge_uses(meshes, vertex_end, control, [&](const Key& key, bool is_inside) {
+    return !is_inside && is_end[key.first.value] != 0 && is_end[key.second.value] != 0;
+  });
+  const auto middle = static_cast<std::ptrdiff_t>(uses.size());
+  uses.insert(uses.end(), boundary.begin(), boundary.end());
+  std::inplace_merge(uses.begin(), uses.begin() + middle, uses.end());
+  return chords_of(uses, control);
 }
 
 bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+  if (std::all_of(meshes.begin(), meshes.end(), [](const PatchMesh& patch) { return patch.held.empty(); }) &&
+      find_chords(meshes, vertex_end, control).empty())
+    return true;
   // A flip may make edges that conflict anew, or leave another without what it was held for; what goes on doing so is
   // left.
   constexpr int kMostPasses = 8;

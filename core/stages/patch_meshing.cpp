@@ -8,6 +8,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/large_first.h"
 #include "core/stages/patch_triangulation.h"
 #include "core/stages/projection.h"
 
@@ -200,25 +201,18 @@ std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adj
                                     const ProjectionRule& rule, RunControl& control) {
   const std::size_t n = patches.count();
   std::vector<PatchMesh> meshes(n);
-  // Large patches first, so that none of them is left for the end; the small ones follow in groups.
-  std::vector<std::uint32_t> order(n);
-  std::iota(order.begin(), order.end(), 0u);
-  const auto cost = [&](std::uint32_t p) { return patches.face_begin[p + 1] - patches.face_begin[p]; };
-  constexpr std::uint32_t kLarge = 1000;
-  std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return std::max(cost(a), kLarge) > std::max(cost(b), kLarge);
-  });
-  const auto large = static_cast<std::size_t>(
-      std::find_if(order.begin(), order.end(), [&](std::uint32_t p) { return cost(p) <= kLarge; }) - order.begin());
+  // The small ones in groups.
+  const LargeFirst by_size = large_first(
+      n, 1000, [&](std::uint32_t p) -> std::size_t { return patches.face_begin[p + 1] - patches.face_begin[p]; });
   std::atomic<std::size_t> done{0};
   const auto run = [&](std::size_t begin, std::size_t end) {
     control.check();
     Mesher mesher(surface, adjacency, patches, loops, essential, rule, control);
-    for (std::size_t i = begin; i < end; ++i) meshes[order[i]] = mesher.run(PatchId(order[i]));
+    for (std::size_t i = begin; i < end; ++i) meshes[by_size.order[i]] = mesher.run(PatchId(by_size.order[i]));
     control.progress(static_cast<double>(done += end - begin) / static_cast<double>(n));
   };
-  tbb::parallel_for(std::size_t{0}, large, [&](std::size_t i) { run(i, i + 1); });
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(large, n, 256),
+  tbb::parallel_for(std::size_t{0}, by_size.large, [&](std::size_t i) { run(i, i + 1); });
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(by_size.large, n, 256),
                     [&](const auto& range) { run(range.begin(), range.end()); });
   return meshes;
 }

@@ -1,6 +1,7 @@
 #include "core/stages/refinement.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,6 +10,7 @@
 #include <numeric>
 
 #include "core/base/blocks.h"
+#include "core/base/large_first.h"
 #include "core/refinement/patch_refiner.h"
 #include "core/refinement/segment_table.h"
 #include "core/stages/chords.h"
@@ -27,14 +29,20 @@ Vec3 plane_offset(const Surface& surface, const Plane& plane, const Vec3& origin
   return (-height * surface.unit) * plane.normal;
 }
 
-/// Gives ids and positions to the vertices inside the patch that have none yet.
-void place_inner_vertices(const Surface& surface, const Plane& plane, PatchMesh& patch,
+/// The vertices inside the patch that have no id yet.
+std::size_t count_unplaced(const PatchMesh& patch) {
+  return static_cast<std::size_t>(
+      std::count_if(patch.vertices.begin(), patch.vertices.end(), [](VertexId v) { return !v.is_valid(); }));
+}
+
+/// Gives them ids and positions: those from `first` of the new ones on.
+void place_inner_vertices(const Surface& surface, const Plane& plane, PatchMesh& patch, std::size_t first,
                           std::vector<Vec3>& new_positions) {
   const Vec3 offset = plane_offset(surface, plane, patch.frame.origin);
   for (std::size_t v = 0; v < patch.vertices.size(); ++v) {
     if (patch.vertices[v].is_valid()) continue;
-    patch.vertices[v] = VertexId(surface.vertex_count() + new_positions.size());
-    new_positions.push_back(to_space(patch.frame, patch.uv[v]) + offset);
+    patch.vertices[v] = VertexId(surface.vertex_count() + first);
+    new_positions[first++] = to_space(patch.frame, patch.uv[v]) + offset;
   }
 }
 
@@ -84,6 +92,10 @@ class Rounds {
   }
 
  private:
+  /// Small enough blocks: patches may have thousands of triangles each.
+  static constexpr std::size_t kPatches = 16;
+  static constexpr std::size_t kSegments = 1024;
+
   /// Cuts along a segment that a patch has to take over.
   struct Message {
     PatchId patch;
@@ -106,7 +118,7 @@ class Rounds {
     messages_.clear();
     dirty_.clear();
     cuts_.assign(segments_.size(), {});
-    for_blocks(segments_.size(), 1024, control_, [&](std::size_t from, std::size_t to) {
+    for_blocks(segments_.size(), kSegments, control_, [&](std::size_t from, std::size_t to) {
       for (std::size_t s = from; s < to; ++s) cuts_[SegmentId(s)] = segments_.size_cuts(SegmentId(s), sizes_);
     });
     result_.new_positions.clear();
@@ -127,25 +139,20 @@ class Rounds {
   }
 
   void sort_messages() {
-    std::sort(messages_.begin(), messages_.end());
+    tbb::parallel_sort(messages_.begin(), messages_.end());
     messages_.erase(std::unique(messages_.begin(), messages_.end()), messages_.end());
   }
 
   void refine_dirty() {
     choose_quotas();
-    // The large ones first; which one runs when changes nothing.
-    std::vector<std::uint32_t> order(dirty_.size());
-    std::iota(order.begin(), order.end(), 0u);
-    const auto work = [&](std::uint32_t i) {
+    // Which one runs when changes nothing.
+    const LargeFirst by_work = large_first(dirty_.size(), 500, [&](std::uint32_t i) -> std::size_t {
       const std::uint32_t p = dirty_[i];
-      return std::max<std::size_t>(500, refiners_[p] ? refiners_[p]->waiting() : meshes_[p].mesh.triangle_count());
-    };
-    std::stable_sort(order.begin(), order.end(), [&](auto a, auto b) { return work(a) > work(b); });
-    const auto large = static_cast<std::size_t>(
-        std::find_if(order.begin(), order.end(), [&](auto i) { return work(i) <= 500; }) - order.begin());
+      return refiners_[p] ? refiners_[p]->waiting() : meshes_[p].mesh.triangle_count();
+    });
     const auto refine_one = [&](std::size_t k) {
       control_.check();
-      const std::uint32_t i = order[k], p = dirty_[i];
+      const std::uint32_t i = by_work.order[k], p = dirty_[i];
       std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
       const std::uint32_t before = refiner ? refiner->triangle_count() : meshes_[p].mesh.triangle_count();
       if (!refiner) {
@@ -162,8 +169,8 @@ class Rounds {
         refiner->run(quota_[i] - std::min<std::uint64_t>(quota_[i], made), progress_);
       }
     };
-    tbb::parallel_for(std::size_t{0}, large, refine_one);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(large, order.size(), 16), [&](const auto& range) {
+    tbb::parallel_for(std::size_t{0}, by_work.large, refine_one);
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(by_work.large, by_work.order.size(), 16), [&](const auto& range) {
       for (std::size_t k = range.begin(); k < range.end(); ++k) refine_one(k);
     });
   }
@@ -208,7 +215,7 @@ class Rounds {
     impossible_.erase(std::unique(impossible_.begin(), impossible_.end()), impossible_.end());
     // Next to nothing was left to share out: the budget is spent.
     if (quota < 16 * unfinished.size()) unfinished.clear();
-    std::sort(fresh.begin(), fresh.end());
+    tbb::parallel_sort(fresh.begin(), fresh.end());
     fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
     messages_.clear();
     for (auto from = fresh.begin(); from != fresh.end();) {
@@ -234,39 +241,61 @@ class Rounds {
   }
 
   /// The patches as they are now, with ids for new vertices: those on segments, segment after segment, then those
-  /// inside patches.
+  /// inside patches, patch after patch.
   std::vector<PatchMesh> finish() {
-    const std::size_t old = surface_.vertex_count();
-    std::vector<std::uint32_t> first(segments_.size() + 1, 0);
-    for (std::size_t s = 0; s < segments_.size(); ++s) {
-      const std::vector<double>& cuts = cuts_[SegmentId(s)];
-      first[s + 1] = first[s] + static_cast<std::uint32_t>(cuts.size());
-      for (const double t : cuts) result_.new_positions.push_back(segments_.position(SegmentId(s), t));
-    }
-    std::vector<PatchMesh> refined(meshes_.size());
-    is_refined_.assign(meshes_.size(), 1);
-    for (std::size_t p = 0; p < meshes_.size(); ++p) {
-      if (p % 1024 == 0) control_.check();
-      if (!refiners_[p]) {
-        is_refined_[p] = 0;
-        result_.reason.insert(result_.reason.end(), meshes_[p].mesh.triangle_count(), UnrefinedReason::kBoundaryLocked);
-        continue;
+    const std::size_t n = meshes_.size(), old = surface_.vertex_count();
+    std::vector<std::uint32_t> first_cut(segments_.size() + 1, 0);
+    for (std::size_t s = 0; s < segments_.size(); ++s)
+      first_cut[s + 1] = first_cut[s] + static_cast<std::uint32_t>(cuts_[SegmentId(s)].size());
+    result_.first_inner = first_cut[segments_.size()];
+    std::vector<PatchMesh> refined(n);
+    is_refined_.assign(n, 1);
+    std::vector<std::vector<UnrefinedReason>> reasons(n);
+    // Of each patch, then of all before it.
+    std::vector<std::size_t> first_inner(n + 1, 0), first_triangle(n + 1, 0);
+    for_blocks(n, kPatches, control_, [&](std::size_t p, std::size_t end) {
+      for (; p < end; ++p) {
+        first_triangle[p + 1] = meshes_[p].mesh.triangle_count();
+        if (!refiners_[p]) {
+          is_refined_[p] = 0;
+          continue;
+        }
+        PatchRefiner::Refined patch = refiners_[p]->finish();
+        refiners_[p].reset();
+        for (std::size_t v = 0; v < patch.cuts.size(); ++v) {
+          const Cut& cut = patch.cuts[v];
+          if (!cut.segment.is_valid()) continue;
+          const std::vector<double>& cuts = cuts_[cut.segment];
+          const auto k = std::lower_bound(cuts.begin(), cuts.end(), cut.t) - cuts.begin();
+          patch.patch.vertices[v] = VertexId(old + first_cut[cut.segment.value] + static_cast<std::size_t>(k));
+        }
+        first_inner[p + 1] = count_unplaced(patch.patch);
+        first_triangle[p + 1] = patch.patch.mesh.triangle_count();
+        reasons[p] = std::move(patch.reason);
+        refined[p] = std::move(patch.patch);
       }
-      PatchRefiner::Refined patch = refiners_[p]->finish();
-      refiners_[p].reset();
-      for (std::size_t v = 0; v < patch.cuts.size(); ++v) {
-        const Cut& cut = patch.cuts[v];
-        if (!cut.segment.is_valid()) continue;
-        const std::vector<double>& cuts = cuts_[cut.segment];
-        const auto k = std::lower_bound(cuts.begin(), cuts.end(), cut.t) - cuts.begin();
-        patch.patch.vertices[v] = VertexId(old + first[cut.segment.value] + static_cast<std::size_t>(k));
+    });
+    first_inner[0] = result_.first_inner;
+    std::partial_sum(first_inner.begin(), first_inner.end(), first_inner.begin());
+    std::partial_sum(first_triangle.begin(), first_triangle.end(), first_triangle.begin());
+    result_.new_positions.resize(first_inner[n]);
+    result_.reason.assign(first_triangle[n], UnrefinedReason::kBoundaryLocked);
+    for_blocks(segments_.size(), kSegments, control_, [&](std::size_t s, std::size_t end) {
+      for (; s < end; ++s) {
+        const std::vector<double>& cuts = cuts_[SegmentId(s)];
+        for (std::size_t k = 0; k < cuts.size(); ++k)
+          result_.new_positions[first_cut[s] + k] = segments_.position(SegmentId(s), cuts[k]);
       }
-      place_inner_vertices(surface_, patches_.planes[PatchId(p)], patch.patch, result_.new_positions);
-      result_.reason.insert(result_.reason.end(), patch.reason.begin(), patch.reason.end());
-      refined[p] = std::move(patch.patch);
-    }
+    });
+    for_blocks(n, kPatches, control_, [&](std::size_t p, std::size_t end) {
+      for (; p < end; ++p) {
+        if (is_refined_[p] == 0) continue;
+        place_inner_vertices(surface_, patches_.planes[PatchId(p)], refined[p], first_inner[p], result_.new_positions);
+        std::copy(reasons[p].begin(), reasons[p].end(),
+                  result_.reason.begin() + static_cast<std::ptrdiff_t>(first_triangle[p]));
+      }
+    });
     swap_unrefined(refined);
-    result_.first_inner = first[segments_.size()];
     return refined;
   }
 
@@ -328,15 +357,17 @@ void split_chords(const Surface& surface, const PatchSet& patches, std::vector<P
   auto before = refinement.reason.begin();
   for (std::size_t p = 0; p < meshes.size(); ++p) {
     PatchMesh& patch = meshes[p];
-    place_inner_vertices(surface, patches.planes[PatchId(p)], patch, refinement.new_positions);
+    const std::size_t first = refinement.new_positions.size();
+    refinement.new_positions.resize(first + count_unplaced(patch));
+    place_inner_vertices(surface, patches.planes[PatchId(p)], patch, first, refinement.new_positions);
     if (refinement.reason.empty()) continue;
     reason.insert(reason.end(), before, before + static_cast<std::ptrdiff_t>(triangles[p]));
     before += static_cast<std::ptrdiff_t>(triangles[p]);
     if (vertices[p] == patch.vertices.size()) continue;
-    const std::size_t first = reason.size() - triangles[p];
-    reason.resize(first + patch.mesh.triangle_count());
+    const std::size_t first_reason = reason.size() - triangles[p];
+    reason.resize(first_reason + patch.mesh.triangle_count());
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
-      if (patch.mesh.from(h) >= vertices[p]) reason[first + h / 3] = UnrefinedReason::kBoundaryLocked;
+      if (patch.mesh.from(h) >= vertices[p]) reason[first_reason + h / 3] = UnrefinedReason::kBoundaryLocked;
   }
   refinement.reason = std::move(reason);
 }

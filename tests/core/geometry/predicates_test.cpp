@@ -141,6 +141,40 @@ TEST(predicates, points_ulps_from_a_circle_agree_with_the_oracle) {
   EXPECT_GT(comparison.zeros(), 10);
 }
 
+TEST(predicates, points_of_the_lattice_of_patches_agree_with_the_oracle) {
+  // Multiples of 2^-40 in [-1, 1]^2, out to its corners: near a circle or line, on it, and one step beside it.
+  Random random(6);
+  Comparison comparison;
+  const auto on_lattice = [](Vec2 p) {
+    return Vec2{std::nearbyint(p.x * 0x1p40) * 0x1p-40, std::nearbyint(p.y * 0x1p40) * 0x1p-40};
+  };
+  const auto step = [&](Vec2 p) {
+    const double x = p.x + random.integer(-1, 1) * 0x1p-40;
+    return Vec2{x, p.y + random.integer(-1, 1) * 0x1p-40};
+  };
+  for (int i = 0; i < 20000; ++i) {
+    const Vec2 centre = on_lattice(0.5 * random_point(random));
+    const double radius = std::ldexp(random.uniform(0.25, 0.5), -random.integer(0, 36));
+    const auto on_circle = [&] {
+      const double angle = random.uniform(0, 7);
+      return on_lattice(centre + radius * Vec2{std::cos(angle), std::sin(angle)});
+    };
+    comparison.circle(on_circle(), on_circle(), on_circle(), on_circle());
+    const Vec2 half = on_circle() - centre, turned{-half.y, half.x}, last = centre - turned;
+    comparison.circle(centre + half, centre + turned, centre - half, last);
+    comparison.circle(centre + half, centre + turned, centre - half, step(last));
+    comparison.orientation(centre + half, centre - half, centre);
+    comparison.orientation(centre + half, centre - half, step(centre));
+  }
+  EXPECT_GT(comparison.zeros(), 40000);
+  for (const Vec2 last :
+       {Vec2{-1, 1}, Vec2{-1, 1 - 0x1p-40}, Vec2{-1 + 0x1p-40, 1}, Vec2{0, 0}, Vec2{1 - 0x1p-40, 1}}) {
+    comparison.circle({1, 1}, {-1, -1}, {1, -1}, last);
+    comparison.circle({1, 1}, {-1, -1}, {1 - 0x1p-40, -1}, last);
+    comparison.orientation({1, 1}, {-1, -1}, last);
+  }
+}
+
 TEST(predicates, exactly_cocircular_and_collinear_points_give_zero_at_every_scale) {
   const std::vector<Vec2> points = polygons::cocircular();
   Random random(5);
