@@ -80,7 +80,10 @@ class Preparation {
     if_changed(split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is,
                                  mend_if(repair.t_junctions && limits_.are_t_junctions_split), found, control_));
     // Faces without a plane are split, faces without an area dropped; nothing opens.
-    if_changed(mend_faces(surface(), tolerance, limits_.as_it_is, mend_if(repair.degenerate), found, control_));
+    const bool is_mended =
+        mend_faces(surface(), tolerance, limits_.as_it_is, mend_if(repair.degenerate), found, control_);
+    if_changed(is_mended);
+    if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
     // Neighbours look the same way, closed pieces outwards if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
     if_changed(turn_inside_out(surface(), adjacency(), mend_if(repair.inside_out), found, control_));
@@ -102,7 +105,7 @@ const Adjacency& Prepared::adjacency() {
   return *adjacency_;
 }
 
-const IdVector<FaceId, FaceGeometry>& Prepared::geometry(RunControl& control) {
+const FaceGeometries& Prepared::geometry(RunControl& control) {
   if (geometry_.empty()) geometry_ = face_geometry(surface, control);
   return geometry_;
 }

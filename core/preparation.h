@@ -20,20 +20,22 @@ namespace remesh {
 class Prepared {
  public:
   Surface surface;
+  std::vector<FaceId> without_area;  ///< that were left so
   double printed_step = 0;  ///< model units; of the decimals that the tolerance comes from; 0: it has another origin
 
   /// Of the surface; made when they are asked for and not there.
   const Adjacency& adjacency();
-  const IdVector<FaceId, FaceGeometry>& geometry(RunControl& control);
+  const FaceGeometries& geometry(RunControl& control);
   /// The surface has changed, or nobody is likely to ask for them again: together they are as large as the surface.
   void release() {
     adjacency_.reset();
-    geometry_ = {};
+    release_geometry();
   }
+  void release_geometry() { geometry_ = {}; }
 
  private:
   std::unique_ptr<Adjacency> adjacency_;
-  IdVector<FaceId, FaceGeometry> geometry_;
+  FaceGeometries geometry_;
 };
 
 /// Mendings that an earlier attempt found to stand in the way.

@@ -73,7 +73,7 @@ class Run {
     if (!report_.smallest_gap)
       report_.smallest_gap =
           GapSearch(surface(), adjacency(), patches_, report_.plane_tolerance, control_, meshes_).smallest(control_);
-    summarise(ladder);
+    summarise();
     report_.timing_ms = watch_.finish();
     return std::move(report_);
   }
@@ -81,7 +81,7 @@ class Run {
  private:
   const Surface& surface() const { return prepared_.surface; }
   const Adjacency& adjacency() { return prepared_.adjacency(); }
-  const IdVector<FaceId, FaceGeometry>& geometry() { return prepared_.geometry(control_); }
+  const FaceGeometries& geometry() { return prepared_.geometry(control_); }
   PatchedSurface patched() { return {surface(), adjacency(), patches_, report_.plane_tolerance}; }
 
   void prepare() {
@@ -93,7 +93,7 @@ class Run {
   }
 
   Ladder make_ladder() {
-    Ladder ladder(surface(), control_);
+    Ladder ladder(surface(), prepared_.without_area);
     if (options_.keep_boundary_vertices) ladder.forced().assign(surface().vertex_count(), 1);
     return ladder;
   }
@@ -121,7 +121,7 @@ class Run {
         assemble();
         if (refiner_->is_over_budget(assembled_.faces.size())) continue;
         refuse_if_too_large();
-        summarise(ladder);
+        summarise();
         // The independent check of the promises. It makes what it needs of the surface itself.
         prepared_.release();
         watch_.enter(Stage::kVerify);
@@ -203,10 +203,7 @@ class Run {
   std::vector<std::uint8_t> simple_patches() {
     std::vector<std::uint8_t> is_simple;
     for (const PatchMesh& mesh : meshes_) is_simple.push_back(mesh.reason == PatchReason::kNone);
-    const IdVector<FaceId, FaceGeometry>& geometry = this->geometry();
-    const auto is_thin = [&](std::size_t f) { return geometry[FaceId(f)].height < kThinFace * local_tolerance(); };
-    for (const FaceId f : select_ids<FaceId>(surface().face_count(), kBlock, control_, is_thin))
-      is_simple[patches_.of_face[f].value] = 0;
+    for (const PatchId p : patches_of_thin_faces_) is_simple[p.value] = 0;
     return is_simple;
   }
 
@@ -243,6 +240,14 @@ class Run {
     loops_ = boundary_loops(surface(), adjacency(), patches_, control_);
     watch_.enter(Stage::kEssentialVertices);
     essential_ = essential_vertices(surface(), adjacency(), patches_, ladder.forced(), local_tolerance(), control_);
+    summaries_ = summarise_patches(surface(), adjacency(), geometry(), patches_, loops_, essential_, ladder, control_);
+    const FaceGeometries& of_face = geometry();
+    const auto is_thin = [&](std::size_t f) { return of_face[FaceId(f)].height < kThinFace * local_tolerance(); };
+    patches_of_thin_faces_.clear();
+    for (const FaceId f : select_ids<FaceId>(surface().face_count(), kBlock, control_, is_thin))
+      patches_of_thin_faces_.push_back(patches_.of_face[f]);
+    // Most runs do not come back here, and it is as large as all the rest of the surface.
+    prepared_.release_geometry();
   }
 
   double local_tolerance() const { return report_.plane_tolerance / surface().unit; }
@@ -306,12 +311,10 @@ class Run {
     return report_.verified.failures.empty() ? "the result failed its own check" : report_.verified.failures.front();
   }
 
-  void summarise(const Ladder& ladder) {
-    PatchSummaries summaries =
-        summarise_patches(surface(), adjacency(), geometry(), patches_, loops_, essential_, ladder, control_);
-    report_.patches = std::move(summaries.patches);
-    report_.predicted_faces = refiner_->has_goals() ? refiner_->predicted_faces() : summaries.triangles;
-    report_.volume_bound = summaries.volume_bound;
+  void summarise() {
+    report_.patches = std::move(summaries_.patches);
+    report_.predicted_faces = refiner_->has_goals() ? refiner_->predicted_faces() : summaries_.triangles;
+    report_.volume_bound = summaries_.volume_bound;
   }
 
   /// Where most facets are patches of their own, they stand for a curved surface, and a bound on angles or sizes in
@@ -403,6 +406,8 @@ class Run {
   PatchSet patches_;
   BoundaryLoops loops_;
   IdVector<VertexId, std::uint8_t> essential_;
+  PatchSummaries summaries_;
+  std::vector<PatchId> patches_of_thin_faces_;
   std::vector<PatchMesh> meshes_;
   Refinement refinement_;
   Assembled assembled_;

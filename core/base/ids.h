@@ -5,7 +5,9 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <ostream>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -45,16 +47,23 @@ using FaceId = Id<FaceTag>;
 using PatchId = Id<PatchTag>;
 
 /// A vector that is indexed by one kind of id only.
-template <class I, class T>
+template <class I, class T, class Allocator = std::allocator<T>>
 class IdVector {
  public:
   using value_type = T;
+  using Items = std::vector<T, Allocator>;
 
   IdVector() = default;
   explicit IdVector(std::size_t n, const T& value = T()) : items_(n, value) {}
+  /// `n` items as the allocator makes them: with LeftUnset all have to be set.
+  static IdVector of_size(std::size_t n) {
+    IdVector vector;
+    vector.items_ = Items(n);
+    return vector;
+  }
 
-  typename std::vector<T>::reference operator[](I id) { return items_[id.value]; }
-  typename std::vector<T>::const_reference operator[](I id) const { return items_[id.value]; }
+  typename Items::reference operator[](I id) { return items_[id.value]; }
+  typename Items::const_reference operator[](I id) const { return items_[id.value]; }
 
   std::size_t size() const { return items_.size(); }
   bool empty() const { return items_.empty(); }
@@ -75,13 +84,28 @@ class IdVector {
   auto end() const { return items_.end(); }
 
   /// The items as a plain vector, for code that loops over all of them or moves them out.
-  std::vector<T>& items() { return items_; }
-  const std::vector<T>& items() const { return items_; }
+  Items& items() { return items_; }
+  const Items& items() const { return items_; }
 
   friend bool operator==(const IdVector&, const IdVector&) = default;
 
  private:
-  std::vector<T> items_;
+  Items items_;
+};
+
+/// Allocates memory that nobody has written to yet: what many threads fill, each its part, none has to clear first.
+template <class T>
+struct LeftUnset : std::allocator<T> {
+  static_assert(std::is_trivially_copyable_v<T>);
+  template <class U>
+  struct rebind {
+    using other = LeftUnset<U>;
+  };
+  void construct(T*) {}
+  template <class... Arguments>
+  void construct(T* at, Arguments&&... arguments) {
+    std::construct_at(at, std::forward<Arguments>(arguments)...);
+  }
 };
 
 }  // namespace remesh

@@ -17,8 +17,8 @@ Vec3 some_normal_to(const Vec3& direction) {
 
 }  // namespace
 
-IdVector<FaceId, FaceGeometry> face_geometry(const Surface& surface, RunControl& control) {
-  IdVector<FaceId, FaceGeometry> result(surface.face_count());
+FaceGeometries face_geometry(const Surface& surface, RunControl& control) {
+  FaceGeometries result = FaceGeometries::of_size(surface.face_count());
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.face_count(), 8192), [&](const auto& range) {
     control.check();
     for (std::size_t f = range.begin(); f < range.end(); ++f) {

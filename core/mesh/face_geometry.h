@@ -17,6 +17,8 @@ struct FaceGeometry {
   double height = 0;
 };
 
+using FaceGeometries = IdVector<FaceId, FaceGeometry, LeftUnset<FaceGeometry>>;
+
 /// The mean of a face's corners.
 inline Vec3 face_centre(const Surface& surface, FaceId f) {
   const auto loop = surface.face(f);
@@ -26,6 +28,6 @@ inline Vec3 face_centre(const Surface& surface, FaceId f) {
   return origin + (1.0 / static_cast<double>(loop.size())) * sum;
 }
 
-IdVector<FaceId, FaceGeometry> face_geometry(const Surface& surface, RunControl& control);
+FaceGeometries face_geometry(const Surface& surface, RunControl& control);
 
 }  // namespace remesh

@@ -36,7 +36,7 @@ constexpr std::size_t kBlock = 4096;
 /// knows its first, and is looked through again when that one has been taken.
 class Seeds {
  public:
-  Seeds(const Surface& surface, const IdVector<FaceId, FaceGeometry>& geometry, RunControl& control)
+  Seeds(const Surface& surface, const FaceGeometries& geometry, RunControl& control)
       : surface_(surface), geometry_(geometry), control_(control), looks_left_(kLooks * surface.face_count()) {}
 
   /// The next one that is open still; invalid at the end. Faces that are not open stay so.
@@ -105,7 +105,7 @@ class Seeds {
   }
 
   const Surface& surface_;
-  const IdVector<FaceId, FaceGeometry>& geometry_;
+  const FaceGeometries& geometry_;
   RunControl& control_;
   std::size_t looks_left_;
   std::vector<Seed> first_of_block_;  ///< no face: none of them is open
@@ -134,7 +134,7 @@ struct Fit {
 
 class Growth {
  public:
-  Growth(const Surface& surface, const Adjacency& adjacency, const IdVector<FaceId, FaceGeometry>& geometry,
+  Growth(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
          const CoplanarityRule& rule, Regions& regions, RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
@@ -210,22 +210,26 @@ class Growth {
 
   /// Over which edges regions may grow at all.
   void find_joints() {
-    is_joint_.resize(surface_.corners.size());
+    static_assert(kBlock % kBits == 0, "no word belongs to two blocks");
+    joints_.resize((surface_.corners.size() + kBits - 1) / kBits);
     for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
         const std::uint32_t twin = adjacency_.twin(h);
         if (twin == Adjacency::kNone) continue;
         const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
-        is_joint_[h] = stamp_[f.value] != kTaken && stamp_[g.value] != kTaken && (*rule_.zone)[g] == (*rule_.zone)[f] &&
-                       (*rule_.rung)[g] == (*rule_.rung)[f] && !is_bend(h);
+        if (stamp_[f.value] != kTaken && stamp_[g.value] != kTaken && (*rule_.zone)[g] == (*rule_.zone)[f] &&
+            (*rule_.rung)[g] == (*rule_.rung)[f] && !is_bend(h))
+          joints_[h / kBits] |= std::uint64_t{1} << h % kBits;
       }
     });
   }
 
+  bool is_joint(std::uint32_t h) const { return (joints_[h / kBits] >> h % kBits & 1) != 0; }
+
   template <class Accept>
   void for_each_open_neighbour(FaceId f, Accept accept) {
     for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
-      if (!is_joint_[h]) continue;
+      if (!is_joint(h)) continue;
       const FaceId g = adjacency_.face_of(adjacency_.twin(h));
       if (stamp_[g.value] != kTaken && stamp_[g.value] != now_) accept(g);
     }
@@ -469,7 +473,7 @@ class Growth {
 
   const Surface& surface_;
   const Adjacency& adjacency_;
-  const IdVector<FaceId, FaceGeometry>& geometry_;
+  const FaceGeometries& geometry_;
   const CoplanarityRule& rule_;
   Regions& regions_;
   RunControl& control_;
@@ -482,7 +486,8 @@ class Growth {
   static constexpr std::uint32_t kTaken = 0xffffffffu;
   std::uint32_t now_ = 0;
   std::vector<std::uint8_t> trials_;
-  std::vector<std::uint8_t> is_joint_;  ///< of each half-edge
+  static constexpr std::size_t kBits = 64;
+  std::vector<std::uint64_t> joints_;  ///< a bit a half-edge
   std::vector<FaceId> found_;
 };
 
@@ -494,15 +499,14 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor) {
   return rung == 1 ? tighter : std::min(kLadderFactor * tighter, floor);
 }
 
-void coplanar_regions(const Surface& surface, const Adjacency& adjacency,
-                      const IdVector<FaceId, FaceGeometry>& geometry, const CoplanarityRule& rule, Regions& regions,
-                      RunControl& control) {
+void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+                      const CoplanarityRule& rule, Regions& regions, RunControl& control) {
   regions.of_face.resize(surface.face_count());
   Growth(surface, adjacency, geometry, rule, regions, control).run();
 }
 
-bool is_noise_present(const Surface& surface, const Adjacency& adjacency,
-                      const IdVector<FaceId, FaceGeometry>& geometry, double floor, double tolerance) {
+bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, double floor,
+                      double tolerance) {
   const auto is_witness = [&](FaceId f) { return geometry[f].height >= kWitness * tolerance; };
   const auto bend = [&](FaceId of, FaceId against) {
     const Plane plane{face_centre(surface, against), geometry[against].normal};

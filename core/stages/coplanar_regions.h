@@ -59,13 +59,12 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor);
 ///         Neither the order of faces and vertices nor scaling by powers of two changes the regions.
 /// Cost:   O(n log n).
 /// Source: the 2018 report, section 2, as amended (ERRATA 2); REFINEMENT, rule 13.
-void coplanar_regions(const Surface& surface, const Adjacency& adjacency,
-                      const IdVector<FaceId, FaceGeometry>& geometry, const CoplanarityRule& rule, Regions& regions,
-                      RunControl& control);
+void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+                      const CoplanarityRule& rule, Regions& regions, RunControl& control);
 
 /// Whether well-shaped neighbours bend by more than `floor` and at most `tolerance` (local units) anywhere: the mark of
 /// coordinates that were rounded. Polygons that leave their own plane by as much are a mark, too.
-bool is_noise_present(const Surface& surface, const Adjacency& adjacency,
-                      const IdVector<FaceId, FaceGeometry>& geometry, double floor, double tolerance);
+bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, double floor,
+                      double tolerance);
 
 }  // namespace remesh

@@ -2,13 +2,8 @@
 
 #include <algorithm>
 
-#include "core/base/blocks.h"
-#include "core/stages/mend_faces.h"
-
 namespace remesh {
 namespace {
-
-constexpr std::size_t kBlock = 8192;
 
 /// After this many rounds, what fails goes to single faces at once: a chain of neighbours failing one after the other
 /// must not cost a round for each of its steps.
@@ -16,15 +11,13 @@ constexpr int kPatientRounds = 6;
 
 }  // namespace
 
-Ladder::Ladder(const Surface& surface, RunControl& control)
-    : zone_(surface.face_label),
+Ladder::Ladder(const Surface& surface, const std::vector<FaceId>& without_area)
+    : surface_(surface),
       rung_(surface.face_count(), 0),
       reason_(surface.face_count(), PatchReason::kNone),
       is_kept_(surface.face_count(), 0),
       forced_(surface.vertex_count(), 0) {
-  for (const std::uint32_t label : surface.face_label) next_zone_ = std::max(next_zone_, label + 1);
-  const auto has_no_area = [&](std::size_t f) { return is_without_area(surface, FaceId(f)); };
-  for (const FaceId f : select_ids<FaceId>(surface.face_count(), kBlock, control, has_no_area)) {
+  for (const FaceId f : without_area) {
     is_kept_[f] = 1;
     rung_[f] = kSingleFace;
     reason_[f] = PatchReason::kNotPlanar;
@@ -34,7 +27,10 @@ Ladder::Ladder(const Surface& surface, RunControl& control)
 
 std::vector<FaceId> Ladder::step(const PatchSet& patches, const BoundaryLoops& loops, const Adjacency& adjacency,
                                  const std::vector<FailedPatch>& failed, Regions& regions) {
-  ++steps_;
+  if (steps_++ == 0) {
+    zone_ = surface_.face_label;
+    for (const std::uint32_t label : zone_) next_zone_ = std::max(next_zone_, label + 1);
+  }
   std::vector<FaceId> stuck;
   for (const auto& [patch, reason] : failed) {
     for (std::uint32_t l = loops.patch_begin[patch.value]; l < loops.patch_begin[patch.value + 1]; ++l)

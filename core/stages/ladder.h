@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "core/base/run_control.h"
 #include "core/report.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/coplanar_regions.h"
@@ -22,8 +21,9 @@ struct FailedPatch {
 /// Source: REFINEMENT, rule 14.
 class Ladder {
  public:
-  /// Faces without area begin on the last step: each is kept as it is, alone, with its vertices.
-  Ladder(const Surface& surface, RunControl& control);
+  /// Faces without area begin on the last step: each is kept as it is, alone, with its vertices. The surface must
+  /// outlive the ladder.
+  explicit Ladder(const Surface& surface, const std::vector<FaceId>& without_area = {});
 
   /// Takes every failed patch one step up: its faces lose their region and may only join each other again, under the
   /// next tolerance; the vertices of its boundary become essential.
@@ -31,14 +31,15 @@ class Ladder {
   std::vector<FaceId> step(const PatchSet& patches, const BoundaryLoops& loops, const Adjacency& adjacency,
                            const std::vector<FailedPatch>& failed, Regions& regions);
 
-  const IdVector<FaceId, std::uint32_t>& zone() const { return zone_; }
+  const IdVector<FaceId, std::uint32_t>& zone() const { return zone_.empty() ? surface_.face_label : zone_; }
   const IdVector<FaceId, std::uint8_t>& rung() const { return rung_; }
   const IdVector<FaceId, PatchReason>& reason() const { return reason_; }
   bool is_kept(FaceId f) const { return is_kept_[f] != 0; }
   IdVector<VertexId, std::uint8_t>& forced() { return forced_; }
 
  private:
-  IdVector<FaceId, std::uint32_t> zone_;
+  const Surface& surface_;
+  IdVector<FaceId, std::uint32_t> zone_;  ///< as the surface's labels before the first step
   IdVector<FaceId, std::uint8_t> rung_;
   IdVector<FaceId, PatchReason> reason_;
   IdVector<FaceId, std::uint8_t> is_kept_;

@@ -259,6 +259,11 @@ bool is_without_area(const Surface& surface, FaceId f) {
   return loop.size() == 3 && is_collinear(exact(0), exact(1), exact(2));
 }
 
+std::vector<FaceId> faces_without_area(const Surface& surface, RunControl& control) {
+  return select_ids<FaceId>(surface.face_count(), kBlock, control,
+                            [&](std::size_t f) { return is_without_area(surface, FaceId(f)); });
+}
+
 bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
                 std::vector<Diagnostic>& diagnostics, RunControl& control) {
   return Mending(surface, plane_tolerance, as_it_is, degenerate, control).run(diagnostics);

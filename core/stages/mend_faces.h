@@ -33,6 +33,7 @@ bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std:
 
 /// Whether a face is a triangle with exactly collinear corners; mend_faces leaves few of them, or none.
 bool is_without_area(const Surface& surface, FaceId f);
+std::vector<FaceId> faces_without_area(const Surface& surface, RunControl& control);
 
 /// Whether three points are exactly on one line (or coincide).
 bool is_collinear(const Vec3& a, const Vec3& b, const Vec3& c);

@@ -19,10 +19,10 @@ struct FacesSummary {
 
 }  // namespace
 
-PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency,
-                                 const IdVector<FaceId, FaceGeometry>& geometry, const PatchSet& patches,
-                                 const BoundaryLoops& loops, const IdVector<VertexId, std::uint8_t>& essential,
-                                 const Ladder& ladder, RunControl& control) {
+PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+                                 const PatchSet& patches, const BoundaryLoops& loops,
+                                 const IdVector<VertexId, std::uint8_t>& essential, const Ladder& ladder,
+                                 RunControl& control) {
   PatchSummaries result;
   result.patches.reserve(patches.count());
   // The patch that has counted a vertex last.

@@ -17,9 +17,9 @@ struct PatchSummaries {
 };
 
 /// Summarises the patches as they stand; `output_faces` is what Euler's formula gives.
-PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency,
-                                 const IdVector<FaceId, FaceGeometry>& geometry, const PatchSet& patches,
-                                 const BoundaryLoops& loops, const IdVector<VertexId, std::uint8_t>& essential,
-                                 const Ladder& ladder, RunControl& control);
+PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+                                 const PatchSet& patches, const BoundaryLoops& loops,
+                                 const IdVector<VertexId, std::uint8_t>& essential, const Ladder& ladder,
+                                 RunControl& control);
 
 }  // namespace remesh

@@ -139,7 +139,7 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
                        RunControl& control) {
   std::vector<Junction> junctions = Search(surface, edges, tolerance, as_it_is, control).run();
   if (junctions.empty()) return false;
-  const IdVector<FaceId, FaceGeometry> geometry = face_geometry(surface, control);
+  const FaceGeometries geometry = face_geometry(surface, control);
   junctions.erase(std::remove_if(junctions.begin(), junctions.end(),
                                  [&](const Junction& j) { return geometry[j.face].height < kThinFace * tolerance; }),
                   junctions.end());

@@ -44,7 +44,7 @@ class StageChain {
   Surface surface;
   double tolerance;  ///< local units
   Adjacency adjacency;
-  IdVector<FaceId, FaceGeometry> geometry;
+  FaceGeometries geometry;
   Regions regions;
   PatchSet patches;
   BoundaryLoops loops;

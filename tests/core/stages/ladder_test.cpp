@@ -13,7 +13,7 @@ namespace {
 
 /// A box whose patches stand at the foot of the ladder.
 struct Climb {
-  explicit Climb(const PolygonMesh& mesh) : chain(mesh), ladder(chain.surface, chain.control) {}
+  explicit Climb(const PolygonMesh& mesh) : chain(mesh), ladder(chain.surface) {}
 
   std::vector<FaceId> step(const std::vector<FailedPatch>& failed) {
     return ladder.step(chain.patches, chain.loops, chain.adjacency, failed, chain.regions);
@@ -28,7 +28,7 @@ TEST(ladder, it_begins_with_the_labels_and_nothing_forced) {
   const Climb climb(with_groups(shapes::sheet(2, 1, 2, 1), {0, 0, 1, 1}));
   EXPECT_EQ(climb.ladder.zone(), climb.chain.surface.face_label);
   EXPECT_EQ(climb.face_rung(0), 0);
-  Ladder ladder(climb.chain.surface, climb.chain.control);
+  Ladder ladder(climb.chain.surface);
   EXPECT_EQ(std::count(ladder.forced().begin(), ladder.forced().end(), 0), 6);
 }
 

@@ -14,7 +14,7 @@ PatchSummaries summarised(const StageChain& chain, const Ladder& ladder) {
   return summarise_patches(chain.surface, chain.adjacency, chain.geometry, chain.patches, chain.loops, chain.essential,
                            ladder, chain.control);
 }
-PatchSummaries summarised(const StageChain& chain) { return summarised(chain, Ladder(chain.surface, chain.control)); }
+PatchSummaries summarised(const StageChain& chain) { return summarised(chain, Ladder(chain.surface)); }
 
 TEST(patch_summary, the_ring_of_section_1_1) {
   const PatchSummaries s = summarised(StageChain(shapes::ring(4)));
@@ -73,7 +73,7 @@ TEST(patch_summary, the_deviation_is_the_largest_distance_from_the_plane_and_bou
 
 TEST(patch_summary, a_patch_that_climbed_the_ladder_is_reduced_and_says_why) {
   StageChain chain(shapes::box({1, 1, 1}, 2));
-  Ladder ladder(chain.surface, chain.control);
+  Ladder ladder(chain.surface);
   ladder.step(chain.patches, chain.loops, chain.adjacency, {{PatchId(3), PatchReason::kOverlappingFaces}},
               chain.regions);
   const PatchSummaries s = summarised(chain, ladder);
