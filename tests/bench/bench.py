@@ -40,7 +40,7 @@ def main():
     parser.add_argument("build", type=pathlib.Path)
     parser.add_argument("--runs", type=int, default=5)
     parser.add_argument("--faces", type=int, default=1_000_000, help="of the large inputs")
-    parser.add_argument("--largest", type=int, default=1_000_000, help="the last decade of growth: up to 10000000 or more")
+    parser.add_argument("--largest", type=int, default=1_000_000, help="where growth ends")
     parser.add_argument("--only", action="append", choices=list(PARTS), metavar="PART", help=", ".join(PARTS))
     arguments = parser.parse_args()
     build = arguments.build.resolve()

@@ -2,16 +2,15 @@
 
 import json
 import statistics
-import subprocess
 
-from programs import face_count, median, peak_bytes, run_process, seconds
+from programs import face_count, median, peak_bytes, seconds
 
 CGAL_BYTES_A_FACE = 182
 
 
 def milliseconds_of_io(bench, path, runs):
-    output = subprocess.run([bench.program("io_bench"), path, str(runs)], capture_output=True, text=True, check=True).stdout
-    return {what: statistics.median(times) for what, times in json.loads(output).items()}
+    times_of = json.loads(bench.run(bench.program("io_bench"), path, str(runs)).output)
+    return {what: statistics.median(times) for what, times in times_of.items()}
 
 
 def measure_io(bench, table):
@@ -41,7 +40,7 @@ def measure_way(bench, table):
         }
         has_peer = bench.program("planar_peer").exists()
         if has_peer:
-            works["CGAL"] = lambda: run_process([bench.program("planar_peer"), path, bench.folder / "peer.obj"])
+            works["CGAL"] = lambda: bench.run(bench.program("planar_peer"), path, bench.folder / "peer.obj")
         results = bench.by_turns(works)
         ours = results["remesh"]
         reading = statistics.median(results["reading"])
@@ -61,5 +60,6 @@ def measure_way(bench, table):
         table.add(case, f"{peer}, memory", peak_bytes(theirs) / faces, "bytes a face")
         table.add(case, f"{peer}, without reading and writing", process, "ms")
         table.add(case, "remesh", seconds(ours), "s", "CGAL's", seconds(theirs), 0.25)
-        table.add(case, "remesh, memory", peak_bytes(ours) / faces, "bytes a face", "CGAL's", peak_bytes(theirs) / faces, 1)
+        table.add(case, "remesh, memory", peak_bytes(ours) / faces, "bytes a face", "CGAL's",
+                  peak_bytes(theirs) / faces, 1)
         table.add(case, "remesh, without reading and writing", between, "ms", "CGAL's", process, 1)

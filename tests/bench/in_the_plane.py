@@ -2,14 +2,12 @@
 
 import json
 
-from programs import run_process
-
 SMALLEST_SIZE = 10_000  # of remesh_bench
 
 
 def rows_of_remesh_bench(bench, part):
     file = bench.folder / f"{part}.json"
-    run_process([bench.program("remesh_bench"), "--only", part, "--json", file, str(max(bench.faces, SMALLEST_SIZE))])
+    bench.run(bench.program("remesh_bench"), "--only", part, "--json", file, str(max(bench.faces, SMALLEST_SIZE)))
     return json.loads(file.read_text())
 
 

@@ -25,6 +25,7 @@
 #include "core/stages/delaunay_flips.h"
 #include "core/stages/lexicographic_triangulation.h"
 #include "core/stages/patch_triangulation.h"
+#include "tests/bench/inputs.h"
 #include "tests/bench/refinement.h"
 #include "tests/bench/rows.h"
 #include "tests/bench/timing.h"
@@ -189,9 +190,12 @@ std::vector<Vec2> circle(int size) { return polygons::nearly_cocircular(size); }
 
 polygons::Polygon sieve(int size) { return polygons::sieve(static_cast<int>(std::sqrt(size / 4))); }
 polygons::Polygon comb(int size) { return polygons::comb(size / 4, 100); }
-/// As many holes as one in a hundred corners.
+/// A hole for every hundred corners, or so.
 polygons::Polygon star(int size) {
   return polygons::star_with_holes(1, size, static_cast<int>(1.2 * std::sqrt(size / 100)));
+}
+polygons::Polygon round_star(int size) {
+  return smooth_star(size, static_cast<int>(std::lround(std::sqrt(size / 100))));
 }
 
 PolygonMesh box(int size) { return shapes::box({1, 2, 3}, static_cast<int>(std::sqrt(size / 12))); }
@@ -224,7 +228,8 @@ const std::vector<Part>& parts() {
          tbb::task_arena(workers).execute([&] {
            measure_polygons("corners of a sieve", sizes, sieve, rows);
            measure_polygons("corners of a comb", sizes, comb, rows);
-           measure_polygons("corners of a star", sizes, star, rows);
+           measure_polygons("corners of a spiky star", sizes, star, rows);
+           measure_polygons("corners of a star", sizes, round_star, rows);
          });
        }},
       {"surfaces",

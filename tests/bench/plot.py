@@ -21,11 +21,10 @@ class Panel:
 
 
 def draw(panels, x_label):
-    panels = list(panels)
     width = len(panels) * (LEFT + WIDTH + RIGHT)
     height = TOP + HEIGHT + BOTTOM
-    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" height="{height}" '
-             f'font-family="sans-serif" font-size="12" fill="{INK}">',
+    parts = [f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width} {height}" width="{width}" '
+             f'height="{height}" font-family="sans-serif" font-size="12" fill="{INK}">',
              f'<rect width="{width}" height="{height}" fill="#ffffff"/>']
     for number, panel in enumerate(panels):
         parts.append(f'<g transform="translate({number * (LEFT + WIDTH + RIGHT) + LEFT} {TOP})">')
@@ -66,7 +65,7 @@ def panel_parts(panel, x_label):
         yield line([(0, at), (WIDTH, at)], GRID)
         yield text(-8, at + 4, power(e), "end")
     yield text(WIDTH / 2, HEIGHT + 40, x_label, "middle")
-    for (name, series), colour in zip(panel.series, COLOURS):
+    for (_, series), colour in zip(panel.series, COLOURS):
         at = [(x.at(a), y.at(b)) for a, b in series]
         (x0, y0), x1 = series[0], min(series[-1][0], series[0][0] * 10**y.last / series[0][1])
         yield line([at[0], (x.at(x1), y.at(y0 * x1 / x0))], colour, 'stroke-dasharray="3 4" opacity="0.6"')

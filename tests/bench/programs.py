@@ -3,13 +3,10 @@
 import dataclasses
 import functools
 import json
-import os
 import pathlib
 import statistics
 import subprocess
 import sys
-import tempfile
-import time
 
 WORKERS = 2
 
@@ -49,11 +46,20 @@ class Bench:
             unfinished.rename(path)
         return path
 
+    def run(self, *command):
+        """To its end; what it prints to standard output is kept."""
+        figures = self.folder / "measured.json"
+        done = subprocess.run([self.program("measured"), figures, *command], stdout=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{' '.join(map(str, command))} failed")
+        measured = json.loads(figures.read_text())
+        return Run(measured["seconds"], measured["peak_bytes"], done.stdout)
+
     def remesh(self, path, *options, workers=WORKERS, output="out.obj"):
         """The command line, with its report."""
         report = self.folder / "report.json"
-        run = run_process([self.program("remesh"), path, "-o", self.folder / output, "--report", report,
-                           "--workers", str(workers), *options])
+        run = self.run(self.program("remesh"), path, "-o", self.folder / output, "--report", report,
+                       "--workers", str(workers), *options)
         run.report = json.loads(report.read_bytes())
         return run
 
@@ -64,20 +70,6 @@ class Bench:
             for name, work in works.items():
                 results[name].append(work())
         return results
-
-
-def run_process(arguments):
-    """Runs it to its end; what it prints to standard output is kept, what it tells otherwise is passed on."""
-    with tempfile.TemporaryFile() as output:
-        start = time.perf_counter()
-        child = subprocess.Popen(arguments, stdout=output)
-        _, status, usage = os.wait4(child.pid, 0)
-        seconds = time.perf_counter() - start
-        child.returncode = os.waitstatus_to_exitcode(status)
-        if child.returncode != 0:
-            sys.exit(f"{' '.join(map(str, arguments))} failed")
-        output.seek(0)
-        return Run(seconds, usage.ru_maxrss * 1024, output.read().decode())
 
 
 def median(figure, runs):
@@ -93,4 +85,5 @@ def peak_bytes(runs):
 
 
 def face_count(path):
-    return path.read_bytes().count(b"\nf ")
+    with open(path, "rb") as file:
+        return sum(line.startswith(b"f ") for line in file)

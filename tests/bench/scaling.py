@@ -35,7 +35,7 @@ def length_for(bench, faces):
 
 def measure_growth(bench, table):
     sizes = [10**e for e in range(4, 9) if 10**e <= bench.largest]
-    panels = {"seconds": plot.Panel("seconds, file to file"), "bytes": plot.Panel("bytes at the peak")}
+    times, peaks = plot.Panel("seconds, file to file"), plot.Panel("bytes at the peak")
     unrefined, refined = "box, not refined", "plate, refined"
     points = {unrefined: [], refined: []}  # of each size: faces, seconds, bytes
     for size in sizes:
@@ -50,9 +50,9 @@ def measure_growth(bench, table):
             points[name].append((faces[name], seconds(runs), peak_bytes(runs)))
     for name, bytes_a_face in [(unrefined, 200), (refined, 300)]:
         add_growth(table, name, points[name], bytes_a_face)
-        panels["seconds"].add(name, [(n, s) for n, s, _ in points[name]])
-        panels["bytes"].add(name, [(n, b) for n, _, b in points[name]])
-    (bench.folder / "growth.svg").write_text(plot.draw(panels.values(), "faces"))
+        times.add(name, [(n, s) for n, s, _ in points[name]])
+        peaks.add(name, [(n, b) for n, _, b in points[name]])
+    (bench.folder / "growth.svg").write_text(plot.draw([times, peaks], "faces"))
 
 
 def add_growth(table, name, points, bytes_a_face):

@@ -9,7 +9,7 @@ class Table:
 
     def add(self, case, what, value, unit, against=None, base=None, bound=None):
         """A figure and, beside another one, the ratio that counts."""
-        self.rows.append({"case": case, "what": what, "value": float(f"{value:.4g}"), "unit": unit, "against": against,
+        self.rows.append({"case": case, "what": what, "value": float(f"{value:.6g}"), "unit": unit, "against": against,
                           "ratio": round(value / base, 3) if base else None, "bound": bound})
 
     def leave_out(self, case, what, reason):
@@ -23,7 +23,7 @@ class Table:
         lines = ["| case | what | median | against | ratio | bound |", "| --- | --- | ---: | --- | ---: | ---: |"]
         above = self.above_bounds()
         for row in self.rows:
-            value = row["unit"] if row["value"] is None else f"{row['value']:,.4g} {row['unit']}"
+            value = row["unit"] if row["value"] is None else f"{digits(row['value'])} {row['unit']}"
             ratio = "" if row["ratio"] is None else f"{row['ratio']:.2f}"
             if row in above:
                 ratio = f"**{ratio}**"
@@ -34,3 +34,7 @@ class Table:
     def write(self, folder):
         (folder / "table.md").write_text(self.markdown())
         (folder / "table.json").write_text(json.dumps(self.rows, indent=2) + "\n")
+
+
+def digits(value):
+    return f"{value:,.0f}" if value >= 1000 else f"{value:.4g}"

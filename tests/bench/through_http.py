@@ -16,8 +16,9 @@ class Daemon:
     """A daemon on a free port, for as long as the block."""
 
     def __init__(self, program, workers):
-        self.process = subprocess.Popen([program, "--bind", "127.0.0.1:0", "--store", "none", "--workers", str(workers)],
-                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        self.process = subprocess.Popen(
+            [program, "--bind", "127.0.0.1:0", "--store", "none", "--workers", str(workers)],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         for line in self.process.stdout:
             found = re.search(r"127\.0\.0\.1:(\d+)", line)
             if found:
@@ -94,14 +95,11 @@ def measure_small(bench, table, daemon):
                       'wrk.body = file:read("*a")\nwrk.headers["Content-Type"] = "model/obj"\n')
 
     def possible():
-        output = subprocess.run([bench.program("remesh_cases"), "--rate", "1000", str(WORKERS), "2"],
-                                capture_output=True, text=True, check=True).stdout
-        return float(output)
+        return float(bench.run(bench.program("remesh_cases"), "--rate", "1000", str(WORKERS), "2").output)
 
     def answered():
-        output = subprocess.run(["wrk", "-t1", "-c8", "-d2s", "-s", script,
-                                 f"http://127.0.0.1:{daemon.port}/v1/remesh?refine=false&format=obj"],
-                                capture_output=True, text=True, check=True).stdout
+        output = bench.run("wrk", "-t1", "-c8", "-d2s", "-s", script,
+                           f"http://127.0.0.1:{daemon.port}/v1/remesh?refine=false&format=obj").output
         if "Non-2xx" in output:
             sys.exit(f"remeshd refuses under wrk:\n{output}")
         return float(re.search(r"Requests/sec:\s+([\d.]+)", output)[1])
