@@ -1,7 +1,8 @@
 /// Fixed pieces of work, small enough to run where every instruction is counted: `./dev bench --check`.
 /// Usage: remesh_cases NAME does one of them on one thread, remesh_cases --list tells the names, and
-/// remesh_cases --write box|bracket FACES writes a mesh as OBJ for larger measurements; remesh_cases --rate FACES
-/// THREADS SECONDS prints how many requests a second to remesh such a box are answered without HTTP.
+/// remesh_cases --write SHAPE FACES writes a mesh of about so many triangles as OBJ for larger measurements;
+/// remesh_cases --rate FACES THREADS SECONDS prints how many requests a second to remesh a box are answered without
+/// HTTP.
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
@@ -25,6 +26,7 @@
 #include "core/io/obj.h"
 #include "core/remesh.h"
 #include "core/stages/patch_triangulation.h"
+#include "tests/bench/inputs.h"
 #include "tests/bench/json_text.h"
 #include "tests/support/polygons.h"
 #include "tests/support/shapes.h"
@@ -102,6 +104,30 @@ const Case kCases[] = {
     {"refine_plate", [] { return remeshing(shapes::plate_with_round_hole(256), true); }},
 };
 
+struct LargeShape {
+  std::string_view name;
+  PolygonMesh (*make)(double faces);
+};
+
+int root(double x) { return static_cast<int>(std::sqrt(x)); }
+
+const LargeShape kLargeShapes[] = {
+    {"box",
+     [](double faces) {
+       return shapes::box({1, 2, 3}, root(faces / 12));
+     }},
+    {"bracket", [](double faces) { return turned_bracket(root(faces / 28)); }},
+    // one patch
+    {"sheet", [](double faces) { return shapes::sheet(1, 1, root(faces / 2), root(faces / 2)); }},
+    // a patch for every two triangles
+    {"facets", [](double faces) { return facets(root(faces / 2), root(faces / 2), 1); }},
+    {"plate",
+     [](double faces) {
+       constexpr int kCorners = 24;
+       return mesh_of(polygons::patch_input(plate(root(faces / (kCorners + 2)), kCorners)));
+     }},
+};
+
 /// What is counted: under callgrind everything within this function.
 [[gnu::noinline]] void run_case(const Work& work) { work(); }
 
@@ -130,7 +156,9 @@ double requests_a_second(double faces, int threads, double seconds) {
 
 int usage() {
   std::fprintf(stderr,
-               "usage: remesh_cases NAME | --list | --write box|bracket FACES | --rate FACES THREADS SECONDS\n");
+               "usage: remesh_cases NAME | --list | --write SHAPE FACES | --rate FACES THREADS SECONDS\nshapes:");
+  for (const LargeShape& shape : kLargeShapes) std::fprintf(stderr, " %s", std::string(shape.name).c_str());
+  std::fprintf(stderr, "\n");
   return 2;
 }
 
@@ -142,10 +170,10 @@ int run(const std::vector<std::string>& arguments) {
   if (arguments.size() == 3 && arguments[0] == "--write") {
     const double faces = std::atof(arguments[2].c_str());
     if (!(faces >= 100 && faces <= 1e8)) return usage();
-    const bool is_box = arguments[1] == "box";
-    if (!is_box && arguments[1] != "bracket") return usage();
-    const std::string text = obj_of(is_box ? shapes::box({1, 2, 3}, static_cast<int>(std::sqrt(faces / 12)))
-                                           : turned_bracket(static_cast<int>(std::sqrt(faces / 28))));
+    const auto* shape = std::find_if(std::begin(kLargeShapes), std::end(kLargeShapes),
+                                     [&](const LargeShape& s) { return s.name == arguments[1]; });
+    if (shape == std::end(kLargeShapes)) return usage();
+    const std::string text = obj_of(shape->make(faces));
     return std::fwrite(text.data(), 1, text.size(), stdout) == text.size() ? 0 : 1;
   }
   if (arguments.size() == 4 && arguments[0] == "--rate") {

@@ -1,7 +1,8 @@
 /// Prints how the time of triangulating and of remeshing grows with the size of the input, beside CGAL's, and what
 /// refinement makes of regions of one size, beside CGAL's, too.
-/// Usage: remesh_bench [--only PART] [max_size [workers]]; sizes are the decades from 10,000 to max_size (1,000,000).
-/// Every time is the median of three runs, in milliseconds; the factor behind it is the growth over one decade.
+/// Usage: remesh_bench [--only PART] [--json FILE] [max_size [workers]]; sizes are the decades from 10,000 to max_size
+/// (1,000,000). Every time is the median of three runs, in milliseconds; the factor behind it is the growth over one
+/// decade. The file gets the same figures as a list of flat objects (rows.h).
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
@@ -9,8 +10,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <string>
 #include <string_view>
@@ -22,7 +25,9 @@
 #include "core/stages/delaunay_flips.h"
 #include "core/stages/lexicographic_triangulation.h"
 #include "core/stages/patch_triangulation.h"
+#include "tests/bench/inputs.h"
 #include "tests/bench/refinement.h"
+#include "tests/bench/rows.h"
 #include "tests/bench/timing.h"
 #include "tests/support/polygons.h"
 #include "tests/support/shapes.h"
@@ -33,15 +38,23 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 constexpr int kSweepLimit = 100000;  // on grids it takes minutes above
 
-/// One line per thing that was measured, one column per size.
+/// One line per thing that was measured, one column per size; and what goes into it as rows.
 class Table {
  public:
-  Table(std::string title, std::vector<int> sizes) : title_(std::move(title)), sizes_(std::move(sizes)) {}
+  Table(std::string part, std::string title, std::vector<int> sizes, Rows& rows)
+      : part_(std::move(part)), title_(std::move(title)), sizes_(std::move(sizes)), rows_(rows) {}
+
+  /// The next column's times of these lines.
+  void measure(const std::vector<NamedWork>& works) {
+    const std::vector<double> medians = median_milliseconds(works);
+    for (std::size_t w = 0; w < works.size(); ++w) add(works[w].name, medians[w]);
+  }
 
   /// The next column's time of this line.
   void add(const std::string& name, double ms) {
     auto line = std::find_if(lines_.begin(), lines_.end(), [&](const Line& l) { return l.name == name; });
     if (line == lines_.end()) line = lines_.insert(lines_.end(), Line{name, {}});
+    rows_.push_back({part_, title_, name, static_cast<std::uint64_t>(sizes_[line->times.size()]), ms});
     line->times.push_back(ms);
   }
 
@@ -68,14 +81,17 @@ class Table {
     std::string name;
     std::vector<double> times;
   };
+  std::string part_;
   std::string title_;
   std::vector<int> sizes_;
+  Rows& rows_;
   std::vector<Line> lines_;
 };
 
-void measure_points(const std::string& title, const std::vector<int>& sizes, std::vector<Vec2> (*make)(int)) {
+void measure_points(const std::string& title, const std::vector<int>& sizes, std::vector<Vec2> (*make)(int),
+                    Rows& rows) {
   RunControl control;
-  Table table(title, sizes);
+  Table table("points", title, sizes, rows);
   for (const int size : sizes) {
     const std::vector<Vec2> points = make(size);
     std::vector<Kernel::Point_2> cgal_points;
@@ -88,49 +104,63 @@ void measure_points(const std::string& title, const std::vector<int>& sizes, std
       std::swap(shuffled[i], shuffled[j]);
       std::swap(cgal_points[i], cgal_points[j]);
     }
-    table.add("sorting", median_milliseconds([&] {
-                std::vector<Vec2> copy = shuffled;
-                std::sort(copy.begin(), copy.end());
-              }));
-    table.add("triangulate_points", median_milliseconds([&] { triangulate_points(points, control); }));
-    table.add("divide and conquer", median_milliseconds([&] { delaunay_divide_conquer(points, control); }));
-    table.add("CGAL, its sorting included", median_milliseconds([&] {
-                const CGAL::Delaunay_triangulation_2<Kernel> mesh(cgal_points.begin(), cgal_points.end());
-              }));
-    if (size > kSweepLimit) continue;
-    table.add("sweep and flips", median_milliseconds([&] {
-                Triangulation2d mesh = lexicographic_triangulation(points, control);
-                delaunay_flips(points, mesh, control);
-              }));
+    std::vector<NamedWork> works{
+        {"sorting",
+         [&] {
+           std::vector<Vec2> copy = shuffled;
+           std::sort(copy.begin(), copy.end());
+         }},
+        {"triangulate_points", [&] { triangulate_points(points, control); }},
+        {"the same, with sorting",
+         [&] {
+           std::vector<Vec2> copy = shuffled;
+           std::sort(copy.begin(), copy.end());
+           triangulate_points(copy, control);
+         }},
+        {"divide and conquer", [&] { delaunay_divide_conquer(points, control); }},
+        {"CGAL, its sorting included",
+         [&] { const CGAL::Delaunay_triangulation_2<Kernel> mesh(cgal_points.begin(), cgal_points.end()); }},
+    };
+    if (size <= kSweepLimit)
+      works.push_back({"sweep and flips", [&] {
+                         Triangulation2d mesh = lexicographic_triangulation(points, control);
+                         delaunay_flips(points, mesh, control);
+                       }});
+    table.measure(works);
   }
   table.print();
 }
 
-void measure_polygons(const std::string& title, const std::vector<int>& sizes, polygons::Polygon (*make)(int)) {
+void measure_polygons(const std::string& title, const std::vector<int>& sizes, polygons::Polygon (*make)(int),
+                      Rows& rows) {
   using Structure = CGAL::Triangulation_data_structure_2<CGAL::Triangulation_vertex_base_2<Kernel>,
                                                          CGAL::Constrained_triangulation_face_base_2<Kernel>>;
   RunControl control;
-  Table table(title, sizes);
+  Table table("polygons", title, sizes, rows);
   for (const int size : sizes) {
     const polygons::PatchInput input = polygons::patch_input(make(size));
     std::vector<Kernel::Point_2> cgal_points;
     for (const Vec2 p : input.points) cgal_points.emplace_back(p.x, p.y);
     std::vector<std::pair<std::size_t, std::size_t>> cgal_edges;
     for (const Segment& edge : input.edges) cgal_edges.emplace_back(edge[0], edge[1]);
-    table.add("triangulate_patch", median_milliseconds([&] { triangulate_patch(input.points, input.edges, control); }));
-    table.add("CGAL, without carving", median_milliseconds([&] {
-                CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure> mesh;
-                mesh.insert_constraints(cgal_points.begin(), cgal_points.end(), cgal_edges.begin(), cgal_edges.end());
-              }));
+    table.measure({
+        {"triangulate_patch", [&] { triangulate_patch(input.points, input.edges, control); }},
+        {"CGAL, without carving",
+         [&] {
+           CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure> mesh;
+           mesh.insert_constraints(cgal_points.begin(), cgal_points.end(), cgal_edges.begin(), cgal_edges.end());
+         }},
+    });
   }
   table.print();
 }
 
-void measure_surfaces(const std::string& title, const std::vector<int>& sizes, int workers, PolygonMesh (*make)(int)) {
+void measure_surfaces(const std::string& title, const std::vector<int>& sizes, int workers, PolygonMesh (*make)(int),
+                      Rows& rows) {
   const RunSettings settings{.workers = workers};
   Options options;
   options.refine = false;
-  Table table(title, sizes);
+  Table table("surfaces", title, sizes, rows);
   for (const int size : sizes) {
     const PolygonMesh mesh = make(size);
     std::vector<double> totals;
@@ -160,7 +190,13 @@ std::vector<Vec2> circle(int size) { return polygons::nearly_cocircular(size); }
 
 polygons::Polygon sieve(int size) { return polygons::sieve(static_cast<int>(std::sqrt(size / 4))); }
 polygons::Polygon comb(int size) { return polygons::comb(size / 4, 100); }
-polygons::Polygon star(int size) { return polygons::star_with_holes(1, size, 10); }
+/// A hole for every hundred corners, or so.
+polygons::Polygon star(int size) {
+  return polygons::star_with_holes(1, size, static_cast<int>(1.2 * std::sqrt(size / 100)));
+}
+polygons::Polygon round_star(int size) {
+  return smooth_star(size, static_cast<int>(std::lround(std::sqrt(size / 100))));
+}
 
 PolygonMesh box(int size) { return shapes::box({1, 2, 3}, static_cast<int>(std::sqrt(size / 12))); }
 PolygonMesh turned_box(int size) { return shapes::rotated(box(size), {1, 2, 3}, 30); }
@@ -174,62 +210,69 @@ PolygonMesh sphere(int size) {
 
 struct Part {
   std::string_view name;
-  std::function<void(const std::vector<int>& sizes, int workers)> run;
+  std::function<void(const std::vector<int>& sizes, int workers, Rows& rows)> run;
 };
 
 const std::vector<Part>& parts() {
   static const std::vector<Part> all{
       {"points",
-       [](const std::vector<int>& sizes, int workers) {
+       [](const std::vector<int>& sizes, int workers, Rows& rows) {
          tbb::task_arena(workers).execute([&] {
-           measure_points("scattered points", sizes, scattered);
-           measure_points("square grid of points", sizes, square_grid);
-           measure_points("points on a circle", sizes, circle);
+           measure_points("scattered points", sizes, scattered, rows);
+           measure_points("square grid of points", sizes, square_grid, rows);
+           measure_points("points on a circle", sizes, circle, rows);
          });
        }},
       {"polygons",
-       [](const std::vector<int>& sizes, int workers) {
+       [](const std::vector<int>& sizes, int workers, Rows& rows) {
          tbb::task_arena(workers).execute([&] {
-           measure_polygons("corners of a sieve", sizes, sieve);
-           measure_polygons("corners of a comb", sizes, comb);
-           measure_polygons("corners of a star", sizes, star);
+           measure_polygons("corners of a sieve", sizes, sieve, rows);
+           measure_polygons("corners of a comb", sizes, comb, rows);
+           measure_polygons("corners of a spiky star", sizes, star, rows);
+           measure_polygons("corners of a star", sizes, round_star, rows);
          });
        }},
       {"surfaces",
-       [](const std::vector<int>& sizes, int workers) {
-         measure_surfaces("faces of a box", sizes, workers, box);
-         measure_surfaces("faces of a turned box", sizes, workers, turned_box);
-         measure_surfaces("faces of a sphere", sizes, workers, sphere);
+       [](const std::vector<int>& sizes, int workers, Rows& rows) {
+         measure_surfaces("faces of a box", sizes, workers, box, rows);
+         measure_surfaces("faces of a turned box", sizes, workers, turned_box, rows);
+         measure_surfaces("faces of a sphere", sizes, workers, sphere, rows);
        }},
-      {"refinement", [](const std::vector<int>&, int) { measure_refinement(); }},
+      {"refinement", [](const std::vector<int>&, int, Rows& rows) { measure_refinement(rows); }},
   };
   return all;
 }
 
 int usage() {
-  std::fprintf(stderr, "usage: remesh_bench [--only PART] [max_size of at least 10000 [workers]]\nparts:");
+  std::fprintf(stderr,
+               "usage: remesh_bench [--only PART] [--json FILE] [max_size of at least 10000 [workers]]\nparts:");
   for (const Part& part : parts()) std::fprintf(stderr, " %s", std::string(part.name).c_str());
   std::fprintf(stderr, "\n");
   return 2;
 }
 
 int run(std::vector<std::string> arguments) {
-  std::string only;
-  if (!arguments.empty() && arguments[0] == "--only") {
-    if (arguments.size() < 2) return usage();
-    only = arguments[1];
+  std::string only, json;
+  while (!arguments.empty() && arguments[0].starts_with("--")) {
+    if (arguments.size() < 2 || (arguments[0] != "--only" && arguments[0] != "--json")) return usage();
+    (arguments[0] == "--only" ? only : json) = arguments[1];
     arguments.erase(arguments.begin(), arguments.begin() + 2);
-    if (std::none_of(parts().begin(), parts().end(), [&](const Part& part) { return part.name == only; }))
-      return usage();
   }
+  if (!only.empty() &&
+      std::none_of(parts().begin(), parts().end(), [&](const Part& part) { return part.name == only; }))
+    return usage();
   const int max_size = arguments.empty() ? 1000000 : std::atoi(arguments[0].c_str());
   const int workers = arguments.size() < 2 ? 1 : std::atoi(arguments[1].c_str());
   if (arguments.size() > 2 || max_size < 10000 || max_size > 100000000 || workers < 1) return usage();
   std::vector<int> sizes;
   for (int size = 10000; size <= max_size; size *= 10) sizes.push_back(size);
+  Rows rows;
   for (const Part& part : parts())
-    if (only.empty() || part.name == only) part.run(sizes, workers);
-  return 0;
+    if (only.empty() || part.name == only) part.run(sizes, workers, rows);
+  if (json.empty()) return 0;
+  std::ofstream file(json, std::ios::binary);
+  file << json_of(rows);
+  return file.flush() ? 0 : 1;
 }
 
 }  // namespace

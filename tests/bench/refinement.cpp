@@ -8,18 +8,16 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <numbers>
 #include <utility>
 #include <vector>
 
 #include "core/remesh.h"
 #include "core/stages/patch_triangulation.h"
+#include "tests/bench/inputs.h"
 #include "tests/bench/timing.h"
 #include "tests/support/polygons.h"
-#include "tests/support/random.h"
 #include "tests/support/shapes.h"
 
 namespace remesh::bench {
@@ -33,19 +31,6 @@ struct Outcome {
   double ms = 0;  ///< of triangulation and refinement; of three runs the one in the middle
   std::uint64_t triangles = 0;
 };
-
-/// A region as a mesh of its constrained Delaunay triangles: what our pipeline takes.
-PolygonMesh mesh_of(const polygons::PatchInput& input) {
-  RunControl control;
-  const PatchTriangulation made = triangulate_patch(input.points, input.edges, control);
-  PolygonMesh mesh;
-  for (const Vec2 p : input.points) mesh.positions.push_back({p.x, p.y, 0});
-  for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); h += 3) {
-    for (std::uint32_t k = 0; k < 3; ++k) mesh.corners.push_back(VertexId(made.mesh.from(h + k)));
-    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
-  }
-  return mesh;
-}
 
 /// One run on one thread.
 Outcome refine_ours(const PolygonMesh& mesh, const Options& options) {
@@ -92,7 +77,7 @@ Outcome refine_cgal(const polygons::PatchInput& input, const std::vector<Kernel:
   return outcome;
 }
 
-void compare(const char* name, const polygons::Polygon& polygon) {
+void compare(const char* name, const polygons::Polygon& polygon, Rows& rows) {
   const polygons::PatchInput input = polygons::patch_input(polygon);
   const PolygonMesh mesh = mesh_of(input);
   std::vector<Kernel::Point_2> seeds;
@@ -115,93 +100,22 @@ void compare(const char* name, const polygons::Polygon& polygon) {
               static_cast<double>(ours.triangles) / static_cast<double>(theirs.triangles), ours.ms / 1000,
               theirs.ms / 1000, ours.ms / theirs.ms);
   std::fflush(stdout);
-}
-
-/// A plate 4 by 3 with round holes of many corners, and slots: what CAD packages cut.
-polygons::Polygon plate(int holes_a_side, int corners) {
-  polygons::Polygon plate;
-  plate.outer = {{0, 0}, {4, 0}, {4, 3}, {0, 3}};
-  const double cell_x = 4.0 / holes_a_side, cell_y = 3.0 / holes_a_side;
-  const auto on_grid = [](double x) { return std::nearbyint(x * 0x1p40) * 0x1p-40; };
-  for (int i = 0; i < holes_a_side; ++i)
-    for (int j = 0; j < holes_a_side; ++j) {
-      const Vec2 centre{(i + 0.5) * cell_x, (j + 0.5) * cell_y};
-      // Radii differ; every third hole is a slot.
-      const double radius = cell_y * (0.1 + 0.03 * ((7 * i + 3 * j) % 8));
-      const double stretch = (i + j) % 3 == 0 ? cell_x * 0.15 : 0;
-      polygons::Loop hole;
-      for (int k = 0; k < corners; ++k) {
-        const double angle = -2 * std::numbers::pi * (k + 0.5) / corners;
-        const double x = radius * std::cos(angle);
-        hole.push_back(
-            {on_grid(centre.x + x + (x > 0 ? stretch : -stretch)), on_grid(centre.y + radius * std::sin(angle))});
-      }
-      plate.holes.push_back(std::move(hole));
-    }
-  return plate;
-}
-
-/// A star with round tips of that many corners, each off the curve by a little, and square holes in rows: what is large
-/// and has no sharp angles, at which CGAL would not end.
-polygons::Polygon smooth_star(int corners, int holes_a_side) {
-  const auto on_grid = [](Vec2 p) {
-    return Vec2{std::nearbyint(p.x * 0x1p40) * 0x1p-40, std::nearbyint(p.y * 0x1p40) * 0x1p-40};
-  };
-  Random random(7);
-  polygons::Polygon star;
-  for (int k = 0; k < corners; ++k) {
-    const double angle = 2 * std::numbers::pi * k / corners;
-    const double radius = 0.8 + 0.15 * std::cos(7 * angle) + random.uniform(0, 1.5) / corners;
-    star.outer.push_back(on_grid({radius * std::cos(angle), radius * std::sin(angle)}));
-  }
-  const double cell = 0.8 / holes_a_side;
-  for (int i = 0; i < holes_a_side; ++i)
-    for (int j = 0; j < holes_a_side; ++j) {
-      const Vec2 centre{-0.4 + (i + 0.5) * cell, -0.4 + (j + 0.5) * cell};
-      const double turn = random.uniform(0, 1), radius = cell * random.uniform(0.1, 0.4);
-      polygons::Loop hole;
-      for (int k = 0; k < 4; ++k) {
-        const double angle = turn - std::numbers::pi / 2 * k;
-        hole.push_back(on_grid(centre + radius * Vec2{std::cos(angle), std::sin(angle)}));
-      }
-      star.holes.push_back(std::move(hole));
-    }
-  return star;
-}
-
-/// nx x ny parallelograms of two triangles, `width` x 1 seen from above, over which the surface goes up and down so
-/// that no two beside each other have one plane: z is a sum of one height a column and one a row.
-PolygonMesh facets(int nx, int ny, double width) {
-  Random random(11);
-  const auto zigzag = [&](int n, double length) {
-    std::vector<double> heights;
-    for (int i = 0; i <= n; ++i) heights.push_back(length * (i % 2 == 0 ? 0.25 : 0) + random.integer(1, 200) * 0x1p-11);
-    return heights;
-  };
-  const std::vector<double> of_column = zigzag(nx, width), of_row = zigzag(ny, 1);
-  PolygonMesh mesh;
-  for (int j = 0; j <= ny; ++j)
-    for (int i = 0; i <= nx; ++i) mesh.positions.push_back({i * width, 1.0 * j, of_column[i] + of_row[j]});
-  const auto vertex = [&](int i, int j) { return VertexId(static_cast<std::uint32_t>(j * (nx + 1) + i)); };
-  for (int j = 0; j < ny; ++j)
-    for (int i = 0; i < nx; ++i)
-      for (const auto& [b, c] :
-           {std::pair(vertex(i + 1, j), vertex(i + 1, j + 1)), std::pair(vertex(i + 1, j + 1), vertex(i, j + 1))}) {
-        for (const VertexId v : {vertex(i, j), b, c}) mesh.corners.push_back(v);
-        mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
-      }
-  return mesh;
+  rows.push_back({"refinement", name, "remesh_surface", input.edges.size(), ours.ms, ours.triangles});
+  rows.push_back({"refinement", name, "CGAL Mesh_2", input.edges.size(), theirs.ms, theirs.triangles});
 }
 
 /// Prints the time per face of the output; returns it, in nanoseconds.
-double time_per_face(const char* name, const PolygonMesh& mesh, const Options& options, double of_large_patch) {
+double time_per_face(const char* name, const PolygonMesh& mesh, const Options& options, double of_large_patch,
+                     Rows& rows) {
   std::vector<double> times;
   Outcome outcome;
   for (int run = 0; run < kRuns; ++run) {
     outcome = refine_ours(mesh, options);
-    times.push_back(1e6 * outcome.ms / static_cast<double>(outcome.triangles));
+    times.push_back(outcome.ms);
   }
-  const double time = median(times);
+  outcome.ms = median(times);
+  const double time = 1e6 * outcome.ms / static_cast<double>(outcome.triangles);
+  rows.push_back({"patches", name, "remesh_surface", mesh.face_count(), outcome.ms, outcome.triangles});
   std::printf("  %-44s%10zu%12llu%12.0f", name, mesh.face_count(), static_cast<unsigned long long>(outcome.triangles),
               time);
   std::printf(of_large_patch > 0 ? "%9.2f\n" : "\n", time / of_large_patch);
@@ -209,30 +123,30 @@ double time_per_face(const char* name, const PolygonMesh& mesh, const Options& o
   return time;
 }
 
-void time_tiny_patches() {
+void time_tiny_patches(Rows& rows) {
   std::printf("\ntiny patches beside one large patch, 25 degrees, one core, triangulation and refinement\n");
   std::printf("  %-44s%10s%12s%12s%9s\n", "surface", "faces in", "faces out", "ns a face", "ratio");
   const double large = time_per_face("one patch: plate, 2,500 holes of 12 corners",
-                                     mesh_of(polygons::patch_input(plate(50, 12))), {}, 0);
+                                     mesh_of(polygons::patch_input(plate(50, 12))), {}, 0, rows);
   Options even;
   even.max_edge_length = 1.0 / 256;
-  time_per_face("one patch: square, by its largest edge", shapes::sheet(1, 1, 1, 1), even, large);
-  time_per_face("patches of 2 triangles, good as they are", facets(354, 354, 1), {}, large);
-  time_per_face("patches of 2 triangles, 4 times as wide as high", facets(125, 125, 4), {}, large);
-  time_per_face("the same, 250,000 faces in", facets(354, 354, 4), {}, large);
+  time_per_face("one patch: square, by its largest edge", shapes::sheet(1, 1, 1, 1), even, large, rows);
+  time_per_face("patches of 2 triangles, good as they are", facets(354, 354, 1), {}, large, rows);
+  time_per_face("patches of 2 triangles, 4 times as wide as high", facets(125, 125, 4), {}, large, rows);
+  time_per_face("the same, 250,000 faces in", facets(354, 354, 4), {}, large, rows);
 }
 
 }  // namespace
 
-void measure_refinement() {
+void measure_refinement(Rows& rows) {
   std::printf("\nrefinement to 20.7 degrees, one core, seconds with the triangulation (median of %d)\n", kRuns);
   std::printf("  %-34s%10s%12s%12s%9s%10s%10s%9s\n", "region", "edges", "triangles", "of CGAL", "ratio", "seconds",
               "of CGAL", "ratio");
-  compare("star of 100,000 edges, 1,024 holes", smooth_star(100000, 32));
-  compare("plate, 400 holes of 24 corners", plate(20, 24));
-  compare("plate, 2,500 holes of 12 corners", plate(50, 12));
-  compare("comb", polygons::comb(2000, 20));
-  time_tiny_patches();
+  compare("star of 100,000 edges, 1,024 holes", smooth_star(100000, 32), rows);
+  compare("plate, 400 holes of 24 corners", plate(20, 24), rows);
+  compare("plate, 2,500 holes of 12 corners", plate(50, 12), rows);
+  compare("comb", polygons::comb(2000, 20), rows);
+  time_tiny_patches(rows);
 }
 
 }  // namespace remesh::bench

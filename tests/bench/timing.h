@@ -3,6 +3,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <functional>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -22,11 +24,19 @@ inline double median(std::vector<double> times) {
   return times[times.size() / 2];
 }
 
-template <class Work>
-double median_milliseconds(const Work& work) {
-  std::vector<double> times;
-  for (int run = 0; run < kRuns; ++run) times.push_back(milliseconds(work));
-  return median(std::move(times));
+struct NamedWork {
+  std::string name;
+  std::function<void()> run;
+};
+
+/// The median of each, in their order. They take turns, so that all see the same moods of the machine.
+inline std::vector<double> median_milliseconds(const std::vector<NamedWork>& works) {
+  std::vector<std::vector<double>> times(works.size());
+  for (int run = 0; run < kRuns; ++run)
+    for (std::size_t w = 0; w < works.size(); ++w) times[w].push_back(milliseconds(works[w].run));
+  std::vector<double> medians;
+  for (std::vector<double>& t : times) medians.push_back(median(std::move(t)));
+  return medians;
 }
 
 }  // namespace remesh::bench

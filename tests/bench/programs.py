@@ -1,0 +1,89 @@
+"""What the parts of the benchmark share: the programs, their inputs, and how they are run."""
+
+import dataclasses
+import functools
+import json
+import pathlib
+import statistics
+import subprocess
+import sys
+
+WORKERS = 2
+
+
+@dataclasses.dataclass
+class Run:
+    seconds: float
+    peak_bytes: int
+    output: str
+    report: dict = None
+
+    def milliseconds_between_files(self):
+        """Of remesh: all but reading and writing."""
+        times = self.report["timing_ms"]
+        return times["total"] - times.get("read", 0) - times.get("write", 0)
+
+
+@dataclasses.dataclass(frozen=True)
+class Bench:
+    build: pathlib.Path
+    folder: pathlib.Path  # for inputs, outputs and the results
+    runs: int
+    faces: int  # of the large inputs
+    largest: int  # where growth ends
+
+    def program(self, name):
+        return self.build / name
+
+    @functools.lru_cache(maxsize=None)
+    def input(self, shape, faces):
+        """An OBJ file with about so many triangles; a shape of remesh_cases."""
+        path = self.folder / f"{shape}_{faces}.obj"
+        if not path.exists():
+            unfinished = path.with_suffix(".part")
+            with open(unfinished, "wb") as file:
+                subprocess.run([self.program("remesh_cases"), "--write", shape, str(faces)], stdout=file, check=True)
+            unfinished.rename(path)
+        return path
+
+    def run(self, *command):
+        """To its end; what it prints to standard output is kept."""
+        figures = self.folder / "measured.json"
+        done = subprocess.run([self.program("measured"), figures, *command], stdout=subprocess.PIPE, text=True)
+        if done.returncode != 0:
+            sys.exit(f"{' '.join(map(str, command))} failed")
+        measured = json.loads(figures.read_text())
+        return Run(measured["seconds"], measured["peak_bytes"], done.stdout)
+
+    def remesh(self, path, *options, workers=WORKERS, output="out.obj"):
+        """The command line, with its report."""
+        report = self.folder / "report.json"
+        run = self.run(self.program("remesh"), path, "-o", self.folder / output, "--report", report,
+                       "--workers", str(workers), *options)
+        run.report = json.loads(report.read_bytes())
+        return run
+
+    def by_turns(self, works):
+        """The results of all works, by their names. They take turns, so that all see the same moods of the machine."""
+        results = {name: [] for name in works}
+        for _ in range(self.runs):
+            for name, work in works.items():
+                results[name].append(work())
+        return results
+
+
+def median(figure, runs):
+    return statistics.median(map(figure, runs))
+
+
+def seconds(runs):
+    return median(lambda run: run.seconds, runs)
+
+
+def peak_bytes(runs):
+    return median(lambda run: run.peak_bytes, runs)
+
+
+def face_count(path):
+    with open(path, "rb") as file:
+        return sum(line.startswith(b"f ") for line in file)

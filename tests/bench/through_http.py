@@ -1,0 +1,111 @@
+"""Part `http`: the daemon beside the command line, and beside the work alone."""
+
+import concurrent.futures
+import http.client
+import re
+import shutil
+import statistics
+import subprocess
+import sys
+import time
+
+from programs import WORKERS, seconds
+
+
+class Daemon:
+    """A daemon on a free port, for as long as the block."""
+
+    def __init__(self, program, workers):
+        self.process = subprocess.Popen(
+            [program, "--bind", "127.0.0.1:0", "--store", "none", "--workers", str(workers)],
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        for line in self.process.stdout:
+            found = re.search(r"127\.0\.0\.1:(\d+)", line)
+            if found:
+                self.port = int(found[1])
+                break
+        else:
+            sys.exit("remeshd does not start")
+        # The log must not fill its pipe.
+        self.drain = concurrent.futures.ThreadPoolExecutor(1)
+        self.drain.submit(self.process.stdout.read)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.terminate()
+        self.process.wait()
+        self.drain.shutdown()
+
+    def connect(self):
+        return http.client.HTTPConnection("127.0.0.1", self.port, timeout=300)
+
+
+def post(connection, body):
+    """Milliseconds on the wire, and those that the daemon spent on the work itself."""
+    start = time.perf_counter()
+    connection.request("POST", "/v1/remesh?refine=false&format=obj", body, {"Content-Type": "model/obj"})
+    answer = connection.getresponse()
+    answer.read()
+    took = 1000 * (time.perf_counter() - start)
+    if answer.status != 200:
+        sys.exit(f"remeshd answered {answer.status}")
+    work = re.search(r"total;dur=([\d.]+)", answer.headers["Server-Timing"])
+    return took, float(work[1])
+
+
+def measure_http(bench, table):
+    with Daemon(bench.program("remeshd"), WORKERS) as daemon:
+        measure_large(bench, table, daemon)
+        measure_small(bench, table, daemon)
+
+
+def measure_large(bench, table, daemon):
+    path = bench.input("box", bench.faces)
+    body = path.read_bytes()
+
+    def through_http():
+        connection = daemon.connect()
+        took, _ = post(connection, body)
+        connection.close()
+        return took / 1000
+
+    results = bench.by_turns({"http": through_http, "alone": lambda: bench.remesh(path, "--refine", "false")})
+    case = f"box, {len(body) >> 20} MB through HTTP"
+    alone = seconds(results["alone"])
+    table.add(case, "command line", alone, "s")
+    table.add(case, "HTTP", statistics.median(results["http"]), "s", "command line", alone, 1.15)
+
+
+def measure_small(bench, table, daemon):
+    case = "1,000 faces through HTTP"
+    path = bench.input("box", 1000)
+    body = path.read_bytes()
+    connection = daemon.connect()
+    took = [post(connection, body) for _ in range(200)]
+    connection.close()
+    table.add(case, "the work", statistics.median(work for _, work in took), "ms")
+    table.add(case, "HTTP over it", statistics.median(total - work for total, work in took), "ms", "1 ms", 1, 1)
+    if not shutil.which("wrk"):
+        table.leave_out(case, "answered", "wrk could not be had")
+        return
+    script = bench.folder / "post.lua"
+    script.write_text(f'local file = io.open("{path}", "rb")\nwrk.method = "POST"\n'
+                      'wrk.body = file:read("*a")\nwrk.headers["Content-Type"] = "model/obj"\n')
+
+    def possible():
+        return float(bench.run(bench.program("remesh_cases"), "--rate", "1000", str(WORKERS), "2").output)
+
+    def answered():
+        output = bench.run("wrk", "-t1", "-c8", "-d2s", "-s", script,
+                           f"http://127.0.0.1:{daemon.port}/v1/remesh?refine=false&format=obj").output
+        if "Non-2xx" in output:
+            sys.exit(f"remeshd refuses under wrk:\n{output}")
+        return float(re.search(r"Requests/sec:\s+([\d.]+)", output)[1])
+
+    results = bench.by_turns({"possible": possible, "answered": answered})
+    possible_rate, rate = (statistics.median(results[name]) for name in ["possible", "answered"])
+    table.add(case, "answered without HTTP", possible_rate, "a second")
+    table.add(case, "answered", rate, "a second")
+    table.add(case, "time a request", 1000 / rate, "ms", "without HTTP", 1000 / possible_rate, round(1 / 0.7, 2))
