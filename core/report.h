@@ -58,7 +58,14 @@ struct MeshStatistics {
 };
 
 enum class PatchStatus { kRemeshed, kReduced, kKept };
-enum class PatchReason : std::uint8_t { kNone, kSelfIntersectingLoop, kOverlappingFaces, kNotPlanar, kBudget, kVerificationFailed };
+enum class PatchReason : std::uint8_t {
+  kNone,
+  kSelfIntersectingLoop,
+  kOverlappingFaces,
+  kNotPlanar,
+  kBudget,
+  kVerificationFailed
+};
 
 struct PatchSummary {
   Vec3 normal;        ///< unit

@@ -1,10 +1,12 @@
 /// Configuration, service, signals; the rest is in the library.
 #include <sys/resource.h>
+#include <tbb/global_control.h>
 
 #include <csignal>
 #include <cstdlib>
 #include <exception>
 #include <iostream>
+#include <new>
 #include <optional>
 #include <vector>
 
@@ -117,7 +119,11 @@ int run(int argc, char** argv) {
 
 int main(int argc, char** argv) {
   try {
-    return remesh::server::run(argc, argv);
+    // TBB's threads are the last to go: until then they hold on to what the pools gave them.
+    tbb::task_scheduler_handle scheduler{tbb::attach{}};
+    const int code = remesh::server::run(argc, argv);
+    tbb::finalize(scheduler, std::nothrow);
+    return code;
   } catch (const std::exception& error) {
     std::cerr << "remeshd: " << error.what() << "\n";
     return remesh::server::kFailed;

@@ -16,6 +16,7 @@
 
 #include "server/jobs/sql_store.h"
 #include "server/request_registry.h"
+#include "tests/support/sanitizer.h"
 
 namespace remesh::server::jobs {
 namespace {
@@ -375,18 +376,19 @@ TEST_P(StoreTest, a_key_whose_time_is_over_may_be_used_again) {
 
 TEST_P(StoreTest, results_expire_and_are_forgotten_later) {
   StoreRules rules;
-  rules.result_ttl = milliseconds(50);
-  rules.history = milliseconds(200);
+  constexpr int kPatience = kIsSanitized ? 20 : 1;
+  rules.result_ttl = milliseconds(kPatience * 50);
+  rules.history = milliseconds(kPatience * 200);
   const auto store = open(rules);
   const std::string id = submit(*store);
   store->commit(claim(*store), success());
   EXPECT_EQ(store->upkeep().expired, 0);
-  wait(milliseconds(100));
+  wait(milliseconds(kPatience * 100));
   EXPECT_EQ(store->upkeep().expired, 1);
   EXPECT_EQ(state(*store, id), JobState::kExpired);
   EXPECT_EQ(store->read_blob(id, BlobKind::kMesh), std::nullopt);
   EXPECT_EQ(files(), 0u);
-  wait(milliseconds(300));
+  wait(milliseconds(kPatience * 300));
   EXPECT_EQ(store->upkeep().forgotten, 1);
   EXPECT_EQ(store->find(id), std::nullopt);
 }
@@ -509,7 +511,8 @@ TEST_P(StoreTest, fifty_thousand_jobs_that_wait_do_not_slow_a_claim) {
   const auto median_claim_ms = [&](int waiting) {
     const auto store = open();
     store->probe();
-    const auto database = driver()->connect();
+    const auto connector = driver();
+    const auto database = connector->connect();
     database->run("DELETE FROM remeshd_job");
     insert_waiting(*database, is_sqlite(), waiting);
     std::vector<double> times;

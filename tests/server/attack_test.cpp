@@ -136,7 +136,8 @@ class AttackTest : public ::testing::Test {
       received = client.receive();  // up to the end of the connection
       return std::chrono::steady_clock::now() - start;
     };
-    EXPECT_LT(best_time(std::chrono::seconds(1), strike), std::chrono::seconds(1)) << attack.name;
+    constexpr std::chrono::seconds kAtOnce(kIsSanitized ? 20 : 1);
+    EXPECT_LT(best_time(kAtOnce, strike), kAtOnce) << attack.name;
     const Answer answer = Answer::parse(received);
     EXPECT_EQ(answer.status, attack.status) << attack.name << received.substr(0, 500);
     EXPECT_EQ(code_in(answer), attack.code) << attack.name;
