@@ -110,7 +110,9 @@ int soak(std::size_t requests) {
   };
 
   const Clock::time_point start = Clock::now();
-  run_until(requests / 5);  // what caches and arenas take once is no growth
+  // What caches and the arenas of all threads take once is no growth.
+  constexpr std::size_t kWarm = 5000;
+  run_until(std::max(requests / 5, std::min(requests / 2, kWarm)));
   const Holding before = measure(daemon);
   run_until(requests);
   const Holding after = measure(daemon);
