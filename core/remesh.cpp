@@ -38,8 +38,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
-
 /// One run over one surface: what the stages hand to each other.
 class Run {
  public:
@@ -244,7 +242,7 @@ class Run {
     const FaceGeometries& of_face = geometry();
     const auto is_thin = [&](std::size_t f) { return of_face[FaceId(f)].height < kThinFace * local_tolerance(); };
     patches_of_thin_faces_.clear();
-    for (const FaceId f : select_ids<FaceId>(surface().face_count(), kBlock, control_, is_thin))
+    for (const FaceId f : select_ids<FaceId>(surface().face_count(), kItemsPerBlock, control_, is_thin))
       patches_of_thin_faces_.push_back(patches_.of_face[f]);
     // Most runs do not come back here, and it is as large as all the rest of the surface.
     prepared_.release_geometry();

@@ -25,8 +25,6 @@ namespace {
 
 using namespace verification;
 
-constexpr std::size_t kBlock = 8192;
-
 /// Tests the edges inside patches, on the stored plane coordinates.
 class DelaunayCheck {
  public:
@@ -34,7 +32,7 @@ class DelaunayCheck {
       : model_(model), edges_(edges), is_positive_(is_positive) {}
 
   void run(Findings& findings, RunControl& control) const {
-    const auto blocks = map_blocks<std::vector<Finding>>(edges_.vertex_count(), kBlock, control,
+    const auto blocks = map_blocks<std::vector<Finding>>(edges_.vertex_count(), kItemsPerBlock, control,
                                                          [&](std::size_t begin, std::size_t end) {
                                                            std::vector<Finding> found;
                                                            edges_.for_each_edge(begin, end, [&](const Edge& edge) {
@@ -82,7 +80,7 @@ class DelaunayCheck {
 /// For how many of 0 .. n-1 is_set(i) holds.
 template <class IsSet>
 std::int64_t count_set(std::size_t n, RunControl& control, const IsSet& is_set) {
-  const auto counts = map_blocks<std::int64_t>(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+  const auto counts = map_blocks<std::int64_t>(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     std::int64_t count = 0;
     for (std::size_t i = begin; i < end; ++i) count += is_set(i);
     return count;
@@ -92,7 +90,7 @@ std::int64_t count_set(std::size_t n, RunControl& control, const IsSet& is_set) 
 
 std::int64_t count_input_vertices(const Model& model, RunControl& control) {
   std::vector<std::atomic<std::uint8_t>> is_used(model.surface_vertex_count);
-  for_blocks(model.input.corners.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(model.input.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t h = begin; h < end; ++h) is_used[model.input.corners[h].value].store(1, std::memory_order_relaxed);
   });
   return count_set(is_used.size(), control,

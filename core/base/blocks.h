@@ -15,6 +15,10 @@
 
 namespace remesh {
 
+/// A size of blocks for work of some nanoseconds an item: long enough to be worth a task, and for a stop to be obeyed
+/// soon.
+inline constexpr std::size_t kItemsPerBlock = 8192;
+
 /// Splits [0, n) into blocks of `size`, calls `body(begin, end)` on each in parallel and returns the results in the
 /// order of the blocks. The blocks depend on n alone: whoever combines the results in order gets the same bits from any
 /// number of threads. A point of cancellation before each block.

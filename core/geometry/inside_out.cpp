@@ -13,7 +13,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
 /// A volume counts as negative from here, of the piece's area times its extent: a doubled sheet has none but rounding.
 constexpr double kNoVolume = 1e-12;
 
@@ -66,14 +65,14 @@ class Pieces {
 
   void connect() {
     UnionFind sets(face_count());
-    for_blocks(edges_.edge_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for_blocks(edges_.edge_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t e = begin; e < end; ++e) {
         const auto around = edges_.half_edges(EdgeId(e));
         if (around.size() == 2) sets.join(edges_.face_of(around[0]).value, edges_.face_of(around[1]).value);
       }
     });
     piece_of_.resize(face_count());
-    for_blocks(face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for_blocks(face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) piece_of_[f] = sets.find(static_cast<std::uint32_t>(f));
     });
     for (std::uint32_t f = 0; f < face_count(); ++f) {
@@ -88,7 +87,7 @@ class Pieces {
       const auto around = edges_.half_edges(EdgeId(e));
       return edges_.from(around[0]) != edges_.to(around[0]) && edges_.twin(around[0]) == Adjacency::kNone;
     };
-    for (const EdgeId e : select_ids<EdgeId>(edges_.edge_count(), kBlock, control_, is_open))
+    for (const EdgeId e : select_ids<EdgeId>(edges_.edge_count(), kItemsPerBlock, control_, is_open))
       for (const std::uint32_t h : edges_.half_edges(e)) pieces_[piece_of_[edges_.face_of(h).value]].is_closed = false;
   }
 
@@ -103,7 +102,8 @@ class Pieces {
   void add_volumes() {
     // Each block sums what follows each other in one piece.
     using Sums = std::vector<std::pair<std::uint32_t, double>>;
-    for (const Sums& sums : map_blocks<Sums>(face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for (const Sums& sums :
+         map_blocks<Sums>(face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
            Sums of_block;
            for (std::size_t f = begin; f < end; ++f) {
              if (!pieces_[piece_of_[f]].is_closed) continue;

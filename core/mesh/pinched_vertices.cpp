@@ -12,8 +12,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
-
 class Search {
  public:
   Search(const Surface& surface, const Adjacency& edges, RunControl& control)
@@ -22,18 +20,18 @@ class Search {
   std::vector<VertexId> run() {
     // A walk around most vertices meets all their faces. Where all walks together meet all corners, each one does.
     find_corners();
-    const auto met =
-        map_blocks<std::size_t>(surface_.vertex_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
-          std::size_t corners = 0;
-          for (std::size_t v = begin; v < end; ++v) corners += walk(v);
-          return corners;
-        });
+    const auto met = map_blocks<std::size_t>(surface_.vertex_count(), kItemsPerBlock, control_,
+                                             [&](std::size_t begin, std::size_t end) {
+                                               std::size_t corners = 0;
+                                               for (std::size_t v = begin; v < end; ++v) corners += walk(v);
+                                               return corners;
+                                             });
     if (std::accumulate(met.begin(), met.end(), std::size_t{0}) == surface_.corners.size()) return {};
     std::vector<std::uint32_t> degree(surface_.vertex_count(), 0);
     for (const VertexId v : surface_.corners) ++degree[v.value];
     std::vector<VertexId> odd;
     for (std::size_t v = 0; v < degree.size(); ++v) {
-      if (v % kBlock == 0) control_.check();
+      if (v % kItemsPerBlock == 0) control_.check();
       if (walk(v) != degree[v]) odd.push_back(VertexId(v));
     }
     return with_several_fans(odd, std::move(degree));
@@ -43,7 +41,7 @@ class Search {
   /// Of each vertex any corner: which one makes no difference.
   void find_corners() {
     some_.assign(surface_.vertex_count(), Adjacency::kNone);
-    for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for_blocks(surface_.corners.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t h = begin; h < end; ++h)
         std::atomic_ref(some_[surface_.corners[h].value])
             .store(static_cast<std::uint32_t>(h), std::memory_order_relaxed);
@@ -74,7 +72,7 @@ class Search {
     UnionFind joined(surface_.corners.size());
     const auto corner_at = [&](std::uint32_t h, VertexId v) { return edges_.from(h) == v ? h : edges_.next(h); };
     for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
-      if (e % kBlock == 0) control_.check();
+      if (e % kItemsPerBlock == 0) control_.check();
       const auto around = edges_.half_edges(EdgeId(e));
       for (const VertexId v : {edges_.from(around[0]), edges_.to(around[0])}) {
         if (!is_odd[v.value]) continue;

@@ -3,18 +3,12 @@
 #include "core/base/blocks.h"
 
 namespace remesh {
-namespace {
-
-constexpr std::size_t kBlock = 8192;
-
-}  // namespace
-
 BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
                              RunControl& control) {
   BoundaryLoops loops;
   // Where a loop may begin: the boundary's half-edges, patch by patch.
   const auto starts = map_blocks<std::vector<std::uint32_t>>(
-      patches.faces.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+      patches.faces.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t> found;
         for (std::size_t i = begin; i < end; ++i) {
           const std::uint32_t f = patches.faces[i].value;

@@ -9,8 +9,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
-
 class Duplicates {
  public:
   Duplicates(const Surface& surface, const Adjacency& edges, RunControl& control)
@@ -25,7 +23,7 @@ class Duplicates {
       return around.size() == 2 && is_first(around[0]) && is_first(around[1]) &&
              order(edges_.face_of(around[0]), edges_.face_of(around[1])) == 0;
     };
-    for (const EdgeId e : select_ids<EdgeId>(edges_.edge_count(), kBlock, control_, has_equal_faces)) {
+    for (const EdgeId e : select_ids<EdgeId>(edges_.edge_count(), kItemsPerBlock, control_, has_equal_faces)) {
       faces_.clear();
       for (const std::uint32_t h : edges_.half_edges(e))
         if (is_first(h)) faces_.push_back(edges_.face_of(h));
@@ -42,7 +40,7 @@ class Duplicates {
   /// all faces over the same loop, whichever way they run.
   void find_first_half_edges() {
     first_.assign(surface_.face_count(), Adjacency::kNone);
-    for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for_blocks(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) first_[f] = first_half_edge(f);
     });
   }

@@ -11,7 +11,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
 /// Simplification looks at each vertex of a run at most this often on average; what is left then stays.
 constexpr std::size_t kMostLooks = 64;
 
@@ -74,7 +73,7 @@ class Selection {
     const auto is_boundary = [&](std::size_t e) {
       return is_patch_boundary(adjacency_, patches_, adjacency_.half_edges(EdgeId(e))[0]);
     };
-    const auto boundary = select_ids<EdgeId>(adjacency_.edge_count(), kBlock, control_, is_boundary);
+    const auto boundary = select_ids<EdgeId>(adjacency_.edge_count(), kItemsPerBlock, control_, is_boundary);
     for (const EdgeId e : boundary) {
       ++degree_[low(e).value];
       ++degree_[high(e).value];

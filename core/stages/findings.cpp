@@ -14,8 +14,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
-
 /// A diagonal by which a polygon was split.
 struct Diagonal {
   VertexId low, high;
@@ -54,7 +52,7 @@ void for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& fac
   const std::vector<Diagonal> diagonals = diagonals_of(surface, faces);
   if (diagonals.empty()) return;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-    if (f % kBlock == 0) control.check();
+    if (f % kItemsPerBlock == 0) control.check();
     const auto loop = surface.face(FaceId(f));
     for (std::size_t i = 0; i < loop.size(); ++i) {
       const auto [low, high] = std::minmax({loop[i], loop[i + 1 == loop.size() ? 0 : i + 1]});
@@ -79,15 +77,16 @@ void find_defects(const Surface& welded, const Adjacency& edges, std::vector<Dia
   struct Odd {
     std::vector<FaceId> open, non_manifold;  ///< a face at each such edge
   };
-  const auto blocks = map_blocks<Odd>(edges.edge_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-    Odd odd;
-    for (std::size_t e = begin; e < end; ++e) {
-      const auto around = edges.half_edges(EdgeId(e));
-      if (around.size() == 2 || edges.from(around[0]) == edges.to(around[0])) continue;
-      (around.size() == 1 ? odd.open : odd.non_manifold).push_back(edges.face_of(around[0]));
-    }
-    return odd;
-  });
+  const auto blocks =
+      map_blocks<Odd>(edges.edge_count(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+        Odd odd;
+        for (std::size_t e = begin; e < end; ++e) {
+          const auto around = edges.half_edges(EdgeId(e));
+          if (around.size() == 2 || edges.from(around[0]) == edges.to(around[0])) continue;
+          (around.size() == 1 ? odd.open : odd.non_manifold).push_back(edges.face_of(around[0]));
+        }
+        return odd;
+      });
   for (const Odd& odd : blocks) {
     for (const FaceId f : odd.open) open.add(welded.face_source[f].value);
     for (const FaceId f : odd.non_manifold) non_manifold.add(welded.face_source[f].value);
@@ -107,7 +106,7 @@ Triangulated::Triangulated(const Surface& surface, RunControl& control)
   if (!are_split_) return;
   std::vector<Vec3> points;
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
-    if (i % kBlock == 0) control.check();
+    if (i % kItemsPerBlock == 0) control.check();
     const auto loop = surface.face(FaceId(i));
     const auto add = [&](VertexId a, VertexId b, VertexId c) {
       corners_.insert(corners_.end(), {a, b, c});

@@ -15,8 +15,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
-
 class Mending {
  public:
   Mending(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
@@ -62,7 +60,7 @@ class Mending {
 
   bool are_all_sound() const {
     std::atomic<bool> are_sound = true;
-    for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for_blocks(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end && are_sound; ++f)
         if (!is_sound(FaceId(f))) are_sound = false;
     });
@@ -260,7 +258,7 @@ bool is_without_area(const Surface& surface, FaceId f) {
 }
 
 std::vector<FaceId> faces_without_area(const Surface& surface, RunControl& control) {
-  return select_ids<FaceId>(surface.face_count(), kBlock, control,
+  return select_ids<FaceId>(surface.face_count(), kItemsPerBlock, control,
                             [&](std::size_t f) { return is_without_area(surface, FaceId(f)); });
 }
 

@@ -9,8 +9,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
-
 /// What some of a patch's faces add to it; local units.
 struct FacesSummary {
   double area = 0, deviation = 0;
@@ -67,7 +65,7 @@ PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjace
       }
       return sum;
     };
-    for (const FacesSummary& sum : map_blocks<FacesSummary>(s.input_faces, kBlock, control, measure)) {
+    for (const FacesSummary& sum : map_blocks<FacesSummary>(s.input_faces, kItemsPerBlock, control, measure)) {
       area += sum.area;
       s.deviation = std::max(s.deviation, sum.deviation);
       for (const VertexId v : sum.essential) {

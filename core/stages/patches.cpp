@@ -1,19 +1,15 @@
 #include "core/stages/patches.h"
 
+#include <utility>
+
 #include "core/base/blocks.h"
 #include "core/base/union_find.h"
 
 namespace remesh {
-namespace {
-
-constexpr std::size_t kBlock = 8192;
-
-}  // namespace
-
 PatchSet patches(const Surface& surface, const Adjacency& adjacency, const Regions& regions, RunControl& control) {
   const std::size_t n = surface.face_count();
   UnionFind pieces(n);
-  for_blocks(surface.corners.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(surface.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
       const std::uint32_t twin = adjacency.twin(h);
       if (twin == Adjacency::kNone || twin < h) continue;
@@ -25,7 +21,7 @@ PatchSet patches(const Surface& surface, const Adjacency& adjacency, const Regio
   set.of_face.resize(n);
   set.face_begin.clear();
   for (std::uint32_t i = 0; i < n; ++i) {
-    if (i % kBlock == 0) control.check();
+    if (i % kItemsPerBlock == 0) control.check();
     const FaceId f(i), first(pieces.find(i));
     if (first == f) {
       set.of_face[f] = set.planes.push_back(regions.planes[regions.of_face[f]]);

@@ -17,8 +17,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
-
 struct Indexed {
   Vec3 position;
   std::uint32_t index;
@@ -58,15 +56,15 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
       return slot;
     }
   };
-  for_blocks(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     std::size_t looks = 0;
     for (std::size_t i = begin; i < end && !is_colliding; ++i) {
       if (is_used[i]) stands_for[i] = static_cast<std::uint32_t>(enter(static_cast<std::uint32_t>(i), looks));
-      if (looks > kMostLooks * kBlock) is_colliding = true;
+      if (looks > kMostLooks * kItemsPerBlock) is_colliding = true;
     }
   });
   if (is_colliding) return false;
-  for_blocks(positions.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
       if (is_used[i]) stands_for[i] = table[stands_for[i]];
   });
@@ -159,7 +157,7 @@ class NearWelding {
 void set_local_units(Surface& surface, RunControl& control) {
   const std::size_t n = surface.vertex_count();
   Box3 box;
-  for (const Box3& part : map_blocks<Box3>(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for (const Box3& part : map_blocks<Box3>(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
          Box3 of_block;
          for (std::size_t v = begin; v < end; ++v) of_block.add(surface.positions[VertexId(v)]);
          return of_block;
@@ -172,7 +170,7 @@ void set_local_units(Surface& surface, RunControl& control) {
   std::frexp(std::max({half.x, half.y, half.z}), &exponent);
   surface.unit = std::ldexp(1.0, exponent);
   surface.local.resize(n);
-  for_blocks(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
       surface.local[VertexId(v)] = surface.to_local(surface.positions[VertexId(v)]);
   });
@@ -216,7 +214,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
                   "vertices that were welded lie within the weld tolerance of one that was not made one with them"};
 
   std::vector<std::uint8_t> is_used(n, 0);
-  for_blocks(input.corners.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(input.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c)
       std::atomic_ref(is_used[input.corners[c].value]).store(1, std::memory_order_relaxed);
   });
@@ -263,7 +261,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
 
   surface.face_begin = input.face_begin;
   surface.corners.resize(input.corners.size());
-  for_blocks(input.corners.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(input.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) surface.corners[c] = welded[input.corners[c].value];
   });
   surface.face_source.reserve(input.face_count());

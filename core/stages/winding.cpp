@@ -11,8 +11,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
-
 /// The edges with two faces that look opposite ways: their first half-edges.
 std::vector<std::uint32_t> inconsistent_edges(const Adjacency& edges, RunControl& control) {
   const auto is_inconsistent = [&](std::size_t e) {
@@ -21,7 +19,7 @@ std::vector<std::uint32_t> inconsistent_edges(const Adjacency& edges, RunControl
            edges.from(around[0]) != edges.to(around[0]);
   };
   std::vector<std::uint32_t> first;
-  for (const EdgeId e : select_ids<EdgeId>(edges.edge_count(), kBlock, control, is_inconsistent))
+  for (const EdgeId e : select_ids<EdgeId>(edges.edge_count(), kItemsPerBlock, control, is_inconsistent))
     first.push_back(edges.half_edges(e)[0]);
   return first;
 }

@@ -12,7 +12,6 @@
 namespace remesh::verification {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
 constexpr std::size_t kCheckEvery = 8192;
 
 /// How far a chain's inner vertices are from the straight line between its ends.
@@ -163,7 +162,7 @@ class BoundaryCheck {
   /// Calls visit(vertex, patch, result) for the corners of a block of faces, with one result for each block.
   template <class Result, class Visit>
   std::vector<Result> map_corners(const Faces& faces, const Visit& visit) {
-    return map_blocks<Result>(faces.count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+    return map_blocks<Result>(faces.count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
       Result result{};
       for (std::size_t f = begin; f < end; ++f)
         for (const VertexId v : faces.face(f)) visit(v, faces.patch[f], result);
@@ -197,7 +196,7 @@ void BoundaryCheck::check_joints() {
   std::vector<std::atomic<std::uint32_t>> only_patch(model_.points.size());  // its number and 1
   const auto number = [](PatchId p) { return p.value + 1; };
   const auto of = [&](VertexId v) { return only_patch[v.value].load(std::memory_order_relaxed); };
-  for_blocks(model_.input.count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+  for_blocks(model_.input.count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f)
       for (const VertexId v : model_.input.face(f)) {
         const std::uint32_t p = number(model_.input.patch[f]);

@@ -9,7 +9,6 @@
 namespace remesh::verification {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
 constexpr std::size_t kVerticesOfPart = 1024;
 
 /// Puts uses in order that are by half-edge already. Few of them, as most often, each by how many come before it: no
@@ -81,7 +80,7 @@ EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& c
     : faces_(faces), bucket_(vertex_count + 1) {
   if (faces.corners.size() != 3 * faces.count()) {
     face_of_.resize(faces.corners.size());
-    for_blocks(faces.count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for_blocks(faces.count(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f)
         std::fill(face_of_.begin() + faces.face_begin[f], face_of_.begin() + faces.face_begin[f + 1],
                   static_cast<std::uint32_t>(f));

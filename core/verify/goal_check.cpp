@@ -13,7 +13,6 @@
 namespace remesh::verification {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
 /// What is nearer to a bound than this share of it may count as on either side.
 constexpr double kMargin = 1e-9;
 
@@ -99,7 +98,7 @@ class GoalCheck {
 
   void check_faces() {
     const auto blocks =
-        map_blocks<Found>(model_.output.count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+        map_blocks<Found>(model_.output.count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
           Found found;
           auto listed = std::lower_bound(claim_.unrefined.begin(), claim_.unrefined.end(), FaceId(begin));
           for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
@@ -187,7 +186,7 @@ class GoalCheck {
   /// from one to the other are as short as the angle makes them.
   void check_new_edges() {
     const auto blocks =
-        map_blocks<Found>(edges_.vertex_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+        map_blocks<Found>(edges_.vertex_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
           Found found;
           edges_.for_each_edge(begin, end, [&](const Edge& edge) {
             if (!model_.is_new(edge.low) && !model_.is_new(edge.high)) return;

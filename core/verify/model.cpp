@@ -14,8 +14,6 @@
 namespace remesh::verification {
 namespace {
 
-constexpr std::size_t kBlock = 8192;
-
 bool is_same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
 
 /// 1 over the power of two above the largest coordinate.
@@ -54,7 +52,7 @@ Matches match_vertices(const Claim& claim, RunControl& control) {
     match.is_single[places[i].vertex] = is_repeated ? 0 : 1;
   }
   match.of_surface.resize(claim.positions.size());
-  for_blocks(surface.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+  for_blocks(surface.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) {
       const auto found = std::partition_point(places.begin(), places.end(),
                                               [&](const Place& place) { return place.position < surface[v]; });
@@ -84,7 +82,7 @@ void renumber_output(const Claim& claim, const std::vector<VertexId>& match, Mod
   model.output_face_begin = triangle_begins(face_count, control);
   model.output_corners.resize(3 * face_count);
   const auto blocks =
-      map_blocks<std::vector<Finding>>(face_count, kBlock, control, [&](std::size_t begin, std::size_t end) {
+      map_blocks<std::vector<Finding>>(face_count, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
         std::vector<Finding> moved;
         for (std::size_t f = begin; f < end; ++f)
           for (std::size_t i = 0; i < 3; ++i) {
@@ -116,7 +114,7 @@ bool is_well_formed(const Claim& claim, RunControl& control) {
   if (claim.refinement != nullptr && !is_well_formed(*claim.refinement, claim.faces.size())) return false;
   std::atomic<bool> is_good{true};
   const auto test = [&](std::size_t n, const auto& is_item_good) {
-    for_blocks(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
       bool is_block_good = true;
       for (std::size_t i = begin; i < end; ++i) is_block_good &= is_item_good(i);
       if (!is_block_good) is_good.store(false, std::memory_order_relaxed);
