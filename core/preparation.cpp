@@ -50,7 +50,7 @@ class Preparation {
 
   void choose_tolerance() {
     const double diagonal = report_.input.bounding_box.diagonal();
-    const Rounding rounding = rounding_of(surface().positions.items());
+    const Rounding rounding = rounding_of(surface().positions.items(), control_);
     report_.rounding_step = rounding.step;
     report_.plane_tolerance_is_automatic = !options_.plane_tolerance.has_value();
     if (options_.plane_tolerance) {

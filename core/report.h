@@ -1,7 +1,9 @@
 /// What a run tells about itself, as plain values. Field names are those of the contract's JSON report.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -132,6 +134,12 @@ struct VolumeObstacle {
   void add(const Vec3& place) {
     ++count;
     if (places.size() < kMaxPlaces) places.push_back(place);
+  }
+  /// What comes after.
+  void add(const VolumeObstacle& other) {
+    count += other.count;
+    const std::size_t more = std::min(kMaxPlaces - places.size(), other.places.size());
+    places.insert(places.end(), other.places.begin(), other.places.begin() + static_cast<std::ptrdiff_t>(more));
   }
 };
 

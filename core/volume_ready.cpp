@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <utility>
 
+#include "core/base/blocks.h"
 #include "core/geometry/inside_out.h"
 #include "core/geometry/overlap.h"
 #include "core/geometry/predicates_3d.h"
@@ -19,53 +21,57 @@ namespace {
 /// it: all of them, if faces were in order, but the order is by rounded angles.
 constexpr std::size_t kFewAround = 8;
 
-class Examination {
- public:
-  Examination(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control)
-      : positions_(positions),
-        corners_(corners),
-        control_(control),
-        face_begin_(triangle_begins(corners.size() / 3, control)) {}
+/// What is in the way, by kind.
+struct Obstacles {
+  VolumeObstacle open{DiagnosticCode::kOpenBoundary, 0, {}}, non_manifold{DiagnosticCode::kNonManifoldEdge, 0, {}},
+      winding{DiagnosticCode::kInconsistentWinding, 0, {}}, duplicate{DiagnosticCode::kDuplicateFace, 0, {}},
+      crossing{DiagnosticCode::kSelfIntersection, 0, {}}, overlap{DiagnosticCode::kOverlappingFaces, 0, {}},
+      dihedral{DiagnosticCode::kSmallDihedral, 0, {}}, inside_out{DiagnosticCode::kInsideOut, 0, {}};
 
-  std::vector<VolumeObstacle> run(std::span<const std::pair<FaceId, FaceId>> intersections, double plane_tolerance) {
-    const Adjacency edges(positions_.size(), face_begin_, corners_);
-    examine_edges(edges);
-    examine_pairs(intersections, plane_tolerance);
-    examine_pieces(edges);
-    std::vector<VolumeObstacle> found;
-    for (VolumeObstacle* o :
-         {&open_, &non_manifold_, &winding_, &duplicate_, &crossing_, &overlap_, &dihedral_, &inside_out_})
-      if (o->count > 0) found.push_back(std::move(*o));
-    return found;
+  std::array<VolumeObstacle*, 8> all() {
+    return {&open, &non_manifold, &winding, &duplicate, &crossing, &overlap, &dihedral, &inside_out};
+  }
+};
+
+Vec3 centroid(const Triangle& t, std::span<const Vec3> positions) {
+  const auto third = [&](int i) { return (1.0 / 3) * positions[t[i].value]; };
+  return third(0) + third(1) + third(2);
+}
+
+/// Looks at edges, one after the other.
+class EdgeExamination {
+ public:
+  EdgeExamination(std::span<const Vec3> positions, const Adjacency& edges) : positions_(positions), edges_(edges) {}
+
+  Obstacles run(std::size_t begin, std::size_t end) {
+    for (std::size_t e = begin; e < end; ++e) examine(EdgeId(e));
+    return std::move(found_);
   }
 
  private:
-  void examine_edges(const Adjacency& edges) {
-    for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
-      if (e % 4096 == 0) control_.check();
-      const auto around = edges.half_edges(EdgeId(e));
-      const VertexId from = edges.from(around[0]), to = edges.to(around[0]);
-      if (from == to) continue;
-      const Vec3 middle = 0.5 * positions_[from.value] + 0.5 * positions_[to.value];
-      if (around.size() == 1) open_.add(middle);
-      if (around.size() > 2) non_manifold_.add(middle);
-      if (around.size() == 2 && edges.twin(around[0]) == Adjacency::kNone) winding_.add(middle);
-      if (around.size() > 1 && has_small_angle(edges, around)) dihedral_.add(middle);
-      if (around.size() > 1) count_duplicates(edges, around);
-    }
+  void examine(EdgeId e) {
+    const auto around = edges_.half_edges(e);
+    const VertexId from = edges_.from(around[0]), to = edges_.to(around[0]);
+    if (from == to) return;
+    const Vec3 middle = 0.5 * positions_[from.value] + 0.5 * positions_[to.value];
+    if (around.size() == 1) found_.open.add(middle);
+    if (around.size() > 2) found_.non_manifold.add(middle);
+    if (around.size() == 2 && edges_.twin(around[0]) == Adjacency::kNone) found_.winding.add(middle);
+    if (around.size() > 1 && has_small_angle(around)) found_.dihedral.add(middle);
+    if (around.size() > 1) count_duplicates(around);
   }
 
-  VertexId apex(const Adjacency& edges, std::uint32_t h) const { return edges.from(edges.next(edges.next(h))); }
+  VertexId apex(std::uint32_t h) const { return edges_.from(edges_.next(edges_.next(h))); }
 
-  bool has_small_angle(const Adjacency& edges, std::span<const std::uint32_t> around) {
-    const Vec3 a = positions_[edges.from(around[0]).value], b = positions_[edges.to(around[0]).value];
+  bool has_small_angle(std::span<const std::uint32_t> around) {
+    const Vec3 a = positions_[edges_.from(around[0]).value], b = positions_[edges_.to(around[0]).value];
     const Vec3 axis = normalized(b - a);
     // Unit vectors from the edge into each face, across the edge; faces without area have none.
     arms_.clear();
     for (const std::uint32_t h : around) {
-      const Vec3 to = normalized(positions_[apex(edges, h).value] - a);
+      const Vec3 to = normalized(positions_[apex(h).value] - a);
       const Vec3 arm = normalized(to - dot(to, axis) * axis);
-      if (arm != Vec3{}) arms_.push_back({arm, 0, apex(edges, h)});
+      if (arm != Vec3{}) arms_.push_back({arm, 0, apex(h)});
     }
     if (arms_.size() < 2) return false;
     const auto is_small = [](const Arm& p, const Arm& q) {
@@ -89,39 +95,14 @@ class Examination {
   }
 
   /// Faces on the same three vertices, seen from the edge of their two smallest.
-  void count_duplicates(const Adjacency& edges, std::span<const std::uint32_t> around) {
+  void count_duplicates(std::span<const std::uint32_t> around) {
     apexes_.clear();
     for (const std::uint32_t h : around)
-      if (const VertexId v = apex(edges, h); v > edges.from(h) && v > edges.to(h)) apexes_.push_back(v);
+      if (const VertexId v = apex(h); v > edges_.from(h) && v > edges_.to(h)) apexes_.push_back(v);
     std::sort(apexes_.begin(), apexes_.end());
     for (std::size_t i = 1; i < apexes_.size(); ++i)
       if (apexes_[i] == apexes_[i - 1])
-        duplicate_.add(centroid({edges.from(around[0]), edges.to(around[0]), apexes_[i]}));
-  }
-
-  Triangle face(FaceId f) const {
-    const std::size_t h = 3 * std::size_t{f.value};
-    return {corners_[h], corners_[h + 1], corners_[h + 2]};
-  }
-  Vec3 centroid(const Triangle& t) const {
-    const auto third = [&](int i) { return (1.0 / 3) * positions_[t[i].value]; };
-    return third(0) + third(1) + third(2);
-  }
-
-  void examine_pairs(std::span<const std::pair<FaceId, FaceId>> pairs, double tolerance) {
-    for (const auto& [f, g] : pairs) {
-      Triangle a = face(f), b = face(g);
-      std::sort(a.begin(), a.end());
-      std::sort(b.begin(), b.end());
-      if (a == b) continue;
-      (do_overlap(a, b, positions_, tolerance) ? overlap_ : crossing_).add(meeting_place(a, b, positions_));
-    }
-  }
-
-  void examine_pieces(const Adjacency& edges) {
-    const std::vector<Vec3> scaled = scaled_for_predicates(positions_, control_);
-    for (const FaceId f : find_inside_out(scaled, face_begin_, corners_, edges, control_).first_faces)
-      inside_out_.add(centroid(face(f)));
+        found_.duplicate.add(centroid({edges_.from(around[0]), edges_.to(around[0]), apexes_[i]}, positions_));
   }
 
   struct Arm {
@@ -131,15 +112,65 @@ class Examination {
   };
 
   std::span<const Vec3> positions_;
+  const Adjacency& edges_;
+  Obstacles found_;
+  std::vector<Arm> arms_;
+  std::vector<VertexId> apexes_;
+};
+
+class Examination {
+ public:
+  Examination(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control)
+      : positions_(positions),
+        corners_(corners),
+        control_(control),
+        face_begin_(triangle_begins(corners.size() / 3, control)) {}
+
+  std::vector<VolumeObstacle> run(std::span<const std::pair<FaceId, FaceId>> intersections, double plane_tolerance) {
+    const Adjacency edges(positions_.size(), face_begin_, corners_);
+    examine_edges(edges);
+    examine_pairs(intersections, plane_tolerance);
+    examine_pieces(edges);
+    std::vector<VolumeObstacle> found;
+    for (VolumeObstacle* o : found_.all())
+      if (o->count > 0) found.push_back(std::move(*o));
+    return found;
+  }
+
+ private:
+  void examine_edges(const Adjacency& edges) {
+    auto found = map_blocks<Obstacles>(
+        edges.edge_count(), kItemsPerBlock, control_,
+        [&](std::size_t begin, std::size_t end) { return EdgeExamination(positions_, edges).run(begin, end); });
+    for (Obstacles& of_block : found)
+      for (std::size_t kind = 0; kind < of_block.all().size(); ++kind) found_.all()[kind]->add(*of_block.all()[kind]);
+  }
+
+  Triangle face(FaceId f) const {
+    const std::size_t h = 3 * std::size_t{f.value};
+    return {corners_[h], corners_[h + 1], corners_[h + 2]};
+  }
+  void examine_pairs(std::span<const std::pair<FaceId, FaceId>> pairs, double tolerance) {
+    for (const auto& [f, g] : pairs) {
+      Triangle a = face(f), b = face(g);
+      std::sort(a.begin(), a.end());
+      std::sort(b.begin(), b.end());
+      if (a == b) continue;
+      (do_overlap(a, b, positions_, tolerance) ? found_.overlap : found_.crossing).add(meeting_place(a, b, positions_));
+    }
+  }
+
+  void examine_pieces(const Adjacency& edges) {
+    const std::vector<Vec3> scaled = scaled_for_predicates(positions_, control_);
+    for (const FaceId f : find_inside_out(scaled, face_begin_, corners_, edges, control_).first_faces)
+      found_.inside_out.add(centroid(face(f), positions_));
+  }
+
+  std::span<const Vec3> positions_;
   std::span<const VertexId> corners_;
   RunControl& control_;
   std::vector<std::uint32_t> face_begin_;
-  std::vector<Arm> arms_;
-  std::vector<VertexId> apexes_;
-  VolumeObstacle open_{DiagnosticCode::kOpenBoundary, 0, {}}, non_manifold_{DiagnosticCode::kNonManifoldEdge, 0, {}},
-      winding_{DiagnosticCode::kInconsistentWinding, 0, {}}, duplicate_{DiagnosticCode::kDuplicateFace, 0, {}},
-      crossing_{DiagnosticCode::kSelfIntersection, 0, {}}, overlap_{DiagnosticCode::kOverlappingFaces, 0, {}},
-      dihedral_{DiagnosticCode::kSmallDihedral, 0, {}}, inside_out_{DiagnosticCode::kInsideOut, 0, {}};
+  Obstacles found_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/run_control.h"
 #include "core/base/vec.h"
 
 namespace remesh {
@@ -40,8 +41,8 @@ struct Rounding {
 /// the mean of the three squares); the last place of the largest as a float if all are floats; else as a double.
 /// Holds:  scales with the coordinates by powers of two.
 /// Source: REFINEMENT, rule 12, carried from decimals to decimals times powers of two, so that scaling by two keeps it.
-Rounding rounding_of(std::span<const Vec3> positions);
-inline double rounding_step(std::span<const Vec3> positions) { return rounding_of(positions).step; }
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+Rounding rounding_of(std::span<const Vec3> positions, RunControl& control);
 
 /// The plane tolerance that a step explains in a mesh of that diagonal.
 struct AutomaticTolerance {

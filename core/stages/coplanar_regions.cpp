@@ -99,9 +99,14 @@ class Seeds {
     sorted_ =
         select_ids<FaceId>(surface_.face_count(), kBlock, control_, [&](std::size_t f) { return is_open(FaceId(f)); });
     std::vector<Seed> all(sorted_.size());
-    std::transform(sorted_.begin(), sorted_.end(), all.begin(), [&](FaceId f) { return placed(f); });
+    const auto for_each = [&](const auto& visit) {
+      for_blocks(all.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) visit(i);
+      });
+    };
+    for_each([&](std::size_t i) { all[i] = placed(sorted_[i]); });
     tbb::parallel_sort(all.begin(), all.end(), [](const Seed& a, const Seed& b) { return a.is_before(b); });
-    std::transform(all.begin(), all.end(), sorted_.begin(), [](const Seed& s) { return s.face; });
+    for_each([&](std::size_t i) { sorted_[i] = all[i].face; });
   }
 
   const Surface& surface_;
@@ -293,16 +298,15 @@ class Growth {
       const bool may_merge = r.value >= first_region_ && (*rule_.rung)[f] != kSingleFace;
       return may_merge ? &pieces[r.value - first_region_] : nullptr;
     };
-    // All faces of a region are on one step of the ladder.
     for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (FaceId f(begin); f.value < end; ++f.value)
         if (Piece* piece = piece_of(f)) raise(piece->height, geometry_[f].height);
     });
-    for (FaceId f(0); f.value < surface_.face_count(); ++f.value)
-      if (Piece* piece = piece_of(f); piece != nullptr && !piece->may_merge) {
-        piece->may_merge = true;
-        piece->tolerance = tolerance(f);
-      }
+    // All faces of a region are on one step of the ladder.
+    for (std::size_t r = 0; r < pieces.size(); ++r) {
+      pieces[r].may_merge = (*rule_.rung)[seeds_[r]] != kSingleFace;
+      pieces[r].tolerance = tolerance(seeds_[r]);
+    }
     auto pairs = bordering_pieces(pieces);
     if (pairs.empty()) return;
     for (FaceId f(0); f.value < surface_.face_count(); ++f.value) {
@@ -462,6 +466,7 @@ class Growth {
 
   void close(const Plane& plane) {
     const RegionId region = regions_.planes.push_back(plane);
+    seeds_.push_back(found_[0]);
     for_blocks(found_.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         regions_.of_face[found_[i]] = region;
@@ -489,6 +494,7 @@ class Growth {
   static constexpr std::size_t kBits = 64;
   std::vector<std::uint64_t> joints_;  ///< a bit a half-edge
   std::vector<FaceId> found_;
+  std::vector<FaceId> seeds_;  ///< of the new regions
 };
 
 }  // namespace

@@ -1,7 +1,11 @@
 #include "core/stages/patch_summary.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/base/blocks.h"
@@ -9,10 +13,94 @@
 namespace remesh {
 namespace {
 
+std::size_t distinct(std::vector<VertexId>& vertices) {
+  tbb::parallel_sort(vertices.begin(), vertices.end());
+  return static_cast<std::size_t>(std::unique(vertices.begin(), vertices.end()) - vertices.begin());
+}
+
 /// What some of a patch's faces add to it; local units.
 struct FacesSummary {
   double area = 0, deviation = 0;
   std::vector<VertexId> essential;  ///< of their corners
+};
+
+class Summariser {
+ public:
+  Summariser(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+             const PatchSet& patches, const BoundaryLoops& loops, const IdVector<VertexId, std::uint8_t>& essential,
+             const Ladder& ladder, RunControl& control)
+      : surface_(surface),
+        adjacency_(adjacency),
+        geometry_(geometry),
+        patches_(patches),
+        loops_(loops),
+        essential_(essential),
+        ladder_(ladder),
+        control_(control) {}
+
+  PatchSummary of(PatchId p) const {
+    const Plane& plane = patches_.planes[p];
+    const FaceId first = patches_.faces_of(p)[0];
+    PatchSummary s;
+    s.normal = plane.normal;
+    s.offset = dot(surface_.centre, plane.normal) + surface_.unit * dot(plane.origin, plane.normal);
+    s.status = ladder_.is_kept(first)      ? PatchStatus::kKept
+               : ladder_.rung()[first] > 0 ? PatchStatus::kReduced
+                                           : PatchStatus::kRemeshed;
+    s.reason = ladder_.reason()[first];
+    s.input_faces = patches_.faces_of(p).size();
+    s.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
+
+    FacesSummary faces = of_faces(p);
+    s.area = faces.area * surface_.unit * surface_.unit;
+    s.deviation = faces.deviation * surface_.unit;
+    const std::size_t vertices = distinct(faces.essential);
+    s.essential_vertices = static_cast<std::uint32_t>(vertices);
+
+    // A region with k loop corners (a vertex counts as often as loops pass it) on l loops and m points inside is
+    // cut into k + 2 m + 2 l - 4 triangles.
+    std::vector<VertexId> rim;
+    for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l)
+      for (const std::uint32_t h : loops_.loop(l))
+        if (essential_[adjacency_.from(h)]) rim.push_back(adjacency_.from(h));
+    const std::size_t corners = rim.size(), inside = vertices - distinct(rim);
+    const auto triangles = static_cast<std::int64_t>(corners + 2 * inside + 2ull * s.loops) - 4;
+    s.output_faces = static_cast<std::uint64_t>(std::max<std::int64_t>(1, triangles));
+    return s;
+  }
+
+ private:
+  FacesSummary of_faces(PatchId p) const {
+    const auto faces = patches_.faces_of(p);
+    const Plane& plane = patches_.planes[p];
+    const auto measure = [&](std::size_t begin, std::size_t end) {
+      FacesSummary sum;
+      for (const FaceId f : faces.subspan(begin, end - begin)) {
+        sum.area += geometry_[f].area;
+        for (const VertexId v : surface_.face(f)) {
+          sum.deviation = std::max(sum.deviation, std::fabs(plane.distance(surface_.local[v])));
+          if (essential_[v]) sum.essential.push_back(v);
+        }
+      }
+      return sum;
+    };
+    FacesSummary all;
+    for (const FacesSummary& sum : map_blocks<FacesSummary>(faces.size(), kItemsPerBlock, control_, measure)) {
+      all.area += sum.area;
+      all.deviation = std::max(all.deviation, sum.deviation);
+      all.essential.insert(all.essential.end(), sum.essential.begin(), sum.essential.end());
+    }
+    return all;
+  }
+
+  const Surface& surface_;
+  const Adjacency& adjacency_;
+  const FaceGeometries& geometry_;
+  const PatchSet& patches_;
+  const BoundaryLoops& loops_;
+  const IdVector<VertexId, std::uint8_t>& essential_;
+  const Ladder& ladder_;
+  RunControl& control_;
 };
 
 }  // namespace
@@ -21,67 +109,16 @@ PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjace
                                  const PatchSet& patches, const BoundaryLoops& loops,
                                  const IdVector<VertexId, std::uint8_t>& essential, const Ladder& ladder,
                                  RunControl& control) {
+  const Summariser summariser(surface, adjacency, geometry, patches, loops, essential, ladder, control);
+  constexpr std::size_t kPatches = 256;
   PatchSummaries result;
-  result.patches.reserve(patches.count());
-  // The patch that has counted a vertex last.
-  IdVector<VertexId, PatchId> counted(surface.vertex_count());
-  for (std::uint32_t i = 0; i < patches.count(); ++i) {
-    if (i % 4096 == 0) control.check();
-    const PatchId p(i);
-    const Plane& plane = patches.planes[p];
-    const FaceId first = patches.faces_of(p)[0];
-    PatchSummary s;
-    s.normal = plane.normal;
-    s.offset = dot(surface.centre, plane.normal) + surface.unit * dot(plane.origin, plane.normal);
-    s.status = ladder.is_kept(first)      ? PatchStatus::kKept
-               : ladder.rung()[first] > 0 ? PatchStatus::kReduced
-                                          : PatchStatus::kRemeshed;
-    s.reason = ladder.reason()[first];
-    s.input_faces = patches.faces_of(p).size();
-    s.loops = loops.patch_begin[i + 1] - loops.patch_begin[i];
-
-    // A region with k loop corners (a vertex counts as often as loops pass it) on l loops and m points inside is
-    // cut into k + 2 m + 2 l - 4 triangles.
-    std::uint64_t corners = 0;
-    for (std::uint32_t l = loops.patch_begin[i]; l < loops.patch_begin[i + 1]; ++l)
-      for (const std::uint32_t h : loops.loop(l)) {
-        const VertexId v = adjacency.from(h);
-        if (!essential[v]) continue;
-        ++corners;
-        if (counted[v] == p) continue;
-        counted[v] = p;
-        ++s.essential_vertices;
-      }
-    std::uint64_t inside = 0;
-    double area = 0;
-    const auto measure = [&](std::size_t begin, std::size_t end) {
-      FacesSummary sum;
-      for (const FaceId f : patches.faces_of(p).subspan(begin, end - begin)) {
-        sum.area += geometry[f].area;
-        for (const VertexId v : surface.face(f)) {
-          sum.deviation = std::max(sum.deviation, std::fabs(plane.distance(surface.local[v])));
-          if (essential[v] && counted[v] != p) sum.essential.push_back(v);
-        }
-      }
-      return sum;
-    };
-    for (const FacesSummary& sum : map_blocks<FacesSummary>(s.input_faces, kItemsPerBlock, control, measure)) {
-      area += sum.area;
-      s.deviation = std::max(s.deviation, sum.deviation);
-      for (const VertexId v : sum.essential) {
-        if (counted[v] == p) continue;
-        counted[v] = p;
-        ++inside;
-      }
-    }
-    s.essential_vertices += static_cast<std::uint32_t>(inside);
-    s.area = area * surface.unit * surface.unit;
-    s.deviation *= surface.unit;
-    const auto triangles = static_cast<std::int64_t>(corners + 2 * inside + 2ull * s.loops) - 4;
-    s.output_faces = static_cast<std::uint64_t>(std::max<std::int64_t>(1, triangles));
+  result.patches.resize(patches.count());
+  for_blocks(patches.count(), kPatches, control, [&](std::size_t p, std::size_t end) {
+    for (; p < end; ++p) result.patches[p] = summariser.of(PatchId(p));
+  });
+  for (const PatchSummary& s : result.patches) {
     result.triangles += s.output_faces;
     result.volume_bound += s.area * s.deviation;
-    result.patches.push_back(s);
   }
   return result;
 }

@@ -99,25 +99,26 @@ EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& c
                      std::span(half_edges_).subspan(begin, end - begin));
   });
 
-  std::size_t edges = 0, uses = 0;
-  for (const Part& part : found) {
-    edges += part.edges.size();
-    uses += part.uses.size();
-  }
-  bounding_.edges.reserve(edges);
-  bounding_.uses.reserve(uses);
-  for (const Part& part : found) {
+  // Where each part's edges and uses go.
+  std::vector<std::pair<std::size_t, std::size_t>> at(parts + 1);
+  for (std::size_t i = 0; i < parts; ++i) {
+    const Part& part = found[i];
     counts_.edges += part.counts.edges;
     counts_.is_closed = counts_.is_closed && part.counts.is_closed;
     counts_.is_consistent = counts_.is_consistent && part.counts.is_consistent;
-    std::size_t at = bounding_.uses.size();
-    bounding_.uses.insert(bounding_.uses.end(), part.uses.begin(), part.uses.end());
-    for (Edge edge : part.edges) {
-      edge.uses = std::span(bounding_.uses).subspan(at, edge.uses.size());
-      at += edge.uses.size();
-      bounding_.edges.push_back(edge);
-    }
+    at[i + 1] = {at[i].first + part.edges.size(), at[i].second + part.uses.size()};
   }
+  bounding_.edges.resize(at.back().first);
+  bounding_.uses.resize(at.back().second);
+  for_blocks(parts, 1, control, [&](std::size_t i, std::size_t) {
+    auto [edge_at, use_at] = at[i];
+    std::copy(found[i].uses.begin(), found[i].uses.end(), bounding_.uses.begin() + static_cast<std::ptrdiff_t>(use_at));
+    for (Edge edge : found[i].edges) {
+      edge.uses = std::span(bounding_.uses).subspan(use_at, edge.uses.size());
+      use_at += edge.uses.size();
+      bounding_.edges[edge_at++] = edge;
+    }
+  });
 }
 
 /// Puts the half-edges whose smaller vertices are in [first, last) in the order of their uses, by these vertices. They

@@ -35,6 +35,11 @@ std::vector<Vec3> with(std::vector<Vec3> points, const std::function<double(doub
   return points;
 }
 
+double rounding_step(const std::vector<Vec3>& points) {
+  RunControl control;
+  return rounding_of(points, control).step;
+}
+
 void expect_step(const std::vector<Vec3>& points, double step) { EXPECT_NEAR(rounding_step(points) / step, 1, 1e-12); }
 
 TEST(rounding_step, fixed_decimals_are_the_step) {
