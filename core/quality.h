@@ -39,5 +39,7 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
                                std::span<const VertexId> corners, const Adjacency& adjacency, RunControl& control);
 /// The same for triangles, with their quality.
 MeshStatistics measure_surface(const TriangleMesh& mesh, RunControl& control);
+/// The same, where their edges are known already.
+MeshStatistics measure_surface(const TriangleMesh& mesh, const Adjacency& adjacency, RunControl& control);
 
 }  // namespace remesh

@@ -1,6 +1,7 @@
 #include "core/remesh.h"
 
 #include <tbb/global_control.h>
+#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -212,8 +213,10 @@ class Run {
     std::vector<std::pair<FaceId, FaceId>> pairs;
     for (const auto& [f, g] : input_intersections_.pairs)
       pairs.push_back({FaceId(faces.first_of(f)), FaceId(faces.first_of(g))});
-    report_.volume_obstacles =
-        find_volume_obstacles(surface().positions.items(), faces.corners(), pairs, report_.plane_tolerance, control_);
+    const auto begins = triangle_begins(faces.corners().size() / 3, control_);
+    const Adjacency edges(surface().vertex_count(), begins, faces.corners());
+    report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), faces.corners(), edges, pairs,
+                                                     report_.plane_tolerance, control_);
   }
 
   InputIntersections intersecting_patches() const {
@@ -336,16 +339,27 @@ class Run {
     result.mesh.positions = std::move(positions_);
     result.mesh.faces = std::move(assembled_.faces);
     result.face_patch = std::move(assembled_.face_patch);
-    report_.output = measure_surface(result.mesh, control_);
+    const std::span<const Vec3> positions = result.mesh.positions.items();
+    const std::span<const VertexId> corners = corners_of(result.mesh.faces.items());
+    const auto begins = triangle_begins(result.mesh.faces.size(), control_);
+    const Adjacency edges(positions.size(), begins, corners);
+    IdVector<FaceId, FaceId> source;
+    // Each has its parts that wait for nothing but themselves.
+    tbb::parallel_invoke([&] { report_.output = measure_surface(result.mesh, edges, control_); },
+                         [&] {
+                           report_.volume_obstacles =
+                               find_volume_obstacles(positions, corners, edges, report_.verified.intersections,
+                                                     report_.plane_tolerance, control_);
+                         },
+                         [&] {
+                           // Where each output face came from: the input face under its centroid.
+                           source = needs_source(want_face_source) ? face_source(surface(), patches_, meshes_, control_)
+                                                                   : first_faces(result);
+                           meshes_ = {};
+                         });
     report_.output.intersecting_pairs = report_.verified.intersections.size();
-    report_.volume_obstacles =
-        find_volume_obstacles(result.mesh.positions.items(), corners_of(result.mesh.faces.items()),
-                              report_.verified.intersections, report_.plane_tolerance, control_);
-    report_.unrefined = summarise_unrefined(unrefined_, result.mesh.positions.items(), result.mesh.faces.items());
-    // Where each output face came from: the input face under its centroid, and what that one is labelled.
+    report_.unrefined = summarise_unrefined(unrefined_, positions, result.mesh.faces.items());
     watch_.enter(Stage::kAssembly);
-    const IdVector<FaceId, FaceId> source =
-        needs_source(want_face_source) ? face_source(surface(), patches_, meshes_, control_) : first_faces(result);
     result.mesh.labels = labels_of(input_.labels, source);
     if (want_face_source) {
       result.face_source = source;

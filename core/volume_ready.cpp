@@ -11,7 +11,6 @@
 #include "core/geometry/inside_out.h"
 #include "core/geometry/overlap.h"
 #include "core/geometry/predicates_3d.h"
-#include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_corners.h"
 
 namespace remesh {
@@ -120,17 +119,14 @@ class EdgeExamination {
 
 class Examination {
  public:
-  Examination(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control)
-      : positions_(positions),
-        corners_(corners),
-        control_(control),
-        face_begin_(triangle_begins(corners.size() / 3, control)) {}
+  Examination(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& edges,
+              RunControl& control)
+      : positions_(positions), corners_(corners), edges_(edges), control_(control) {}
 
   std::vector<VolumeObstacle> run(std::span<const std::pair<FaceId, FaceId>> intersections, double plane_tolerance) {
-    const Adjacency edges(positions_.size(), face_begin_, corners_);
-    examine_edges(edges);
+    examine_edges();
     examine_pairs(intersections, plane_tolerance);
-    examine_pieces(edges);
+    examine_pieces();
     std::vector<VolumeObstacle> found;
     for (VolumeObstacle* o : found_.all())
       if (o->count > 0) found.push_back(std::move(*o));
@@ -138,10 +134,10 @@ class Examination {
   }
 
  private:
-  void examine_edges(const Adjacency& edges) {
+  void examine_edges() {
     auto found = map_blocks<Obstacles>(
-        edges.edge_count(), kItemsPerBlock, control_,
-        [&](std::size_t begin, std::size_t end) { return EdgeExamination(positions_, edges).run(begin, end); });
+        edges_.edge_count(), kItemsPerBlock, control_,
+        [&](std::size_t begin, std::size_t end) { return EdgeExamination(positions_, edges_).run(begin, end); });
     for (Obstacles& of_block : found)
       for (std::size_t kind = 0; kind < of_block.all().size(); ++kind) found_.all()[kind]->add(*of_block.all()[kind]);
   }
@@ -160,25 +156,27 @@ class Examination {
     }
   }
 
-  void examine_pieces(const Adjacency& edges) {
+  void examine_pieces() {
+    const std::vector<std::uint32_t> face_begin = triangle_begins(corners_.size() / 3, control_);
     const std::vector<Vec3> scaled = scaled_for_predicates(positions_, control_);
-    for (const FaceId f : find_inside_out(scaled, face_begin_, corners_, edges, control_).first_faces)
+    for (const FaceId f : find_inside_out(scaled, face_begin, corners_, edges_, control_).first_faces)
       found_.inside_out.add(centroid(face(f), positions_));
   }
 
   std::span<const Vec3> positions_;
   std::span<const VertexId> corners_;
+  const Adjacency& edges_;
   RunControl& control_;
-  std::vector<std::uint32_t> face_begin_;
   Obstacles found_;
 };
 
 }  // namespace
 
 std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const VertexId> corners,
+                                                  const Adjacency& edges,
                                                   std::span<const std::pair<FaceId, FaceId>> intersections,
                                                   double plane_tolerance, RunControl& control) {
-  return Examination(positions, corners, control).run(intersections, plane_tolerance);
+  return Examination(positions, corners, edges, control).run(intersections, plane_tolerance);
 }
 
 }  // namespace remesh

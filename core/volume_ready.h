@@ -7,6 +7,7 @@
 
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/report.h"
 
@@ -19,9 +20,12 @@ inline constexpr double kSmallDihedralDeg = 0.1;
 ///          duplicate_face (faces over the same vertices as an earlier one), self_intersection and overlapping_faces
 ///          (the given pairs, but for duplicates), small_dihedral (edges at which two faces nearly lie on each other),
 ///          inside_out (closed pieces). None: the surface bounds volumes.
-/// Input:   three corners a face; `intersections` of the faces, sorted; coplanar ones within the tolerance count as
-/// overlapping. Holds:   the same for any number of threads. Cost:    O(n log n).
+/// Input:   three corners a face; their edges; `intersections` of the faces, sorted; coplanar ones within the tolerance
+///          count as overlapping.
+/// Holds:   the same for any number of threads.
+/// Cost:    O(n log n).
 std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const VertexId> corners,
+                                                  const Adjacency& edges,
                                                   std::span<const std::pair<FaceId, FaceId>> intersections,
                                                   double plane_tolerance, RunControl& control);
 

@@ -263,19 +263,26 @@ class Cull {
 /// in which they were.
 class Excerpt {
  public:
-  Excerpt(const PatchedFaces& surface, const Cull& cull) : surface_(surface) {
+  Excerpt(const PatchedFaces& surface, const Cull& cull, RunControl& control) : surface_(surface) {
     if (cull.faces().empty() && cull.parts().empty()) return;
-    number_.resize(surface.positions.size(), 0);
+    std::vector<std::uint8_t> is_left(surface.positions.size(), 0);
     const auto mark = [&](std::size_t f) {
-      for (const VertexId v : surface.face(f)) number_[v.value] = 1;
+      for (const VertexId v : surface.face(f)) std::atomic_ref(is_left[v.value]).store(1, std::memory_order_relaxed);
     };
-    for (const std::uint32_t f : cull.faces()) mark(f);
+    for_blocks(cull.faces().size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) mark(cull.faces()[i]);
+    });
     for (const Part& part : cull.parts()) mark(part.face);
-    for (std::size_t v = 0; v < number_.size(); ++v) {
-      if (number_[v] == 0) continue;
-      number_[v] = static_cast<std::uint32_t>(positions_.size());
-      positions_.push_back(surface.positions[v]);
-    }
+    const auto left =
+        select_ids<VertexId>(is_left.size(), kBlock, control, [&](std::size_t v) { return is_left[v] != 0; });
+    number_.resize(is_left.size());
+    positions_.resize(left.size());
+    for_blocks(left.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        number_[left[i].value] = static_cast<std::uint32_t>(i);
+        positions_[i] = surface.positions[left[i].value];
+      }
+    });
   }
 
   const std::vector<Vec3>& positions() const { return positions_; }
@@ -296,14 +303,17 @@ class Excerpt {
 SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t max_pairs, RunControl& control) {
   Cull cull(surface, control);
   cull.run();
-  const Excerpt excerpt(surface, cull);
+  const Excerpt excerpt(surface, cull, control);
   // Between small patches and inside patches: whole faces.
-  std::vector<Triangle> faces;
-  std::vector<std::uint32_t> pieces;
-  for (const std::uint32_t f : cull.faces()) {
-    faces.push_back(excerpt.face(f));
-    pieces.push_back(cull.is_looked_at_inside(f) ? kNoPiece : surface.patch[f].value);
-  }
+  std::vector<Triangle> faces(cull.faces().size());
+  std::vector<std::uint32_t> pieces(cull.faces().size());
+  for_blocks(faces.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t f = cull.faces()[i];
+      faces[i] = excerpt.face(f);
+      pieces[i] = cull.is_looked_at_inside(f) ? kNoPiece : surface.patch[f].value;
+    }
+  });
   SelfIntersections found = self_intersections(excerpt.positions(), faces, pieces, max_pairs, control);
   for (auto& [f, g] : found.pairs) {
     f = FaceId(cull.faces()[f.value]);

@@ -47,12 +47,12 @@ constexpr std::size_t kBlock = 4096;
 TriangleTree::TriangleTree(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control)
     : face_(faces.size()), slot_box_(faces.size()) {
   if (faces.empty()) {
-    node_box_.resize(1);
+    node_box_.assign(1, Box3());
     return;
   }
   while (size() > kLeafSize << leaf_level_) ++leaf_level_;
 
-  std::vector<Item> items(size());
+  std::vector<Item, LeftUnset<Item>> items(size());
   for_blocks(size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const Box3 box = box_of(faces[f], positions);
@@ -81,6 +81,7 @@ TriangleTree::TriangleTree(std::span<const Vec3> positions, std::span<const Tria
     for_blocks(std::size_t{1} << level, kBlock, control, [&](std::size_t j, std::size_t last) {
       for (; j < last; ++j) {
         Box3& box = node_box_[node_index(level, j)];
+        box = {};
         if (level < leaf_level_) {
           box.add(node_box_[node_index(level + 1, 2 * j)]);
           box.add(node_box_[node_index(level + 1, 2 * j + 1)]);

@@ -52,9 +52,12 @@ class TriangleTree {
   std::size_t node_begin(int level, std::size_t j) const { return (size() * j) >> level; }
 
   int leaf_level_ = 0;
-  std::vector<FaceId> face_;    ///< by slot
-  std::vector<Box3> slot_box_;  ///< by slot
-  std::vector<Box3> node_box_;  ///< level after level
+  template <class T>
+  using Unset = std::vector<T, LeftUnset<T>>;
+
+  Unset<FaceId> face_;    ///< by slot
+  Unset<Box3> slot_box_;  ///< by slot
+  Unset<Box3> node_box_;  ///< level after level
 };
 
 /// Do the closed boxes have a point in common?

@@ -29,6 +29,9 @@ constexpr double kRoundings = 0x1p10;
 /// A piece of length d next to an end is cut at the largest shell within this share of d.
 constexpr double kShellShare = 2.0 / 3 * (1 + 1e-9);
 
+/// In a task.
+constexpr std::size_t kSegments = 1024;
+
 /// Largest shell of base * 2^k that is at most `most`.
 double shell(double base, double most) { return std::ldexp(base, std::ilogb(most / base)); }
 
@@ -86,23 +89,26 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
                            RunControl& control)
     : surface_(surface), min_edge_length_(goals.min_edge_length) {
   const std::vector<Use> uses = segment_uses(surface, meshes, control);
-  begin_.push_back(0);
-  sides_.reserve(uses.size());
-  for (std::size_t i = 0; i < uses.size(); ++i) {
-    if (i == 0 || uses[i].key() != uses[i - 1].key()) {
-      if (i > 0) begin_.push_back(static_cast<std::uint32_t>(i));
-      BoundarySegment segment;
-      segment.from = uses[i].from;
-      segment.to = uses[i].to;
-      segment.length = norm(surface.positions[segment.to] - surface.positions[segment.from]);
-      segment.is_locked = !goals.split_boundaries;
-      segments_.push_back(segment);
+  const auto for_each_segment = [&](const auto& visit) {
+    for_blocks(segments_.size(), kSegments, control, [&](std::size_t s, std::size_t end) {
+      for (; s < end; ++s) visit(SegmentId(s), segments_[SegmentId(s)]);
+    });
+  };
+  begin_ = select_ids<std::uint32_t>(uses.size(), kItemsPerBlock, control,
+                                     [&](std::size_t i) { return i == 0 || uses[i].key() != uses[i - 1].key(); });
+  segments_.resize(begin_.size());
+  begin_.push_back(static_cast<std::uint32_t>(uses.size()));
+  sides_.resize(uses.size());
+  for_each_segment([&](SegmentId s, BoundarySegment& segment) {
+    segment.from = uses[begin_[s.value]].from;
+    segment.to = uses[begin_[s.value]].to;
+    segment.length = norm(surface.positions[segment.to] - surface.positions[segment.from]);
+    segment.is_locked = !goals.split_boundaries;
+    for (std::uint32_t i = begin_[s.value]; i < begin_[s.value + 1]; ++i) {
+      sides_[i] = {s, uses[i].patch, uses[i].half_edge};
+      if (is_frozen[uses[i].patch.value] != 0) segment.is_locked = true;
     }
-    const SegmentId id(segments_.size() - 1);
-    sides_.push_back({id, uses[i].patch, uses[i].half_edge});
-    if (is_frozen[uses[i].patch.value] != 0) segments_[id].is_locked = true;
-  }
-  if (!uses.empty()) begin_.push_back(static_cast<std::uint32_t>(uses.size()));
+  });
 
   // The sides by patch.
   patch_begin_.assign(meshes.size() + 1, 0);
@@ -144,24 +150,24 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   std::vector<double> sharpest(2 * segments_.size(), std::numbers::pi / 2);
   std::vector<double> feature(segments_.size());
   std::vector<double> roundings(segments_.size());
-  for (std::size_t s = 0; s < segments_.size(); ++s) {
-    const BoundarySegment& segment = segments_[SegmentId(s)];
-    feature[s] = segment.length;
-    roundings[s] =
-        0x1p-52 * std::max(magnitude(surface.positions[segment.from]), magnitude(surface.positions[segment.to]));
-  }
+  for_each_segment([&](SegmentId s, const BoundarySegment& segment) {
+    double &nearest = feature[s.value], &rounding = roundings[s.value];
+    nearest = segment.length;
+    rounding = 0x1p-52 * std::max(magnitude(surface.positions[segment.from]), magnitude(surface.positions[segment.to]));
+    for (std::uint32_t i = begin_[s.value]; i < begin_[s.value + 1]; ++i) {
+      const Frame& frame = meshes[sides_[i].patch.value].frame;
+      nearest = std::min(nearest, seen[i].distance);
+      rounding = std::max(rounding, frame.grid * frame.scale);
+    }
+  });
   const auto end_at_start = [&](const SegmentSide& side) {
     const PatchMesh& patch = meshes[side.patch.value];
     const bool is_from = patch.vertices[patch.mesh.from(side.half_edge)] == segments_[side.segment].from;
     return 2 * side.segment.value + (is_from ? 0u : 1u);
   };
   for (std::uint32_t i = 0; i < sides_.size(); ++i) {
-    const SegmentSide& side = sides_[i];
-    const Frame& frame = meshes[side.patch.value].frame;
-    feature[side.segment.value] = std::min(feature[side.segment.value], seen[i].distance);
-    roundings[side.segment.value] = std::max(roundings[side.segment.value], frame.grid * frame.scale);
     if (!(seen[i].angle < kSmallAngle) || seen[i].next == i) continue;
-    const std::uint32_t here = end_at_start(side);
+    const std::uint32_t here = end_at_start(sides_[i]);
     // The next side comes in at the vertex: it ends where this one starts.
     const std::uint32_t there = end_at_start(sides_[seen[i].next]) ^ 1u;
     clusters.join(here, there);
@@ -180,19 +186,16 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     if (members[root] > 1) segments_[SegmentId(e / 2)].shell_base[e % 2] = shortest[root] / 3;
   }
 
-  for_blocks(segments_.size(), 1024, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s) {
-      BoundarySegment& segment = segments_[SegmentId(s)];
-      const double noise = kRoundings * roundings[s];
-      // What is narrower than the shortest edge allowed cannot be cut across.
-      if (!(feature[s] > noise) || feature[s] < goals.min_edge_length) segment.is_locked = true;
-      double size = feature[s];
-      for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(SegmentId(s), t)));
-      const double angle = std::min(sharpest[2 * s], sharpest[2 * s + 1]);
-      // Shells at an angle below 60 degrees are nearer to each other than to the corner.
-      const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
-      segment.floor = std::max({shortest_piece, kFloorShare * size, noise / std::sin(angle)});
-    }
+  for_each_segment([&](SegmentId s, BoundarySegment& segment) {
+    const double noise = kRoundings * roundings[s.value];
+    double size = feature[s.value];
+    // What is narrower than the shortest edge allowed cannot be cut across.
+    if (!(size > noise) || size < goals.min_edge_length) segment.is_locked = true;
+    for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(s, t)));
+    const double angle = std::min(sharpest[2 * s.value], sharpest[2 * s.value + 1]);
+    // Shells at an angle below 60 degrees are nearer to each other than to the corner.
+    const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
+    segment.floor = std::max({shortest_piece, kFloorShare * size, noise / std::sin(angle)});
   });
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/blocks.h"
@@ -18,12 +19,13 @@ std::size_t distinct(std::vector<VertexId>& vertices) {
   return static_cast<std::size_t>(std::unique(vertices.begin(), vertices.end()) - vertices.begin());
 }
 
-/// What some of a patch's faces add to it; local units.
+/// What some of a patch's faces come to; local units.
 struct FacesSummary {
   double area = 0, deviation = 0;
   std::vector<VertexId> essential;  ///< of their corners
 };
 
+/// Summarises one patch after the other.
 class Summariser {
  public:
   Summariser(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
@@ -38,7 +40,7 @@ class Summariser {
         ladder_(ladder),
         control_(control) {}
 
-  PatchSummary of(PatchId p) const {
+  PatchSummary of(PatchId p) {
     const Plane& plane = patches_.planes[p];
     const FaceId first = patches_.faces_of(p)[0];
     PatchSummary s;
@@ -51,46 +53,51 @@ class Summariser {
     s.input_faces = patches_.faces_of(p).size();
     s.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
 
-    FacesSummary faces = of_faces(p);
-    s.area = faces.area * surface_.unit * surface_.unit;
-    s.deviation = faces.deviation * surface_.unit;
-    const std::size_t vertices = distinct(faces.essential);
+    measure_faces(p);
+    s.area = faces_.area * surface_.unit * surface_.unit;
+    s.deviation = faces_.deviation * surface_.unit;
+    const std::size_t vertices = distinct(faces_.essential);
     s.essential_vertices = static_cast<std::uint32_t>(vertices);
 
     // A region with k loop corners (a vertex counts as often as loops pass it) on l loops and m points inside is
     // cut into k + 2 m + 2 l - 4 triangles.
-    std::vector<VertexId> rim;
+    rim_.clear();
     for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l)
       for (const std::uint32_t h : loops_.loop(l))
-        if (essential_[adjacency_.from(h)]) rim.push_back(adjacency_.from(h));
-    const std::size_t corners = rim.size(), inside = vertices - distinct(rim);
+        if (essential_[adjacency_.from(h)]) rim_.push_back(adjacency_.from(h));
+    const std::size_t corners = rim_.size(), inside = vertices - distinct(rim_);
     const auto triangles = static_cast<std::int64_t>(corners + 2 * inside + 2ull * s.loops) - 4;
     s.output_faces = static_cast<std::uint64_t>(std::max<std::int64_t>(1, triangles));
     return s;
   }
 
  private:
-  FacesSummary of_faces(PatchId p) const {
+  void measure_faces(PatchId p) {
     const auto faces = patches_.faces_of(p);
-    const Plane& plane = patches_.planes[p];
-    const auto measure = [&](std::size_t begin, std::size_t end) {
+    faces_.area = faces_.deviation = 0;
+    faces_.essential.clear();
+    if (faces.size() <= kItemsPerBlock) return add(p, faces, faces_);
+    const auto add_block = [&](std::size_t begin, std::size_t end) {
       FacesSummary sum;
-      for (const FaceId f : faces.subspan(begin, end - begin)) {
-        sum.area += geometry_[f].area;
-        for (const VertexId v : surface_.face(f)) {
-          sum.deviation = std::max(sum.deviation, std::fabs(plane.distance(surface_.local[v])));
-          if (essential_[v]) sum.essential.push_back(v);
-        }
-      }
+      add(p, faces.subspan(begin, end - begin), sum);
       return sum;
     };
-    FacesSummary all;
-    for (const FacesSummary& sum : map_blocks<FacesSummary>(faces.size(), kItemsPerBlock, control_, measure)) {
-      all.area += sum.area;
-      all.deviation = std::max(all.deviation, sum.deviation);
-      all.essential.insert(all.essential.end(), sum.essential.begin(), sum.essential.end());
+    for (const FacesSummary& sum : map_blocks<FacesSummary>(faces.size(), kItemsPerBlock, control_, add_block)) {
+      faces_.area += sum.area;
+      faces_.deviation = std::max(faces_.deviation, sum.deviation);
+      faces_.essential.insert(faces_.essential.end(), sum.essential.begin(), sum.essential.end());
     }
-    return all;
+  }
+
+  void add(PatchId p, std::span<const FaceId> faces, FacesSummary& sum) const {
+    const Plane& plane = patches_.planes[p];
+    for (const FaceId f : faces) {
+      sum.area += geometry_[f].area;
+      for (const VertexId v : surface_.face(f)) {
+        sum.deviation = std::max(sum.deviation, std::fabs(plane.distance(surface_.local[v])));
+        if (essential_[v]) sum.essential.push_back(v);
+      }
+    }
   }
 
   const Surface& surface_;
@@ -101,6 +108,9 @@ class Summariser {
   const IdVector<VertexId, std::uint8_t>& essential_;
   const Ladder& ladder_;
   RunControl& control_;
+  // Scratch of one patch.
+  FacesSummary faces_;
+  std::vector<VertexId> rim_;  ///< essential ones of its loops
 };
 
 }  // namespace
@@ -109,11 +119,11 @@ PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjace
                                  const PatchSet& patches, const BoundaryLoops& loops,
                                  const IdVector<VertexId, std::uint8_t>& essential, const Ladder& ladder,
                                  RunControl& control) {
-  const Summariser summariser(surface, adjacency, geometry, patches, loops, essential, ladder, control);
   constexpr std::size_t kPatches = 256;
   PatchSummaries result;
   result.patches.resize(patches.count());
   for_blocks(patches.count(), kPatches, control, [&](std::size_t p, std::size_t end) {
+    Summariser summariser(surface, adjacency, geometry, patches, loops, essential, ladder, control);
     for (; p < end; ++p) result.patches[p] = summariser.of(PatchId(p));
   });
   for (const PatchSummary& s : result.patches) {

@@ -19,8 +19,10 @@ std::map<DiagnosticCode, VolumeObstacle> obstacles_of(const PolygonMesh& mesh) {
   const auto& positions = triangles.positions.items();
   const auto& faces = triangles.faces.items();
   const SelfIntersections found = self_intersections(positions, faces, {}, 1'000'000, control);
+  const std::vector<std::uint32_t> begins = triangle_begins(faces.size(), control);
+  const Adjacency edges(positions.size(), begins, corners_of(faces));
   std::map<DiagnosticCode, VolumeObstacle> by_code;
-  for (VolumeObstacle& o : find_volume_obstacles(positions, corners_of(faces), found.pairs, 1e-9, control)) {
+  for (VolumeObstacle& o : find_volume_obstacles(positions, corners_of(faces), edges, found.pairs, 1e-9, control)) {
     EXPECT_EQ(o.places.size(), std::min<std::size_t>(o.count, VolumeObstacle::kMaxPlaces));
     by_code[o.code] = std::move(o);
   }
