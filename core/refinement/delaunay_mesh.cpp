@@ -2,17 +2,36 @@
 
 #include <algorithm>
 
+#include "core/base/small_blocks.h"
 #include "core/geometry/predicates.h"
 
 namespace remesh {
 
-DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::vector<Vec2> points, std::span<const std::uint32_t> sides,
-                           std::span<const std::uint32_t> number)
-    : points_(std::move(points)), edge_at_(points_.size(), kNone), live_triangles_(mesh.triangle_count()) {
+DelaunayMesh::DelaunayMesh(std::pmr::memory_resource* memory)
+    : points_(memory),
+      edge_at_(memory),
+      corner_(memory),
+      twin_(memory),
+      half_edge_of_side_(memory),
+      free_vertices_(memory),
+      free_triangles_(memory),
+      cavity_(memory),
+      stack_(memory),
+      changed_(memory),
+      ring_(memory),
+      rim_(memory) {}
+
+DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> points,
+                           std::span<const std::uint32_t> sides, std::span<const std::uint32_t> number,
+                           std::pmr::memory_resource* memory)
+    : DelaunayMesh(memory) {
   // Most operations touch few triangles: scratch that grows by doubling would be most of the work in a small patch.
   constexpr std::size_t kUsual = 16;
-  for (std::vector<std::uint32_t>* scratch : {&cavity_, &stack_, &changed_, &ring_}) scratch->reserve(kUsual);
+  for (auto* scratch : {&cavity_, &stack_, &changed_, &ring_}) scratch->reserve(kUsual);
   rim_.reserve(kUsual);
+  points_.assign(points.begin(), points.end());
+  edge_at_.assign(points.size(), kNone);
+  live_triangles_ = mesh.triangle_count();
   const std::uint32_t n = mesh.half_edge_count();
   corner_.resize(n);
   twin_.resize(n);
@@ -186,7 +205,7 @@ void DelaunayMesh::remove(std::uint32_t v) {
   // Ears are cut off, in circles around the ring. It stays star-shaped around v: so it always has an ear, and a convex
   // corner is one if v is not beyond its diagonal.
   const Vec2 centre = points_[v];
-  std::vector<std::uint32_t>& following = ring_;
+  std::pmr::vector<std::uint32_t>& following = ring_;
   const auto n = static_cast<std::uint32_t>(rim_.size());
   following.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) following[i] = (i + 1) % n;
@@ -245,8 +264,11 @@ void DelaunayMesh::restore_delaunay() {
   }
 }
 
-Triangulation2d DelaunayMesh::compact(std::vector<std::uint32_t>& vertex, std::vector<std::uint32_t>& triangle) const {
-  std::vector<std::uint32_t> new_vertex(points_.size(), kNone), new_triangle(triangle_slots(), kNone);
+Triangulation2d DelaunayMesh::compact(std::pmr::vector<std::uint32_t>& vertex,
+                                      std::pmr::vector<std::uint32_t>& triangle) const {
+  StackMemory memory;
+  std::pmr::vector<std::uint32_t> new_vertex(points_.size(), kNone, &memory),
+      new_triangle(triangle_slots(), kNone, &memory);
   vertex.clear();
   triangle.clear();
   vertex.reserve(points_.size());

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <span>
 #include <vector>
 
@@ -20,12 +21,14 @@ class DelaunayMesh {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  DelaunayMesh() = default;
+  /// `memory` outlives the mesh.
+  explicit DelaunayMesh(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
   /// Input:  a constrained Delaunay triangulation of `points`; `sides` are its constrained half-edges: all on the rim,
   ///         and of inner constraints those that stay constraints (both half-edges). Their order numbers the sides.
   ///         `number` of a vertex of `mesh` is its index in `points`; empty: the same.
-  DelaunayMesh(const Triangulation2d& mesh, std::vector<Vec2> points, std::span<const std::uint32_t> sides,
-               std::span<const std::uint32_t> number = {});
+  DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> points, std::span<const std::uint32_t> sides,
+               std::span<const std::uint32_t> number = {},
+               std::pmr::memory_resource* memory = std::pmr::get_default_resource());
 
   std::uint32_t triangle_slots() const { return static_cast<std::uint32_t>(corner_.size() / 3); }
   std::uint32_t triangle_count() const { return live_triangles_; }
@@ -80,7 +83,7 @@ class DelaunayMesh {
   std::span<const std::uint32_t> changed() const { return changed_; }
 
   /// The triangulation without its gaps: `vertex` gets the old number of each new one, in ascending order.
-  Triangulation2d compact(std::vector<std::uint32_t>& vertex, std::vector<std::uint32_t>& triangle) const;
+  Triangulation2d compact(std::pmr::vector<std::uint32_t>& vertex, std::pmr::vector<std::uint32_t>& triangle) const;
 
  private:
   static constexpr std::uint32_t kConstraint = 0x80000000u;
@@ -104,17 +107,17 @@ class DelaunayMesh {
   void flip(std::uint32_t h);
   void restore_delaunay();
 
-  std::vector<Vec2> points_;
-  std::vector<std::uint32_t> edge_at_;  ///< a half-edge from each vertex
-  std::vector<std::uint32_t> corner_;
-  std::vector<std::uint32_t> twin_;  ///< a twin, or the bit and a side
-  std::vector<std::uint32_t> half_edge_of_side_;
-  std::vector<std::uint32_t> free_vertices_, free_triangles_;
+  std::pmr::vector<Vec2> points_;
+  std::pmr::vector<std::uint32_t> edge_at_;  ///< a half-edge from each vertex
+  std::pmr::vector<std::uint32_t> corner_;
+  std::pmr::vector<std::uint32_t> twin_;  ///< a twin, or the bit and a side
+  std::pmr::vector<std::uint32_t> half_edge_of_side_;
+  std::pmr::vector<std::uint32_t> free_vertices_, free_triangles_;
   std::uint32_t live_triangles_ = 0;
 
   // Scratch of one operation.
-  std::vector<std::uint32_t> cavity_, stack_, changed_, ring_;
-  std::vector<RimEdge> rim_;
+  std::pmr::vector<std::uint32_t> cavity_, stack_, changed_, ring_;
+  std::pmr::vector<RimEdge> rim_;
 };
 
 }  // namespace remesh

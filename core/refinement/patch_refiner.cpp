@@ -213,25 +213,28 @@ void PatchRefiner::push(const Task& task, double shortest_squared) {
   const auto bits = static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(shortest_squared) >> 49);
   constexpr std::int64_t kLargest = (1023 + 4) << 3;
   const auto queue = static_cast<std::size_t>(std::max<std::int64_t>(0, kLargest - bits));
-  if (queue >= queues_.size()) queues_.resize(queue + 1);
+  if (queue >= queues_.size()) queues_.resize(queue + 1, kNone);
   std::uint32_t at = free_task_;
   if (at == kNone) {
     at = static_cast<std::uint32_t>(tasks_.size());
-    tasks_.push_back({task, kNone});
+    tasks_.push_back({});
   } else {
     free_task_ = tasks_[at].next;
-    tasks_[at] = {task, kNone};
   }
-  Queue& q = queues_[queue];
-  (q.first == kNone ? q.first : tasks_[q.last].next) = at;
-  q.last = at;
+  const std::uint32_t last = std::exchange(queues_[queue], at);
+  tasks_[at] = {task, last == kNone ? at : std::exchange(tasks_[last].next, at)};
   ++waiting_;
 }
 
 bool PatchRefiner::pop(Task& task) {
-  while (!queues_.empty() && queues_.back().first == kNone) queues_.pop_back();
+  while (!queues_.empty() && queues_.back() == kNone) queues_.pop_back();
   if (queues_.empty()) return false;
-  const std::uint32_t at = std::exchange(queues_.back().first, tasks_[queues_.back().first].next);
+  std::uint32_t& last = queues_.back();
+  const std::uint32_t at = tasks_[last].next;
+  if (at == last)
+    last = kNone;
+  else
+    tasks_[last].next = tasks_[at].next;
   task = tasks_[at].task;
   tasks_[at].next = std::exchange(free_task_, at);
   --waiting_;
@@ -397,32 +400,28 @@ std::uint32_t PatchRefiner::cut_one(std::uint32_t side, double t, Vec2 p, std::u
 void PatchRefiner::take_over(SegmentId segment, std::span<const double> cuts) {
   const auto chain = std::lower_bound(chains_.begin(), chains_.end(), segment,
                                       [](const Chain& c, SegmentId s) { return c.segment < s; });
-  std::vector<std::uint32_t> pieces;
-  for (std::uint32_t s = chain->first; s != kNone; s = sides_[s].next) pieces.push_back(s);
-  std::sort(pieces.begin(), pieces.end(),
+  pieces_.clear();
+  for (std::uint32_t s = chain->first; s != kNone; s = sides_[s].next) pieces_.push_back(s);
+  std::sort(pieces_.begin(), pieces_.end(),
             [&](std::uint32_t a, std::uint32_t b) { return sides_[a].t0 < sides_[b].t0; });
   // Piece by piece, the cuts inside it: the middle one first, so that no vertex gets them all as neighbours.
-  struct Range {
-    std::uint32_t piece;
-    std::size_t first, last;
-  };
-  std::vector<Range> waiting;
-  for (const std::uint32_t piece : pieces) {
+  ranges_.clear();
+  for (const std::uint32_t piece : pieces_) {
     const auto first = std::upper_bound(cuts.begin(), cuts.end(), sides_[piece].t0);
     const auto last = std::lower_bound(first, cuts.end(), sides_[piece].t1);
-    waiting.push_back(
+    ranges_.push_back(
         {piece, static_cast<std::size_t>(first - cuts.begin()), static_cast<std::size_t>(last - cuts.begin())});
   }
-  while (!waiting.empty()) {
-    const Range range = waiting.back();
-    waiting.pop_back();
+  while (!ranges_.empty()) {
+    const Range range = ranges_.back();
+    ranges_.pop_back();
     if (range.first == range.last) continue;
     const std::size_t middle = range.first + (range.last - range.first) / 2;
     const auto fresh = static_cast<std::uint32_t>(sides_.size());
     if (!cut_side_at(range.piece, cuts[middle])) return;
     const bool is_before = sides_[range.piece].t1 == cuts[middle];
-    waiting.push_back({is_before ? range.piece : fresh, range.first, middle});
-    waiting.push_back({is_before ? fresh : range.piece, middle + 1, range.last});
+    ranges_.push_back({is_before ? range.piece : fresh, range.first, middle});
+    ranges_.push_back({is_before ? fresh : range.piece, middle + 1, range.last});
   }
 }
 
@@ -508,8 +507,8 @@ void PatchRefiner::treat(const Task& task) {
   State why = refusal(floor);
   if (attempt == Attempt::kEncroached && is_for_angle) {
     bool is_cut = false;
-    const std::vector<std::uint32_t> sides = encroached_;
-    for (const std::uint32_t side : sides) {
+    to_cut_.assign(encroached_.begin(), encroached_.end());
+    for (const std::uint32_t side : to_cut_) {
       is_cut = cut_side(side) || is_cut;
       if (impossible_.is_valid()) return;
     }
@@ -519,11 +518,11 @@ void PatchRefiner::treat(const Task& task) {
         push(task, shape.shortest_squared);
       return;
     }
-    if (std::any_of(sides.begin(), sides.end(), [&](auto s) { return segments_[sides_[s].segment].is_locked; }))
+    if (std::any_of(to_cut_.begin(), to_cut_.end(), [&](auto s) { return segments_[sides_[s].segment].is_locked; }))
       why = State::kLocked;
     else
-      why =
-          segments_[sides_[sides[0]].segment].floor <= criteria_.min_edge_length ? State::kMinEdge : State::kSizeFloor;
+      why = segments_[sides_[to_cut_[0]].segment].floor <= criteria_.min_edge_length ? State::kMinEdge
+                                                                                     : State::kSizeFloor;
   }
   if (shape.is_too_large && !is_hopeless && split_too_large(t, floor)) return;
   state_[t] = why;
@@ -546,7 +545,8 @@ void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
 
 PatchRefiner::Refined PatchRefiner::finish() const {
   Refined result;
-  std::vector<std::uint32_t> vertex, triangle;
+  StackMemory memory;
+  std::pmr::vector<std::uint32_t> vertex(&memory), triangle(&memory);
   result.patch.frame = patch_.frame;
   result.patch.loops = patch_.loops;
   result.patch.mesh = mesh_.compact(vertex, triangle);

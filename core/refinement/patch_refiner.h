@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory_resource>
 #include <optional>
 #include <span>
 #include <utility>
 #include <vector>
 
 #include "core/base/run_control.h"
+#include "core/base/small_blocks.h"
 #include "core/refinement/delaunay_mesh.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/refinement_progress.h"
@@ -76,8 +78,11 @@ class PatchRefiner {
   bool is_done() const { return waiting_ == 0; }
   std::size_t waiting() const { return waiting_; }
   std::uint32_t triangle_count() const { return mesh_.triangle_count(); }
-  /// Cuts made here since the last call.
-  std::vector<Cut> take_own_cuts() { return std::exchange(own_cuts_, {}); }
+  /// Appends the cuts made here since the last call.
+  void take_own_cuts(std::vector<Cut>& cuts) {
+    cuts.insert(cuts.end(), own_cuts_.begin(), own_cuts_.end());
+    own_cuts_.clear();
+  }
 
   struct Refined {
     PatchMesh patch;        ///< new vertices have no id yet
@@ -88,6 +93,7 @@ class PatchRefiner {
 
  private:
   static constexpr std::uint32_t kNone = DelaunayMesh::kNone;
+  static constexpr std::size_t kFirstBlock = 2304;  ///< bytes: enough for a patch of few triangles
 
   enum class State : std::uint8_t { kUnknown, kGood, kInputAngle, kAcrossInputAngle, kSizeFloor, kMinEdge, kLocked };
 
@@ -167,35 +173,43 @@ class PatchRefiner {
   const SegmentTable& segments_;
   const Criteria& criteria_;
   const std::uint32_t corner_count_;
-  DelaunayMesh mesh_;
-  std::vector<SegmentId> segment_;  ///< of each vertex that cuts one
-  std::vector<double> value_;       ///< of such a vertex its parameter, of others their floor
-  std::vector<Side> sides_;         ///< numbered as in mesh_
-  std::vector<State> state_;        ///< of each triangle
+  SmallBlocks memory_{kFirstBlock};
+  DelaunayMesh mesh_{&memory_};
+  std::pmr::vector<SegmentId> segment_{&memory_};  ///< of each vertex that cuts one
+  std::pmr::vector<double> value_{&memory_};       ///< of such a vertex its parameter, of others their floor
+  std::pmr::vector<Side> sides_{&memory_};         ///< numbered as in mesh_
+  std::pmr::vector<State> state_{&memory_};        ///< of each triangle
   /// A segment at a corner: its other end, and which it is; sorted at each corner.
   struct CornerSegment {
     VertexId other;
     SegmentId segment;
   };
-  std::vector<CornerSegment> corner_segments_;
-  std::vector<std::uint32_t> corner_begin_;  ///< segments of corner v: [corner_begin_[v], corner_begin_[v + 1])
-  std::vector<Chain> chains_;                ///< by segment
+  std::pmr::vector<CornerSegment> corner_segments_{&memory_};
+  std::pmr::vector<std::uint32_t> corner_begin_{
+      &memory_};                              ///< segments of corner v: [corner_begin_[v], corner_begin_[v + 1])
+  std::pmr::vector<Chain> chains_{&memory_};  ///< by segment
 
-  /// First in, first out: layer after layer, where all are alike.
-  struct Queue {
-    std::uint32_t first = kNone, last = kNone;  ///< in `tasks_`
-  };
   struct QueuedTask {
     Task task;
-    std::uint32_t next;
+    std::uint32_t next;  ///< in its queue; of the last one, the first
   };
-  std::vector<Queue> queues_;  ///< the higher, the shorter the shortest edge: eight an octave of its square
-  std::vector<QueuedTask> tasks_;
+  /// The last task of each queue, in `tasks_`, or kNone; the higher the queue, the shorter the shortest edge: eight an
+  /// octave of its square. First in, first out: layer after layer, where all are alike.
+  std::pmr::vector<std::uint32_t> queues_{&memory_};
+  std::pmr::vector<QueuedTask> tasks_{&memory_};
   std::uint32_t free_task_ = kNone;  ///< the first of the places that are free again, linked
   std::size_t waiting_ = 0;
   std::uint64_t quota_ = 0;
-  std::vector<Cut> own_cuts_;
-  std::vector<std::uint32_t> encroached_;
+  std::pmr::vector<Cut> own_cuts_{&memory_};
+  std::pmr::vector<std::uint32_t> encroached_{&memory_};
+  // Scratch of one operation.
+  std::pmr::vector<std::uint32_t> to_cut_{&memory_}, pieces_{&memory_};
+  /// A piece, and the cuts inside it.
+  struct Range {
+    std::uint32_t piece;
+    std::size_t first, last;
+  };
+  std::pmr::vector<Range> ranges_{&memory_};
   SegmentId impossible_;
 };
 

@@ -14,8 +14,9 @@
 namespace remesh {
 namespace {
 
-std::vector<std::uint32_t> half_edges_of(const SegmentTable& segments, PatchId p) {
-  std::vector<std::uint32_t> half_edges;
+std::pmr::vector<std::uint32_t> half_edges_of(const SegmentTable& segments, PatchId p,
+                                              std::pmr::memory_resource* memory) {
+  std::pmr::vector<std::uint32_t> half_edges(memory);
   half_edges.reserve(segments.sides_of_patch(p).size());
   for (const std::uint32_t i : segments.sides_of_patch(p)) half_edges.push_back(segments.all_sides()[i].half_edge);
   return half_edges;
@@ -90,8 +91,8 @@ PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTabl
       segments_(segments),
       criteria_(criteria),
       corner_count_(static_cast<std::uint32_t>(patch.vertices.size())),
-      segment_(corner_count_),
-      value_(corner_count_, std::numeric_limits<double>::infinity()) {
+      segment_(corner_count_, &memory_),
+      value_(corner_count_, std::numeric_limits<double>::infinity(), &memory_) {
   collect_corners(id);
   collect_sides(id);
   if (!start_evenly(id, cuts, quota, control)) {
@@ -100,7 +101,8 @@ PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTabl
     sides_.clear();
     chains_.clear();
     collect_sides(id);
-    mesh_ = DelaunayMesh(patch.mesh, patch.uv, half_edges_of(segments, id));
+    StackMemory memory;
+    mesh_ = DelaunayMesh(patch.mesh, patch.uv, half_edges_of(segments, id, &memory), {}, &memory_);
   }
   state_.assign(mesh_.triangle_slots(), State::kUnknown);
   for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) classify(t);
@@ -126,7 +128,8 @@ void PatchRefiner::collect_corners(PatchId id) {
   });
   std::partial_sum(corner_begin_.begin(), corner_begin_.end(), corner_begin_.begin());
   corner_segments_.resize(corner_begin_[corner_count_]);
-  std::vector<std::uint32_t> at(corner_begin_.begin(), corner_begin_.end() - 1);
+  StackMemory memory;
+  std::pmr::vector<std::uint32_t> at(corner_begin_.begin(), corner_begin_.end() - 1, &memory);
   for_each_end([&](std::uint32_t corner, std::uint32_t other, SegmentId s) {
     corner_segments_[at[corner]++] = {patch_.vertices[other], s};
   });
@@ -136,7 +139,7 @@ void PatchRefiner::collect_corners(PatchId id) {
                 return std::tie(a.other, a.segment) < std::tie(b.other, b.segment);
               });
   // Vertices inside the patch have a floor by what is next to them.
-  std::vector<std::uint8_t> is_inside(corner_count_, 0);
+  std::pmr::vector<std::uint8_t> is_inside(corner_count_, 0, &memory);
   for (std::uint32_t v = 0; v < corner_count_; ++v) is_inside[v] = std::isinf(value_[v]);
   for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); ++h)
     for (const std::uint32_t v : {patch_.mesh.from(h), patch_.mesh.to(h)})
@@ -263,7 +266,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
   }
   if (!made) return false;
   quota_ = quota - std::min<std::uint64_t>(quota, made->mesh.triangle_count());
-  mesh_ = DelaunayMesh(made->mesh, std::move(points), made->half_edge, made->number);
+  mesh_ = DelaunayMesh(made->mesh, points, made->half_edge, made->number, &memory_);
   return true;
 }
 

@@ -204,8 +204,7 @@ class Rounds {
     for (std::size_t i = 0; i < dirty_.size(); ++i) {
       PatchRefiner& refiner = *refiners_[dirty_[i]];
       if (refiner.impossible().is_valid()) impossible_.push_back(refiner.impossible());
-      const std::vector<Cut> own = refiner.take_own_cuts();
-      fresh.insert(fresh.end(), own.begin(), own.end());
+      refiner.take_own_cuts(fresh);
       if (!refiner.is_done()) {
         unfinished.push_back(dirty_[i]);
         quota += quota_[i];

@@ -330,7 +330,7 @@ TEST(delaunay_mesh, compacted_it_is_the_same_without_gaps) {
   const polygons::PatchInput input = polygons::patch_input(polygons::star_with_holes(2, 20, 2));
   Subject subject(input);
   change_at_random(subject, extent(input.points), 0x1p-40, random, 200);
-  std::vector<std::uint32_t> vertex, triangle;
+  std::pmr::vector<std::uint32_t> vertex, triangle;
   const Triangulation2d compact = subject.mesh.compact(vertex, triangle);
   ASSERT_EQ(compact.triangle_count(), subject.mesh.triangle_count());
   ASSERT_EQ(triangle.size(), compact.triangle_count());
