@@ -62,7 +62,21 @@ class EdgeExamination {
 
   VertexId apex(std::uint32_t h) const { return edges_.from(edges_.next(edges_.next(h))); }
 
+  /// Do two faces lie on different sides of the plane through their edge that halves the angle between them? Without a
+  /// root, so that it can overflow: then the answer is no.
+  bool are_opposite(std::uint32_t h, std::uint32_t g) const {
+    const Vec3 from = positions_[edges_.from(h).value], axis = positions_[edges_.to(h).value] - from;
+    const double squared = norm_squared(axis);
+    const auto arm = [&](std::uint32_t half_edge) {
+      const Vec3 to = positions_[apex(half_edge).value] - from;
+      return squared * to - dot(to, axis) * axis;
+    };
+    return dot(arm(h), arm(g)) < 0;
+  }
+
   bool has_small_angle(std::span<const std::uint32_t> around) {
+    // Most edges have two faces that go on beyond it.
+    if (around.size() == 2 && are_opposite(around[0], around[1])) return false;
     const Vec3 a = positions_[edges_.from(around[0]).value], b = positions_[edges_.to(around[0]).value];
     const Vec3 axis = normalized(b - a);
     // Unit vectors from the edge into each face, across the edge; faces without area have none.

@@ -3,23 +3,30 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
+#include <numeric>
 #include <utility>
+
+#include "core/base/grouping.h"
+#include "core/base/run_control.h"
 
 namespace remesh {
 namespace {
 
 /// Vertices whose edges are put in order in one go.
-constexpr std::size_t kBlock = 4096;
+constexpr std::size_t kVertices = 1024;
 
-/// Puts the half-edges of one smaller vertex in the order of the larger one.
-template <class Larger>
-void sort_bucket(std::span<std::uint32_t> bucket, std::vector<std::pair<std::uint32_t, std::uint32_t>>& keys,
-                 const Larger& larger) {
-  keys.clear();
-  for (const std::uint32_t h : bucket) keys.push_back({larger(h), h});
-  std::sort(keys.begin(), keys.end());
-  std::transform(keys.begin(), keys.end(), bucket.begin(), [](const auto& key) { return key.second; });
+/// Few numbers, as most often, without a call.
+void sort(std::span<std::uint64_t> keys) {
+  constexpr std::size_t kFew = 16;
+  if (keys.size() > kFew) return std::sort(keys.begin(), keys.end());
+  for (std::size_t i = 1; i < keys.size(); ++i) {
+    const std::uint64_t key = keys[i];
+    std::size_t j = i;
+    for (; j > 0 && keys[j - 1] > key; --j) keys[j] = keys[j - 1];
+    keys[j] = key;
+  }
 }
 
 }  // namespace
@@ -33,59 +40,66 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
     for (std::size_t f = 0; f + 1 < face_begin.size(); ++f)
       for (std::uint32_t h = face_begin[f]; h < face_begin[f + 1]; ++h) face_of_[h] = FaceId(f);
   }
-  std::vector<std::uint32_t> bucket(vertex_count + 1, 0);
-  group_by_smaller_vertex(bucket);
-  number_edges(bucket);
-}
 
-/// A counting sort. `bucket`: where in `half_edges_` the half-edges of each vertex begin.
-void Adjacency::group_by_smaller_vertex(std::vector<std::uint32_t>& bucket) {
-  const auto smaller = [&](std::uint32_t h) { return std::min(from(h), to(h)).value; };
-  const auto n = static_cast<std::uint32_t>(corners_.size());
-  for (std::uint32_t h = 0; h < n; ++h) ++bucket[smaller(h) + 1];
-  for (std::size_t v = 0; v + 1 < bucket.size(); ++v) bucket[v + 1] += bucket[v];
-  std::vector<std::uint32_t> at(bucket.begin(), bucket.end() - 1);
-  half_edges_.resize(n);
-  for (std::uint32_t h = 0; h < n; ++h) half_edges_[at[smaller(h)]++] = h;
-}
-
-void Adjacency::number_edges(const std::vector<std::uint32_t>& bucket) {
-  const auto larger = [&](std::uint32_t h) { return std::max(from(h), to(h)).value; };
-  const std::size_t vertices = bucket.size() - 1;
-  const std::size_t blocks = (vertices + kBlock - 1) / kBlock;
-  const auto is_first = [&](std::uint32_t begin, std::uint32_t i) {
-    return i == begin || larger(half_edges_[i]) != larger(half_edges_[i - 1]);
-  };
-  // Each block of vertices for itself, to know how many edges are before the next one; then all are numbered.
-  std::vector<std::uint32_t> edges_before(blocks + 1, 0);
-  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> keys;
-    std::uint32_t edges = 0;
-    for (std::size_t v = block * kBlock; v < std::min(vertices, (block + 1) * kBlock); ++v) {
-      sort_bucket(std::span(half_edges_).subspan(bucket[v], bucket[v + 1] - bucket[v]), keys, larger);
-      for (std::size_t i = 0; i < keys.size(); ++i) edges += i == 0 || keys[i].first != keys[i - 1].first;
-    }
-    edges_before[block + 1] = edges;
+  // First by parts of so many smaller vertices, then each part for itself.
+  const std::size_t parts = (vertex_count + kVertices - 1) / kVertices;
+  RunControl never_stopped;
+  Grouping by_part = group_by(
+      corners.size(), parts, [&](std::uint32_t h) { return smaller(h).value / kVertices; }, never_stopped);
+  half_edges_ = std::move(by_part.items);
+  std::vector<std::uint32_t> edges_before(parts + 1, 0);
+  tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+    const std::uint32_t begin = by_part.begin[part], end = by_part.begin[part + 1];
+    edges_before[part + 1] = sort_part(part * kVertices, std::span(half_edges_).subspan(begin, end - begin));
   });
-  for (std::size_t block = 0; block < blocks; ++block) edges_before[block + 1] += edges_before[block];
+  // How many edges are before each part is known now.
+  std::partial_sum(edges_before.begin(), edges_before.end(), edges_before.begin());
   edge_begin_.resize(edges_before.back() + 1);
-  edge_begin_.back() = static_cast<std::uint32_t>(corners_.size());
-  twin_.resize(corners_.size());
-  tbb::parallel_for(std::size_t{0}, blocks, [&](std::size_t block) {
-    std::uint32_t edge = edges_before[block];
-    for (std::size_t v = block * kBlock; v < std::min(vertices, (block + 1) * kBlock); ++v) {
-      for (std::uint32_t begin = bucket[v], end = begin; begin < bucket[v + 1]; begin = end, ++edge) {
-        edge_begin_[edge] = begin;
-        for (end = begin + 1; end < bucket[v + 1] && !is_first(begin, end);) ++end;
-        for (std::uint32_t i = begin; i < end; ++i) twin_[half_edges_[i]] = kNone;
-        const std::uint32_t g = half_edges_[begin], h = half_edges_[end - 1];
-        if (end - begin == 2 && corners_[g] != corners_[h]) {
-          twin_[g] = h;
-          twin_[h] = g;
-        }
-      }
-    }
+  edge_begin_.back() = static_cast<std::uint32_t>(corners.size());
+  twin_.resize(corners.size());
+  tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+    number_edges(edges_before[part], by_part.begin[part], by_part.begin[part + 1]);
   });
+}
+
+/// Puts half-edges, ascending, whose smaller vertices are the kVertices from `first` on in the order of their edges.
+/// Returns how many edges they are.
+std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> half_edges) const {
+  // A counting sort by the smaller vertex, then a small sort by the larger one within each bucket.
+  std::array<std::uint32_t, kVertices + 1> place{};
+  for (const std::uint32_t h : half_edges) ++place[smaller(h).value - first + 1];
+  std::partial_sum(place.begin(), place.end(), place.begin());
+  std::vector<std::uint64_t> keys(half_edges.size());  // the larger vertex and the half-edge
+  for (const std::uint32_t h : half_edges)
+    keys[place[smaller(h).value - first]++] = std::uint64_t{larger(h).value} << 32 | h;
+  std::uint32_t edges = 0;
+  for (std::size_t v = 0, begin = 0; v < kVertices; ++v) {
+    const std::span<std::uint64_t> bucket = std::span(keys).subspan(begin, place[v] - begin);
+    sort(bucket);
+    for (std::size_t i = 0; i < bucket.size(); ++i) {
+      edges += i == 0 || bucket[i] >> 32 != bucket[i - 1] >> 32;
+      half_edges[begin + i] = static_cast<std::uint32_t>(bucket[i]);
+    }
+    begin = place[v];
+  }
+  return edges;
+}
+
+/// Of the half-edges from `begin` to `end`, whose first edge is `edge`.
+void Adjacency::number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end) {
+  const auto is_same = [&](std::uint32_t g, std::uint32_t h) {
+    return smaller(g) == smaller(h) && larger(g) == larger(h);
+  };
+  for (std::uint32_t next = begin; begin < end; begin = next, ++edge) {
+    edge_begin_[edge] = begin;
+    for (next = begin + 1; next < end && is_same(half_edges_[begin], half_edges_[next]);) ++next;
+    for (std::uint32_t i = begin; i < next; ++i) twin_[half_edges_[i]] = kNone;
+    const std::uint32_t g = half_edges_[begin], h = half_edges_[next - 1];
+    if (next - begin == 2 && corners_[g] != corners_[h]) {
+      twin_[g] = h;
+      twin_[h] = g;
+    }
+  }
 }
 
 EdgeId Adjacency::find(VertexId a, VertexId b) const {

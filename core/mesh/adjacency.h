@@ -1,6 +1,7 @@
 /// Which faces share which edges; edges may have one, two or more faces.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -46,8 +47,10 @@ class Adjacency {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
  private:
-  void group_by_smaller_vertex(std::vector<std::uint32_t>& bucket);
-  void number_edges(const std::vector<std::uint32_t>& bucket);
+  VertexId smaller(std::uint32_t half_edge) const { return std::min(from(half_edge), to(half_edge)); }
+  VertexId larger(std::uint32_t half_edge) const { return std::max(from(half_edge), to(half_edge)); }
+  std::uint32_t sort_part(std::size_t first, std::span<std::uint32_t> half_edges) const;
+  void number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end);
 
   std::span<const std::uint32_t> face_begin_;
   std::span<const VertexId> corners_;

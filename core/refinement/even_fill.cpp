@@ -1,9 +1,17 @@
 #include "core/refinement/even_fill.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
+#include <memory_resource>
 #include <numbers>
+
+#include "core/base/blocks.h"
+#include "core/base/small_blocks.h"
 
 namespace remesh {
 namespace {
@@ -121,13 +129,15 @@ class Lattice {
   double edge() const { return edge_; }
 
   /// Adds the points in a triangle; stops above `most`.
-  void collect(const std::array<Vec2, 3>& triangle, std::size_t most, std::vector<Vec2>& points) {
+  void collect(const std::array<Vec2, 3>& triangle, std::size_t most, std::vector<Vec2>& points) const {
+    StackMemory memory;
     // The box's lower left corner is the lattice's origin; rows lean to the right, so cells begin left of it.
-    stack_ = {{-levels_above_, -1, 0}, {-levels_above_, 0, 0}};
-    while (!stack_.empty() && points.size() <= most) {
-      const Cell cell = stack_.back();
-      stack_.pop_back();
-      const double share = std::ldexp(1.0, -cell.level);
+    const double share_above = std::ldexp(1.0, levels_above_);
+    std::pmr::vector<Cell> stack({{-levels_above_, share_above, -1, 0}, {-levels_above_, share_above, 0, 0}}, &memory);
+    while (!stack.empty() && points.size() <= most) {
+      const Cell cell = stack.back();
+      stack.pop_back();
+      const double share = cell.share;
       const auto place = [&](double i, double j) { return low_ + (share * i) * along_ + (share * j) * up_; };
       const double i = static_cast<double>(cell.i), j = static_cast<double>(cell.j);
       const Vec2 centre = place(i + 0.5, j + 0.5);
@@ -141,7 +151,7 @@ class Lattice {
       }
       if (cell.level < 0 || !sizes_.allows(radius * kAlmost + sizes_.slope * radius, centre))
         for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)})
-          stack_.push_back({cell.level + 1, 2 * cell.i + di, 2 * cell.j + dj});
+          stack.push_back({cell.level + 1, share / 2, 2 * cell.i + di, 2 * cell.j + dj});
     }
   }
 
@@ -150,6 +160,7 @@ class Lattice {
   static constexpr double kJustBelow = 1 - 1e-3;
   struct Cell {
     int level;
+    double share;  ///< of the coarsest lattice's edge: 2^-level
     std::int64_t i, j;
   };
 
@@ -169,28 +180,40 @@ class Lattice {
   Vec2 low_, along_, up_;
   double edge_ = 0;
   int levels_above_ = 0;
-  std::vector<Cell> stack_;
 };
 
 }  // namespace
 
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
                             const PlaneSizes& sizes, std::size_t most, RunControl& control) {
-  Lattice lattice(triangles, sizes);
+  const Lattice lattice(triangles, sizes);
   const PointGrid grid(boundary, lattice.origin(), lattice.edge());
   const double clearance = sizes.slope == 0 ? kClearanceOfOneSize : kClearance;
+  const auto is_near = [&](Vec2 p) { return grid.has_point_within(p, clearance * sizes.at(p)); };
+  std::atomic<std::size_t> count = 0;
+  const auto collect = [&](std::size_t begin, std::size_t end) {
+    std::vector<Vec2> all, points;
+    for (std::size_t t = begin; t < end && count <= most; ++t) {
+      points.clear();
+      lattice.collect(triangles[t], most, points);
+      if (points.size() > most) {
+        count = most + 1;
+        break;
+      }
+      std::copy_if(points.begin(), points.end(), std::back_inserter(all), [&](Vec2 p) { return !is_near(p); });
+    }
+    count += all.size();
+    return all;
+  };
+  // Of few triangles each may have many points.
+  const std::size_t in_block = std::clamp<std::size_t>(triangles.size() / 256, 1, 16);
+  const auto found = map_blocks<std::vector<Vec2>>(triangles.size(), in_block, control, collect);
+  if (count > most) return {};
   std::vector<Vec2> points;
-  for (std::size_t t = 0; t < triangles.size(); ++t) {
-    if (t % 64 == 0) control.check();
-    const std::size_t before = points.size();
-    lattice.collect(triangles[t], most, points);
-    if (points.size() > most) return {};
-    const auto is_near = [&](Vec2 p) { return grid.has_point_within(p, clearance * sizes.at(p)); };
-    points.erase(std::remove_if(points.begin() + static_cast<std::ptrdiff_t>(before), points.end(), is_near),
-                 points.end());
-  }
+  points.reserve(count);
+  for (const auto& of_block : found) points.insert(points.end(), of_block.begin(), of_block.end());
   // A point on an edge belongs to both triangles there.
-  std::sort(points.begin(), points.end());
+  tbb::parallel_sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
   return points;
 }

@@ -1,4 +1,6 @@
 /// How a patch begins: as it was triangulated, or triangulated anew with cuts for its sizes and points inside.
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -42,7 +44,7 @@ std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::ve
   std::vector<std::uint32_t> rank(n);
   order.resize(n);
   std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return points[a] < points[b]; });
+  tbb::parallel_sort(order.begin(), order.end(), [&](auto a, auto b) { return points[a] < points[b]; });
   std::vector<Vec2> sorted(n);
   for (std::uint32_t k = 0; k < n; ++k) {
     rank[order[k]] = k;
