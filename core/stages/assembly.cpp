@@ -14,7 +14,7 @@ namespace {
 class AllTriangles {
  public:
   AllTriangles(const std::vector<PatchMesh>& meshes, RunControl& control)
-      : meshes_(meshes), control_(control), begin_(meshes.size() + 1, 0) {
+      : control_(control), begin_(meshes.size() + 1, 0) {
     for (std::size_t p = 0; p < meshes.size(); ++p) begin_[p + 1] = begin_[p] + meshes[p].mesh.triangle_count();
   }
 
@@ -33,7 +33,6 @@ class AllTriangles {
   }
 
  private:
-  const std::vector<PatchMesh>& meshes_;
   RunControl& control_;
   std::vector<std::size_t> begin_;  ///< of each patch; one entry more
 };
