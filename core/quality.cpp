@@ -438,13 +438,14 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
 
 MeshStatistics measure_surface(const TriangleMesh& mesh, RunControl& control) {
   const std::vector<std::uint32_t> face_begin = triangle_begins(mesh.faces.size(), control);
-  return measure_surface(mesh, Adjacency(mesh.positions.size(), face_begin, corners_of(mesh.faces.items())), control);
+  const Adjacency adjacency(mesh.positions.size(), face_begin, corners_of(mesh.faces.items()));
+  return measure_surface(mesh, face_begin, adjacency, control);
 }
 
-MeshStatistics measure_surface(const TriangleMesh& mesh, const Adjacency& adjacency, RunControl& control) {
+MeshStatistics measure_surface(const TriangleMesh& mesh, std::span<const std::uint32_t> face_begin,
+                               const Adjacency& adjacency, RunControl& control) {
   const std::span<const Vec3> positions = mesh.positions.items();
   const std::span<const VertexId> corners = corners_of(mesh.faces.items());
-  const std::vector<std::uint32_t> face_begin = triangle_begins(mesh.faces.size(), control);
   const Scale scale(positions, control);
   MeshStatistics out = measure_surface(positions, face_begin, corners, scale, adjacency, control);
   out.quality = measure_quality(positions, corners, scale, adjacency, control);

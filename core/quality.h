@@ -40,6 +40,7 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
 /// The same for triangles, with their quality.
 MeshStatistics measure_surface(const TriangleMesh& mesh, RunControl& control);
 /// The same, where their edges are known already.
-MeshStatistics measure_surface(const TriangleMesh& mesh, const Adjacency& adjacency, RunControl& control);
+MeshStatistics measure_surface(const TriangleMesh& mesh, std::span<const std::uint32_t> face_begin,
+                               const Adjacency& adjacency, RunControl& control);
 
 }  // namespace remesh

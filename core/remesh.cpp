@@ -1,7 +1,6 @@
 #include "core/remesh.h"
 
 #include <tbb/global_control.h>
-#include <tbb/parallel_invoke.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 #include "core/base/tolerance.h"
 #include "core/goal_refinement.h"
 #include "core/mesh/adjacency.h"
@@ -215,7 +215,7 @@ class Run {
       pairs.push_back({FaceId(faces.first_of(f)), FaceId(faces.first_of(g))});
     const auto begins = triangle_begins(faces.corners().size() / 3, control_);
     const Adjacency edges(surface().vertex_count(), begins, faces.corners());
-    report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), faces.corners(), edges, pairs,
+    report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), begins, faces.corners(), edges, pairs,
                                                      report_.plane_tolerance, control_);
   }
 
@@ -345,18 +345,17 @@ class Run {
     const Adjacency edges(positions.size(), begins, corners);
     IdVector<FaceId, FaceId> source;
     // Each has its parts that wait for nothing but themselves.
-    tbb::parallel_invoke([&] { report_.output = measure_surface(result.mesh, edges, control_); },
-                         [&] {
-                           report_.volume_obstacles =
-                               find_volume_obstacles(positions, corners, edges, report_.verified.intersections,
-                                                     report_.plane_tolerance, control_);
-                         },
-                         [&] {
-                           // Where each output face came from: the input face under its centroid.
-                           source = needs_source(want_face_source) ? face_source(surface(), patches_, meshes_, control_)
-                                                                   : first_faces(result);
-                           meshes_ = {};
-                         });
+    do_all([&] { report_.output = measure_surface(result.mesh, begins, edges, control_); },
+           [&] {
+             report_.volume_obstacles = find_volume_obstacles(
+                 positions, begins, corners, edges, report_.verified.intersections, report_.plane_tolerance, control_);
+           },
+           [&] {
+             // Where each output face came from: the input face under its centroid.
+             source = needs_source(want_face_source) ? face_source(surface(), patches_, meshes_, control_)
+                                                     : first_faces(result);
+             meshes_ = {};
+           });
     report_.output.intersecting_pairs = report_.verified.intersections.size();
     report_.unrefined = summarise_unrefined(unrefined_, positions, result.mesh.faces.items());
     watch_.enter(Stage::kAssembly);

@@ -62,21 +62,21 @@ class EdgeExamination {
 
   VertexId apex(std::uint32_t h) const { return edges_.from(edges_.next(edges_.next(h))); }
 
-  /// Do two faces lie on different sides of the plane through their edge that halves the angle between them? Without a
-  /// root, so that it can overflow: then the answer is no.
-  bool are_opposite(std::uint32_t h, std::uint32_t g) const {
+  /// Do two faces meet under more than a right angle? Without a root: where numbers would overflow the answer is no.
+  bool are_wide_apart(std::uint32_t h, std::uint32_t g) const {
     const Vec3 from = positions_[edges_.from(h).value], axis = positions_[edges_.to(h).value] - from;
     const double squared = norm_squared(axis);
     const auto arm = [&](std::uint32_t half_edge) {
       const Vec3 to = positions_[apex(half_edge).value] - from;
       return squared * to - dot(to, axis) * axis;
     };
-    return dot(arm(h), arm(g)) < 0;
+    const double product = dot(arm(h), arm(g));
+    return product < 0 && std::isfinite(product);
   }
 
   bool has_small_angle(std::span<const std::uint32_t> around) {
-    // Most edges have two faces that go on beyond it.
-    if (around.size() == 2 && are_opposite(around[0], around[1])) return false;
+    // As at most edges.
+    if (around.size() == 2 && are_wide_apart(around[0], around[1])) return false;
     const Vec3 a = positions_[edges_.from(around[0]).value], b = positions_[edges_.to(around[0]).value];
     const Vec3 axis = normalized(b - a);
     // Unit vectors from the edge into each face, across the edge; faces without area have none.
@@ -133,9 +133,9 @@ class EdgeExamination {
 
 class Examination {
  public:
-  Examination(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& edges,
-              RunControl& control)
-      : positions_(positions), corners_(corners), edges_(edges), control_(control) {}
+  Examination(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
+              std::span<const VertexId> corners, const Adjacency& edges, RunControl& control)
+      : positions_(positions), face_begin_(face_begin), corners_(corners), edges_(edges), control_(control) {}
 
   std::vector<VolumeObstacle> run(std::span<const std::pair<FaceId, FaceId>> intersections, double plane_tolerance) {
     examine_edges();
@@ -160,6 +160,7 @@ class Examination {
     const std::size_t h = 3 * std::size_t{f.value};
     return {corners_[h], corners_[h + 1], corners_[h + 2]};
   }
+
   void examine_pairs(std::span<const std::pair<FaceId, FaceId>> pairs, double tolerance) {
     for (const auto& [f, g] : pairs) {
       Triangle a = face(f), b = face(g);
@@ -171,13 +172,13 @@ class Examination {
   }
 
   void examine_pieces() {
-    const std::vector<std::uint32_t> face_begin = triangle_begins(corners_.size() / 3, control_);
     const std::vector<Vec3> scaled = scaled_for_predicates(positions_, control_);
-    for (const FaceId f : find_inside_out(scaled, face_begin, corners_, edges_, control_).first_faces)
+    for (const FaceId f : find_inside_out(scaled, face_begin_, corners_, edges_, control_).first_faces)
       found_.inside_out.add(centroid(face(f), positions_));
   }
 
   std::span<const Vec3> positions_;
+  std::span<const std::uint32_t> face_begin_;
   std::span<const VertexId> corners_;
   const Adjacency& edges_;
   RunControl& control_;
@@ -186,11 +187,12 @@ class Examination {
 
 }  // namespace
 
-std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const VertexId> corners,
-                                                  const Adjacency& edges,
+std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions,
+                                                  std::span<const std::uint32_t> face_begin,
+                                                  std::span<const VertexId> corners, const Adjacency& edges,
                                                   std::span<const std::pair<FaceId, FaceId>> intersections,
                                                   double plane_tolerance, RunControl& control) {
-  return Examination(positions, corners, edges, control).run(intersections, plane_tolerance);
+  return Examination(positions, face_begin, corners, edges, control).run(intersections, plane_tolerance);
 }
 
 }  // namespace remesh

@@ -24,8 +24,9 @@ inline constexpr double kSmallDihedralDeg = 0.1;
 ///          count as overlapping.
 /// Holds:   the same for any number of threads.
 /// Cost:    O(n log n).
-std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const VertexId> corners,
-                                                  const Adjacency& edges,
+std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions,
+                                                  std::span<const std::uint32_t> face_begin,
+                                                  std::span<const VertexId> corners, const Adjacency& edges,
                                                   std::span<const std::pair<FaceId, FaceId>> intersections,
                                                   double plane_tolerance, RunControl& control);
 

@@ -1,7 +1,6 @@
 /// Parallel loops whose results do not depend on the number of threads.
 #pragma once
 
-#include <tbb/parallel_for.h>
 #include <tbb/parallel_pipeline.h>
 #include <tbb/task_arena.h>
 
@@ -11,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/parallel.h"
 #include "core/base/run_control.h"
 
 namespace remesh {
@@ -30,7 +30,7 @@ std::vector<Result> map_blocks(std::size_t n, std::size_t size, RunControl& cont
     results[0] = body(std::size_t{0}, n);
     return results;
   }
-  tbb::parallel_for(std::size_t{0}, results.size(), [&](std::size_t block) {
+  for_all(std::size_t{0}, results.size(), [&](std::size_t block) {
     control.check();
     results[block] = body(block * size, std::min(n, (block + 1) * size));
   });
@@ -45,7 +45,7 @@ void for_blocks(std::size_t n, std::size_t size, RunControl& control, const Body
     if (n > 0) body(std::size_t{0}, n);
     return;
   }
-  tbb::parallel_for(std::size_t{0}, (n + size - 1) / size, [&](std::size_t block) {
+  for_all(std::size_t{0}, (n + size - 1) / size, [&](std::size_t block) {
     control.check();
     body(block * size, std::min(n, (block + 1) * size));
   });

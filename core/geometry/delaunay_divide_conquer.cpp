@@ -1,7 +1,5 @@
 #include "core/geometry/delaunay_divide_conquer.h"
 
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <cassert>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/base/parallel.h"
 #include "core/geometry/predicates.h"
 
 namespace remesh {
@@ -66,7 +65,7 @@ class DivideAndConquer {
     const auto do_left = [&] { left = triangulate(begin, middle); };
     const auto do_right = [&] { right = triangulate(middle, end); };
     if (end - begin >= kParallelSize) {
-      tbb::parallel_invoke(do_left, do_right);
+      do_all(do_left, do_right);
     } else {
       do_left();
       do_right();

@@ -1,10 +1,9 @@
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <initializer_list>
 #include <utility>
 
+#include "core/base/parallel.h"
 #include "core/io/bytes.h"
 #include "core/io/label_collector.h"
 #include "core/io/mesh_builder.h"
@@ -41,7 +40,7 @@ PolygonMesh joined(std::vector<Vec3> positions, const ReadLimits& limits, RunCon
     std::vector<Corner> sorted(n);
     for (std::uint32_t i = 0; i < n; ++i) sorted[i] = {positions[i], i};
     control.check();
-    tbb::parallel_sort(sorted.begin(), sorted.end());
+    sort_all(sorted.begin(), sorted.end());
     control.check();
     // For now the id of each corner is the first corner with its position.
     for (std::size_t k = 0; k < n; ++k) {

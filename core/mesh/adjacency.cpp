@@ -1,7 +1,5 @@
 #include "core/mesh/adjacency.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cstddef>
@@ -9,6 +7,7 @@
 #include <utility>
 
 #include "core/base/grouping.h"
+#include "core/base/parallel.h"
 #include "core/base/run_control.h"
 
 namespace remesh {
@@ -48,7 +47,7 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
       corners.size(), parts, [&](std::uint32_t h) { return smaller(h).value / kVertices; }, never_stopped);
   half_edges_ = std::move(by_part.items);
   std::vector<std::uint32_t> edges_before(parts + 1, 0);
-  tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
+  for_all(std::size_t{0}, parts, [&](std::size_t part) {
     const std::uint32_t begin = by_part.begin[part], end = by_part.begin[part + 1];
     edges_before[part + 1] = sort_part(part * kVertices, std::span(half_edges_).subspan(begin, end - begin));
   });
@@ -57,9 +56,8 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
   edge_begin_.resize(edges_before.back() + 1);
   edge_begin_.back() = static_cast<std::uint32_t>(corners.size());
   twin_.resize(corners.size());
-  tbb::parallel_for(std::size_t{0}, parts, [&](std::size_t part) {
-    number_edges(edges_before[part], by_part.begin[part], by_part.begin[part + 1]);
-  });
+  for_all(std::size_t{0}, parts,
+          [&](std::size_t part) { number_edges(edges_before[part], by_part.begin[part], by_part.begin[part + 1]); });
 }
 
 /// Puts half-edges, ascending, whose smaller vertices are the kVertices from `first` on in the order of their edges.

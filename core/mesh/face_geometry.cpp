@@ -1,10 +1,11 @@
 #include "core/mesh/face_geometry.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
+
+#include "core/base/parallel.h"
 
 namespace remesh {
 namespace {
@@ -19,7 +20,7 @@ Vec3 some_normal_to(const Vec3& direction) {
 
 FaceGeometries face_geometry(const Surface& surface, RunControl& control) {
   FaceGeometries result = FaceGeometries::of_size(surface.face_count());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, surface.face_count(), 8192), [&](const auto& range) {
+  for_all(tbb::blocked_range<std::size_t>(0, surface.face_count(), 8192), [&](const auto& range) {
     control.check();
     for (std::size_t f = range.begin(); f < range.end(); ++f) {
       const auto loop = surface.face(FaceId(f));

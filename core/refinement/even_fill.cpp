@@ -1,7 +1,5 @@
 #include "core/refinement/even_fill.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -11,6 +9,7 @@
 #include <numbers>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 #include "core/base/small_blocks.h"
 
 namespace remesh {
@@ -200,9 +199,10 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
         count = most + 1;
         break;
       }
+      const std::size_t before = all.size();
       std::copy_if(points.begin(), points.end(), std::back_inserter(all), [&](Vec2 p) { return !is_near(p); });
+      count += all.size() - before;
     }
-    count += all.size();
     return all;
   };
   // Of few triangles each may have many points.
@@ -213,7 +213,7 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
   points.reserve(count);
   for (const auto& of_block : found) points.insert(points.end(), of_block.begin(), of_block.end());
   // A point on an edge belongs to both triangles there.
-  tbb::parallel_sort(points.begin(), points.end());
+  sort_all(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
   return points;
 }

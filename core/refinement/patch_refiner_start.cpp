@@ -1,5 +1,4 @@
 /// How a patch begins: as it was triangulated, or triangulated anew with cuts for its sizes and points inside.
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +7,7 @@
 #include <numeric>
 #include <tuple>
 
+#include "core/base/parallel.h"
 #include "core/refinement/even_fill.h"
 #include "core/refinement/patch_refiner.h"
 #include "core/stages/patch_triangulation.h"
@@ -44,7 +44,7 @@ std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::ve
   std::vector<std::uint32_t> rank(n);
   order.resize(n);
   std::iota(order.begin(), order.end(), 0u);
-  tbb::parallel_sort(order.begin(), order.end(), [&](auto a, auto b) { return points[a] < points[b]; });
+  sort_all(order.begin(), order.end(), [&](auto a, auto b) { return points[a] < points[b]; });
   std::vector<Vec2> sorted(n);
   for (std::uint32_t k = 0; k < n; ++k) {
     rank[order[k]] = k;

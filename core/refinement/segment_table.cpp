@@ -1,7 +1,6 @@
 #include "core/refinement/segment_table.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
+#include <tbb/blocked_range.h>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +8,7 @@
 #include <tuple>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 #include "core/base/union_find.h"
 #include "core/refinement/local_features.h"
 
@@ -63,7 +63,7 @@ std::vector<Use> segment_uses(const Surface& surface, const std::vector<PatchMes
   });
   std::vector<Use> uses;
   for (const std::vector<Use>& block : blocks) uses.insert(uses.end(), block.begin(), block.end());
-  tbb::parallel_sort(uses.begin(), uses.end());
+  sort_all(uses.begin(), uses.end());
   return uses;
 }
 
@@ -79,7 +79,7 @@ std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& 
       const auto [low, high] = std::minmax(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]);
       ends.push_back({low, high});
     }
-  tbb::parallel_sort(ends.begin(), ends.end());
+  sort_all(ends.begin(), ends.end());
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   return ends;
 }
@@ -124,7 +124,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     std::uint32_t next;  ///< side
   };
   std::vector<Seen> seen(sides_.size());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
+  for_all(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
     std::vector<std::uint32_t> half_edges;
     std::vector<std::pair<std::uint32_t, std::uint32_t>> side_of;
     for (std::size_t p = range.begin(); p < range.end(); ++p) {

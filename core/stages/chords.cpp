@@ -1,13 +1,12 @@
 #include "core/stages/chords.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 #include "core/geometry/predicates.h"
 #include "core/stages/delaunay_flips.h"
 
@@ -56,7 +55,7 @@ std::vector<Use> edge_uses(const std::vector<PatchMesh>& meshes, std::size_t ver
   });
   std::vector<Use> uses;
   for (const std::vector<Use>& block : blocks) uses.insert(uses.end(), block.begin(), block.end());
-  tbb::parallel_sort(uses.begin(), uses.end());
+  sort_all(uses.begin(), uses.end());
   return uses;
 }
 

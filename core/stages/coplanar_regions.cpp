@@ -1,18 +1,21 @@
 #include "core/stages/coplanar_regions.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <initializer_list>
+#include <span>
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/grouping.h"
+#include "core/base/large_first.h"
+#include "core/base/parallel.h"
 #include "core/base/tolerance.h"
+#include "core/base/union_find.h"
 #include "core/geometry/plane_fit.h"
 
 namespace remesh {
@@ -31,13 +34,33 @@ constexpr double kPrinted = 0.51;
 
 constexpr std::size_t kBlock = 4096;
 
-/// Faces in the order in which regions are grown from them: the largest first; among equally large ones the one at the
-/// smallest place. Most faces get their region from another one, so that few are ever asked for: each block of faces
-/// knows its first, and is looked through again when that one has been taken.
+/// A face from which a region is grown: the largest first; among equally large ones the one at the smallest place.
+struct Seed {
+  double area = -1;
+  Vec3 place;
+  FaceId face;
+  bool is_before(const Seed& b) const {
+    if (area != b.area) return area > b.area;
+    return place != b.place ? place < b.place : face < b.face;
+  }
+};
+
+/// Some faces in the order of seeds. Most faces get their region from another one, so that few are ever asked for: each
+/// block of faces knows its first, and is looked through again when that one has been taken.
 class Seeds {
  public:
   Seeds(const Surface& surface, const FaceGeometries& geometry, RunControl& control)
-      : surface_(surface), geometry_(geometry), control_(control), looks_left_(kLooks * surface.face_count()) {}
+      : surface_(surface), geometry_(geometry), control_(control) {}
+
+  /// Begins with other faces, which stay as long as they are asked for.
+  void begin(std::span<const std::uint32_t> faces) {
+    faces_ = faces;
+    looks_left_ = kLooks * faces.size();
+    first_of_block_.clear();
+    is_sorted_ = false;
+    sorted_.clear();
+    next_ = 0;
+  }
 
   /// The next one that is open still; invalid at the end. Faces that are not open stay so.
   template <class IsOpen>
@@ -48,25 +71,17 @@ class Seeds {
     return next_ < sorted_.size() ? sorted_[next_++] : FaceId();
   }
 
+  Seed placed(FaceId f) const { return {geometry_[f].area, face_centre(surface_, f), f}; }
+
  private:
-  struct Seed {
-    double area = -1;
-    Vec3 place;
-    FaceId face;
-    bool is_before(const Seed& b) const {
-      if (area != b.area) return area > b.area;
-      return place != b.place ? place < b.place : face < b.face;
-    }
-  };
   /// So often each face may be looked at before they are sorted.
   static constexpr std::size_t kLooks = 8;
-
-  Seed placed(FaceId f) const { return {geometry_[f].area, face_centre(surface_, f), f}; }
 
   template <class IsOpen>
   Seed first_of(std::size_t begin, std::size_t end, const IsOpen& is_open) const {
     Seed best;
-    for (FaceId f(begin); f.value < end; ++f.value) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const FaceId f(faces_[i]);
       if (!is_open(f) || geometry_[f].area < best.area) continue;
       const Seed other = placed(f);
       if (!best.face.is_valid() || other.is_before(best)) best = other;
@@ -76,16 +91,16 @@ class Seeds {
 
   template <class IsOpen>
   FaceId first(const IsOpen& is_open) {
-    const std::size_t n = surface_.face_count();
     const bool is_new = first_of_block_.empty();
-    first_of_block_.resize((n + kBlock - 1) / kBlock);
-    std::vector<std::size_t> stale;
+    first_of_block_.resize((faces_.size() + kBlock - 1) / kBlock);
+    stale_.clear();
     for (std::size_t block = 0; block < first_of_block_.size(); ++block)
-      if (const FaceId f = first_of_block_[block].face; is_new || (f.is_valid() && !is_open(f))) stale.push_back(block);
-    looks_left_ -= std::min(looks_left_, first_of_block_.size() + kBlock * stale.size());
-    for_blocks(stale.size(), 1, control_, [&](std::size_t i, std::size_t) {
-      const std::size_t begin = kBlock * stale[i];
-      first_of_block_[stale[i]] = first_of(begin, std::min(n, begin + kBlock), is_open);
+      if (const FaceId f = first_of_block_[block].face; is_new || (f.is_valid() && !is_open(f)))
+        stale_.push_back(block);
+    looks_left_ -= std::min(looks_left_, first_of_block_.size() + kBlock * stale_.size());
+    for_blocks(stale_.size(), 1, control_, [&](std::size_t i, std::size_t) {
+      const std::size_t begin = kBlock * stale_[i];
+      first_of_block_[stale_[i]] = first_of(begin, std::min(faces_.size(), begin + kBlock), is_open);
     });
     Seed best;
     for (const Seed& other : first_of_block_)
@@ -96,24 +111,27 @@ class Seeds {
   template <class IsOpen>
   void sort(const IsOpen& is_open) {
     is_sorted_ = true;
-    sorted_ =
-        select_ids<FaceId>(surface_.face_count(), kBlock, control_, [&](std::size_t f) { return is_open(FaceId(f)); });
-    std::vector<Seed> all(sorted_.size());
+    const auto open = select_ids<std::uint32_t>(faces_.size(), kBlock, control_,
+                                                [&](std::size_t i) { return is_open(FaceId(faces_[i])); });
+    std::vector<Seed> all(open.size());
+    sorted_.resize(open.size());
     const auto for_each = [&](const auto& visit) {
       for_blocks(all.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) visit(i);
       });
     };
-    for_each([&](std::size_t i) { all[i] = placed(sorted_[i]); });
-    tbb::parallel_sort(all.begin(), all.end(), [](const Seed& a, const Seed& b) { return a.is_before(b); });
+    for_each([&](std::size_t i) { all[i] = placed(FaceId(faces_[open[i]])); });
+    sort_all(all.begin(), all.end(), [](const Seed& a, const Seed& b) { return a.is_before(b); });
     for_each([&](std::size_t i) { sorted_[i] = all[i].face; });
   }
 
   const Surface& surface_;
   const FaceGeometries& geometry_;
   RunControl& control_;
-  std::size_t looks_left_;
+  std::span<const std::uint32_t> faces_;
+  std::size_t looks_left_ = 0;
   std::vector<Seed> first_of_block_;  ///< no face: none of them is open
+  std::vector<std::size_t> stale_;
   bool is_sorted_ = false;
   std::vector<FaceId> sorted_;
   std::size_t next_ = 0;
@@ -162,19 +180,26 @@ class Growth {
 
   void run() {
     find_joints();
-    // Thin faces seed only what no other face has taken.
-    for (const bool thin : {false, true}) {
-      const auto is_open = [&](FaceId f) { return stamp_[f.value] != kTaken && is_thin(f) == thin; };
-      Seeds seeds(surface_, geometry_, control_);
-      for (FaceId seed = seeds.next(is_open); seed.is_valid(); seed = seeds.next(is_open)) {
-        grow_from(seed);
-        control_.progress(static_cast<double>(faces_taken_) / static_cast<double>(surface_.face_count()));
-      }
-    }
+    grow();
     merge();
   }
 
  private:
+  struct NewRegion {
+    bool is_thin;  ///< these after all others
+    Seed seed;
+    Plane plane;
+    bool is_before(const NewRegion& b) const { return is_thin != b.is_thin ? b.is_thin : seed.is_before(b.seed); }
+  };
+
+  /// What one thread has while it grows regions.
+  struct Walk {
+    Seeds seeds;
+    std::vector<FaceId> found = {};  ///< by the growth that is going on
+    std::uint32_t now = 0;           ///< its number
+    std::vector<NewRegion> regions = {};
+  };
+
   double tolerance(FaceId f) const { return tolerance_at_[(*rule_.rung)[f]]; }
   bool is_thin(FaceId f) const { return geometry_[f].height < kThinFace * tolerance(f); }
 
@@ -199,14 +224,28 @@ class Growth {
     return std::fabs(dot(cross(b, c), d)) > kPrinted * rule_.printed_step * areas;
   }
 
+  /// The square of the sine of the angle that a face may have to its plane: what the distance explains; the floor is
+  /// per component of the normal.
+  double squared_sine(FaceId f, double tol) const {
+    const double sine = std::max(rule_.normal_tolerance, kThinFace * tol / geometry_[f].height);
+    return 3 * sine * sine;
+  }
+
+  /// Whether two neighbours turn so far against each other that no plane fits both.
+  bool are_apart(FaceId f, FaceId g) const {
+    const double cosine = dot(geometry_[f].normal, geometry_[g].normal);
+    constexpr double kNearlyFlat = 0.9999;  // as most are: no need to look closer
+    if (cosine > kNearlyFlat || is_thin(f) || is_thin(g)) return false;
+    const double a = squared_sine(f, tolerance(f)), b = squared_sine(g, tolerance(g));
+    // Less than the cosine of the two angles' sum, and a little for rounding.
+    return a < 1 && b < 1 && cosine + 1e-12 < std::sqrt((1 - a) * (1 - b)) - std::sqrt(a * b);
+  }
+
   bool fits(FaceId f, const Plane& plane, double tol) const {
     // The normal first: it is one test, where a large polygon with many neighbours has many corners.
-    const FaceGeometry& g = geometry_[f];
     if (!is_thin(f)) {
-      const double cosine = dot(g.normal, plane.normal);
-      // What the distance explains; the floor is per component of the normal.
-      const double sine = std::max(rule_.normal_tolerance, kThinFace * tol / g.height);
-      if (!(cosine > 0 && 1 - cosine * cosine <= 3 * sine * sine)) return false;
+      const double cosine = dot(geometry_[f].normal, plane.normal);
+      if (!(cosine > 0 && 1 - cosine * cosine <= squared_sine(f, tol))) return false;
     }
     for (const VertexId v : surface_.face(f))
       if (std::fabs(plane.distance(surface_.local[v])) > tol) return false;
@@ -223,7 +262,7 @@ class Growth {
         if (twin == Adjacency::kNone) continue;
         const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
         if (stamp_[f.value] != kTaken && stamp_[g.value] != kTaken && (*rule_.zone)[g] == (*rule_.zone)[f] &&
-            (*rule_.rung)[g] == (*rule_.rung)[f] && !is_bend(h))
+            (*rule_.rung)[g] == (*rule_.rung)[f] && !are_apart(f, g) && !is_bend(h))
           joints_[h / kBits] |= std::uint64_t{1} << h % kBits;
       }
     });
@@ -231,43 +270,114 @@ class Growth {
 
   bool is_joint(std::uint32_t h) const { return (joints_[h / kBits] >> h % kBits & 1) != 0; }
 
+  /// The faces without a region, by islands: those that hang together over joints. All other faces come last.
+  Grouping find_islands() {
+    const std::size_t n = surface_.face_count();
+    UnionFind sets(n);
+    for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h)
+        if (is_joint(h)) sets.join(adjacency_.face_of(h).value, adjacency_.face_of(adjacency_.twin(h)).value);
+    });
+    const auto root = [&](std::size_t f) { return sets.find(static_cast<std::uint32_t>(f)); };
+    const auto roots = select_ids<std::uint32_t>(n, kBlock, control_,
+                                                 [&](std::size_t f) { return stamp_[f] != kTaken && root(f) == f; });
+    std::vector<std::uint32_t> number(n);  // of those at the roots
+    for_blocks(roots.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) number[roots[i]] = static_cast<std::uint32_t>(i);
+    });
+    return group_by(
+        n, roots.size() + 1,
+        [&](std::uint32_t f) {
+          return stamp_[f] != kTaken ? number[root(f)] : static_cast<std::uint32_t>(roots.size());
+        },
+        control_);
+  }
+
+  /// Gives every face a region, island by island; then regions are numbered in the order of their seeds.
+  void grow() {
+    const Grouping islands = find_islands();
+    const std::size_t count = islands.begin.size() - 2;
+    const LargeFirst by_size = large_first(count, kBlock, [&](std::uint32_t i) { return islands[i].size(); });
+    const auto grow_some = [&](std::size_t begin, std::size_t end) {
+      Walk walk{Seeds(surface_, geometry_, control_)};
+      for (std::size_t i = begin; i < end; ++i) grow_on(islands[by_size.order[i]], walk);
+      return std::move(walk.regions);
+    };
+    std::vector<std::vector<NewRegion>> found(by_size.large);
+    for_all(std::size_t{0}, by_size.large, [&](std::size_t i) { found[i] = grow_some(i, i + 1); });
+    for (auto& of_block : map_blocks<std::vector<NewRegion>>(
+             count - by_size.large, 256, control_,
+             [&](std::size_t i, std::size_t end) { return grow_some(by_size.large + i, by_size.large + end); }))
+      found.push_back(std::move(of_block));
+    number_regions(found, std::span(islands.items).first(islands.begin[count]));
+  }
+
+  void number_regions(const std::vector<std::vector<NewRegion>>& found, std::span<const std::uint32_t> faces) {
+    std::vector<NewRegion> all;
+    for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
+    sort_all(all.begin(), all.end(), [](const NewRegion& a, const NewRegion& b) { return a.is_before(b); });
+    std::vector<RegionId> region(surface_.face_count());  // of those at the seeds
+    seeds_.reserve(all.size());
+    for (const NewRegion& r : all) {
+      region[r.seed.face.value] = regions_.planes.push_back(r.plane);
+      seeds_.push_back(r.seed.face);
+    }
+    for_blocks(faces.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        RegionId& of_face = regions_.of_face[FaceId(faces[i])];
+        of_face = region[of_face.value];
+      }
+    });
+  }
+
+  void grow_on(std::span<const std::uint32_t> island, Walk& walk) {
+    // Thin faces seed only what no other face has taken.
+    for (const bool thin : {false, true}) {
+      const auto is_open = [&](FaceId f) { return stamp_[f.value] != kTaken && is_thin(f) == thin; };
+      walk.seeds.begin(island);
+      for (FaceId seed = walk.seeds.next(is_open); seed.is_valid(); seed = walk.seeds.next(is_open)) {
+        const Plane plane = grow_from(seed, walk);
+        walk.regions.push_back({thin, walk.seeds.placed(seed), plane});
+        take_found(seed, walk);
+      }
+    }
+  }
+
   template <class Accept>
-  void for_each_open_neighbour(FaceId f, Accept accept) {
+  void for_each_open_neighbour(FaceId f, const Walk& walk, Accept accept) {
     for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
       if (!is_joint(h)) continue;
       const FaceId g = adjacency_.face_of(adjacency_.twin(h));
-      if (stamp_[g.value] != kTaken && stamp_[g.value] != now_) accept(g);
+      if (stamp_[g.value] != kTaken && stamp_[g.value] != walk.now) accept(g);
     }
   }
 
   /// Finds the plane of the seed's region by growing while fitting, then the region by growing in that plane.
-  void grow_from(FaceId seed) {
+  Plane grow_from(FaceId seed, Walk& walk) {
     const Plane seed_plane = Plane{face_centre(surface_, seed), geometry_[seed].normal};
     if ((*rule_.rung)[seed] == kSingleFace) {
-      found_.assign(1, seed);
-      close(seed_plane);
-      return;
+      walk.found.assign(1, seed);
+      return seed_plane;
     }
     const double tol = tolerance(seed);
-    Plane plane = grow_fitting(seed, seed_plane, tol);
+    Plane plane = grow_fitting(seed, seed_plane, tol, walk);
     const double band = kBand * tol;
-    if (!do_all_fit(plane, band)) {
-      for (const FaceId f : found_)
+    if (!do_all_fit(walk.found, plane, band)) {
+      for (const FaceId f : walk.found)
         if (trials_[f.value] < kMostTrials) ++trials_[f.value];
       if (!fits(seed, plane, band)) plane = seed_plane;
-      grow_in_plane(seed, plane, band);
+      grow_in_plane(seed, plane, band, walk);
     }
-    close(plane);
+    return plane;
   }
 
-  /// Whether all that was found does.
-  bool do_all_fit(const Plane& plane, double tol) const {
+  bool do_all_fit(const std::vector<FaceId>& faces, const Plane& plane, double tol) const {
     std::atomic<bool> do_fit = true;
     const auto look = [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end && do_fit; ++i)
-        if (!fits(found_[i], plane, tol)) do_fit = false;
+        if (!fits(faces[i], plane, tol)) do_fit = false;
     };
-    for_blocks(found_.size(), kBlock, control_, look);
+    for_blocks(faces.size(), kBlock, control_, look);
     return do_fit;
   }
 
@@ -405,75 +515,78 @@ class Growth {
 
   /// A layer is tested against one plane, and the plane is fitted anew when the region has doubled: so the order within
   /// a layer does not matter.
-  Plane grow_fitting(FaceId seed, Plane plane, double tol) {
-    ++now_;
-    found_.assign(1, seed);
-    stamp_[seed.value] = now_;
+  Plane grow_fitting(FaceId seed, Plane plane, double tol, Walk& walk) {
+    std::vector<FaceId>& found = walk.found;
+    begin_growth(seed, walk);
     Fit fit;
     std::size_t summed = 0, fitted = 1;
     const auto add_found = [&] {
-      fit.add(fit_of(seed, summed, found_.size()));
-      summed = found_.size();
+      fit.add(fit_of(seed, std::span(found).subspan(summed)));
+      summed = found.size();
     };
-    for (std::size_t layer_begin = 0; layer_begin < found_.size();) {
-      const std::size_t layer_end = found_.size();
+    for (std::size_t layer_begin = 0; layer_begin < found.size();) {
+      const std::size_t layer_end = found.size();
       for (std::size_t i = layer_begin; i < layer_end; ++i) {
         if (i % 4096 == 0) control_.check();
-        for_each_open_neighbour(found_[i], [&](FaceId g) {
+        for_each_open_neighbour(found[i], walk, [&](FaceId g) {
           if (trials_[g.value] >= kMostTrials || !fits(g, plane, tol)) return;
-          stamp_[g.value] = now_;
-          found_.push_back(g);
+          stamp_[g.value] = walk.now;
+          found.push_back(g);
         });
       }
       layer_begin = layer_end;
-      if (found_.size() < 2 * fitted) continue;
+      if (found.size() < 2 * fitted) continue;
       add_found();
       if (fit.area == 0) continue;
       plane = fit.plane();
-      fitted = found_.size();
+      fitted = found.size();
     }
     add_found();
     return fit.area > 0 ? fit.plane() : plane;
   }
 
-  /// Of the faces found from `begin` to `end`; thin ones say nothing, but the seed has to.
-  Fit fit_of(FaceId seed, std::size_t begin, std::size_t end) const {
-    Fit fit;
-    const auto sum = [&](std::size_t from, std::size_t to) {
+  /// Thin faces say nothing, but the seed has to.
+  Fit fit_of(FaceId seed, std::span<const FaceId> faces) const {
+    const auto sum = [&](std::size_t begin, std::size_t end) {
       Fit part;
-      for (std::size_t i = begin + from; i < begin + to; ++i)
-        if (const FaceId f = found_[i]; !is_thin(f) || f == seed) part.add(geometry_[f], face_centre(surface_, f));
+      for (const FaceId f : faces.subspan(begin, end - begin))
+        if (!is_thin(f) || f == seed) part.add(geometry_[f], face_centre(surface_, f));
       return part;
     };
-    if (end - begin <= kBlock) return sum(0, end - begin);
-    for (const Fit& part : map_blocks<Fit>(end - begin, kBlock, control_, sum)) fit.add(part);
+    if (faces.size() <= kBlock) return sum(0, faces.size());
+    Fit fit;
+    for (const Fit& part : map_blocks<Fit>(faces.size(), kBlock, control_, sum)) fit.add(part);
     return fit;
   }
 
-  void grow_in_plane(FaceId seed, const Plane& plane, double tol) {
-    ++now_;
-    found_.assign(1, seed);
-    stamp_[seed.value] = now_;
-    for (std::size_t i = 0; i < found_.size(); ++i) {
+  void begin_growth(FaceId seed, Walk& walk) {
+    ++walk.now;
+    walk.found.assign(1, seed);
+    stamp_[seed.value] = walk.now;
+  }
+
+  void grow_in_plane(FaceId seed, const Plane& plane, double tol, Walk& walk) {
+    begin_growth(seed, walk);
+    for (std::size_t i = 0; i < walk.found.size(); ++i) {
       if (i % 4096 == 0) control_.check();
-      for_each_open_neighbour(found_[i], [&](FaceId g) {
+      for_each_open_neighbour(walk.found[i], walk, [&](FaceId g) {
         if (!fits(g, plane, tol)) return;
-        stamp_[g.value] = now_;
-        found_.push_back(g);
+        stamp_[g.value] = walk.now;
+        walk.found.push_back(g);
       });
     }
   }
 
-  void close(const Plane& plane) {
-    const RegionId region = regions_.planes.push_back(plane);
-    seeds_.push_back(found_[0]);
-    for_blocks(found_.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+  /// The seed's number stands for the region's until all are known.
+  void take_found(FaceId seed, const Walk& walk) {
+    for_blocks(walk.found.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        regions_.of_face[found_[i]] = region;
-        stamp_[found_[i].value] = kTaken;
+        regions_.of_face[walk.found[i]] = RegionId(seed.value);
+        stamp_[walk.found[i].value] = kTaken;
       }
     });
-    faces_taken_ += found_.size();
+    const std::size_t taken = faces_taken_ += walk.found.size();
+    control_.progress(static_cast<double>(taken) / static_cast<double>(surface_.face_count()));
   }
 
   const Surface& surface_;
@@ -485,16 +598,14 @@ class Growth {
   double floor_ = 0;
   std::uint32_t first_region_ = 0;                      // older ones are not touched
   std::array<double, kSingleFace + 1> tolerance_at_{};  ///< each rung
-  std::size_t faces_taken_ = 0;
-  /// Per face: the growth that found it last, or that it has its region.
+  std::atomic<std::size_t> faces_taken_ = 0;
+  /// Per face: the growth on its island that found it last, or that it has its region.
   std::vector<std::uint32_t> stamp_;
   static constexpr std::uint32_t kTaken = 0xffffffffu;
-  std::uint32_t now_ = 0;
   std::vector<std::uint8_t> trials_;
   static constexpr std::size_t kBits = 64;
   std::vector<std::uint64_t> joints_;  ///< a bit a half-edge
-  std::vector<FaceId> found_;
-  std::vector<FaceId> seeds_;  ///< of the new regions
+  std::vector<FaceId> seeds_;          ///< of the new regions
 };
 
 }  // namespace
@@ -537,11 +648,11 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
     return false;
   };
   std::atomic<bool> is_found = false;
-  tbb::parallel_for(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(surface.face_count()), kBlock),
-                    [&](const auto& range) {
-                      for (std::uint32_t i = range.begin(); i < range.end() && !is_found; ++i)
-                        if (has_noise(i)) is_found = true;
-                    });
+  for_all(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(surface.face_count()), kBlock),
+          [&](const auto& range) {
+            for (std::uint32_t i = range.begin(); i < range.end() && !is_found; ++i)
+              if (has_noise(i)) is_found = true;
+          });
   return is_found;
 }
 

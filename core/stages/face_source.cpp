@@ -1,10 +1,10 @@
 #include "core/stages/face_source.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 
+#include "core/base/parallel.h"
 #include "core/stages/patch_locator.h"
 
 namespace remesh {
@@ -14,7 +14,7 @@ IdVector<FaceId, FaceId> face_source(const Surface& surface, const PatchSet& pat
   std::vector<std::size_t> begin{0};
   for (const PatchMesh& patch : meshes) begin.push_back(begin.back() + patch.mesh.triangle_count());
   IdVector<FaceId, FaceId> source(begin.back());
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
+  for_all(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
     for (std::size_t p = range.begin(); p < range.end(); ++p) {
       control.check();
       const auto faces = patches.faces_of(PatchId(p));

@@ -1,11 +1,11 @@
 #include "core/stages/lifting.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/parallel.h"
 #include "core/stages/patch_locator.h"
 
 namespace remesh {
@@ -81,7 +81,7 @@ class PatchLift {
 void lift_new_vertices(const Surface& surface, const PatchSet& patches, const std::vector<PatchMesh>& meshes,
                        std::size_t first_inner, double plane_tolerance, std::vector<Vec3>& new_positions,
                        RunControl& control) {
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
+  for_all(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
     for (std::size_t p = range.begin(); p < range.end(); ++p) {
       control.check();
       const PatchMesh& mesh = meshes[p];

@@ -1,7 +1,6 @@
 #include "core/stages/patch_meshing.h"
 
 #include <tbb/blocked_range.h>
-#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <atomic>
@@ -9,6 +8,7 @@
 #include <numeric>
 
 #include "core/base/large_first.h"
+#include "core/base/parallel.h"
 #include "core/stages/patch_triangulation.h"
 #include "core/stages/projection.h"
 
@@ -211,9 +211,9 @@ std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adj
     for (std::size_t i = begin; i < end; ++i) meshes[by_size.order[i]] = mesher.run(PatchId(by_size.order[i]));
     control.progress(static_cast<double>(done += end - begin) / static_cast<double>(n));
   };
-  tbb::parallel_for(std::size_t{0}, by_size.large, [&](std::size_t i) { run(i, i + 1); });
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(by_size.large, n, 256),
-                    [&](const auto& range) { run(range.begin(), range.end()); });
+  for_all(std::size_t{0}, by_size.large, [&](std::size_t i) { run(i, i + 1); });
+  for_all(tbb::blocked_range<std::size_t>(by_size.large, n, 256),
+          [&](const auto& range) { run(range.begin(), range.end()); });
   return meshes;
 }
 

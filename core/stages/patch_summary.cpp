@@ -1,7 +1,5 @@
 #include "core/stages/patch_summary.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
@@ -10,12 +8,13 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 
 namespace remesh {
 namespace {
 
 std::size_t distinct(std::vector<VertexId>& vertices) {
-  tbb::parallel_sort(vertices.begin(), vertices.end());
+  sort_all(vertices.begin(), vertices.end());
   return static_cast<std::size_t>(std::unique(vertices.begin(), vertices.end()) - vertices.begin());
 }
 

@@ -1,7 +1,6 @@
 #include "core/stages/refinement.h"
 
-#include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
+#include <tbb/blocked_range.h>
 
 #include <algorithm>
 #include <atomic>
@@ -11,6 +10,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/large_first.h"
+#include "core/base/parallel.h"
 #include "core/refinement/patch_refiner.h"
 #include "core/refinement/segment_table.h"
 #include "core/stages/chords.h"
@@ -139,7 +139,7 @@ class Rounds {
   }
 
   void sort_messages() {
-    tbb::parallel_sort(messages_.begin(), messages_.end());
+    sort_all(messages_.begin(), messages_.end());
     messages_.erase(std::unique(messages_.begin(), messages_.end()), messages_.end());
   }
 
@@ -169,8 +169,8 @@ class Rounds {
         refiner->run(quota_[i] - std::min<std::uint64_t>(quota_[i], made), progress_);
       }
     };
-    tbb::parallel_for(std::size_t{0}, by_work.large, refine_one);
-    tbb::parallel_for(tbb::blocked_range<std::size_t>(by_work.large, by_work.order.size(), 16), [&](const auto& range) {
+    for_all(std::size_t{0}, by_work.large, refine_one);
+    for_all(tbb::blocked_range<std::size_t>(by_work.large, by_work.order.size(), 16), [&](const auto& range) {
       for (std::size_t k = range.begin(); k < range.end(); ++k) refine_one(k);
     });
   }
@@ -214,7 +214,7 @@ class Rounds {
     impossible_.erase(std::unique(impossible_.begin(), impossible_.end()), impossible_.end());
     // Next to nothing was left to share out: the budget is spent.
     if (quota < 16 * unfinished.size()) unfinished.clear();
-    tbb::parallel_sort(fresh.begin(), fresh.end());
+    sort_all(fresh.begin(), fresh.end());
     fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
     messages_.clear();
     for (auto from = fresh.begin(); from != fresh.end();) {

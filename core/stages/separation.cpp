@@ -1,11 +1,10 @@
 #include "core/stages/separation.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 
+#include "core/base/parallel.h"
 #include "core/geometry/predicates.h"
 #include "core/stages/delaunay_flips.h"
 #include "core/stages/projection.h"
@@ -23,7 +22,7 @@ std::vector<std::uint32_t> count_before(const Surface& surface, const std::vecto
   places.reserve(surface.vertex_count() + new_positions.size());
   for (const Vec3& p : surface.positions) places.push_back({p, static_cast<std::uint32_t>(places.size())});
   for (const Vec3& p : new_positions) places.push_back({p, static_cast<std::uint32_t>(places.size())});
-  tbb::parallel_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+  sort_all(places.begin(), places.end(), [](const Place& a, const Place& b) {
     return a.position != b.position ? a.position < b.position : a.vertex < b.vertex;
   });
   std::vector<std::uint32_t> before(places.size(), 0);

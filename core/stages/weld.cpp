@@ -1,7 +1,5 @@
 #include "core/stages/weld.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -13,6 +11,7 @@
 #include <unordered_map>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 
 namespace remesh {
 namespace {
@@ -226,7 +225,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
     sorted.reserve(n);
     for (std::uint32_t i = 0; i < n; ++i)
       if (is_used[i]) sorted.push_back({input.positions[VertexId(i)], i});
-    tbb::parallel_sort(sorted.begin(), sorted.end());
+    sort_all(sorted.begin(), sorted.end());
     control.check();
     for (std::size_t k = 0; k < sorted.size(); ++k) {
       const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;

@@ -1,13 +1,12 @@
 #include "core/verify/boundary.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 
 namespace remesh::verification {
 namespace {
@@ -146,8 +145,7 @@ class BoundaryCheck {
     const auto by_ends = [](const Chain& a, const Chain& b) {
       return ends(a) != ends(b) ? ends(a) < ends(b) : a.edge < b.edge;
     };
-    if (!std::is_sorted(chains.begin(), chains.end(), by_ends))
-      tbb::parallel_sort(chains.begin(), chains.end(), by_ends);
+    if (!std::is_sorted(chains.begin(), chains.end(), by_ends)) sort_all(chains.begin(), chains.end(), by_ends);
   }
   void blame_output(std::size_t o) {
     blame(output_.edges()[output_chains_[o].edge], Fault::kBoundary, output_chains_[o].low);
@@ -186,7 +184,7 @@ VertexId vertex_of(std::uint64_t joint) { return VertexId(static_cast<std::uint3
 PatchId patch_of(std::uint64_t joint) { return PatchId(static_cast<std::uint32_t>(joint)); }
 
 void sort_unique(std::vector<std::uint64_t>& items) {
-  tbb::parallel_sort(items.begin(), items.end());
+  sort_all(items.begin(), items.end());
   items.erase(std::unique(items.begin(), items.end()), items.end());
 }
 

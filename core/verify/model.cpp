@@ -1,7 +1,5 @@
 #include "core/verify/model.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -9,6 +7,7 @@
 #include <functional>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 #include "core/mesh/triangle_corners.h"
 
 namespace remesh::verification {
@@ -40,7 +39,7 @@ Matches match_vertices(const Claim& claim, RunControl& control) {
   places.reserve(claim.positions.size());
   for (std::size_t v = 0; v < claim.positions.size(); ++v)
     if (is_finite(claim.positions[v])) places.push_back({claim.positions[v], static_cast<std::uint32_t>(v)});
-  tbb::parallel_sort(places.begin(), places.end(), [](const Place& a, const Place& b) {
+  sort_all(places.begin(), places.end(), [](const Place& a, const Place& b) {
     return a.position != b.position ? a.position < b.position : a.vertex < b.vertex;
   });
   control.check();

@@ -1,9 +1,9 @@
 #include "core/verify/straight_lines.h"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
+
+#include "core/base/parallel.h"
 
 namespace remesh::verification {
 namespace {
@@ -39,7 +39,7 @@ StraightLines::StraightLines(const Model& model, const BoundaryGraph& seams, Run
         }
       },
       [](const Edge&, VertexId, Stray) {});
-  tbb::parallel_sort(reaches_.begin(), reaches_.end());
+  sort_all(reaches_.begin(), reaches_.end());
 }
 
 std::span<const StraightLines::Reach> StraightLines::reaches(VertexId v, PatchId patch,

@@ -54,6 +54,10 @@ std::string bytes(const Result& result) {
         << p.normal.x << ' ' << p.normal.y << ' ' << p.normal.z << ' ' << p.offset << ' ' << p.area << ' '
         << p.input_faces << ' ' << p.output_faces << ' ' << p.loops << ' ' << p.essential_vertices << ' '
         << status_name(p.status) << reason_name(p.reason) << ' ' << p.deviation;
+  for (const VolumeObstacle& o : result.report.volume_obstacles) {
+    out << '\n' << diagnostic_name(o.code) << ' ' << o.count;
+    for (const Vec3& place : o.places) out << ' ' << place.x << ' ' << place.y << ' ' << place.z;
+  }
   for (const Diagnostic& d : result.report.diagnostics) {
     out << '\n' << diagnostic_name(d.code) << ' ' << d.count << ' ' << d.message;
     for (const std::uint64_t e : d.elements) out << ' ' << e;
@@ -251,7 +255,8 @@ TEST(remesh_surface, cubes_that_touch_along_an_edge_keep_its_four_faces) {
 TEST(remesh_surface, bytes_are_the_same_for_any_number_of_workers_and_on_every_run) {
   for (const PolygonMesh& mesh :
        {shapes::ring(8), bracket(), shapes::sphere(4), shapes::rotated(shapes::cylinder(64, 1, 2), {1, 2, 3}, 20),
-        shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 12), {1, 2, 3}, 40), 1e-6)}) {
+        shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 12), {1, 2, 3}, 40), 1e-6), shapes::sphere(6),
+        shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 60), {1, 2, 3}, 40), 1e-6)}) {
     const std::string expected = bytes(remeshed(mesh, unrefined(), {1, true}));
     for (const int workers : {1, 2, 8, 2})
       EXPECT_EQ(bytes(remeshed(mesh, unrefined(), {workers, true})), expected) << workers;

@@ -22,7 +22,8 @@ std::map<DiagnosticCode, VolumeObstacle> obstacles_of(const PolygonMesh& mesh) {
   const std::vector<std::uint32_t> begins = triangle_begins(faces.size(), control);
   const Adjacency edges(positions.size(), begins, corners_of(faces));
   std::map<DiagnosticCode, VolumeObstacle> by_code;
-  for (VolumeObstacle& o : find_volume_obstacles(positions, corners_of(faces), edges, found.pairs, 1e-9, control)) {
+  for (VolumeObstacle& o :
+       find_volume_obstacles(positions, begins, corners_of(faces), edges, found.pairs, 1e-9, control)) {
     EXPECT_EQ(o.places.size(), std::min<std::size_t>(o.count, VolumeObstacle::kMaxPlaces));
     by_code[o.code] = std::move(o);
   }
@@ -50,6 +51,22 @@ TEST(find_volume_obstacles, open_edges_are_located_in_their_middles) {
   const VolumeObstacle& open = found.at(DiagnosticCode::kOpenBoundary);
   EXPECT_EQ(open.count, 4u);
   EXPECT_NE(std::find(open.places.begin(), open.places.end(), Vec3{1, 0, 0}), open.places.end());
+}
+
+TEST(find_volume_obstacles, of_many_all_are_counted_and_the_first_hundred_located) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t i = 0; i < 4000; ++i) {
+    for (const Vec3& corner : {Vec3{2.0 * i, 0, 0}, Vec3{2.0 * i + 1, 0, 0}, Vec3{2.0 * i, 1, 0}})
+      points.push_back(corner);
+    faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  }
+  const auto found = obstacles_of(shapes::from_lists(points, faces));
+  ASSERT_EQ(found.size(), 1u);
+  const VolumeObstacle& open = found.at(DiagnosticCode::kOpenBoundary);
+  EXPECT_EQ(open.count, 12'000u);
+  ASSERT_EQ(open.places.size(), 100u);
+  for (std::size_t i = 0; i < 100; ++i) EXPECT_EQ(std::floor(open.places[i].x / 2), static_cast<double>(i / 3)) << i;
 }
 
 TEST(find_volume_obstacles, edges_of_more_faces_and_of_odd_winding_are_counted) {

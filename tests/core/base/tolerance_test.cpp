@@ -7,6 +7,7 @@
 #include <cstdlib>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/support/random.h"
@@ -108,9 +109,18 @@ TEST(rounding_step, scaling_by_powers_of_two_scales_it) {
     }
 }
 
+TEST(rounding_step, one_value_among_many_can_change_it) {
+  std::vector<Vec3> points = printed("%.6f", 9.99, 20'000);
+  expect_step(points, 1e-6);
+  points.back().y = 1.0 / 3;
+  EXPECT_EQ(rounding_step(points), 0x1p-49);
+  points.back().y = 9.1234567;
+  expect_step(points, 1e-7);
+}
+
 TEST(rounding_step, the_order_of_the_values_does_not_matter) {
-  for (const char* format : {"%.6f", "%g", "%.17g"}) {
-    std::vector<Vec3> points = printed(format, 10);
+  for (const auto& [format, n] : {std::pair("%.6f", 200), {"%g", 200}, {"%.17g", 200}, {"%g", 20'000}}) {
+    std::vector<Vec3> points = printed(format, 10, n);
     const double step = rounding_step(points);
     EXPECT_EQ(rounding_step(std::vector<Vec3>(points.rbegin(), points.rend())), step) << format;
     for (Vec3& p : points) p = {p.z, -p.x, p.y};
