@@ -317,11 +317,16 @@ class Growth {
     for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
     sort_all(all.begin(), all.end(), [](const NewRegion& a, const NewRegion& b) { return a.is_before(b); });
     std::vector<RegionId> region(surface_.face_count());  // of those at the seeds
-    seeds_.reserve(all.size());
-    for (const NewRegion& r : all) {
-      region[r.seed.face.value] = regions_.planes.push_back(r.plane);
-      seeds_.push_back(r.seed.face);
-    }
+    regions_.planes.resize(first_region_ + all.size());
+    seeds_.resize(all.size());
+    for_blocks(all.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const RegionId r(first_region_ + i);
+        seeds_[i] = all[i].seed.face;
+        regions_.planes[r] = all[i].plane;
+        region[seeds_[i].value] = r;
+      }
+    });
     for_blocks(faces.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         RegionId& of_face = regions_.of_face[FaceId(faces[i])];
