@@ -6,10 +6,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 #include "core/geometry/patch_intersections.h"
 #include "core/mesh/triangle_corners.h"
 #include "core/verify/boundary.h"
@@ -159,11 +161,16 @@ Verdict verify(const Claim& claim, RunControl& control) {
   control.progress(0.2);
 
   // Who uses each edge, before and after.
-  EdgeTable input_edges(model.points.size(), model.input, control);
-  control.progress(0.4);
-  EdgeTable output_edges(model.points.size(), model.output, control);
-  const Seams seams{BoundaryGraph(model.points.size(), input_edges.take_bounding()),
-                    BoundaryGraph(model.points.size(), output_edges.take_bounding())};
+  std::optional<EdgeTable> edges_before, edges_after;
+  std::optional<BoundaryGraph> seams_before, seams_after;
+  const auto look_at = [&](const Faces& faces, std::optional<EdgeTable>& edges, std::optional<BoundaryGraph>& seams) {
+    edges.emplace(model.points.size(), faces, control);
+    seams.emplace(model.points.size(), edges->take_bounding());
+  };
+  do_all([&] { look_at(model.input, edges_before, seams_before); },
+         [&] { look_at(model.output, edges_after, seams_after); });
+  const EdgeTable &input_edges = *edges_before, &output_edges = *edges_after;
+  const Seams seams{*std::move(seams_before), *std::move(seams_after)};
   control.progress(0.6);
 
   // Loops kept, edges conforming.

@@ -55,8 +55,12 @@ class BoundaryCheck {
   }
 
   Boundary run() {
-    walk_input();
-    walk_output();
+    std::vector<Finding> in_input, in_output;
+    std::vector<double> slivers_of_output(model_.patch_count(), 0);
+    do_all([&] { walk_input(in_input); }, [&] { walk_output(in_output, slivers_of_output); });
+    findings_.add(in_input);
+    findings_.add(in_output);
+    for (std::size_t p = 0; p < model_.patch_count(); ++p) result_.slivers[p] += slivers_of_output[p];
     match_chains();
     check_joints();
     check_new_vertices();
@@ -64,41 +68,46 @@ class BoundaryCheck {
   }
 
  private:
+  static void blame(const Edge& edge, Fault fault, VertexId at, std::vector<Finding>& found) {
+    for (const Use& use : edge.uses) found.push_back({use.patch(), fault, at.value});
+  }
   void blame(const Edge& edge, Fault fault, VertexId at) {
     for (const Use& use : edge.uses) findings_.add(use.patch(), fault, at.value);
   }
 
   bool is_kept(VertexId v) const { return model_.is_kept[v.value] != 0; }
 
-  void walk_input() {
+  void walk_input(std::vector<Finding>& found) {
     input_.for_each_chain(
         control_, [&](VertexId v) { return !is_kept(v); },
         [&](const Chain& chain, std::span<const VertexId> vertices) {
           input_chains_.push_back(chain);
-          if (vertices.size() > 2) measure_dropped(input_.edges()[chain.edge], vertices);
+          if (vertices.size() > 2) measure_dropped(input_.edges()[chain.edge], vertices, found);
         },
         [&](const Edge& edge, VertexId v, Stray why) {
-          blame(edge, why == Stray::kLoop ? Fault::kLostLoop : Fault::kLostVertex, v);
+          blame(edge, why == Stray::kLoop ? Fault::kLostLoop : Fault::kLostVertex, v, found);
         });
+    sort_by_ends(input_chains_);
   }
 
-  void walk_output() {
+  void walk_output(std::vector<Finding>& found, std::vector<double>& slivers) {
     output_.for_each_chain(
         control_, [&](VertexId v) { return model_.is_new(v); },
         [&](const Chain& chain, std::span<const VertexId> vertices) {
           output_chains_.push_back(chain);
-          if (vertices.size() > 2) measure_new(output_.edges()[chain.edge], vertices);
+          if (vertices.size() > 2) measure_new(output_.edges()[chain.edge], vertices, found, slivers);
         },
-        [&](const Edge& edge, VertexId v, Stray) { blame(edge, Fault::kNewVertex, v); });
+        [&](const Edge& edge, VertexId v, Stray) { blame(edge, Fault::kNewVertex, v, found); });
+    sort_by_ends(output_chains_);
   }
 
-  void measure_dropped(const Edge& edge, std::span<const VertexId> chain) {
+  void measure_dropped(const Edge& edge, std::span<const VertexId> chain, std::vector<Finding>& found) {
     const Offset offset = measure(model_.points, chain);
     double reach = 0;
     for (const VertexId v : chain)
       reach = std::fmax(reach, norm(model_.points[v.value] - model_.points[chain[0].value]));
     if (!model_.is_within_tolerance(offset.distance, reach) || !model_.is_within_tolerance(offset.backwards, reach))
-      blame(edge, Fault::kChord, chain[0]);
+      blame(edge, Fault::kChord, chain[0], found);
     for (const Use& use : edge.uses) {
       double& deviation = result_.deviation[use.patch().value];
       deviation = std::fmax(deviation, offset.distance);
@@ -106,19 +115,18 @@ class BoundaryCheck {
     }
   }
 
-  void measure_new(const Edge& edge, std::span<const VertexId> chain) {
+  void measure_new(const Edge& edge, std::span<const VertexId> chain, std::vector<Finding>& found,
+                   std::vector<double>& slivers) {
     const Offset offset = measure(model_.points, chain);
     const double reach = std::max(largest_coordinate(model_.points[chain.front().value]),
                                   largest_coordinate(model_.points[chain.back().value]));
     if (!(offset.distance <= Model::rounding(reach)) || !offset.is_ascending)
-      blame(edge, Fault::kNewOffLine, chain.front());
-    for (const Use& use : edge.uses) result_.slivers[use.patch().value] += offset.sliver;
+      blame(edge, Fault::kNewOffLine, chain.front(), found);
+    for (const Use& use : edge.uses) slivers[use.patch().value] += offset.sliver;
   }
 
-  /// Merges the chains of both sides, ordered by their ends.
+  /// Merges the chains of both sides, which are ordered by their ends.
   void match_chains() {
-    sort_by_ends(input_chains_);
-    sort_by_ends(output_chains_);
     std::size_t o = 0;
     for (std::size_t i = 0; i < input_chains_.size(); ++i) {
       if (i % kCheckEvery == 0) control_.check();

@@ -79,8 +79,8 @@ struct BoundingEdges {
   BoundingEdges(BoundingEdges&&) = default;
   BoundingEdges& operator=(BoundingEdges&&) = default;
 
-  std::vector<Edge> edges;
-  std::vector<Use> uses;
+  std::vector<Edge, LeftUnset<Edge>> edges;
+  std::vector<Use, LeftUnset<Use>> uses;
 };
 
 /// All edges of some faces, by their smaller vertex. Most of them nobody asks for again, and there are many: of each
