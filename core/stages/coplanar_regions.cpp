@@ -275,22 +275,25 @@ class Growth {
     const std::size_t n = surface_.face_count();
     UnionFind sets(n);
     for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h)
-        if (is_joint(h)) sets.join(adjacency_.face_of(h).value, adjacency_.face_of(adjacency_.twin(h)).value);
+      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+        if (!is_joint(h)) continue;
+        const std::uint32_t twin = adjacency_.twin(h);
+        if (h > twin && is_joint(twin)) continue;  // but for rounding it is
+        sets.join(adjacency_.face_of(h).value, adjacency_.face_of(twin).value);
+      }
     });
-    const auto root = [&](std::size_t f) { return sets.find(static_cast<std::uint32_t>(f)); };
+    std::vector<std::uint32_t> root(n), number(n);  // the numbers of those at the roots
+    for_blocks(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) root[f] = sets.find(static_cast<std::uint32_t>(f));
+    });
     const auto roots = select_ids<std::uint32_t>(n, kBlock, control_,
-                                                 [&](std::size_t f) { return stamp_[f] != kTaken && root(f) == f; });
-    std::vector<std::uint32_t> number(n);  // of those at the roots
+                                                 [&](std::size_t f) { return root[f] == f && stamp_[f] != kTaken; });
     for_blocks(roots.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) number[roots[i]] = static_cast<std::uint32_t>(i);
     });
+    const auto last = static_cast<std::uint32_t>(roots.size());
     return group_by(
-        n, roots.size() + 1,
-        [&](std::uint32_t f) {
-          return stamp_[f] != kTaken ? number[root(f)] : static_cast<std::uint32_t>(roots.size());
-        },
-        control_);
+        n, roots.size() + 1, [&](std::uint32_t f) { return stamp_[f] != kTaken ? number[root[f]] : last; }, control_);
   }
 
   /// Gives every face a region, island by island; then regions are numbered in the order of their seeds.

@@ -56,7 +56,8 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor);
 ///         their common edge, even if a plane is as near: of four corners more is known than of many. Regions are
 ///         edge-connected. No creep: all faces are held against the one final plane.
 ///         Neither the order of faces and vertices nor scaling by powers of two changes the regions.
-/// Cost:   O(n log n).
+/// Cost:   O(n log n); on the caller's TBB arena, by islands: faces that hang together over edges whose two faces one
+///         plane may fit.
 /// Source: the 2018 report, section 2, as amended (ERRATA 2); REFINEMENT, rule 13.
 void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
                       const CoplanarityRule& rule, Regions& regions, RunControl& control);
