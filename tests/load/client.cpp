@@ -66,13 +66,19 @@ double Times::quantile(double share) const {
 
 namespace {
 
-/// Seconds of all processors that went to anything.
-double machine_busy_s() {
+/// Seconds of all processors.
+struct Spent {
+  double busy;    ///< on anything
+  double stolen;  ///< of that, by the host that this machine is a guest of
+};
+
+Spent machine_spent() {
   std::ifstream file("/proc/stat");
   std::string name;
   double user = 0, nice = 0, system = 0, idle = 0, waiting = 0, interrupts = 0, soft = 0, stolen = 0;
   file >> name >> user >> nice >> system >> idle >> waiting >> interrupts >> soft >> stolen;
-  return (user + nice + system + interrupts + soft + stolen) / static_cast<double>(::sysconf(_SC_CLK_TCK));
+  const auto ticks = static_cast<double>(::sysconf(_SC_CLK_TCK));
+  return {(user + nice + system + interrupts + soft + stolen) / ticks, stolen / ticks};
 }
 
 /// Seconds that a process has taken.
@@ -91,20 +97,24 @@ double process_busy_s(int pid) {
 
 }  // namespace
 
-Neighbours::Neighbours(int daemon) : daemon_(daemon), start_(Clock::now()), busy_at_start_s_(busy_s()) {}
+Neighbours::Neighbours(int daemon)
+    : daemon_(daemon), start_(Clock::now()), busy_at_start_s_(busy_s()), stolen_at_start_s_(machine_spent().stolen) {}
 
 double Neighbours::busy_s() const {
-  return machine_busy_s() - process_busy_s(daemon_) - process_busy_s(static_cast<int>(::getpid()));
+  return machine_spent().busy - process_busy_s(daemon_) - process_busy_s(static_cast<int>(::getpid()));
 }
 
-double Neighbours::share() const {
-  const double seconds = std::chrono::duration<double>(Clock::now() - start_).count();
-  return (busy_s() - busy_at_start_s_) / seconds / std::thread::hardware_concurrency();
+double Neighbours::share_of(double seconds) const {
+  const double since = std::chrono::duration<double>(Clock::now() - start_).count();
+  return seconds / since / std::thread::hardware_concurrency();
 }
+double Neighbours::share() const { return share_of(busy_s() - busy_at_start_s_); }
+double Neighbours::stolen_share() const { return share_of(machine_spent().stolen - stolen_at_start_s_); }
 
 void Verdict::expect_in_time(bool holds, const std::string& claim, const Neighbours& neighbours) {
   if (holds || neighbours.are_quiet()) return expect(holds, claim);
-  std::printf("told    %s (others take %.0f %% of the machine)\n", claim.c_str(), 100 * neighbours.share());
+  std::printf("told    %s (others take %.0f %% of the machine, its host %.1f %%)\n", claim.c_str(),
+              100 * neighbours.share(), 100 * neighbours.stolen_share());
 }
 
 void Verdict::expect(bool holds, const std::string& claim) {

@@ -52,15 +52,18 @@ class Neighbours {
 
   /// Of all processors, since the start.
   double share() const;
-  /// Whether times can be judged.
-  bool are_quiet() const { return share() < 0.15; }
+  /// Of that, what the host takes of a machine that is its guest. It stands still for tens of milliseconds then.
+  double stolen_share() const;
+  /// Whether times can be judged: also those of the slowest in a hundred.
+  bool are_quiet() const { return share() < 0.15 && stolen_share() < 0.01; }
 
  private:
   double busy_s() const;
+  double share_of(double seconds) const;
 
   const int daemon_;
   const Clock::time_point start_;
-  const double busy_at_start_s_;
+  const double busy_at_start_s_, stolen_at_start_s_;
 };
 
 /// Prints the claims with their figures, and remembers whether all held.
