@@ -1,6 +1,7 @@
 /// A client that asks, measures, and can misbehave.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <mutex>
@@ -54,8 +55,10 @@ class Neighbours {
   double share() const;
   /// Of that, what the host takes of a machine that is its guest. It stands still for tens of milliseconds then.
   double stolen_share() const;
-  /// Whether times can be judged: also those of the slowest in a hundred.
-  bool are_quiet() const { return share() < 0.15 && stolen_share() < 0.01; }
+  /// Of so large a share of answers in time, what is left without those that the host held up.
+  double without_stolen(double share) const { return std::max(0.0, share - stolen_share()); }
+  /// Whether times can be judged.
+  bool are_quiet() const { return share() < 0.15; }
 
  private:
   double busy_s() const;
