@@ -25,6 +25,18 @@ class UnionFind {
       i = above;
     }
   }
+  /// After all joins, makes i point at its representative. Threads may share the members among them: each one writes
+  /// its own only, so that none is turned back to an ancestor in between.
+  void flatten(std::uint32_t i) {
+    std::uint32_t root = i;
+    for (std::uint32_t above = at(i).load(std::memory_order_relaxed); above != root;) {
+      root = above;
+      above = at(root).load(std::memory_order_relaxed);
+    }
+    at(i).store(root, std::memory_order_relaxed);
+  }
+  /// After flatten() of all.
+  std::uint32_t root_of(std::uint32_t i) const { return parent_[i]; }
   /// Returns whether the two were apart: true n - k times in all where k sets are left.
   bool join(std::uint32_t i, std::uint32_t j) {
     while (true) {

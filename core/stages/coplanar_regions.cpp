@@ -282,18 +282,28 @@ class Growth {
         sets.join(adjacency_.face_of(h).value, adjacency_.face_of(twin).value);
       }
     });
-    std::vector<std::uint32_t> root(n), number(n);  // the numbers of those at the roots
     for_blocks(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) root[f] = sets.find(static_cast<std::uint32_t>(f));
+      for (std::size_t f = begin; f < end; ++f) sets.flatten(static_cast<std::uint32_t>(f));
     });
-    const auto roots = select_ids<std::uint32_t>(n, kBlock, control_,
-                                                 [&](std::size_t f) { return root[f] == f && stamp_[f] != kTaken; });
+    const auto roots = select_ids<std::uint32_t>(n, kBlock, control_, [&](std::size_t f) {
+      return sets.root_of(static_cast<std::uint32_t>(f)) == f && stamp_[f] != kTaken;
+    });
+    // A root has its island's number for a stamp, until all are in order.
     for_blocks(roots.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) number[roots[i]] = static_cast<std::uint32_t>(i);
+      for (std::size_t i = begin; i < end; ++i) stamp_[roots[i]] = static_cast<std::uint32_t>(i);
     });
     const auto last = static_cast<std::uint32_t>(roots.size());
-    return group_by(
-        n, roots.size() + 1, [&](std::uint32_t f) { return stamp_[f] != kTaken ? number[root[f]] : last; }, control_);
+    Grouping islands = group_by(
+        n, roots.size() + 1,
+        [&](std::uint32_t f) {
+          const std::uint32_t number = stamp_[sets.root_of(f)];
+          return number == kTaken ? last : number;
+        },
+        control_);
+    for_blocks(roots.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) stamp_[roots[i]] = 0;
+    });
+    return islands;
   }
 
   /// Gives every face a region, island by island; then regions are numbered in the order of their seeds.
