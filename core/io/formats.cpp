@@ -97,6 +97,8 @@ Format sniff_format(std::string_view content) {
   if (word == "ply") return Format::kPly;
   if (off_kind(word)) return Format::kOff;
   if (word.starts_with('{') || word.starts_with('[')) return Format::kJson;
+  if (word == "$MeshFormat") return Format::kMsh;
+  if (word.starts_with('<') && text.find("<VTKFile") != std::string_view::npos) return Format::kVtu;
   if (is_binary_stl(content)) return Format::kStl;
   if (equals_ignoring_case(word, "solid") && has_stl_keyword(text)) return Format::kStl;
   return Format::kObj;

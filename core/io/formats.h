@@ -31,7 +31,7 @@ bool is_gzip_file_name(std::string_view file_name);
 /// The media type that answers carry, without parameters: `model/obj`.
 std::string_view media_type(Format format);
 
-/// The format that the content looks like, one of those that are read; OBJ if it looks like nothing else.
+/// The format that the content looks like, also one that is not read; OBJ if it looks like nothing else.
 /// Input: the whole content, not compressed: binary STL has no mark, but a length and zero bytes.
 /// Cost:  O(length).
 Format sniff_format(std::string_view content);

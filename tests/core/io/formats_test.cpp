@@ -79,6 +79,14 @@ TEST(formats, ply_and_off_are_known_by_their_first_word) {
   for (const char* word : {"off", "OFFSET", "XOFF", "plywood"}) EXPECT_EQ(sniff_format(word), Format::kObj) << word;
 }
 
+TEST(formats, what_is_only_written_is_known_too_so_that_it_can_be_refused_as_such) {
+  EXPECT_EQ(sniff_format("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\">\n"), Format::kVtu);
+  EXPECT_EQ(sniff_format("<VTKFile>"), Format::kVtu);
+  EXPECT_EQ(sniff_format("$MeshFormat\n2.2 0 8\n"), Format::kMsh);
+  EXPECT_EQ(sniff_format("<html>"), Format::kObj);
+  EXPECT_EQ(sniff_format("v 0 0 0 # <VTKFile $MeshFormat\n"), Format::kObj);
+}
+
 TEST(formats, everything_else_is_taken_for_obj) {
   for (const char* text : {"", "# a comment only", "v 0 0 0\n", "o OFF\n", "mtllib ply\n", "\xff\xfe", "  \n"}) {
     EXPECT_EQ(sniff_format(text), Format::kObj) << text;
