@@ -217,7 +217,7 @@ bool Handler::key(std::string& name) {
   }
   const auto* known = std::find(kKeyNames.begin(), kKeyNames.end(), name);
   key_ = static_cast<Key>(known - kKeyNames.begin());
-  if (stack_.back() == Place::kMesh && (key_ == Key::kMesh || key_ == Key::kOptions)) key_ = Key::kUnknown;
+  if (stack_.back() == Place::kMesh && key_ == Key::kMesh) key_ = Key::kUnknown;
   if (key_ == Key::kUnknown) {
     ++unknown_key_count_;
     if (unknown_keys_.size() < kMaxNamedKeys) unknown_keys_.push_back(shortened(name));

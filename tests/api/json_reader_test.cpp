@@ -236,6 +236,16 @@ TEST(JsonReader, options_inside_are_checked_as_any_others) {
   for (const char* no_object : {"3", "null", "[]", "\"refine\""}) EXPECT_EQ(code(no_object), Code::kInvalidOption);
 }
 
+TEST(JsonReader, options_beside_the_arrays_count_whether_the_mesh_is_bare_or_not) {
+  const std::string with_options = mesh(kVertices, kFaces, R"(,"options":{"refine":false})");
+  for (const std::string& text : {with_options, "{\"mesh\":" + with_options + "}"}) {
+    const Read got = read(text);
+    EXPECT_FALSE(got.options.core.refine) << text;
+    EXPECT_TRUE(got.result.diagnostics.empty()) << text;
+  }
+  EXPECT_EQ(error_of("{\"mesh\":" + with_options + R"(,"options":{}})").code, Code::kMalformedJson);
+}
+
 TEST(JsonReader, an_options_document_alone_is_read) {
   RunControl control;
   OptionReader options;
