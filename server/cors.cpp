@@ -40,12 +40,14 @@ Fields Cors::headers(const RequestHead& head, std::string_view allow) const {
   fields.emplace_back("Access-Control-Allow-Origin", is_any ? kAny : origin);
   if (allow.empty() || head.header("access-control-request-method").empty()) {
     fields.emplace_back("Access-Control-Expose-Headers",
-                        "Content-Disposition, Remesh-Summary, Repr-Digest, Retry-After, Server-Timing, X-Request-Id");
+                        "Content-Disposition, Location, Remesh-Summary, Repr-Digest, Retry-After, Server-Timing, "
+                        "X-Request-Id");
     return fields;
   }
   fields.emplace_back("Access-Control-Allow-Methods", allow);
   fields.emplace_back("Access-Control-Allow-Headers",
-                      "Authorization, Content-Encoding, Content-Type, Traceparent, X-API-Key, X-Request-Id");
+                      "Authorization, Content-Encoding, Content-Type, Idempotency-Key, Last-Event-ID, Prefer, "
+                      "Traceparent, X-API-Key, X-Request-Id");
   fields.emplace_back("Access-Control-Max-Age", "600");
   return fields;
 }

@@ -230,6 +230,34 @@ def check_plain(contract, daemon):
     contract.check("watchRequest", ask(port, "GET", unknown + "/events"), 404)
 
 
+def field_names(node):
+    """Of the headers that the document describes: those that a client may send, those that it gets."""
+    sent, received = set(), set()
+    if isinstance(node, dict):
+        if node.get("in") == "header":
+            sent.add(node["name"].lower())
+        if "description" in node and isinstance(node.get("headers"), dict):
+            received |= {name.lower() for name in node["headers"]}
+    for item in node.values() if isinstance(node, dict) else node if isinstance(node, list) else ():
+        sent_there, received_there = field_names(item)
+        sent |= sent_there
+        received |= received_there
+    return sent, received
+
+
+def check_origins(contract, program):
+    """A page of an origin that is let in may send every header of the document, and read every one."""
+    sent, received = field_names(contract.document)
+    with Daemon(program, "--cors-origin", "https://tool.example") as daemon:
+        fields = {"Origin": "https://tool.example", "Access-Control-Request-Method": "POST"}
+        allowed = ask(daemon.port, "OPTIONS", "/v1/jobs", None, fields).headers["access-control-allow-headers"]
+        exposed = ask(daemon.port, "POST", "/v1/remesh", SQUARE, fields).headers["access-control-expose-headers"]
+    for names, header in ((sent, allowed), (received, exposed)):
+        missing = names - set(header.lower().split(", "))
+        if missing:
+            contract.fail(f"pages of other origins do without {sorted(missing)}")
+
+
 def check_keys(contract, daemon):
     for operation, (method, path, _) in contract.operations.items():
         if "401" not in contract.operations[operation][2]["responses"]:
@@ -402,6 +430,7 @@ def main():
         with Daemon(program, "--store", "sqlite", "--state-dir", folder, key=KEY) as daemon:
             check_keys(contract, daemon)
         check_jobs(contract, program, folder)
+    check_origins(contract, program)
     check_running(contract, program)
     check_limits(contract, program)
     contract.check_all_seen()
