@@ -110,6 +110,13 @@ std::string write_mesh_answer(Format format, const Result& result, StageTimes& t
 
 }  // namespace
 
+void check_job(const Job& job, const Limits& limits) {
+  job.options.check();
+  const RequestOptions options = bounded(job.options.options(), limits);
+  if (job.input_format) choose_input_format(job.input_format, job.mesh);
+  choose_output_format(options.format, job.accept, Format::kObj);
+}
+
 Remeshed remesh_for_job(Job job, const Limits& limits, FaceSource face_source, RunControl& control) {
   Input input = read_input(job, limits, control);
   Remeshed remeshed;

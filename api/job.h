@@ -50,6 +50,9 @@ struct Remeshed {
 /// Whether the input face under each output face is found, which only JSON tells.
 enum class FaceSource { kWhereJson, kAlways };
 
+/// What can be refused before the mesh is read. Errors: of options, of the formats.
+void check_job(const Job& job, const Limits& limits);
+
 /// All of a job but the writing. Errors: of options, of the format, of reading, of the pipeline.
 Remeshed remesh_for_job(Job job, const Limits& limits, FaceSource face_source, RunControl& control);
 

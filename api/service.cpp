@@ -220,8 +220,7 @@ void check_remesh(const Request& request, const Limits& limits) {
   Request head = request;
   if (is_compressed(request)) head.body = head.content_encoding = head.content_type = "";
   parse_request(head, limits, control, parsed);
-  parsed.job.options.check();
-  choose_output_format(parsed.job.options.options().format, request.accept, Format::kObj);
+  check_job(parsed.job, limits);
 }
 
 Response write_kept(std::string_view mesh, const std::function<std::string()>& report, const Request& wanted,

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "api/service.h"
 
@@ -125,7 +126,11 @@ TEST(ResultArchive, a_request_is_checked_before_its_mesh_is_read) {
   };
   EXPECT_EQ(code(request("", {{"refin", "true"}})), "unknown_option");
   EXPECT_EQ(code(request("", {{"max_area", "-1"}})), "invalid_option");
+  EXPECT_EQ(code(request("", {{"max_output_faces", std::to_string(Limits{}.max_output_faces + 1)}})), "invalid_option");
   EXPECT_EQ(code(request("", {}, "image/png")), "not_acceptable");
+  Request written_only = request("");
+  written_only.content_type = "application/x-vtu";
+  EXPECT_EQ(code(written_only), "unsupported_media_type");
   Request coded = request("");
   coded.content_encoding = "br";
   EXPECT_EQ(code(coded), "unsupported_media_type");
