@@ -66,6 +66,7 @@ class Run {
     watch_.enter(Stage::kTriangulation);
     mesh_all_patches();
     examine_input();
+    warn_of_curves();
     watch_.enter(Stage::kRefinement);
     refiner_->predict_faces(patched(), meshes_);
     report_.smallest_gap = refiner_->smallest_gap();
@@ -146,7 +147,7 @@ class Run {
         return false;
       }
     }
-    if (options_.refine) warn_of_curves();
+    warn_of_curves();
     for (std::size_t p = 0; p < meshes_.size(); ++p) report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
     return true;
   }
@@ -321,12 +322,15 @@ class Run {
   /// Where most facets are patches of their own, they stand for a curved surface, and a bound on angles or sizes in
   /// each of them makes many faces.
   void warn_of_curves() {
+    if (!options_.refine) return;
     Diagnostic warning{DiagnosticCode::kCurvedSurface, 0, {}, ""};
+    std::vector<FaceId> alone;  // ascending, as the patches' first faces do
     for (std::size_t p = 0; p < patches_.count(); ++p) {
       const auto faces = patches_.faces_of(PatchId(p));
-      if (faces.size() == 1) warning.add(surface().face_source[faces[0]].value);
+      if (faces.size() == 1) alone.push_back(faces[0]);
     }
-    if (2 * warning.count <= surface().face_count() || surface().face_count() < kFewFacets) return;
+    if (2 * alone.size() <= surface().face_count() || surface().face_count() < kFewFacets) return;
+    surface().for_each_source(alone, [&](FaceId source) { warning.add(source.value); });
     warning.message = "most facets are patches of their own, as of a curved surface: refinement makes many faces there";
     report_.diagnostics.push_back(std::move(warning));
   }

@@ -26,7 +26,7 @@ struct Surface {
   std::vector<VertexId> corners;
   IdVector<VertexId, VertexId>
       vertex_source;                     ///< the first input vertex with these coordinates; of a new one, a neighbour's
-  IdVector<FaceId, FaceId> face_source;  ///< the input face this one came from
+  IdVector<FaceId, FaceId> face_source;  ///< the input face this one came from; ascending
   IdVector<FaceId, std::uint32_t> face_label;  ///< equal numbers: no barrier between the faces
 
   std::size_t vertex_count() const { return positions.size(); }
@@ -45,6 +45,14 @@ struct Surface {
       if (std::fabs(q[axis]) < kLeast) q[axis] = 0;
     }
     return q;
+  }
+
+  /// Calls `take` with the input faces that some faces, ascending, came from: with each once, however it was split.
+  template <class Take>
+  void for_each_source(std::span<const FaceId> of_faces, Take take) const {
+    FaceId last;
+    for (const FaceId f : of_faces)
+      if (face_source[f] != last) take(last = face_source[f]);
   }
 
   void add_face(std::span<const VertexId> loop, FaceId source, std::uint32_t label) {

@@ -1,6 +1,7 @@
 #include "core/stages/patch_summary.h"
 
 #include <algorithm>
+#include <cfloat>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -12,6 +13,9 @@
 
 namespace remesh {
 namespace {
+
+/// Measures of a model near the largest double stay numbers, as those of the whole surface do.
+double within_double(double measure) { return std::min(measure, DBL_MAX); }
 
 std::size_t distinct(std::vector<VertexId>& vertices) {
   sort_all(vertices.begin(), vertices.end());
@@ -49,11 +53,11 @@ class Summariser {
                : ladder_.rung()[first] > 0 ? PatchStatus::kReduced
                                            : PatchStatus::kRemeshed;
     s.reason = ladder_.reason()[first];
-    s.input_faces = patches_.faces_of(p).size();
+    surface_.for_each_source(patches_.faces_of(p), [&](FaceId) { ++s.input_faces; });
     s.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
 
     measure_faces(p);
-    s.area = faces_.area * surface_.unit * surface_.unit;
+    s.area = within_double(faces_.area * surface_.unit * surface_.unit);
     s.deviation = faces_.deviation * surface_.unit;
     const std::size_t vertices = distinct(faces_.essential);
     s.essential_vertices = static_cast<std::uint32_t>(vertices);
@@ -127,7 +131,7 @@ PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjace
   });
   for (const PatchSummary& s : result.patches) {
     result.triangles += s.output_faces;
-    result.volume_bound += s.area * s.deviation;
+    result.volume_bound = within_double(result.volume_bound + s.area * s.deviation);
   }
   return result;
 }

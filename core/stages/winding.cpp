@@ -150,8 +150,10 @@ bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vec
       0,
       {},
       "pieces of the surface have one side only and stay as they were; elements are the first face of each"};
+  std::vector<FaceId> turned_faces;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f)
-    if (unifying.is_turned[f]) turned.add(surface.face_source[FaceId(f)].value);
+    if (unifying.is_turned[f]) turned_faces.emplace_back(f);
+  surface.for_each_source(turned_faces, [&](FaceId source) { turned.add(source.value); });
   for (const FaceId f : unifying.one_sided) left.add(surface.face_source[f].value);
   turn_over(surface, unifying.is_turned);
   const bool is_changed = turned.count > 0;

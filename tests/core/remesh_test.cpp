@@ -414,6 +414,64 @@ TEST(remesh_surface, each_input_face_has_its_patch_unless_it_was_dropped) {
   EXPECT_TRUE(remeshed(cube, unrefined()).input_face_patch.empty());
 }
 
+/// n x n quads of which none is planar.
+PolygonMesh wavy_quads(int n) {
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  const auto vertex = [n](int i, int j) { return static_cast<std::uint32_t>(j * (n + 1) + i); };
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) positions.push_back({1.0 * i, 1.0 * j, 0.1 * i * j});
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i)
+      faces.push_back({vertex(i, j), vertex(i + 1, j), vertex(i + 1, j + 1), vertex(i, j + 1)});
+  return shapes::from_lists(positions, faces);
+}
+
+const Diagnostic* find(const std::vector<Diagnostic>& diagnostics, DiagnosticCode code) {
+  const auto found =
+      std::find_if(diagnostics.begin(), diagnostics.end(), [&](const Diagnostic& d) { return d.code == code; });
+  return found == diagnostics.end() ? nullptr : &*found;
+}
+
+TEST(remesh_surface, a_polygon_that_was_split_counts_as_the_one_face_that_it_is_in_the_input) {
+  const Result bridge =
+      remeshed(shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}}));
+  ASSERT_EQ(bridge.report.patches.size(), 1u);
+  EXPECT_EQ(bridge.report.patches[0].input_faces, 1u);
+
+  constexpr int kSide = 8;
+  PolygonMesh quads = wavy_quads(kSide);
+  constexpr std::uint32_t kTurned = 11;
+  std::reverse(quads.corners.begin() + 4 * kTurned, quads.corners.begin() + 4 * kTurned + 4);
+  Options options;
+  options.min_angle_deg = 0;
+  const Report report = remeshed(quads, options).report;
+  const Diagnostic* const turned = find(report.diagnostics, DiagnosticCode::kInconsistentWinding);
+  ASSERT_NE(turned, nullptr);
+  EXPECT_EQ(turned->count, 1u);
+  EXPECT_EQ(turned->elements, std::vector<std::uint64_t>{kTurned});
+  const Diagnostic* const curved = find(report.diagnostics, DiagnosticCode::kCurvedSurface);
+  ASSERT_NE(curved, nullptr);
+  EXPECT_EQ(curved->count, std::uint64_t{kSide * kSide});
+  EXPECT_EQ(std::set(curved->elements.begin(), curved->elements.end()).size(), curved->elements.size());
+}
+
+TEST(remesh_surface, a_curved_surface_is_warned_of_where_it_is_to_be_refined_and_beforehand) {
+  const PolygonMesh sphere = shapes::sphere(2);
+  RunControl control;
+  for (const Options& options : {Options(), unrefined()}) {
+    const Report analysed = analyze_surface(sphere, options, {}, control);
+    const Result result = remeshed(sphere, options);
+    for (const Report& report : {analysed, result.report}) {
+      const Diagnostic* const curved = find(report.diagnostics, DiagnosticCode::kCurvedSurface);
+      ASSERT_EQ(curved != nullptr, options.refine);
+      if (options.refine) {
+        EXPECT_EQ(curved->count, sphere.face_count());
+      }
+    }
+  }
+}
+
 TEST(remesh_surface, diagnostics_of_the_reader_are_passed_on) {
   RunControl control;
   const Result result = remesh_surface(shapes::sheet(1, 1, 1, 1), unrefined(), {}, control,

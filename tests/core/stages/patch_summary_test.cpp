@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -59,6 +60,16 @@ TEST(patch_summary, measures_are_in_model_units) {
   const PatchSummaries s = summarised(StageChain(shapes::moved(shapes::scaled(shapes::ring(2), 100), {7, 8, 9})));
   EXPECT_NEAR(s.patches[0].area, 280000, 1e-6);
   EXPECT_NEAR(s.patches[0].offset, 109, 1e-9);
+}
+
+TEST(patch_summary, measures_beyond_the_largest_double_are_that) {
+  const double far = std::ldexp(1.0, 700);
+  const PatchSummaries s = summarised(StageChain(
+      shapes::from_lists({{0, 0, 0.125 * far}, {far, 0, 0}, {far, far, 0}, {0, far, 0}}, {{0, 1, 2, 3}}), 0.5 * far));
+  ASSERT_EQ(s.patches.size(), 1u);
+  EXPECT_EQ(s.patches[0].area, std::numeric_limits<double>::max());
+  EXPECT_GT(s.patches[0].deviation, 0);
+  EXPECT_EQ(s.volume_bound, std::numeric_limits<double>::max());
 }
 
 TEST(patch_summary, the_deviation_is_the_largest_distance_from_the_plane_and_bounds_the_volume) {
