@@ -134,7 +134,7 @@ class Gatherer {
     faces_labelled_ += count;
   }
 
-  void note(ObjFindings found) {
+  void note(const ObjFindings& found) {
     for (const auto& [keyword, count] : found.dropped.kinds()) findings_.dropped.count(keyword, count);
     note(found.extra_values, findings_.extra_values);
     note(found.missing_z, findings_.missing_z);
