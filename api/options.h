@@ -45,12 +45,12 @@ struct OptionSpec {
   OptionType type;
   OptionField field;
   std::string_view help;
-  std::string_view unset = "";         ///< the word for "no value" where there may be none: `none`, `auto`
+  std::string_view unset = {};         ///< the word for "no value" where there may be none: `none`, `auto`
   std::optional<double> minimum = {};  ///< of numbers
   bool above_minimum = false;          ///< the minimum itself is excluded
   std::optional<double> maximum = {};
-  std::string_view excludes = "";  ///< an option that may not be given as well
-  std::string_view example = "";   ///< a value that is valid and not the default
+  std::string_view excludes = {};  ///< an option that may not be given as well
+  std::string_view example = {};   ///< a value that is valid and not the default
 };
 
 /// All options, in the contract's order.

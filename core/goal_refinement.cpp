@@ -25,7 +25,7 @@ bool GoalRefinement::has_goals() const {
 }
 
 std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) {
-  const SizeField sizes = size_field(on, meshes);
+  const SizeField& sizes = size_field(on, meshes);
   if (has_goals()) predicted_faces_ = static_cast<std::uint64_t>(predict(meshes, goals_, sizes, control_).expected);
   return predicted_faces_;
 }
@@ -35,7 +35,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[p] = 1;
   if (is_budget_too_small()) frozen_.assign(on.patches.count(), 1);
-  const SizeField sizes = size_field(on, meshes);
+  const SizeField& sizes = size_field(on, meshes);
   const Prediction prediction = predict(meshes, goals_, sizes, control_);
   refuse_if_hopeless(prediction.least);
   predicted_faces_ = static_cast<std::uint64_t>(prediction.expected);
@@ -59,8 +59,8 @@ void GoalRefinement::refuse_if_hopeless(double least) const {
         .with_limit(most);
 }
 
-SizeField GoalRefinement::size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) {
-  if (goals_.proximity == 0 && goals_.gradation == 0) return SizeField(goals_.max_edge_length);
+const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) {
+  if (sizes_) return *sizes_;
   std::unique_ptr<GapSearch> gaps;
   if (goals_.proximity > 0) {
     gaps = std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, meshes);
@@ -69,8 +69,12 @@ SizeField GoalRefinement::size_field(const PatchedSurface& on, const std::vector
   // With proximity it is the gaps' sizes that grow; around short segments the bound on angles sees to it. Alone,
   // gradation is about these.
   std::vector<std::array<VertexId, 2>> segments;
-  if (!gaps) segments = segment_ends(meshes);
-  return SizeField(on.surface, gaps.get(), segments, goals_, on.plane_tolerance, control_);
+  if (!gaps && goals_.gradation > 0) segments = segment_ends(meshes);
+  if (gaps || goals_.gradation > 0)
+    sizes_.emplace(on.surface, gaps.get(), segments, goals_, on.plane_tolerance, control_);
+  else
+    sizes_.emplace(goals_.max_edge_length);
+  return *sizes_;
 }
 
 bool GoalRefinement::is_over_budget(std::uint64_t faces) {

@@ -53,12 +53,16 @@ class GoalRefinement {
   /// Patches whose refinement failed the check stay as they were before it. Output: whether that is a change.
   bool freeze(const std::vector<PatchId>& failed);
   /// After a step of the ladder the patches are others.
-  void thaw() { frozen_.clear(); }
+  void thaw() {
+    frozen_.clear();
+    sizes_.reset();
+  }
 
  private:
   static constexpr int kMostRetries = 6;
   bool is_budget_too_small() const { return retries_ > kMostRetries; }
-  SizeField size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes);
+  /// The same for all attempts at the same patches.
+  const SizeField& size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes);
   void refuse_if_hopeless(double least) const;
 
   Goals goals_;
@@ -66,6 +70,7 @@ class GoalRefinement {
   RunControl& control_;
   int retries_ = 0;
   std::vector<std::uint8_t> frozen_;  ///< per patch: not refined
+  std::optional<SizeField> sizes_;    ///< of the patches as they are, if it has been asked for
   std::uint64_t predicted_faces_ = 0;
   std::optional<double> smallest_gap_;
 };

@@ -140,13 +140,13 @@ class BinsByCosine {
 
   /// Output: -1 where it takes the angle itself to tell.
   int operator()(double cosine) const {
-    return bin_[std::clamp(static_cast<int>((cosine + 1) * (kCells / 2)), 0, kCells - 1)];
+    return bin_[std::clamp(static_cast<int>((cosine + 1) * kHalf), 0, kCells - 1)];
   }
 
  private:
-  static constexpr int kCells = 1 << 11;
+  static constexpr int kHalf = 1 << 10, kCells = 2 * kHalf;
   static constexpr std::int8_t kUnsure = -1;
-  static double cosine_of(int cell) { return static_cast<double>(cell) / (kCells / 2) - 1; }
+  static double cosine_of(int cell) { return static_cast<double>(cell) / kHalf - 1; }
 
   std::array<std::int8_t, kCells> bin_;
 };

@@ -131,7 +131,7 @@ class Remote::Client {
     bool is_sent = false;
     const auto post = [&] {
       is_sent = true;
-      return http_.Post(target.c_str(), headers, job_.mesh.data(), job_.mesh.size(), type.c_str());
+      return http_.Post(target, headers, job_.mesh.data(), job_.mesh.size(), type);
     };
     try {
       const httplib::Response answer = insist(post, control);
@@ -149,7 +149,7 @@ class Remote::Client {
     return "/v1/jobs/" + json::parse(answer.body).at("id").get<std::string>();
   }
 
-  void cancel(const std::string& path) { http_.Delete((url_.second + path).c_str(), headers_); }
+  void cancel(const std::string& path) { http_.Delete(url_.second + path, headers_); }
 
   void wait_until_ended(const std::string& path, const RunControl& control) {
     for (std::chrono::milliseconds pause = kFirstPoll;; pause = std::min(pause * 3 / 2, kSlowestPoll)) {
@@ -163,7 +163,7 @@ class Remote::Client {
   }
 
   std::string fetch(const std::string& path, const RunControl& control) {
-    httplib::Response answer = insist([&] { return http_.Get((url_.second + path).c_str(), headers_); }, control);
+    httplib::Response answer = insist([&] { return http_.Get(url_.second + path, headers_); }, control);
     if (answer.status != 200) throw problem_of(answer.status, answer.body);
     return std::move(answer.body);
   }

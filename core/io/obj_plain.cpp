@@ -74,7 +74,7 @@ class Gatherer {
     --chunks_left_;
     if (!resolve(chunk)) return false;
     add_labels(chunk);
-    note(std::move(chunk.findings));
+    note(chunk.findings);
     const auto corners_before = static_cast<std::uint32_t>(mesh_.corners.size());
     for (const std::uint32_t end : chunk.face_end) mesh_.face_begin.push_back(corners_before + end);
     mesh_.corners.insert(mesh_.corners.end(), chunk.corners.begin(), chunk.corners.end());
@@ -134,7 +134,7 @@ class Gatherer {
     faces_labelled_ += count;
   }
 
-  void note(ObjFindings found) {
+  void note(const ObjFindings& found) {
     for (const auto& [keyword, count] : found.dropped.kinds()) findings_.dropped.count(keyword, count);
     note(found.extra_values, findings_.extra_values);
     note(found.missing_z, findings_.missing_z);

@@ -18,7 +18,7 @@ std::string write_off(const TriangleMesh& mesh, const std::vector<std::string>& 
   WriteProgress progress(mesh.positions.size() + mesh.faces.size(), control);
   for (const Vec3& position : mesh.positions) {
     progress.tick();
-    std::string_view separator = "";
+    std::string_view separator;
     for (const double coordinate : {position.x, position.y, position.z}) {
       out += separator;
       append_real(out, coordinate);

@@ -4,9 +4,10 @@
 #include <atomic>
 #include <cmath>
 #include <cstdint>
-#include <iterator>
 #include <memory_resource>
 #include <numbers>
+#include <numeric>
+#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
@@ -95,11 +96,27 @@ Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const Plane
   return {best, largest};
 }
 
-/// Walks the cells of the lattices: parallelograms, each with four of half its edge.
+/// A cell of one of the lattices, a parallelogram.
+struct Cell {
+  int level;
+  double share;  ///< of the coarsest lattice's edge: 2^-level
+  std::int64_t i, j;
+  std::size_t first = 0, last = 0;  ///< the triangles that may reach into it, in the list of its Cells
+};
+
+/// Cells, and for each the triangles there, one cell's after the other's.
+struct Cells {
+  std::pmr::vector<Cell> cells;
+  std::pmr::vector<std::uint32_t> triangles;
+
+  explicit Cells(std::pmr::memory_resource* memory) : cells(memory), triangles(memory) {}
+};
+
+/// Walks the cells of the lattices, each with four of half its edge.
 class Lattice {
  public:
   Lattice(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes)
-      : sizes_(sizes), low_(triangles[0][0]) {
+      : sizes_(sizes), triangles_(triangles), low_(triangles[0][0]) {
     Vec2 high = low_;
     for (const auto& triangle : triangles)
       for (const Vec2 p : triangle) {
@@ -127,42 +144,59 @@ class Lattice {
   Vec2 origin() const { return low_; }
   double edge() const { return edge_; }
 
-  /// Adds the points in a triangle; stops above `most`.
-  void collect(const std::array<Vec2, 3>& triangle, std::size_t most, std::vector<Vec2>& points) const {
-    StackMemory memory;
+  /// Cells that together cover the region.
+  Cells cover(std::pmr::memory_resource* memory) const {
+    Cells all(memory), cover(memory);
+    all.triangles.resize(triangles_.size());
+    std::iota(all.triangles.begin(), all.triangles.end(), 0u);
     // The box's lower left corner is the lattice's origin; rows lean to the right, so cells begin left of it.
-    const double share_above = std::ldexp(1.0, levels_above_);
-    std::pmr::vector<Cell> stack({{-levels_above_, share_above, -1, 0}, {-levels_above_, share_above, 0, 0}}, &memory);
-    while (!stack.empty() && points.size() <= most) {
-      const Cell cell = stack.back();
-      stack.pop_back();
-      const double share = cell.share;
-      const auto place = [&](double i, double j) { return low_ + (share * i) * along_ + (share * j) * up_; };
-      const double i = static_cast<double>(cell.i), j = static_cast<double>(cell.j);
-      const Vec2 centre = place(i + 0.5, j + 0.5);
-      const double radius = share * edge_;
-      if (is_apart(triangle, centre, radius)) continue;
-      if (cell.level >= 0) {
-        const Vec2 corner = place(i, j);
-        const bool is_new = cell.level == 0 || cell.i % 2 != 0 || cell.j % 2 != 0;
-        if (is_new && is_inside(triangle, corner) && (cell.level == 0 || !sizes_.allows(2 * radius * kAlmost, corner)))
-          points.push_back(corner);
-      }
-      if (cell.level < 0 || !sizes_.allows(radius * kAlmost + sizes_.slope * radius, centre))
-        for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)})
-          stack.push_back({cell.level + 1, share / 2, 2 * cell.i + di, 2 * cell.j + dj});
+    const double share = std::ldexp(1.0, levels_above_);
+    for (const std::int64_t i : {-1, 0}) add({-levels_above_, share, i, 0, 0, triangles_.size()}, all, cover);
+    return cover;
+  }
+
+  /// Calls take(point) on the point of the lattices at the cell's corner, if it has one, and adds to `parts` what the
+  /// cell has to be cut into. `of`: where the cell is from; may be `parts`.
+  template <class Take>
+  void visit(const Cell cell, const Cells& of, Cells& parts, const Take& take) const {
+    const double radius = cell.share * edge_;
+    if (cell.level >= 0) {
+      const Vec2 corner = place(cell, 0);
+      const bool is_new = cell.level == 0 || cell.i % 2 != 0 || cell.j % 2 != 0;
+      if (is_new && is_covered(corner, cell, of) && (cell.level == 0 || !sizes_.allows(2 * radius * kAlmost, corner)))
+        take(corner);
+      if (sizes_.allows(radius * kAlmost + sizes_.slope * radius, place(cell, 0.5))) return;
     }
+    for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)})
+      add({cell.level + 1, cell.share / 2, 2 * cell.i + di, 2 * cell.j + dj, cell.first, cell.last}, of, parts);
   }
 
  private:
   static constexpr double kAlmost = 1 - 1e-9;
   static constexpr double kJustBelow = 1 - 1e-3;
-  struct Cell {
-    int level;
-    double share;  ///< of the coarsest lattice's edge: 2^-level
-    std::int64_t i, j;
-  };
 
+  Vec2 place(const Cell& cell, double part) const {
+    return low_ + (cell.share * (static_cast<double>(cell.i) + part)) * along_ +
+           (cell.share * (static_cast<double>(cell.j) + part)) * up_;
+  }
+
+  /// Adds a cell with those of its triangles that may reach into it, if there are any.
+  void add(Cell cell, const Cells& of, Cells& to) const {
+    const Vec2 centre = place(cell, 0.5);
+    const double radius = cell.share * edge_;
+    const std::size_t first = to.triangles.size();
+    for (std::size_t k = cell.first; k < cell.last; ++k)
+      if (const std::uint32_t t = of.triangles[k]; !is_apart(triangles_[t], centre, radius)) to.triangles.push_back(t);
+    cell.first = first;
+    cell.last = to.triangles.size();
+    if (cell.first < cell.last) to.cells.push_back(cell);
+  }
+
+  bool is_covered(Vec2 p, const Cell& cell, const Cells& of) const {
+    for (std::size_t k = cell.first; k < cell.last; ++k)
+      if (is_inside(triangles_[of.triangles[k]], p)) return true;
+    return false;
+  }
   static bool is_inside(const std::array<Vec2, 3>& t, Vec2 p) {
     return cross(t[1] - t[0], p - t[0]) >= 0 && cross(t[2] - t[1], p - t[1]) >= 0 && cross(t[0] - t[2], p - t[2]) >= 0;
   }
@@ -176,6 +210,7 @@ class Lattice {
   }
 
   const PlaneSizes& sizes_;
+  std::span<const std::array<Vec2, 3>> triangles_;
   Vec2 low_, along_, up_;
   double edge_ = 0;
   int levels_above_ = 0;
@@ -189,32 +224,47 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
   const PointGrid grid(boundary, lattice.origin(), lattice.edge());
   const double clearance = sizes.slope == 0 ? kClearanceOfOneSize : kClearance;
   const auto is_near = [&](Vec2 p) { return grid.has_point_within(p, clearance * sizes.at(p)); };
-  std::atomic<std::size_t> count = 0;
-  const auto collect = [&](std::size_t begin, std::size_t end) {
-    std::vector<Vec2> all, points;
-    for (std::size_t t = begin; t < end && count <= most; ++t) {
-      points.clear();
-      lattice.collect(triangles[t], most, points);
-      if (points.size() > most) {
-        count = most + 1;
-        break;
-      }
-      const std::size_t before = all.size();
-      std::copy_if(points.begin(), points.end(), std::back_inserter(all), [&](Vec2 p) { return !is_near(p); });
-      count += all.size() - before;
-    }
-    return all;
+  std::atomic<std::size_t> count = 0;  // of the points of all that are finished
+  // Adds those that come from a cell.
+  const auto collect = [&](const Cell& cell, const Cells& of, Cells& parts, std::vector<Vec2>& points) {
+    lattice.visit(cell, of, parts, [&](Vec2 p) {
+      if (!is_near(p)) points.push_back(p);
+    });
   };
-  // Of few triangles each may have many points.
-  const std::size_t in_block = std::clamp<std::size_t>(triangles.size() / 256, 1, 16);
-  const auto found = map_blocks<std::vector<Vec2>>(triangles.size(), in_block, control, collect);
-  if (count > most) return {};
+
+  // Level by level until there are cells enough for all cores.
+  constexpr std::size_t kEnough = 256;
+  StackMemory memory;
   std::vector<Vec2> points;
-  points.reserve(count);
-  for (const auto& of_block : found) points.insert(points.end(), of_block.begin(), of_block.end());
-  // A point on an edge belongs to both triangles there.
+  Cells front = lattice.cover(&memory);
+  while (!front.cells.empty() && front.cells.size() < kEnough && points.size() <= most) {
+    control.check();
+    Cells next(&memory);
+    for (const Cell& cell : front.cells) collect(cell, front, next, points);
+    front = std::move(next);
+  }
+  count = points.size();
+
+  // Then depth first, so that few wait.
+  const auto collect_below = [&](std::size_t first, std::size_t) {
+    std::vector<Vec2> found;
+    StackMemory memory_below;
+    Cells waiting(&memory_below);
+    collect(front.cells[first], front, waiting, found);
+    for (std::size_t n = 0; !waiting.cells.empty() && count + found.size() <= most; ++n) {
+      if (n % 1024 == 0) control.check();
+      const Cell cell = waiting.cells.back();
+      waiting.cells.pop_back();
+      waiting.triangles.resize(cell.last);
+      collect(cell, waiting, waiting, found);
+    }
+    count += found.size();
+    return found;
+  };
+  for (const auto& found : map_blocks<std::vector<Vec2>>(front.cells.size(), 1, control, collect_below))
+    points.insert(points.end(), found.begin(), found.end());
+  if (count > most) return {};
   sort_all(points.begin(), points.end());
-  points.erase(std::unique(points.begin(), points.end()), points.end());
   return points;
 }
 

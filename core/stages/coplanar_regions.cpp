@@ -7,6 +7,7 @@
 #include <atomic>
 #include <cmath>
 #include <initializer_list>
+#include <optional>
 #include <span>
 #include <utility>
 
@@ -195,8 +196,8 @@ class Growth {
   /// What one thread has while it grows regions.
   struct Walk {
     Seeds seeds;
-    std::vector<FaceId> found = {};  ///< by the growth that is going on
-    std::uint32_t now = 0;           ///< its number
+    std::vector<std::uint32_t> found = {};  ///< faces, by the growth that is going on
+    std::uint32_t now = 0;                  ///< its number
     std::vector<NewRegion> regions = {};
   };
 
@@ -349,16 +350,35 @@ class Growth {
   }
 
   void grow_on(std::span<const std::uint32_t> island, Walk& walk) {
+    std::size_t left = island.size();
     // Thin faces seed only what no other face has taken.
     for (const bool thin : {false, true}) {
       const auto is_open = [&](FaceId f) { return stamp_[f.value] != kTaken && is_thin(f) == thin; };
       walk.seeds.begin(island);
-      for (FaceId seed = walk.seeds.next(is_open); seed.is_valid(); seed = walk.seeds.next(is_open)) {
-        const Plane plane = grow_from(seed, walk);
-        walk.regions.push_back({thin, walk.seeds.placed(seed), plane});
-        take_found(seed, walk);
+      while (left > 0) {
+        const FaceId seed = walk.seeds.next(is_open);
+        if (!seed.is_valid()) break;
+        std::optional<Plane> plane;
+        if (left == island.size()) plane = plane_of_all(seed, island);
+        std::span<const std::uint32_t> found = island;
+        if (!plane) {
+          plane = grow_from(seed, walk);
+          found = walk.found;
+        }
+        walk.regions.push_back({thin, walk.seeds.placed(seed), *plane});
+        take(found, seed);
+        left -= found.size();
       }
     }
+  }
+
+  /// The plane of an island that fits one, as most do: growing could only come to the same.
+  std::optional<Plane> plane_of_all(FaceId seed, std::span<const std::uint32_t> island) const {
+    if ((*rule_.rung)[seed] == kSingleFace) return std::nullopt;
+    const Fit fit = fit_of(seed, island);
+    if (!(fit.area > 0)) return std::nullopt;
+    const Plane plane = fit.plane();
+    return do_all_fit(island, plane, kBand * tolerance(seed)) ? std::optional(plane) : std::nullopt;
   }
 
   template <class Accept>
@@ -374,26 +394,26 @@ class Growth {
   Plane grow_from(FaceId seed, Walk& walk) {
     const Plane seed_plane = Plane{face_centre(surface_, seed), geometry_[seed].normal};
     if ((*rule_.rung)[seed] == kSingleFace) {
-      walk.found.assign(1, seed);
+      walk.found.assign(1, seed.value);
       return seed_plane;
     }
     const double tol = tolerance(seed);
     Plane plane = grow_fitting(seed, seed_plane, tol, walk);
     const double band = kBand * tol;
     if (!do_all_fit(walk.found, plane, band)) {
-      for (const FaceId f : walk.found)
-        if (trials_[f.value] < kMostTrials) ++trials_[f.value];
+      for (const std::uint32_t f : walk.found)
+        if (trials_[f] < kMostTrials) ++trials_[f];
       if (!fits(seed, plane, band)) plane = seed_plane;
       grow_in_plane(seed, plane, band, walk);
     }
     return plane;
   }
 
-  bool do_all_fit(const std::vector<FaceId>& faces, const Plane& plane, double tol) const {
+  bool do_all_fit(std::span<const std::uint32_t> faces, const Plane& plane, double tol) const {
     std::atomic<bool> do_fit = true;
     const auto look = [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end && do_fit; ++i)
-        if (!fits(faces[i], plane, tol)) do_fit = false;
+        if (!fits(FaceId(faces[i]), plane, tol)) do_fit = false;
     };
     for_blocks(faces.size(), kBlock, control_, look);
     return do_fit;
@@ -534,7 +554,7 @@ class Growth {
   /// A layer is tested against one plane, and the plane is fitted anew when the region has doubled: so the order within
   /// a layer does not matter.
   Plane grow_fitting(FaceId seed, Plane plane, double tol, Walk& walk) {
-    std::vector<FaceId>& found = walk.found;
+    std::vector<std::uint32_t>& found = walk.found;
     begin_growth(seed, walk);
     Fit fit;
     std::size_t summed = 0, fitted = 1;
@@ -546,10 +566,10 @@ class Growth {
       const std::size_t layer_end = found.size();
       for (std::size_t i = layer_begin; i < layer_end; ++i) {
         if (i % 4096 == 0) control_.check();
-        for_each_open_neighbour(found[i], walk, [&](FaceId g) {
+        for_each_open_neighbour(FaceId(found[i]), walk, [&](FaceId g) {
           if (trials_[g.value] >= kMostTrials || !fits(g, plane, tol)) return;
           stamp_[g.value] = walk.now;
-          found.push_back(g);
+          found.push_back(g.value);
         });
       }
       layer_begin = layer_end;
@@ -564,11 +584,11 @@ class Growth {
   }
 
   /// Thin faces say nothing, but the seed has to.
-  Fit fit_of(FaceId seed, std::span<const FaceId> faces) const {
+  Fit fit_of(FaceId seed, std::span<const std::uint32_t> faces) const {
     const auto sum = [&](std::size_t begin, std::size_t end) {
       Fit part;
-      for (const FaceId f : faces.subspan(begin, end - begin))
-        if (!is_thin(f) || f == seed) part.add(geometry_[f], face_centre(surface_, f));
+      for (std::size_t i = begin; i < end; ++i)
+        if (const FaceId f(faces[i]); !is_thin(f) || f == seed) part.add(geometry_[f], face_centre(surface_, f));
       return part;
     };
     if (faces.size() <= kBlock) return sum(0, faces.size());
@@ -579,7 +599,7 @@ class Growth {
 
   void begin_growth(FaceId seed, Walk& walk) {
     ++walk.now;
-    walk.found.assign(1, seed);
+    walk.found.assign(1, seed.value);
     stamp_[seed.value] = walk.now;
   }
 
@@ -587,23 +607,23 @@ class Growth {
     begin_growth(seed, walk);
     for (std::size_t i = 0; i < walk.found.size(); ++i) {
       if (i % 4096 == 0) control_.check();
-      for_each_open_neighbour(walk.found[i], walk, [&](FaceId g) {
+      for_each_open_neighbour(FaceId(walk.found[i]), walk, [&](FaceId g) {
         if (!fits(g, plane, tol)) return;
         stamp_[g.value] = walk.now;
-        walk.found.push_back(g);
+        walk.found.push_back(g.value);
       });
     }
   }
 
   /// The seed's number stands for the region's until all are known.
-  void take_found(FaceId seed, const Walk& walk) {
-    for_blocks(walk.found.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+  void take(std::span<const std::uint32_t> faces, FaceId seed) {
+    for_blocks(faces.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
-        regions_.of_face[walk.found[i]] = RegionId(seed.value);
-        stamp_[walk.found[i].value] = kTaken;
+        regions_.of_face[FaceId(faces[i])] = RegionId(seed.value);
+        stamp_[faces[i]] = kTaken;
       }
     });
-    const std::size_t taken = faces_taken_ += walk.found.size();
+    const std::size_t taken = faces_taken_ += faces.size();
     control_.progress(static_cast<double>(taken) / static_cast<double>(surface_.face_count()));
   }
 

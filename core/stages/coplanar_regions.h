@@ -49,7 +49,8 @@ inline constexpr std::uint8_t kSingleFace = 3;
 /// The plane tolerance on a step of the ladder, in the units of `tolerance`; `floor` is kToleranceFloor in them.
 double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor);
 
-/// Gives a region to every face that has none. Regions grow from the largest face over manifold edges, layer by layer.
+/// Gives a region to every face that has none. Faces that hang together over manifold edges and fit one plane are a
+/// region; where they do not fit, regions grow from the largest face over such edges, layer by layer.
 /// Holds:  every corner of every face of a region is within half the tolerance of the region's plane, and no face looks
 ///         the other way; a face too thin for its normal to mean anything (height under two tolerances) is held by its
 ///         corners alone. Triangles that bend by more than the digits they are printed with explain are not joined over

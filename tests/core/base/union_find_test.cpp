@@ -56,7 +56,13 @@ TEST(union_find, joins_by_several_threads_make_the_same_sets_as_joins_by_one) {
     UnionFind expected(kMembers), sets(kMembers);
     for (const auto& [a, b] : pairs) expected.join(a, b);
     tbb::parallel_for(std::size_t{0}, joins, [&](std::size_t i) { sets.join(pairs[i].first, pairs[i].second); });
-    for (std::uint32_t i = 0; i < kMembers; ++i) ASSERT_EQ(sets.find(i), expected.find(i)) << i;
+    // Flattened by several threads, too: none may turn back what another one has done.
+    UnionFind flat = sets;
+    tbb::parallel_for(0u, std::uint32_t{kMembers}, [&](std::uint32_t i) { flat.flatten(i); });
+    for (std::uint32_t i = 0; i < kMembers; ++i) {
+      ASSERT_EQ(sets.find(i), expected.find(i)) << i;
+      ASSERT_EQ(flat.root_of(i), expected.find(i)) << i;
+    }
   }
 }
 

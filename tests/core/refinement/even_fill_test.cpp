@@ -134,8 +134,9 @@ TEST(even_fill, a_side_that_is_a_whole_number_of_sizes_has_that_many_whatever_it
 TEST(even_fill, more_points_than_allowed_are_none) {
   const Region square_region = region(square(), uniform(0.05));
   const std::size_t all = fill(square_region, uniform(0.05)).size();
-  EXPECT_TRUE(fill(square_region, uniform(0.05), all / 2).empty());
-  EXPECT_EQ(fill(square_region, uniform(0.05), 2 * all).size(), all);
+  for (const std::size_t most : {std::size_t{0}, all / 2, all - 1})
+    EXPECT_TRUE(fill(square_region, uniform(0.05), most).empty());
+  for (const std::size_t most : {all, 2 * all}) EXPECT_EQ(fill(square_region, uniform(0.05), most).size(), all);
 }
 
 TEST(even_fill, a_region_narrower_than_the_size_stays_empty) {
