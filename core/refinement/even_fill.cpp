@@ -130,10 +130,14 @@ class Lattice {
     if (sizes.slope > 0) edge_ *= kJustBelow;
     double x = edge_, y = edge_ * std::numbers::sqrt3 / 2;
     if (sizes.slope == 0) {
-      // Ten sizes are ten columns, whatever the last digits say.
+      // Ten sizes are ten columns, whatever the last digits say. What is narrower than one has none to fit: cells as
+      // thin as a needle would be as many as it is long.
       constexpr double kHair = 1 - 1e-11;
-      x = (high.x - low_.x) / std::ceil((high.x - low_.x) / x * kHair);
-      y = (high.y - low_.y) / std::ceil((high.y - low_.y) / y * kHair);
+      const auto fitted = [](double extent, double step) {
+        return extent > step ? extent / std::ceil(extent / step * kHair) : step;
+      };
+      x = fitted(high.x - low_.x, x);
+      y = fitted(high.y - low_.y, y);
     }
     along_ = {x, 0};
     up_ = {x / 2, y};

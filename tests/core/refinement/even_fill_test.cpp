@@ -144,6 +144,16 @@ TEST(even_fill, a_region_narrower_than_the_size_stays_empty) {
   EXPECT_TRUE(fill(region(strip, uniform(0.5)), uniform(1)).empty());
 }
 
+TEST(even_fill, a_needle_stays_empty_and_takes_no_time) {
+  for (const double height : {1e-3, 1e-9, 1e-15})
+    for (const bool is_upright : {false, true}) {
+      const auto at = [&](double along, double up) { return is_upright ? Vec2{-up, along} : Vec2{along, up}; };
+      Region needle{{{at(0, 0), at(10, 0), at(5, height)}}, {}};
+      for (int i = 0; i <= 20; ++i) needle.boundary.push_back(at(0.5 * i, 0));
+      EXPECT_TRUE(fill(needle, uniform(0.5)).empty()) << height;
+    }
+}
+
 TEST(even_fill, it_can_be_stopped) {
   const Region square_region = region(square(), uniform(0.01));
   RunControl control;
