@@ -51,20 +51,20 @@ class Preparation {
   void choose_tolerance() {
     const double diagonal = report_.input.bounding_box.diagonal();
     const Rounding rounding = rounding_of(surface().positions.items(), control_);
-    report_.rounding_step = rounding.step;
+    report_.rounding_step = rounding.step();
     report_.plane_tolerance_is_automatic = !options_.plane_tolerance.has_value();
     if (options_.plane_tolerance) {
       report_.plane_tolerance = *options_.plane_tolerance;
       return;
     }
-    const AutomaticTolerance automatic = automatic_tolerance(rounding.step, diagonal);
+    const AutomaticTolerance automatic = automatic_tolerance(rounding.step(), diagonal);
     const double unit = surface().unit;
     report_.plane_tolerance = automatic.value;
     if (automatic.if_noisy != automatic.value && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
                                                                   automatic.value / unit, automatic.if_noisy / unit))
       report_.plane_tolerance = automatic.if_noisy;
-    if (rounding.is_decimal && report_.plane_tolerance == kToleranceSteps * rounding.step)
-      prepared_.printed_step = rounding.step;
+    if (rounding.is_decimal && report_.plane_tolerance == kToleranceSteps * rounding.step())
+      prepared_.printed_steps = rounding.steps;
   }
 
   void mend() {

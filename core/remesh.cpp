@@ -234,7 +234,7 @@ class Run {
     watch_.enter(Stage::kRegions);
     coplanar_regions(surface(), adjacency(), geometry(),
                      {local_tolerance(), options_.normal_tolerance, &ladder.zone(), &ladder.rung(),
-                      prepared_.printed_step / surface().unit},
+                      (1 / surface().unit) * prepared_.printed_steps},
                      regions_, control_);
     watch_.enter(Stage::kPatches);
     patches_ = patches(surface(), adjacency(), regions_, control_);

@@ -12,12 +12,20 @@
 namespace remesh {
 namespace {
 
-constexpr int kMaxDecimals = 15;
+/// The decimals that are tried: first those of usual numbers, then all whose powers of five are doubles. Negative ones
+/// leave out zeros to the left of the point; but whole numbers are taken to be meant as that where all are short.
+struct Decimals {
+  int least = 0, least_in_common = 0, most = 0;
+};
+constexpr Decimals kUsual{-5, 0, 15}, kAny{-22, -22, 22};
 /// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;
 /// That all coordinates agree on a quantum proves more than that one is short: so many units of it may be in the
 /// largest.
 constexpr double kShortTogether = 0x1p45;
+/// The units that a float has room for.
+constexpr int kFloatBits = 24;
+constexpr double kFloatUnits = 0x1p24;
 
 /// A value as units * quantum, where quantum is a power of two over a power of five.
 struct Decimal {
@@ -48,44 +56,62 @@ Decimal odd_part(double x) {
   return {static_cast<double>(roundest >> zeros), quantum};
 }
 
-const std::array<double, kMaxDecimals + 1>& powers_of_five() {
+double times_power_of_five(double x, int d) {
   static const auto powers = [] {
-    std::array<double, kMaxDecimals + 1> p{};
+    std::array<double, kAny.most + 1> p{};
     p[0] = 1;
-    for (std::size_t d = 1; d < p.size(); ++d) p[d] = 5 * p[d - 1];
+    for (std::size_t i = 1; i < p.size(); ++i) p[i] = 5 * p[i - 1];
     return p;
   }();
-  return powers;
+  return d >= 0 ? x * powers[static_cast<std::size_t>(d)] : x / powers[static_cast<std::size_t>(-d)];
 }
 
 /// The form of x with the fewest units; quantum 0 if none is short.
-Decimal shortest(double x) {
+Decimal shortest(double x, Decimals decimals) {
   Decimal best;
-  for (int d = 0; d <= kMaxDecimals; ++d) {
-    Decimal form = odd_part(x * powers_of_five()[d]);
+  for (int d = decimals.least; d <= decimals.most; ++d) {
+    Decimal form = odd_part(times_power_of_five(x, d));
     if (form.units >= kShort) continue;
-    form.quantum /= powers_of_five()[d];
+    form.quantum = times_power_of_five(form.quantum, -d);
     if (best.quantum == 0 || form.units < best.units) best = form;
   }
   return best;
 }
 
-/// The coordinates that are not 0, looked at by blocks in parallel.
+/// The coordinates that say something, looked at by blocks in parallel: those nearer to 0 than any tolerance are a 0
+/// that arithmetic has missed, as in 6.1e-17 for the cosine of a right angle.
 class Coordinates {
  public:
-  Coordinates(std::span<const Vec3> positions, RunControl& control) : positions_(positions), control_(control) {}
+  Coordinates(std::span<const Vec3> positions, RunControl& control) : positions_(positions), control_(control) {
+    Box3 box;
+    for (const Box3& part : map_blocks<Box3>(positions.size(), kItemsPerBlock, control, [&](auto begin, auto end) {
+           Box3 of_block;
+           for (const Vec3& p : positions.subspan(begin, end - begin)) of_block.add(p);
+           return of_block;
+         }))
+      box.add(part);
+    negligible_ = kToleranceFloor * box.diagonal();
+    if (box.is_empty()) return;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double most = std::max(std::fabs(box.min[axis]), std::fabs(box.max[axis]));
+      largest_[axis] = most > negligible_ ? most : 0;
+    }
+  }
+
+  /// Per axis.
+  const Vec3& largest() const { return largest_; }
+  double largest_of_all() const { return std::max({largest_.x, largest_.y, largest_.z}); }
 
   /// Whether `holds` is true of all.
   template <class Holds>
   bool are_all(const Holds& holds) const {
     return found_in_all(
-               0, [&](int&, double x, int) { return holds(x); }, [](int&, int) { return true; })
+               0, [&](int&, double x) { return holds(x); }, [](int&, int) { return true; })
         .has_value();
   }
 
-  /// What `add` finds in all of them, from `none` on: it is given what its block has come to, a coordinate and its
-  /// axis; `join` gives the first of two blocks what the second has come to. Either says false if nothing can be found
-  /// any more.
+  /// What `add` finds in all of them, from `none` on: it is given what its block has come to, and a coordinate; `join`
+  /// gives the first of two blocks what the second has come to. Either says false if nothing can be found any more.
   template <class Found, class Add, class Join>
   std::optional<Found> found_in_all(const Found& none, const Add& add, const Join& join) const {
     std::atomic<bool> is_over = false;
@@ -94,7 +120,7 @@ class Coordinates {
           Found found = none;
           for (const Vec3& p : positions_.subspan(begin, is_over ? 0 : end - begin))
             for (int axis = 0; axis < 3; ++axis)
-              if (p[axis] != 0 && !add(found, p[axis], axis)) {
+              if (std::fabs(p[axis]) > negligible_ && !add(found, p[axis])) {
                 is_over = true;
                 return found;
               }
@@ -109,18 +135,42 @@ class Coordinates {
  private:
   std::span<const Vec3> positions_;
   RunControl& control_;
+  double negligible_ = 0;
+  Vec3 largest_;
+};
+
+/// Different values that bear witness of something, as many as are needed: one that is repeated proves no more.
+template <std::size_t kEnough>
+class Witnesses {
+ public:
+  void add(double x) {
+    x = std::fabs(x);
+    const auto end = values_.begin() + static_cast<std::ptrdiff_t>(count_);
+    if (count_ < kEnough && std::find(values_.begin(), end, x) == end) values_[count_++] = x;
+  }
+  bool add(const Witnesses& others) {
+    for (const double x : others.values()) add(x);
+    return true;
+  }
+  std::span<const double> values() const { return std::span(values_).first(count_); }
+  bool are_enough() const { return count_ == kEnough; }
+
+ private:
+  std::array<double, kEnough> values_{};
+  std::size_t count_ = 0;
 };
 
 /// The quantum of which all coordinates are multiples after d decimals; 0 if there is none that leaves them short.
-double common_quantum(const Coordinates& coordinates, int d, double largest) {
-  const double five = powers_of_five()[d];
+double common_quantum(const Coordinates& coordinates, int d) {
+  const double largest = times_power_of_five(coordinates.largest_of_all(), d);
   const auto take = [&](double& least, double quantum) {
     least = std::min(least, quantum);
-    return largest * five / least < kShortTogether;
+    return largest / least < kShortTogether;
   };
   const auto quantum = coordinates.found_in_all(
-      HUGE_VAL, [&](double& least, double x, int) { return take(least, odd_part(x * five).quantum); }, take);
-  return quantum ? *quantum / five : 0;
+      HUGE_VAL, [&](double& least, double x) { return take(least, odd_part(times_power_of_five(x, d)).quantum); },
+      take);
+  return quantum ? times_power_of_five(*quantum, -d) : 0;
 }
 
 double last_place(double x, int bits) {
@@ -129,96 +179,128 @@ double last_place(double x, int bits) {
   return std::ldexp(1.0, exponent - bits);
 }
 
-/// Whether the numbers seem to be limited in significant digits: the small ones have decimals that the large ones lack.
-/// One value that shows nearly all the digits which the common quantum leaves to the largest one proves the contrary.
-bool has_limited_digits(const Coordinates& coordinates, double largest, double common) {
-  if (common == 0) return coordinates.are_all([](double x) { return shortest(x).quantum != 0; });
-  const double digits = largest / common;
-  if (coordinates.are_all([&](double x) { return digits > 10 * shortest(x).units; })) return true;
-  // Within one decade the quanta differ by ten only: then all of several long numbers at the top must lack the last
-  // one.
-  constexpr int kEnough = 4;
-  const std::optional<std::size_t> long_ones = coordinates.found_in_all(
-      std::size_t{0},
-      [&](std::size_t& count, double x, int) {
-        if (std::fabs(x) < 0.75 * largest) return true;
-        const Decimal form = shortest(x);
-        if (form.units * 100 >= digits) ++count;
-        return form.quantum >= 5 * common;
-      },
-      [](std::size_t& count, std::size_t more) {
-        count += more;
-        return true;
-      });
-  return long_ones && *long_ones >= kEnough;
+double nearest_float(double x) {
+  int exponent = 0;
+  const double fraction = std::frexp(x, &exponent);
+  return std::ldexp(std::nearbyint(fraction * kFloatUnits), exponent - kFloatBits);
 }
 
-double largest_of(const Coordinates& coordinates, double (*measure)(double)) {
-  const auto take = [](double& most, double other) {
-    most = std::max(most, other);
+Vec3 of_each(const Vec3& v, double (*function)(double)) { return {function(v.x), function(v.y), function(v.z)}; }
+
+/// The largest power of ten, times `unit`, that is not above x.
+double decade(double x, double unit) { return unit * std::pow(10, std::floor(std::log10(x / unit * (1 + 1e-9)))); }
+
+/// Whether the numbers seem to be limited in significant digits: the small ones have decimals that the large ones lack.
+/// One value that shows nearly all the digits which the common quantum leaves to the largest one proves the contrary.
+bool has_limited_digits(const Coordinates& coordinates, double common, Decimals decimals) {
+  if (common == 0) return coordinates.are_all([&](double x) { return shortest(x, decimals).quantum != 0; });
+  const double digits = coordinates.largest_of_all() / common;
+  const auto leaves_one = [&](double x) {
+    const Decimal form = shortest(x, decimals);
+    return form.quantum != 0 && digits > 10 * form.units;
+  };
+  if (coordinates.are_all(leaves_one)) return true;
+  // Between neighbouring decades the quanta differ by ten only: then all of several long numbers in the higher one must
+  // lack the last digit of the lower one.
+  const double top = decade(coordinates.largest_of_all(), common);
+  const auto witnesses = coordinates.found_in_all(
+      Witnesses<4>{},
+      [&](Witnesses<4>& found, double x) {
+        if (std::fabs(x) < top * (1 - 1e-9)) return true;
+        const Decimal form = shortest(x, decimals);
+        if (form.units * 100 >= digits) found.add(x);
+        return form.quantum >= 5 * common;
+      },
+      [](auto& found, const auto& more) { return found.add(more); });
+  return witnesses && witnesses->are_enough();
+}
+
+/// The coordinate that shows most digits.
+Decimal longest_form(const Coordinates& coordinates, Decimals decimals) {
+  const auto take = [](Decimal& longest, const Decimal& form) {
+    if (form.units > longest.units || (form.units == longest.units && form.quantum < longest.quantum)) longest = form;
     return true;
   };
   return *coordinates.found_in_all(
-      0.0, [&](double& most, double x, int) { return take(most, measure(x)); }, take);
+      Decimal{}, [&](Decimal& longest, double x) { return take(longest, shortest(x, decimals)); }, take);
 }
 
-/// The last place of numbers that are limited in significant digits, of all three coordinates together: the root of the
-/// mean of its squares. A value with most of the digits shows its last place; the largest such values of a coordinate
-/// have its coarsest one. A coordinate without such values is taken to be like the coarsest.
-double last_place_of_digits(const Coordinates& coordinates) {
-  const double most_units = largest_of(coordinates, [](double x) { return shortest(x).units; });
-  const Vec3 largest = *coordinates.found_in_all(
-      Vec3{},
-      [](Vec3& most, double x, int axis) {
-        most[axis] = std::max(most[axis], std::fabs(x));
-        return true;
-      },
-      [](Vec3& most, const Vec3& other) {
-        for (int axis = 0; axis < 3; ++axis) most[axis] = std::max(most[axis], other[axis]);
-        return true;
-      });
-  struct Steps {
-    Vec3 all, of_largest{HUGE_VAL, HUGE_VAL, HUGE_VAL};
+/// Whether the decimals are those of floats, to so many places that the floats' own rounding shows: each is the nearest
+/// to a float with as many places as it has, and several of them would not be by chance. All are multiples of `unit`.
+bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals decimals) {
+  const auto place_of = [&](double x) { return std::max(unit, shortest(x, decimals).quantum); };
+  // How many quarters of bits at a number's end are the float's and not the printing's.
+  const auto seen = [](double x, double place) {
+    const double ratio = last_place(x, kFloatBits) / place;
+    return std::ilogb(ratio * ratio * ratio * ratio);
   };
-  const Steps steps = *coordinates.found_in_all(
-      Steps{},
-      [&](Steps& found, double x, int axis) {
-        const Decimal form = shortest(x);
-        if (form.units * 10 < most_units) return true;
-        found.all[axis] = std::max(found.all[axis], form.quantum);
-        if (std::fabs(x) > 0.9 * largest[axis]) found.of_largest[axis] = std::min(found.of_largest[axis], form.quantum);
-        return true;
+  if (seen(coordinates.largest_of_all(), unit) < 1) return false;
+  constexpr int kEnough = 64;
+  using Found = Witnesses<kEnough>;
+  const auto witnesses = coordinates.found_in_all(
+      Found{},
+      [&](Found& found, double x) {
+        const double place = place_of(x), off = std::fabs(x - nearest_float(x));
+        if (off != 0 && seen(x, place) >= 1) found.add(x);
+        return off <= 0.5001 * place;
       },
-      [](Steps& found, const Steps& other) {
-        for (int axis = 0; axis < 3; ++axis) {
-          found.all[axis] = std::max(found.all[axis], other.all[axis]);
-          found.of_largest[axis] = std::min(found.of_largest[axis], other.of_largest[axis]);
-        }
-        return true;
-      });
-  Vec3 step;
-  for (int axis = 0; axis < 3; ++axis) step[axis] = std::min(steps.all[axis], steps.of_largest[axis]);
-  const double coarsest = std::max({step.x, step.y, step.z});
-  for (int axis = 0; axis < 3; ++axis)
-    if (step[axis] == 0) step[axis] = coarsest;
-  return step.x == step.y && step.y == step.z ? coarsest : std::sqrt(dot(step, step) / 3);
+      [](Found& found, const Found& more) { return found.add(more); });
+  if (!witnesses) return false;
+  int all_seen = 0;
+  for (const double x : witnesses->values()) all_seen += seen(x, place_of(x));
+  return all_seen >= kEnough;
+}
+
+Vec3 larger_of(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
+
+/// The last places of the largest coordinates as floats.
+Vec3 float_steps(const Coordinates& coordinates) {
+  return of_each(coordinates.largest(), [](double x) { return x == 0 ? 0 : last_place(x, kFloatBits); });
+}
+
+std::optional<Rounding> rounding_of_decimals(const Coordinates& coordinates, Decimals decimals) {
+  double unit = 0;
+  for (int d = decimals.least_in_common; d <= decimals.most && unit == 0; ++d) {
+    unit = common_quantum(coordinates, d);
+    // So long, and no decimals: the last digit may well stand left of the point.
+    const bool are_whole = d == 0 && unit != 0;
+    if (are_whole && decimals.least_in_common == 0 && coordinates.largest_of_all() / unit > kShort) return std::nullopt;
+  }
+  Vec3 steps{unit, unit, unit};
+  if (has_limited_digits(coordinates, unit, decimals)) {
+    const Decimal longest = longest_form(coordinates, decimals);
+    unit = longest.quantum;
+    const double digits = decade(longest.units, 1);
+    for (int axis = 0; axis < 3; ++axis) {
+      const double largest = coordinates.largest()[axis];
+      steps[axis] = largest == 0 ? 0 : decade(largest, unit) / digits;
+    }
+  }
+  if (unit == 0) return std::nullopt;
+  if (!are_printed_floats(coordinates, unit, decimals)) return Rounding{steps, true};
+  return Rounding{larger_of(steps, float_steps(coordinates)), false};
 }
 
 }  // namespace
 
+double Rounding::step() const {
+  return steps.x == steps.y && steps.y == steps.z ? steps.x : std::sqrt(dot(steps, steps) / 3);
+}
+
 Rounding rounding_of(std::span<const Vec3> positions, RunControl& control) {
   const Coordinates coordinates(positions, control);
-  const double largest = largest_of(coordinates, [](double x) { return std::fabs(x); });
-  if (largest == 0) return {};
-  const double least = last_place(largest, 53);
-
-  double common = 0;
-  for (int d = 0; d <= kMaxDecimals && common == 0; ++d) common = common_quantum(coordinates, d, largest);
-  if (has_limited_digits(coordinates, largest, common))
-    return {std::max(last_place_of_digits(coordinates), least), true};
-  if (common != 0) return {std::max(common, least), true};
-  const bool are_floats = coordinates.are_all([](double x) { return odd_part(x).units < 16777216.0; });
-  return {are_floats ? last_place(largest, 24) : least, false};
+  if (coordinates.largest_of_all() == 0) return {};
+  if (coordinates.are_all([](double x) { return odd_part(x).units < kFloatUnits; })) {
+    const double common = common_quantum(coordinates, 0);
+    const Vec3 floats = float_steps(coordinates);
+    return {larger_of({common, common, common}, floats), common >= std::max({floats.x, floats.y, floats.z})};
+  }
+  const double least = last_place(coordinates.largest_of_all(), 53);
+  const Vec3 as_doubles{least, least, least};
+  for (const Decimals decimals : {kUsual, kAny})
+    if (const auto rounding = rounding_of_decimals(coordinates, decimals))
+      return {larger_of(rounding->steps, as_doubles), rounding->is_decimal};
+  return {as_doubles, false};
 }
 
 AutomaticTolerance automatic_tolerance(double step, double diagonal) {

@@ -32,13 +32,17 @@ inline constexpr double kLadderFactor = 0.1;
 
 /// What coordinates are rounded to.
 struct Rounding {
-  double step = 0;
+  Vec3 steps = {};          ///< of each coordinate where it is largest; 0: it is 0 everywhere
   bool is_decimal = false;  ///< by printing; else as floats or doubles, which arithmetic may have rounded many times
+
+  /// Of the three together: the root of the mean of their squares.
+  double step() const;
 };
 
 /// Read from the values: the largest power of ten (times a power of two) of which all are multiples, if that leaves
-/// short numbers; where they are limited in significant digits, the largest last place of each coordinate (the root of
-/// the mean of the three squares); the last place of the largest as a float if all are floats; else as a double.
+/// short numbers; where they are limited in significant digits, the last place of the largest of each coordinate; its
+/// last place as a float if all are floats, be they printed in decimals; else as a double. A coordinate nearer to 0
+/// than any tolerance counts as 0.
 /// Holds:  scales with the coordinates by powers of two.
 /// Source: REFINEMENT, rule 12, carried from decimals to decimals times powers of two, so that scaling by two keeps it.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.

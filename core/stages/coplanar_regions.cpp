@@ -207,7 +207,7 @@ class Growth {
   /// Whether the two triangles at an edge bend by more than printing can do: then no four corners that are printed as
   /// theirs lie in one plane. (To first order the volume of the four changes by the faces' areas along each axis.)
   bool is_bend(std::uint32_t h) const {
-    if (rule_.printed_step == 0) return false;
+    if (rule_.printed_steps == Vec3{}) return false;
     const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(adjacency_.twin(h));
     if (surface_.face(f).size() != 3 || surface_.face(g).size() != 3 || is_thin(f) || is_thin(g)) return false;
     if (1 - dot(geometry_[f].normal, geometry_[g].normal) <= rule_.normal_tolerance) return false;
@@ -219,10 +219,11 @@ class Growth {
       return surface_.local[*other] - a;
     };
     const Vec3 b = surface_.local[to] - a, c = apex(f), d = apex(g);
-    double areas = 0;
+    const Vec3& step = rule_.printed_steps;
+    double explained = 0;
     for (const Vec3& n : {cross(b, c), cross(b, d), cross(c, d), cross(c - b, d - b)})
-      areas += std::fabs(n.x) + std::fabs(n.y) + std::fabs(n.z);
-    return std::fabs(dot(cross(b, c), d)) > kPrinted * rule_.printed_step * areas;
+      explained += step.x * std::fabs(n.x) + step.y * std::fabs(n.y) + step.z * std::fabs(n.z);
+    return std::fabs(dot(cross(b, c), d)) > kPrinted * explained;
   }
 
   /// The square of the sine of the angle that a face may have to its plane: what the distance explains; the floor is

@@ -39,8 +39,8 @@ struct CoplanarityRule {
   const IdVector<FaceId, std::uint32_t>* zone = nullptr;
   /// Per face: the step of the ladder, 0 to kSingleFace; it scales the tolerance, and at the last each face is alone.
   const IdVector<FaceId, std::uint8_t>* rung = nullptr;
-  /// What coordinates are printed to, where the tolerance comes from that; 0: unknown.
-  double printed_step = 0;
+  /// What each coordinate is printed to, where the tolerance comes from that; 0: unknown.
+  Vec3 printed_steps = {};
 };
 
 /// The ladder's last step: one patch an input face.

@@ -2,11 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
 #include <string>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -38,7 +40,7 @@ std::vector<Vec3> with(std::vector<Vec3> points, const std::function<double(doub
 
 double rounding_step(const std::vector<Vec3>& points) {
   RunControl control;
-  return rounding_of(points, control).step;
+  return rounding_of(points, control).step();
 }
 
 void expect_step(const std::vector<Vec3>& points, double step) { EXPECT_NEAR(rounding_step(points) / step, 1, 1e-12); }
@@ -83,6 +85,96 @@ TEST(rounding_step, floats_that_are_no_short_decimals_give_the_last_place_of_the
   const std::vector<Vec3> points =
       with(printed("%.17g", 9.99), [](double x) { return static_cast<double>(static_cast<float>(x)); });
   EXPECT_EQ(rounding_step(points), 0x1p-20);
+}
+
+TEST(rounding_step, floats_printed_to_more_places_than_they_have_give_their_own_last_place) {
+  // As exporters do that hold floats: six decimals, nine digits, or as many as tell one float from the next.
+  const auto as_float = [](double x) { return static_cast<float>(x); };
+  const auto decimals = [&](const char* format) {
+    return [=](double x) {
+      char text[64];
+      std::snprintf(text, sizeof text, format, static_cast<double>(as_float(x)));
+      return std::strtod(text, nullptr);
+    };
+  };
+  const auto fewest_digits = [&](double x) {
+    char text[64];
+    const auto end = std::to_chars(text, text + sizeof text - 1, as_float(x)).ptr;
+    *end = 0;
+    return std::strtod(text, nullptr);
+  };
+  EXPECT_EQ(rounding_step(with(printed("%.17g", 250), decimals("%.6f"))), 0x1p-16);
+  EXPECT_EQ(rounding_step(with(printed("%.17g", 31), decimals("%.6f"))), 0x1p-19);
+  EXPECT_EQ(rounding_step(with(printed("%.17g", 9.99), decimals("%.9g"))), 0x1p-20);
+  EXPECT_EQ(rounding_step(with(printed("%.17g", 31), fewest_digits)), 0x1p-19);
+  EXPECT_EQ(rounding_step(with(printed("%.17g", 9990), fewest_digits)), 0x1p-10);
+  // Six digits are coarser than floats.
+  expect_step(with(printed("%.17g", 9.99), decimals("%g")), 1e-5);
+}
+
+TEST(rounding_step, floats_of_few_binades_give_the_last_place_of_the_largest) {
+  const auto between_20_and_100 = [](double x) { return static_cast<double>(static_cast<float>(60 + 40 * x)); };
+  EXPECT_EQ(rounding_step(with(printed("%.17g", 1), between_20_and_100)), 0x1p-17);
+}
+
+TEST(rounding_step, a_zero_that_arithmetic_has_missed_hides_no_digits) {
+  for (const char* format : {"%g", "%.6f", "%.9g"}) {
+    std::vector<Vec3> points = printed(format, 9.99);
+    const double step = rounding_step(points);
+    points.front().z = 6.12323e-17;
+    points.back().x = -1.22465e-15;
+    EXPECT_EQ(rounding_step(points), step) << format;
+  }
+}
+
+TEST(rounding_step, digits_are_counted_across_a_power_of_ten) {
+  // All values are of two decades, the largest just in the higher one.
+  Random random(1);
+  const auto coordinate = [&] {
+    char text[64];
+    std::snprintf(text, sizeof text, "%.6g", random.uniform(52, 104));
+    return std::strtod(text, nullptr);
+  };
+  std::vector<Vec3> points;
+  for (int i = 0; i < 200; ++i) {
+    const double x = coordinate(), y = coordinate();
+    points.push_back({x, y, coordinate()});
+  }
+  expect_step(points, 1e-3);
+}
+
+TEST(rounding_step, decimals_far_from_the_origin_show) {
+  for (const auto& [format, origin, step] :
+       {std::tuple("%.3f", 5e6, 1e-3), {"%.6f", 5e6, 1e-6}, {"%.3f", 1.3e9, 1e-3}, {"%.1f", 5e10, 1e-1}}) {
+    Random random(1);
+    std::vector<Vec3> points;
+    const auto coordinate = [&, format = format, origin = origin] {
+      char text[64];
+      std::snprintf(text, sizeof text, format, origin + random.uniform(-100, 100));
+      return std::strtod(text, nullptr);
+    };
+    for (int i = 0; i < 50; ++i) {
+      const double x = coordinate(), y = coordinate();
+      points.push_back({x, y, coordinate()});
+    }
+    expect_step(points, step);
+  }
+}
+
+TEST(rounding_step, digits_show_at_every_scale) {
+  for (const double scale : {1e-12, 1e-9, 1e-6, 1e3, 1e6, 1e9, 1e10, 1e11, 1e12})
+    expect_step(printed("%g", 9.99 * scale), 1e-5 * scale);
+}
+
+TEST(rounding_step, each_coordinate_has_its_own) {
+  std::vector<Vec3> points = printed("%g", 9.99);
+  const std::vector<Vec3> larger = printed("%g", 999);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].y = larger[i].y;
+  RunControl control;
+  const Vec3 steps = rounding_of(points, control).steps;
+  EXPECT_NEAR(steps.x / 1e-5, 1, 1e-12);
+  EXPECT_NEAR(steps.y / 1e-3, 1, 1e-12);
+  EXPECT_NEAR(steps.z / 1e-5, 1, 1e-12);
 }
 
 TEST(rounding_step, full_doubles_give_the_last_place_of_the_largest_double) {
