@@ -106,12 +106,13 @@ class Coordinates {
   template <class Holds>
   bool are_all(const Holds& holds) const {
     return found_in_all(
-               0, [&](int&, double x) { return holds(x); }, [](int&, int) { return true; })
+               0, [&](int&, double x, int) { return holds(x); }, [](int&, int) { return true; })
         .has_value();
   }
 
-  /// What `add` finds in all of them, from `none` on: it is given what its block has come to, and a coordinate; `join`
-  /// gives the first of two blocks what the second has come to. Either says false if nothing can be found any more.
+  /// What `add` finds in all of them, from `none` on: it is given what its block has come to, a coordinate and its
+  /// axis; `join` gives the first of two blocks what the second has come to. Either says false if nothing can be found
+  /// any more.
   template <class Found, class Add, class Join>
   std::optional<Found> found_in_all(const Found& none, const Add& add, const Join& join) const {
     std::atomic<bool> is_over = false;
@@ -120,7 +121,7 @@ class Coordinates {
           Found found = none;
           for (const Vec3& p : positions_.subspan(begin, is_over ? 0 : end - begin))
             for (int axis = 0; axis < 3; ++axis)
-              if (std::fabs(p[axis]) > negligible_ && !add(found, p[axis])) {
+              if (std::fabs(p[axis]) > negligible_ && !add(found, p[axis], axis)) {
                 is_over = true;
                 return found;
               }
@@ -168,7 +169,7 @@ double common_quantum(const Coordinates& coordinates, int d) {
     return largest / least < kShortTogether;
   };
   const auto quantum = coordinates.found_in_all(
-      HUGE_VAL, [&](double& least, double x) { return take(least, odd_part(times_power_of_five(x, d)).quantum); },
+      HUGE_VAL, [&](double& least, double x, int) { return take(least, odd_part(times_power_of_five(x, d)).quantum); },
       take);
   return quantum ? times_power_of_five(*quantum, -d) : 0;
 }
@@ -205,7 +206,7 @@ bool has_limited_digits(const Coordinates& coordinates, double common, Decimals 
   const double top = decade(coordinates.largest_of_all(), common);
   const auto witnesses = coordinates.found_in_all(
       Witnesses<4>{},
-      [&](Witnesses<4>& found, double x) {
+      [&](Witnesses<4>& found, double x, int) {
         if (std::fabs(x) < top * (1 - 1e-9)) return true;
         const Decimal form = shortest(x, decimals);
         if (form.units * 100 >= digits) found.add(x);
@@ -222,7 +223,25 @@ Decimal longest_form(const Coordinates& coordinates, Decimals decimals) {
     return true;
   };
   return *coordinates.found_in_all(
-      Decimal{}, [&](Decimal& longest, double x) { return take(longest, shortest(x, decimals)); }, take);
+      Decimal{}, [&](Decimal& longest, double x, int) { return take(longest, shortest(x, decimals)); }, take);
+}
+
+Vec3 larger_of(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
+
+/// Per axis, the largest coordinate that shows nearly all of the digits: a 1 beside numbers below it may be one that
+/// nothing was rounded off.
+Vec3 largest_of_long(const Coordinates& coordinates, double most_units, Decimals decimals) {
+  return *coordinates.found_in_all(
+      Vec3{},
+      [&](Vec3& largest, double x, int axis) {
+        if (std::fabs(x) > largest[axis] && 100 * shortest(x, decimals).units >= most_units)
+          largest[axis] = std::fabs(x);
+        return true;
+      },
+      [](Vec3& largest, const Vec3& other) {
+        largest = larger_of(largest, other);
+        return true;
+      });
 }
 
 /// Whether the decimals are those of floats, to so many places that the floats' own rounding shows: each is the nearest
@@ -239,7 +258,7 @@ bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals de
   using Found = Witnesses<kEnough>;
   const auto witnesses = coordinates.found_in_all(
       Found{},
-      [&](Found& found, double x) {
+      [&](Found& found, double x, int) {
         const double place = place_of(x), off = std::fabs(x - nearest_float(x));
         if (off != 0 && seen(x, place) >= 1) found.add(x);
         return off <= 0.5001 * place;
@@ -250,8 +269,6 @@ bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals de
   for (const double x : witnesses->values()) all_seen += seen(x, place_of(x));
   return all_seen >= kEnough;
 }
-
-Vec3 larger_of(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 
 /// The last places of the largest coordinates as floats.
 Vec3 float_steps(const Coordinates& coordinates) {
@@ -271,8 +288,9 @@ std::optional<Rounding> rounding_of_decimals(const Coordinates& coordinates, Dec
     const Decimal longest = longest_form(coordinates, decimals);
     unit = longest.quantum;
     const double digits = decade(longest.units, 1);
+    const Vec3 of_long = largest_of_long(coordinates, longest.units, decimals);
     for (int axis = 0; axis < 3; ++axis) {
-      const double largest = coordinates.largest()[axis];
+      const double largest = of_long[axis] > 0 ? of_long[axis] : coordinates.largest()[axis];
       steps[axis] = largest == 0 ? 0 : decade(largest, unit) / digits;
     }
   }

@@ -143,6 +143,14 @@ TEST(rounding_step, digits_are_counted_across_a_power_of_ten) {
   expect_step(points, 1e-3);
 }
 
+TEST(rounding_step, a_one_beside_numbers_below_it_adds_no_digit) {
+  std::vector<Vec3> points = printed("%g", 0.999);
+  const double step = rounding_step(points);
+  points.front() = {1, 1, 1};
+  points.back().x = -1;
+  EXPECT_EQ(rounding_step(points), step);
+}
+
 TEST(rounding_step, decimals_far_from_the_origin_show) {
   for (const auto& [format, origin, step] :
        {std::tuple("%.3f", 5e6, 1e-3), {"%.6f", 5e6, 1e-6}, {"%.3f", 1.3e9, 1e-3}, {"%.1f", 5e10, 1e-1}}) {
