@@ -22,7 +22,7 @@ class Prepared {
   Surface surface;
   std::vector<FaceId> without_area;  ///< that were left so
   Vec3 printed_steps = {};  ///< model units; of the decimals that the tolerance comes from, per axis; 0: it has another
-                       ///< origin
+                            ///< origin
 
   /// Of the surface; made when they are asked for and not there.
   const Adjacency& adjacency();
