@@ -21,8 +21,7 @@ class Prepared {
  public:
   Surface surface;
   std::vector<FaceId> without_area;  ///< that were left so
-  Vec3 printed_steps = {};  ///< model units; of the decimals that the tolerance comes from, per axis; 0: it has another
-                            ///< origin
+  Vec3 printed_steps = {};  ///< model units; of the decimals that the tolerance comes from, per axis; 0: of none
 
   /// Of the surface; made when they are asked for and not there.
   const Adjacency& adjacency();
