@@ -186,8 +186,6 @@ double nearest_float(double x) {
   return std::ldexp(std::nearbyint(fraction * kFloatUnits), exponent - kFloatBits);
 }
 
-Vec3 of_each(const Vec3& v, double (*function)(double)) { return {function(v.x), function(v.y), function(v.z)}; }
-
 /// The largest power of ten, times `unit`, that is not above x.
 double decade(double x, double unit) { return unit * std::pow(10, std::floor(std::log10(x / unit * (1 + 1e-9)))); }
 
@@ -272,7 +270,9 @@ bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals de
 
 /// The last places of the largest coordinates as floats.
 Vec3 float_steps(const Coordinates& coordinates) {
-  return of_each(coordinates.largest(), [](double x) { return x == 0 ? 0 : last_place(x, kFloatBits); });
+  const auto step = [](double x) { return x == 0 ? 0 : last_place(x, kFloatBits); };
+  const Vec3& largest = coordinates.largest();
+  return {step(largest.x), step(largest.y), step(largest.z)};
 }
 
 std::optional<Rounding> rounding_of_decimals(const Coordinates& coordinates, Decimals decimals) {

@@ -40,9 +40,9 @@ struct Rounding {
 };
 
 /// Read from the values: the largest power of ten (times a power of two) of which all are multiples, if that leaves
-/// short numbers; where they are limited in significant digits, the last place of the largest of each coordinate; its
-/// last place as a float if all are floats, be they printed in decimals; else as a double. A coordinate nearer to 0
-/// than any tolerance counts as 0.
+/// short numbers; where they are limited in significant digits, the last place of each coordinate's largest number that
+/// shows them; that of its largest as a float if all are floats, be they printed in decimals; else as a double. What is
+/// nearer to 0 than any tolerance counts as 0.
 /// Holds:  scales with the coordinates by powers of two.
 /// Source: REFINEMENT, rule 12, carried from decimals to decimals times powers of two, so that scaling by two keeps it.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
