@@ -11,6 +11,7 @@
 #include "core/base/parallel.h"
 #include "core/base/union_find.h"
 #include "core/refinement/local_features.h"
+#include "core/refinement/strips.h"
 
 namespace remesh {
 namespace {
@@ -70,6 +71,17 @@ std::vector<Use> segment_uses(const Surface& surface, const std::vector<PatchMes
 double magnitude(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
 
 }  // namespace
+
+double EvenParts::cut(double t0, double t1) const {
+  const double middle = t0 + (t1 - t0) / 2;
+  if (count < 2) return middle;
+  const double shift = is_shifted ? 0.5 : 0;
+  const auto end = [&](double part) { return (part - shift) / count; };
+  const double first = t0 == 0 ? 0 : std::round(t0 * count + shift);
+  const double last = t1 == 1 ? std::ceil(count + shift) : std::round(t1 * count + shift);
+  if (last - first < 2 || (t0 != 0 && end(first) != t0) || (t1 != 1 && end(last) != t1)) return middle;
+  return end(std::floor((first + last) / 2));
+}
 
 std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes) {
   std::vector<std::array<VertexId, 2>> ends;
@@ -197,6 +209,8 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
     segment.floor = std::max({shortest_piece, kFloorShare * size, noise / std::sin(angle)});
   });
+  const std::vector<EvenParts> parts = parts_along_strips(meshes, *this, feature, goals, sizes, control);
+  for (std::uint32_t s = 0; s < segments_.size(); ++s) segments_[SegmentId(s)].parts = parts[s];
 }
 
 Vec3 SegmentTable::position(SegmentId s, double t) const {
@@ -209,11 +223,9 @@ std::optional<double> SegmentTable::place_cut(const BoundarySegment& s, double t
   const bool at_from = t0 == 0 && s.shell_base[0] > 0;
   const bool at_to = t1 == 1 && s.shell_base[1] > 0;
   const bool use_from = at_from && (!at_to || s.shell_base[0] <= s.shell_base[1]);
-  double t = t0 + (t1 - t0) / 2;
-  if (use_from)
-    t = shell(s.shell_base[0], kShellShare * length) / s.length;
-  else if (at_to)
-    t = 1 - shell(s.shell_base[1], kShellShare * length) / s.length;
+  const double t = use_from ? shell(s.shell_base[0], kShellShare * length) / s.length
+                   : at_to  ? 1 - shell(s.shell_base[1], kShellShare * length) / s.length
+                            : s.parts.cut(t0, t1);
   if (!(t > t0 && t < t1)) return std::nullopt;
   return t;
 }
@@ -230,6 +242,20 @@ std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes
   const BoundarySegment& s = segments_[id];
   std::vector<double> cuts;
   if (s.is_locked || (sizes.is_uniform() && !std::isfinite(sizes.largest()))) return cuts;
+  if (s.parts.count > 1) {
+    std::vector<std::array<double, 2>> pieces{{0, 1}};
+    while (!pieces.empty()) {
+      const auto [t0, t1] = pieces.back();
+      pieces.pop_back();
+      if ((t1 - t0) * s.length * (1 - 1e-12) <= sizes.largest()) continue;
+      const double t = s.parts.cut(t0, t1);
+      cuts.push_back(t);
+      pieces.push_back({t0, t});
+      pieces.push_back({t, t1});
+    }
+    std::sort(cuts.begin(), cuts.end());
+    return cuts;
+  }
   // The way along the segment, counted in sizes, from step to step: each about half the size before.
   std::vector<std::pair<double, double>> way{{0, 0}};  // parameter, sizes so far
   double size = sizes.is_uniform() ? sizes.largest() : sizes.at(position(id, 0));

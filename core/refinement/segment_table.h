@@ -21,6 +21,15 @@ struct SegmentTag {
 };
 using SegmentId = Id<SegmentTag>;
 
+/// The equal parts of a segment between which it is cut first, if it is cut at all; then they are halved.
+struct EvenParts {
+  double count = 1;
+  bool is_shifted = false;  ///< by half of one: the first and the last one are halves
+
+  /// Where the piece [t0, t1] is cut: between two parts, the nearest to its middle, or in its middle.
+  double cut(double t0, double t1) const;
+};
+
 /// An edge between two vertices that stay. Places on it are parameters from 0 (`from`) to 1 (`to`).
 struct BoundarySegment {
   VertexId from, to;  ///< by position, the smaller one first
@@ -28,6 +37,7 @@ struct BoundarySegment {
   /// Around each end: the shells at base * 2^k on which pieces there are cut, so that segments that meet at a small
   /// angle are cut alike; 0 where no other segment is near.
   std::array<double, 2> shell_base{0, 0};
+  EvenParts parts;         ///< where there are no shells
   double floor = 0;        ///< no piece becomes shorter
   bool is_locked = false;  ///< it stays as it is
 };
@@ -68,12 +78,12 @@ class SegmentTable {
 
   Vec3 position(SegmentId s, double t) const;
 
-  /// Where the piece [t0, t1] is cut: on a shell next to an end that has shells, else in the middle. Empty if the
-  /// segment is locked or a half would be shorter than the floor.
+  /// Where the piece [t0, t1] is cut: on a shell next to an end that has shells, else between parts or in the middle.
+  /// Empty if the segment is locked or a half would be shorter than the floor.
   std::optional<double> cut(SegmentId s, double t0, double t1) const;
 
   /// The parameters at which a segment is cut for its size, before anything else: into the fewest parts that are no
-  /// longer than the size there, equal where it is. Ascending.
+  /// longer than the size there, equal where it is; on the side of a strip between its parts. Ascending.
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
 
  private:

@@ -223,6 +223,34 @@ TEST(refinement, turned_moved_scaled_and_renumbered_inputs_have_nearly_as_many_f
   }
 }
 
+/// A strip of width w and length L, in triangles with two equal sides, needs L / (2 w / tan angle) of them on either
+/// side and half of one at each end.
+TEST(refinement, facets_of_a_cylinder_get_hardly_more_faces_than_they_need) {
+  for (const double bound : {20.0, 25.0, 33.0})
+    for (const auto& [sides, height] : {std::pair(12, 40.0), std::pair(64, 10.0), std::pair(360, 2.0)}) {
+      const double width = 2 * std::sin(std::numbers::pi / sides);
+      const double angle = std::max(bound, 30.0) * std::numbers::pi / 180;
+      const double of_strip = 2 * std::ceil(height / (2 * width / std::tan(angle))) + 1;
+      const PolygonMesh cylinder = shapes::cylinder(sides, 1, height);
+      const Result cap = refined(shapes::polygon([&, sides = sides] {
+                                   std::vector<Vec2> corners;
+                                   for (int i = 0; i < sides; ++i) {
+                                     const double turn = 2 * std::numbers::pi * i / sides;
+                                     corners.push_back({std::cos(turn), std::sin(turn)});
+                                   }
+                                   return corners;
+                                 }()),
+                                 with_angle(bound));
+      const Result result = refined(cylinder, with_angle(bound));
+      EXPECT_EQ(listed(result.report), 0u);
+      EXPECT_GE(smallest_angle_deg(result.mesh), bound);
+      EXPECT_LE(static_cast<double>(result.mesh.faces.size()),
+                1.1 * (sides * of_strip + 2 * static_cast<double>(cap.mesh.faces.size())))
+          << sides << " facets at " << bound;
+      if (sides < 100) expect_promises(cylinder, with_angle(bound), result);
+    }
+}
+
 // Options.
 
 TEST(refinement, without_it_nothing_is_inserted_and_there_is_no_verdict_on_quality) {

@@ -180,7 +180,7 @@ std::vector<Cut> own_cuts(PatchRefiner& refiner) {
 }
 
 TEST(patch_refiner, its_own_cuts_are_told_once_and_are_all_there_are) {
-  Subject subject(shapes::sheet(10, 1, 1, 1), with_angle(30));
+  Subject subject(shapes::sheet(40, 1, 1, 1), with_angle(30));
   PatchRefiner refiner = subject.refiner();
   refiner.run(kNoLimit, subject.progress);
   std::vector<Cut> own = own_cuts(refiner);

@@ -87,6 +87,15 @@ double shortest_piece(const std::vector<double>& cuts, double length) {
   return std::min(shortest, (1 - last) * length);
 }
 
+double longest_piece(const std::vector<double>& cuts, double length) {
+  double longest = 0, last = 0;
+  for (const double t : cuts) {
+    longest = std::max(longest, (t - last) * length);
+    last = t;
+  }
+  return std::max(longest, (1 - last) * length);
+}
+
 PolygonMesh triangle(double degrees, double first, double second) {
   const double angle = degrees * std::numbers::pi / 180;
   return shapes::polygon({{0, 0}, {first, 0}, {second * std::cos(angle), second * std::sin(angle)}});
@@ -319,6 +328,108 @@ TEST(segment_table, locked_segments_stay_as_they_are) {
   EXPECT_EQ(locked, 4u);
   for (std::uint32_t s = 0; s < 12; ++s) table.lock(SegmentId(s));
   EXPECT_EQ(table.cut(SegmentId(0), 0, 1), std::nullopt);
+}
+
+TEST(even_parts, are_cut_apart_before_they_are_halved) {
+  for (const double count : {1.0, 2.0, 3.0, 7.0, 10.0, 1023.0})
+    for (const bool is_shifted : {false, true}) {
+      const EvenParts parts{count, is_shifted};
+      std::vector<double> ends{0, 1};
+      for (double k = 1; k < count + (is_shifted ? 1 : 0); ++k) ends.push_back((k - (is_shifted ? 0.5 : 0)) / count);
+      std::sort(ends.begin(), ends.end());
+      if (count < 2) ends = {0, 1};
+      const std::set<double> allowed(ends.begin(), ends.end());
+      std::set<double> found{0, 1};
+      std::vector<std::pair<double, double>> pieces{{0, 1}};
+      while (!pieces.empty()) {
+        const auto [t0, t1] = pieces.back();
+        pieces.pop_back();
+        const double t = parts.cut(t0, t1);
+        if (allowed.count(t) == 0) {
+          EXPECT_EQ(t, t0 + (t1 - t0) / 2);
+          continue;
+        }
+        // Neither side gets much more than the other: at most three of four halves of parts.
+        EXPECT_LE(std::max(t - t0, t1 - t), 0.75 * (t1 - t0) * (1 + 1e-9)) << count << (is_shifted ? " shifted" : "");
+        found.insert(t);
+        pieces.push_back({t0, t});
+        pieces.push_back({t, t1});
+      }
+      EXPECT_EQ(found, allowed) << count << (is_shifted ? " shifted" : "");
+    }
+}
+
+/// The segments of a prism's long sides, in their order around it.
+std::vector<SegmentId> long_sides(const Subject& subject, std::size_t sides, double height) {
+  std::vector<std::pair<double, SegmentId>> found;
+  for (std::uint32_t s = 0; s < subject.table.size(); ++s) {
+    const BoundarySegment& segment = subject.table[SegmentId(s)];
+    const Vec3 &a = subject.chain.surface.positions[segment.from], &b = subject.chain.surface.positions[segment.to];
+    if (std::fabs(b.z - a.z) > height / 2) found.emplace_back(std::atan2(a.y, a.x), SegmentId(s));
+  }
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found.size(), sides);
+  std::vector<SegmentId> ids;
+  for (const auto& [angle, s] : found) ids.push_back(s);
+  return ids;
+}
+
+TEST(strips, sides_have_the_fewest_parts_for_the_bound_and_take_turns) {
+  for (const std::size_t sides : {16u, 17u}) {
+    const double height = 10, width = 2 * std::sin(std::numbers::pi / static_cast<double>(sides));
+    for (const double bound : {20.0, 25.0, 33.0}) {
+      Options options;
+      options.min_angle_deg = bound;
+      const Subject subject(shapes::cylinder(static_cast<int>(sides), 1, height), goals_of(options, 1));
+      const std::vector<SegmentId> ids = long_sides(subject, sides, height);
+      // Triangles with two equal sides, one's top over the middle of its base, the others' beside it.
+      const double angle = std::max(bound, 30.0) * std::numbers::pi / 180;
+      const double fewest = std::ceil(height / (2 * width / std::tan(angle)));
+      std::size_t same = 0;
+      for (std::size_t k = 0; k < sides; ++k) {
+        const EvenParts& parts = subject.table[ids[k]].parts;
+        EXPECT_GE(parts.count, fewest);
+        EXPECT_LE(parts.count, fewest + 1);
+        EXPECT_EQ(parts.count, subject.table[ids[0]].parts.count);
+        same += parts.is_shifted == subject.table[ids[(k + 1) % sides]].parts.is_shifted;
+      }
+      EXPECT_EQ(same, sides % 2) << "an odd ring has two alike side by side";
+    }
+  }
+}
+
+TEST(strips, a_bar_has_the_parts_of_its_narrow_sides) {
+  const Subject subject(shapes::box({1, 3, 100}));
+  const double by_narrow = subject.table[subject.between({0, 0, 0}, {0, 0, 100})].parts.count;
+  EXPECT_GT(by_narrow, 25);
+  for (std::uint32_t s = 0; s < 12; ++s) {
+    const BoundarySegment& segment = subject.table[SegmentId(s)];
+    EXPECT_EQ(segment.parts.count, segment.length > 50 ? by_narrow : 1);
+  }
+  const Subject wide(shapes::box({2, 3, 4}));
+  for (std::uint32_t s = 0; s < 12; ++s) EXPECT_EQ(wide.table[SegmentId(s)].parts.count, 1);
+}
+
+TEST(strips, sizes_below_half_of_the_parts_divide_evenly) {
+  const double height = 10, width = 2 * std::sin(std::numbers::pi / 16);
+  for (const double size : {width, 0.3, 5.0}) {
+    const Subject subject(shapes::cylinder(16, 1, height), goals(), size);
+    const std::vector<SegmentId> ids = long_sides(subject, 16, height);
+    const double half = width / std::tan(30 * std::numbers::pi / 180);
+    for (const SegmentId s : ids) {
+      std::vector<double> cuts = subject.table.size_cuts(s, subject.sizes);
+      EXPECT_LE(longest_piece(cuts, height), size * (1 + 1e-9));
+      if (size < half) {
+        EXPECT_EQ(cuts.size() + 1, std::ceil(height / size * (1 - 1e-12)));
+        EXPECT_GE(shortest_piece(cuts, height), height / (static_cast<double>(cuts.size()) + 1) * (1 - 1e-9));
+      }
+    }
+  }
+}
+
+TEST(strips, the_shortest_edge_goes_before_them) {
+  const Subject subject(shapes::cylinder(16, 1, 10), goals(0.4));
+  for (const SegmentId s : long_sides(subject, 16, 10)) EXPECT_GE(shortest_piece(all_cuts(subject.table, s), 10), 0.4);
 }
 
 TEST(segment_table, places_are_the_same_from_either_end) {

@@ -1,0 +1,137 @@
+#include "core/refinement/strips.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/base/parallel.h"
+
+namespace remesh {
+namespace {
+
+/// Angles that are aimed at: a little more than the bound, and so much at least. Flatter triangles in a row save few
+/// faces and make worse tetrahedra (TetGen's worst dihedral angle on plates and prisms: 2.2 degrees at 25, 4.2 at 32).
+constexpr double kMargin = 0.02;
+constexpr double kLeastAngle = 30;
+/// More parts cannot be told apart by their ends.
+constexpr double kMostParts = 0x1p40;
+/// A strip's sides: by how much its width may change along it, and how far beyond one the other may begin, in widths.
+constexpr double kMostWidening = 1.25;
+constexpr double kMostShear = 0.5;
+/// Strips side by side are alike if their sides want parts in numbers that differ by no more.
+constexpr double kAlike = 1.05;
+
+using Pair = std::array<SegmentId, 2>;
+
+/// Do two half-edges of a patch face each other all along?
+bool do_face(const PatchMesh& patch, std::uint32_t h, std::uint32_t other) {
+  const Triangulation2d& mesh = patch.mesh;
+  const Vec2 a = patch.uv[mesh.from(h)], b = patch.uv[mesh.to(h)];
+  const Vec2 c = patch.uv[mesh.from(other)], d = patch.uv[mesh.to(other)];
+  const Vec2 along = (1 / norm(b - a)) * (b - a);
+  // They run in opposite directions: c lies across from b, and d from a.
+  const auto [least, most] = std::minmax({cross(along, c - a), cross(along, d - a)});
+  if (!(least > 0) || most > kMostWidening * least) return false;
+  return std::fabs(dot(along, c - b)) <= kMostShear * least && std::fabs(dot(along, d - a)) <= kMostShear * least;
+}
+
+/// The constrained half-edge that faces h over two triangles with a diagonal in common, or kNone.
+std::uint32_t facing(const PatchMesh& patch, std::uint32_t h) {
+  const Triangulation2d& mesh = patch.mesh;
+  for (const std::uint32_t diagonal : {Triangulation2d::next(h), Triangulation2d::previous(h)}) {
+    if (mesh.is_constrained(diagonal)) continue;
+    const std::uint32_t beyond = mesh.twin(diagonal);
+    for (const std::uint32_t other : {Triangulation2d::next(beyond), Triangulation2d::previous(beyond)})
+      if (mesh.is_constrained(other) && do_face(patch, h, other)) return other;
+  }
+  return Triangulation2d::kNone;
+}
+
+/// Segments that want parts and face each other in a patch: each pair both ways, ascending.
+std::vector<Pair> facing_segments(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
+                                  const std::vector<double>& wanted, RunControl& control) {
+  const auto blocks = map_blocks<std::vector<Pair>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
+    std::vector<Pair> pairs;
+    std::vector<std::pair<std::uint32_t, SegmentId>> segment_of;  // of half-edges
+    for (; p < end; ++p) {
+      segment_of.clear();
+      for (const std::uint32_t i : table.sides_of_patch(PatchId(p))) {
+        const SegmentSide& side = table.all_sides()[i];
+        if (wanted[side.segment.value] > 0) segment_of.emplace_back(side.half_edge, side.segment);
+      }
+      std::sort(segment_of.begin(), segment_of.end());
+      for (const auto& [h, s] : segment_of) {
+        const std::uint32_t other = facing(meshes[p], h);
+        const auto there = std::lower_bound(segment_of.begin(), segment_of.end(), std::pair(other, SegmentId(0)));
+        if (there == segment_of.end() || there->first != other || there->second == s) continue;
+        pairs.push_back({s, there->second});
+        pairs.push_back({there->second, s});
+      }
+    }
+    return pairs;
+  });
+  std::vector<Pair> pairs;
+  for (const std::vector<Pair>& block : blocks) pairs.insert(pairs.end(), block.begin(), block.end());
+  sort_all(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  return pairs;
+}
+
+/// How many parts a segment wants if it is the side of a strip; 0: it is none, or has to be cut more finely anyway.
+double wanted_parts(const BoundarySegment& segment, double feature, double tangent, const Goals& goals, double size) {
+  if (segment.is_locked) return 0;
+  const double by_angle = std::ceil(segment.length * tangent / (2 * feature));
+  const double by_size = std::ceil(segment.length / size * (1 - 1e-12));
+  const double parts = std::max(by_angle, by_size);
+  const double most = goals.min_edge_length > 0 ? segment.length / segment.floor : kMostParts;
+  // With twice as many parts it does not matter where the other side's are.
+  if (by_angle < 2 || by_size >= 2 * by_angle || 2 * parts > most) return 0;
+  return parts;
+}
+
+}  // namespace
+
+std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
+                                          std::span<const double> feature, const Goals& goals, const SizeField& sizes,
+                                          RunControl& control) {
+  std::vector<EvenParts> parts(table.size());
+  if (goals.min_angle_deg == 0 || !sizes.is_uniform()) return parts;
+  const double angle = std::max(goals.min_angle_deg, kLeastAngle) + kMargin;
+  const double tangent = std::tan(angle * std::numbers::pi / 180);
+  std::vector<double> wanted(table.size());
+  for (std::uint32_t s = 0; s < table.size(); ++s)
+    wanted[s] = wanted_parts(table[SegmentId(s)], feature[s], tangent, goals, sizes.largest());
+
+  // From side to side over all strips that are alike, beginning with the smallest id.
+  const std::vector<Pair> pairs = facing_segments(meshes, table, wanted, control);
+  std::vector<std::uint8_t> is_seen(table.size(), 0);
+  std::vector<SegmentId> alike;
+  for (const auto& [seed, unused] : pairs) {
+    if (is_seen[seed.value] != 0) continue;
+    is_seen[seed.value] = 1;
+    alike.assign(1, seed);
+    const double of_seed = wanted[seed.value];
+    double most = of_seed;
+    for (std::size_t k = 0; k < alike.size(); ++k) {
+      const SegmentId s = alike[k];
+      for (auto pair = std::lower_bound(pairs.begin(), pairs.end(), Pair{s, SegmentId(0)});
+           pair != pairs.end() && (*pair)[0] == s; ++pair) {
+        const SegmentId next = (*pair)[1];
+        const double of_next = wanted[next.value];
+        if (is_seen[next.value] != 0 || std::fabs(of_next - of_seed) > (kAlike - 1) * of_seed + 1) continue;
+        is_seen[next.value] = 1;
+        parts[next.value].is_shifted = !parts[s.value].is_shifted;
+        most = std::max(most, of_next);
+        alike.push_back(next);
+      }
+    }
+    if (alike.size() < 2) continue;
+    for (const SegmentId s : alike) parts[s.value].count = most;
+  }
+  return parts;
+}
+
+}  // namespace remesh

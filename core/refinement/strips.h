@@ -1,0 +1,25 @@
+/// Narrow strips, such as the facets of cylinders and fillets: where their long sides are best cut.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/refinement/goals.h"
+#include "core/refinement/segment_table.h"
+#include "core/refinement/size_field.h"
+#include "core/stages/patch_meshing.h"
+
+namespace remesh {
+
+/// Along a strip the bound on angles says how long the pieces of its sides may be; halves of halves of a side would be
+/// up to half of that. And where both sides are cut at the same places, each triangle over a piece has a right angle
+/// and the bound allows half as much again: so the sides of a strip are cut into as many equal parts, those of one side
+/// between those of the other, from strip to strip as far as they are alike. That makes a third of the faces.
+/// Input:  of each segment the distance to the nearest feature, model units; the table has its segments and sides.
+/// Output: one a segment; 1 for those that are no sides of strips, or where the size asks for shorter pieces.
+std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
+                                          std::span<const double> feature, const Goals& goals, const SizeField& sizes,
+                                          RunControl& control);
+
+}  // namespace remesh
