@@ -13,6 +13,9 @@
 namespace remesh {
 namespace {
 
+/// What is far beyond any result fits, too.
+std::uint64_t whole(double faces) { return static_cast<std::uint64_t>(std::min(faces, 0x1p62)); }
+
 std::string count_text(double count) {
   return count < 1e15 ? std::to_string(static_cast<std::uint64_t>(count)) : "10^15";
 }
@@ -26,7 +29,7 @@ bool GoalRefinement::has_goals() const {
 
 std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) {
   const SizeField& sizes = size_field(on, meshes);
-  if (has_goals()) predicted_faces_ = static_cast<std::uint64_t>(predict(meshes, goals_, sizes, control_).expected);
+  if (has_goals()) predicted_faces_ = whole(predict(meshes, goals_, sizes, control_).expected);
   return predicted_faces_;
 }
 
@@ -38,7 +41,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   const SizeField& sizes = size_field(on, meshes);
   const Prediction prediction = predict(meshes, goals_, sizes, control_);
   refuse_if_hopeless(prediction.least);
-  predicted_faces_ = static_cast<std::uint64_t>(prediction.expected);
+  predicted_faces_ = whole(prediction.expected);
   Goals within_budget = goals_;
   within_budget.max_faces = budget_;
   Refinement refined =

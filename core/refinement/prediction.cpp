@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
+#include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
+#include "core/refinement/strips.h"
 #include "core/stages/projection.h"
 
 namespace remesh {
@@ -13,16 +17,59 @@ namespace {
 /// Faces of a refined area, per equilateral face of the size asked for. Measured on cubes and plates.
 constexpr double kFacesPerIdeal = 1.45;
 
-/// Flat triangles are not filled further than floors allow.
-constexpr double kMostOfFlat = 64;
+/// Faces for each piece of a boundary edge that another patch needs, from there to where they may be large again.
+constexpr double kFacesPerPiece = 2.5;
+/// Edges in fewer pieces are no news to the patches beside them.
+constexpr double kFewPieces = 3;
 
 /// Area of the equilateral triangle with that edge.
 double ideal_area(double edge) { return std::numbers::sqrt3 / 4 * edge * edge; }
 
+/// How many pieces a patch needs of an edge between two vertices.
+struct EdgePieces {
+  VertexId from, to;  ///< the smaller id first
+  double pieces;
+
+  friend bool operator<(const EdgePieces& a, const EdgePieces& b) {
+    return std::tie(a.from, a.to, a.pieces) < std::tie(b.from, b.to, b.pieces);
+  }
+};
+
 class PatchPrediction {
  public:
   PatchPrediction(const PatchMesh& patch, const Goals& goals, const SizeField& sizes)
-      : patch_(patch), goals_(goals), sizes_(sizes) {}
+      : patch_(patch),
+        goals_(goals),
+        sizes_(sizes),
+        tangent_(goals.min_angle_deg > 0 && goals.split_boundaries
+                     ? std::tan(std::max(goals.min_angle_deg, kLeastStripAngle) * std::numbers::pi / 180)
+                     : 0) {}
+
+  /// Boundary edges of which the patch needs many pieces.
+  void find_pieces(std::vector<EdgePieces>& found) const {
+    if (tangent_ == 0) return;
+    for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); ++h) {
+      if (!patch_.mesh.is_constrained(h)) continue;
+      const double pieces = pieces_for_angle(h);
+      if (pieces < kFewPieces) continue;
+      const auto [from, to] = ends(h);
+      found.push_back({from, to, pieces});
+    }
+  }
+
+  /// Faces for pieces of edges, each as many as the patch with most of them needs.
+  double faces_for_pieces(const std::vector<EdgePieces>& needed) const {
+    double faces = 0;
+    for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); ++h) {
+      if (!patch_.mesh.is_constrained(h)) continue;
+      const auto [from, to] = ends(h);
+      const auto most = std::lower_bound(needed.begin(), needed.end(), EdgePieces{from, to, 0});
+      if (most == needed.end() || most->from != from || most->to != to) continue;
+      const double own = pieces_for_angle(h);
+      faces += own + kFacesPerPiece * (most->pieces - own);
+    }
+    return faces;
+  }
 
   Prediction run() const {
     const Triangulation2d& mesh = patch_.mesh;
@@ -40,7 +87,7 @@ class PatchPrediction {
       }
       const double triangle = cross(p[1] - p[0], p[2] - p[0]) / 2 * scale * scale;
       area += triangle;
-      by_angle += faces_for_angle(length, triangle);
+      by_angle += faces_for_angle(h, length, triangle);
       by_size += faces_for_size(p, triangle);
     }
     Prediction result;
@@ -50,17 +97,45 @@ class PatchPrediction {
   }
 
  private:
-  /// A triangle with a small angle is filled with others that grow from its short edge; if it is flat, all along it.
-  double faces_for_angle(const double (&length)[3], double area) const {
-    const double longest = std::max({length[0], length[1], length[2]});
-    const double shortest = std::min({length[0], length[1], length[2]});
-    const double height = 2 * area / longest;
-    if (!(height > 0) || goals_.min_angle_deg == 0) return 1;
+  std::pair<VertexId, VertexId> ends(std::uint32_t h) const {
+    return std::minmax({patch_.vertices[patch_.mesh.from(h)], patch_.vertices[patch_.mesh.to(h)]});
+  }
+
+  /// How many pieces of a boundary edge the bound on angles needs where the patch is narrow beside it: each is as long
+  /// as twice the width over the tangent of the angle. The width is that of the triangle there, and beyond its other
+  /// sides of theirs; towards an edge that meets this one it is the input's angle that counts.
+  double pieces_for_angle(std::uint32_t h) const {
+    const Triangulation2d& mesh = patch_.mesh;
+    const Vec2 a = patch_.uv[mesh.from(h)], b = patch_.uv[mesh.to(h)], c = patch_.uv[mesh.apex(h)];
+    const double length = norm(b - a);
+    const Vec2 along = (1 / length) * (b - a);
+    const double place = std::clamp(dot(along, c - a), 0.0, length), width = cross(along, c - a);
+    double pieces = 0;
+    for (const bool is_start : {true, false}) {
+      const std::uint32_t side = is_start ? Triangulation2d::previous(h) : Triangulation2d::next(h);
+      const double part = is_start ? place : length - place;
+      if (mesh.is_constrained(side) || !(part > 0) || !(width > 0)) continue;
+      const double beyond = std::max(width, cross(along, patch_.uv[mesh.apex(mesh.twin(side))] - a));
+      const double growth = beyond / width - 1;
+      // The mean of one over a width that grows evenly.
+      pieces += part / width * (growth > 1e-3 ? std::log1p(growth) / growth : 1);
+    }
+    const double most = length * patch_.frame.scale / goals_.min_edge_length;
+    return std::max(1.0, std::min(pieces * tangent_ / 2, most));
+  }
+
+  /// A triangle with a small angle is filled with others that grow from its short edge, or from the pieces of its long
+  /// one: those are counted by the pieces.
+  double faces_for_angle(std::uint32_t h, const double (&length)[3], double area) const {
+    if (!(area > 0) || goals_.min_angle_deg == 0) return 1;
+    const auto [shortest, longest] = std::minmax({length[0], length[1], length[2]});
     const double tangent = std::tan(goals_.min_angle_deg * std::numbers::pi / 180);
     // The smallest angle's height over its reach.
     const double sharpness = tangent / (2 * area / (longest * longest));
     if (sharpness <= 1) return 1;
-    return 1 + 2 * std::log2(sharpness) + (shortest > 2 * height ? std::min(shortest / height, kMostOfFlat) : 0);
+    for (std::uint32_t k = 0; k < 3; ++k)
+      if (length[k] > shortest && patch_.mesh.is_constrained(h + k) && pieces_for_angle(h + k) >= kFewPieces) return 1;
+    return 1 + 2 * std::log2(sharpness);
   }
 
   double faces_for_size(const Vec2 (&p)[3], double area) const {
@@ -84,26 +159,52 @@ class PatchPrediction {
   const PatchMesh& patch_;
   const Goals& goals_;
   const SizeField& sizes_;
+  double tangent_;  ///< of the angle along strips; 0: boundaries are not cut for angles
 };
 
 }  // namespace
 
 Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, const SizeField& sizes,
                    RunControl& control) {
-  const auto blocks = map_blocks<Prediction>(meshes.size(), 64, control, [&](std::size_t begin, std::size_t end) {
+  struct Block {
     Prediction sum;
+    std::vector<EdgePieces> pieces;
+  };
+  constexpr std::size_t kPatches = 64;
+  auto blocks = map_blocks<Block>(meshes.size(), kPatches, control, [&](std::size_t begin, std::size_t end) {
+    Block block;
     for (std::size_t p = begin; p < end; ++p) {
-      const Prediction one = PatchPrediction(meshes[p], goals, sizes).run();
-      sum.least += one.least;
-      sum.expected += one.expected;
+      const PatchPrediction patch(meshes[p], goals, sizes);
+      const Prediction one = patch.run();
+      block.sum.least += one.least;
+      block.sum.expected += one.expected;
+      patch.find_pieces(block.pieces);
     }
-    return sum;
+    return block;
   });
   Prediction total;
-  for (const Prediction& block : blocks) {
-    total.least += block.least;
-    total.expected += block.expected;
+  std::vector<EdgePieces> needed;
+  for (const Block& block : blocks) {
+    total.least += block.sum.least;
+    total.expected += block.sum.expected;
+    needed.insert(needed.end(), block.pieces.begin(), block.pieces.end());
   }
+  if (needed.empty()) return total;
+  // Of each edge the most.
+  sort_all(needed.begin(), needed.end());
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < needed.size(); ++i) {
+    const bool is_last =
+        i + 1 == needed.size() || needed[i + 1].from != needed[i].from || needed[i + 1].to != needed[i].to;
+    if (is_last) needed[kept++] = needed[i];
+  }
+  needed.resize(kept);
+  const auto faces = map_blocks<double>(meshes.size(), kPatches, control, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t p = begin; p < end; ++p) sum += PatchPrediction(meshes[p], goals, sizes).faces_for_pieces(needed);
+    return sum;
+  });
+  for (const double block : faces) total.expected += block;
   return total;
 }
 

@@ -14,8 +14,8 @@ struct Prediction {
   /// No result that meets the size goals has fewer: patch areas over the largest triangle that is allowed, and the
   /// pieces into which boundaries must be cut, one triangle each.
   double least = 0;
-  /// What to expect: by sizes within some 30 %, by angles alone within a factor of two or so (needles have no cheap
-  /// tight estimate).
+  /// What to expect: by sizes within some 30 %, by angles alone within a factor of two or so, along narrow strips too
+  /// (fans of needles have no cheap tight estimate).
   double expected = 0;
 };
 

@@ -12,10 +12,8 @@
 namespace remesh {
 namespace {
 
-/// Angles that are aimed at: a little more than the bound, and so much at least. Flatter triangles in a row save few
-/// faces and make worse tetrahedra (TetGen's worst dihedral angle on plates and prisms: 2.2 degrees at 25, 4.2 at 32).
+/// Degrees: aimed at so much more than the bound.
 constexpr double kMargin = 0.02;
-constexpr double kLeastAngle = 30;
 /// More parts cannot be told apart by their ends.
 constexpr double kMostParts = 0x1p40;
 /// A strip's sides: by how much its width may change along it, and how far beyond one the other may begin, in widths.
@@ -99,7 +97,7 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
                                           RunControl& control) {
   std::vector<EvenParts> parts(table.size());
   if (goals.min_angle_deg == 0 || !sizes.is_uniform()) return parts;
-  const double angle = std::max(goals.min_angle_deg, kLeastAngle) + kMargin;
+  const double angle = std::max(goals.min_angle_deg, kLeastStripAngle) + kMargin;
   const double tangent = std::tan(angle * std::numbers::pi / 180);
   std::vector<double> wanted(table.size());
   for (std::uint32_t s = 0; s < table.size(); ++s)

@@ -251,6 +251,23 @@ TEST(refinement, facets_of_a_cylinder_get_hardly_more_faces_than_they_need) {
     }
 }
 
+TEST(refinement, faces_along_strips_are_foreseen) {
+  const auto chamfered = [](double width) {
+    return shapes::prism({{0, 0}, {1, 0}, {1, 1 - width}, {1 - width, 1}, {0, 1}}, 1);
+  };
+  for (const PolygonMesh& mesh :
+       {chamfered(1e-2), chamfered(1e-3), chamfered(1e-4), shapes::cylinder(32, 1, 40), shapes::cylinder(360, 1, 5),
+        shapes::rotated(shapes::box({1, 0.01, 3}), {1, 2, 3}, 40)}) {
+    const Result result = refined(mesh);
+    const double ratio =
+        static_cast<double>(result.report.predicted_faces) / static_cast<double>(result.mesh.faces.size());
+    EXPECT_GT(ratio, 0.5) << result.mesh.faces.size();
+    EXPECT_LT(ratio, 2) << result.mesh.faces.size();
+    RunControl control;
+    EXPECT_EQ(analyze_surface(mesh, {}, RunSettings{}, control).predicted_faces, result.report.predicted_faces);
+  }
+}
+
 // Options.
 
 TEST(refinement, without_it_nothing_is_inserted_and_there_is_no_verdict_on_quality) {
