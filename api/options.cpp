@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <numeric>
 #include <system_error>
 #include <type_traits>
@@ -233,10 +234,15 @@ double parse_number(const OptionSpec& spec, std::string_view text) {
   return *value;
 }
 
+/// Also "1e6" and "1000.0": to JSON Schema, and to who computes in doubles, those are integers.
 std::uint64_t parse_integer(const OptionSpec& spec, std::string_view text) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (error != std::errc() || end != text.data() + text.size()) fail_value(spec, text);
+  if (error != std::errc() || end != text.data() + text.size()) {
+    const std::optional<double> number = parse_finite(text);
+    if (!number || !(*number >= 0 && *number <= 0x1p53) || *number != std::floor(*number)) fail_value(spec, text);
+    value = static_cast<std::uint64_t>(*number);
+  }
   check_range(spec, static_cast<double>(value), text);
   return value;
 }

@@ -117,8 +117,14 @@ TEST(Options, what_is_no_number_is_refused) {
     expect_invalid("weld_tolerance", text);
     expect_invalid("max_output_faces", text);
   }
-  for (const std::string_view text : {"1.5", "1e3", "-1", "0", "18446744073709551616"})
+  for (const std::string_view text : {"1.5", "1e-3", "-1", "-1.0", "0", "0.0", "18446744073709551616", "1e300"})
     expect_invalid("max_output_faces", text);
+}
+
+TEST(Options, whole_numbers_are_integers_however_they_are_written) {
+  for (const std::string_view text : {"1000", "1000.0", "1e3", "1E+3", "0.1e4"})
+    EXPECT_EQ(read("max_output_faces", text).core.max_output_faces, 1000u) << text;
+  EXPECT_EQ(read("max_output_faces", "9007199254740992.0").core.max_output_faces, std::uint64_t{1} << 53);
 }
 
 TEST(Options, ranges_hold_at_their_ends) {
