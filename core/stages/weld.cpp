@@ -153,6 +153,18 @@ class NearWelding {
   std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> grid_;
 };
 
+/// Names the first vertex that is so far from the origin: of a box as large, some vertex is.
+[[noreturn]] void throw_too_large(const Surface& surface, double limit) {
+  std::size_t v = 0;
+  const auto is_far = [&](const Vec3& p) {
+    return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}) >= limit;
+  };
+  while (v + 1 < surface.vertex_count() && !is_far(surface.positions[VertexId(v)])) ++v;
+  throw Error(Code::kInvalidMesh, Stage::kWeld,
+              "a vertex is too far from the mesh's centre to compute with: over 2^1022")
+      .at_element(surface.vertex_source[VertexId(v)].value);
+}
+
 void set_local_units(Surface& surface, RunControl& control) {
   const std::size_t n = surface.vertex_count();
   Box3 box;
@@ -167,6 +179,9 @@ void set_local_units(Surface& surface, RunControl& control) {
   const Vec3 half = box.max - centre;
   int exponent = 0;
   std::frexp(std::max({half.x, half.y, half.z}), &exponent);
+  // Frames are up to twice as large, and have to be numbers still.
+  constexpr int kLargestExponent = 1022;
+  if (exponent > kLargestExponent) throw_too_large(surface, std::ldexp(1.0, kLargestExponent));
   surface.unit = std::ldexp(1.0, exponent);
   surface.local.resize(n);
   for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {

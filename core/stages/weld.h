@@ -19,7 +19,7 @@ namespace remesh {
 ///          numbering; `face_label` numbers the combinations of the labels in `barriers`, in order of first use. What a
 ///          Surface holds about faces is not yet so: see mend_faces.
 ///          Counts duplicate_vertex and unused_vertex.
-/// Errors:  kEmptyMesh - no face.
+/// Errors:  kEmptyMesh - no face; kInvalidMesh - a vertex 2^1022 from the centre or further.
 /// Cost:    O(n log n).
 Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Diagnostic>& diagnostics,
              RunControl& control, double tolerance = 0);

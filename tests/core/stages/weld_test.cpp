@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstdint>
 
+#include "tests/support/errors.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -197,6 +199,19 @@ TEST(weld, no_vertex_moves_further_than_the_tolerance_and_those_that_stay_are_fu
       for (std::uint32_t w = 0; w < v; ++w)
         EXPECT_GT(norm(result.surface.positions[VertexId(v)] - result.surface.positions[VertexId(w)]), tolerance);
   }
+}
+
+TEST(weld, a_mesh_too_large_for_doubles_is_refused_with_a_vertex_that_makes_it_so) {
+  for (const double side : {0x1p1023, 0x1.fp1023}) {
+    const PolygonMesh box = shapes::scaled(shapes::box({1, 1, 1}), side);
+    const Error error = test::error_of([&] { welded(box); });
+    EXPECT_EQ(error.code, Code::kInvalidMesh);
+    ASSERT_TRUE(error.element.has_value());
+    const Vec3& p = box.positions[VertexId(static_cast<std::size_t>(*error.element))];
+    EXPECT_EQ(std::max({p.x, p.y, p.z}), side);
+  }
+  for (const double side : {0x1p1022, 0x1.fp1022})
+    EXPECT_EQ(welded(shapes::scaled(shapes::box({1, 1, 1}), side)).surface.vertex_count(), 8u);
 }
 
 TEST(weld, a_tolerance_below_all_distances_changes_nothing) {
