@@ -66,6 +66,8 @@ class DelaunayMesh {
   /// rim (it equals a vertex, or lies on a constrained edge). `rim()` is valid until the next operation.
   bool find_cavity(Vec2 p, std::uint32_t triangle);
   std::span<const RimEdge> rim() const { return rim_; }
+  /// Its triangles.
+  std::span<const std::uint32_t> cavity() const { return cavity_; }
   static bool is_constrained(const RimEdge& e) { return (e.outside & kConstraint) != 0; }
   static std::uint32_t side(const RimEdge& e) { return e.outside & ~kConstraint; }
   /// Puts p into the cavity that was found. Returns the new vertex.

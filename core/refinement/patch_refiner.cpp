@@ -1,8 +1,10 @@
 #include "core/refinement/patch_refiner.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "core/geometry/predicates.h"
@@ -89,7 +91,7 @@ PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
   shape.longest_squared = std::max({squared[0], squared[1], squared[2]});
   shape.twice_area = cross(b - a, c - a);
   shape.is_sharp = is_sharp(squared[0] + squared[1] + squared[2], squared[k], shape.twice_area);
-  shape.is_too_large = is_too_large(t, shape.longest_squared, shape.twice_area);
+  shape.is_too_large = is_too_large((1.0 / 3) * (a + b + c), shape.longest_squared, shape.twice_area);
   return shape;
 }
 
@@ -99,16 +101,13 @@ bool PatchRefiner::is_sharp(double squares, double shortest_squared, double twic
   return twice_area < criteria_.tangent * (squares - 2 * shortest_squared) / 2;
 }
 
-bool PatchRefiner::is_too_large(std::uint32_t t, double longest_squared, double twice_area) const {
+bool PatchRefiner::is_too_large(Vec2 centre, double longest_squared, double twice_area) const {
   if (!criteria_.has_sizes) return false;
   const double scale = patch_.frame.scale;
   if (twice_area / 2 * scale * scale > criteria_.max_area) return true;
   const double longest = std::sqrt(longest_squared) * scale;
   if (longest > criteria_.sizes.largest() * kSizeMargin) return true;
   if (criteria_.sizes.is_uniform()) return false;
-  const std::uint32_t h = 3 * t;
-  const Vec2 centre =
-      (1.0 / 3) * (mesh_.point(mesh_.from(h)) + mesh_.point(mesh_.from(h + 1)) + mesh_.point(mesh_.from(h + 2)));
   return !criteria_.sizes.allows(longest / kSizeMargin, to_space(centre));
 }
 
@@ -297,6 +296,64 @@ Vec2 PatchRefiner::lowered(Vec2 p, std::uint32_t shortest) const {
     best = place;
   }
   return on_grid(best);
+}
+
+PatchRefiner::Outcome PatchRefiner::outcome(Vec2 p) const {
+  Outcome found{0, HUGE_VAL};
+  for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
+    const Vec2 a = mesh_.point(e.from), b = mesh_.point(e.to);
+    const double squared[3] = {squared_length(b - a), squared_length(a - p), squared_length(b - p)};
+    const double sum = squared[0] + squared[1] + squared[2], twice_area = cross(a - p, b - p);
+    const auto [shortest, longest] = std::minmax({squared[0], squared[1], squared[2]});
+    found.more_bad += is_sharp(sum, shortest, twice_area) || is_too_large((1.0 / 3) * (a + b + p), longest, twice_area);
+    found.least_shape = std::min(found.least_shape, twice_area / sum);
+  }
+  for (const std::uint32_t t : mesh_.cavity()) {
+    const Shape shape = shape_of(t);
+    found.more_bad -= shape.is_sharp || shape.is_too_large;
+  }
+  return found;
+}
+
+bool PatchRefiner::is_encroaching(Vec2 p) const {
+  return std::any_of(mesh_.rim().begin(), mesh_.rim().end(), [&](const DelaunayMesh::RimEdge& e) {
+    return DelaunayMesh::is_constrained(e) && is_encroached(p, mesh_.point(e.from), mesh_.point(e.to));
+  });
+}
+
+/// Next to a lattice whose edges are as long as they may be, a point at the wrong place makes others too long, and so
+/// on across the whole lattice. Of places about p and about the triangle, the one that leaves the fewest bad triangles;
+/// of those the best shaped.
+Vec2 PatchRefiner::best_for_size(Vec2 p, std::uint32_t shortest) {
+  const Vec2 a = mesh_.point(mesh_.from(shortest)), b = mesh_.point(mesh_.to(shortest)),
+             c = mesh_.point(mesh_.apex(shortest));
+  const Vec2 middle = 0.5 * (a + b), up = p - middle, base = b - a, side = c - a;
+  const double along = dot(side, side - base) / (2 * cross(base, side));
+  const Vec2 circumcentre = middle + along * Vec2{-base.y, base.x};
+  const std::array places{p,
+                          middle + 1.15 * up,
+                          middle + 0.75 * up,
+                          p - 0.25 * base,
+                          p + 0.25 * base,
+                          middle + 0.8 * up - 0.25 * base,
+                          middle + 0.8 * up + 0.25 * base,
+                          circumcentre,
+                          (1.0 / 3) * (a + b + c),
+                          0.5 * (b + c),
+                          0.5 * (a + c)};
+  Vec2 best = p;
+  Outcome least{std::numeric_limits<int>::max(), 0};
+  for (const Vec2 at : places) {
+    if (!std::isfinite(at.x) || !std::isfinite(at.y)) continue;
+    const Place place = look_at(on_grid(at), shortest / 3);
+    if (!place.has_room || is_encroaching(place.p)) continue;
+    const Outcome next = outcome(place.p);
+    if (next.more_bad > least.more_bad || (next.more_bad == least.more_bad && !(next.least_shape > least.least_shape)))
+      continue;
+    least = next;
+    best = place.p;
+  }
+  return best;
 }
 
 PatchRefiner::Place PatchRefiner::look_at(Vec2 p, std::uint32_t triangle) {
@@ -492,7 +549,8 @@ void PatchRefiner::treat(const Task& task) {
     state_[t] = State::kLocked;
     return;
   }
-  const Vec2 p = steiner_point(shape);
+  Vec2 p = steiner_point(shape);
+  if (shape.is_too_large && !is_for_angle) p = best_for_size(p, shape.shortest);
   encroached_.clear();
   Attempt attempt = Attempt::kTooNear;
   if (std::isfinite(p.x) && std::isfinite(p.y)) {

@@ -128,7 +128,7 @@ class PatchRefiner {
                     RunControl& control);
   Shape shape_of(std::uint32_t t) const;
   bool is_sharp(double squares, double shortest_squared, double twice_area) const;
-  bool is_too_large(std::uint32_t t, double longest_squared, double twice_area) const;
+  bool is_too_large(Vec2 centre, double longest_squared, double twice_area) const;
   State excuse(std::uint32_t shortest) const;
   void classify(std::uint32_t t);
   void classify_changed();
@@ -141,6 +141,14 @@ class PatchRefiner {
   Vec2 steiner_point(const Shape& shape) const;
   int count_good(Vec2 p, int least) const;
   Vec2 lowered(Vec2 p, std::uint32_t shortest) const;
+  /// What a point would make of its cavity.
+  struct Outcome {
+    int more_bad;        ///< triangles that miss a bound, less those that did before
+    double least_shape;  ///< of the new triangles: area over the sum of squared edges, the larger the better
+  };
+  Outcome outcome(Vec2 p) const;
+  bool is_encroaching(Vec2 p) const;
+  Vec2 best_for_size(Vec2 p, std::uint32_t shortest);
   bool is_encroached(Vec2 p, Vec2 a, Vec2 b) const;
   /// Cuts a piece where the table says. Returns whether it did.
   bool cut_side(std::uint32_t side);

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <functional>
 #include <map>
+#include <numbers>
 #include <set>
 #include <string>
 #include <thread>
@@ -298,6 +299,28 @@ TEST(refinement, sizes_alone_are_met_without_a_bound_on_angles) {
   expect_promises(mesh, options, result);
   EXPECT_LE(longest_edge(result.mesh), 0.21 * kHair);
   EXPECT_EQ(listed(result.report), 0u);
+}
+
+/// No set of triangles with edges up to h has fewer than the area over that of the equilateral one.
+TEST(refinement, sizes_take_few_more_faces_than_equilateral_triangles_would) {
+  const std::tuple<double, double, double> cases[] = {{13.3, 17.1, 0.5}, {13.3, 17.1, 1}, {13.3, 17.1, 2},
+                                                      {41.597, 48, 1},   {10, 10, 0.5},   {30, 7, 0.5}};
+  for (const auto& [width, height, size] : cases) {
+    Options options = with_length(size);
+    options.min_angle_deg = 20;
+    const double fewest = width * height / (std::numbers::sqrt3 / 4 * size * size);
+    // Next to the sides nothing fits, along one layer or so.
+    const double beside = 2 * (width + height) / size;
+    for (const double turned : {0.0, 20.0}) {
+      const PolygonMesh sheet =
+          shapes::rotated(shapes::polygon({{0, 0}, {width, 0}, {width, height}, {0, height}}), {1, 2, 3}, turned);
+      const Result result = refined(sheet, options);
+      expect_promises(sheet, options, result);
+      EXPECT_EQ(listed(result.report), 0u);
+      EXPECT_LE(static_cast<double>(result.mesh.faces.size()), 1.1 * fewest + beside)
+          << width << " x " << height << " by " << size << " turned by " << turned;
+    }
+  }
 }
 
 TEST(refinement, a_fraction_is_of_the_boxs_diagonal) {
