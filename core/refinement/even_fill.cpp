@@ -20,6 +20,8 @@ namespace {
 /// triangles that refinement must mend; larger, and it gets holes that refinement must fill. From 0.5 to 0.8 counts
 /// differ by 2 %; at 0.8 the tetrahedra behind thin walls had the best dihedral angles.
 constexpr double kClearance = 0.8;
+/// Sizes within this factor are as good as one size: the smallest.
+constexpr double kAlike = 1.05;
 /// Of one size and stretched to fit, every second row ends half a size from the side, and may.
 constexpr double kClearanceOfOneSize = 0.49;
 
@@ -58,9 +60,9 @@ class PointGrid {
   std::vector<Key> keys_;
 };
 
-/// The triangles' sizes: the edge of a lattice that suits most of them, and the largest.
+/// The triangles' sizes: the edge of a lattice that suits most of them, and the ends of their range.
 struct Spacing {
-  double best, largest;
+  double best, smallest, largest;
 };
 
 /// A lattice and its halvings give each place the largest edge among them that is allowed there. The best edge makes
@@ -68,7 +70,7 @@ struct Spacing {
 Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes) {
   constexpr int kSteps = 32;
   std::array<double, kSteps> points{}, smallest{};
-  double largest = 0;
+  double least_size = HUGE_VAL, largest = 0;
   for (const auto& [a, b, c] : triangles) {
     const double size = sizes.at((1.0 / 3) * (a + b + c));
     int octave = 0;
@@ -76,6 +78,7 @@ Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const Plane
     const auto step = static_cast<std::size_t>(std::min(kSteps - 1.0, std::floor(kSteps * std::log2(part))));
     points[step] += cross(b - a, c - a) / (size * size);
     if (smallest[step] == 0 || part < smallest[step]) smallest[step] = part;
+    least_size = std::min(least_size, size);
     largest = std::max(largest, size);
   }
   double best = 1, least = HUGE_VAL;
@@ -93,7 +96,7 @@ Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const Plane
       best = smallest[i];
     }
   }
-  return {best, largest};
+  return {best, least_size, largest};
 }
 
 /// A cell of one of the lattices, a parallelogram.
@@ -124,12 +127,14 @@ class Lattice {
         high = {std::max(high.x, p.x), std::max(high.y, p.y)};
       }
     const Spacing spacing = best_spacing(triangles, sizes);
+    is_even_ = sizes.slope == 0 || spacing.largest <= kAlike * spacing.smallest;
     // The coarsest lattice: its edge is allowed somewhere.
-    edge_ = std::ldexp(spacing.best, std::ilogb(spacing.largest / spacing.best * (1 + 1e-12)));
+    edge_ = is_even_ ? spacing.smallest
+                     : std::ldexp(spacing.best, std::ilogb(spacing.largest / spacing.best * (1 + 1e-12)));
     // Where sizes vary, even the same gap is not everywhere the same to the last digits.
     if (sizes.slope > 0) edge_ *= kJustBelow;
     double x = edge_, y = edge_ * std::numbers::sqrt3 / 2;
-    if (sizes.slope == 0) {
+    if (is_even_) {
       // Ten sizes are ten columns, whatever the last digits say. What is narrower than one has none to fit: cells as
       // thin as a needle would be as many as it is long.
       constexpr double kHair = 1 - 1e-11;
@@ -147,6 +152,7 @@ class Lattice {
 
   Vec2 origin() const { return low_; }
   double edge() const { return edge_; }
+  bool is_even() const { return is_even_; }
 
   /// Cells that together cover the region.
   Cells cover(std::pmr::memory_resource* memory) const {
@@ -217,6 +223,7 @@ class Lattice {
   std::span<const std::array<Vec2, 3>> triangles_;
   Vec2 low_, along_, up_;
   double edge_ = 0;
+  bool is_even_ = false;
   int levels_above_ = 0;
 };
 
@@ -226,7 +233,7 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
                             const PlaneSizes& sizes, std::size_t most, RunControl& control) {
   const Lattice lattice(triangles, sizes);
   const PointGrid grid(boundary, lattice.origin(), lattice.edge());
-  const double clearance = sizes.slope == 0 ? kClearanceOfOneSize : kClearance;
+  const double clearance = lattice.is_even() ? kClearanceOfOneSize : kClearance;
   const auto is_near = [&](Vec2 p) { return grid.has_point_within(p, clearance * sizes.at(p)); };
   std::atomic<std::size_t> count = 0;  // of the points of all that are finished
   // Adds those that come from a cell.

@@ -20,7 +20,7 @@ struct PlaneSizes {
 
 /// Points of lattices of equilateral triangles, whose edges are at most the size there, inside a region and away from
 /// its boundary: what lies between is left to refinement. Each lattice has half the edges of the next coarser one, and
-/// all its points; rows run along x. Of one size, the lattice is stretched to fit the region's box.
+/// all its points; rows run along x. Of one size, or nearly, the lattice is stretched to fit the region's box.
 /// Input:  triangles that cover the region; the points of its boundary, no further apart than the size there.
 /// Output: in lexicographic order; empty if there would be more than `most`.
 /// Cost:   O((t + n) log n) for t triangles and n points, where the triangles are a Delaunay triangulation of the

@@ -131,6 +131,17 @@ TEST(even_fill, a_side_that_is_a_whole_number_of_sizes_has_that_many_whatever_it
     }
 }
 
+TEST(even_fill, sizes_that_are_nearly_one_are_filled_as_one) {
+  const polygons::Polygon plate{{{0, 0}, {1, 0}, {1, 0.37}, {0, 0.37}}, {}};
+  const double size = 0.03;
+  const std::size_t even = fill(region(plate, uniform(size)), uniform(size)).size();
+  const PlaneSizes nearly{[=](Vec2 p) { return size * (1.01 + 0.03 * p.x); },
+                          [=](double length, Vec2 p) { return length <= size * (1.01 + 0.03 * p.x); }, 0.5};
+  const std::size_t found = fill(region(plate, nearly), nearly).size();
+  EXPECT_LE(found, even);
+  EXPECT_GE(found, even * 9 / 10);
+}
+
 TEST(even_fill, more_points_than_allowed_are_none) {
   const Region square_region = region(square(), uniform(0.05));
   const std::size_t all = fill(square_region, uniform(0.05)).size();
