@@ -4,8 +4,11 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 #include "core/geometry/largest_coordinate.h"
 #include "core/geometry/pair_search.h"
 #include "core/geometry/predicates_3d.h"
@@ -128,12 +131,6 @@ class Cull {
       triangles.push_back({VertexId(n - 2), VertexId(n - 1), VertexId(n - 1)});
     }
     return TriangleTree(corners, triangles, control_);
-  }
-  static std::vector<Box3> boxes_of(const std::vector<Part>& parts) {
-    std::vector<Box3> boxes;
-    boxes.reserve(parts.size());
-    for (const Part& part : parts) boxes.push_back(part.box);
-    return boxes;
   }
 
   bool is_looked_at_inside(std::size_t f) const {
@@ -298,6 +295,109 @@ class Excerpt {
   std::vector<Vec3> positions_;
 };
 
+/// Pairs of faces of two patches, of those parts of either that are where the other is. Where many patches meet, as at
+/// the apex of a cone, all these parts lie in one place: they are held against each other patch by patch.
+class Meetings {
+ public:
+  Meetings(const Cull& cull, const Excerpt& excerpt, RunControl& control)
+      : cull_(cull),
+        parts_(cull.parts()),
+        excerpt_(excerpt),
+        positions_(scaled_for_predicates(excerpt.positions(), control)),
+        control_(control),
+        order_(parts_.size()) {
+    std::iota(order_.begin(), order_.end(), 0u);
+    sort_all(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return std::tuple(patches_of(a), parts_[a].of, parts_[a].face) <
+             std::tuple(patches_of(b), parts_[b].of, parts_[b].face);
+    });
+    begin_ = select_ids<std::uint32_t>(order_.size(), kBlock, control, [&](std::size_t i) {
+      return i == 0 || patches_of(order_[i]) != patches_of(order_[i - 1]);
+    });
+    begin_.push_back(static_cast<std::uint32_t>(order_.size()));
+  }
+
+  /// Adds the pairs, until there are more than `max_pairs`.
+  void find_pairs(std::size_t max_pairs, SelfIntersections& found) const {
+    // Meetings in a task, and tasks between two looks at how many pairs there are.
+    constexpr std::size_t kMeetings = 64, kTasks = 64;
+    std::vector<std::span<const std::uint32_t>> large;
+    for (std::size_t begin = 0; begin < size() && found.is_complete; begin += kMeetings * kTasks) {
+      const std::size_t n = std::min(size() - begin, kMeetings * kTasks), room = max_pairs - found.pairs.size();
+      const auto blocks = map_blocks<Pairs>(n, kMeetings, control_, [&](std::size_t first, std::size_t last) {
+        Pairs pairs;
+        for (std::size_t m = begin + first; m < begin + last && pairs.size() <= room; ++m)
+          if (!is_large(meeting(m))) hold_against_each_other(meeting(m), room, pairs);
+        return pairs;
+      });
+      for (const Pairs& pairs : blocks) found.pairs.insert(found.pairs.end(), pairs.begin(), pairs.end());
+      found.is_complete = found.pairs.size() <= max_pairs;
+    }
+    for (std::size_t m = 0; m < size() && found.is_complete; ++m)
+      if (is_large(meeting(m))) search(meeting(m), max_pairs, found);
+  }
+
+ private:
+  using Pairs = std::vector<std::pair<FaceId, FaceId>>;
+
+  std::pair<PatchId, PatchId> patches_of(std::uint32_t part) const {
+    return std::minmax({parts_[part].of, parts_[part].near});
+  }
+  std::size_t size() const { return begin_.size() - 1; }
+  /// The parts of two patches, those of the one first.
+  std::span<const std::uint32_t> meeting(std::size_t m) const {
+    return std::span(order_).subspan(begin_[m], begin_[m + 1] - begin_[m]);
+  }
+  std::size_t first_of_other(std::span<const std::uint32_t> meeting) const {
+    const PatchId one = parts_[meeting[0]].of;
+    return static_cast<std::size_t>(
+        std::partition_point(meeting.begin(), meeting.end(), [&](std::uint32_t i) { return parts_[i].of == one; }) -
+        meeting.begin());
+  }
+  bool is_large(std::span<const std::uint32_t> meeting) const {
+    constexpr std::size_t kMostTests = 1 << 14;
+    const std::size_t one = first_of_other(meeting);
+    return one * (meeting.size() - one) > kMostTests;
+  }
+  bool do_faces_intersect(std::uint32_t a, std::uint32_t b) const {
+    return do_intersect(excerpt_.face(parts_[a].face), excerpt_.face(parts_[b].face), positions_);
+  }
+
+  void hold_against_each_other(std::span<const std::uint32_t> meeting, std::size_t room, Pairs& pairs) const {
+    const std::size_t other = first_of_other(meeting);
+    for (const std::uint32_t a : meeting.first(other))
+      for (const std::uint32_t b : meeting.subspan(other)) {
+        if (!do_meet(parts_[a].box, parts_[b].box) || !do_faces_intersect(a, b)) continue;
+        pairs.push_back(std::minmax(FaceId(parts_[a].face), FaceId(parts_[b].face)));
+        if (pairs.size() > room) return;
+      }
+  }
+
+  void search(std::span<const std::uint32_t> meeting, std::size_t max_pairs, SelfIntersections& found) const {
+    std::vector<Box3> boxes;
+    boxes.reserve(meeting.size());
+    for (const std::uint32_t i : meeting) boxes.push_back(parts_[i].box);
+    const TriangleTree tree = cull_.tree_of(boxes);
+    const auto part = [&](std::size_t slot) { return meeting[tree.face(slot).value]; };
+    remesh::find_pairs(
+        tree, 0, [&](std::size_t slot) { return FaceId(parts_[part(slot)].face); },
+        [](std::size_t, std::size_t) { return false; },
+        [&](std::size_t slot, std::size_t other) {
+          const std::uint32_t a = part(slot), b = part(other);
+          return parts_[a].of != parts_[b].of && do_faces_intersect(a, b);
+        },
+        max_pairs, found, control_);
+  }
+
+  const Cull& cull_;
+  const std::vector<Part>& parts_;
+  const Excerpt& excerpt_;
+  std::vector<Vec3> positions_;
+  RunControl& control_;
+  std::vector<std::uint32_t> order_;  ///< of the parts, meeting after meeting
+  std::vector<std::uint32_t> begin_;  ///< of each meeting, in `order_`; one more
+};
+
 }  // namespace
 
 SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t max_pairs, RunControl& control) {
@@ -320,18 +420,7 @@ SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t m
     g = FaceId(cull.faces()[g.value]);
   }
   // Where one of two patches is large: each face only where the other patch is.
-  const std::vector<Part>& parts = cull.parts();
-  const std::vector<Vec3> positions = scaled_for_predicates(excerpt.positions(), control);
-  const TriangleTree tree = cull.tree_of(Cull::boxes_of(parts));
-  const auto part = [&](std::size_t slot) -> const Part& { return parts[tree.face(slot).value]; };
-  find_pairs(
-      tree, 0, [&](std::size_t slot) { return FaceId(part(slot).face); },
-      [](std::size_t, std::size_t) { return false; },
-      [&](std::size_t slot, std::size_t other) {
-        const Part &a = part(slot), &b = part(other);
-        return a.of == b.near && a.near == b.of && do_intersect(excerpt.face(a.face), excerpt.face(b.face), positions);
-      },
-      max_pairs, found, control);
+  if (!cull.parts().empty()) Meetings(cull, excerpt, control).find_pairs(max_pairs, found);
   std::sort(found.pairs.begin(), found.pairs.end());
   found.pairs.erase(std::unique(found.pairs.begin(), found.pairs.end()), found.pairs.end());
   if (found.pairs.size() > max_pairs) found.pairs.resize(max_pairs);

@@ -27,10 +27,10 @@ struct Patched {
     simple.assign(normals.size(), 1);
   }
 
-  SelfIntersections find() const {
+  SelfIntersections find(std::size_t max_pairs = 1'000'000) const {
     RunControl control;
     return patch_intersections(
-        {triangles.positions.items(), corners_of(triangles.faces.items()), patch, normals, simple}, 1'000'000, control);
+        {triangles.positions.items(), corners_of(triangles.faces.items()), patch, normals, simple}, max_pairs, control);
   }
   SelfIntersections find_all() const {
     RunControl control;
@@ -69,6 +69,40 @@ TEST(patch_intersections, touching_from_one_patch_to_another_counts) {
   const SelfIntersections expected = patched.find_all();
   ASSERT_GT(expected.pairs.size(), 10u);
   EXPECT_EQ(patched.find().pairs, expected.pairs);
+}
+
+/// Sheets through one line, like the pages of a book that go on behind its back.
+PolygonMesh crossing_sheets(int count, int cells) {
+  PolygonMesh mesh;
+  for (int i = 0; i < count; ++i) {
+    const PolygonMesh sheet = shapes::rotated(shapes::moved(shapes::sheet(2, 2, cells, cells), {-1, -1, 0}), {1, 0, 0},
+                                              180.0 * (i + 0.3) / count);
+    mesh = i == 0 ? sheet : shapes::joined(mesh, sheet);
+  }
+  return mesh;
+}
+
+TEST(patch_intersections, many_patches_may_meet_in_one_place) {
+  for (const auto& [count, cells] : {std::pair(2, 90), std::pair(12, 7), std::pair(5, 31)}) {
+    const Patched patched(crossing_sheets(count, cells));
+    ASSERT_EQ(patched.normals.size(), static_cast<std::size_t>(count));
+    const SelfIntersections expected = patched.find_all();
+    ASSERT_GT(expected.pairs.size(), static_cast<std::size_t>(count * cells));
+    EXPECT_EQ(patched.find().pairs, expected.pairs) << count << " sheets";
+  }
+}
+
+TEST(patch_intersections, more_than_are_wanted_are_not_all_told) {
+  for (const auto& [count, cells] : {std::pair(2, 90), std::pair(12, 7)}) {
+    const Patched patched(crossing_sheets(count, cells));
+    const std::size_t all = patched.find().pairs.size();
+    EXPECT_TRUE(patched.find(all).is_complete);
+    for (const std::size_t most : {std::size_t{0}, std::size_t{10}, all - 1}) {
+      const SelfIntersections some = patched.find(most);
+      EXPECT_FALSE(some.is_complete);
+      EXPECT_LE(some.pairs.size(), most);
+    }
+  }
 }
 
 TEST(patch_intersections, inside_a_large_patch_faces_are_looked_at_only_if_it_is_not_simple) {
