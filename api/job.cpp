@@ -39,8 +39,8 @@ RequestOptions bounded(RequestOptions options, const Limits& limits) {
         .for_option("max_output_faces")
         .with_limit(limits.max_output_faces);
   }
-  const bool is_limited = limits.max_output_faces != std::numeric_limits<std::uint64_t>::max();
-  if (!faces && is_limited) faces = limits.max_output_faces;
+  const std::uint64_t usual = std::min(limits.max_output_faces, limits.usual_output_faces);
+  if (!faces && usual != std::numeric_limits<std::uint64_t>::max()) faces = usual;
   return options;
 }
 

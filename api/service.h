@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,6 +29,8 @@ struct Limits {
   std::uint64_t max_output_faces = 50'000'000;
   int workers = 1;  ///< threads one request may use
   double request_timeout_s = 300;
+  /// Where a request names no `max_output_faces`, this many if it is fewer.
+  std::uint64_t usual_output_faces = std::numeric_limits<std::uint64_t>::max();
 };
 
 /// Of those, what bounds a body, or a mesh in it, out of gzip.

@@ -129,13 +129,15 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   }
 }
 
-/// No server, no limits but what the ids can count.
+/// No server, no limits but what the ids can count. A result that nobody has bounded ends where a server would end it:
+/// needles of 1e7 to 1 would go on until memory is full.
 api::Limits limits_for(int workers) {
   api::Limits limits;
   limits.max_decompressed = std::numeric_limits<std::uint64_t>::max();
   limits.max_ratio = 1000;  // hardly less than gzip can: no file of zeros
   limits.max_vertices = VertexId::kInvalid;
   limits.max_faces = FaceId::kInvalid;
+  limits.usual_output_faces = limits.max_output_faces;
   limits.max_output_faces = std::numeric_limits<std::uint64_t>::max();
   limits.workers = workers;
   return limits;

@@ -380,7 +380,8 @@ PatchRefiner::Attempt PatchRefiner::insert(const Place& place, double floor, boo
     if (DelaunayMesh::is_constrained(e) && is_encroached(p, a, mesh_.point(e.to)))
       encroached_.push_back(DelaunayMesh::side(e));
   }
-  if (!encroached_.empty() && !may_encroach) return Attempt::kEncroached;
+  // Over a piece that stays as long as it is, triangles would only get flatter.
+  if (!encroached_.empty() && (!may_encroach || is_any_locked(encroached_))) return Attempt::kEncroached;
   if (is_near || !place.has_room) return Attempt::kTooNear;
   set_vertex(mesh_.fill_cavity(p), SegmentId(), floor);
   quota_ -= std::min<std::uint64_t>(quota_, 2);
@@ -494,8 +495,12 @@ void PatchRefiner::insert_point(Vec2 p) {
   }
 }
 
+bool PatchRefiner::is_any_locked(std::span<const std::uint32_t> sides) const {
+  return std::any_of(sides.begin(), sides.end(), [&](auto s) { return segments_[sides_[s].segment].is_locked; });
+}
+
 PatchRefiner::State PatchRefiner::refusal(double floor) const {
-  if (!criteria_.split_boundaries && !encroached_.empty()) return State::kLocked;
+  if (is_any_locked(encroached_)) return State::kLocked;
   return floor <= criteria_.min_edge_length ? State::kMinEdge : State::kSizeFloor;
 }
 
@@ -549,8 +554,11 @@ void PatchRefiner::treat(const Task& task) {
     state_[t] = State::kLocked;
     return;
   }
-  Vec2 p = steiner_point(shape);
-  if (shape.is_too_large && !is_for_angle) p = best_for_size(p, shape.shortest);
+  const Vec2 p = steiner_point(shape);
+  if (shape.is_too_large && !is_for_angle) {
+    const Vec2 best = best_for_size(p, shape.shortest);
+    if (best != p && insert(best, t, floor, false) == Attempt::kDone) return;
+  }
   encroached_.clear();
   Attempt attempt = Attempt::kTooNear;
   if (std::isfinite(p.x) && std::isfinite(p.y)) {
@@ -576,7 +584,7 @@ void PatchRefiner::treat(const Task& task) {
         push(task, shape.shortest_squared);
       return;
     }
-    if (std::any_of(to_cut_.begin(), to_cut_.end(), [&](auto s) { return segments_[sides_[s].segment].is_locked; }))
+    if (is_any_locked(to_cut_))
       why = State::kLocked;
     else
       why = segments_[sides_[to_cut_[0]].segment].floor <= criteria_.min_edge_length ? State::kMinEdge

@@ -169,6 +169,7 @@ class PatchRefiner {
   std::uint32_t longest_edge(std::uint32_t t) const;
   bool split_too_large(std::uint32_t t, double floor);
   bool is_held_large(std::uint32_t t) const;
+  bool is_any_locked(std::span<const std::uint32_t> sides) const;
   State refusal(double floor) const;
 
   Vec3 to_space(Vec2 uv) const;

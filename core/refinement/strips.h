@@ -12,8 +12,8 @@
 
 namespace remesh {
 
-/// Degrees: a lower bound on angles is no reason for flatter triangles in a row along a strip. They would save few faces
-/// and make worse tetrahedra (TetGen's worst dihedral angle on plates and prisms: 2.2 degrees at 25, 4.2 at 32).
+/// Degrees: a lower bound on angles is no reason for flatter triangles in a row along a strip. They would save few
+/// faces and make worse tetrahedra (TetGen's worst dihedral angle on plates and prisms: 2.2 degrees at 25, 4.2 at 32).
 inline constexpr double kLeastStripAngle = 30;
 
 /// Along a strip the bound on angles says how long the pieces of its sides may be; halves of halves of a side would be

@@ -175,7 +175,9 @@ class Rounds {
     });
   }
 
-  /// How many triangles each dirty patch may make: from the state at the barrier alone.
+  /// How many triangles each dirty patch may make: from the state at the barrier alone. Half is shared out by the work
+  /// that waits, half evenly: one bad triangle may take a thousand, and a patch that is stopped only for its share
+  /// comes back in a round of its own.
   void choose_quotas() {
     quota_.assign(dirty_.size(), kNoLimit);
     if (goals_.max_faces == kNoLimit) return;
@@ -194,7 +196,8 @@ class Rounds {
     const double left = goals_.max_faces > faces ? static_cast<double>(goals_.max_faces - faces) : 0;
     for (std::size_t i = 0; i < dirty_.size(); ++i)
       quota_[i] =
-          static_cast<std::uint64_t>(left * static_cast<double>(share(dirty_[i])) / static_cast<double>(waiting));
+          static_cast<std::uint64_t>(left / 2 * static_cast<double>(share(dirty_[i])) / static_cast<double>(waiting)) +
+          static_cast<std::uint64_t>(left / 2 / static_cast<double>(dirty_.size()));
   }
 
   void exchange_cuts() {

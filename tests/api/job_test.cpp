@@ -76,6 +76,11 @@ TEST(RemeshJob, the_bound_of_faces_is_the_servers_unless_a_lower_one_is_asked_fo
   EXPECT_EQ(above.limit, 50u);
   limits.max_output_faces = std::numeric_limits<std::uint64_t>::max();
   EXPECT_EQ(remesh(job_of(kSquare), limits).options.core.max_output_faces, std::nullopt);
+  limits.usual_output_faces = 20;
+  EXPECT_EQ(remesh(job_of(kSquare), limits).options.core.max_output_faces, 20u);
+  EXPECT_EQ(remesh(job_of(kSquare, {{"max_output_faces", "51"}}), limits).options.core.max_output_faces, 51u);
+  limits.max_output_faces = 10;
+  EXPECT_EQ(remesh(job_of(kSquare), limits).options.core.max_output_faces, 10u);
 }
 
 TEST(RemeshJob, the_face_under_each_face_is_found_where_it_is_told_or_asked_for) {

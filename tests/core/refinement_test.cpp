@@ -392,6 +392,25 @@ TEST(refinement, boundaries_that_must_not_be_split_get_no_vertex) {
   }
 }
 
+TEST(refinement, over_boundaries_that_must_not_be_split_triangles_do_not_get_flatter) {
+  // A frame as wide as the size, its sides eight times as long.
+  Options options = with_length(1);
+  options.split_boundaries = false;
+  const PolygonMesh frame = shapes::flat({"########", "#......#", "#......#", "#......#", "#......#", "########"});
+  const PolygonMesh strip = shapes::polygon({{0, 0}, {8, 0}, {7, 1}, {1, 1}});
+  for (const PolygonMesh& mesh : {frame, strip}) {
+    const Result result = refined(mesh, options), before = refined(mesh, [] {
+                                                    Options none;
+                                                    none.refine = false;
+                                                    return none;
+                                                  }());
+    expect_promises(mesh, options, result);
+    EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kBoundaryLocked));
+    EXPECT_GE(smallest_angle_deg(result.mesh), 0.9 * smallest_angle_deg(before.mesh));
+    EXPECT_LE(result.mesh.faces.size(), 100u);
+  }
+}
+
 TEST(refinement, boundary_vertices_that_are_to_stay_do) {
   Options options = with_length(0.3);
   options.keep_boundary_vertices = true;
