@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/pages.h"
 #include "core/base/parallel.h"
 
 namespace remesh::cli {
@@ -50,6 +51,7 @@ std::size_t read_blocks(int fd, off_t from, std::span<char> bytes, const std::st
   std::vector<std::size_t> got((bytes.size() + kBlock - 1) / kBlock, 0);
   for_all(std::size_t{0}, got.size(), [&](std::size_t i) {
     const std::span<char> block = bytes.subspan(i * kBlock, std::min(kBlock, bytes.size() - i * kBlock));
+    take_pages(block);
     while (got[i] < block.size()) {
       control.check();
       const std::span<char> rest = block.subspan(got[i]);

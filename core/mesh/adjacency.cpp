@@ -9,6 +9,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
+#include "core/base/pages.h"
 #include "core/base/parallel.h"
 #include "core/base/run_control.h"
 
@@ -73,6 +74,9 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
       corners.size(), parts, [&](std::uint32_t h) { return smaller(h).value / kVertices; }, never_stopped);
   half_edges_ = std::move(by_part.items);
   twin_.resize(corners.size());
+  constexpr std::size_t kManyItems = std::size_t{1} << 18;
+  for_blocks(corners.size(), kManyItems, never_stopped,
+             [&](std::size_t begin, std::size_t end) { take_pages(std::span(twin_).subspan(begin, end - begin)); });
   std::vector<std::uint32_t> edges_before(parts + 1, 0);
   for_all(std::size_t{0}, parts, [&](std::size_t part) {
     const std::uint32_t begin = by_part.begin[part], end = by_part.begin[part + 1];
