@@ -1,6 +1,7 @@
 #include "core/preparation.h"
 
 #include "core/base/tolerance.h"
+#include "core/mesh/pinched_vertices.h"
 #include "core/quality.h"
 #include "core/stages/coplanar_regions.h"
 #include "core/stages/duplicate_faces.h"
@@ -45,7 +46,7 @@ class Preparation {
     report_.input.quality = triangles.are_split()
                                 ? measure_quality(positions, triangles.corners(), control_)
                                 : measure_quality(positions, triangles.corners(), adjacency(), control_);
-    find_defects(surface(), adjacency(), report_.diagnostics, control_);
+    find_defects(surface(), adjacency(), prepared_.pinched(control_), report_.diagnostics);
   }
 
   void choose_tolerance() {
@@ -108,6 +109,11 @@ const Adjacency& Prepared::adjacency() {
 const FaceGeometries& Prepared::geometry(RunControl& control) {
   if (geometry_.empty()) geometry_ = face_geometry(surface, control);
   return geometry_;
+}
+
+const std::vector<VertexId>& Prepared::pinched(RunControl& control) {
+  if (!pinched_) pinched_ = pinched_vertices(surface, adjacency(), control);
+  return *pinched_;
 }
 
 Prepared prepare(const PolygonMesh& input, const Options& options, const MendingLimits& limits, Report& report,

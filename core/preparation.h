@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -26,9 +27,11 @@ class Prepared {
   /// Of the surface; made when they are asked for and not there.
   const Adjacency& adjacency();
   const FaceGeometries& geometry(RunControl& control);
+  const std::vector<VertexId>& pinched(RunControl& control);  ///< see pinched_vertices
   /// The surface has changed, or nobody is likely to ask for them again: together they are as large as the surface.
   void release() {
     adjacency_.reset();
+    pinched_.reset();
     release_geometry();
   }
   void release_geometry() { geometry_ = {}; }
@@ -36,6 +39,7 @@ class Prepared {
  private:
   std::unique_ptr<Adjacency> adjacency_;
   FaceGeometries geometry_;
+  std::optional<std::vector<VertexId>> pinched_;
 };
 
 /// Mendings that an earlier attempt found to stand in the way.

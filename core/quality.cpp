@@ -350,31 +350,25 @@ VertexBlock measure_vertices(std::span<const Vec3> positions, std::span<const st
 }
 
 /// What the edges come to.
-struct EdgeBlock {
+struct EdgeCounts {
   std::uint64_t edges = 0, boundary = 0, non_manifold = 0;
   std::uint64_t inconsistent = 0;  ///< without two half-edges in opposite directions
-  void add(const EdgeBlock& other) {
-    edges += other.edges;
-    boundary += other.boundary;
-    non_manifold += other.non_manifold;
-    inconsistent += other.inconsistent;
-  }
 };
 
-EdgeBlock count_edges(const Adjacency& adjacency, RunControl& control) {
-  return combined(
-      map_blocks<EdgeBlock>(adjacency.edge_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-        EdgeBlock block;
-        for (std::size_t e = begin; e < end; ++e) {
-          const auto around = adjacency.half_edges(EdgeId(e));
-          if (adjacency.from(around[0]) == adjacency.to(around[0])) continue;  // a repeated corner is no edge
-          ++block.edges;
-          if (around.size() == 1) ++block.boundary;
-          if (around.size() > 2) ++block.non_manifold;
-          if (adjacency.twin(around[0]) == Adjacency::kNone) ++block.inconsistent;
-        }
-        return block;
-      }));
+EdgeCounts count_edges(const Adjacency& adjacency) {
+  EdgeCounts counts;
+  counts.edges = adjacency.edge_count();
+  for (const EdgeId e : adjacency.odd_edges()) {
+    const auto around = adjacency.half_edges(e);
+    if (adjacency.from(around[0]) == adjacency.to(around[0])) {  // a repeated corner is no edge
+      --counts.edges;
+      continue;
+    }
+    counts.boundary += around.size() == 1;
+    counts.non_manifold += around.size() > 2;
+    ++counts.inconsistent;
+  }
+  return counts;
 }
 
 MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
@@ -387,7 +381,7 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
   out.components = used.components;
   out.bounding_box = used.box;
 
-  const EdgeBlock edges = count_edges(adjacency, control);
+  const EdgeCounts edges = count_edges(adjacency);
   out.boundary_edges = edges.boundary;
   out.non_manifold_edges = edges.non_manifold;
   out.closed = out.faces > 0 && edges.boundary == 0 && edges.non_manifold == 0;

@@ -241,7 +241,8 @@ class Run {
     watch_.enter(Stage::kLoops);
     loops_ = boundary_loops(surface(), adjacency(), patches_, control_);
     watch_.enter(Stage::kEssentialVertices);
-    essential_ = essential_vertices(surface(), adjacency(), patches_, ladder.forced(), local_tolerance(), control_);
+    essential_ = essential_vertices(surface(), adjacency(), patches_, ladder.forced(), prepared_.pinched(control_),
+                                    local_tolerance(), control_);
     summaries_ = summarise_patches(surface(), adjacency(), geometry(), patches_, loops_, essential_, ladder, control_);
     const FaceGeometries& of_face = geometry();
     const auto is_thin = [&](std::size_t f) { return of_face[FaceId(f)].height < kThinFace * local_tolerance(); };

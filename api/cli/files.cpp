@@ -10,6 +10,11 @@
 #include <cstring>
 #include <filesystem>
 #include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/pages.h"
+#include "core/base/parallel.h"
 
 namespace remesh::cli {
 namespace {
@@ -37,6 +42,30 @@ class Descriptor {
  private:
   int fd_;
 };
+
+/// Fills `bytes` with what an open file has from a place on, by all threads: to copy a large file takes one of them as
+/// long as two take to make a mesh of it. Output: how much there is, up to the first gap; less than wanted where the
+/// file has become shorter.
+std::size_t read_blocks(int fd, off_t from, std::span<char> bytes, const std::string& path, const RunControl& control) {
+  constexpr std::size_t kBlock = std::size_t{1} << 21;
+  std::vector<std::size_t> got((bytes.size() + kBlock - 1) / kBlock, 0);
+  for_all(std::size_t{0}, got.size(), [&](std::size_t i) {
+    const std::span<char> block = bytes.subspan(i * kBlock, std::min(kBlock, bytes.size() - i * kBlock));
+    take_pages(block);
+    while (got[i] < block.size()) {
+      control.check();
+      const std::span<char> rest = block.subspan(got[i]);
+      const ssize_t more = ::pread(fd, rest.data(), rest.size(), from + static_cast<off_t>(i * kBlock + got[i]));
+      if (more < 0 && errno == EINTR) continue;
+      if (more < 0) fail(path);
+      if (more == 0) return;
+      got[i] += static_cast<std::size_t>(more);
+    }
+  });
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < got.size() && all == i * kBlock; ++i) all += got[i];
+  return all;
+}
 
 bool write_all(int fd, std::string_view content) {
   while (!content.empty()) {
@@ -87,6 +116,11 @@ FileContent FileContent::read(int fd, const std::string& path, const RunControl&
   FileContent content;
   // One byte more than the file has, so that its end is seen without another chunk.
   if (has_size) content.reserve(static_cast<std::size_t>(status.st_size) + 1);
+  if (const off_t from = has_size ? ::lseek(fd, 0, SEEK_CUR) : -1; from >= 0 && from < status.st_size) {
+    const auto size = static_cast<std::size_t>(status.st_size - from);
+    content.size_ = read_blocks(fd, from, {content.bytes_.get(), size}, path, control);
+    if (::lseek(fd, from + static_cast<off_t>(content.size_), SEEK_SET) < 0) fail(path);
+  }
   for (;;) {
     if (content.size_ == content.capacity_) content.reserve(std::max(kChunk, 2 * content.size_));
     const ssize_t got = ::read(fd, content.bytes_.get() + content.size_, content.capacity_ - content.size_);

@@ -8,24 +8,27 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/ids.h"
 #include "core/base/run_control.h"
 
 namespace remesh {
 
 /// The numbers 0 .. n-1 by their keys.
-struct Grouping {
-  std::vector<std::uint32_t> begin;  ///< of each key's items; one entry more than there are keys
-  std::vector<std::uint32_t> items;  ///< ascending in each group
+template <class Item>
+struct GroupingOf {
+  std::vector<std::uint32_t> begin;          ///< of each key's items; one entry more than there are keys
+  std::vector<Item, LeftUnset<Item>> items;  ///< ascending in each group
 
-  std::span<const std::uint32_t> operator[](std::size_t key) const {
+  std::span<const Item> operator[](std::size_t key) const {
     return std::span(items).subspan(begin[key], begin[key + 1] - begin[key]);
   }
 };
+using Grouping = GroupingOf<std::uint32_t>;
 
 /// A counting sort of 0 .. n-1 by key_of(i), which is below `key_count` and asked for twice.
 /// Cost:   O(n + keys); on the caller's TBB arena, as far as there are many more items than keys.
-template <class KeyOf>
-Grouping group_by(std::size_t n, std::size_t key_count, const KeyOf& key_of, RunControl& control) {
+template <class Item = std::uint32_t, class KeyOf>
+GroupingOf<Item> group_by(std::size_t n, std::size_t key_count, const KeyOf& key_of, RunControl& control) {
   // Each block counts for itself; so many items in each that all counts together are fewer than items.
   constexpr std::size_t kLeast = 1 << 14;
   const std::size_t size = std::max(kLeast, 8 * key_count);
@@ -38,7 +41,7 @@ Grouping group_by(std::size_t n, std::size_t key_count, const KeyOf& key_of, Run
     });
   };
   for_each_item([](std::uint32_t& count, std::size_t) { ++count; });
-  Grouping groups;
+  GroupingOf<Item> groups;
   groups.begin.reserve(key_count + 1);
   std::uint32_t total = 0;
   for (std::size_t key = 0; key < key_count; ++key) {
@@ -51,7 +54,8 @@ Grouping group_by(std::size_t n, std::size_t key_count, const KeyOf& key_of, Run
   }
   groups.begin.push_back(total);
   groups.items.resize(n);
-  for_each_item([&](std::uint32_t& place, std::size_t i) { groups.items[place++] = static_cast<std::uint32_t>(i); });
+  for_each_item(
+      [&](std::uint32_t& place, std::size_t i) { groups.items[place++] = Item(static_cast<std::uint32_t>(i)); });
   return groups;
 }
 

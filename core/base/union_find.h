@@ -1,11 +1,15 @@
 /// Disjoint sets of 0 .. n-1.
 #pragma once
 
+#include <algorithm>
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <utility>
 #include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/parallel.h"
 
 namespace remesh {
 
@@ -13,7 +17,17 @@ namespace remesh {
 /// call both functions at once; what is found then is good as soon as all joins are over.
 class UnionFind {
  public:
-  explicit UnionFind(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  explicit UnionFind(std::size_t n) : parent_(n) {
+    constexpr std::size_t kBlock = std::size_t{1} << 16;
+    const auto set = [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) parent_[i] = static_cast<std::uint32_t>(i);
+    };
+    if (n <= kBlock)
+      set(0, n);
+    else
+      for_all(std::size_t{0}, (n + kBlock - 1) / kBlock,
+              [&](std::size_t block) { set(block * kBlock, std::min(n, (block + 1) * kBlock)); });
+  }
 
   std::uint32_t find(std::uint32_t i) {
     while (true) {
@@ -52,7 +66,7 @@ class UnionFind {
  private:
   std::atomic_ref<std::uint32_t> at(std::uint32_t i) { return std::atomic_ref(parent_[i]); }
 
-  std::vector<std::uint32_t> parent_;
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> parent_;
 };
 
 }  // namespace remesh

@@ -71,24 +71,25 @@ class Pieces {
         if (around.size() == 2) sets.join(edges_.face_of(around[0]).value, edges_.face_of(around[1]).value);
       }
     });
-    piece_of_.resize(face_count());
     for_blocks(face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) piece_of_[f] = sets.find(static_cast<std::uint32_t>(f));
+      for (std::size_t f = begin; f < end; ++f) sets.flatten(static_cast<std::uint32_t>(f));
     });
-    for (std::uint32_t f = 0; f < face_count(); ++f) {
-      if (piece_of_[f] == f) {
-        piece_of_[f] = static_cast<std::uint32_t>(pieces_.size());
-        pieces_.emplace_back().first = FaceId(f);
-      } else {
-        piece_of_[f] = piece_of_[piece_of_[f]];
-      }
+    const auto firsts = select_ids<FaceId>(face_count(), kItemsPerBlock, control_, [&](std::size_t f) {
+      return sets.root_of(static_cast<std::uint32_t>(f)) == f;
+    });
+    piece_of_.resize(face_count());
+    pieces_.resize(firsts.size());
+    for (std::size_t p = 0; p < firsts.size(); ++p) {
+      pieces_[p].first = firsts[p];
+      piece_of_[firsts[p].value] = static_cast<std::uint32_t>(p);
     }
-    const auto is_open = [&](std::size_t e) {
-      const auto around = edges_.half_edges(EdgeId(e));
-      return edges_.from(around[0]) != edges_.to(around[0]) && edges_.twin(around[0]) == Adjacency::kNone;
-    };
-    for (const EdgeId e : select_ids<EdgeId>(edges_.edge_count(), kItemsPerBlock, control_, is_open))
-      for (const std::uint32_t h : edges_.half_edges(e)) pieces_[piece_of_[edges_.face_of(h).value]].is_closed = false;
+    for_blocks(face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f)
+        if (const std::uint32_t first = sets.root_of(f); first != f) piece_of_[f] = piece_of_[first];
+    });
+    for (const EdgeId e : edges_.odd_edges())
+      for (const std::uint32_t h : edges_.half_edges(e))
+        if (edges_.from(h) != edges_.to(h)) pieces_[piece_of_[edges_.face_of(h).value]].is_closed = false;
   }
 
   Vec3 twice_area_of(std::span<const VertexId> loop) const {
@@ -195,8 +196,8 @@ class Pieces {
   std::span<const VertexId> corners_;
   const Adjacency& edges_;
   RunControl& control_;
-  std::vector<Piece> pieces_;            ///< in the order of their first faces
-  std::vector<std::uint32_t> piece_of_;  ///< of each face
+  std::vector<Piece> pieces_;                                      ///< in the order of their first faces
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> piece_of_;  ///< of each face
 };
 
 }  // namespace

@@ -34,12 +34,6 @@ constexpr double kHeightMargin = 0x1p-49;
 struct Place {
   Box3 box;
   double low = HUGE_VAL, high = -HUGE_VAL;
-
-  void add(const Place& other) {
-    box.add(other.box);
-    low = std::min(low, other.low);
-    high = std::max(high, other.high);
-  }
 };
 
 /// A place to which several threads add at once; what it comes to does not depend on their order.
@@ -164,7 +158,10 @@ class Cull {
   bool is_near_others(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches,
                       const TriangleTree& tree) const {
     Box3 box;
-    for (std::size_t f = begin; f < end; ++f) box.add(box_of(f));
+    if (end - begin == kRun)
+      box = boxes_of_runs_[begin / kRun];
+    else
+      for (std::size_t f = begin; f < end; ++f) box.add(box_of(f));
     bool is_near = false;
     tree.visit_meeting(box, 0, [&](std::size_t slot) {
       is_near = patches[tree.face(slot).value] != surface_.patch[begin];
@@ -180,16 +177,25 @@ class Cull {
 
   /// Also counts the faces of each patch.
   void find_places() {
+    boxes_of_runs_.resize(surface_.face_count() / kRun + 1);
     for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       while (begin < end) {
         const PatchId p = surface_.patch[begin];
-        const std::size_t run_end = end_of_run(begin, end);
+        const std::size_t first = begin, run_end = end_of_run(begin, std::min(end, begin + kRun));
         count_[p.value].fetch_add(static_cast<std::uint32_t>(run_end - begin), std::memory_order_relaxed);
+        const Vec3 normal = surface_.normals[p.value];
         Place place;
-        for (; begin < run_end; ++begin) {
-          const auto [a, b, c] = heights(begin, p.value);
-          place.add({box_of(begin), std::min({a, b, c}) - kHeightMargin, std::max({a, b, c}) + kHeightMargin});
-        }
+        for (; begin < run_end; ++begin)
+          for (int i = 0; i < 3; ++i) {
+            const Vec3 at = corner(begin, i);
+            place.box.add(at);
+            const double height = dot(normal, at);
+            place.low = std::min(place.low, height);
+            place.high = std::max(place.high, height);
+          }
+        if (run_end - first == kRun) boxes_of_runs_[first / kRun] = place.box;
+        place.low -= kHeightMargin;
+        place.high += kHeightMargin;
         places_[p.value].add(place);
       }
     });
@@ -253,6 +259,7 @@ class Cull {
   double scale_ = 1;
   std::vector<std::atomic<std::uint32_t>> count_;  ///< faces of each patch
   std::vector<SharedPlace> places_;
+  std::vector<Box3> boxes_of_runs_;  ///< of those that are full: each begins among faces of its own
   Near near_;
 };
 

@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstddef>
 #include <numeric>
 #include <utility>
 
+#include "core/base/blocks.h"
 #include "core/base/grouping.h"
+#include "core/base/pages.h"
 #include "core/base/parallel.h"
 #include "core/base/run_control.h"
 
@@ -16,16 +19,34 @@ namespace {
 /// Vertices whose edges are put in order in one go.
 constexpr std::size_t kVertices = 1024;
 
-/// Few numbers, as most often, without a call.
-void sort(std::span<std::uint64_t> keys) {
+/// Puts numbers in order, all different. Few of them, as most often, each by how many are before it: no branch on what
+/// nobody can foresee.
+void put_in_order(std::span<const std::uint64_t> keys, std::span<std::uint64_t> sorted) {
   constexpr std::size_t kFew = 16;
-  if (keys.size() > kFew) return std::sort(keys.begin(), keys.end());
-  for (std::size_t i = 1; i < keys.size(); ++i) {
-    const std::uint64_t key = keys[i];
-    std::size_t j = i;
-    for (; j > 0 && keys[j - 1] > key; --j) keys[j] = keys[j - 1];
-    keys[j] = key;
+  if (keys.size() > kFew) {
+    std::copy(keys.begin(), keys.end(), sorted.begin());
+    return std::sort(sorted.begin(), sorted.end());
   }
+  std::array<std::uint32_t, kFew> rank;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    std::uint32_t before = 0;
+    for (std::size_t j = 0; j < i; ++j) {
+      const std::uint32_t is_before = keys[j] < keys[i];
+      before += is_before;
+      rank[j] += 1 - is_before;
+    }
+    rank[i] = before;
+  }
+  for (std::size_t i = 0; i < keys.size(); ++i) sorted[rank[i]] = keys[i];
+}
+
+/// Whether the keys, of the half-edges from a vertex to larger ones and of those to it, in order, are those of as many
+/// edges of two half-edges each.
+bool are_pairs(std::span<const std::uint64_t> forward, std::span<const std::uint64_t> backward) {
+  if (forward.size() != backward.size()) return false;
+  for (std::size_t i = 0; i < forward.size(); ++i)
+    if (forward[i] >> 32 != backward[i] >> 32 || (i > 0 && forward[i] >> 32 == forward[i - 1] >> 32)) return false;
+  return true;
 }
 
 }  // namespace
@@ -33,7 +54,14 @@ void sort(std::span<std::uint64_t> keys) {
 Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin,
                      std::span<const VertexId> corners)
     : face_begin_(face_begin), corners_(corners) {
-  for (std::size_t f = 0; f < face_begin.size() && are_triangles_; ++f) are_triangles_ = face_begin[f] == 3 * f;
+  RunControl never_stopped;
+  std::atomic<bool> are_triangles = true;
+  for_blocks(face_begin.size(), kItemsPerBlock, never_stopped, [&](std::size_t begin, std::size_t end) {
+    bool are_here = true;
+    for (std::size_t f = begin; f < end; ++f) are_here &= face_begin[f] == 3 * f;
+    if (!are_here) are_triangles = false;
+  });
+  are_triangles_ = are_triangles;
   if (!are_triangles_) {
     face_of_.resize(corners.size());
     for (std::size_t f = 0; f + 1 < face_begin.size(); ++f)
@@ -42,10 +70,13 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
 
   // First by parts of so many smaller vertices, then each part for itself.
   const std::size_t parts = (vertex_count + kVertices - 1) / kVertices;
-  RunControl never_stopped;
   Grouping by_part = group_by(
       corners.size(), parts, [&](std::uint32_t h) { return smaller(h).value / kVertices; }, never_stopped);
   half_edges_ = std::move(by_part.items);
+  twin_.resize(corners.size());
+  constexpr std::size_t kManyItems = std::size_t{1} << 18;
+  for_blocks(corners.size(), kManyItems, never_stopped,
+             [&](std::size_t begin, std::size_t end) { take_pages(std::span(twin_).subspan(begin, end - begin)); });
   std::vector<std::uint32_t> edges_before(parts + 1, 0);
   for_all(std::size_t{0}, parts, [&](std::size_t part) {
     const std::uint32_t begin = by_part.begin[part], end = by_part.begin[part + 1];
@@ -55,49 +86,85 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
   std::partial_sum(edges_before.begin(), edges_before.end(), edges_before.begin());
   edge_begin_.resize(edges_before.back() + 1);
   edge_begin_.back() = static_cast<std::uint32_t>(corners.size());
-  twin_.resize(corners.size());
-  for_all(std::size_t{0}, parts,
-          [&](std::size_t part) { number_edges(edges_before[part], by_part.begin[part], by_part.begin[part + 1]); });
+  for (const auto& of_part :
+       map_blocks<std::vector<EdgeId>>(parts, 1, never_stopped, [&](std::size_t part, std::size_t) {
+         return number_edges(edges_before[part], by_part.begin[part], by_part.begin[part + 1]);
+       }))
+    odd_edges_.insert(odd_edges_.end(), of_part.begin(), of_part.end());
 }
 
-/// Puts half-edges, ascending, whose smaller vertices are the kVertices from `first` on in the order of their edges.
-/// Returns how many edges they are.
-std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> half_edges) const {
-  // A counting sort by the smaller vertex, then a small sort by the larger one within each bucket.
-  std::array<std::uint32_t, kVertices + 1> place{};
-  for (const std::uint32_t h : half_edges) ++place[smaller(h).value - first + 1];
+/// Puts half-edges, ascending, whose smaller vertices are the kVertices from `first` on in the order of their edges,
+/// and finds their twins. Returns how many edges they are.
+std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> half_edges) {
+  // A counting sort by the smaller vertex and by direction, then a small sort by the larger vertex within each bucket.
+  std::array<std::uint32_t, 2 * kVertices + 1> place{};
+  using Keys = std::vector<std::uint64_t, LeftUnset<std::uint64_t>>;
+  Keys gathered(half_edges.size()), keys(half_edges.size());  // the larger vertex and the half-edge
+  std::vector<std::uint16_t, LeftUnset<std::uint16_t>> bucket(half_edges.size());
+  static_assert(2 * kVertices <= 1 << 16);
+  for (std::size_t i = 0; i < half_edges.size(); ++i) {
+    const std::uint32_t h = half_edges[i];
+    const VertexId a = from(h), b = to(h);
+    gathered[i] = std::uint64_t{std::max(a, b).value} << 32 | h;
+    bucket[i] = static_cast<std::uint16_t>(2 * (std::min(a, b).value - first) + (a < b ? 0u : 1u));
+    ++place[bucket[i] + 1u];
+  }
   std::partial_sum(place.begin(), place.end(), place.begin());
-  std::vector<std::uint64_t> keys(half_edges.size());  // the larger vertex and the half-edge
-  for (const std::uint32_t h : half_edges)
-    keys[place[smaller(h).value - first]++] = std::uint64_t{larger(h).value} << 32 | h;
+  for (std::size_t i = 0; i < gathered.size(); ++i) keys[place[bucket[i]]++] = gathered[i];
   std::uint32_t edges = 0;
+  const std::span<std::uint64_t> all(keys), sorted(gathered);
   for (std::size_t v = 0, begin = 0; v < kVertices; ++v) {
-    const std::span<std::uint64_t> bucket = std::span(keys).subspan(begin, place[v] - begin);
-    sort(bucket);
-    for (std::size_t i = 0; i < bucket.size(); ++i) {
-      edges += i == 0 || bucket[i] >> 32 != bucket[i - 1] >> 32;
-      half_edges[begin + i] = static_cast<std::uint32_t>(bucket[i]);
+    const std::size_t middle = place[2 * v], end = place[2 * v + 1];
+    const auto forward = sorted.subspan(begin, middle - begin), backward = sorted.subspan(middle, end - middle);
+    put_in_order(all.subspan(begin, forward.size()), forward);
+    put_in_order(all.subspan(middle, backward.size()), backward);
+    if (are_pairs(forward, backward)) {  // as most often
+      for (std::size_t i = 0; i < forward.size(); ++i) {
+        const auto g = static_cast<std::uint32_t>(forward[i]), h = static_cast<std::uint32_t>(backward[i]);
+        half_edges[begin + 2 * i] = std::min(g, h);
+        half_edges[begin + 2 * i + 1] = std::max(g, h);
+        twin_[g] = h;
+        twin_[h] = g;
+      }
+      edges += static_cast<std::uint32_t>(forward.size());
+    } else {
+      const auto both = sorted.subspan(begin, end - begin);
+      std::sort(both.begin(), both.end());
+      for (std::size_t i = 0, next; i < both.size(); i = next, ++edges) {
+        for (next = i + 1; next < both.size() && both[next] >> 32 == both[i] >> 32;) ++next;
+        join_edge(both.subspan(i, next - i), &half_edges[begin + i]);
+      }
     }
-    begin = place[v];
+    begin = end;
   }
   return edges;
 }
 
-/// Of the half-edges from `begin` to `end`, whose first edge is `edge`.
-void Adjacency::number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end) {
+/// Takes down the half-edges of an edge, by their keys, and which of them are twins.
+void Adjacency::join_edge(std::span<const std::uint64_t> edge, std::uint32_t* half_edges) {
+  for (std::size_t i = 0; i < edge.size(); ++i) {
+    half_edges[i] = static_cast<std::uint32_t>(edge[i]);
+    twin_[half_edges[i]] = kNone;
+  }
+  if (edge.size() != 2 || corners_[half_edges[0]] == corners_[half_edges[1]]) return;
+  twin_[half_edges[0]] = half_edges[1];
+  twin_[half_edges[1]] = half_edges[0];
+}
+
+/// Of the half-edges from `begin` to `end`, whose first edge is `edge`. Returns those without twins.
+std::vector<EdgeId> Adjacency::number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end) {
   const auto is_same = [&](std::uint32_t g, std::uint32_t h) {
     return smaller(g) == smaller(h) && larger(g) == larger(h);
   };
+  std::vector<EdgeId> odd;
   for (std::uint32_t next = begin; begin < end; begin = next, ++edge) {
     edge_begin_[edge] = begin;
+    next = begin + 2;
+    if (twin_[half_edges_[begin]] != kNone) continue;  // as most have: the two are all
     for (next = begin + 1; next < end && is_same(half_edges_[begin], half_edges_[next]);) ++next;
-    for (std::uint32_t i = begin; i < next; ++i) twin_[half_edges_[i]] = kNone;
-    const std::uint32_t g = half_edges_[begin], h = half_edges_[next - 1];
-    if (next - begin == 2 && corners_[g] != corners_[h]) {
-      twin_[g] = h;
-      twin_[h] = g;
-    }
+    odd.push_back(EdgeId(edge));
   }
+  return odd;
 }
 
 EdgeId Adjacency::find(VertexId a, VertexId b) const {

@@ -28,6 +28,9 @@ class Adjacency {
   std::span<const std::uint32_t> half_edges(EdgeId e) const {
     return std::span(half_edges_).subspan(edge_begin_[e.value], edge_begin_[e.value + 1] - edge_begin_[e.value]);
   }
+  /// The edges without twins, ascending: all but those of two half-edges that run in opposite directions. Most meshes
+  /// have few, and they are what is asked for.
+  std::span<const EdgeId> odd_edges() const { return odd_edges_; }
   /// The edge between two vertices; invalid if there is none. Cost: O(log n).
   EdgeId find(VertexId a, VertexId b) const;
   /// Cost: O(log n); nothing is stored for it, as most of what asks for a neighbour asks for the twin.
@@ -49,14 +52,17 @@ class Adjacency {
  private:
   VertexId smaller(std::uint32_t half_edge) const { return std::min(from(half_edge), to(half_edge)); }
   VertexId larger(std::uint32_t half_edge) const { return std::max(from(half_edge), to(half_edge)); }
-  std::uint32_t sort_part(std::size_t first, std::span<std::uint32_t> half_edges) const;
-  void number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end);
+  std::uint32_t sort_part(std::size_t first, std::span<std::uint32_t> half_edges);
+  void join_edge(std::span<const std::uint64_t> edge, std::uint32_t* half_edges);
+  std::vector<EdgeId> number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end);
 
   std::span<const std::uint32_t> face_begin_;
   std::span<const VertexId> corners_;
-  std::vector<std::uint32_t> half_edges_;
-  std::vector<std::uint32_t> edge_begin_;
-  std::vector<std::uint32_t> twin_;
+  using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
+  Numbers half_edges_;
+  Numbers edge_begin_;
+  Numbers twin_;
+  std::vector<EdgeId> odd_edges_;
   bool are_triangles_ = true;
   std::vector<FaceId> face_of_;  ///< where not all faces are triangles
 };

@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
+#include "core/base/pages.h"
 #include "core/base/parallel.h"
 
 namespace remesh {
@@ -22,24 +24,35 @@ FaceGeometries face_geometry(const Surface& surface, RunControl& control) {
   FaceGeometries result = FaceGeometries::of_size(surface.face_count());
   for_all(tbb::blocked_range<std::size_t>(0, surface.face_count(), 8192), [&](const auto& range) {
     control.check();
+    take_pages(std::span(result.items()).subspan(range.begin(), range.size()));
     for (std::size_t f = range.begin(); f < range.end(); ++f) {
       const auto loop = surface.face(FaceId(f));
       const Vec3 origin = surface.local[loop[0]];
       Vec3 twice_area;
-      Box3 box;
       double longest = 0;
       Vec3 longest_side;
-      for (std::size_t i = 0; i < loop.size(); ++i) {
-        const Vec3 a = surface.local[loop[i]];
-        const Vec3 b = surface.local[loop[i + 1 == loop.size() ? 0 : i + 1]];
-        twice_area += cross(a - origin, b - origin);
-        if (norm_squared(b - a) > longest) {
-          longest = norm_squared(b - a);
-          longest_side = b - a;
+      const auto add_side = [&](const Vec3& side) {
+        if (const double length = norm_squared(side); length > longest) {
+          longest = length;
+          longest_side = side;
         }
-        if (loop.size() > 3) box.add(a);
+      };
+      double extent = 0;
+      if (loop.size() == 3) {
+        const Vec3 b = surface.local[loop[1]], c = surface.local[loop[2]];
+        twice_area += cross(b - origin, c - origin);
+        for (const Vec3& side : {b - origin, c - b, origin - c}) add_side(side);
+        extent = std::sqrt(longest);
+      } else {
+        Box3 box;
+        for (std::size_t i = 0; i < loop.size(); ++i) {
+          const Vec3 a = surface.local[loop[i]], b = surface.local[loop[i + 1 == loop.size() ? 0 : i + 1]];
+          twice_area += cross(a - origin, b - origin);
+          add_side(b - a);
+          box.add(a);
+        }
+        extent = box.diagonal();
       }
-      const double extent = loop.size() == 3 ? std::sqrt(longest) : box.diagonal();
       FaceGeometry& g = result[FaceId(f)];
       const double length = norm(twice_area);
       g.normal = length > 0 ? Vec3{twice_area.x / length, twice_area.y / length, twice_area.z / length} : Vec3{};

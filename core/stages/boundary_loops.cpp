@@ -17,7 +17,7 @@ BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency,
         }
         return found;
       });
-  std::vector<std::uint8_t> is_walked(surface.corners.size(), 0);
+  std::vector<bool> is_walked(surface.corners.size());  // bits: this is where the run has most in memory
   const auto close_patch = [&] {
     loops.patch_begin.push_back(static_cast<std::uint32_t>(loops.loop_begin.size() - 1));
   };
@@ -30,7 +30,7 @@ BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency,
       std::uint32_t h = start;
       do {
         loops.half_edges.push_back(h);
-        is_walked[h] = 1;
+        is_walked[h] = true;
         // Turn about the head of h, through the patch's faces, to the next open edge.
         h = adjacency.next(h);
         while (!is_patch_boundary(adjacency, patches, h)) h = adjacency.next(adjacency.twin(h));

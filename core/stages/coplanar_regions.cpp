@@ -35,6 +35,9 @@ constexpr double kPrinted = 0.51;
 
 constexpr std::size_t kBlock = 4096;
 
+/// Neighbours whose normals have more than this cosine, as most have, are not apart: no need to look closer.
+constexpr double kNearlyFlat = 0.9999;
+
 /// A face from which a region is grown: the largest first; among equally large ones the one at the smallest place.
 struct Seed {
   double area = -1;
@@ -166,17 +169,23 @@ class Growth {
         rule_(rule),
         regions_(regions),
         control_(control),
-        stamp_(surface.face_count(), 0),
+        stamp_(surface.face_count()),
         trials_(surface.face_count(), 0) {
     // Corners lie within [-1, 1]; the floor is relative to the diagonal.
+    const auto box_of = [&](std::size_t begin, std::size_t end) {
+      Box3 box;
+      for (std::size_t v = begin; v < end; ++v) box.add(surface.local[VertexId(v)]);
+      return box;
+    };
     Box3 box;
-    for (const Vec3& p : surface.local) box.add(p);
+    for (const Box3& part : map_blocks<Box3>(surface.vertex_count(), kBlock, control, box_of)) box.add(part);
     floor_ = kToleranceFloor * box.diagonal();
     first_region_ = static_cast<std::uint32_t>(regions.planes.size());
     for (std::size_t rung = 0; rung < tolerance_at_.size(); ++rung)
       tolerance_at_[rung] = tolerance_at_rung(rule.plane_tolerance, static_cast<std::uint8_t>(rung), floor_);
-    for (std::size_t f = 0; f < surface.face_count(); ++f)
-      if (regions.of_face[FaceId(f)].is_valid()) stamp_[f] = kTaken;
+    for_blocks(surface.face_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) stamp_[f] = regions.of_face[FaceId(f)].is_valid() ? kTaken : 0;
+    });
   }
 
   void run() {
@@ -233,10 +242,15 @@ class Growth {
     return 3 * sine * sine;
   }
 
+  /// Whether two neighbours look the same way, as most do: then they are neither apart nor is there a bend.
+  bool are_flat(FaceId f, FaceId g) const {
+    const double cosine = dot(geometry_[f].normal, geometry_[g].normal);
+    return cosine > kNearlyFlat && 1 - cosine <= rule_.normal_tolerance;
+  }
+
   /// Whether two neighbours turn so far against each other that no plane fits both.
   bool are_apart(FaceId f, FaceId g) const {
     const double cosine = dot(geometry_[f].normal, geometry_[g].normal);
-    constexpr double kNearlyFlat = 0.9999;  // as most are: no need to look closer
     if (cosine > kNearlyFlat || is_thin(f) || is_thin(g)) return false;
     const double a = squared_sine(f, tolerance(f)), b = squared_sine(g, tolerance(g));
     // Less than the cosine of the two angles' sum, and a little for rounding.
@@ -261,27 +275,27 @@ class Growth {
     for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
         const std::uint32_t twin = adjacency_.twin(h);
-        if (twin == Adjacency::kNone) continue;
+        if (twin == Adjacency::kNone || twin < h) continue;
         const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
         if (stamp_[f.value] != kTaken && stamp_[g.value] != kTaken && (*rule_.zone)[g] == (*rule_.zone)[f] &&
-            (*rule_.rung)[g] == (*rule_.rung)[f] && !are_apart(f, g) && !is_bend(h))
+            (*rule_.rung)[g] == (*rule_.rung)[f] && (are_flat(f, g) || (!are_apart(f, g) && !is_bend(h))))
           joints_[h / kBits] |= std::uint64_t{1} << h % kBits;
       }
     });
   }
 
+  /// Input:  of the edge's half-edges the smaller one.
   bool is_joint(std::uint32_t h) const { return (joints_[h / kBits] >> h % kBits & 1) != 0; }
 
-  /// The faces without a region, by islands: those that hang together over joints. All other faces come last.
-  Grouping find_islands() {
+  /// Gives each face without a region the number of its island for one: of those that hang together over joints.
+  /// Output: how many islands there are.
+  std::size_t number_islands() {
     const std::size_t n = surface_.face_count();
     UnionFind sets(n);
     for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
         if (!is_joint(h)) continue;
-        const std::uint32_t twin = adjacency_.twin(h);
-        if (h > twin && is_joint(twin)) continue;  // but for rounding it is
-        sets.join(adjacency_.face_of(h).value, adjacency_.face_of(twin).value);
+        sets.join(adjacency_.face_of(h).value, adjacency_.face_of(adjacency_.twin(h)).value);
       }
     });
     for_blocks(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -290,22 +304,26 @@ class Growth {
     const auto roots = select_ids<std::uint32_t>(n, kBlock, control_, [&](std::size_t f) {
       return sets.root_of(static_cast<std::uint32_t>(f)) == f && stamp_[f] != kTaken;
     });
-    // A root has its island's number for a stamp, until all are in order.
+    // A root has its island's number for a stamp, until all know theirs; that stands where their region's will.
     for_blocks(roots.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) stamp_[roots[i]] = static_cast<std::uint32_t>(i);
     });
-    const auto last = static_cast<std::uint32_t>(roots.size());
-    Grouping islands = group_by(
-        n, roots.size() + 1,
-        [&](std::uint32_t f) {
-          const std::uint32_t number = stamp_[sets.root_of(f)];
-          return number == kTaken ? last : number;
-        },
-        control_);
+    for_blocks(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (FaceId f(begin); f.value < end; ++f.value)
+        if (const std::uint32_t number = stamp_[sets.root_of(f.value)]; number != kTaken)
+          regions_.of_face[f] = RegionId(number);
+    });
     for_blocks(roots.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) stamp_[roots[i]] = 0;
     });
-    return islands;
+    return roots.size();
+  }
+
+  /// The faces without a region, by islands. All other faces come last.
+  Grouping find_islands() {
+    const std::size_t count = number_islands();
+    const auto key = [&](std::uint32_t f) { return stamp_[f] == kTaken ? count : regions_.of_face[FaceId(f)].value; };
+    return group_by(surface_.face_count(), count + 1, key, control_);
   }
 
   /// Gives every face a region, island by island; then regions are numbered in the order of their seeds.
@@ -331,7 +349,7 @@ class Growth {
     std::vector<NewRegion> all;
     for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
     sort_all(all.begin(), all.end(), [](const NewRegion& a, const NewRegion& b) { return a.is_before(b); });
-    std::vector<RegionId> region(surface_.face_count());  // of those at the seeds
+    // All faces are taken: a seed may have its region's number for a stamp.
     regions_.planes.resize(first_region_ + all.size());
     seeds_.resize(all.size());
     for_blocks(all.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -339,13 +357,13 @@ class Growth {
         const RegionId r(first_region_ + i);
         seeds_[i] = all[i].seed.face;
         regions_.planes[r] = all[i].plane;
-        region[seeds_[i].value] = r;
+        stamp_[seeds_[i].value] = r.value;
       }
     });
     for_blocks(faces.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         RegionId& of_face = regions_.of_face[FaceId(faces[i])];
-        of_face = region[of_face.value];
+        of_face = RegionId(stamp_[of_face.value]);
       }
     });
   }
@@ -385,8 +403,9 @@ class Growth {
   template <class Accept>
   void for_each_open_neighbour(FaceId f, const Walk& walk, Accept accept) {
     for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
-      if (!is_joint(h)) continue;
-      const FaceId g = adjacency_.face_of(adjacency_.twin(h));
+      const std::uint32_t twin = adjacency_.twin(h);
+      if (twin == Adjacency::kNone || !is_joint(std::min(h, twin))) continue;
+      const FaceId g = adjacency_.face_of(twin);
       if (stamp_[g.value] != kTaken && stamp_[g.value] != walk.now) accept(g);
     }
   }
@@ -639,11 +658,11 @@ class Growth {
   std::array<double, kSingleFace + 1> tolerance_at_{};  ///< each rung
   std::atomic<std::size_t> faces_taken_ = 0;
   /// Per face: the growth on its island that found it last, or that it has its region.
-  std::vector<std::uint32_t> stamp_;
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> stamp_;
   static constexpr std::uint32_t kTaken = 0xffffffffu;
   std::vector<std::uint8_t> trials_;
   static constexpr std::size_t kBits = 64;
-  std::vector<std::uint64_t> joints_;  ///< a bit a half-edge
+  std::vector<std::uint64_t> joints_;  ///< a bit a half-edge; set for the smaller one of an edge
   std::vector<FaceId> seeds_;          ///< of the new regions
 };
 

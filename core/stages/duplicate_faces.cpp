@@ -16,14 +16,13 @@ class Duplicates {
 
   /// Output: what to do with each face; empty if none repeats another.
   const std::vector<std::uint8_t>& find() {
-    find_first_half_edges();
-    const auto has_equal_faces = [&](std::size_t e) {
+    const auto may_have_equal_faces = [&](std::size_t e) {
       const auto around = edges_.half_edges(EdgeId(e));
-      if (around.size() > 2) return true;  // perhaps
-      return around.size() == 2 && is_first(around[0]) && is_first(around[1]) &&
-             order(edges_.face_of(around[0]), edges_.face_of(around[1])) == 0;
+      return around.size() > 2 || (around.size() == 2 && do_go_on_alike(around[0], around[1]));
     };
-    for (const EdgeId e : select_ids<EdgeId>(edges_.edge_count(), kItemsPerBlock, control_, has_equal_faces)) {
+    const auto odd = select_ids<EdgeId>(edges_.edge_count(), kItemsPerBlock, control_, may_have_equal_faces);
+    if (!odd.empty()) find_first_half_edges();
+    for (const EdgeId e : odd) {
       faces_.clear();
       for (const std::uint32_t h : edges_.half_edges(e))
         if (is_first(h)) faces_.push_back(edges_.face_of(h));
@@ -36,10 +35,21 @@ class Duplicates {
   static constexpr std::uint8_t kStays = 0, kDropped = 1, kBack = 2;
 
  private:
+  /// Whether two faces at an edge have the same vertex after it, seen in one direction: as most have not, nobody has to
+  /// look at them any closer.
+  bool do_go_on_alike(std::uint32_t g, std::uint32_t h) const {
+    const VertexId after = edges_.to(edges_.next(g));
+    return edges_.from(g) == edges_.from(h) ? after == edges_.to(edges_.next(h)) : after == edges_.from(before(h));
+  }
+  std::uint32_t before(std::uint32_t h) const {
+    const std::uint32_t f = edges_.face_of(h).value;
+    return h == surface_.face_begin[f] ? surface_.face_begin[f + 1] - 1 : h - 1;
+  }
+
   /// Of each face the half-edge between its smallest vertex and the smaller of that one's neighbours: the same edge for
   /// all faces over the same loop, whichever way they run.
   void find_first_half_edges() {
-    first_.assign(surface_.face_count(), Adjacency::kNone);
+    first_.resize(surface_.face_count());
     for_blocks(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t f = begin; f < end; ++f) first_[f] = first_half_edge(f);
     });
@@ -131,7 +141,7 @@ class Duplicates {
   const Surface& surface_;
   const Adjacency& edges_;
   RunControl& control_;
-  std::vector<std::uint32_t> first_;  ///< of each face
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< of each face
   std::vector<std::uint8_t> fate_;
   std::vector<FaceId> faces_;
 };

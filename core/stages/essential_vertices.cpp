@@ -4,9 +4,9 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 
 #include "core/base/blocks.h"
-#include "core/mesh/pinched_vertices.h"
 
 namespace remesh {
 namespace {
@@ -30,11 +30,13 @@ ChordPosition about_chord(const Vec3& a, const Vec3& b, const Vec3& p) {
 class Selection {
  public:
   Selection(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
-            const IdVector<VertexId, std::uint8_t>& forced, double tolerance, RunControl& control)
+            const IdVector<VertexId, std::uint8_t>& forced, std::span<const VertexId> pinched, double tolerance,
+            RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
         patches_(patches),
         forced_(forced),
+        pinched_(pinched),
         tolerance_(tolerance),
         control_(control) {}
 
@@ -42,14 +44,15 @@ class Selection {
     find_boundary();
     mark_junctions();
     // What touches there must go on touching.
-    for (const VertexId v : pinched_vertices(surface_, adjacency_, control_)) essential_[v] = 1;
-    for (std::uint32_t v = 0; v < surface_.vertex_count(); ++v) {
-      if (v % 4096 == 0) control_.check();
-      if (essential_[VertexId(v)] && degree_[v] > 0)
-        for (std::uint32_t i = first_[v]; i < first_[v + 1]; ++i) walk(VertexId(v), incident_[i]);
+    for (const VertexId v : pinched_) essential_[v] = 1;
+    std::uint32_t looks = 0;
+    for (const VertexId v : vertices_) {
+      if (looks++ % 4096 == 0) control_.check();
+      if (essential_[v])
+        for (const EdgeId e : edges_at(v)) walk(v, e);
     }
-    for (std::uint32_t v = 0; v < surface_.vertex_count(); ++v)
-      if (degree_[v] == 2 && !is_walked_[incident_[first_[v]].value]) close_ring(VertexId(v));
+    for (const VertexId v : vertices_)
+      if (degree_[v.value] == 2 && !is_walked_[edges_at(v)[0].value]) close_ring(v);
     keep_doubled_chords();
     return std::move(essential_);
   }
@@ -66,6 +69,16 @@ class Selection {
   }
   VertexId other_end(EdgeId e, VertexId v) const { return low(e) == v ? high(e) : low(e); }
 
+  /// Those of the boundary.
+  std::span<const EdgeId> edges_at(VertexId v) const {
+    return std::span(incident_).subspan(first_[v.value], degree_[v.value]);
+  }
+  /// Of the two boundary edges at a vertex.
+  EdgeId other_edge(VertexId v, EdgeId e) const {
+    const auto edges = edges_at(v);
+    return edges[0] == e ? edges[1] : edges[0];
+  }
+
   /// The patch-boundary edges, and those at each vertex.
   void find_boundary() {
     const std::size_t vertices = surface_.vertex_count();
@@ -78,25 +91,27 @@ class Selection {
       ++degree_[low(e).value];
       ++degree_[high(e).value];
     }
-    first_.assign(vertices + 1, 0);
-    for (std::size_t v = 0; v < vertices; ++v) first_[v + 1] = first_[v] + degree_[v];
-    incident_.resize(first_.back());
-    std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
-    for (const EdgeId e : boundary) {
-      incident_[next[low(e).value]++] = e;
-      incident_[next[high(e).value]++] = e;
+    vertices_ = select_ids<VertexId>(vertices, kItemsPerBlock, control_, [&](std::size_t v) { return degree_[v] > 0; });
+    // Most vertices have none: nothing is written for them.
+    first_.resize(vertices);
+    std::uint32_t all = 0;
+    for (const VertexId v : vertices_) {
+      first_[v.value] = all;
+      all += std::exchange(degree_[v.value], 0);
     }
-    is_walked_.assign(adjacency_.edge_count(), 0);
+    incident_.resize(all);
+    for (const EdgeId e : boundary)
+      for (const VertexId v : {low(e), high(e)}) incident_[first_[v.value] + degree_[v.value]++] = e;
+    is_walked_.assign(adjacency_.edge_count(), false);
   }
 
   void mark_junctions() {
     essential_.assign(surface_.vertex_count(), 0);
-    for (std::uint32_t i = 0; i < surface_.vertex_count(); ++i) {
-      const VertexId v(i);
-      if (degree_[i] == 0) continue;
-      bool stays = forced_[v] != 0 || degree_[i] != 2;
+    for (const VertexId v : vertices_) {
+      const auto edges = edges_at(v);
+      bool stays = forced_[v] != 0 || edges.size() != 2;
       if (!stays) {
-        const VertexId a = other_end(incident_[first_[i]], v), b = other_end(incident_[first_[i] + 1], v);
+        const VertexId a = other_end(edges[0], v), b = other_end(edges[1], v);
         const ChordPosition position = about_chord(at(a), at(b), at(v));
         stays = position.distance > tolerance_ || position.along <= 0 || position.along >= 1;
       }
@@ -110,11 +125,11 @@ class Selection {
     run_.assign(1, start);
     VertexId v = start;
     while (true) {
-      is_walked_[e.value] = 1;
+      is_walked_[e.value] = true;
       v = other_end(e, v);
       run_.push_back(v);
       if (essential_[v]) break;
-      e = incident_[first_[v.value]] == e ? incident_[first_[v.value] + 1] : incident_[first_[v.value]];
+      e = other_edge(v, e);
     }
     simplify(0, run_.size() - 1);
   }
@@ -122,13 +137,13 @@ class Selection {
   /// A closed boundary without a corner: anchored at its smallest vertex and the one farthest from that.
   void close_ring(VertexId start) {
     run_.assign(1, start);
-    EdgeId e = incident_[first_[start.value]];
+    EdgeId e = edges_at(start)[0];
     for (VertexId v = other_end(e, start); v != start; v = other_end(e, v)) {
-      is_walked_[e.value] = 1;
+      is_walked_[e.value] = true;
       run_.push_back(v);
-      e = incident_[first_[v.value]] == e ? incident_[first_[v.value] + 1] : incident_[first_[v.value]];
+      e = other_edge(v, e);
     }
-    is_walked_[e.value] = 1;
+    is_walked_[e.value] = true;
     const auto smaller = [&](VertexId a, VertexId b) { return at(a) != at(b) ? at(a) < at(b) : a < b; };
     std::rotate(run_.begin(), std::min_element(run_.begin(), run_.end(), smaller), run_.end());
     const Vec3 anchor = at(run_[0]);
@@ -191,17 +206,16 @@ class Selection {
       EdgeId first_edge;  // of the run, at `from`
     };
     std::vector<Chord> chords;
-    for (std::uint32_t i = 0; i < surface_.vertex_count(); ++i) {
-      const VertexId v(i);
+    for (const VertexId v : vertices_) {
       if (!essential_[v]) continue;
-      for (std::uint32_t k = first_[i]; k < first_[i + 1]; ++k) {
-        EdgeId e = incident_[k];
+      for (const EdgeId first : edges_at(v)) {
+        EdgeId e = first;
         VertexId w = other_end(e, v);
         while (!essential_[w]) {
-          e = incident_[first_[w.value]] == e ? incident_[first_[w.value] + 1] : incident_[first_[w.value]];
+          e = other_edge(w, e);
           w = other_end(e, w);
         }
-        if (v < w) chords.push_back({v, w, v, incident_[k]});
+        if (v < w) chords.push_back({v, w, v, first});
       }
     }
     const auto key = [](const Chord& c) { return std::pair{c.a, c.b}; };
@@ -215,7 +229,7 @@ class Selection {
       EdgeId e = chords[i].first_edge;
       for (VertexId w = other_end(e, chords[i].from); w != chords[i].b; w = other_end(e, w)) {
         essential_[w] = 1;
-        e = incident_[first_[w.value]] == e ? incident_[first_[w.value] + 1] : incident_[first_[w.value]];
+        e = other_edge(w, e);
       }
     }
   }
@@ -224,12 +238,15 @@ class Selection {
   const Adjacency& adjacency_;
   const PatchSet& patches_;
   const IdVector<VertexId, std::uint8_t>& forced_;
+  std::span<const VertexId> pinched_;
   double tolerance_;
   RunControl& control_;
   IdVector<VertexId, std::uint8_t> essential_;
-  std::vector<std::uint32_t> degree_, first_;
+  std::vector<VertexId> vertices_;                              ///< of the boundary
+  std::vector<std::uint32_t> degree_;                           ///< boundary edges at each vertex
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< of them in `incident_`
   std::vector<EdgeId> incident_;
-  std::vector<std::uint8_t> is_walked_;
+  std::vector<bool> is_walked_;
   std::vector<VertexId> run_;
   std::vector<std::pair<std::size_t, std::size_t>> spans_;
 };
@@ -238,9 +255,10 @@ class Selection {
 
 IdVector<VertexId, std::uint8_t> essential_vertices(const Surface& surface, const Adjacency& adjacency,
                                                     const PatchSet& patches,
-                                                    const IdVector<VertexId, std::uint8_t>& forced, double tolerance,
+                                                    const IdVector<VertexId, std::uint8_t>& forced,
+                                                    std::span<const VertexId> pinched, double tolerance,
                                                     RunControl& control) {
-  return Selection(surface, adjacency, patches, forced, tolerance, control).run();
+  return Selection(surface, adjacency, patches, forced, pinched, tolerance, control).run();
 }
 
 }  // namespace remesh

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -12,8 +13,8 @@
 namespace remesh {
 
 /// Marks the essential vertices.
-/// Input:   vertices in `forced` stay whatever happens (the ladder's, or all with keep_boundary_vertices); the plane
-///          tolerance in local units.
+/// Input:   vertices in `forced` stay whatever happens (the ladder's, or all with keep_boundary_vertices); those that
+///          pinched_vertices finds; the plane tolerance in local units.
 /// Output:  1 for each vertex that stays. A vertex inside a patch stays only where it is the corner of something else
 ///          too: the triangulation of that patch must then have it as a point.
 /// Holds:   a vertex goes only if it has exactly two patch-boundary edges in the whole mesh, its faces are connected
@@ -23,7 +24,8 @@ namespace remesh {
 /// Source:  the 2018 report, section 4, as amended (ERRATA 4).
 IdVector<VertexId, std::uint8_t> essential_vertices(const Surface& surface, const Adjacency& adjacency,
                                                     const PatchSet& patches,
-                                                    const IdVector<VertexId, std::uint8_t>& forced, double tolerance,
+                                                    const IdVector<VertexId, std::uint8_t>& forced,
+                                                    std::span<const VertexId> pinched, double tolerance,
                                                     RunControl& control);
 
 }  // namespace remesh

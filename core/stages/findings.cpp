@@ -8,7 +8,6 @@
 
 #include "core/base/blocks.h"
 #include "core/geometry/overlap.h"
-#include "core/mesh/pinched_vertices.h"
 #include "core/stages/polygon_split.h"
 
 namespace remesh {
@@ -65,34 +64,22 @@ void for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& fac
 
 }  // namespace
 
-void find_defects(const Surface& welded, const Adjacency& edges, std::vector<Diagnostic>& diagnostics,
-                  RunControl& control) {
+void find_defects(const Surface& welded, const Adjacency& edges, std::span<const VertexId> pinched,
+                  std::vector<Diagnostic>& diagnostics) {
   Diagnostic non_manifold{
       DiagnosticCode::kNonManifoldEdge, 0, {}, "edges have three or more faces; elements are faces"};
-  Diagnostic pinched{DiagnosticCode::kNonManifoldVertex,
-                     0,
-                     {},
-                     "vertices join faces that have no edge there in common; elements are vertices"};
+  Diagnostic joined{DiagnosticCode::kNonManifoldVertex,
+                    0,
+                    {},
+                    "vertices join faces that have no edge there in common; elements are vertices"};
   Diagnostic open{DiagnosticCode::kOpenBoundary, 0, {}, "edges have one face only; elements are faces"};
-  struct Odd {
-    std::vector<FaceId> open, non_manifold;  ///< a face at each such edge
-  };
-  const auto blocks =
-      map_blocks<Odd>(edges.edge_count(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-        Odd odd;
-        for (std::size_t e = begin; e < end; ++e) {
-          const auto around = edges.half_edges(EdgeId(e));
-          if (around.size() == 2 || edges.from(around[0]) == edges.to(around[0])) continue;
-          (around.size() == 1 ? odd.open : odd.non_manifold).push_back(edges.face_of(around[0]));
-        }
-        return odd;
-      });
-  for (const Odd& odd : blocks) {
-    for (const FaceId f : odd.open) open.add(welded.face_source[f].value);
-    for (const FaceId f : odd.non_manifold) non_manifold.add(welded.face_source[f].value);
+  for (const EdgeId e : edges.odd_edges()) {
+    const auto around = edges.half_edges(e);
+    if (around.size() == 2 || edges.from(around[0]) == edges.to(around[0])) continue;
+    (around.size() == 1 ? open : non_manifold).add(welded.face_source[edges.face_of(around[0])].value);
   }
-  for (const VertexId v : pinched_vertices(welded, edges, control)) pinched.add(welded.vertex_source[v].value);
-  for (Diagnostic* d : {&non_manifold, &pinched, &open})
+  for (const VertexId v : pinched) joined.add(welded.vertex_source[v].value);
+  for (Diagnostic* d : {&non_manifold, &joined, &open})
     if (d->count > 0) diagnostics.push_back(std::move(*d));
 }
 

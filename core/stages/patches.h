@@ -12,9 +12,9 @@ namespace remesh {
 
 struct PatchSet {
   IdVector<FaceId, PatchId> of_face;
-  IdVector<PatchId, Plane> planes;           ///< local units
-  std::vector<std::uint32_t> face_begin{0};  ///< faces of patch p: faces[face_begin[p] .. face_begin[p + 1])
-  std::vector<FaceId> faces;                 ///< ascending within a patch
+  IdVector<PatchId, Plane> planes;               ///< local units
+  std::vector<std::uint32_t> face_begin{0};      ///< faces of patch p: faces[face_begin[p] .. face_begin[p + 1])
+  std::vector<FaceId, LeftUnset<FaceId>> faces;  ///< ascending within a patch
 
   std::size_t count() const { return planes.size(); }
   std::span<const FaceId> faces_of(PatchId p) const {

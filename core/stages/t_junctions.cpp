@@ -5,6 +5,7 @@
 #include <tuple>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 #include "core/base/tolerance.h"
 #include "core/mesh/face_geometry.h"
 #include "core/refinement/box_tree.h"
@@ -85,18 +86,19 @@ class Search {
 
  private:
   void find_boundary() {
-    std::vector<std::uint8_t> is_open(surface_.vertex_count(), 0);
-    for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
-      if (e % 4096 == 0) control_.check();
-      const auto around = edges_.half_edges(EdgeId(e));
-      if (around.size() != 1 || edges_.from(around[0]) == edges_.to(around[0])) continue;
-      is_open[edges_.from(around[0]).value] = is_open[edges_.to(around[0]).value] = 1;
-      const FaceId f = edges_.face_of(around[0]);
+    std::uint32_t looks = 0;
+    for (const EdgeId e : edges_.odd_edges()) {
+      if (looks++ % 4096 == 0) control_.check();
+      const std::uint32_t h = edges_.half_edges(e)[0];
+      if (edges_.half_edges(e).size() > 1 || edges_.from(h) == edges_.to(h)) continue;
+      vertices_.insert(vertices_.end(), {edges_.from(h), edges_.to(h)});
+      const FaceId f = edges_.face_of(h);
       const bool takes_vertices = as_it_is_.empty() || as_it_is_[surface_.face_source[f].value] == 0;
-      if (takes_vertices && !is_without_area(surface_, f)) open_.push_back(around[0]);
+      if (takes_vertices && !is_without_area(surface_, f)) open_.push_back(h);
     }
-    for (std::uint32_t v = 0; v < is_open.size(); ++v)
-      if (is_open[v]) vertices_.push_back(VertexId(v));
+    if (open_.empty()) return;
+    sort_all(vertices_.begin(), vertices_.end());
+    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
   }
 
   void find_on(std::uint32_t h, const VertexTree& tree, std::vector<Junction>& junctions) const {

@@ -6,6 +6,7 @@
 #include <bit>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <span>
 #include <tuple>
 #include <unordered_map>
@@ -29,7 +30,7 @@ struct Indexed {
 /// Output: false if that takes too long: someone has chosen coordinates that collide. Sorting takes its time always.
 bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::vector<std::uint8_t>& is_used,
                         std::vector<std::uint32_t>& stands_for, RunControl& control) {
-  constexpr std::uint32_t kFree = 0xffffffffu;
+  constexpr std::uint64_t kFree = 0xffffffffffffffffu;
   constexpr std::size_t kMostLooks = 16;  // a vertex, on average
   // Adding 0 makes -0 0, which it equals.
   const auto hash = [](const Vec3& p) {
@@ -40,32 +41,45 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
     }
     return h;
   };
-  // All threads fill one table. Which slot a place gets depends on them; that its first vertex stays in it does not.
-  std::vector<std::uint32_t> table(std::bit_ceil(2 * positions.size() + 1), kFree);
+  // All threads fill one table, of vertices behind the upper halves of their hashes: these tell most others apart,
+  // whose places are far off in memory. Which slot a place gets depends on them; that its first vertex stays in it does
+  // not.
+  std::vector<std::uint64_t> table(std::bit_ceil(2 * positions.size() + 1), kFree);
   const std::size_t mask = table.size() - 1;
   std::atomic<bool> is_colliding = false;
-  const auto enter = [&](std::uint32_t i, std::size_t& looks) {
+  constexpr int kHalf = 32;
+  const auto enter = [&](std::uint32_t i, std::uint64_t of_place, std::size_t& looks) {
     const Vec3 p = positions[VertexId(i)];
-    for (std::size_t slot = hash(p) & mask;; slot = (slot + 1) & mask, ++looks) {
+    const std::uint64_t own = of_place >> kHalf << kHalf | i;
+    for (std::size_t slot = of_place & mask;; slot = (slot + 1) & mask, ++looks) {
       const std::atomic_ref entry(table[slot]);
-      std::uint32_t other = entry.load(std::memory_order_relaxed);
-      if (other == kFree && entry.compare_exchange_strong(other, i, std::memory_order_relaxed)) return slot;
-      if (positions[VertexId(other)] != p) continue;
-      while (i < other && !entry.compare_exchange_weak(other, i, std::memory_order_relaxed)) continue;
+      std::uint64_t other = entry.load(std::memory_order_relaxed);
+      if (other == kFree && entry.compare_exchange_strong(other, own, std::memory_order_relaxed)) return slot;
+      if ((other ^ own) >> kHalf != 0 || positions[VertexId(static_cast<std::uint32_t>(other))] != p) continue;
+      while (own < other && !entry.compare_exchange_weak(other, own, std::memory_order_relaxed)) continue;
       return slot;
     }
   };
   for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     std::size_t looks = 0;
-    for (std::size_t i = begin; i < end && !is_colliding; ++i) {
-      if (is_used[i]) stands_for[i] = static_cast<std::uint32_t>(enter(static_cast<std::uint32_t>(i), looks));
+    // Some at once: the table is large, so that each slot takes its time to come.
+    std::array<std::uint64_t, 16> hashes;
+    for (std::size_t i = begin; i < end && !is_colliding; begin = i) {
+      const std::size_t stop = std::min(end, begin + hashes.size());
+      for (std::size_t k = begin; k < stop; ++k) {
+        hashes[k - begin] = hash(positions[VertexId(k)]);
+        __builtin_prefetch(&table[hashes[k - begin] & mask], 1);
+      }
+      for (; i < stop; ++i)
+        if (is_used[i])
+          stands_for[i] = static_cast<std::uint32_t>(enter(static_cast<std::uint32_t>(i), hashes[i - begin], looks));
       if (looks > kMostLooks * kItemsPerBlock) is_colliding = true;
     }
   });
   if (is_colliding) return false;
   for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i)
-      if (is_used[i]) stands_for[i] = table[stands_for[i]];
+      if (is_used[i]) stands_for[i] = static_cast<std::uint32_t>(table[stands_for[i]]);
   });
   return true;
 }
@@ -214,6 +228,44 @@ IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Ba
   return numbers;
 }
 
+/// Gives the surface its vertices, in the input's order, each where the first of those comes that are welded to it.
+/// Output: of each input vertex that is used, which it is.
+std::vector<VertexId> take_vertices(const PolygonMesh& input, const std::vector<std::uint8_t>& is_used,
+                                    const std::vector<std::uint32_t>& stands_for, Surface& surface,
+                                    Diagnostic& duplicate, RunControl& control) {
+  const std::size_t n = input.vertex_count();
+  std::vector<VertexId> welded(n);
+  const auto take = [&](VertexId at, std::size_t source) {
+    surface.positions[at] = input.positions[VertexId(source)];
+    surface.vertex_source[at] = VertexId(source);
+  };
+  const auto is_single = [&](std::size_t i) { return is_used[i] != 0 && stands_for[i] == i; };
+  const auto counts = map_blocks<std::size_t>(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    std::size_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) count += is_single(i);
+    return count;
+  });
+  const std::size_t singles = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
+  surface.positions.resize(singles);
+  surface.vertex_source.resize(singles);
+  if (singles == n) {  // as most often
+    for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) take(welded[i] = VertexId(i), i);
+    });
+    return welded;
+  }
+  std::uint32_t next = 0;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (!is_used[i]) continue;
+    // With a tolerance, of two vertices with equal coordinates the first knows for which it stands.
+    const std::uint32_t one = stands_for[stands_for[i]];
+    if (one != i) duplicate.add(i);
+    if (!welded[one].is_valid()) take(welded[one] = VertexId(next++), one);
+    welded[i] = welded[one];
+  }
+  return welded;
+}
+
 }  // namespace
 
 Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Diagnostic>& diagnostics,
@@ -232,8 +284,8 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
     for (std::size_t c = begin; c < end; ++c)
       std::atomic_ref(is_used[input.corners[c].value]).store(1, std::memory_order_relaxed);
   });
-  for (std::uint32_t i = 0; i < n; ++i)
-    if (!is_used[i]) unused.add(i);
+  for (const VertexId v : select_ids<VertexId>(n, kItemsPerBlock, control, [&](std::size_t v) { return !is_used[v]; }))
+    unused.add(v.value);
   std::vector<std::uint32_t> stands_for(n);
   std::vector<Indexed> sorted;
   if (tolerance > 0 || !find_equal_by_hash(input.positions, is_used, stands_for, control)) {
@@ -257,30 +309,29 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
 
   control.check();
   Surface surface;
-  std::vector<VertexId> welded(n);
-  surface.positions.reserve(n);
-  surface.vertex_source.reserve(n);
-  for (std::uint32_t i = 0; i < n; ++i) {
-    if (!is_used[i]) continue;
-    // With a tolerance, of two vertices with equal coordinates the first knows for which it stands.
-    const std::uint32_t one = stands_for[stands_for[i]];
-    if (one != i) duplicate.add(i);
-    if (!welded[one].is_valid()) {
-      welded[one] = surface.positions.push_back(input.positions[VertexId(one)]);
-      surface.vertex_source.push_back(VertexId(one));
-    }
-    welded[i] = welded[one];
-  }
+  const std::vector<VertexId> welded = take_vertices(input, is_used, stands_for, surface, duplicate, control);
   set_local_units(surface, control);
 
-  surface.face_begin = input.face_begin;
-  surface.corners.resize(input.corners.size());
+  // Filled in by several threads, but allocated by this one: its memory comes from where the text was.
+  const std::size_t faces = input.face_count();
+  surface.corners.reserve(input.corners.size());
+  surface.face_begin.reserve(faces + 1);
+  surface.face_source.reserve(faces);
+  do_all([&] { surface.corners.resize(input.corners.size()); },
+         [&] {
+           surface.face_begin.resize(faces + 1);
+           surface.face_source.resize(faces);
+         });
   for_blocks(input.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c) surface.corners[c] = welded[input.corners[c].value];
   });
-  surface.face_source.reserve(input.face_count());
-  for (std::size_t f = 0; f < input.face_count(); ++f) surface.face_source.push_back(FaceId(f));
-  surface.face_label = number_labels(input.labels, barriers, input.face_count());
+  for_blocks(faces, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      surface.face_begin[f + 1] = input.face_begin[f + 1];
+      surface.face_source[FaceId(f)] = FaceId(f);
+    }
+  });
+  surface.face_label = number_labels(input.labels, barriers, faces);
 
   for (Diagnostic* d : {&duplicate, &wide, &unused})
     if (d->count > 0) diagnostics.push_back(std::move(*d));

@@ -5,22 +5,18 @@
 #include <cstdint>
 #include <tuple>
 
-#include "core/base/blocks.h"
 #include "core/geometry/inside_out.h"
 
 namespace remesh {
 namespace {
 
 /// The edges with two faces that look opposite ways: their first half-edges.
-std::vector<std::uint32_t> inconsistent_edges(const Adjacency& edges, RunControl& control) {
-  const auto is_inconsistent = [&](std::size_t e) {
-    const auto around = edges.half_edges(EdgeId(e));
-    return around.size() == 2 && edges.from(around[0]) == edges.from(around[1]) &&
-           edges.from(around[0]) != edges.to(around[0]);
-  };
+std::vector<std::uint32_t> inconsistent_edges(const Adjacency& edges) {
   std::vector<std::uint32_t> first;
-  for (const EdgeId e : select_ids<EdgeId>(edges.edge_count(), kItemsPerBlock, control, is_inconsistent))
-    first.push_back(edges.half_edges(e)[0]);
+  for (const EdgeId e : edges.odd_edges()) {
+    const auto around = edges.half_edges(e);
+    if (around.size() == 2 && edges.from(around[0]) != edges.to(around[0])) first.push_back(around[0]);
+  }
   return first;
 }
 
@@ -130,7 +126,7 @@ class Unifying {
 
 bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
                    RunControl& control) {
-  const std::vector<std::uint32_t> inconsistent = inconsistent_edges(edges, control);
+  const std::vector<std::uint32_t> inconsistent = inconsistent_edges(edges);
   if (inconsistent.empty()) return false;
   if (mend == Mend::kNo) {
     Diagnostic found{DiagnosticCode::kInconsistentWinding,

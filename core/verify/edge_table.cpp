@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
@@ -11,26 +12,40 @@ namespace {
 
 constexpr std::size_t kVerticesOfPart = 1024;
 
-/// Puts uses in order that are by half-edge already. Few of them, as most often, each by how many come before it: no
-/// branch on what nobody can foresee.
-void put_in_order(std::span<const Use> uses, std::span<Use> sorted) {
+/// A use as one number, by which those of one smaller vertex are in order but for their patches.
+std::uint64_t key_of(VertexId high, std::uint32_t half_edge) { return std::uint64_t{high.value} << 32 | half_edge; }
+std::uint32_t half_edge_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
+VertexId high_of(std::uint64_t key) { return VertexId(static_cast<std::uint32_t>(key >> 32)); }
+
+/// Puts keys in order. Few of them, as most often, each by how many come before it: no branch on what nobody can
+/// foresee.
+void put_in_order(std::span<const std::uint64_t> keys, std::span<std::uint64_t> sorted) {
   constexpr std::size_t kFew = 16;
-  if (uses.size() > kFew) {
-    std::copy(uses.begin(), uses.end(), sorted.begin());
+  if (keys.size() > kFew) {
+    std::copy(keys.begin(), keys.end(), sorted.begin());
     return std::sort(sorted.begin(), sorted.end());
   }
-  std::array<std::uint64_t, kFew> key;
   std::array<std::uint32_t, kFew> rank;
-  for (std::size_t i = 0; i < uses.size(); ++i) {
-    key[i] = std::uint64_t{uses[i].high.value} << 32 | uses[i].patch().value;
-    rank[i] = 0;
+  for (std::size_t i = 0; i < keys.size(); ++i) {
+    std::uint32_t before = 0;
     for (std::size_t j = 0; j < i; ++j) {
-      const std::uint32_t is_after = key[j] <= key[i];
-      rank[i] += is_after;
-      rank[j] += 1 - is_after;
+      const std::uint32_t is_before = keys[j] < keys[i];
+      before += is_before;
+      rank[j] += 1 - is_before;
     }
+    rank[i] = before;
   }
-  for (std::size_t i = 0; i < uses.size(); ++i) sorted[rank[i]] = uses[i];
+  for (std::size_t i = 0; i < keys.size(); ++i) sorted[rank[i]] = keys[i];
+}
+
+/// Whether both are the keys of the same edges, each once.
+bool have_same_edges(std::span<const std::uint64_t> forward, std::span<const std::uint64_t> backward) {
+  if (forward.size() != backward.size()) return false;
+  for (std::size_t i = 0; i < forward.size(); ++i) {
+    const bool is_repeated = i > 0 && high_of(forward[i]) == high_of(forward[i - 1]);
+    if (is_repeated || high_of(forward[i]) != high_of(backward[i])) return false;
+  }
+  return true;
 }
 
 }  // namespace
@@ -126,34 +141,62 @@ EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& c
 EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::uint32_t begin,
                                      std::span<std::uint32_t> half_edges) {
   // A counting sort by the smaller vertex, then a small sort within each bucket.
-  std::vector<Use> gathered(half_edges.size());
-  std::vector<std::uint16_t> low(half_edges.size());  // less `first`
-  static_assert(kVerticesOfPart <= 1 << 16);
-  std::vector<std::uint32_t> place(last - first + 1, 0);
+  using Keys = std::vector<std::uint64_t, LeftUnset<std::uint64_t>>;
+  Keys gathered(half_edges.size()), bucketed(half_edges.size());
+  // By direction, too: of a sound surface's edges, those that run forward are the same as those that run backward.
+  std::vector<std::uint16_t, LeftUnset<std::uint16_t>> bucket_of(half_edges.size());
+  static_assert(2 * kVerticesOfPart <= 1 << 16);
+  std::vector<std::uint32_t> place(2 * (last - first) + 1, 0);
   for (std::size_t i = 0; i < half_edges.size(); ++i) {
     const std::uint32_t h = half_edges[i];
     const VertexId a = from(h), b = to(h);
-    gathered[i] = {std::max(a, b), faces_.patch[face_of(h)], h, a < b};
-    low[i] = static_cast<std::uint16_t>(std::min(a, b).value - first);
-    ++place[low[i] + 1u];
+    gathered[i] = key_of(std::max(a, b), h);
+    bucket_of[i] = static_cast<std::uint16_t>(2 * (std::min(a, b).value - first) + (a < b ? 0u : 1u));
+    ++place[bucket_of[i] + 1u];
   }
-  for (std::size_t v = first; v < last; ++v) {
-    bucket_[v] = begin + place[v - first];
-    place[v - first + 1] += place[v - first];
-  }
-  std::vector<Use> bucketed(half_edges.size());
-  for (std::size_t i = 0; i < gathered.size(); ++i) bucketed[place[low[i]]++] = gathered[i];
-  std::vector<Use>& uses = gathered;  // needed no more
+  std::partial_sum(place.begin(), place.end(), place.begin());
+  for (std::size_t v = first; v < last; ++v) bucket_[v] = begin + place[2 * (v - first)];
+  for (std::size_t i = 0; i < gathered.size(); ++i) bucketed[place[bucket_of[i]]++] = gathered[i];
   Part part;
+  std::vector<Use> uses;
+  const auto add_edge = [&](std::size_t v, VertexId high, std::span<std::uint32_t> around) {
+    uses.clear();
+    for (const std::uint32_t h : around) uses.push_back(use(h));
+    std::sort(uses.begin(), uses.end());
+    std::transform(uses.begin(), uses.end(), around.begin(), [](const Use& u) { return u.half_edge; });
+    part.add({VertexId(v), high, uses});
+  };
+  const std::span<std::uint64_t> all(bucketed), sorted(gathered);  // what was gathered is needed no more
   std::size_t start = 0;
   for (std::size_t v = first; v < last; ++v) {
-    const std::size_t stop = place[v - first];
-    const std::span<Use> bucket = std::span(uses).subspan(start, stop - start);
-    put_in_order(std::span(bucketed).subspan(start, stop - start), bucket);
-    visit_edges(VertexId(v), std::span<const Use>(bucket), [&](const Edge& edge) { part.add(edge); });
+    const std::size_t middle = place[2 * (v - first)], stop = place[2 * (v - first) + 1];
+    const auto forward = sorted.subspan(start, middle - start), backward = sorted.subspan(middle, stop - middle);
+    put_in_order(all.subspan(start, forward.size()), forward);
+    put_in_order(all.subspan(middle, backward.size()), backward);
+    if (have_same_edges(forward, backward)) {
+      for (std::size_t i = 0; i < forward.size(); ++i) {
+        const auto around = half_edges.subspan(start + 2 * i, 2);
+        const std::uint32_t g = half_edge_of(forward[i]), h = half_edge_of(backward[i]);
+        around[0] = std::min(g, h);
+        around[1] = std::max(g, h);
+        if (patch_of(g) == patch_of(h))
+          ++part.counts.edges;  // the rest of most is never asked for
+        else
+          add_edge(v, high_of(forward[i]), around);
+      }
+    } else {
+      const auto both = sorted.subspan(start, stop - start);
+      std::sort(both.begin(), both.end());
+      for (std::size_t i = 0, j; i < both.size(); i = j) {
+        for (j = i + 1; j < both.size() && high_of(both[j]) == high_of(both[i]);) ++j;
+        const auto around = half_edges.subspan(start + i, j - i);
+        std::transform(both.begin() + static_cast<std::ptrdiff_t>(i), both.begin() + static_cast<std::ptrdiff_t>(j),
+                       around.begin(), half_edge_of);
+        add_edge(v, high_of(both[i]), around);
+      }
+    }
     start = stop;
   }
-  std::transform(uses.begin(), uses.end(), half_edges.begin(), [](const Use& u) { return u.half_edge; });
   return part;
 }
 

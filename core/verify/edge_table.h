@@ -131,16 +131,18 @@ class EdgeTable {
     const std::size_t f = face_of_[half_edge];
     return faces_.corners[half_edge + 1 == faces_.face_begin[f + 1] ? faces_.face_begin[f] : half_edge + 1];
   }
+  PatchId patch_of(std::uint32_t half_edge) const { return faces_.patch[face_of(half_edge)]; }
   Use use(std::uint32_t half_edge) const {
     const VertexId a = from(half_edge), b = to(half_edge);
-    return {std::max(a, b), faces_.patch[face_of(half_edge)], half_edge, a < b};
+    return {std::max(a, b), patch_of(half_edge), half_edge, a < b};
   }
   Part sort_part(std::size_t first, std::size_t last, std::uint32_t begin, std::span<std::uint32_t> half_edges);
 
   Faces faces_;
-  std::vector<std::uint32_t> face_of_;     ///< of each half-edge; empty where all faces are triangles
-  std::vector<std::uint32_t> bucket_;      ///< uses of vertex v's edges: [bucket_[v], bucket_[v + 1])
-  std::vector<std::uint32_t> half_edges_;  ///< of each use
+  std::vector<std::uint32_t> face_of_;  ///< of each half-edge; empty where all faces are triangles
+  using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
+  Numbers bucket_;      ///< uses of vertex v's edges: [bucket_[v], bucket_[v + 1])
+  Numbers half_edges_;  ///< of each use
   EdgeCounts counts_;
   BoundingEdges bounding_;
 };

@@ -143,8 +143,10 @@ class PatchCheck {
       reach = std::max(reach, largest_coordinate(p - frame_.origin));
     };
     add_point(first);
-    Vec3 twice_area, previous;
-    for (std::size_t i = 1; i < face.size(); ++i) {
+    const Vec3 second = model_.points[face[1].value];
+    add_point(second);
+    Vec3 twice_area, previous = second - first;
+    for (std::size_t i = 2; i < face.size(); ++i) {
       const Vec3 p = model_.points[face[i].value];
       add_point(p);
       const Vec3 next = p - first;

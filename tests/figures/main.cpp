@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "core/io/obj.h"
+#include "core/mesh/pinched_vertices.h"
 #include "core/remesh.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/carving.h"
@@ -103,9 +104,9 @@ class PatchFigures {
  public:
   PatchFigures(const Part& part, PatchId patch, RunControl& control) : part_(part), patch_(patch), control_(control) {
     const BoundaryLoops all = boundary_loops(part.surface, part.adjacency, part.patches, control);
-    essential_ =
-        essential_vertices(part.surface, part.adjacency, part.patches,
-                           IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0), part.tolerance, control);
+    essential_ = essential_vertices(part.surface, part.adjacency, part.patches,
+                                    IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0),
+                                    pinched_vertices(part.surface, part.adjacency, control), part.tolerance, control);
     std::vector<Edge3> edges;
     std::vector<Vec3> points;
     for (std::uint32_t l = all.patch_begin[patch.value]; l < all.patch_begin[patch.value + 1]; ++l) {

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/mesh/pinched_vertices.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/patch_refiner.h"
 #include "core/refinement/segment_table.h"
@@ -29,9 +30,9 @@ class Figure {
  public:
   Figure(const Part& part, PatchId patch, RunControl& control) : part_(part), patch_(patch), control_(control) {
     const BoundaryLoops loops = boundary_loops(part.surface, part.adjacency, part.patches, control);
-    const auto essential =
-        essential_vertices(part.surface, part.adjacency, part.patches,
-                           IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0), part.tolerance, control);
+    const auto essential = essential_vertices(
+        part.surface, part.adjacency, part.patches, IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0),
+        pinched_vertices(part.surface, part.adjacency, control), part.tolerance, control);
     meshes_ = mesh_patches(part.surface, part.adjacency, part.patches, loops, essential, {}, control);
     frozen_.assign(meshes_.size(), 0);
   }

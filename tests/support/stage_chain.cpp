@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/mesh/pinched_vertices.h"
 #include "core/stages/essential_vertices.h"
 #include "core/stages/mend_faces.h"
 #include "core/stages/weld.h"
@@ -40,7 +41,8 @@ StageChain::StageChain(const PolygonMesh& mesh, double plane_tolerance, const st
   loops = boundary_loops(surface, adjacency, patches, control);
   IdVector<VertexId, std::uint8_t> stays(surface.vertex_count(), 0);
   for (const Vec3& p : forced) stays[at(p)] = 1;
-  essential = essential_vertices(surface, adjacency, patches, stays, tolerance, control);
+  essential = essential_vertices(surface, adjacency, patches, stays, pinched_vertices(surface, adjacency, control),
+                                 tolerance, control);
   meshes = mesh_patches(surface, adjacency, patches, loops, essential, {}, control);
 }
 

@@ -52,6 +52,18 @@ TEST_F(Files, a_file_is_read_to_its_last_byte) {
   }
 }
 
+TEST_F(Files, an_open_file_is_read_from_where_it_stands_and_left_at_its_end) {
+  const std::string content = many_bytes();
+  folder_.write("part", content);
+  const int fd = ::open(folder_.path("part").c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_GE(fd, 0);
+  ASSERT_EQ(::lseek(fd, 7, SEEK_SET), 7);
+  const FileContent rest = FileContent::read(fd, "part", control_), nothing = FileContent::read(fd, "part", control_);
+  ::close(fd);
+  EXPECT_TRUE(rest.view() == std::string_view(content).substr(7)) << rest.view().size() << " bytes";
+  EXPECT_EQ(nothing.view(), "");
+}
+
 TEST_F(Files, a_pipe_is_read_until_it_is_closed_however_it_comes) {
   ASSERT_EQ(::mkfifo(folder_.path("pipe").c_str(), 0600), 0);
   const std::string content = many_bytes();

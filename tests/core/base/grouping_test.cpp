@@ -23,7 +23,7 @@ TEST(grouping, items_stand_with_their_keys_in_the_order_of_a_stable_sort) {
       RunControl control;
       const Grouping groups = group_by(
           key.size(), static_cast<std::size_t>(keys), [&](std::uint32_t i) { return key[i]; }, control);
-      std::vector<std::uint32_t> expected(key.size());
+      decltype(Grouping::items) expected(key.size());
       std::iota(expected.begin(), expected.end(), 0u);
       std::stable_sort(expected.begin(), expected.end(),
                        [&](std::uint32_t a, std::uint32_t b) { return key[a] < key[b]; });

@@ -68,6 +68,36 @@ TEST(adjacency, next_goes_round_the_face) {
   EXPECT_EQ(adjacency.to(6), VertexId(0));
 }
 
+/// Holds an adjacency against what a map comes to.
+void expect_grouped(const PolygonMesh& mesh) {
+  const Adjacency adjacency = adjacency_of(mesh);
+  std::map<Ends, std::vector<std::uint32_t>> expected;
+  for (std::uint32_t f = 0, h = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(FaceId(f));
+    for (std::size_t k = 0; k < face.size(); ++k, ++h) {
+      ASSERT_EQ(adjacency.face_of(h), FaceId(f));
+      ASSERT_EQ(adjacency.from(h), face[k]);
+      expected[std::minmax(face[k].value, face[(k + 1) % face.size()].value)].push_back(h);
+    }
+  }
+  ASSERT_EQ(adjacency.edge_count(), expected.size());
+  std::vector<EdgeId> odd;
+  EdgeId e(0);
+  for (const auto& [key, half_edges] : expected) {  // a map, so in the promised order
+    const auto around = adjacency.half_edges(e);
+    ASSERT_EQ(std::vector<std::uint32_t>(around.begin(), around.end()), half_edges);
+    const bool are_twins = around.size() == 2 && adjacency.from(around[0]) != adjacency.from(around[1]);
+    if (!are_twins) odd.push_back(e);
+    for (const std::uint32_t h : around) {
+      ASSERT_EQ(ends(adjacency, h), key);
+      ASSERT_EQ(adjacency.edge_of(h), e);
+      ASSERT_EQ(adjacency.twin(h), !are_twins ? Adjacency::kNone : h == around[0] ? around[1] : around[0]);
+    }
+    ++e.value;
+  }
+  EXPECT_EQ(std::vector<EdgeId>(adjacency.odd_edges().begin(), adjacency.odd_edges().end()), odd);
+}
+
 TEST(adjacency, random_faces_are_grouped_as_a_map_groups_them) {
   Random random(1);
   for (int trial = 0; trial < 50; ++trial) {
@@ -80,27 +110,18 @@ TEST(adjacency, random_faces_are_grouped_as_a_map_groups_them) {
         face.push_back(static_cast<std::uint32_t>(random.below(static_cast<int>(vertices))));
       faces.push_back(face);
     }
-    const PolygonMesh mesh = connected(vertices, faces);
-    const Adjacency adjacency = adjacency_of(mesh);
-    std::map<Ends, std::vector<std::uint32_t>> expected;
-    for (std::uint32_t f = 0, h = 0; f < faces.size(); ++f)
-      for (std::size_t k = 0; k < faces[f].size(); ++k, ++h) {
-        ASSERT_EQ(adjacency.face_of(h), FaceId(f));
-        ASSERT_EQ(adjacency.from(h).value, faces[f][k]);
-        expected[std::minmax(faces[f][k], faces[f][(k + 1) % faces[f].size()])].push_back(h);
-      }
-    ASSERT_EQ(adjacency.edge_count(), expected.size());
-    std::uint32_t e = 0;
-    for (const auto& [key, half_edges] : expected) {  // a map, so in the promised order
-      const auto around = adjacency.half_edges(EdgeId(e));
-      ASSERT_EQ(std::vector<std::uint32_t>(around.begin(), around.end()), half_edges);
-      for (const std::uint32_t h : around) {
-        ASSERT_EQ(ends(adjacency, h), key);
-        ASSERT_EQ(adjacency.edge_of(h), EdgeId(e));
-      }
-      ++e;
-    }
+    expect_grouped(connected(vertices, faces));
   }
+}
+
+TEST(adjacency, the_edges_of_a_sound_surface_are_grouped_too_and_those_at_a_fault_in_it) {
+  PolygonMesh mesh = shapes::box({1, 2, 3}, 20);
+  expect_grouped(mesh);
+  std::swap(mesh.corners[0], mesh.corners[1]);   // a face turned over
+  mesh.corners[300] = mesh.corners[301];         // one with a repeated corner
+  mesh.corners.resize(mesh.corners.size() - 3);  // one that is missing
+  mesh.face_begin.pop_back();
+  expect_grouped(mesh);
 }
 
 TEST(adjacency, a_mesh_without_faces_has_no_edges) {

@@ -4,6 +4,7 @@
 
 #include <map>
 
+#include "core/mesh/pinched_vertices.h"
 #include "core/stages/weld.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -17,7 +18,7 @@ std::map<DiagnosticCode, Diagnostic> defects_of(const PolygonMesh& mesh) {
   const Surface surface = weld(mesh, {}, diagnostics, control);
   const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners);
   diagnostics.clear();
-  find_defects(surface, edges, diagnostics, control);
+  find_defects(surface, edges, pinched_vertices(surface, edges, control), diagnostics);
   std::map<DiagnosticCode, Diagnostic> found;
   for (const Diagnostic& d : diagnostics) found[d.code] = d;
   return found;

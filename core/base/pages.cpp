@@ -1,0 +1,23 @@
+#include "core/base/pages.h"
+
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cstdint>
+
+namespace remesh {
+
+void take_pages(void* memory, std::size_t bytes) {
+#ifdef MADV_POPULATE_WRITE
+  static const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
+  // Those that lie within it as a whole; the kernel refuses what it cannot do, and they come one by one.
+  const std::size_t before = (page - reinterpret_cast<std::uintptr_t>(memory) % page) % page;
+  if (bytes < before + page) return;
+  (void)::madvise(static_cast<std::byte*>(memory) + before, (bytes - before) / page * page, MADV_POPULATE_WRITE);
+#else
+  (void)memory;
+  (void)bytes;
+#endif
+}
+
+}  // namespace remesh
