@@ -210,7 +210,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     segment.floor = std::max({shortest_piece, kFloorShare * size, noise / std::sin(angle)});
   });
   const std::vector<EvenParts> parts = parts_along_strips(meshes, *this, feature, goals, sizes, control);
-  for (std::uint32_t s = 0; s < segments_.size(); ++s) segments_[SegmentId(s)].parts = parts[s];
+  for_each_segment([&](SegmentId s, BoundarySegment& segment) { segment.parts = parts[s.value]; });
 }
 
 Vec3 SegmentTable::position(SegmentId s, double t) const {

@@ -100,8 +100,10 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
   const double angle = std::max(goals.min_angle_deg, kLeastStripAngle) + kMargin;
   const double tangent = std::tan(angle * std::numbers::pi / 180);
   std::vector<double> wanted(table.size());
-  for (std::uint32_t s = 0; s < table.size(); ++s)
-    wanted[s] = wanted_parts(table[SegmentId(s)], feature[s], tangent, goals, sizes.largest());
+  for_blocks(table.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t s = begin; s < end; ++s)
+      wanted[s] = wanted_parts(table[SegmentId(s)], feature[s], tangent, goals, sizes.largest());
+  });
 
   // From side to side over all strips that are alike, beginning with the smallest id.
   const std::vector<Pair> pairs = facing_segments(meshes, table, wanted, control);
