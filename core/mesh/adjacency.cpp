@@ -11,6 +11,7 @@
 #include "core/base/grouping.h"
 #include "core/base/pages.h"
 #include "core/base/parallel.h"
+#include "core/base/put_in_order.h"
 #include "core/base/run_control.h"
 
 namespace remesh {
@@ -18,27 +19,6 @@ namespace {
 
 /// Vertices whose edges are put in order in one go.
 constexpr std::size_t kVertices = 1024;
-
-/// Puts numbers in order, all different. Few of them, as most often, each by how many are before it: no branch on what
-/// nobody can foresee.
-void put_in_order(std::span<const std::uint64_t> keys, std::span<std::uint64_t> sorted) {
-  constexpr std::size_t kFew = 16;
-  if (keys.size() > kFew) {
-    std::copy(keys.begin(), keys.end(), sorted.begin());
-    return std::sort(sorted.begin(), sorted.end());
-  }
-  std::array<std::uint32_t, kFew> rank;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    std::uint32_t before = 0;
-    for (std::size_t j = 0; j < i; ++j) {
-      const std::uint32_t is_before = keys[j] < keys[i];
-      before += is_before;
-      rank[j] += 1 - is_before;
-    }
-    rank[i] = before;
-  }
-  for (std::size_t i = 0; i < keys.size(); ++i) sorted[rank[i]] = keys[i];
-}
 
 /// Whether the keys, of the half-edges from a vertex to larger ones and of those to it, in order, are those of as many
 /// edges of two half-edges each.

@@ -1,11 +1,11 @@
 #include "core/verify/edge_table.h"
 
 #include <algorithm>
-#include <array>
 #include <numeric>
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
+#include "core/base/put_in_order.h"
 
 namespace remesh::verification {
 namespace {
@@ -16,27 +16,6 @@ constexpr std::size_t kVerticesOfPart = 1024;
 std::uint64_t key_of(VertexId high, std::uint32_t half_edge) { return std::uint64_t{high.value} << 32 | half_edge; }
 std::uint32_t half_edge_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 VertexId high_of(std::uint64_t key) { return VertexId(static_cast<std::uint32_t>(key >> 32)); }
-
-/// Puts keys in order. Few of them, as most often, each by how many come before it: no branch on what nobody can
-/// foresee.
-void put_in_order(std::span<const std::uint64_t> keys, std::span<std::uint64_t> sorted) {
-  constexpr std::size_t kFew = 16;
-  if (keys.size() > kFew) {
-    std::copy(keys.begin(), keys.end(), sorted.begin());
-    return std::sort(sorted.begin(), sorted.end());
-  }
-  std::array<std::uint32_t, kFew> rank;
-  for (std::size_t i = 0; i < keys.size(); ++i) {
-    std::uint32_t before = 0;
-    for (std::size_t j = 0; j < i; ++j) {
-      const std::uint32_t is_before = keys[j] < keys[i];
-      before += is_before;
-      rank[j] += 1 - is_before;
-    }
-    rank[i] = before;
-  }
-  for (std::size_t i = 0; i < keys.size(); ++i) sorted[rank[i]] = keys[i];
-}
 
 /// Whether both are the keys of the same edges, each once.
 bool have_same_edges(std::span<const std::uint64_t> forward, std::span<const std::uint64_t> backward) {
