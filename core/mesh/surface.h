@@ -27,10 +27,11 @@ struct Surface {
   IdVector<VertexId, VertexId>
       vertex_source;                     ///< the first input vertex with these coordinates; of a new one, a neighbour's
   IdVector<FaceId, FaceId> face_source;  ///< the input face this one came from; ascending
-  IdVector<FaceId, std::uint32_t> face_label;  ///< equal numbers: no barrier between the faces
+  IdVector<FaceId, std::uint32_t> face_label;  ///< equal numbers: no barrier between the faces; empty: none at all
 
   std::size_t vertex_count() const { return positions.size(); }
   std::size_t face_count() const { return face_begin.size() - 1; }
+  std::uint32_t label(FaceId f) const { return face_label.empty() ? 0 : face_label[f]; }
   std::span<const VertexId> face(FaceId f) const {
     return std::span(corners).subspan(face_begin[f.value], face_begin[f.value + 1] - face_begin[f.value]);
   }
@@ -58,8 +59,9 @@ struct Surface {
   void add_face(std::span<const VertexId> loop, FaceId source, std::uint32_t label) {
     corners.insert(corners.end(), loop.begin(), loop.end());
     face_begin.push_back(static_cast<std::uint32_t>(corners.size()));
+    if (label != 0 && face_label.empty()) face_label.assign(face_source.size(), 0);
+    if (label != 0 || !face_label.empty()) face_label.push_back(label);
     face_source.push_back(source);
-    face_label.push_back(label);
   }
   /// Has the other one's faces, over its own vertices, from now on.
   void take_faces(Surface&& other) {

@@ -213,6 +213,8 @@ class Growth {
   double tolerance(FaceId f) const { return tolerance_at_[(*rule_.rung)[f]]; }
   bool is_thin(FaceId f) const { return geometry_[f].height < kThinFace * tolerance(f); }
 
+  bool are_in_one_zone(FaceId f, FaceId g) const { return rule_.zone->empty() || (*rule_.zone)[f] == (*rule_.zone)[g]; }
+
   /// Whether the two triangles at an edge bend by more than printing can do: then no four corners that are printed as
   /// theirs lie in one plane. (To first order the volume of the four changes by the faces' areas along each axis.)
   bool is_bend(std::uint32_t h) const {
@@ -277,7 +279,7 @@ class Growth {
         const std::uint32_t twin = adjacency_.twin(h);
         if (twin == Adjacency::kNone || twin < h) continue;
         const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
-        if (stamp_[f.value] != kTaken && stamp_[g.value] != kTaken && (*rule_.zone)[g] == (*rule_.zone)[f] &&
+        if (stamp_[f.value] != kTaken && stamp_[g.value] != kTaken && are_in_one_zone(f, g) &&
             (*rule_.rung)[g] == (*rule_.rung)[f] && (are_flat(f, g) || (!are_apart(f, g) && !is_bend(h))))
           joints_[h / kBits] |= std::uint64_t{1} << h % kBits;
       }
@@ -504,8 +506,7 @@ class Growth {
         if (twin == Adjacency::kNone || twin < h) continue;
         const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
         const RegionId r = regions_.of_face[f], q = regions_.of_face[g];
-        if (r == q || std::min(r, q).value < first_region_ || (*rule_.zone)[f] != (*rule_.zone)[g] || is_bend(h))
-          continue;
+        if (r == q || std::min(r, q).value < first_region_ || !are_in_one_zone(f, g) || is_bend(h)) continue;
         const std::uint32_t a = std::min(r, q).value - first_region_, b = std::max(r, q).value - first_region_;
         if (is_alike(pieces, a, b)) found.push_back({a, b});
       }

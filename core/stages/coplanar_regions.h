@@ -35,7 +35,8 @@ struct Regions {
 struct CoplanarityRule {
   double plane_tolerance = 0;
   double normal_tolerance = 1e-6;
-  /// Per face: only faces with equal zones may share a region (labels; and what the ladder keeps apart).
+  /// Per face: only faces with equal zones may share a region (labels; and what the ladder keeps apart). Empty: all
+  /// may.
   const IdVector<FaceId, std::uint32_t>* zone = nullptr;
   /// Per face: the step of the ladder, 0 to kSingleFace; it scales the tolerance, and at the last each face is alone.
   const IdVector<FaceId, std::uint8_t>* rung = nullptr;

@@ -167,7 +167,7 @@ bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, Mend mend, s
     const std::uint32_t source = surface.face_source[f].value;
     const bool is_dropped = fate[i] == Duplicates::kDropped && mend == Mend::kYes;
     if (fate[i] != Duplicates::kStays) (is_dropped ? dropped : mend == Mend::kYes ? back : left).add(source);
-    if (!is_dropped) kept.add_face(surface.face(f), surface.face_source[f], surface.face_label[f]);
+    if (!is_dropped) kept.add_face(surface.face(f), surface.face_source[f], surface.label(f));
   }
   const bool is_changed = dropped.count > 0;
   for (Diagnostic* d : {&dropped, &back, &left})

@@ -29,6 +29,7 @@ std::vector<FaceId> Ladder::step(const PatchSet& patches, const BoundaryLoops& l
                                  const std::vector<FailedPatch>& failed, Regions& regions) {
   if (steps_++ == 0) {
     zone_ = surface_.face_label;
+    if (zone_.empty()) zone_.assign(surface_.face_count(), 0);
     for (const std::uint32_t label : zone_) next_zone_ = std::max(next_zone_, label + 1);
   }
   std::vector<FaceId> stuck;

@@ -31,6 +31,7 @@ class Ladder {
   std::vector<FaceId> step(const PatchSet& patches, const BoundaryLoops& loops, const Adjacency& adjacency,
                            const std::vector<FailedPatch>& failed, Regions& regions);
 
+  /// Empty: none is kept apart.
   const IdVector<FaceId, std::uint32_t>& zone() const { return zone_.empty() ? surface_.face_label : zone_; }
   const IdVector<FaceId, std::uint8_t>& rung() const { return rung_; }
   const IdVector<FaceId, PatchReason>& reason() const { return reason_; }

@@ -105,7 +105,7 @@ class Mending {
 
   void take_face(FaceId f) {
     const FaceId source = surface_.face_source[f];
-    const std::uint32_t label = surface_.face_label[f];
+    const std::uint32_t label = surface_.label(f);
     loop_.clear();
     for (const VertexId v : surface_.face(f))
       if (loop_.empty() || loop_.back() != v) loop_.push_back(v);
@@ -199,7 +199,7 @@ class Mending {
       }
       out.face_begin.push_back(static_cast<std::uint32_t>(out.corners.size()));
       out.face_source.push_back(surface_.face_source[FaceId(f)]);
-      out.face_label.push_back(surface_.face_label[FaceId(f)]);
+      if (!surface_.face_label.empty()) out.face_label.push_back(surface_.face_label[FaceId(f)]);
     }
     surface_.take_faces(std::move(out));
   }

@@ -162,7 +162,7 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
       loop.push_back(surface.corners[h]);
       for (; next != junctions.end() && next->half_edge == h; ++next) loop.push_back(next->vertex);
     }
-    split.add_face(loop, surface.face_source[FaceId(f)], surface.face_label[FaceId(f)]);
+    split.add_face(loop, surface.face_source[FaceId(f)], surface.label(FaceId(f)));
   }
   surface.take_faces(std::move(split));
   return true;

@@ -209,11 +209,11 @@ IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Ba
   std::map<Key, std::size_t> number_of;
   Key last;
   std::size_t number = 0;
-  IdVector<FaceId, std::uint32_t> numbers(faces, 0);
   const auto separates = [](const LabelSet& set, bool is_barrier) { return is_barrier && set.is_used(); };
   if (!separates(labels.object, barriers.object) && !separates(labels.group, barriers.group) &&
       !separates(labels.material, barriers.material))
-    return numbers;
+    return {};
+  IdVector<FaceId, std::uint32_t> numbers(faces, 0);
   const auto label = [&](const LabelSet& set, bool is_barrier, FaceId f) {
     return separates(set, is_barrier) ? set.of_face[f] : 0u;
   };

@@ -313,7 +313,7 @@ def big_sheet(n):
 
 
 def check_limits(contract, program):
-    sheet = big_sheet(100)
+    sheet = big_sheet(250)
     with Daemon(program, "--request-timeout", "50ms") as daemon:
         contract.check("remesh", ask(daemon.port, "POST", f"/v1/remesh?{ENDLESS}", SQUARE), 504)
         contract.check("analyze", ask(daemon.port, "POST", "/v1/analyze", sheet), 504)

@@ -145,7 +145,7 @@ TEST(weld, labels_are_numbered_in_order_of_first_use) {
   Barriers groups_only;
   groups_only.material = false;
   EXPECT_EQ(welded(mesh, groups_only).surface.face_label.items(), (std::vector<std::uint32_t>{0, 1, 1, 0}));
-  EXPECT_EQ(welded(mesh, {false, false, false}).surface.face_label.items(), (std::vector<std::uint32_t>{0, 0, 0, 0}));
+  EXPECT_TRUE(welded(mesh, {false, false, false}).surface.face_label.empty());
 }
 
 Welded welded_within(const PolygonMesh& mesh, double tolerance) {

@@ -230,7 +230,8 @@ function help(spec: OptionSpec): string {
 
 /** What is wrong with a number, in words; the service has the last word. */
 export function faultOfNumber(spec: OptionSpec, text: string): string | null {
-  const value = spec.type === "integer" && !/^\d+$/.test(text) ? NaN : Number(text);
+  const isWhole = /^[\d.]+(e[+-]?\d+)?$/i.test(text) && Number.isInteger(Number(text));
+  const value = spec.type === "integer" && !isWhole ? NaN : Number(text);
   const isInside =
     Number.isFinite(value) &&
     !(value < (spec.minimum ?? -Infinity)) &&
