@@ -328,7 +328,6 @@ class Meetings {
   void find_pairs(std::size_t max_pairs, SelfIntersections& found) const {
     // Meetings in a task, and tasks between two looks at how many pairs there are.
     constexpr std::size_t kMeetings = 64, kTasks = 64;
-    std::vector<std::span<const std::uint32_t>> large;
     for (std::size_t begin = 0; begin < size() && found.is_complete; begin += kMeetings * kTasks) {
       const std::size_t n = std::min(size() - begin, kMeetings * kTasks), room = max_pairs - found.pairs.size();
       const auto blocks = map_blocks<Pairs>(n, kMeetings, control_, [&](std::size_t first, std::size_t last) {

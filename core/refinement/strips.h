@@ -17,9 +17,10 @@ namespace remesh {
 inline constexpr double kLeastStripAngle = 30;
 
 /// Along a strip the bound on angles says how long the pieces of its sides may be; halves of halves of a side would be
-/// up to half of that. And where both sides are cut at the same places, each triangle over a piece has a right angle
-/// and the bound allows half as much again: so the sides of a strip are cut into as many equal parts, those of one side
-/// between those of the other, from strip to strip as far as they are alike. That makes a third of the faces.
+/// as short as half of that. And where both sides are cut at the same places, the triangles over the pieces have right
+/// angles, and the bound allows only pieces half as long. So the sides of a strip are cut into equal parts, as many on
+/// either, those of one side between those of the other, from strip to strip as far as they are alike: a third to a
+/// half of the faces.
 /// Input:  of each segment the distance to the nearest feature, model units; the table has its segments and sides.
 /// Output: one a segment; 1 for those that are no sides of strips, or where the size asks for shorter pieces.
 std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
