@@ -307,12 +307,9 @@ TEST_F(ServiceTest, connections_beyond_the_limit_are_refused_with_an_answer) {
   config_.gate.head_timeout = std::chrono::minutes(5);
   start();
   std::vector<std::unique_ptr<RawClient>> idle;
-  for (int i = 0; i < 3; ++i) idle.push_back(std::make_unique<RawClient>(port_));
-  Answer refused;
-  ASSERT_TRUE(eventually([&] {
-    refused = get(port_, "/livez");
-    return refused.status == 503;
-  }));
+  for (int i = 0; i < 3; ++i) idle.push_back(hold_connection());
+  const Answer refused = get(port_, "/livez");
+  EXPECT_EQ(refused.status, 503);
   EXPECT_EQ(code_of(refused), "overloaded");
   idle.clear();
   EXPECT_TRUE(eventually([&] { return get(port_, "/livez").status == 200; }));

@@ -88,6 +88,13 @@ class StubService : public ::testing::Test {
     EXPECT_TRUE(eventually([&] { return stub_.blocked > before; }));
     return client;
   }
+  /// A connection that is in its place, and stays there: it has been asked for its body, which never comes.
+  std::unique_ptr<RawClient> hold_connection() {
+    auto client = std::make_unique<RawClient>(port_);
+    client->send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\nExpect: 100-continue\r\n\r\n");
+    EXPECT_EQ(client->receive("\r\n\r\n"), "HTTP/1.1 100 Continue\r\n\r\n");
+    return client;
+  }
   void expect_well() {
     const Answer answer = post(port_, "/v1/remesh", "good");
     EXPECT_EQ(answer.status, 200);
