@@ -42,10 +42,8 @@ class Preparation {
     report_.input = measure_surface(positions, surface().face_begin, surface().corners, adjacency(), control_);
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
-    const Triangulated triangles(surface(), control_);
-    report_.input.quality = triangles.are_split()
-                                ? measure_quality(positions, triangles.corners(), control_)
-                                : measure_quality(positions, triangles.corners(), adjacency(), control_);
+    if (const Triangulated triangles(surface(), control_); triangles.are_split())
+      report_.input.quality = measure_quality(positions, triangles.corners(), control_);
     find_defects(surface(), adjacency(), prepared_.pinched(control_), report_.diagnostics);
   }
 
@@ -74,7 +72,9 @@ class Preparation {
     std::vector<Diagnostic>& found = report_.diagnostics;
     const auto if_changed = [&](bool is_changed) {
       control_.check();
-      if (is_changed) prepared_.release();
+      if (!is_changed) return;
+      prepared_.release();
+      is_as_measured_ = false;
     };
     // Faces that repeat others go, edges are split at the vertices that lie on them.
     if_changed(drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), found, control_));
@@ -87,7 +87,15 @@ class Preparation {
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
     // Neighbours look the same way, closed pieces outwards if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
-    if_changed(turn_inside_out(surface(), adjacency(), mend_if(repair.inside_out), found, control_));
+    if (!is_solid()) if_changed(turn_inside_out(surface(), adjacency(), mend_if(repair.inside_out), found, control_));
+  }
+
+  /// Is it closed, of one piece and clearly of positive volume? Then nothing of it is inside out.
+  bool is_solid() {
+    constexpr double kClearly = 1e-9;
+    const MeshStatistics& input = report_.input;
+    return is_as_measured_ && input.components == 1 && input.volume &&
+           *input.volume > kClearly * input.area * input.bounding_box.diagonal() && prepared_.pinched(control_).empty();
   }
 
   const PolygonMesh& input_;
@@ -96,6 +104,7 @@ class Preparation {
   Report& report_;
   RunControl& control_;
   Prepared prepared_;
+  bool is_as_measured_ = true;  ///< nothing has been mended since
 };
 
 }  // namespace

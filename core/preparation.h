@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -35,9 +37,17 @@ class Prepared {
     release_geometry();
   }
   void release_geometry() { geometry_ = {}; }
+  /// The same, but the order of the half-edges stays, which is what the check would have to make anew.
+  void release_all_but_order() {
+    if (adjacency_) order_ = std::move(*adjacency_).take_order();
+    release();
+  }
+  /// The surface's half-edges by (smaller, larger vertex, half-edge), once all else has been released.
+  std::span<const std::uint32_t> order() const { return order_; }
 
  private:
   std::unique_ptr<Adjacency> adjacency_;
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> order_;
   FaceGeometries geometry_;
   std::optional<std::vector<VertexId>> pinched_;
 };

@@ -78,45 +78,66 @@ Range undo(const Scale& scale, const Range& range, int dimension) {
 }
 
 struct TriangleMeasures {
-  double twice_area = 0;         ///< this and the next two are in one unit, some power of two
-  double along[3] = {0, 0, 0};   ///< of each corner's angle: its cosine times the two sides there; its sine: twice_area
-  double length[3] = {0, 0, 0};  ///< of the side opposite each corner
+  int grown = 0;  ///< this, and what follows up to `length`, is in units of 2^-grown
+  double twice_area = 0;
+  Vec3 normal;                            ///< as long as `twice_area`
+  std::array<double, 3> along{0, 0, 0};   ///< of each corner's angle: its cosine times the two sides there
+  std::array<double, 3> length{0, 0, 0};  ///< of the side opposite each corner
+  double shortest = 0;                    ///< of the lengths
   double area = 0;
   double radius_edge_ratio = HUGE_VAL;  ///< infinite for zero area
   double aspect_ratio = HUGE_VAL;       ///< infinite for zero area
 
-  /// In degrees.
-  double angle(int corner) const { return std::atan2(twice_area, along[corner]) * kDegrees; }
+  /// In degrees. The sines of all three angles are `twice_area` over the two sides there.
+  double angle(std::size_t corner) const { return std::atan2(twice_area, along[corner]) * kDegrees; }
 };
 
-TriangleMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
-  Vec3 side[3] = {c - b, a - c, b - a};  // side[i] is opposite corner i
-  double largest = 0;
-  for (const Vec3& s : side) largest = std::max({largest, std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)});
+/// `opposite`: the side opposite each corner. Written out for each, and inlined: in an array that is walked over they
+/// would go through memory, which takes longer than all the rest.
+[[gnu::always_inline]] inline TriangleMeasures measure_sides(const Vec3& opposite_a, const Vec3& opposite_b,
+                                                             const Vec3& opposite_c) {
   TriangleMeasures out;
-  if (largest == 0) return out;
-  // A triangle that is tiny beside the whole is brought to size 1, or its squares would underflow.
-  const int grow = largest < 0x1p-250 ? std::min(-std::ilogb(largest), 1000) : 0;
-  if (grow > 0)
-    for (Vec3& s : side) s = std::ldexp(1.0, grow) * s;
-  double* const length = out.length;
-  for (int i = 0; i < 3; ++i) length[i] = std::sqrt(norm_squared(side[i]));
-  const int longest = static_cast<int>(std::max_element(length, length + 3) - length);
-  const int u = (longest + 1) % 3, v = (longest + 2) % 3;
+  const double a = std::sqrt(norm_squared(opposite_a)), b = std::sqrt(norm_squared(opposite_b)),
+               c = std::sqrt(norm_squared(opposite_c));
   // The cross product of the two shorter sides suffers least from cancellation.
-  const double twice_area = std::sqrt(norm_squared(cross(side[u], side[v])));
-  out.twice_area = twice_area;
-  for (int i = 0; i < 3; ++i) out.along[i] = -dot(side[(i + 1) % 3], side[(i + 2) % 3]);
-  out.area = grow > 0 ? std::ldexp(twice_area / 2, -2 * grow) : twice_area / 2;
-  if (twice_area > 0) {
+  const bool is_a_longest = a >= b && a >= c, is_b_longest = b >= c;
+  out.normal = is_a_longest   ? cross(opposite_b, opposite_c)
+               : is_b_longest ? cross(opposite_c, opposite_a)
+                              : cross(opposite_a, opposite_b);
+  out.twice_area = std::sqrt(norm_squared(out.normal));
+  out.along = {-dot(opposite_b, opposite_c), -dot(opposite_c, opposite_a), -dot(opposite_a, opposite_b)};
+  out.length = {a, b, c};
+  out.shortest = std::min(std::min(a, b), c);
+  out.area = out.twice_area / 2;
+  if (out.twice_area > 0) {
+    const double longest = std::max(std::max(a, b), c);
+    const double middle = std::max(std::min(a, b), std::min(std::max(a, b), c));
     // R = abc / (4 area): over the shortest side, the product of the two others is left.
-    const double shortest = std::min(length[u], length[v]);
-    const double middle = std::max(length[u], length[v]);
-    const double ratio = middle * length[longest] / (2 * twice_area);
-    if (shortest > 0) out.radius_edge_ratio = ratio;
-    out.aspect_ratio = length[longest] * (length[0] + length[1] + length[2]) / (2 * std::sqrt(3.0) * twice_area);
+    if (out.shortest > 0) out.radius_edge_ratio = middle * longest / (2 * out.twice_area);
+    out.aspect_ratio = longest * (a + b + c) / (2 * std::sqrt(3.0) * out.twice_area);
   }
   return out;
+}
+
+/// A triangle that is tiny beside the whole is brought to size 1, or its squares would underflow.
+[[gnu::noinline]] TriangleMeasures measure_tiny(const Vec3& a, const Vec3& b, const Vec3& c) {
+  double largest = 0;
+  for (const Vec3& s : {c - b, a - c, b - a})
+    largest = std::max({largest, std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)});
+  if (largest == 0) return {};
+  const int grow = std::clamp(-std::ilogb(largest), 0, 1000);
+  const double factor = std::ldexp(1.0, grow);
+  TriangleMeasures out = measure_sides(factor * (c - b), factor * (a - c), factor * (b - a));
+  out.grown = grow;
+  out.area = std::ldexp(out.area, -2 * grow);
+  return out;
+}
+
+[[gnu::always_inline]] inline TriangleMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 opposite_a = c - b, opposite_b = a - c, opposite_c = b - a;
+  constexpr double kTiny = 0x1p-496;
+  if (!(std::max(norm_squared(opposite_a), norm_squared(opposite_b)) > kTiny)) return measure_tiny(a, b, c);
+  return measure_sides(opposite_a, opposite_b, opposite_c);
 }
 
 using AngleCounts = std::array<std::uint64_t, kAngleBins>;
@@ -156,19 +177,14 @@ class Angles {
  public:
   void add(const TriangleMeasures& m) {
     // Where squares of lengths have lost digits, cosines have, too; where there is no area, the angles are 0 or 180.
-    const double shortest = std::min({m.length[0], m.length[1], m.length[2]});
-    if (!(m.twice_area > 0x1p-400) || shortest < 0x1p-300) {
-      for (int i = 0; i < 3; ++i) add(m.angle(i));
+    if (!(m.twice_area > 0x1p-400) || m.shortest < 0x1p-300) {
+      for (std::size_t i = 0; i < 3; ++i) add(m.angle(i));
       return;
     }
-    static const BinsByCosine bin_of;
     const double unit = 1 / (m.length[0] * m.length[1] * m.length[2]);
-    for (int i = 0; i < 3; ++i) {
-      // Of right angles there are many, and they would be told by the arc tangent each.
-      const double cosine = m.along[i] * m.length[i] * unit;
-      const int bin = m.along[i] == 0 ? kRightAngle : bin_of(cosine);
-      ++counts_[bin >= 0 ? static_cast<std::size_t>(bin) : bin_of_angle(m.angle(i))];
-    }
+    count(m, 0, unit);
+    count(m, 1, unit);
+    count(m, 2, unit);
     // All three have the same sine: the largest cosine is the smallest angle's.
     const auto [least, most] = std::minmax({m.along[0], m.along[1], m.along[2]});
     if (const Direction d{most, m.twice_area}; d.is_before(smallest_)) smallest_ = d;
@@ -199,6 +215,14 @@ class Angles {
     double degrees() const { return std::atan2(sine, cosine) * kDegrees; }
   };
 
+  /// `unit`: one over the product of all lengths.
+  void count(const TriangleMeasures& m, std::size_t corner, double unit) {
+    static const BinsByCosine bin_of;
+    // Of right angles there are many, and they would be told by the arc tangent each.
+    const double cosine = m.along[corner] * m.length[corner] * unit;
+    const int bin = m.along[corner] == 0 ? kRightAngle : bin_of(cosine);
+    ++counts_[bin >= 0 ? static_cast<std::size_t>(bin) : bin_of_angle(m.angle(corner))];
+  }
   void add(double degrees) {
     min_ = std::min(min_, degrees);
     max_ = std::max(max_, degrees);
@@ -215,7 +239,8 @@ class Angles {
 /// What one block of triangles contributes.
 struct QualityBlock {
   Angles angles;
-  Summary radius_edge, aspect, area;
+  Summary radius_edge, aspect, area, edge_length;
+  double volume = 0;  ///< of the tetrahedra between the triangles and some point
   std::array<std::uint64_t, kRadiusEdgeBins.size() - 1> radius_edge_counts{};
 
   void add(const QualityBlock& other) {
@@ -223,22 +248,40 @@ struct QualityBlock {
     radius_edge.add(other.radius_edge);
     aspect.add(other.aspect);
     area.add(other.area);
+    edge_length.add(other.edge_length);
+    volume += other.volume;
     for (std::size_t i = 0; i < radius_edge_counts.size(); ++i) radius_edge_counts[i] += other.radius_edge_counts[i];
   }
 };
 
-/// `corners`: three a triangle.
-QualityBlock measure_block(const Scale& scale, std::span<const Vec3> positions, std::span<const VertexId> corners) {
+/// Which of the bins: branches would be guessed wrong as often as right.
+std::size_t bin_of_ratio(double ratio) {
+  std::size_t bin = 0;
+  for (std::size_t i = 1; i + 1 < kRadiusEdgeBins.size(); ++i) bin += ratio >= kRadiusEdgeBins[i];
+  return bin;
+}
+
+/// Measures triangles, and the edges that they are the first at; edges without twins are left out.
+QualityBlock measure_block(const Scale& scale, std::span<const Vec3> positions, const Adjacency& adjacency,
+                           const Vec3& centre, std::size_t begin, std::size_t end) {
   QualityBlock block;
-  for (std::size_t h = 0; h < corners.size(); h += 3) {
-    const auto corner = [&](std::size_t i) { return scale(positions[corners[h + i].value]); };
-    const TriangleMeasures m = measure(corner(0), corner(1), corner(2));
+  for (auto h = static_cast<std::uint32_t>(3 * begin); h < 3 * end; h += 3) {
+    const auto corner = [&](std::uint32_t i) { return scale(positions[adjacency.from(h + i).value]); };
+    const Vec3 a = corner(0);
+    const TriangleMeasures m = measure(a, corner(1), corner(2));
     block.angles.add(m);
     block.area.add(m.area);
+    const double volume = dot(a - centre, m.normal) / 6;
+    block.volume += m.grown > 0 ? std::ldexp(volume, -2 * m.grown) : volume;
+    for (std::uint32_t i = 0; i < 3; ++i) {
+      const std::uint32_t twin = adjacency.twin(h + i);
+      const double length = m.length[(i + 2) % 3];
+      if (twin != Adjacency::kNone && h + i < twin)
+        block.edge_length.add(m.grown > 0 ? std::ldexp(length, -m.grown) : length);
+    }
     if (std::isfinite(m.radius_edge_ratio)) {
       block.radius_edge.add(m.radius_edge_ratio);
-      const auto bin = std::upper_bound(kRadiusEdgeBins.begin() + 1, kRadiusEdgeBins.end() - 1, m.radius_edge_ratio);
-      ++block.radius_edge_counts[bin - kRadiusEdgeBins.begin() - 1];
+      ++block.radius_edge_counts[bin_of_ratio(m.radius_edge_ratio)];
     }
     if (std::isfinite(m.aspect_ratio)) block.aspect.add(m.aspect_ratio);
   }
@@ -252,33 +295,29 @@ Block combined(const std::vector<Block>& blocks) {
   return total;
 }
 
-Summary measure_edges(const Scale& scale, std::span<const Vec3> positions, const Adjacency& adjacency,
-                      RunControl& control) {
-  return combined(map_blocks<Summary>(adjacency.edge_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-    Summary block;
-    for (std::size_t e = begin; e < end; ++e) {
-      const std::uint32_t h = adjacency.half_edges(EdgeId(e))[0];
-      const VertexId from = adjacency.from(h), to = adjacency.to(h);
-      if (from == to) continue;
-      block.add(norm(scale(positions[from.value]) - scale(positions[to.value])));
-    }
-    return block;
-  }));
+/// Input:  a mesh of triangles; `centre`, in the scale's units, for the volume.
+QualityBlock measure_triangles(const Scale& scale, std::span<const Vec3> positions, const Adjacency& adjacency,
+                               std::size_t count, const Vec3& centre, RunControl& control) {
+  QualityBlock total =
+      combined(map_blocks<QualityBlock>(count, kBlock, control, [&](std::size_t begin, std::size_t end) {
+        return measure_block(scale, positions, adjacency, centre, begin, end);
+      }));
+  for (const EdgeId e : adjacency.odd_edges()) {
+    const std::uint32_t h = adjacency.half_edges(e)[0];
+    const VertexId from = adjacency.from(h), to = adjacency.to(h);
+    if (from != to) total.edge_length.add(norm(scale(positions[from.value]) - scale(positions[to.value])));
+  }
+  return total;
 }
 
-Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, const Scale& scale,
-                        const Adjacency& adjacency, RunControl& control) {
-  const QualityBlock total =
-      combined(map_blocks<QualityBlock>(corners.size() / 3, kBlock, control, [&](std::size_t begin, std::size_t end) {
-        return measure_block(scale, positions, corners.subspan(3 * begin, 3 * (end - begin)));
-      }));
+Quality quality_of(const QualityBlock& total, const Scale& scale) {
   Quality quality;
   quality.min_angle_deg = total.angles.min();
   quality.max_angle_deg = total.angles.max();
   quality.radius_edge_ratio = total.radius_edge.range();
   quality.aspect_ratio = total.aspect.range();
   quality.area = undo(scale, total.area.range(), 2);
-  quality.edge_length = undo(scale, measure_edges(scale, positions, adjacency, control).range(), 1);
+  quality.edge_length = undo(scale, total.edge_length.range(), 1);
   for (int i = 0; i <= kAngleBins; ++i) quality.angle_histogram_deg.edges.push_back(kBinDegrees * i);
   const AngleCounts& angle_counts = total.angles.counts();
   quality.angle_histogram_deg.counts.assign(angle_counts.begin(), angle_counts.end());
@@ -287,7 +326,7 @@ Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexI
   return quality;
 }
 
-/// Area and the sum for the volume of one block of faces.
+/// Area and the sum for the volume of one block of polygons.
 struct AreaBlock {
   double area = 0;
   double volume = 0;
@@ -371,9 +410,35 @@ EdgeCounts count_edges(const Adjacency& adjacency) {
   return counts;
 }
 
+}  // namespace
+
+Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control) {
+  const std::size_t count = corners.size() / 3;
+  const std::vector<std::uint32_t> face_begin = triangle_begins(count, control);
+  const Adjacency adjacency(positions.size(), face_begin, corners);
+  const Scale scale(positions, control);
+  return quality_of(measure_triangles(scale, positions, adjacency, count, {}, control), scale);
+}
+
+IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl& control) {
+  const Scale scale(mesh.positions.items(), control);
+  IdVector<FaceId, FaceQuality> quality(mesh.faces.size());
+  for_blocks(mesh.faces.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (FaceId f(begin); f.value < end; ++f.value) {
+      const auto [a, b, c] = mesh.faces[f];
+      const TriangleMeasures m = measure(scale(mesh.positions[a]), scale(mesh.positions[b]), scale(mesh.positions[c]));
+      const auto finite = [](double ratio) { return std::isfinite(ratio) ? ratio : 0; };
+      const auto smallest =
+          static_cast<std::size_t>(std::max_element(m.along.begin(), m.along.end()) - m.along.begin());
+      quality[f] = {m.angle(smallest), finite(m.radius_edge_ratio), finite(m.aspect_ratio)};
+    }
+  });
+  return quality;
+}
+
 MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
-                               std::span<const VertexId> corners, const Scale& scale, const Adjacency& adjacency,
-                               RunControl& control) {
+                               std::span<const VertexId> corners, const Adjacency& adjacency, RunControl& control) {
+  const Scale scale(positions, control);
   MeshStatistics out;
   out.faces = face_begin.size() - 1;
   const VertexBlock used = measure_vertices(positions, face_begin, corners, control);
@@ -391,59 +456,24 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
   // Volume is measured from the middle of the box: far from the origin it would drown in rounding.
   Vec3 centre;
   if (!out.bounding_box.is_empty()) centre = 0.5 * (scale(out.bounding_box.min) + scale(out.bounding_box.max));
-  const AreaBlock sums = measure_areas(scale, positions, face_begin, corners, centre, control);
+  AreaBlock sums;
+  if (adjacency.are_triangles()) {
+    const QualityBlock total = measure_triangles(scale, positions, adjacency, out.faces, centre, control);
+    out.quality = quality_of(total, scale);
+    sums = {total.area.sum, total.volume};
+  } else {
+    sums = measure_areas(scale, positions, face_begin, corners, centre, control);
+  }
   out.area = scale.undo(sums.area, 2);
   if (out.closed && edges.inconsistent == 0) out.volume = scale.undo(sums.volume, 3);
   return out;
 }
 
-}  // namespace
-
-Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control) {
-  const std::vector<std::uint32_t> face_begin = triangle_begins(corners.size() / 3, control);
-  const Adjacency adjacency(positions.size(), face_begin, corners);
-  return measure_quality(positions, corners, adjacency, control);
-}
-
-Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& adjacency,
-                        RunControl& control) {
-  return measure_quality(positions, corners, Scale(positions, control), adjacency, control);
-}
-
-IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl& control) {
-  const Scale scale(mesh.positions.items(), control);
-  IdVector<FaceId, FaceQuality> quality(mesh.faces.size());
-  for_blocks(mesh.faces.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (FaceId f(begin); f.value < end; ++f.value) {
-      const auto [a, b, c] = mesh.faces[f];
-      const TriangleMeasures m = measure(scale(mesh.positions[a]), scale(mesh.positions[b]), scale(mesh.positions[c]));
-      const auto finite = [](double ratio) { return std::isfinite(ratio) ? ratio : 0; };
-      const auto smallest = static_cast<int>(std::max_element(m.along, m.along + 3) - m.along);
-      quality[f] = {m.angle(smallest), finite(m.radius_edge_ratio), finite(m.aspect_ratio)};
-    }
-  });
-  return quality;
-}
-
-MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
-                               std::span<const VertexId> corners, const Adjacency& adjacency, RunControl& control) {
-  return measure_surface(positions, face_begin, corners, Scale(positions, control), adjacency, control);
-}
-
 MeshStatistics measure_surface(const TriangleMesh& mesh, RunControl& control) {
   const std::vector<std::uint32_t> face_begin = triangle_begins(mesh.faces.size(), control);
-  const Adjacency adjacency(mesh.positions.size(), face_begin, corners_of(mesh.faces.items()));
-  return measure_surface(mesh, face_begin, adjacency, control);
-}
-
-MeshStatistics measure_surface(const TriangleMesh& mesh, std::span<const std::uint32_t> face_begin,
-                               const Adjacency& adjacency, RunControl& control) {
-  const std::span<const Vec3> positions = mesh.positions.items();
   const std::span<const VertexId> corners = corners_of(mesh.faces.items());
-  const Scale scale(positions, control);
-  MeshStatistics out = measure_surface(positions, face_begin, corners, scale, adjacency, control);
-  out.quality = measure_quality(positions, corners, scale, adjacency, control);
-  return out;
+  const Adjacency adjacency(mesh.positions.size(), face_begin, corners);
+  return measure_surface(mesh.positions.items(), face_begin, corners, adjacency, control);
 }
 
 }  // namespace remesh

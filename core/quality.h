@@ -19,9 +19,6 @@ namespace remesh {
 /// Input:  three corners a triangle.
 /// Holds:  the same bits for any number of threads.
 Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control);
-/// The same, where the edges of the triangles are known already.
-Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& adjacency,
-                        RunControl& control);
 
 /// Quality of one triangle. Where its area is zero: angle 0, and 0 for the ratios, which would be infinite.
 struct FaceQuality {
@@ -34,13 +31,10 @@ IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl&
 /// Counts, areas and topology of a polygon surface. Vertices that no face uses are not counted in `vertices` here.
 /// `euler` is V - E + F of what is used; `closed`: every edge has exactly two half-edges, running in opposite
 /// directions or not; `volume` is the enclosed signed volume where closed and consistently wound, else empty;
-/// `components` connects faces that share a vertex. `quality` is left as it is: see measure_quality.
+/// `components` connects faces that share a vertex. `quality` is that of triangles; where not all faces are, it is left
+/// as it is: see measure_quality.
 MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
                                std::span<const VertexId> corners, const Adjacency& adjacency, RunControl& control);
-/// The same for triangles, with their quality.
 MeshStatistics measure_surface(const TriangleMesh& mesh, RunControl& control);
-/// The same, where their edges are known already.
-MeshStatistics measure_surface(const TriangleMesh& mesh, std::span<const std::uint32_t> face_begin,
-                               const Adjacency& adjacency, RunControl& control);
 
 }  // namespace remesh

@@ -122,8 +122,8 @@ class Run {
         if (refiner_->is_over_budget(assembled_.faces.size())) continue;
         refuse_if_too_large();
         summarise();
-        // The independent check of the promises. It makes what it needs of the surface itself.
-        prepared_.release();
+        // The independent check of the promises. It makes what it needs of the surface itself, or checks it.
+        prepared_.release_all_but_order();
         watch_.enter(Stage::kVerify);
         report_.verified = check();
         if (!report_.verified.all_true() && separate_new_vertices(surface(), meshes_, refinement_, control_)) {
@@ -306,7 +306,8 @@ class Run {
     const InputIntersections intersections = intersecting_patches();
     return verify({surface(), patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
                    assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance,
-                   !refinement_.new_positions.empty(), refiner_->has_goals() ? &refined : nullptr, &intersections},
+                   !refinement_.new_positions.empty(), refiner_->has_goals() ? &refined : nullptr, &intersections,
+                   prepared_.order()},
                   control_);
   }
 
@@ -350,7 +351,7 @@ class Run {
     const Adjacency edges(positions.size(), begins, corners);
     IdVector<FaceId, FaceId> source;
     // Each has its parts that wait for nothing but themselves.
-    do_all([&] { report_.output = measure_surface(result.mesh, begins, edges, control_); },
+    do_all([&] { report_.output = measure_surface(positions, begins, corners, edges, control_); },
            [&] {
              report_.volume_obstacles = find_volume_obstacles(
                  positions, begins, corners, edges, report_.verified.intersections, report_.plane_tolerance, control_);

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <numeric>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -163,13 +164,14 @@ Verdict verify(const Claim& claim, RunControl& control) {
   // Who uses each edge, before and after.
   std::optional<EdgeTable> edges_before, edges_after;
   std::optional<BoundaryGraph> seams_before, seams_after;
-  const auto look_at = [&](const Faces& faces, std::optional<EdgeTable>& edges, std::optional<BoundaryGraph>& seams) {
-    edges.emplace(model.points.size(), faces, control);
+  const auto look_at = [&](const Faces& faces, std::span<const std::uint32_t> order, std::optional<EdgeTable>& edges,
+                           std::optional<BoundaryGraph>& seams) {
+    edges.emplace(model.points.size(), faces, order, control);
     seams.emplace(model.points.size(), edges->take_bounding());
   };
   // The input's, as the larger one in most cases, on this thread: its memory comes from where all the rest was.
-  do_all([&] { look_at(model.output, edges_after, seams_after); },
-         [&] { look_at(model.input, edges_before, seams_before); });
+  do_all([&] { look_at(model.output, {}, edges_after, seams_after); },
+         [&] { look_at(model.input, claim.surface_edge_order, edges_before, seams_before); });
   const EdgeTable &input_edges = *edges_before, &output_edges = *edges_after;
   const Seams seams{*std::move(seams_before), *std::move(seams_after)};
   control.progress(0.6);

@@ -44,6 +44,9 @@ struct Claim {
   bool has_new_vertices = false;                      ///< refinement's, or where the chord rule asked for some
   const RefinementClaim* refinement = nullptr;        ///< null: nothing was refined
   const InputIntersections* intersections = nullptr;  ///< null: none
+  /// The corners of `surface` by (smaller, larger vertex, corner) of the edge that begins there. Empty, or wrong: the
+  /// checker sorts them itself.
+  std::span<const std::uint32_t> surface_edge_order = {};
 };
 
 /// Tests promises 1 to 3.

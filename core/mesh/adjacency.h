@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -23,11 +24,14 @@ class Adjacency {
   /// Cost:   O(n) for vertices of bounded degree, O(n log n) at worst; on the caller's TBB arena.
   Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin, std::span<const VertexId> corners);
 
+  bool are_triangles() const { return are_triangles_; }
   std::size_t edge_count() const { return edge_begin_.size() - 1; }
   /// The corners that run along edge e, in either direction: one a face (two where a polygon meets itself).
   std::span<const std::uint32_t> half_edges(EdgeId e) const {
     return std::span(half_edges_).subspan(edge_begin_[e.value], edge_begin_[e.value + 1] - edge_begin_[e.value]);
   }
+  /// All half-edges in the order of their edges. The adjacency is of no use afterwards.
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> take_order() && { return std::move(half_edges_); }
   /// The edges without twins, ascending: all but those of two half-edges that run in opposite directions. Most meshes
   /// have few, and they are what is asked for.
   std::span<const EdgeId> odd_edges() const { return odd_edges_; }

@@ -678,6 +678,7 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor) {
 void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
                       const CoplanarityRule& rule, Regions& regions, RunControl& control) {
   regions.of_face.resize(surface.face_count());
+  regions.are_connected = regions.are_connected || regions.planes.empty();
   Growth(surface, adjacency, geometry, rule, regions, control).run();
 }
 

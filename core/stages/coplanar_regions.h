@@ -29,6 +29,7 @@ struct Plane {
 struct Regions {
   IdVector<FaceId, RegionId> of_face;
   IdVector<RegionId, Plane> planes;
+  bool are_connected = false;  ///< each over edges, as those are that coplanar_regions makes
 };
 
 /// How faces are told apart; tolerances in local units.

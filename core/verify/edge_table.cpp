@@ -1,6 +1,7 @@
 #include "core/verify/edge_table.h"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
 #include "core/base/blocks.h"
@@ -70,8 +71,9 @@ struct EdgeTable::Part {
   }
 };
 
-EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& control)
-    : faces_(faces), bucket_(vertex_count + 1) {
+EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, std::span<const std::uint32_t> order,
+                     RunControl& control)
+    : faces_(faces), bucket_(vertex_count + 1), order_(order) {
   if (faces.corners.size() != 3 * faces.count()) {
     face_of_.resize(faces.corners.size());
     for_blocks(faces.count(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -80,23 +82,107 @@ EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& c
                   static_cast<std::uint32_t>(f));
     });
   }
+  bucket_.back() = static_cast<std::uint32_t>(faces.corners.size());
+  std::vector<Part> parts = read_order(control);
+  if (parts.empty()) parts = sort(control);
+  add_parts(parts, control);
+}
+
+/// Reads the edges off the order that was given. Output: nothing if it is not one.
+std::vector<EdgeTable::Part> EdgeTable::read_order(RunControl& control) {
+  if (order_.empty() || order_.size() != faces_.corners.size()) return {};
+  auto found =
+      map_blocks<std::optional<Part>>(order_.size(), kItemsPerBlock, control,
+                                      [&](std::size_t begin, std::size_t end) { return read_part(begin, end); });
+  std::vector<Part> parts;
+  parts.reserve(found.size());
+  for (std::optional<Part>& part : found) {
+    if (!part) return {};
+    parts.push_back(*std::move(part));
+  }
+  return parts;
+}
+
+/// Reads the edges that begin in [begin, end) of the order, and sets the buckets that do. Output: nothing if the
+/// half-edges do not ascend there: if they do everywhere, they are different ones, and so all that there are.
+std::optional<EdgeTable::Part> EdgeTable::read_part(std::size_t begin, std::size_t end) {
+  using Ends = std::pair<VertexId, VertexId>;
+  const auto ends = [&](std::uint32_t h) {
+    const VertexId a = from(h), b = to(h);
+    return a < b ? Ends{a, b} : Ends{b, a};
+  };
+  Part part;
+  std::vector<Use> uses;
+  const auto add_edge = [&](std::size_t first, std::size_t last, const Ends& edge) {
+    const std::uint32_t g = order_[first], h = order_[first + 1 < last ? first + 1 : first];
+    if (last - first == 2 && from(g) == to(h) && edge.first != edge.second && patch_of(g) == patch_of(h)) {
+      ++part.counts.edges;  // the rest of most is never asked for
+      return;
+    }
+    uses.clear();
+    for (std::size_t i = first; i < last; ++i) uses.push_back(use(order_[i]));
+    std::sort(uses.begin(), uses.end());
+    part.add({edge.first, edge.second, uses});
+  };
+  std::size_t next_bucket = 0, first = end;  // of the edge that is being read, if it began here
+  Ends last_ends;
+  std::uint32_t last_half_edge = 0;
+  const auto is_half_edge = [&](std::uint32_t h) { return h < order_.size(); };
+  if (begin > 0) {
+    last_half_edge = order_[begin - 1];
+    if (!is_half_edge(last_half_edge)) return std::nullopt;
+    last_ends = ends(last_half_edge);
+    next_bucket = last_ends.first.value + std::size_t{1};
+  }
+  for (std::size_t i = begin; i < end; ++i) {
+    const std::uint32_t h = order_[i];
+    if (!is_half_edge(h)) return std::nullopt;
+    const Ends here = ends(h);
+    if (i > 0 && here == last_ends) {
+      if (h <= last_half_edge) return std::nullopt;
+    } else {
+      if (i > 0 && here < last_ends) return std::nullopt;
+      if (first < i) add_edge(first, i, last_ends);
+      first = i;
+      // Two threads set the same one only where the order is none.
+      for (; next_bucket <= here.first.value; ++next_bucket)
+        std::atomic_ref(bucket_[next_bucket]).store(static_cast<std::uint32_t>(i), std::memory_order_relaxed);
+    }
+    last_ends = here;
+    last_half_edge = h;
+  }
+  if (first < end) {
+    std::size_t last = end;
+    while (last < order_.size() && is_half_edge(order_[last]) && ends(order_[last]) == last_ends) ++last;
+    add_edge(first, last, last_ends);
+  }
+  if (end == order_.size())
+    for (; next_bucket < vertex_count(); ++next_bucket)
+      std::atomic_ref(bucket_[next_bucket]).store(static_cast<std::uint32_t>(end), std::memory_order_relaxed);
+  return part;
+}
+
+/// Puts the half-edges in order, and reads the edges off them.
+std::vector<EdgeTable::Part> EdgeTable::sort(RunControl& control) {
   // First by parts of so many smaller vertices, then each part for itself.
-  const std::size_t parts = (vertex_count + kVerticesOfPart - 1) / kVerticesOfPart;
+  const std::size_t vertices = vertex_count(), parts = (vertices + kVerticesOfPart - 1) / kVerticesOfPart;
   Grouping by_part = group_by(
-      faces.corners.size(), parts, [&](std::uint32_t h) { return std::min(from(h), to(h)).value / kVerticesOfPart; },
+      faces_.corners.size(), parts, [&](std::uint32_t h) { return std::min(from(h), to(h)).value / kVerticesOfPart; },
       control);
   half_edges_ = std::move(by_part.items);
-  bucket_.back() = static_cast<std::uint32_t>(half_edges_.size());
-  const auto found = map_blocks<Part>(parts, 1, control, [&](std::size_t part, std::size_t) {
+  order_ = half_edges_;
+  return map_blocks<Part>(parts, 1, control, [&](std::size_t part, std::size_t) {
     const std::uint32_t begin = by_part.begin[part], end = by_part.begin[part + 1];
-    return sort_part(part * kVerticesOfPart, std::min(vertex_count, (part + 1) * kVerticesOfPart), begin,
+    return sort_part(part * kVerticesOfPart, std::min(vertices, (part + 1) * kVerticesOfPart), begin,
                      std::span(half_edges_).subspan(begin, end - begin));
   });
+}
 
+void EdgeTable::add_parts(const std::vector<Part>& parts, RunControl& control) {
   // Where each part's edges and uses go.
-  std::vector<std::pair<std::size_t, std::size_t>> at(parts + 1);
-  for (std::size_t i = 0; i < parts; ++i) {
-    const Part& part = found[i];
+  std::vector<std::pair<std::size_t, std::size_t>> at(parts.size() + 1);
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    const Part& part = parts[i];
     counts_.edges += part.counts.edges;
     counts_.is_closed = counts_.is_closed && part.counts.is_closed;
     counts_.is_consistent = counts_.is_consistent && part.counts.is_consistent;
@@ -104,10 +190,10 @@ EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& c
   }
   bounding_.edges.resize(at.back().first);
   bounding_.uses.resize(at.back().second);
-  for_blocks(parts, 1, control, [&](std::size_t i, std::size_t) {
+  for_blocks(parts.size(), 1, control, [&](std::size_t i, std::size_t) {
     auto [edge_at, use_at] = at[i];
-    std::copy(found[i].uses.begin(), found[i].uses.end(), bounding_.uses.begin() + static_cast<std::ptrdiff_t>(use_at));
-    for (Edge edge : found[i].edges) {
+    std::copy(parts[i].uses.begin(), parts[i].uses.end(), bounding_.uses.begin() + static_cast<std::ptrdiff_t>(use_at));
+    for (Edge edge : parts[i].edges) {
       edge.uses = std::span(bounding_.uses).subspan(use_at, edge.uses.size());
       use_at += edge.uses.size();
       bounding_.edges[edge_at++] = edge;
@@ -182,10 +268,11 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
 std::vector<Use> EdgeTable::find(VertexId a, VertexId b) const {
   const VertexId low = std::min(a, b), high = std::max(a, b);
   const auto high_of = [&](std::uint32_t h) { return std::max(from(h), to(h)); };
-  const auto first = half_edges_.begin() + bucket_[low.value], last = half_edges_.begin() + bucket_[low.value + 1];
-  auto found = std::partition_point(first, last, [&](std::uint32_t h) { return high_of(h) < high; });
+  const auto around = order_.subspan(bucket_[low.value], bucket_[low.value + 1] - bucket_[low.value]);
+  auto found = std::partition_point(around.begin(), around.end(), [&](std::uint32_t h) { return high_of(h) < high; });
   std::vector<Use> uses;
-  for (; found != last && high_of(*found) == high; ++found) uses.push_back(use(*found));
+  for (; found != around.end() && high_of(*found) == high; ++found) uses.push_back(use(*found));
+  if (is_order_given()) std::sort(uses.begin(), uses.end());
   return uses;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <tuple>
 #include <utility>
@@ -87,9 +88,12 @@ struct BoundingEdges {
 /// use its half-edge is kept, and the rest read from the faces.
 class EdgeTable {
  public:
-  /// Input:  faces that stay as long as the table.
-  /// Cost:   O(n log n).
-  EdgeTable(std::size_t vertex_count, const Faces& faces, RunControl& control);
+  /// Input:  faces that stay as long as the table, as does `order`: their half-edges by (smaller, larger vertex,
+  ///         half-edge), if somebody has them. It is tested, and if it is not that, the table sorts them itself.
+  /// Cost:   O(n log n); O(n) with an order.
+  EdgeTable(std::size_t vertex_count, const Faces& faces, std::span<const std::uint32_t> order, RunControl& control);
+  EdgeTable(const EdgeTable&) = delete;
+  EdgeTable& operator=(const EdgeTable&) = delete;
 
   std::size_t vertex_count() const { return bucket_.size() - 1; }
   const EdgeCounts& counts() const { return counts_; }
@@ -103,7 +107,8 @@ class EdgeTable {
     std::vector<Use> uses;
     for (std::size_t v = begin; v < end; ++v) {
       uses.clear();
-      for (std::size_t i = bucket_[v]; i < bucket_[v + 1]; ++i) uses.push_back(use(half_edges_[i]));
+      for (std::size_t i = bucket_[v]; i < bucket_[v + 1]; ++i) uses.push_back(use(order_[i]));
+      if (is_order_given()) std::sort(uses.begin(), uses.end());
       visit_edges(VertexId(v), uses, visit);
     }
   }
@@ -136,13 +141,19 @@ class EdgeTable {
     const VertexId a = from(half_edge), b = to(half_edge);
     return {std::max(a, b), patch_of(half_edge), half_edge, a < b};
   }
+  bool is_order_given() const { return half_edges_.empty(); }
+  std::vector<Part> read_order(RunControl& control);
+  std::optional<Part> read_part(std::size_t begin, std::size_t end);
+  std::vector<Part> sort(RunControl& control);
+  void add_parts(const std::vector<Part>& parts, RunControl& control);
   Part sort_part(std::size_t first, std::size_t last, std::uint32_t begin, std::span<std::uint32_t> half_edges);
 
   Faces faces_;
   std::vector<std::uint32_t> face_of_;  ///< of each half-edge; empty where all faces are triangles
   using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
   Numbers bucket_;      ///< uses of vertex v's edges: [bucket_[v], bucket_[v + 1])
-  Numbers half_edges_;  ///< of each use
+  Numbers half_edges_;  ///< of each use, by patch and half-edge along each edge; empty where the order was given
+  std::span<const std::uint32_t> order_;  ///< these, or those given
   EdgeCounts counts_;
   BoundingEdges bounding_;
 };
