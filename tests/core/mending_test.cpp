@@ -140,6 +140,19 @@ TEST(remesh_surface, a_solid_inside_out_is_reported_and_turned_only_on_request) 
   EXPECT_TRUE(turned.report.volume_obstacles.empty());
 }
 
+TEST(remesh_surface, a_small_solid_inside_out_at_a_corner_of_a_large_one_is_found) {
+  // The volume of both is positive, and they are one component.
+  const PolygonMesh small = shapes::turned_over(shapes::moved(shapes::box({1, 1, 1}), {-1, -1, -1}));
+  const PolygonMesh mesh = shapes::welded(shapes::joined(shapes::box({2, 2, 2}), small));
+  Options options = unrefined();
+  options.repair.inside_out = true;
+  const Result turned = remeshed(mesh, options);
+  EXPECT_EQ(turned.report.input.components, 1u);
+  EXPECT_DOUBLE_EQ(*turned.report.input.volume, 7);
+  EXPECT_EQ(count_of(turned.report, DiagnosticCode::kInsideOut), 1u);
+  EXPECT_DOUBLE_EQ(*turned.report.output.volume, 9);
+}
+
 TEST(remesh_surface, a_soup_whose_corners_nearly_meet_is_closed_by_its_weld_tolerance) {
   Random random(7);
   const PolygonMesh box = shapes::box({1, 1, 1}, 3);
