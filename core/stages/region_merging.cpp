@@ -1,0 +1,183 @@
+#include "core/stages/region_merging.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <initializer_list>
+#include <utility>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/geometry/plane_fit.h"
+
+namespace remesh {
+namespace {
+
+/// A region is tried with at most so many others that it does not fit.
+constexpr std::uint8_t kMostFailures = 8;
+
+constexpr std::size_t kBlock = 4096;
+
+/// Makes `value` at least `least`, whoever else does.
+void raise(double& value, double least) {
+  const std::atomic_ref shared(value);
+  double now = shared.load(std::memory_order_relaxed);
+  while (now < least && !shared.compare_exchange_weak(now, least, std::memory_order_relaxed)) continue;
+}
+
+class Merging {
+ public:
+  Merging(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, const Coplanarity& rule,
+          std::uint32_t first_region, std::span<const FaceId> seeds, Regions& regions, RunControl& control)
+      : surface_(surface),
+        adjacency_(adjacency),
+        geometry_(geometry),
+        rule_(rule),
+        first_region_(first_region),
+        seeds_(seeds),
+        regions_(regions),
+        control_(control) {}
+
+  void run() {
+    if (first_region_ == regions_.planes.size()) return;
+    std::vector<Piece> pieces(regions_.planes.size() - first_region_);
+    const auto piece_of = [&](FaceId f) {
+      const RegionId r = regions_.of_face[f];
+      const bool may_merge = r.value >= first_region_ && !rule_.is_single(f);
+      return may_merge ? &pieces[r.value - first_region_] : nullptr;
+    };
+    for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (FaceId f(begin); f.value < end; ++f.value)
+        if (Piece* piece = piece_of(f)) raise(piece->height, geometry_[f].height);
+    });
+    // All faces of a region are on one step of the ladder.
+    for (std::size_t r = 0; r < pieces.size(); ++r) {
+      pieces[r].may_merge = !rule_.is_single(seeds_[r]);
+      pieces[r].tolerance = rule_.tolerance(seeds_[r]);
+    }
+    auto pairs = bordering_pieces(pieces);
+    if (pairs.empty()) return;
+    for (FaceId f(0); f.value < surface_.face_count(); ++f.value) {
+      if (f.value % kBlock == 0) control_.check();
+      Piece* piece = piece_of(f);
+      if (piece == nullptr) continue;
+      piece->faces.push_back(f);
+      for (const VertexId v : surface_.face(f)) piece->moments.add(surface_.local[v]);
+    }
+    // Each pass may make neighbours of regions that were not; few are needed.
+    constexpr int kMostPasses = 8;
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      bool is_changed = false;
+      for (const auto& [a, b] : pairs) is_changed = try_merge(pieces, a, b) || is_changed;
+      if (!is_changed || pass + 1 == kMostPasses) return;
+      pairs = bordering_pieces(pieces);
+    }
+  }
+
+ private:
+  /// What is known of a region while regions are merged; a region that has been taken in by another one is empty.
+  struct Piece {
+    std::vector<FaceId> faces;  ///< filled in, as are the moments, if any regions might be merged
+    PointMoments moments;
+    double tolerance = 0;
+    double height = 0;  ///< of its highest face: what its normal is worth
+    std::uint8_t failures = 0;
+    bool may_merge = false;
+  };
+
+  /// Pairs of new regions with an edge between them whose planes might be one, ascending: in the order of their seeds.
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> bordering_pieces(const std::vector<Piece>& pieces) {
+    using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
+    const auto find = [&](std::size_t begin, std::size_t end) {
+      Pairs found;
+      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+        const std::uint32_t twin = adjacency_.twin(h);
+        if (twin == Adjacency::kNone || twin < h) continue;
+        const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
+        const RegionId r = regions_.of_face[f], q = regions_.of_face[g];
+        if (r == q || std::min(r, q).value < first_region_ || !rule_.are_in_one_zone(f, g) || rule_.is_bend(h))
+          continue;
+        const std::uint32_t a = std::min(r, q).value - first_region_, b = std::max(r, q).value - first_region_;
+        if (is_alike(pieces, a, b)) found.push_back({a, b});
+      }
+      return found;
+    };
+    Pairs pairs;
+    for (const Pairs& found : map_blocks<Pairs>(surface_.corners.size(), kBlock, control_, find))
+      pairs.insert(pairs.end(), found.begin(), found.end());
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    return pairs;
+  }
+
+  /// Whether two regions' planes turn against each other by no more than what the tolerance explains.
+  bool is_alike(const std::vector<Piece>& pieces, std::uint32_t a, std::uint32_t b) const {
+    if (!pieces[a].may_merge || !pieces[b].may_merge) return false;
+    const double cosine =
+        dot(regions_.planes[RegionId(first_region_ + a)].normal, regions_.planes[RegionId(first_region_ + b)].normal);
+    const double height = std::min(pieces[a].height, pieces[b].height);
+    const double sine = 2 * kThinFace * pieces[a].tolerance / std::max(height, 1e-300);
+    return cosine > 0 && 1 - cosine * cosine <= sine * sine;
+  }
+
+  bool try_merge(std::vector<Piece>& pieces, std::uint32_t a, std::uint32_t b) {
+    if (!pieces[a].may_merge || !pieces[b].may_merge) return false;
+    if (pieces[a].failures >= kMostFailures || pieces[b].failures >= kMostFailures) return false;
+    PointMoments moments = pieces[a].moments;
+    moments.merge(pieces[b].moments);
+    const PlaneFit fit = fit_plane(moments);
+    const double band = kBand * pieces[a].tolerance;
+    constexpr double kRounding = 1e-7;  // of moments, in local units
+    if (fit.rms > band + kRounding) return false;
+    Plane plane{moments.mean(), fit.normal};
+    if (dot(plane.normal, regions_.planes[RegionId(first_region_ + a)].normal) < 0) plane.normal = -plane.normal;
+    centre(plane, {&pieces[a].faces, &pieces[b].faces});
+    for (const auto* faces : {&pieces[a].faces, &pieces[b].faces})
+      for (const FaceId f : *faces)
+        if (!rule_.fits(f, plane, band)) {
+          ++pieces[a].failures;
+          ++pieces[b].failures;
+          return false;
+        }
+    regions_.planes[RegionId(first_region_ + a)] = plane;
+    for (const FaceId f : pieces[b].faces) regions_.of_face[f] = RegionId(first_region_ + a);
+    // The smaller list is moved to the larger one.
+    if (pieces[a].faces.size() < pieces[b].faces.size()) std::swap(pieces[a].faces, pieces[b].faces);
+    pieces[a].faces.insert(pieces[a].faces.end(), pieces[b].faces.begin(), pieces[b].faces.end());
+    pieces[a].moments = moments;
+    pieces[a].height = std::max(pieces[a].height, pieces[b].height);
+    pieces[b] = {};
+    return true;
+  }
+
+  /// Shifts a plane along its normal to the middle of the corners.
+  void centre(Plane& plane, std::initializer_list<const std::vector<FaceId>*> pieces) const {
+    double low = HUGE_VAL, high = -HUGE_VAL;
+    for (const auto* faces : pieces)
+      for (const FaceId f : *faces)
+        for (const VertexId v : surface_.face(f)) {
+          low = std::min(low, plane.distance(surface_.local[v]));
+          high = std::max(high, plane.distance(surface_.local[v]));
+        }
+    plane.origin += (low + high) / 2 * plane.normal;
+  }
+
+  const Surface& surface_;
+  const Adjacency& adjacency_;
+  const FaceGeometries& geometry_;
+  const Coplanarity& rule_;
+  const std::uint32_t first_region_;
+  const std::span<const FaceId> seeds_;
+  Regions& regions_;
+  RunControl& control_;
+};
+
+}  // namespace
+
+void merge_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+                   const Coplanarity& rule, std::uint32_t first_region, std::span<const FaceId> seeds, Regions& regions,
+                   RunControl& control) {
+  Merging(surface, adjacency, geometry, rule, first_region, seeds, regions, control).run();
+}
+
+}  // namespace remesh

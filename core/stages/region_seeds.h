@@ -1,0 +1,121 @@
+/// The faces from which regions are grown.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/base/parallel.h"
+#include "core/mesh/face_geometry.h"
+#include "core/mesh/surface.h"
+
+namespace remesh {
+
+/// A face from which a region is grown: the largest first; among equally large ones the one at the smallest place.
+struct Seed {
+  double area = -1;
+  Vec3 place;
+  FaceId face;
+  bool is_before(const Seed& b) const {
+    if (area != b.area) return area > b.area;
+    return place != b.place ? place < b.place : face < b.face;
+  }
+};
+
+/// Some faces in the order of seeds. Most faces get their region from another one, so that few are ever asked for: each
+/// block of faces knows its first, and is looked through again when that one has been taken.
+class Seeds {
+ public:
+  Seeds(const Surface& surface, const FaceGeometries& geometry, RunControl& control)
+      : surface_(surface), geometry_(geometry), control_(control) {}
+
+  /// Begins with other faces, which stay as long as they are asked for.
+  void begin(std::span<const std::uint32_t> faces) {
+    faces_ = faces;
+    looks_left_ = kLooks * faces.size();
+    first_of_block_.clear();
+    is_sorted_ = false;
+    sorted_.clear();
+    next_ = 0;
+  }
+
+  /// The next one that is open still; invalid at the end. Faces that are not open stay so.
+  template <class IsOpen>
+  FaceId next(const IsOpen& is_open) {
+    if (!is_sorted_ && looks_left_ > 0) return first(is_open);
+    if (!is_sorted_) sort(is_open);
+    while (next_ < sorted_.size() && !is_open(sorted_[next_])) ++next_;
+    return next_ < sorted_.size() ? sorted_[next_++] : FaceId();
+  }
+
+  Seed placed(FaceId f) const { return {geometry_[f].area, face_centre(surface_, f), f}; }
+
+ private:
+  /// So often each face may be looked at before they are sorted.
+  static constexpr std::size_t kLooks = 8;
+  static constexpr std::size_t kFacesPerBlock = 4096;
+
+  template <class IsOpen>
+  Seed first_of(std::size_t begin, std::size_t end, const IsOpen& is_open) const {
+    Seed best;
+    for (std::size_t i = begin; i < end; ++i) {
+      const FaceId f(faces_[i]);
+      if (!is_open(f) || geometry_[f].area < best.area) continue;
+      const Seed other = placed(f);
+      if (!best.face.is_valid() || other.is_before(best)) best = other;
+    }
+    return best;
+  }
+
+  template <class IsOpen>
+  FaceId first(const IsOpen& is_open) {
+    const bool is_new = first_of_block_.empty();
+    first_of_block_.resize((faces_.size() + kFacesPerBlock - 1) / kFacesPerBlock);
+    stale_.clear();
+    for (std::size_t block = 0; block < first_of_block_.size(); ++block)
+      if (const FaceId f = first_of_block_[block].face; is_new || (f.is_valid() && !is_open(f)))
+        stale_.push_back(block);
+    looks_left_ -= std::min(looks_left_, first_of_block_.size() + kFacesPerBlock * stale_.size());
+    for_blocks(stale_.size(), 1, control_, [&](std::size_t i, std::size_t) {
+      const std::size_t begin = kFacesPerBlock * stale_[i];
+      first_of_block_[stale_[i]] = first_of(begin, std::min(faces_.size(), begin + kFacesPerBlock), is_open);
+    });
+    Seed best;
+    for (const Seed& other : first_of_block_)
+      if (other.face.is_valid() && (!best.face.is_valid() || other.is_before(best))) best = other;
+    return best.face;
+  }
+
+  template <class IsOpen>
+  void sort(const IsOpen& is_open) {
+    is_sorted_ = true;
+    const auto open = select_ids<std::uint32_t>(faces_.size(), kFacesPerBlock, control_,
+                                                [&](std::size_t i) { return is_open(FaceId(faces_[i])); });
+    std::vector<Seed> all(open.size());
+    sorted_.resize(open.size());
+    const auto for_each = [&](const auto& visit) {
+      for_blocks(all.size(), kFacesPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) visit(i);
+      });
+    };
+    for_each([&](std::size_t i) { all[i] = placed(FaceId(faces_[open[i]])); });
+    sort_all(all.begin(), all.end(), [](const Seed& a, const Seed& b) { return a.is_before(b); });
+    for_each([&](std::size_t i) { sorted_[i] = all[i].face; });
+  }
+
+  const Surface& surface_;
+  const FaceGeometries& geometry_;
+  RunControl& control_;
+  std::span<const std::uint32_t> faces_;
+  std::size_t looks_left_ = 0;
+  std::vector<Seed> first_of_block_;  ///< no face: none of them is open
+  std::vector<std::size_t> stale_;
+  bool is_sorted_ = false;
+  std::vector<FaceId> sorted_;
+  std::size_t next_ = 0;
+};
+
+}  // namespace remesh
