@@ -204,7 +204,7 @@ class Angles {
   const AngleCounts& counts() const { return counts_; }
 
  private:
-  static constexpr int kRightAngle = static_cast<int>(90 / kBinDegrees);
+  static constexpr auto kRightAngle = static_cast<std::size_t>(90 / kBinDegrees);  ///< the bin from there on
 
   /// An angle by its cosine and sine, in some unit.
   struct Direction {
@@ -218,9 +218,13 @@ class Angles {
   /// `unit`: one over the product of all lengths.
   void count(const TriangleMeasures& m, std::size_t corner, double unit) {
     static const BinsByCosine bin_of;
-    // Of right angles there are many, and they would be told by the arc tangent each.
     const double cosine = m.along[corner] * m.length[corner] * unit;
-    const int bin = m.along[corner] == 0 ? kRightAngle : bin_of(cosine);
+    // Of right angles there are many, and they would be told by the arc tangent each.
+    if (std::fabs(cosine) < 1e-12) {
+      ++counts_[m.along[corner] > 0 ? kRightAngle - 1 : kRightAngle];
+      return;
+    }
+    const int bin = bin_of(cosine);
     ++counts_[bin >= 0 ? static_cast<std::size_t>(bin) : bin_of_angle(m.angle(corner))];
   }
   void add(double degrees) {

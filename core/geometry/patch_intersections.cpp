@@ -27,6 +27,9 @@ constexpr std::uint32_t kFewFaces = 16;
 /// So many faces of a patch are asked for at once, whether any is near another patch.
 constexpr std::size_t kRun = 32;
 
+/// Patches near a run: more are not held against each of its faces, but looked up.
+constexpr std::size_t kFewPatches = 16;
+
 /// Heights are sums of three products: their rounding, of the largest coordinate.
 constexpr double kHeightMargin = 0x1p-49;
 
@@ -91,15 +94,20 @@ class Cull {
     const TriangleTree tree_of_all = tree_of(boxes_of_patches(all)), tree_of_large = tree_of(boxes_of_patches(large));
     auto found = map_blocks<Near>(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       Near near;
+      std::vector<PatchId> near_run;
       while (begin < end) {
         const std::size_t run_end = end_of_run(begin, std::min(end, begin + kRun));
         const bool is_few = has_few(surface_.patch[begin]);
         const std::vector<PatchId>& patches = is_few ? large : all;
         const TriangleTree& tree = is_few ? tree_of_large : tree_of_all;
-        const bool is_inside = is_looked_at_inside(begin), is_near = is_near_others(begin, run_end, patches, tree);
+        const bool is_inside = is_looked_at_inside(begin);
+        find_near(begin, run_end, patches, tree, near_run);
         for (; begin < run_end; ++begin) {
           if (is_inside) near.faces.push_back(static_cast<std::uint32_t>(begin));
-          if (is_near) look_at(begin, patches, tree, near);
+          if (near_run.size() > kFewPatches)
+            look_at(begin, patches, tree, near);
+          else if (!near_run.empty())
+            look_at(begin, near_run, near);
         }
       }
       return near;
@@ -154,20 +162,33 @@ class Cull {
     return end;
   }
 
-  /// May some of these faces of one patch be near another one? Asked for a run at once, most are not.
-  bool is_near_others(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches,
-                      const TriangleTree& tree) const {
+  /// Finds the other patches that some of these faces of one patch may be near. Asked for a run at once: of most runs
+  /// there are none. Where there are many, not all of them are found.
+  void find_near(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches, const TriangleTree& tree,
+                 std::vector<PatchId>& near) const {
+    near.clear();
     Box3 box;
     if (end - begin == kRun)
       box = boxes_of_runs_[begin / kRun];
     else
       for (std::size_t f = begin; f < end; ++f) box.add(box_of(f));
-    bool is_near = false;
     tree.visit_meeting(box, 0, [&](std::size_t slot) {
-      is_near = patches[tree.face(slot).value] != surface_.patch[begin];
-      return !is_near;
+      const PatchId p = patches[tree.face(slot).value];
+      if (p != surface_.patch[begin] && is_at_height(box, p)) near.push_back(p);
+      return near.size() <= kFewPatches;
     });
-    return is_near;
+  }
+
+  /// Does a box reach the heights over a patch's plane at which the patch is? Boxes of turned patches are wide, and
+  /// this tells what is beside them.
+  bool is_at_height(const Box3& box, PatchId p) const {
+    constexpr double kMargin = 4 * kHeightMargin;  // also for the middle and the extents
+    const Place place = places_[p.value].get();
+    const Vec3& n = surface_.normals[p.value];
+    const Vec3 extent = 0.5 * (box.max - box.min);
+    const double middle = dot(n, 0.5 * (box.min + box.max));
+    const double reach = std::fabs(n.x) * extent.x + std::fabs(n.y) * extent.y + std::fabs(n.z) * extent.z + kMargin;
+    return middle + reach >= place.low && middle - reach <= place.high;
   }
 
   std::array<double, 3> heights(std::size_t f, std::size_t patch) const {
@@ -216,14 +237,22 @@ class Cull {
 
   /// Finds the parts of a face that are near patches; `tree` has the boxes of these.
   void look_at(std::size_t f, const std::vector<PatchId>& patches, const TriangleTree& tree, Near& near) const {
-    const PatchId own = surface_.patch[f];
     tree.visit_meeting(box_of(f), 0, [&](std::size_t slot) {
       const PatchId p = patches[tree.face(slot).value];
-      if (p == own) return true;
-      const Box3 box = part_near(f, p);
-      if (!box.is_empty()) near.parts.push_back({box, static_cast<std::uint32_t>(f), own, p});
+      if (p != surface_.patch[f]) add_part(f, p, near);
       return true;
     });
+  }
+  /// The same for a few other patches.
+  void look_at(std::size_t f, const std::vector<PatchId>& patches, Near& near) const {
+    const Box3 box = box_of(f);
+    for (const PatchId p : patches)
+      if (do_meet(box, box_of_patch(p))) add_part(f, p, near);
+  }
+
+  void add_part(std::size_t f, PatchId p, Near& near) const {
+    const Box3 box = part_near(f, p);
+    if (!box.is_empty()) near.parts.push_back({box, static_cast<std::uint32_t>(f), surface_.patch[f], p});
   }
 
   /// The box of what lies of a face where a patch is, by height over that patch's plane; empty if nothing does, or if
