@@ -82,7 +82,9 @@ const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std:
 
 bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   if (!has_goals() || faces <= goals_.max_faces || is_budget_too_small()) return false;
-  ++retries_;
+  const bool is_in_vain = last_faces_ != 0 && faces >= last_faces_;
+  last_faces_ = faces;
+  retries_ = is_in_vain ? kMostRetries + 1 : retries_ + 1;
   budget_ -= std::min(budget_, (faces - goals_.max_faces) * (std::uint64_t{1} << retries_));
   return true;
 }

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -29,8 +30,9 @@ struct PatchedSurface {
 class GoalRefinement {
  public:
   /// Without goals nothing is refined.
-  GoalRefinement(const Goals& goals, RunControl& control)
-      : goals_(goals), budget_(goals.max_faces), control_(control) {}
+  GoalRefinement(const Goals& goals, RunControl& control) : goals_(goals), budget_(goals.max_faces), control_(control) {
+    if (budget_ != std::numeric_limits<std::uint64_t>::max()) budget_ -= budget_ / kReserve;
+  }
 
   const Goals& goals() const { return goals_; }
   bool has_goals() const;
@@ -47,7 +49,8 @@ class GoalRefinement {
   Refinement refine(const PatchedSurface& on, const Ladder& ladder, std::vector<PatchMesh>& meshes);
 
   /// Whether a result of so many faces is more than the budget: a refinement may overshoot it by what patches do for
-  /// each other at the end. Then the next attempt gets less, once or twice more, and at last nothing is refined.
+  /// each other at the end, or do for sizes alone. Then the next attempt gets less, and where that does not help, or
+  /// not soon, nothing is refined.
   bool is_over_budget(std::uint64_t faces);
 
   /// Patches whose refinement failed the check stay as they were before it. Output: whether that is a change.
@@ -56,10 +59,14 @@ class GoalRefinement {
   void thaw() {
     frozen_.clear();
     sizes_.reset();
+    last_faces_ = 0;
   }
 
  private:
   static constexpr int kMostRetries = 6;
+  /// One part in so many of the faces allowed is kept for what patches do for each other at the end: another attempt
+  /// would take as long as the first.
+  static constexpr std::uint64_t kReserve = 1024;
   bool is_budget_too_small() const { return retries_ > kMostRetries; }
   /// The same for all attempts at the same patches.
   const SizeField& size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes);
@@ -69,6 +76,7 @@ class GoalRefinement {
   std::uint64_t budget_;  ///< faces that refinement may make it
   RunControl& control_;
   int retries_ = 0;
+  std::uint64_t last_faces_ = 0;      ///< that were too many; 0: none yet
   std::vector<std::uint8_t> frozen_;  ///< per patch: not refined
   std::optional<SizeField> sizes_;    ///< of the patches as they are, if it has been asked for
   std::uint64_t predicted_faces_ = 0;

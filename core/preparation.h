@@ -32,6 +32,7 @@ class Prepared {
   const std::vector<VertexId>& pinched(RunControl& control);  ///< see pinched_vertices
   /// The surface has changed, or nobody is likely to ask for them again: together they are as large as the surface.
   void release() {
+    order_ = {};
     adjacency_.reset();
     pinched_.reset();
     release_geometry();
@@ -39,8 +40,9 @@ class Prepared {
   void release_geometry() { geometry_ = {}; }
   /// The same, but the order of the half-edges stays, which is what the check would have to make anew.
   void release_all_but_order() {
-    if (adjacency_) order_ = std::move(*adjacency_).take_order();
+    auto order = adjacency_ ? std::move(*adjacency_).take_order() : std::move(order_);
     release();
+    order_ = std::move(order);
   }
   /// The surface's half-edges by (smaller, larger vertex, half-edge), once all else has been released.
   std::span<const std::uint32_t> order() const { return order_; }

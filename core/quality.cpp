@@ -78,7 +78,7 @@ Range undo(const Scale& scale, const Range& range, int dimension) {
 }
 
 struct TriangleMeasures {
-  int grown = 0;  ///< this, and what follows up to `length`, is in units of 2^-grown
+  int grown = 0;  ///< lengths below are multiplied by 2^grown, products of two by its square; not the area
   double twice_area = 0;
   Vec3 normal;                            ///< as long as `twice_area`
   std::array<double, 3> along{0, 0, 0};   ///< of each corner's angle: its cosine times the two sides there
@@ -186,7 +186,8 @@ class Angles {
     count(m, 1, unit);
     count(m, 2, unit);
     // All three have the same sine: the largest cosine is the smallest angle's.
-    const auto [least, most] = std::minmax({m.along[0], m.along[1], m.along[2]});
+    const double least = std::min(std::min(m.along[0], m.along[1]), m.along[2]);
+    const double most = std::max(std::max(m.along[0], m.along[1]), m.along[2]);
     if (const Direction d{most, m.twice_area}; d.is_before(smallest_)) smallest_ = d;
     if (const Direction d{least, m.twice_area}; largest_.is_before(d)) largest_ = d;
   }
@@ -216,7 +217,7 @@ class Angles {
   };
 
   /// `unit`: one over the product of all lengths.
-  void count(const TriangleMeasures& m, std::size_t corner, double unit) {
+  [[gnu::always_inline]] void count(const TriangleMeasures& m, std::size_t corner, double unit) {
     static const BinsByCosine bin_of;
     const double cosine = m.along[corner] * m.length[corner] * unit;
     // Of right angles there are many, and they would be told by the arc tangent each.
@@ -279,9 +280,11 @@ QualityBlock measure_block(const Scale& scale, std::span<const Vec3> positions, 
     block.volume += m.grown > 0 ? std::ldexp(volume, -2 * m.grown) : volume;
     for (std::uint32_t i = 0; i < 3; ++i) {
       const std::uint32_t twin = adjacency.twin(h + i);
+      if (twin == Adjacency::kNone || twin < h + i) continue;
       const double length = m.length[(i + 2) % 3];
-      if (twin != Adjacency::kNone && h + i < twin)
-        block.edge_length.add(m.grown > 0 ? std::ldexp(length, -m.grown) : length);
+      // Of a side that is tiny beside the others the square has lost digits.
+      const bool is_exact = m.grown == 0 && length > 0x1p-450;
+      block.edge_length.add(is_exact ? length : norm(corner(i) - corner((i + 1) % 3)));
     }
     if (std::isfinite(m.radius_edge_ratio)) {
       block.radius_edge.add(m.radius_edge_ratio);
@@ -306,11 +309,17 @@ QualityBlock measure_triangles(const Scale& scale, std::span<const Vec3> positio
       combined(map_blocks<QualityBlock>(count, kBlock, control, [&](std::size_t begin, std::size_t end) {
         return measure_block(scale, positions, adjacency, centre, begin, end);
       }));
-  for (const EdgeId e : adjacency.odd_edges()) {
-    const std::uint32_t h = adjacency.half_edges(e)[0];
-    const VertexId from = adjacency.from(h), to = adjacency.to(h);
-    if (from != to) total.edge_length.add(norm(scale(positions[from.value]) - scale(positions[to.value])));
-  }
+  const auto odd = adjacency.odd_edges();
+  total.edge_length.add(
+      combined(map_blocks<Summary>(odd.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+        Summary block;
+        for (const EdgeId e : odd.subspan(begin, end - begin)) {
+          const std::uint32_t h = adjacency.half_edges(e)[0];
+          const VertexId from = adjacency.from(h), to = adjacency.to(h);
+          if (from != to) block.add(norm(scale(positions[from.value]) - scale(positions[to.value])));
+        }
+        return block;
+      })));
   return total;
 }
 

@@ -147,6 +147,7 @@ class Run {
         return false;
       }
     }
+    prepared_.release();
     warn_of_curves();
     for (std::size_t p = 0; p < meshes_.size(); ++p) report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
     return true;

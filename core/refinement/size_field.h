@@ -43,7 +43,7 @@ class SizeField {
             const Goals& goals, double plane_tolerance, RunControl& control);
 
   /// Cells are not cut further where there would be more than these, and more than four a patch.
-  static constexpr std::size_t kMostSamples = std::size_t{1} << 21;
+  static constexpr std::size_t kMostSamples = std::size_t{1} << 19;
 
   /// Is it the same everywhere? Then `largest()` is all there is to know.
   bool is_uniform() const { return samples_.size() == 0; }

@@ -1,6 +1,7 @@
 /// What the rule of coplanarity says of faces, of neighbours and of faces and planes.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>

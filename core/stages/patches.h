@@ -22,8 +22,9 @@ struct PatchSet {
   }
 };
 
+/// Input:  `regions.are_connected` is taken at its word: then each region is a piece.
 /// Output: one patch per edge-connected piece of a region, numbered by its first face.
-/// Source: the 2018 report, section 3, as amended: connected over edges, by flood fill.
+/// Source: the 2018 report, section 3, as amended: connected over edges.
 PatchSet patches(const Surface& surface, const Adjacency& adjacency, const Regions& regions, RunControl& control);
 
 /// Whether half-edge h bounds its patch: on its edge there is not exactly one other face, of the same patch, that looks

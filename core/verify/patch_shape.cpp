@@ -214,13 +214,14 @@ class PatchCheck {
 
   /// Are these the vertex's plane coordinates? They may be off by half the grid, and by the rounding of two
   /// computations (the stage's and this one), each of some four operations on numbers no larger than the sum of |d|'s
-  /// coordinates. A new vertex may have been made in the plane: then it is the one in space that was rounded.
+  /// coordinates. On the fine grid they may be off by all of it: no triangle has height 0 there. A new vertex may have
+  /// been made in the plane: then it is the one in space that was rounded.
   bool is_projection(Vec2 uv, VertexId v) const {
     const Vec3 p = model_.points[v.value];
     const Vec3 d = p - frame_.origin;
     double noise = 0x1p-49 * (std::fabs(d.x) + std::fabs(d.y) + std::fabs(d.z)) / frame_.scale;
     if (model_.is_new(v)) noise += Model::rounding(largest_coordinate(p)) / frame_.scale;
-    const double allowed = frame_.grid / 2 + noise;
+    const double allowed = (frame_.grid == kFineGrid ? frame_.grid : frame_.grid / 2) + noise;
     return std::fabs(uv.x - dot(d, frame_.x_axis) / frame_.scale) <= allowed &&
            std::fabs(uv.y - dot(d, frame_.y_axis) / frame_.scale) <= allowed;
   }

@@ -101,6 +101,14 @@ TEST(Quality, a_tiny_triangle_in_a_large_mesh_keeps_its_shape) {
   EXPECT_NEAR(q.radius_edge_ratio.max, 1 / std::sqrt(2.0), 1e-14);
 }
 
+TEST(Quality, a_tiny_edge_between_large_triangles_keeps_its_length) {
+  for (const double t : {1e-150, 1e-158, 1e-161, 1e-170, 1e-300}) {
+    const std::vector<Vec3> corners{{0, 0, 0}, {t, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    EXPECT_EQ(quality_of(corners, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}).edge_length.min, t) << "closed";
+    EXPECT_EQ(quality_of(corners, {{0, 2, 1}, {0, 3, 2}, {1, 2, 3}}).edge_length.min, t) << "open there";
+  }
+}
+
 TEST(Quality, agrees_with_a_plain_computation_on_random_triangles) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> coordinate(-10, 10);

@@ -517,6 +517,20 @@ std::string failure_of(const PolygonMesh& mesh) {
   }
 }
 
+TEST(remesh_surface, faces_thinner_than_any_grid_come_back) {
+  for (const double t : {1e-20, 1e-50, 1e-100, 1e-170, 1e-300, 5e-324}) {
+    const std::vector<Vec3> corners{{0, 0, 0}, {t, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (const std::vector<std::vector<std::uint32_t>>& faces :
+         {std::vector<std::vector<std::uint32_t>>{{0, 1, 2}}, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}}) {
+      std::vector<Vec3> used = corners;
+      if (faces.size() == 1) used.pop_back();
+      const Result result = remeshed(shapes::from_lists(used, faces), unrefined());
+      EXPECT_TRUE(result.report.verified.all_true()) << t;
+      EXPECT_EQ(result.mesh.faces.size(), faces.size()) << t;
+    }
+  }
+}
+
 TEST(remesh_surface, a_polygon_that_runs_back_along_its_own_side_is_verified) {
   // A corner lies on another side, in frames in which rounding hides it and in such as show it.
   EXPECT_EQ(failure_of(shapes::polygon({{1, 0}, {0, 1}, {0, 0}, {0, 2}})), "");

@@ -4,9 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cstdint>
 #include <functional>
 #include <random>
+#include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/mesh/adjacency.h"
@@ -65,6 +68,8 @@ std::vector<Case> cases() {
           {"neighbours that run the same way",
            shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, -1, 0}}, {{0, 1, 2}, {0, 1, 3}})},
           {"a face twice", shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 1, 2}, {2, 1, 0}})},
+          {"corners repeated",
+           shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 0, 1}, {0, 1, 1, 2}, {2, 1, 0}, {2, 2, 2}})},
           {"unused vertices",
            shapes::from_lists({{9, 9, 9}, {0, 0, 0}, {8, 8, 8}, {1, 0, 0}, {0, 1, 0}, {7, 7, 7}}, {{1, 3, 4}})}};
 }
