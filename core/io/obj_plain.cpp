@@ -66,11 +66,13 @@ class Gatherer {
  public:
   Gatherer(std::size_t chunks, const ReadLimits& limits) : chunks_left_(chunks), limits_(limits) {}
 
-  /// False if the chunk does not fit to those before it, or passes a limit.
-  bool add(ObjChunk chunk) {
-    reserve(mesh_.positions.items(), chunk.positions.size(), limits_.max_vertices);
-    reserve(mesh_.corners, chunk.corners.size(), PolygonMesh::kMaxCorners);
-    reserve(mesh_.face_begin, chunk.face_end.size(), limits_.max_faces);
+  /// Input:  `size` of the chunk's text.
+  /// Output: false if the chunk does not fit to those before it, or passes a limit.
+  bool add(ObjChunk chunk, std::size_t size) {
+    const double share = share_of_faces(chunk, size);
+    reserve(mesh_.positions.items(), chunk.positions.size(), 1, limits_.max_vertices);
+    reserve(mesh_.corners, chunk.corners.size(), share, PolygonMesh::kMaxCorners);
+    reserve(mesh_.face_begin, chunk.face_end.size(), share, limits_.max_faces);
     --chunks_left_;
     if (!resolve(chunk)) return false;
     add_labels(chunk);
@@ -94,12 +96,24 @@ class Gatherer {
   }
 
  private:
-  /// Room for what is added and, where that is too little, for as much in each of the chunks to come: memory that is
-  /// not written to costs nothing, moving the items would.
+  /// How much of a chunk's text its faces take, about: behind the vertices it is a part, and then all.
+  double share_of_faces(const ObjChunk& chunk, std::size_t size) {
+    constexpr double kLeast = 1.0 / 64;
+    if (chunk.face_end.empty() && !chunk.positions.empty())
+      bytes_per_vertex_ = static_cast<double>(size) / static_cast<double>(chunk.positions.size());
+    const double of_vertices = bytes_per_vertex_ * static_cast<double>(chunk.positions.size());
+    return std::clamp(1 - of_vertices / static_cast<double>(size), kLeast, 1.0);
+  }
+
+  /// Room for what is added and, where that is too little, for as much in each of the chunks to come, where `share` of
+  /// the text is what it is of this one's: memory that is not written to costs nothing, moving the items would.
   template <class T>
-  void reserve(std::vector<T>& items, std::size_t added, std::uint64_t most) const {
+  void reserve(std::vector<T>& items, std::size_t added, double share, std::uint64_t most) const {
     if (items.size() + added <= items.capacity()) return;
-    const std::uint64_t wanted = items.size() + std::uint64_t{added} * chunks_left_ + added / 8;
+    constexpr std::uint64_t kMostInChunk = kChunkSize / 4;
+    const std::uint64_t per_chunk = std::clamp(static_cast<std::uint64_t>(static_cast<double>(added) / share),
+                                               std::uint64_t{added}, std::max(std::uint64_t{added}, kMostInChunk));
+    const std::uint64_t wanted = items.size() + per_chunk * chunks_left_ + per_chunk / 8;
     const std::uint64_t least = items.size() + added;
     items.reserve(static_cast<std::size_t>(std::max(least, std::min(wanted, most))));
   }
@@ -148,6 +162,7 @@ class Gatherer {
   }
 
   std::size_t chunks_left_;
+  double bytes_per_vertex_ = 0;  ///< in the last chunk of vertices alone
   const ReadLimits& limits_;
   PolygonMesh mesh_;
   std::array<LabelCollector, 3> labels_;
@@ -167,7 +182,7 @@ std::optional<ReadResult> read_plain_obj(std::string_view text, const ReadLimits
       chunks.size(), control, [&](std::size_t i) { return parse_obj_chunk(chunks[i]); },
       [&](std::size_t i, std::optional<ObjChunk> chunk) {
         control.progress(static_cast<double>(i + 1) / static_cast<double>(chunks.size()));
-        return chunk && gatherer.add(std::move(*chunk));
+        return chunk && gatherer.add(std::move(*chunk), chunks[i].size());
       });
   return is_plain ? gatherer.finish() : std::nullopt;
 }
