@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdlib>
 #include <functional>
 #include <limits>
 
@@ -83,6 +84,20 @@ TEST(Verify, the_fine_grid_is_decided_exactly_too) {
   for (Frame& frame : e.frames) frame.grid = 0x1p-100;
   e.project();
   EXPECT_TRUE(is_verified(e));
+}
+
+TEST(Verify, plane_coordinates_may_be_off_by_one_of_the_fine_grid_and_by_no_more) {
+  for (const int units : {-2, -1, 1, 2}) {
+    const PolygonMesh triangle = shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
+    Example e = example(triangle, triangle);
+    Frame& frame = e.frames[PatchId(0)];
+    frame.grid = 0x1p-100;
+    frame.origin = e.positions[e.faces[0][0].value];  // there nothing is rounded otherwise
+    e.project();
+    ASSERT_TRUE(is_verified(e));
+    e.corner_uv[0].y += units * 0x1p-100;
+    EXPECT_EQ(is_verified(e), std::abs(units) == 1) << units;
+  }
 }
 
 // What is wrong in the plane.
