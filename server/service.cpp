@@ -120,9 +120,9 @@ Service::~Service() { stop(); }
 void Service::start() {
   http_.bind(config_.bind);
   if (ops_) ops_->bind(*config_.ops_bind);
+  if (jobs_) jobs_->start();  // first: "ready" is said of a store that was asked
   http_.start();
   if (ops_) ops_->start();
-  if (jobs_) jobs_->start();
 }
 
 void Service::begin_drain() {

@@ -149,7 +149,7 @@ class JobStore {
   virtual QueueStatistics statistics() = 0;
   /// Writes a little, to see whether that can be done.
   virtual void probe() = 0;
-  /// False from an error on until something was written again.
+  /// False until something was written, and from an error on until something was written again.
   virtual bool is_well() const = 0;
 
   /// Waits until `wake`, until there may be something to claim, or until that time.

@@ -73,7 +73,7 @@ class SqlStore : public JobStore {
   const std::unique_ptr<BlobFolder> folder_;
   const StoreObserver observer_;
 
-  std::atomic<bool> is_well_{true};
+  std::atomic<bool> is_well_{false};
   std::mutex mutex_;
   std::condition_variable returned_;
   std::vector<std::unique_ptr<Database>> idle_;

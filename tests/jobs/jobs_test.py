@@ -297,12 +297,14 @@ def test_a_store_that_cannot_be_written_is_told_and_recovers(store):
             store.query("SELECT pg_reload_conf()")
         else:  # no file may grow: what the system says then is what a full disk is
             resource.prlimit(daemon.process.pid, resource.RLIMIT_FSIZE, (0, resource.RLIM_INFINITY))
-        expect_out_of_order(daemon)
-        if store.postgres:
-            store.query("ALTER SYSTEM RESET default_transaction_read_only")
-            store.query("SELECT pg_reload_conf()")
-        else:
-            resource.prlimit(daemon.process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+        try:
+            expect_out_of_order(daemon)
+        finally:
+            if store.postgres:
+                store.query("ALTER SYSTEM RESET default_transaction_read_only")
+                store.query("SELECT pg_reload_conf()")
+            else:
+                resource.prlimit(daemon.process.pid, resource.RLIMIT_FSIZE, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
         expect_in_order(daemon, job)
 
 
@@ -340,22 +342,31 @@ def test_a_full_disk_is_told_and_costs_nothing(store):
             subprocess.run(["umount", folder], check=True)
 
 
+@contextlib.contextmanager
+def away(postgres):
+    """The tests that follow find it in its place, however this one ends."""
+    postgres.kill()
+    try:
+        yield
+    finally:
+        postgres.start()
+
+
 def test_a_store_that_goes_away_comes_back(store):
     if not store.postgres:
         return
     with daemons(store, 2) as (daemon, other):
         job = accepted(submit(daemon.port, SECOND))
         wait_for_state(daemon.port, job, "running", "succeeded")
-        store.postgres.kill()
-        expect_out_of_order(daemon)
-        store.postgres.start()
+        with away(store.postgres):
+            expect_out_of_order(daemon)
         expect_in_order(daemon, job)
         expect_in_order(other, job)
         # A daemon that starts without its store waits for it.
-        store.postgres.kill()
-        with daemons(store, 1) as (early,):
-            expect_equal(ask(early.port, "GET", "/readyz").status, 503, "not ready")
-            store.postgres.start()
+        with contextlib.ExitStack() as stack:
+            with away(store.postgres):
+                early, = stack.enter_context(daemons(store, 1))
+                expect_equal(ask(early.port, "GET", "/readyz").status, 503, "not ready")
             expect_in_order(early, job)
 
 

@@ -481,6 +481,13 @@ TEST_P(StoreTest, many_daemons_may_make_the_schema_at_once) {
   EXPECT_EQ(open()->statistics().queued, 4);
 }
 
+TEST_P(StoreTest, a_store_is_not_well_before_it_was_written_to) {
+  const auto store = open();
+  EXPECT_FALSE(store->is_well());
+  store->probe();
+  EXPECT_TRUE(store->is_well());
+}
+
 TEST_P(StoreTest, a_store_of_a_newer_version_is_not_touched) {
   submit(*open());
   driver()->connect()->run("UPDATE remeshd_schema SET version = 1000");
