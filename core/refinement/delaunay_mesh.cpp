@@ -19,6 +19,7 @@ DelaunayMesh::DelaunayMesh(std::pmr::memory_resource* memory)
       stack_(memory),
       changed_(memory),
       ring_(memory),
+      front_(memory),
       rim_(memory) {}
 
 DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> points,
@@ -28,6 +29,7 @@ DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> po
   // Most operations touch few triangles: scratch that grows by doubling would be most of the work in a small patch.
   constexpr std::size_t kUsual = 16;
   for (auto* scratch : {&cavity_, &stack_, &changed_, &ring_}) scratch->reserve(kUsual);
+  front_.reserve(kUsual);
   rim_.reserve(kUsual);
   points_.assign(points.begin(), points.end());
   edge_at_.assign(points.size(), kNone);
@@ -73,24 +75,29 @@ DelaunayMesh::Location DelaunayMesh::locate(std::uint32_t triangle, Vec2 p) cons
 void DelaunayMesh::collect_cavity(Vec2 p, std::uint32_t triangle, std::uint32_t left_out) {
   cavity_.assign(1, triangle);
   rim_.clear();
-  stack_.clear();
+  front_.clear();
   // Counter-clockwise around the triangle, from `left_out` on (which is no part of the rim) or from its first edge.
   const std::uint32_t first = left_out != kNone ? left_out : 3 * triangle;
-  stack_.push_back(previous(first));
-  stack_.push_back(next(first));
-  if (left_out == kNone) stack_.push_back(first);
-  while (!stack_.empty()) {
-    const std::uint32_t h = stack_.back();
-    stack_.pop_back();
-    const std::uint32_t outside = twin_[h];
-    if ((outside & kConstraint) == 0 &&
-        in_circle_perturbed(points_[to(h)], points_[from(h)], points_[apex(outside)], p) > 0) {
-      cavity_.push_back(outside / 3);
-      stack_.push_back(previous(outside));
-      stack_.push_back(next(outside));
-    } else {
-      rim_.push_back({from(h), to(h), outside});
+  const auto reach = [&](std::uint32_t h, std::uint32_t from, std::uint32_t to) {
+    front_.push_back({from, to, twin_[h]});
+  };
+  const std::uint32_t a = from(first), b = to(first), c = apex(first);
+  reach(previous(first), c, a);
+  reach(next(first), b, c);
+  if (left_out == kNone) reach(first, a, b);
+  while (!front_.empty()) {
+    const RimEdge edge = front_.back();
+    front_.pop_back();
+    if (!is_constrained(edge)) {
+      const std::uint32_t previous_outside = previous(edge.outside), beyond = corner_[previous_outside];
+      if (in_circle_perturbed(points_[edge.to], points_[edge.from], points_[beyond], p) > 0) {
+        cavity_.push_back(edge.outside / 3);
+        reach(previous_outside, beyond, edge.to);
+        reach(next(edge.outside), edge.from, beyond);
+        continue;
+      }
     }
+    rim_.push_back(edge);
   }
 }
 

@@ -1,6 +1,7 @@
 /// A constrained Delaunay triangulation that changes: points come and go, constrained edges are cut.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory_resource>
 #include <span>
@@ -43,6 +44,12 @@ class DelaunayMesh {
   std::uint32_t to(std::uint32_t h) const { return corner_[next(h)]; }
   std::uint32_t apex(std::uint32_t h) const { return corner_[previous(h)]; }
   bool is_constrained(std::uint32_t h) const { return (twin_[h] & kConstraint) != 0; }
+  /// Asks for the memory of a triangle that is to be looked at soon; it may have changed by then.
+  void prefetch(std::uint32_t half_edge, const std::array<std::uint32_t, 3>& corners) const {
+    __builtin_prefetch(&corner_[half_edge]);
+    __builtin_prefetch(&twin_[half_edge]);
+    for (const std::uint32_t v : corners) __builtin_prefetch(&points_[v]);
+  }
   /// Of an edge that is not constrained.
   std::uint32_t twin(std::uint32_t h) const { return twin_[h]; }
   /// Of a constrained half-edge.
@@ -119,6 +126,7 @@ class DelaunayMesh {
 
   // Scratch of one operation.
   std::pmr::vector<std::uint32_t> cavity_, stack_, changed_, ring_;
+  std::pmr::vector<RimEdge> front_;  ///< edges that may be the rim's, or lie inside
   std::pmr::vector<RimEdge> rim_;
 };
 

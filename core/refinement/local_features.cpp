@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "core/geometry/predicates.h"
 
@@ -16,6 +15,13 @@ double squared_distance(Vec2 a, Vec2 b, Vec2 p) {
   if (along >= length_squared) return dot(p - b, p - b);
   const double across = cross(ab, ap);
   return across * across / length_squared;
+}
+
+/// Is p nearer than that to a segment, at a place between its ends?
+bool is_near_middle(Vec2 a, Vec2 b, Vec2 p, double squared) {
+  const Vec2 ab = b - a, ap = p - a;
+  const double along = dot(ap, ab), length_squared = dot(ab, ab), across = cross(ab, ap);
+  return along > 0 && along < length_squared && across * across < squared * length_squared;
 }
 
 class FeatureSearch {
@@ -55,8 +61,8 @@ class FeatureSearch {
         const std::uint32_t g = mesh.twin(e);
         if (seen_[g / 3] == h || queue_.size() >= most) continue;
         // The nearest place of a triangle's side, where the two do not cross, is at an end of one of them.
-        if (from_distance >= best && to_distance >= best && squared_distance(pc, pd, pa) >= best &&
-            squared_distance(pc, pd, pb) >= best)
+        if (from_distance >= best && to_distance >= best && !is_near_middle(pc, pd, pa, best) &&
+            !is_near_middle(pc, pd, pb, best))
           continue;
         seen_[g / 3] = h;
         queue_.push_back({g, to_distance, from_distance});
@@ -82,6 +88,38 @@ class FeatureSearch {
   std::vector<Entry> queue_;
 };
 
+/// Around the start of h, from triangle to triangle, up to the next constrained edge.
+template <class Visit>
+std::uint32_t walk_around_start(const Triangulation2d& mesh, std::uint32_t h, const Visit& visit) {
+  while (true) {
+    visit(mesh.apex(h));
+    h = Triangulation2d::previous(h);
+    if (mesh.is_constrained(h)) return h;
+    h = mesh.twin(h);
+  }
+}
+
+std::uint32_t next_at_start(const Triangulation2d& mesh, std::uint32_t h) {
+  return walk_around_start(mesh, h, [](std::uint32_t) {});
+}
+
+/// From h to `next`, which arrives where h starts.
+double angle_between(const PatchMesh& patch, std::uint32_t h, std::uint32_t next) {
+  const Triangulation2d& mesh = patch.mesh;
+  const Vec2 corner = patch.uv[mesh.from(h)], first = patch.uv[mesh.to(h)];
+  const Vec2 u = first - corner, v = patch.uv[mesh.from(next)] - corner;
+  const double cosine = dot(u, v);
+  // Most are far from being small.
+  constexpr double kSmallCosineSquared = 0.2;
+  if (cosine <= 0 || cosine * cosine < kSmallCosineSquared * dot(u, u) * dot(v, v)) return LocalFeature::kWide;
+  // Each triangle takes less than half a turn: what lies to the right of the first edge is beyond one.
+  bool is_beyond_half = false;
+  walk_around_start(mesh, h, [&](std::uint32_t apex) {
+    is_beyond_half = is_beyond_half || orient2d(corner, first, patch.uv[apex]) < 0;
+  });
+  return is_beyond_half ? LocalFeature::kWide : std::fabs(std::atan2(cross(u, v), cosine));
+}
+
 }  // namespace
 
 std::vector<LocalFeature> local_features(const PatchMesh& patch, std::span<const std::uint32_t> sides,
@@ -93,23 +131,8 @@ std::vector<LocalFeature> local_features(const PatchMesh& patch, std::span<const
   for (std::size_t i = 0; i < sides.size(); ++i) {
     if (i % 256 == 0) control.check();
     const std::uint32_t h = sides[i];
-    // Around the start of h, from triangle to triangle, up to the next constrained edge.
-    std::uint32_t g = h;
-    const Vec2 corner = patch.uv[mesh.from(h)], first = patch.uv[mesh.to(h)];
-    Vec2 last;
-    bool is_beyond_half = false;
-    while (true) {
-      last = patch.uv[mesh.apex(g)];
-      // Each triangle takes less than half a turn: what lies to the right of the first edge is beyond one.
-      is_beyond_half = is_beyond_half || orient2d(corner, first, last) < 0;
-      g = Triangulation2d::previous(g);
-      if (mesh.is_constrained(g)) break;
-      g = mesh.twin(g);
-    }
-    const Vec2 u = first - corner, v = last - corner;
-    const double within_half = std::fabs(std::atan2(cross(u, v), dot(u, v)));
-    const double angle = is_beyond_half ? 2 * std::numbers::pi - within_half : within_half;
-    features.push_back({search.distance(h) * patch.frame.scale, g, angle});
+    const std::uint32_t next = next_at_start(mesh, h);
+    features.push_back({search.distance(h) * patch.frame.scale, next, angle_between(patch, h, next)});
   }
   return features;
 }

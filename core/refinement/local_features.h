@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -16,6 +17,7 @@ struct LocalFeature {
   /// and the angle between (radians, over all triangles there).
   std::uint32_t next_at_start;
   double angle_at_start;
+  static constexpr double kWide = std::numbers::pi;  ///< stands for all angles over 64 degrees
 };
 
 /// Input:  the constrained half-edges of a patch that are segments.

@@ -212,32 +212,7 @@ void PatchRefiner::push(const Task& task, double shortest_squared) {
   const auto bits = static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(shortest_squared) >> 49);
   constexpr std::int64_t kLargest = (1023 + 4) << 3;
   const auto queue = static_cast<std::size_t>(std::max<std::int64_t>(0, kLargest - bits));
-  if (queue >= queues_.size()) queues_.resize(queue + 1, kNone);
-  std::uint32_t at = free_task_;
-  if (at == kNone) {
-    at = static_cast<std::uint32_t>(tasks_.size());
-    tasks_.push_back({});
-  } else {
-    free_task_ = tasks_[at].next;
-  }
-  const std::uint32_t last = std::exchange(queues_[queue], at);
-  tasks_[at] = {task, last == kNone ? at : std::exchange(tasks_[last].next, at)};
-  ++waiting_;
-}
-
-bool PatchRefiner::pop(Task& task) {
-  while (!queues_.empty() && queues_.back() == kNone) queues_.pop_back();
-  if (queues_.empty()) return false;
-  std::uint32_t& last = queues_.back();
-  const std::uint32_t at = tasks_[last].next;
-  if (at == last)
-    last = kNone;
-  else
-    tasks_[last].next = tasks_[at].next;
-  task = tasks_[at].task;
-  tasks_[at].next = std::exchange(free_task_, at);
-  --waiting_;
-  return true;
+  waiting_.push(queue, task);
 }
 
 // Points: where they go, and what they meet there.
@@ -545,8 +520,11 @@ void PatchRefiner::treat(const Task& task) {
   const std::uint32_t h = task.half_edge;
   if (mesh_.from(h) != task.a || mesh_.to(h) != task.b || mesh_.apex(h) != task.c) return;
   const std::uint32_t t = h / 3;
+  // Another triangle of vertices that have the same numbers may be good, or have an excuse.
+  if (state_[t] != State::kUnknown) return;
   const Shape shape = shape_of(t);
-  const bool is_for_angle = shape.is_sharp && excuse(shape.shortest) == State::kUnknown;
+  // What waits and is not too large has no excuse.
+  const bool is_for_angle = shape.is_sharp && (!shape.is_too_large || excuse(shape.shortest) == State::kUnknown);
   const double floor = std::min(floor_of(task.a), floor_of(task.b));
   // An edge that is too long and cannot be cut keeps its triangle too large, whatever is put inside.
   const bool is_hopeless = shape.is_too_large && is_held_large(t);
@@ -602,7 +580,8 @@ void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
     const std::uint32_t now = triangle_count();
     progress.add(std::int64_t{now} - std::exchange(told, now));
   };
-  while (quota_ > 0 && !impossible_.is_valid() && pop(task)) {
+  const auto announce = [&](const Task& soon) { mesh_.prefetch(soon.half_edge, {soon.a, soon.b, soon.c}); };
+  while (quota_ > 0 && !impossible_.is_valid() && waiting_.pop(task, announce)) {
     if (++steps % 1024 == 0) tell();
     treat(task);
   }

@@ -15,6 +15,7 @@
 #include "core/refinement/refinement_progress.h"
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
+#include "core/refinement/task_queues.h"
 #include "core/report.h"
 #include "core/stages/patch_meshing.h"
 
@@ -75,8 +76,8 @@ class PatchRefiner {
   /// A segment that had to be cut, and rounding left no room for it: the patch is of no use any more, and the segment
   /// must stay as it is, for all patches. Invalid: all is well.
   SegmentId impossible() const { return impossible_; }
-  bool is_done() const { return waiting_ == 0; }
-  std::size_t waiting() const { return waiting_; }
+  bool is_done() const { return waiting_.size() == 0; }
+  std::size_t waiting() const { return waiting_.size(); }
   std::uint32_t triangle_count() const { return mesh_.triangle_count(); }
   /// Appends the cuts made here since the last call.
   void take_own_cuts(std::vector<Cut>& cuts) {
@@ -135,7 +136,6 @@ class PatchRefiner {
   bool is_at_input_angle(std::uint32_t h) const;
   bool is_across_input_angle(std::uint32_t a, std::uint32_t b) const;
   void push(const Task& task, double shortest_squared);
-  bool pop(Task& task);
 
   void treat(const Task& task);
   Vec2 steiner_point(const Shape& shape) const;
@@ -198,16 +198,9 @@ class PatchRefiner {
       &memory_};                              ///< segments of corner v: [corner_begin_[v], corner_begin_[v + 1])
   std::pmr::vector<Chain> chains_{&memory_};  ///< by segment
 
-  struct QueuedTask {
-    Task task;
-    std::uint32_t next;  ///< in its queue; of the last one, the first
-  };
-  /// The last task of each queue, in `tasks_`, or kNone; the higher the queue, the shorter the shortest edge: eight an
-  /// octave of its square. First in, first out: layer after layer, where all are alike.
-  std::pmr::vector<std::uint32_t> queues_{&memory_};
-  std::pmr::vector<QueuedTask> tasks_{&memory_};
-  std::uint32_t free_task_ = kNone;  ///< the first of the places that are free again, linked
-  std::size_t waiting_ = 0;
+  /// The higher the queue, the shorter the shortest edge: eight an octave of its square. First in, first out: layer
+  /// after layer, where all are alike.
+  TaskQueues<Task> waiting_{&memory_};
   std::uint64_t quota_ = 0;
   std::pmr::vector<Cut> own_cuts_{&memory_};
   std::pmr::vector<std::uint32_t> encroached_{&memory_};

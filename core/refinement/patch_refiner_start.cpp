@@ -106,6 +106,8 @@ PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTabl
     StackMemory memory;
     mesh_ = DelaunayMesh(patch.mesh, patch.uv, half_edges_of(segments, id, &memory), {}, &memory_);
   }
+  constexpr std::uint32_t kFewTriangles = 64;
+  if (mesh_.triangle_slots() > kFewTriangles) waiting_.set_block_size(8);
   state_.assign(mesh_.triangle_slots(), State::kUnknown);
   for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) classify(t);
   for (std::size_t c = 0; c < chains_.size() && !impossible_.is_valid(); ++c)

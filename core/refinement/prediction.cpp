@@ -35,27 +35,28 @@ struct EdgePieces {
   }
 };
 
+double tangent_of(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
+
+/// What is asked of all patches.
+struct Asked {
+  Asked(const Goals& its_goals, const SizeField& its_sizes)
+      : goals(its_goals),
+        sizes(its_sizes),
+        tangent(tangent_of(goals.min_angle_deg)),
+        strip_tangent(goals.min_angle_deg > 0 && goals.split_boundaries
+                          ? tangent_of(std::max(goals.min_angle_deg, kLeastStripAngle))
+                          : 0) {}
+
+  const Goals& goals;
+  const SizeField& sizes;
+  double tangent;        ///< of the least angle
+  double strip_tangent;  ///< of the angle along strips; 0: boundaries are not cut for angles
+};
+
 class PatchPrediction {
  public:
-  PatchPrediction(const PatchMesh& patch, const Goals& goals, const SizeField& sizes)
-      : patch_(patch),
-        goals_(goals),
-        sizes_(sizes),
-        tangent_(goals.min_angle_deg > 0 && goals.split_boundaries
-                     ? std::tan(std::max(goals.min_angle_deg, kLeastStripAngle) * std::numbers::pi / 180)
-                     : 0) {}
-
-  /// Boundary edges of which the patch needs many pieces.
-  void find_pieces(std::vector<EdgePieces>& found) const {
-    if (tangent_ == 0) return;
-    for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); ++h) {
-      if (!patch_.mesh.is_constrained(h)) continue;
-      const double pieces = pieces_for_angle(h);
-      if (pieces < kFewPieces) continue;
-      const auto [from, to] = ends(h);
-      found.push_back({from, to, pieces});
-    }
-  }
+  PatchPrediction(const PatchMesh& patch, const Asked& asked)
+      : patch_(patch), asked_(asked), goals_(asked.goals), sizes_(asked.sizes) {}
 
   /// Faces for pieces of edges, each as many as the patch with most of them needs.
   double faces_for_pieces(const std::vector<EdgePieces>& needed) const {
@@ -71,7 +72,8 @@ class PatchPrediction {
     return faces;
   }
 
-  Prediction run() const {
+  /// `many_pieces`: gets the boundary edges of which the patch needs many pieces.
+  Prediction run(std::vector<EdgePieces>& many_pieces) const {
     const Triangulation2d& mesh = patch_.mesh;
     const double scale = patch_.frame.scale;
     const double largest = std::min(goals_.max_area, ideal_area(sizes_.largest()));
@@ -87,7 +89,16 @@ class PatchPrediction {
       }
       const double triangle = cross(p[1] - p[0], p[2] - p[0]) / 2 * scale * scale;
       area += triangle;
-      by_angle += faces_for_angle(h, length, triangle);
+      bool is_filled = false;
+      for (std::uint32_t k = 0; k < 3; ++k) {
+        if (asked_.strip_tangent == 0 || !mesh.is_constrained(h + k)) continue;
+        const double needed = pieces_for_angle(h + k);
+        if (needed < kFewPieces) continue;
+        const auto [from, to] = ends(h + k);
+        many_pieces.push_back({from, to, needed});
+        is_filled = is_filled || length[k] > std::min({length[0], length[1], length[2]});
+      }
+      by_angle += is_filled ? 1 : faces_for_angle(length, triangle);
       by_size += faces_for_size(p, triangle);
     }
     Prediction result;
@@ -121,21 +132,17 @@ class PatchPrediction {
       pieces += part / width * (growth > 1e-3 ? std::log1p(growth) / growth : 1);
     }
     const double most = length * patch_.frame.scale / goals_.min_edge_length;
-    return std::max(1.0, std::min(pieces * tangent_ / 2, most));
+    return std::max(1.0, std::min(pieces * asked_.strip_tangent / 2, most));
   }
 
-  /// A triangle with a small angle is filled with others that grow from its short edge, or from the pieces of its long
-  /// one: those are counted by the pieces.
-  double faces_for_angle(std::uint32_t h, const double (&length)[3], double area) const {
+  /// A triangle with a small angle is filled with others that grow from its short edge; those that grow from the pieces
+  /// of its long one are counted by the pieces.
+  double faces_for_angle(const double (&length)[3], double area) const {
     if (!(area > 0) || goals_.min_angle_deg == 0) return 1;
-    const auto [shortest, longest] = std::minmax({length[0], length[1], length[2]});
-    const double tangent = std::tan(goals_.min_angle_deg * std::numbers::pi / 180);
+    const double longest = std::max({length[0], length[1], length[2]});
     // The smallest angle's height over its reach.
-    const double sharpness = tangent / (2 * area / (longest * longest));
-    if (sharpness <= 1) return 1;
-    for (std::uint32_t k = 0; k < 3; ++k)
-      if (length[k] > shortest && patch_.mesh.is_constrained(h + k) && pieces_for_angle(h + k) >= kFewPieces) return 1;
-    return 1 + 2 * std::log2(sharpness);
+    const double sharpness = asked_.tangent / (2 * area / (longest * longest));
+    return sharpness <= 1 ? 1 : 1 + 2 * std::log2(sharpness);
   }
 
   double faces_for_size(const Vec2 (&p)[3], double area) const {
@@ -157,9 +164,9 @@ class PatchPrediction {
   }
 
   const PatchMesh& patch_;
+  const Asked& asked_;
   const Goals& goals_;
   const SizeField& sizes_;
-  double tangent_;  ///< of the angle along strips; 0: boundaries are not cut for angles
 };
 
 }  // namespace
@@ -171,14 +178,13 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
     std::vector<EdgePieces> pieces;
   };
   constexpr std::size_t kPatches = 64;
+  const Asked asked(goals, sizes);
   auto blocks = map_blocks<Block>(meshes.size(), kPatches, control, [&](std::size_t begin, std::size_t end) {
     Block block;
     for (std::size_t p = begin; p < end; ++p) {
-      const PatchPrediction patch(meshes[p], goals, sizes);
-      const Prediction one = patch.run();
+      const Prediction one = PatchPrediction(meshes[p], asked).run(block.pieces);
       block.sum.least += one.least;
       block.sum.expected += one.expected;
-      patch.find_pieces(block.pieces);
     }
     return block;
   });
@@ -201,7 +207,7 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
   needed.resize(kept);
   const auto faces = map_blocks<double>(meshes.size(), kPatches, control, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
-    for (std::size_t p = begin; p < end; ++p) sum += PatchPrediction(meshes[p], goals, sizes).faces_for_pieces(needed);
+    for (std::size_t p = begin; p < end; ++p) sum += PatchPrediction(meshes[p], asked).faces_for_pieces(needed);
     return sum;
   });
   for (const double block : faces) total.expected += block;

@@ -33,6 +33,8 @@ constexpr double kShellShare = 2.0 / 3 * (1 + 1e-9);
 /// In a task.
 constexpr std::size_t kSegments = 1024;
 
+constexpr std::uint32_t kNoSide = 0xffffffff;
+
 /// Largest shell of base * 2^k that is at most `most`.
 double shell(double base, double most) { return std::ldexp(base, std::ilogb(most / base)); }
 
@@ -137,22 +139,19 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   };
   std::vector<Seen> seen(sides_.size());
   for_all(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
-    std::vector<std::uint32_t> half_edges;
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> side_of;
+    std::vector<std::uint32_t> half_edges, side_of;
     for (std::size_t p = range.begin(); p < range.end(); ++p) {
       const auto own = sides_of_patch(PatchId(p));
       half_edges.clear();
-      side_of.clear();
+      side_of.assign(meshes[p].mesh.half_edge_count(), kNoSide);
       for (const std::uint32_t i : own) {
         half_edges.push_back(sides_[i].half_edge);
-        side_of.emplace_back(sides_[i].half_edge, i);
+        side_of[sides_[i].half_edge] = i;
       }
-      std::sort(side_of.begin(), side_of.end());
       const std::vector<LocalFeature> features = local_features(meshes[p], half_edges, control);
       for (std::size_t k = 0; k < own.size(); ++k) {
-        const auto next = std::lower_bound(side_of.begin(), side_of.end(), std::pair(features[k].next_at_start, 0u));
-        const bool is_side = next != side_of.end() && next->first == features[k].next_at_start;
-        seen[own[k]] = {features[k].distance, features[k].angle_at_start, is_side ? next->second : own[k]};
+        const std::uint32_t next = side_of[features[k].next_at_start];
+        seen[own[k]] = {features[k].distance, features[k].angle_at_start, next == kNoSide ? own[k] : next};
       }
     }
   });

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numeric>
 
 #include "core/base/large_first.h"
 #include "core/base/parallel.h"
+#include "core/base/ranked_ids.h"
 #include "core/stages/patch_triangulation.h"
 #include "core/stages/projection.h"
 
@@ -58,15 +58,19 @@ class Mesher {
 
  private:
   using Side = std::array<VertexId, 2>;
+  /// Where one of the vertices is in the plane.
+  struct Flat {
+    Vec2 uv;
+    std::uint32_t index;
+  };
 
   /// Essential corners of the patch's faces: those of its loops, and those where something else touches its inside.
   void collect_vertices(PatchId p) {
-    vertices_.clear();
+    corners_.clear();
     for (const FaceId f : patches_.faces_of(p))
       for (const VertexId v : surface_.face(f))
-        if (essential_[v]) vertices_.push_back(v);
-    std::sort(vertices_.begin(), vertices_.end());
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+        if (essential_[v]) corners_.push_back(v);
+    vertices_.assign(corners_);
   }
 
   /// The loops, less the vertices that are not essential.
@@ -90,29 +94,26 @@ class Mesher {
   Outcome attempt(PatchId p, double grid, PatchMesh& result) {
     const Plane& plane = patches_.planes[p];
     points_.clear();
-    for (const VertexId v : vertices_) points_.push_back(surface_.positions[v]);
+    for (const VertexId v : vertices_.ids()) points_.push_back(surface_.positions[v]);
     edges_.clear();
     for (const auto& [a, b] : sides_) edges_.push_back({surface_.positions[a], surface_.positions[b]});
     // A vertex as the origin, in model units: differences of the input's own coordinates lose nothing.
     const Vec3 origin = *std::min_element(points_.begin(), points_.end());
     result.frame = make_frame(plane.normal, origin, points_, edges_, rule_.axis, rule_.direction, grid);
 
-    const auto n = static_cast<std::uint32_t>(vertices_.size());
-    flat_.resize(n);
-    for (std::uint32_t i = 0; i < n; ++i) flat_[i] = to_plane(result.frame, points_[i]);
+    const std::size_t n = vertices_.size();
     order_.resize(n);
-    std::iota(order_.begin(), order_.end(), 0u);
-    std::sort(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
-      return flat_[a] != flat_[b] ? flat_[a] < flat_[b] : points_[a] < points_[b];
-    });
+    for (std::uint32_t i = 0; i < n; ++i) order_[i] = {to_plane(result.frame, points_[i]), i};
+    std::sort(order_.begin(), order_.end(), [](const Flat& a, const Flat& b) { return a.uv < b.uv; });
     rank_.resize(n);
     result.vertices.resize(n);
     result.uv.resize(n);
     for (std::uint32_t k = 0; k < n; ++k) {
-      if (k > 0 && flat_[order_[k]] == flat_[order_[k - 1]]) return Outcome::kCrossingConstraints;
-      rank_[order_[k]] = k;
-      result.vertices[k] = vertices_[order_[k]];
-      result.uv[k] = flat_[order_[k]];
+      const auto& [uv, i] = order_[k];
+      if (k > 0 && uv == order_[k - 1].uv) return Outcome::kCrossingConstraints;
+      rank_[i] = k;
+      result.vertices[k] = vertices_[i];
+      result.uv[k] = uv;
     }
     segments_.clear();
     for (const auto& [a, b] : sides_) segments_.push_back({rank_of(a), rank_of(b)});
@@ -123,9 +124,8 @@ class Mesher {
     return triangulation.outcome;
   }
 
-  std::uint32_t rank_of(VertexId v) const {
-    return rank_[std::lower_bound(vertices_.begin(), vertices_.end(), v) - vertices_.begin()];
-  }
+  /// In the order of the plane.
+  std::uint32_t rank_of(VertexId v) const { return rank_[vertices_.rank(v)]; }
 
   bool is_triangle(PatchId p) const {
     return patches_.faces_of(p).size() == 1 && surface_.face(patches_.faces_of(p)[0]).size() == 3 && sides_.size() == 3;
@@ -185,12 +185,13 @@ class Mesher {
   const IdVector<VertexId, std::uint8_t>& essential_;
   const ProjectionRule& rule_;
   RunControl& control_;
-  std::vector<VertexId> vertices_;
+  std::vector<VertexId> corners_;
+  RankedIds<VertexId> vertices_;
   std::vector<Side> sides_;
   std::vector<Vec3> points_;
   std::vector<Edge3> edges_;
-  std::vector<Vec2> flat_;
-  std::vector<std::uint32_t> order_, rank_;
+  std::vector<Flat> order_;
+  std::vector<std::uint32_t> rank_;
   std::vector<Segment> segments_;
 };
 

@@ -1,0 +1,59 @@
+/// Few of many ids, in order.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/ids.h"
+
+namespace remesh {
+
+/// Some ids, ascending and each once, and which of them each one is. Keeps its memory from one set to the next.
+template <class I>
+class RankedIds {
+ public:
+  /// Takes the place of what was there. `ids`: in any order, as often as they come.
+  /// Cost: O(n) where most ids between the smallest and the largest are there, O(n log n) else.
+  void assign(std::span<const I> ids) {
+    ids_.clear();
+    ranks_.clear();
+    if (ids.empty()) return;
+    const auto [low, high] = std::minmax_element(ids.begin(), ids.end());
+    first_ = low->value;
+    const std::size_t range = std::size_t{high->value} - first_ + 1;
+    if (range / kSparse <= ids.size()) {
+      ranks_.assign(range, 0);
+      for (const I id : ids) ranks_[id.value - first_] = 1;
+      for (std::size_t i = 0; i < range; ++i) {
+        if (ranks_[i] == 0) continue;
+        ranks_[i] = static_cast<std::uint32_t>(ids_.size());
+        ids_.push_back(I(first_ + i));
+      }
+      return;
+    }
+    ids_.assign(ids.begin(), ids.end());
+    std::sort(ids_.begin(), ids_.end());
+    ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
+  }
+
+  std::span<const I> ids() const { return ids_; }
+  std::size_t size() const { return ids_.size(); }
+  I operator[](std::size_t rank) const { return ids_[rank]; }
+  /// Input: one of the ids.
+  std::uint32_t rank(I id) const {
+    if (!ranks_.empty()) return ranks_[id.value - first_];
+    return static_cast<std::uint32_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
+  }
+
+ private:
+  static constexpr std::size_t kSparse = 8;  ///< one id in so many is too few for a place for each
+
+  std::vector<I> ids_;
+  std::vector<std::uint32_t> ranks_;  ///< of the ids from the first on; none where these are few
+  std::uint32_t first_ = 0;
+};
+
+}  // namespace remesh
