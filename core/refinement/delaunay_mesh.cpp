@@ -271,26 +271,25 @@ void DelaunayMesh::restore_delaunay() {
   }
 }
 
+void DelaunayMesh::number(std::pmr::vector<std::uint32_t>& vertex, std::pmr::vector<std::uint32_t>& triangle) const {
+  vertex.clear();
+  triangle.clear();
+  triangle.reserve(live_triangles_);
+  for (std::uint32_t t = 0; t < triangle_slots(); ++t)
+    if (is_live(t)) triangle.push_back(t);
+  vertex.reserve(points_.size());
+  for (std::uint32_t v = 0; v < points_.size(); ++v)
+    if (is_live_vertex(v)) vertex.push_back(v);
+}
+
 Triangulation2d DelaunayMesh::compact(std::pmr::vector<std::uint32_t>& vertex,
                                       std::pmr::vector<std::uint32_t>& triangle) const {
+  number(vertex, triangle);
   StackMemory memory;
   std::pmr::vector<std::uint32_t> new_vertex(points_.size(), kNone, &memory),
       new_triangle(triangle_slots(), kNone, &memory);
-  vertex.clear();
-  triangle.clear();
-  vertex.reserve(points_.size());
-  triangle.reserve(live_triangles_);
-  for (std::uint32_t t = 0; t < triangle_slots(); ++t) {
-    if (!is_live(t)) continue;
-    new_triangle[t] = static_cast<std::uint32_t>(triangle.size());
-    triangle.push_back(t);
-    for (std::uint32_t k = 0; k < 3; ++k) new_vertex[corner_[3 * t + k]] = 0;
-  }
-  for (std::uint32_t v = 0; v < points_.size(); ++v)
-    if (new_vertex[v] != kNone) {
-      new_vertex[v] = static_cast<std::uint32_t>(vertex.size());
-      vertex.push_back(v);
-    }
+  for (std::uint32_t v = 0; v < vertex.size(); ++v) new_vertex[vertex[v]] = v;
+  for (std::uint32_t t = 0; t < triangle.size(); ++t) new_triangle[triangle[t]] = t;
   Triangulation2d mesh;
   mesh.reserve(triangle.size());
   for (const std::uint32_t t : triangle)

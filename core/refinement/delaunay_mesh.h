@@ -91,7 +91,9 @@ class DelaunayMesh {
   /// The triangles that the last operation made or changed; some may be named twice, or be gone again.
   std::span<const std::uint32_t> changed() const { return changed_; }
 
-  /// The triangulation without its gaps: `vertex` gets the old number of each new one, in ascending order.
+  /// The numbers of the vertices and triangles that are there, ascending: without gaps they are 0, 1, 2 ...
+  void number(std::pmr::vector<std::uint32_t>& vertex, std::pmr::vector<std::uint32_t>& triangle) const;
+  /// The triangulation without its gaps, and which vertices and triangles it has.
   Triangulation2d compact(std::pmr::vector<std::uint32_t>& vertex, std::pmr::vector<std::uint32_t>& triangle) const;
 
  private:

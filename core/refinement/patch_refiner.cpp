@@ -336,11 +336,11 @@ PatchRefiner::Place PatchRefiner::look_at(Vec2 p, std::uint32_t triangle) {
   return {p, at, !at.is_hidden && mesh_.find_cavity(p, at.half_edge / 3)};
 }
 
-PatchRefiner::Attempt PatchRefiner::insert(Vec2 p, std::uint32_t triangle, double floor, bool may_encroach) {
-  return insert(look_at(p, triangle), floor, may_encroach);
+PatchRefiner::Attempt PatchRefiner::insert(Vec2 p, std::uint32_t triangle, double floor, May may) {
+  return insert(look_at(p, triangle), floor, may);
 }
 
-PatchRefiner::Attempt PatchRefiner::insert(const Place& place, double floor, bool may_encroach) {
+PatchRefiner::Attempt PatchRefiner::insert(const Place& place, double floor, May may) {
   encroached_.clear();
   if (place.at.is_hidden) {
     encroached_.push_back(mesh_.side(place.at.half_edge));
@@ -355,9 +355,12 @@ PatchRefiner::Attempt PatchRefiner::insert(const Place& place, double floor, boo
     if (DelaunayMesh::is_constrained(e) && is_encroached(p, a, mesh_.point(e.to)))
       encroached_.push_back(DelaunayMesh::side(e));
   }
-  // Over a piece that stays as long as it is, triangles would only get flatter.
-  if (!encroached_.empty() && (!may_encroach || is_any_locked(encroached_))) return Attempt::kEncroached;
-  if (is_near || !place.has_room) return Attempt::kTooNear;
+  if (may != May::kBeAnywhere) {
+    // Over a piece that stays as long as it is, triangles would only get flatter.
+    if (!encroached_.empty() && (may == May::kBeClear || is_any_locked(encroached_))) return Attempt::kEncroached;
+    if (is_near) return Attempt::kTooNear;
+  }
+  if (!place.has_room) return Attempt::kTooNear;
   set_vertex(mesh_.fill_cavity(p), SegmentId(), floor);
   quota_ -= std::min<std::uint64_t>(quota_, 2);
   classify_changed();
@@ -458,16 +461,27 @@ void PatchRefiner::take_over(SegmentId segment, std::span<const double> cuts) {
   }
 }
 
-void PatchRefiner::insert_point(Vec2 p) {
-  for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) {
-    if (!mesh_.is_live(t)) continue;
-    const auto is_left_of = [&](std::uint32_t h) {
-      return orient2d(mesh_.point(mesh_.from(h)), mesh_.point(mesh_.to(h)), p) >= 0;
-    };
-    if (!is_left_of(3 * t) || !is_left_of(3 * t + 1) || !is_left_of(3 * t + 2)) continue;
-    insert(on_grid(p), t, 0, true);
-    return;
+bool PatchRefiner::split_edges(std::span<const std::uint32_t> half_edges) {
+  struct Edge {
+    std::uint32_t half_edge, from, to;
+  };
+  StackMemory memory;
+  std::pmr::vector<std::uint32_t> vertex(&memory), triangle(&memory);
+  std::pmr::vector<Edge> edges(&memory);
+  mesh_.number(vertex, triangle);
+  for (const std::uint32_t h : half_edges) {
+    if (h / 3 >= triangle.size()) continue;
+    const std::uint32_t here = 3 * triangle[h / 3] + h % 3;
+    edges.push_back({here, mesh_.from(here), mesh_.to(here)});
   }
+  bool is_any = false;
+  for (const auto& [h, from, to] : edges) {
+    if (!mesh_.is_live(h / 3) || mesh_.from(h) != from || mesh_.to(h) != to || mesh_.is_constrained(h)) continue;
+    const Vec2 middle = on_grid(0.5 * (mesh_.point(from) + mesh_.point(to)));
+    const double floor = std::min(floor_of(from), floor_of(to));
+    is_any = insert(middle, h / 3, floor, May::kBeAnywhere) == Attempt::kDone || is_any;
+  }
+  return is_any;
 }
 
 bool PatchRefiner::is_any_locked(std::span<const std::uint32_t> sides) const {
@@ -498,9 +512,10 @@ bool PatchRefiner::split_too_large(std::uint32_t t, double floor) {
   const Vec2 base = b - a, side = c - a;
   const double along = dot(side, side - base) / (2 * cross(base, side));
   const Vec2 circumcentre = a + 0.5 * base + along * Vec2{-base.y, base.x};
-  if (std::isfinite(along) && insert(on_grid(circumcentre), t, floor, false) == Attempt::kDone) return true;
-  if (mesh_.is_constrained(longest)) return insert(on_grid((1.0 / 3) * (a + b + c)), t, floor, true) == Attempt::kDone;
-  return insert(on_grid(a + 0.5 * base), t, floor, true) == Attempt::kDone;
+  if (std::isfinite(along) && insert(on_grid(circumcentre), t, floor, May::kBeClear) == Attempt::kDone) return true;
+  if (mesh_.is_constrained(longest))
+    return insert(on_grid((1.0 / 3) * (a + b + c)), t, floor, May::kEncroach) == Attempt::kDone;
+  return insert(on_grid(a + 0.5 * base), t, floor, May::kEncroach) == Attempt::kDone;
 }
 
 /// Is the longest edge a piece of the boundary that is too long and cannot be cut?
@@ -535,7 +550,7 @@ void PatchRefiner::treat(const Task& task) {
   const Vec2 p = steiner_point(shape);
   if (shape.is_too_large && !is_for_angle) {
     const Vec2 best = best_for_size(p, shape.shortest);
-    if (best != p && insert(best, t, floor, false) == Attempt::kDone) return;
+    if (best != p && insert(best, t, floor, May::kBeClear) == Attempt::kDone) return;
   }
   encroached_.clear();
   Attempt attempt = Attempt::kTooNear;
@@ -545,7 +560,7 @@ void PatchRefiner::treat(const Task& task) {
       const Vec2 lower = lowered(p, shape.shortest);
       if (lower != p) place = look_at(lower, t);
     }
-    attempt = insert(place, floor, false);
+    attempt = insert(place, floor, May::kBeClear);
   }
   if (attempt == Attempt::kDone) return;
   State why = refusal(floor);

@@ -67,8 +67,9 @@ class PatchRefiner {
   /// ascending.
   void take_over(SegmentId segment, std::span<const double> cuts);
 
-  /// Puts a point inside, wherever it is; where there is no room for it, nothing happens.
-  void insert_point(Vec2 p);
+  /// Puts a point into the middle of each of these edges inside the patch that is still there when its turn comes and
+  /// has room for one. Input: half-edges as in what `finish` would give now. Output: whether there was room for any.
+  bool split_edges(std::span<const std::uint32_t> half_edges);
 
   /// Works until nothing is left to do or `quota` more triangles (in all patches) would be made.
   void run(std::uint64_t quota, RefinementProgress& progress);
@@ -164,8 +165,11 @@ class PatchRefiner {
     bool has_room;
   };
   Place look_at(Vec2 p, std::uint32_t triangle);
-  Attempt insert(const Place& place, double floor, bool may_encroach);
-  Attempt insert(Vec2 p, std::uint32_t triangle, double floor, bool may_encroach);
+  /// What a new point may do: encroach on no piece; on such as can be cut; or that, and be nearer to others than the
+  /// floor, which only says how near others may come to it.
+  enum class May { kBeClear, kEncroach, kBeAnywhere };
+  Attempt insert(const Place& place, double floor, May may);
+  Attempt insert(Vec2 p, std::uint32_t triangle, double floor, May may);
   std::uint32_t longest_edge(std::uint32_t t) const;
   bool split_too_large(std::uint32_t t, double floor);
   bool is_held_large(std::uint32_t t) const;

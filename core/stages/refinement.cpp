@@ -49,7 +49,7 @@ void place_inner_vertices(const Surface& surface, const Plane& plane, PatchMesh&
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
 /// One refinement, from sizes on segments to the refined patches. If rounding leaves no room for a cut, that segment is
-/// locked and all begins again.
+/// locked and all begins again; so it does at the first chord: the patches then stay at work until none is left.
 class Rounds {
  public:
   Rounds(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
@@ -67,31 +67,37 @@ class Rounds {
         segments_(surface, meshes, is_frozen, sizes, goals, control) {}
 
   Refinement run() {
-    points_.resize(meshes_.size());
-    // A few times in all: each answers to what rounding or other patches made impossible the time before.
-    constexpr int kMostAttempts = 2;
-    for (int attempt = 0;; ++attempt) {
-      begin();
-      while (!dirty_.empty() && impossible_.empty()) {
-        ++result_.rounds;
-        refine_dirty();
-        exchange_cuts();
-      }
-      for (const SegmentId s : impossible_) segments_.lock(s);
-      if (!impossible_.empty()) continue;
-      std::vector<PatchMesh> refined = finish();
-      const bool are_chords_left = find_points(refined);
-      if (are_chords_left && attempt < kMostAttempts) {
-        swap_unrefined(refined);
+    chords_.resize(meshes_.size());
+    begin();
+    for (int passes = 0;;) {
+      settle();
+      if (!impossible_.empty()) {
+        for (const SegmentId s : impossible_) segments_.lock(s);
+        begin();
         continue;
       }
-      meshes_ = std::move(refined);
-      if (are_chords_left) split_chords(surface_, patches_, meshes_, result_, control_);
-      return std::move(result_);
+      std::vector<PatchMesh> refined = finish();
+      const std::vector<Chord> chords = find_chords(refined, surface_.vertex_count() + result_.first_inner, control_);
+      if (chords.empty() || passes == kMostChordPasses || (is_waiting_for_chords_ && !is_any_split_)) {
+        meshes_ = std::move(refined);
+        refiners_.clear();
+        if (!chords.empty()) split_chords(surface_, patches_, meshes_, result_, control_);
+        return std::move(result_);
+      }
+      swap_unrefined(refined);
+      // Most surfaces have none, and need not keep two of each patch.
+      if (!std::exchange(is_waiting_for_chords_, true)) {
+        begin();
+        continue;
+      }
+      ++passes;
+      take_on(chords);
     }
   }
 
  private:
+  /// A chord that gets a point ends many others, and what is refined around it may make a few anew.
+  static constexpr int kMostChordPasses = 16;
   /// Small enough blocks: patches may have thousands of triangles each.
   static constexpr std::size_t kPatches = 16;
   static constexpr std::size_t kSegments = 1024;
@@ -107,12 +113,22 @@ class Rounds {
     friend bool operator==(const Message&, const Message&) = default;
   };
 
+  /// Rounds, until no patch has anything to do.
+  void settle() {
+    while (!dirty_.empty() && impossible_.empty()) {
+      ++result_.rounds;
+      refine_dirty();
+      exchange_cuts();
+    }
+  }
+
   void begin() {
     const std::size_t n = meshes_.size();
     progress_.begin(std::accumulate(
         meshes_.begin(), meshes_.end(), std::uint64_t{0},
         [](std::uint64_t faces, const PatchMesh& patch) { return faces + patch.mesh.triangle_count(); }));
     impossible_.clear();
+    is_any_split_ = true;
     refiners_.clear();
     refiners_.resize(n);
     messages_.clear();
@@ -126,7 +142,7 @@ class Rounds {
     std::vector<std::uint8_t> is_dirty(n, 0);
     for_blocks(n, 256, control_, [&](std::size_t from, std::size_t to) {
       for (std::size_t p = from; p < to; ++p)
-        is_dirty[p] = is_frozen_[p] == 0 && (!points_[p].empty() || PatchRefiner::has_work(meshes_[p], criteria_));
+        is_dirty[p] = is_frozen_[p] == 0 && PatchRefiner::has_work(meshes_[p], criteria_);
     });
     for (const SegmentSide& side : segments_.all_sides()) {
       if (cuts_[side.segment].empty()) continue;
@@ -158,8 +174,8 @@ class Rounds {
       if (!refiner) {
         refiner =
             std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_, quota_[i], control_);
-        for (const Vec2 point : points_[p]) refiner->insert_point(point);
       }
+      if (!chords_[p].empty() && refiner->split_edges(std::exchange(chords_[p], {}))) is_any_split_ = true;
       auto message = std::lower_bound(messages_.begin(), messages_.end(), Message{PatchId(p), SegmentId(0), 0});
       for (; message != messages_.end() && message->patch == PatchId(p); ++message)
         if (!refiner->impossible().is_valid()) refiner->take_over(message->segment, cuts_[message->segment]);
@@ -263,7 +279,7 @@ class Rounds {
           continue;
         }
         PatchRefiner::Refined patch = refiners_[p]->finish();
-        refiners_[p].reset();
+        if (!is_waiting_for_chords_) refiners_[p].reset();
         for (std::size_t v = 0; v < patch.cuts.size(); ++v) {
           const Cut& cut = patch.cuts[v];
           if (!cut.segment.is_valid()) continue;
@@ -307,15 +323,16 @@ class Rounds {
       if (is_refined_[p] == 0) std::swap(refined[p], meshes_[p]);
   }
 
-  /// A chord gets a point in its middle, next time. Returns whether there are any.
-  bool find_points(const std::vector<PatchMesh>& refined) {
-    const std::vector<Chord> chords = find_chords(refined, surface_.vertex_count() + result_.first_inner, control_);
+  /// Chords are for their patches to split, in the next round.
+  void take_on(const std::vector<Chord>& chords) {
+    is_any_split_ = false;
     for (const Chord& chord : chords) {
-      const PatchMesh& patch = refined[chord.patch.value];
-      points_[chord.patch.value].push_back(
-          0.5 * (patch.uv[patch.mesh.from(chord.half_edge)] + patch.uv[patch.mesh.to(chord.half_edge)]));
+      if (is_frozen_[chord.patch.value] != 0) continue;
+      chords_[chord.patch.value].push_back(chord.half_edge);
+      dirty_.push_back(chord.patch.value);
     }
-    return !chords.empty();
+    std::sort(dirty_.begin(), dirty_.end());
+    dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
   }
 
   const Surface& surface_;
@@ -334,8 +351,10 @@ class Rounds {
   std::vector<std::uint64_t> quota_;  ///< one per dirty patch
   std::vector<Message> messages_;     ///< sorted
   std::vector<SegmentId> impossible_;
-  std::vector<std::uint8_t> is_refined_;   ///< of each patch, when all are finished
-  std::vector<std::vector<Vec2>> points_;  ///< of each patch: to be put in at the beginning
+  std::vector<std::uint8_t> is_refined_;            ///< of each patch, when all are finished
+  std::vector<std::vector<std::uint32_t>> chords_;  ///< of each patch: half-edges, as `finish` has them
+  bool is_waiting_for_chords_ = false;              ///< patches stay at work after `finish`
+  std::atomic<bool> is_any_split_ = true;           ///< of the chords that were there last
   Refinement result_;
 };
 

@@ -35,7 +35,7 @@ Refinement refine(const Surface& surface, const PatchSet& patches, const std::ve
                   const Goals& goals, const SizeField& sizes, double expected_faces, std::vector<PatchMesh>& meshes,
                   RunControl& control);
 
-/// The chord rule, where no flip helps: each chord of the patches as they are now gets a point.
+/// The chord rule, where neither flips nor refinement help: each chord of the patches as they are now gets a point.
 /// Input:   the patches and what refinement says of them, or nothing yet.
 /// Output:  both with the new vertices. New triangles that miss a goal are `boundary_locked`: what shares their
 ///          vertices stands in the way.

@@ -608,6 +608,37 @@ TEST(refinement, two_sheets_in_one_place_stay_two_and_meet_the_goals) {
   }
 }
 
+/// Boxes on top of each other, each with its whole skin: of each wall between two there are two sheets.
+PolygonMesh stacked_boxes(int count, double length) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int level = 0; level <= count; ++level)
+    for (const Vec2 p : {Vec2{0, 0}, {length, 0}, {length, 1}, {0, 1}}) points.push_back({p.x, p.y, 1.0 * level});
+  for (std::uint32_t box = 0; box < static_cast<std::uint32_t>(count); ++box) {
+    const std::uint32_t low = 4 * box, high = low + 4;
+    faces.push_back({low + 3, low + 2, low + 1, low});
+    faces.push_back({high, high + 1, high + 2, high + 3});
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const std::uint32_t j = (i + 1) % 4;
+      faces.push_back({low + i, low + j, high + j, high + i});
+    }
+  }
+  return shapes::from_lists(points, faces);
+}
+
+TEST(refinement, bodies_that_share_walls_meet_the_angle_bound) {
+  for (const int boxes : {2, 5})
+    for (const double length : {1.0, 3.7, 10.0, 40.0}) {
+      Options options;
+      options.min_angle_deg = 28;
+      const Result result = refined(stacked_boxes(boxes, length), options);
+      EXPECT_TRUE(result.report.verified.all_true()) << length;
+      EXPECT_GE(result.report.output.quality.min_angle_deg, *options.min_angle_deg) << boxes << " of " << length;
+      EXPECT_EQ(listed(result.report), 0u) << length;
+      EXPECT_NEAR(result.report.output.area, boxes * (2 * length + 2 + 2 * length), 1e-9 * length);
+    }
+}
+
 TEST(refinement, pages_on_one_spine_cut_it_alike) {
   const PolygonMesh mesh = shapes::three_pages();
   const Options options = with_length(0.2);

@@ -264,18 +264,24 @@ TEST(patch_refiner, boundaries_that_are_locked_get_no_vertex) {
   EXPECT_NE(std::count(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBoundaryLocked), 0);
 }
 
-TEST(patch_refiner, a_point_is_inserted_where_there_is_room) {
+TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
   Subject subject(shapes::sheet(1, 1, 1, 1), with_angle(0));
   PatchRefiner refiner = subject.refiner();
-  const std::uint32_t before = refiner.triangle_count();
-  const auto& uv = subject.chain.meshes[0].uv;
-  Vec2 middle;
-  for (const Vec2 p : uv) middle = middle + (1.0 / static_cast<double>(uv.size())) * p;
-  refiner.insert_point(middle);
-  EXPECT_EQ(refiner.triangle_count(), before + 2);
-  refiner.insert_point(middle);
-  refiner.insert_point(uv[0]);
-  EXPECT_EQ(refiner.triangle_count(), before + 2);
+  const Triangulation2d& mesh = subject.chain.meshes[0].mesh;
+  std::vector<std::uint32_t> both;
+  for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h)
+    if (!mesh.is_constrained(h)) both.push_back(h);
+  ASSERT_EQ(both.size(), 2u);  // the diagonal, from both sides
+  EXPECT_TRUE(refiner.split_edges(both));
+  EXPECT_EQ(refiner.triangle_count(), 4u);
+  const PatchRefiner::Refined split = refiner.finish();
+  EXPECT_EQ(split.patch.vertices.size(), 5u);
+  // What lies on the boundary is no edge inside.
+  std::vector<std::uint32_t> rim;
+  for (std::uint32_t h = 0; h < split.patch.mesh.half_edge_count(); ++h)
+    if (split.patch.mesh.is_constrained(h)) rim.push_back(h);
+  EXPECT_FALSE(refiner.split_edges(rim));
+  EXPECT_EQ(refiner.triangle_count(), 4u);
 }
 
 TEST(patch_refiner, it_can_be_stopped) {
