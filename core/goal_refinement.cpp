@@ -85,7 +85,10 @@ bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   const bool is_in_vain = last_faces_ != 0 && faces >= last_faces_;
   last_faces_ = faces;
   retries_ = is_in_vain ? kMostRetries + 1 : retries_ + 1;
-  budget_ -= std::min(budget_, (faces - goals_.max_faces) * (std::uint64_t{1} << retries_));
+  // What comes on top of a budget grows with it, on the whole; each time a little more is kept back.
+  const double share = static_cast<double>(goals_.max_faces) / static_cast<double>(faces);
+  constexpr double kKeptBack = 1.0 / 32;
+  budget_ = static_cast<std::uint64_t>(static_cast<double>(budget_) * share * (1 - kKeptBack * retries_));
   return true;
 }
 

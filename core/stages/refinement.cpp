@@ -137,6 +137,7 @@ class Rounds {
     for_blocks(segments_.size(), kSegments, control_, [&](std::size_t from, std::size_t to) {
       for (std::size_t s = from; s < to; ++s) cuts_[SegmentId(s)] = segments_.size_cuts(SegmentId(s), sizes_);
     });
+    thin_out_cuts();
     result_.new_positions.clear();
     result_.reason.clear();
     std::vector<std::uint8_t> is_dirty(n, 0);
@@ -152,6 +153,25 @@ class Rounds {
     sort_messages();
     for (std::size_t p = 0; p < n; ++p)
       if (is_dirty[p] != 0) dirty_.push_back(static_cast<std::uint32_t>(p));
+  }
+
+  /// Where the cuts for sizes alone would take more than the budget, all segments are cut less often alike: half of it
+  /// is for what patches do inside.
+  void thin_out_cuts() {
+    if (goals_.max_faces == kNoLimit) return;
+    std::uint64_t faces = 0, cuts = 0;
+    for (const PatchMesh& patch : meshes_) faces += patch.mesh.triangle_count();
+    for (const SegmentSide& side : segments_.all_sides()) cuts += cuts_[side.segment].size();
+    const std::uint64_t most = goals_.max_faces - std::min(goals_.max_faces, faces);
+    if (cuts <= most) return;
+    const double share = static_cast<double>(most) / 2 / static_cast<double>(cuts);
+    for (std::vector<double>& of_segment : cuts_) {
+      const std::size_t pieces = of_segment.size() + 1;
+      const auto kept = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(pieces)));
+      // Never more than there were, and each as much later than the one before.
+      for (std::size_t i = 1; i < kept; ++i) of_segment[i - 1] = of_segment[i * pieces / kept - 1];
+      of_segment.resize(kept - 1);
+    }
   }
 
   void sort_messages() {
