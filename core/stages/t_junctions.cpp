@@ -7,6 +7,7 @@
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
 #include "core/base/tolerance.h"
+#include "core/geometry/expansion.h"
 #include "core/mesh/face_geometry.h"
 #include "core/refinement/box_tree.h"
 #include "core/stages/mend_faces.h"
@@ -22,13 +23,52 @@ struct NoTag {
 };
 using VertexTree = BoxTree<NoTag>;
 
-/// A vertex on an open edge: where along it, and how far off.
+/// A vertex on an open edge: its place in the edge's order, and how far off.
 struct Junction {
   FaceId face;
   VertexId vertex;
   double distance = 0;
   std::uint32_t half_edge = 0;
-  double along = 0;
+  double place = 0;
+};
+
+/// In which order vertices come along an edge. Two edges that run along each other are handed the same vertices and
+/// must have them in the same order, or they meet twisted, as in a Moebius strip. Their directions differ by noise, so
+/// vertices beside each other, as on both sides of a seam, would come in any order: the direction is tilted a little,
+/// the same way for an edge and one that runs back, and decides between these by more than noise. Then the order is
+/// exact, however near vertices are to each other.
+class Order {
+ public:
+  explicit Order(const Vec3& way) : is_backwards_(dot(way, kTowards) < 0) {
+    const Vec3 tilted = (1 / norm(way)) * way + (is_backwards_ ? -kTilt : kTilt) * kTowards;
+    for (int axis = 0; axis < 3; ++axis) direction_[axis] = std::round(tilted[axis] * kSteps) * (kUnit / kSteps);
+  }
+
+  /// A first look, in local units times kUnit.
+  double place(const Vec3& p) const { return dot(p, direction_); }
+  /// Whether places are so far apart that rounding did not decide between them.
+  static bool is_clear(double a, double b) { return std::fabs(a - b) > 1e-14 * kUnit; }
+
+  bool is_before(const Surface& surface, VertexId p, VertexId q) const {
+    const auto along = [&](int axis) {
+      return exact::difference(surface.local[q][axis], surface.local[p][axis]) * direction_[axis];
+    };
+    const int sign = (along(0) + along(1) + along(2)).sign();
+    if (sign != 0) return sign > 0;
+    // Local units may not tell them apart.
+    return is_backwards_ ? surface.positions[q] < surface.positions[p] : surface.positions[p] < surface.positions[q];
+  }
+
+ private:
+  /// Far more than noise, and so little that only vertices which lie this part of the tolerance apart are swapped.
+  static constexpr double kTilt = 1.0 / 64;
+  /// No simple ratios, so that edges at right angles to it are rare.
+  static constexpr Vec3 kTowards{1, 0.7548776662466927, 0.5698402909980532};
+  /// In these steps and units no product underflows, whatever the coordinates.
+  static constexpr double kSteps = 0x1p30, kUnit = 0x1p900;
+
+  bool is_backwards_;
+  Vec3 direction_;
 };
 
 /// Does the segment come within `margin` of the box? Never no by rounding alone if it does by more than that.
@@ -77,9 +117,9 @@ class Search {
                     [](const Junction& a, const Junction& b) { return a.face == b.face && a.vertex == b.vertex; }),
         all.end());
     std::sort(all.begin(), all.end(), [&](const Junction& a, const Junction& b) {
-      return a.half_edge != b.half_edge ? a.half_edge < b.half_edge
-             : a.along != b.along       ? a.along < b.along
-                                        : surface_.local[a.vertex] < surface_.local[b.vertex];
+      return a.half_edge != b.half_edge          ? a.half_edge < b.half_edge
+             : Order::is_clear(a.place, b.place) ? a.place < b.place
+                                                 : Order(way(a.half_edge)).is_before(surface_, a.vertex, b.vertex);
     });
     return all;
   }
@@ -101,27 +141,30 @@ class Search {
     vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
   }
 
+  Vec3 way(std::uint32_t h) const { return surface_.local[edges_.to(h)] - surface_.local[edges_.from(h)]; }
+
   void find_on(std::uint32_t h, const VertexTree& tree, std::vector<Junction>& junctions) const {
     const Vec3 a = surface_.local[edges_.from(h)], b = surface_.local[edges_.to(h)];
-    const Vec3 way = b - a;
-    const double length = norm(way);
+    const Vec3 ab = way(h);
+    const double length = norm(ab);
     if (!(length > 2 * tolerance_)) return;
     const auto bound = [&](const VertexTree::Entry& entry) {
       return is_near(a, b, tolerance_, entry.box) ? 0 : HUGE_VAL;
     };
+    const Order order(ab);
     const double all = 1;
     std::uint32_t tests = 0;
     tree.search(all, bound, [&](std::size_t slot) {
       if (++tests % 4096 == 0) control_.check();
       const VertexId v = vertices_[tree.number(slot)];
       const Vec3 p = surface_.local[v];
-      const double along = dot(p - a, way) / (length * length);
-      const double distance = norm(p - (a + along * way));
+      const double along = dot(p - a, ab) / (length * length);
+      const double distance = norm(p - (a + along * ab));
       if (!(distance <= tolerance_) || !(norm(p - a) > tolerance_) || !(norm(p - b) > tolerance_)) return;
       if (!(along > 0 && along < 1)) return;
       const auto loop = surface_.face(edges_.face_of(h));
       if (std::find(loop.begin(), loop.end(), v) != loop.end()) return;
-      junctions.push_back({edges_.face_of(h), v, distance, h, along});
+      junctions.push_back({edges_.face_of(h), v, distance, h, order.place(p)});
     });
   }
 
