@@ -1,8 +1,11 @@
 #include "core/stages/t_junctions.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 #include <tuple>
+#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
@@ -177,6 +180,128 @@ class Search {
   std::vector<VertexId> vertices_;   ///< of the open boundary
 };
 
+/// Which faces look the same way, as far as edges tell that they were joined over.
+class Sides {
+ public:
+  explicit Sides(std::size_t faces) : parent_(faces), size_(faces, 1), is_turned_(faces, 0) {
+    for (std::uint32_t f = 0; f < faces; ++f) parent_[f] = f;
+  }
+
+  struct Side {
+    std::uint32_t piece;
+    std::uint8_t is_turned;
+  };
+  Side of(FaceId face) const {
+    Side side{face.value, 0};
+    for (; parent_[side.piece] != side.piece; side.piece = parent_[side.piece])
+      side.is_turned ^= is_turned_[side.piece];
+    return side;
+  }
+
+  /// Joins the pieces of two faces, which look opposite ways or not.
+  void join(Side a, Side b, std::uint8_t is_opposite) {
+    if (a.piece == b.piece) return;
+    if (size_[a.piece] < size_[b.piece]) std::swap(a, b);
+    parent_[b.piece] = a.piece;
+    size_[a.piece] += size_[b.piece];
+    is_turned_[b.piece] = a.is_turned ^ b.is_turned ^ is_opposite;
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_, size_;
+  std::vector<std::uint8_t> is_turned_;  ///< against the parent
+};
+
+/// The surface with its open edges split, and what came of it.
+struct Split {
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  Surface faces;
+  std::vector<std::uint32_t> junction_of;  ///< of each corner, kNone for those that the face had
+
+  Split(const Surface& surface, const std::vector<Junction>& junctions) {
+    std::vector<VertexId> loop;
+    std::uint32_t next = 0;
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+      loop.clear();
+      for (std::uint32_t h = surface.face_begin[f]; h < surface.face_begin[f + 1]; ++h) {
+        loop.push_back(surface.corners[h]);
+        junction_of.push_back(kNone);
+        for (; next < junctions.size() && junctions[next].half_edge == h; ++next) {
+          loop.push_back(junctions[next].vertex);
+          junction_of.push_back(next);
+        }
+      }
+      faces.add_face(loop, surface.face_source[FaceId(f)], surface.label(FaceId(f)));
+    }
+  }
+};
+
+/// Finds the vertices that would join faces so that a piece with two sides had one only, or that would have faces
+/// turned over for an edge too short to tell which way they look.
+/// Output: a junction for each new edge that does; empty as good as always.
+std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Split& split,
+                                              const std::vector<Junction>& junctions, double tolerance,
+                                              RunControl& control) {
+  constexpr double kShort = 4;
+  const Adjacency edges(surface.vertex_count(), split.faces.face_begin, split.faces.corners);
+  const auto of_edge = [&](std::uint32_t h) {
+    return std::array{split.junction_of[h], split.junction_of[edges.next(h)]};
+  };
+  const auto is_new = [&](std::uint32_t h) { return of_edge(h) != std::array{Split::kNone, Split::kNone}; };
+  const auto runs_one_way = [&](std::span<const std::uint32_t> around) {
+    return edges.from(around[0]) == edges.from(around[1]);
+  };
+  const auto odd = edges.odd_edges();
+  if (std::none_of(odd.begin(), odd.end(), [&](EdgeId e) {
+        const auto around = edges.half_edges(e);
+        return around.size() == 2 && runs_one_way(around) && (is_new(around[0]) || is_new(around[1]));
+      }))
+    return {};
+  // First what the surface says by itself, then the new edges, the long ones before the short ones.
+  Sides sides(split.faces.face_count());
+  std::vector<std::pair<double, EdgeId>> new_edges;
+  for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
+    if (e % 4096 == 0) control.check();
+    const auto around = edges.half_edges(EdgeId(e));
+    if (around.size() != 2) continue;
+    const std::uint32_t h = around[0], other = around[1];
+    if (is_new(h) || is_new(other))
+      new_edges.emplace_back(-norm(surface.local[edges.to(h)] - surface.local[edges.from(h)]), EdgeId(e));
+    else
+      sides.join(sides.of(edges.face_of(h)), sides.of(edges.face_of(other)), runs_one_way(around));
+  }
+  std::sort(new_edges.begin(), new_edges.end());
+  std::vector<std::uint32_t> twisting;
+  for (const auto& [minus_length, e] : new_edges) {
+    const auto around = edges.half_edges(e);
+    const Sides::Side a = sides.of(edges.face_of(around[0])), b = sides.of(edges.face_of(around[1]));
+    const bool is_opposite = runs_one_way(around);
+    const bool is_twisted = a.piece == b.piece ? (a.is_turned != b.is_turned) != is_opposite
+                                               : is_opposite && -minus_length < kShort * tolerance;
+    if (!is_twisted) {
+      sides.join(a, b, is_opposite);
+      continue;
+    }
+    // Of the vertices that made it the one that lies furthest off its edge.
+    std::uint32_t worst = Split::kNone;
+    for (const std::uint32_t h : around)
+      for (const std::uint32_t j : of_edge(h))
+        if (j != Split::kNone && (worst == Split::kNone || junctions[worst].distance < junctions[j].distance))
+          worst = j;
+    twisting.push_back(worst);
+  }
+  sort_all(twisting.begin(), twisting.end());
+  twisting.erase(std::unique(twisting.begin(), twisting.end()), twisting.end());
+  return twisting;
+}
+
+Diagnostic told(const Surface& surface, const std::vector<Junction>& junctions, const char* message) {
+  Diagnostic found{DiagnosticCode::kTJunction, 0, {}, message};
+  for (const Junction& j : junctions) found.add(surface.vertex_source[j.vertex].value);
+  return found;
+}
+
 }  // namespace
 
 bool split_t_junctions(Surface& surface, const Adjacency& edges, double tolerance,
@@ -189,25 +314,34 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
                                  [&](const Junction& j) { return geometry[j.face].height < kThinFace * tolerance; }),
                   junctions.end());
   if (junctions.empty()) return false;
-  Diagnostic found{DiagnosticCode::kTJunction, 0, {}, ""};
-  found.message = mend == Mend::kYes
-                      ? "vertices lie on an open edge of a face without them: it was split there; elements are vertices"
-                      : "vertices lie on an open edge of a face without them; elements are vertices";
-  for (const Junction& j : junctions) found.add(surface.vertex_source[j.vertex].value);
-  diagnostics.push_back(std::move(found));
-  if (mend == Mend::kNo) return false;
-  Surface split;
-  std::vector<VertexId> loop;
-  auto next = junctions.begin();
-  for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-    loop.clear();
-    for (std::uint32_t h = surface.face_begin[f]; h < surface.face_begin[f + 1]; ++h) {
-      loop.push_back(surface.corners[h]);
-      for (; next != junctions.end() && next->half_edge == h; ++next) loop.push_back(next->vertex);
-    }
-    split.add_face(loop, surface.face_source[FaceId(f)], surface.label(FaceId(f)));
+  if (mend == Mend::kNo) {
+    diagnostics.push_back(
+        told(surface, junctions, "vertices lie on an open edge of a face without them; elements are vertices"));
+    return false;
   }
-  surface.take_faces(std::move(split));
+  Split split(surface, junctions);
+  std::vector<Junction> left;
+  for (auto twisting = twisting_junctions(surface, split, junctions, tolerance, control); !twisting.empty();
+       twisting = twisting_junctions(surface, split, junctions, tolerance, control)) {
+    std::vector<Junction> rest;
+    auto next = twisting.begin();
+    for (std::uint32_t j = 0; j < junctions.size(); ++j) {
+      const bool is_twisting = next != twisting.end() && *next == j;
+      (is_twisting ? left : rest).push_back(junctions[j]);
+      next += is_twisting;
+    }
+    junctions = std::move(rest);
+    split = Split(surface, junctions);
+  }
+  if (!left.empty())
+    diagnostics.push_back(told(surface, left,
+                               "vertices lie on an open edge of a face without them and were left there: the surface "
+                               "would be twisted; elements are vertices"));
+  if (junctions.empty()) return false;
+  diagnostics.push_back(
+      told(surface, junctions,
+           "vertices lie on an open edge of a face without them: it was split there; elements are vertices"));
+  surface.take_faces(std::move(split.faces));
   return true;
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -179,6 +180,38 @@ TEST(split_t_junctions, corners_on_both_sides_of_a_seam_do_not_twist_it) {
   EXPECT_EQ(result.diagnostics.at(0).count, 4u);
   EXPECT_EQ(edges_used_twice_one_way(result.surface), 0u);
   EXPECT_EQ(open_edges(result.surface), 12u);
+}
+
+TEST(split_t_junctions, a_vertex_that_would_twist_the_surface_is_left_where_it_is) {
+  // A band of seven squares whose ends meet after half a turn, given with a vertex more on one of them.
+  constexpr int kSquares = 7;
+  std::vector<Vec3> points;
+  for (int i = 0; i <= kSquares; ++i) {
+    const double around = 2 * M_PI * i / kSquares, turn = around / 2;
+    for (const double side : {-0.3, 0.3})
+      points.push_back({(1 + side * std::cos(turn)) * std::cos(around), (1 + side * std::cos(turn)) * std::sin(around),
+                        side * std::sin(turn)});
+  }
+  points[2 * kSquares] = points[1];
+  points[2 * kSquares + 1] = points[0];
+  points.push_back(0.5 * points[0] + 0.5 * points[1]);
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t i = 0; i < kSquares; ++i) faces.push_back({2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
+  faces.back() = {2 * kSquares - 2, 2 * kSquares, 2 * kSquares + 2, 2 * kSquares + 1, 2 * kSquares - 1};
+  const PolygonMesh mesh = shapes::welded(shapes::from_lists(points, faces));
+  const SplitResult result = split(mesh, 1e-6);
+  EXPECT_FALSE(result.is_changed);
+  ASSERT_EQ(result.diagnostics.size(), 1u);
+  EXPECT_EQ(result.diagnostics[0].count, 1u);
+  EXPECT_NE(result.diagnostics[0].message.find("twisted"), std::string::npos);
+}
+
+TEST(split_t_junctions, faces_that_look_the_wrong_way_are_joined_all_the_same) {
+  PolygonMesh mesh = comb(4);
+  std::reverse(mesh.corners.begin(), mesh.corners.begin() + 3);
+  const SplitResult result = split(mesh, 1e-9);
+  EXPECT_EQ(open_edges(result.surface), 2u + 2 * 4);
+  EXPECT_EQ(edges_used_twice_one_way(result.surface), 4u);
 }
 
 TEST(split_t_junctions, very_many_long_edges_side_by_side_do_not_take_quadratic_time) {
