@@ -64,7 +64,7 @@ class ObjReader final : private std::streambuf {
     const std::string_view keyword = records_.keyword();
     if (keyword == "v") {
       add_vertex(records_.arguments());
-    } else if (keyword == "f") {
+    } else if (keyword == "f" || keyword == "fo") {
       deliver_face(records_.arguments());
     } else if (keyword == "g" || keyword == "o" || keyword == "usemtl") {
       deliver_name(keyword, trim(records_.arguments()));

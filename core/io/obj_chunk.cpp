@@ -130,7 +130,7 @@ class Parser {
     const char* const arguments = at_;
     if (!skip_rest_of_line()) return false;
     const std::string_view value = trim({arguments, static_cast<std::size_t>(at_ - arguments)});
-    if (keyword == "v" || keyword == "f") return false;
+    if (keyword == "v" || keyword == "f" || keyword == "fo") return false;
     if (keyword == "o") return take_label(ObjChunk::LabelKind::kObject, value);
     if (keyword == "g") return take_label(ObjChunk::LabelKind::kGroup, value);
     if (keyword == "usemtl") return take_label(ObjChunk::LabelKind::kMaterial, value);
@@ -153,12 +153,14 @@ class Parser {
   /// Goes to the line end of a record whose values have been taken.
   bool end_record() { return is_line_end(*at_) || skip_rest_of_line(); }
 
-  /// Fails on what no text holds, and where the next line continues this one.
+  /// Fails on what no text holds, and where the next line continues this one or might.
   bool skip_rest_of_line() {
     const char* at = at_;
     while (!is_control_character(*at)) ++at;
     at_ = at;
-    return is_line_end(*at) && at[-1] != '\\';
+    const char* last = at - 1;
+    while (is_blank(*last)) --last;  // there is a keyword before it
+    return is_line_end(*at) && *last != '\\';
   }
 
   void skip_comment() {

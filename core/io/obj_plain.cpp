@@ -176,7 +176,7 @@ class Gatherer {
 std::optional<ReadResult> read_plain_obj(std::string_view text, const ReadLimits& limits, RunControl& control) {
   if (wide_encoding(text)) return std::nullopt;
   if (text.starts_with(kUtf8Mark)) text.remove_prefix(kUtf8Mark.size());
-  const Chunks chunks(text);
+  const Chunks chunks(without_padding(text));
   Gatherer gatherer(chunks.size(), limits);
   const bool is_plain = map_in_order<std::optional<ObjChunk>>(
       chunks.size(), control, [&](std::size_t i) { return parse_obj_chunk(chunks[i]); },

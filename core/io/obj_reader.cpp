@@ -3,13 +3,16 @@
 
 #include "core/io/obj.h"
 #include "core/io/obj_readers.h"
+#include "core/io/read_errors.h"
 
 namespace remesh {
 
 ReadResult read_obj(std::string_view text, const ReadLimits& limits, RunControl& control) {
   control.enter(Stage::kRead);
-  if (std::optional<ReadResult> plain = read_plain_obj(text, limits, control)) return std::move(*plain);
-  return read_any_obj(text, limits, control);
+  std::optional<ReadResult> plain = read_plain_obj(text, limits, control);
+  ReadResult result = plain ? std::move(*plain) : read_any_obj(text, limits, control);
+  note_padding(text, result.diagnostics);
+  return result;
 }
 
 }  // namespace remesh

@@ -1,4 +1,5 @@
-/// The two ways to read OBJ text, of which read_obj takes the faster one that will do.
+/// The two ways to read OBJ text, of which read_obj takes the faster one that will do. Both leave out padding at its
+/// end, without a word.
 #pragma once
 
 #include <optional>

@@ -1,6 +1,7 @@
 #include "core/io/obj_records.h"
 
 #include <algorithm>
+#include <array>
 
 #include "core/io/read_errors.h"
 #include "core/io/text.h"
@@ -15,6 +16,24 @@ bool is_keyword(std::string_view token) {
 bool is_comment(std::string_view line) {
   const std::string_view first = next_token(line);
   return first.starts_with('#');
+}
+
+/// Whether a record is of numbers alone. In all others a `\` before blanks may end a name.
+bool has_only_numbers(std::string_view line) {
+  const std::string_view keyword = next_token(line);
+  constexpr std::array<std::string_view, 8> kNumeric{"v", "vt", "vn", "vp", "f", "fo", "l", "p"};
+  return std::find(kNumeric.begin(), kNumeric.end(), keyword) != kNumeric.end() &&
+         line.find('#') == std::string_view::npos;
+}
+
+/// Cuts the `\` off that continues the line, with the blanks behind it if these may be; false if there is none.
+bool cut_continuation(std::string_view& line, bool may_blanks_follow) {
+  std::string_view cut = line;
+  while (may_blanks_follow && !cut.empty() && is_blank(cut.back())) cut.remove_suffix(1);
+  if (!cut.ends_with('\\')) return false;
+  cut.remove_suffix(1);
+  line = cut;
+  return true;
 }
 
 Error invalid(std::uint64_t line, const std::string& message) {
@@ -44,16 +63,18 @@ std::string_view ObjRecords::take_logical_line() {
   std::string_view line = lines_.line();
   if (is_comment(line)) return line;
   lines_.check_is_text();
-  if (!line.ends_with('\\')) return line;
+  if (line.find('\\') == std::string_view::npos) return line;
+  const bool may_blanks_follow = has_only_numbers(line);
+  if (!cut_continuation(line, may_blanks_follow)) return line;
 
   joined_.clear();
-  while (line.ends_with('\\')) {
-    joined_.append(line.substr(0, line.size() - 1));
+  do {
+    joined_.append(line);
     joined_ += ' ';  // nobody breaks a line inside a number, some break it right after one
     if (!lines_.next()) return joined_;
     lines_.check_is_text();
     line = lines_.line();
-  }
+  } while (cut_continuation(line, may_blanks_follow && line.find('#') == std::string_view::npos));
   joined_.append(line);
   return joined_;
 }

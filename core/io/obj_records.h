@@ -15,8 +15,9 @@ namespace remesh {
 constexpr bool is_obj_keyword_character(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
 
 /// Walks over OBJ text once, record by record: `keyword arguments`.
-/// Input:   line ends LF, CRLF or CR; a `\` at the end of a line continues it (not a comment, which may end in a path);
-///          a UTF-8 byte-order mark is skipped. The text outlives the walk.
+/// Input:   line ends LF, CRLF or CR; a `\` at the end of a line continues it (not a comment, which may end in a path),
+///          and with blanks behind it where only numbers can stand; a UTF-8 byte-order mark is skipped, and padding at
+///          the end. The text outlives the walk.
 /// Holds:   comments and blank lines are skipped; a keyword is one of letters, digits and `_`, a letter first.
 /// Errors:  kInvalidMesh, with the line - UTF-16 or UTF-32; a control character outside comments; a line that starts
 /// otherwise. Cost:    O(text), one look at each byte; joined lines are copied, all others are views into the text.

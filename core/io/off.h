@@ -28,7 +28,7 @@ std::optional<OffKind> off_kind(std::string_view word);
 ///          for each vertex and each face. Blank lines and comments (`#`) anywhere. Binary: `OFF BINARY`, then numbers
 ///          of 4 bytes, big end first.
 /// Output:  polygons as listed. What vertices carry beyond x, y, z and faces beyond their corners is counted as
-///          attribute_dropped.
+///          attribute_dropped, zeros that pad the text as trailing_bytes.
 /// Errors:  with the line or byte: kInvalidMesh - not OFF, coordinates that are not 3, a line that is none, data that
 /// ends
 ///          early or goes on; kIndexOutOfRange, kNonfiniteCoordinate - also with the element; kMeshTooLarge - past

@@ -35,7 +35,7 @@ struct DroppedValues {
 class OffTextReader {
  public:
   OffTextReader(std::string_view content, const ReadLimits& limits, RunControl& control)
-      : size_(content.size()), lines_(content), builder_(limits, control) {}
+      : content_(content), lines_(content), builder_(limits, control) {}
 
   ReadResult read() {
     read_head();
@@ -51,6 +51,7 @@ class OffTextReader {
     ReadResult result;
     result.mesh = builder_.take();
     dropped_.report(result.diagnostics);
+    note_padding(content_, result.diagnostics);
     return result;
   }
 
@@ -71,7 +72,7 @@ class OffTextReader {
     if (!trim(rest_).empty()) throw error("more than three counts: " + cited(rest_));
     // A line of three numbers and its end at least.
     constexpr std::size_t kLeastLine = 6;
-    builder_.announce(vertices_, faces_, size_ / kLeastLine, size_ / kLeastLine, here());
+    builder_.announce(vertices_, faces_, content_.size() / kLeastLine, content_.size() / kLeastLine, here());
   }
 
   void read_vertex(std::uint64_t vertex) {
@@ -89,7 +90,7 @@ class OffTextReader {
     const std::uint64_t corners = take_count("number of a face's corners");
     builder_.begin_face(corners, here());
     for (std::uint64_t i = 0; i < corners; ++i) {
-      builder_.tick(lines_.offset(), size_);
+      builder_.tick(lines_.offset(), content_.size());
       const std::string_view token = next_token(rest_);
       if (token.empty()) {
         throw error("a face with " + std::to_string(i) + " of its " + std::to_string(corners) + " corners")
@@ -115,7 +116,7 @@ class OffTextReader {
     if (!find_line()) throw error("the text ends inside the head");
   }
   void next_line(const char* what, std::uint64_t done, std::uint64_t of) {
-    builder_.tick(lines_.offset(), size_);
+    builder_.tick(lines_.offset(), content_.size());
     if (find_line()) return;
     throw error("the text ends after " + std::to_string(done) + " of " + std::to_string(of) + " " + what);
   }
@@ -134,7 +135,7 @@ class OffTextReader {
   Place here() const { return Place::line(lines_.number()); }
   Error error(const std::string& message) const { return read_error(here(), Code::kInvalidMesh, message); }
 
-  std::size_t size_;
+  std::string_view content_;
   TextLines lines_;
   MeshBuilder builder_;
   DroppedValues dropped_;

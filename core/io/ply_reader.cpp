@@ -19,7 +19,10 @@ namespace {
 class TextRecords {
  public:
   TextRecords(std::string_view content, const PlyHeader& header)
-      : header_size_(header.size), header_lines_(header.lines), lines_(content.substr(header.size)) {}
+      : content_(content),
+        header_size_(header.size),
+        header_lines_(header.lines),
+        lines_(content.substr(header.size)) {}
 
   void begin_record() {
     do {
@@ -47,10 +50,11 @@ class TextRecords {
   /// Text has no fixed size to skip by.
   bool skip_element(const PlyElement&) { return false; }
 
-  void finish(std::size_t, std::vector<Diagnostic>&) {
+  void finish(std::size_t, std::vector<Diagnostic>& diagnostics) {
     while (lines_.next()) {
       if (!trim(lines_.line()).empty()) throw error("text after the last record: " + cited(lines_.line()));
     }
+    note_padding(content_, diagnostics);
   }
 
   std::size_t offset() const { return header_size_ + lines_.offset(); }
@@ -64,6 +68,7 @@ class TextRecords {
   }
   Error error(const std::string& message) const { return read_error(place(), Code::kInvalidMesh, message); }
 
+  std::string_view content_;
   std::size_t header_size_;
   std::uint64_t header_lines_;
   TextLines lines_;

@@ -1,8 +1,20 @@
 #include "core/io/read_errors.h"
 
 #include "core/io/text.h"
+#include "core/io/text_lines.h"
 
 namespace remesh {
+namespace {
+
+Diagnostic trailing_bytes(std::size_t count, const std::string& where) {
+  return {DiagnosticCode::kTrailingBytes, count, {}, "bytes" + where + ", left out: " + std::to_string(count)};
+}
+
+std::string behind_the_records(std::size_t end_of_records) {
+  return " after the last record, from byte " + std::to_string(end_of_records) + " on";
+}
+
+}  // namespace
 
 std::string cited(std::string_view text) {
   constexpr std::size_t kLongest = 40;
@@ -15,15 +27,17 @@ void note_trailing_bytes(std::string_view content, std::size_t end_of_records, s
                          std::vector<Diagnostic>& diagnostics) {
   const std::string_view rest = content.substr(end_of_records);
   if (rest.empty()) return;
-  const std::string where = " after the last record, from byte " + std::to_string(end_of_records) + " on";
+  const std::string where = behind_the_records(end_of_records);
   if (rest.size() >= record_size && rest.find_first_not_of('\0') != std::string_view::npos) {
     throw read_error(Place::byte(end_of_records), Code::kInvalidMesh,
                      std::to_string(rest.size()) + " bytes" + where + ": more records than the file counts?");
   }
-  diagnostics.push_back({DiagnosticCode::kTrailingBytes,
-                         rest.size(),
-                         {},
-                         "bytes" + where + ", left out: " + std::to_string(rest.size())});
+  diagnostics.push_back(trailing_bytes(rest.size(), where));
+}
+
+void note_padding(std::string_view text, std::vector<Diagnostic>& diagnostics) {
+  const std::size_t end = without_padding(text).size();
+  if (end < text.size()) diagnostics.push_back(trailing_bytes(text.size() - end, behind_the_records(end)));
 }
 
 }  // namespace remesh

@@ -48,4 +48,7 @@ std::string cited(std::string_view text);
 void note_trailing_bytes(std::string_view content, std::size_t end_of_records, std::size_t record_size,
                          std::vector<Diagnostic>& diagnostics);
 
+/// Takes note of what pads a text (without_padding).
+void note_padding(std::string_view text, std::vector<Diagnostic>& diagnostics);
+
 }  // namespace remesh

@@ -22,7 +22,7 @@ bool is_binary_stl(std::string_view content);
 /// Output:  triangles as listed. STL repeats a vertex for each triangle: those with equal coordinates are one, numbered
 ///          by first appearance. Each solid of a text becomes an object of that name, also where several have one name.
 ///          Floats are kept exactly, numbers of text are read as doubles. Attribute bytes (colours) are counted as
-///          attribute_dropped, up to 49 bytes after the last triangle as trailing_bytes.
+///          attribute_dropped, up to 49 bytes after the last triangle, or zeros that pad a text, as trailing_bytes.
 /// Errors:  with the line or byte: kInvalidMesh - not STL, a facet that is no triangle, data that ends early or goes on
 ///          beyond its count; kNonfiniteCoordinate; kMeshTooLarge - past `limits`. kEmptyMesh - no triangle;
 ///          kCancelled, kTimeout - through `control`.

@@ -112,7 +112,7 @@ bool equals_ignoring_case(std::string_view word, std::string_view lower_case) {
 class TextReader {
  public:
   TextReader(std::string_view content, const ReadLimits& limits, RunControl& control)
-      : size_(content.size()), lines_(content), limits_(limits), control_(control) {}
+      : content_(content), lines_(content), limits_(limits), control_(control) {}
 
   ReadResult read() {
     while (next_line()) take_line();
@@ -123,6 +123,7 @@ class TextReader {
     ReadResult result;
     result.mesh = joined(std::move(positions_), limits_, control_);
     label(result.mesh);
+    note_padding(content_, result.diagnostics);
     return result;
   }
 
@@ -137,7 +138,7 @@ class TextReader {
   bool next_line() {
     if (!lines_.next()) return false;
     if (++ticks_ % kProgressStep == 0) {
-      control_.progress(static_cast<double>(lines_.offset()) / static_cast<double>(size_));
+      control_.progress(static_cast<double>(lines_.offset()) / static_cast<double>(content_.size()));
     }
     return true;
   }
@@ -258,7 +259,7 @@ class TextReader {
   Place here() const { return Place::line(lines_.number()); }
   Error error(const std::string& message) const { return read_error(here(), Code::kInvalidMesh, message); }
 
-  std::size_t size_;
+  std::string_view content_;
   TextLines lines_;
   const ReadLimits& limits_;
   RunControl& control_;
@@ -282,9 +283,10 @@ bool has_length_of_binary_stl(std::string_view content) {
 
 bool is_binary_stl(std::string_view content) {
   if (has_length_of_binary_stl(content)) return true;
-  // The count's highest byte is 0 in all files under 800 MB, and so are the attributes of nearly all triangles.
+  // The count's highest byte is 0 in all files under 800 MB, and so are the attributes of nearly all triangles. Zeros
+  // at the end may pad a text.
   constexpr std::size_t kProbe = 1024;
-  return !wide_encoding(content) && content.substr(0, kProbe).find('\0') != std::string_view::npos;
+  return !wide_encoding(content) && without_padding(content).substr(0, kProbe).find('\0') != std::string_view::npos;
 }
 
 ReadResult read_stl(std::string_view content, const ReadLimits& limits, RunControl& control) {

@@ -11,8 +11,12 @@ namespace remesh {
 /// The byte-order mark of UTF-8.
 inline constexpr std::string_view kUtf8Mark = "\xef\xbb\xbf";
 
+/// `text` without what pads it: NUL bytes at its end, and Ctrl-Z, with which DOS ended texts.
+std::string_view without_padding(std::string_view text);
+
 /// Walks over text once, line by line.
-/// Input:   line ends LF, CRLF or CR, mixed or not; a UTF-8 byte-order mark is skipped. The text outlives the walk.
+/// Input:   line ends LF, CRLF or CR, mixed or not; a UTF-8 byte-order mark is skipped, and padding. The text outlives
+///          the walk.
 /// Errors:  kInvalidMesh - the text begins with the byte-order mark of another encoding, which the message names.
 /// Cost:    O(text), one look at each byte; lines are views into the text.
 class TextLines {

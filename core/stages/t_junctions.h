@@ -18,8 +18,11 @@ namespace remesh {
 ///          it and further than that from both its ends (else it is a matter of welding), and is not the face's own.
 ///          Faces marked in `as_it_is` (per input face, or empty) are handed none, nor are faces so thin (kThinFace)
 ///          that they might be turned over by it.
-/// Output:  the surface so mended, with Mend::kYes. Counts t_junction; elements are the vertices.
-/// Holds:   no point of the surface moves by more than the tolerance; no face is handed a vertex twice.
+/// Output:  the surface so mended, with Mend::kYes. Counts t_junction, those split and those left;
+///          elements are the vertices.
+/// Holds:   no point of the surface moves by more than the tolerance; no face is handed a vertex twice. Edges that run
+///          along each other get the vertices on them in the same order, however near these are to each other. What has
+///          two sides keeps them: a vertex that would twist the surface is left where it is.
 /// Returns: whether the surface changed.
 /// Cost:    O(b log b) in open edges where these are spread out; where all lie along each other O(b sqrt b).
 bool split_t_junctions(Surface& surface, const Adjacency& edges, double tolerance,

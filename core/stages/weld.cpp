@@ -5,6 +5,7 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <span>
@@ -192,10 +193,15 @@ void set_local_units(Surface& surface, RunControl& control) {
   surface.centre = centre;
   const Vec3 half = box.max - centre;
   int exponent = 0;
-  std::frexp(std::max({half.x, half.y, half.z}), &exponent);
+  const double largest = std::max({half.x, half.y, half.z});
+  std::frexp(largest, &exponent);
   // Frames are up to twice as large, and have to be numbers still.
   constexpr int kLargestExponent = 1022;
   if (exponent > kLargestExponent) throw_too_large(surface, std::ldexp(1.0, kLargestExponent));
+  // Doubles below that have ever fewer digits, too few for points in a plane.
+  if (largest < std::numeric_limits<double>::min() && box.min != box.max)
+    throw Error(Code::kInvalidMesh, Stage::kWeld,
+                "the mesh is too small to compute with: all its vertices are less than 2^-1022 from its centre");
   surface.unit = std::ldexp(1.0, exponent);
   surface.local.resize(n);
   for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {

@@ -19,7 +19,8 @@ namespace remesh {
 ///          numbering; `face_label` numbers the combinations of the labels in `barriers`, in order of first use. What a
 ///          Surface holds about faces is not yet so: see mend_faces.
 ///          Counts duplicate_vertex and unused_vertex.
-/// Errors:  kEmptyMesh - no face; kInvalidMesh - a vertex 2^1022 from the centre or further.
+/// Errors:  kEmptyMesh - no face; kInvalidMesh - a vertex 2^1022 from the centre or further, or all nearer to it than
+///          2^-1022 but not in one place.
 /// Cost:    O(n log n).
 Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Diagnostic>& diagnostics,
              RunControl& control, double tolerance = 0);

@@ -100,6 +100,12 @@ TEST(obj_plain, what_is_odd_or_wrong_is_left_to_the_other_reader) {
                                   "g a\\\nb",
                                   "vn 0 0 \\\n1",
                                   "f 1 2 3 # \\\n",
+                                  "f 1 2 \\ \n3",
+                                  "vn 0 0 \\ \n1",
+                                  "vn 0 0 1\\ \n",
+                                  "l 1 2 # \\\t\n",
+                                  "g C:\\a\\ ",
+                                  "fo 1 2 3",
                                   "v 1",
                                   "v",
                                   "v 1 x 3",
@@ -191,7 +197,7 @@ std::string random_line(Random& random, bool is_wild) {
     case 11: line = std::array{"vn 1 0 0", "vp 1", "call x", "#"}[pick(4)]; break;
   }
   if (is_wild && pick(25) == 0) line.insert(static_cast<std::size_t>(pick(line.size() + 1)), blank());
-  if (is_wild && pick(30) == 0) line += std::array{" # tail", " \\", "\\", " #\\", "#"}[pick(5)];
+  if (is_wild && pick(30) == 0) line += std::array{" # tail", " \\", "\\", " #\\", "#", " \\ ", "\x1a"}[pick(7)];
   if (is_wild && pick(200) == 0) line += static_cast<char>(pick(256));
   return line + std::array{"\n", "\r\n", "\r"}[is_wild ? pick(3) : 0];
 }

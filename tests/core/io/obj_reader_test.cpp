@@ -296,6 +296,15 @@ TEST(obj_reader, a_backslash_at_the_end_continues_the_line) {
   EXPECT_EQ(read(std::string(kTriangle) + "f 1 2 3 \\\n\\\n\\\n").mesh.face_count(), 1u);
 }
 
+TEST(obj_reader, blanks_behind_a_backslash_matter_where_it_may_end_a_name) {
+  const PolygonMesh mesh = read(
+                               "v 0 \\ \n0 \\\t \n 0\nv 1 0 0\nv 0 1 0\nvn 0 0 \\ \n1\nusemtl C:\\dir\\ \nf 1\\ \n2 "
+                               "\\\n 3\\ \n\nf 1 2 3 # C:\\ \nf 3 2 1\n")
+                               .mesh;
+  EXPECT_EQ(faces_of(mesh), (std::vector<Face>{{0, 1, 2}, {0, 1, 2}, {2, 1, 0}}));
+  EXPECT_EQ(mesh.labels.material.names, Names{"C:\\dir\\"});
+}
+
 TEST(obj_reader, a_comment_that_ends_in_a_backslash_does_not_swallow_the_next_line) {
   EXPECT_EQ(read("v 0 0 0\n# C:\\parts\\\nv 1 0 0\n  #\\\nv 0 1 0\nf 1 2 3\n").mesh.vertex_count(), 3u);
 }
@@ -321,9 +330,29 @@ TEST(obj_reader, control_characters_are_no_text_but_in_comments) {
     EXPECT_EQ(read(v + "# " + static_cast<char>(c) + "\nf 1 2 3\n").mesh.face_count(), 1u);
   }
   expect_error(v + "vn 0 0 1\x7f\n", Code::kInvalidMesh, 4);
-  expect_error(v + "f 1 2 3\n" + std::string(4, '\0'), Code::kInvalidMesh, 5);
+  expect_error(v + "f 1 2 3\n" + std::string(4, '\0') + "\n", Code::kInvalidMesh, 5);
   expect_error(v + "f 1 2 \\\n3\x01\n", Code::kInvalidMesh, 5);
-  EXPECT_NE(std::string(error_of(std::string("v 0 0\0", 6)).what()).find("0x00"), std::string::npos);
+  EXPECT_NE(std::string(error_of(std::string("v 0 0\0 0", 8)).what()).find("0x00"), std::string::npos);
+}
+
+TEST(obj_reader, zeros_and_the_end_mark_of_dos_behind_the_text_are_padding) {
+  const std::string text = std::string(kTriangle) + "f 1 2 3";
+  for (const std::string& padding : {std::string("\x1a"), std::string(300, '\0'), "\x1a" + std::string(5, '\0')})
+    for (const std::string end : {"", "\n", "\r\n", " \\\n", " # the last"}) {
+      const ReadResult result = read(text + end + padding);
+      EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}}));
+      ASSERT_EQ(result.diagnostics.size(), 1u);
+      EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTrailingBytes);
+      EXPECT_EQ(result.diagnostics[0].count, padding.size());
+    }
+  expect_error(text + "\n\x1a\nf 1 2 3\n", Code::kInvalidMesh, 5);
+}
+
+TEST(obj_reader, the_old_word_for_a_face_is_read) {
+  const ReadResult result = read(std::string(kTriangle) + "fo 1 2 3\nf 3/1 2 1\n  fo\t-3//1 -2 \\\n-1\n");
+  EXPECT_EQ(faces_of(result.mesh), (std::vector<Face>{{0, 1, 2}, {2, 1, 0}, {0, 1, 2}}));
+  EXPECT_TRUE(result.diagnostics.empty());
+  expect_error(std::string(kTriangle) + "fo 1 2\n", Code::kInvalidMesh, 4);
 }
 
 TEST(obj_reader, a_line_must_start_with_a_keyword) {

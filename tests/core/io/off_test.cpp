@@ -43,6 +43,16 @@ TEST(off_reader, comments_blank_lines_and_counts_may_stand_anywhere) {
             faces);
 }
 
+TEST(off_reader, padding_behind_the_text_is_told_and_left_out) {
+  for (const std::string& padding : {std::string("\x1a"), std::string(9, '\0')}) {
+    const ReadResult result = read("OFF\n4 2 0\n" + kBody + padding);
+    EXPECT_EQ(result.mesh.face_count(), 2u);
+    ASSERT_EQ(result.diagnostics.size(), 1u);
+    EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTrailingBytes);
+    EXPECT_EQ(result.diagnostics[0].count, padding.size());
+  }
+}
+
 TEST(off_reader, what_vertices_and_faces_carry_beyond_is_counted) {
   const std::string rest = "4 2 0\n0 0 0 9 9 9\n1 0 0 9 9 9\n1 1 0 9 9 9\n0 1 0 9 9 9\n3 0 1 2 255 0 0\n4 0 1 2 3\n";
   for (const char* mark : {"OFF", "COFF", "NOFF", "CNOFF", "STOFF", "STCNOFF"}) {

@@ -63,6 +63,15 @@ TEST(ply_reader, text_and_both_byte_orders_give_the_same_polygons) {
   EXPECT_EQ(read(binary_ply(ByteOrder::kBig)).mesh.positions[VertexId(3)].z, double{0.1f});
 }
 
+TEST(ply_reader, padding_behind_a_text_is_told_and_left_out) {
+  const ReadResult result = read(text_ply() + std::string(3, '\0') + "\x1a");
+  EXPECT_EQ(result.mesh.face_count(), 2u);
+  ASSERT_EQ(result.diagnostics.size(), 1u);
+  EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTrailingBytes);
+  EXPECT_EQ(result.diagnostics[0].count, 4u);
+  EXPECT_NE(result.diagnostics[0].message.find(std::to_string(text_ply().size())), std::string::npos);
+}
+
 TEST(ply_reader, the_header_may_end_its_lines_in_any_way) {
   const std::string file = binary_ply(ByteOrder::kLittle);
   const std::size_t size = file.find("end_header\n") + 11;

@@ -124,6 +124,18 @@ TEST(stl_reader, text_is_read_in_doubles_whatever_its_case_blanks_and_line_ends)
   }
 }
 
+TEST(stl_reader, padding_behind_a_text_is_told_and_left_out) {
+  for (const std::string& padding : {std::string("\x1a"), std::string(900, '\0')}) {
+    const std::string text = "solid a\n" + kFacet + "endsolid a\n" + padding;
+    EXPECT_FALSE(is_binary_stl(text));
+    const ReadResult result = read(text);
+    EXPECT_EQ(result.mesh.face_count(), 1u);
+    ASSERT_EQ(result.diagnostics.size(), 1u);
+    EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTrailingBytes);
+    EXPECT_EQ(result.diagnostics[0].count, padding.size());
+  }
+}
+
 TEST(stl_reader, a_facet_may_stand_on_one_line_and_its_normal_may_be_anything) {
   const std::string one_line =
       "facet normal nan - inf outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 endloop endfacet";

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <random>
+
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 
@@ -112,6 +116,102 @@ TEST(split_t_junctions, a_vertex_near_two_edges_of_a_face_is_handed_to_it_once) 
 
 TEST(split_t_junctions, a_face_that_is_as_thin_as_the_tolerance_is_handed_none) {
   EXPECT_FALSE(split(wedge_and_tip(0.01, 0.5), 0.01).is_changed);
+}
+
+/// Half-edges that run the same way as another one over the same edge.
+std::size_t edges_used_twice_one_way(const Surface& surface) {
+  const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners);
+  std::size_t count = 0;
+  for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
+    const auto around = edges.half_edges(EdgeId(e));
+    count += around.size() == 2 && edges.from(around[0]) == edges.from(around[1]);
+  }
+  return count;
+}
+
+/// Two plates on both sides of a line through the origin, which have only that corner in common: their edges run along
+/// each other and end a tenth of the noise apart. On the line stand two fins, whose corners are up to `noise` apart.
+PolygonMesh plates_and_fins(const Vec3& along, const Vec3& across, double noise, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> any(-0.5, 0.5);
+  const auto about = [&](const Vec3& p, double size) { return p + size * Vec3{any(random), any(random), any(random)}; };
+  const Vec3 up = cross(along, across);
+  std::vector<Vec3> points{{0, 0, 0},       about(along, noise / 10),  about(along, noise / 10),  along + across,
+                           along - across,  about(0.4 * along, noise), about(0.4 * along, noise), 0.3 * along + up,
+                           0.5 * along + up};
+  return shapes::welded(shapes::from_lists(points, {{0, 1, 3}, {2, 0, 4}, {5, 7, 8}, {6, 8, 7}}));
+}
+
+TEST(split_t_junctions, edges_that_run_along_each_other_take_near_vertices_in_the_same_order) {
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> any;
+  const auto expect_two_sides = [&](const Vec3& along, const Vec3& across, double noise) {
+    const PolygonMesh mesh = plates_and_fins(along, across, noise, random);
+    ASSERT_EQ(edges_used_twice_one_way(shapes::surface(mesh)), 0u);
+    const SplitResult result = split(mesh, 1e-6);
+    EXPECT_EQ(edges_used_twice_one_way(result.surface), 0u) << noise;
+    if (mesh.vertex_count() < 9) return;  // the noise is too small for some places
+    EXPECT_EQ(loop_of(result.surface, 0).size() + loop_of(result.surface, 1).size(), 10u);
+  };
+  for (int i = 0; i < 300; ++i) {
+    const double noise = std::pow(10, -8 - i % 10);
+    expect_two_sides({1, 0, 0}, {0, 1, 0}, noise);
+    const Vec3 along = (1 / std::sqrt(3)) * Vec3{any(random), any(random), any(random)};
+    const Vec3 across = cross(along, {any(random), any(random), any(random)});
+    expect_two_sides(along, (1 / norm(across)) * across, noise);
+  }
+}
+
+TEST(split_t_junctions, corners_on_both_sides_of_a_seam_do_not_twist_it) {
+  // As a mixer's blades meet its shaft, where the sine of a full turn was not quite 0.
+  const PolygonMesh mesh = shapes::from_lists({{0.04, 0, 0.08},
+                                               {0.0393923, -0.00694593, 0.08},
+                                               {0.04, 0, 0.09},
+                                               {0.0393923, 0.00694593, 0.09},
+                                               {0.04, 9.79717e-18, 0.08},
+                                               {0.04, 9.79717e-18, 0.09},
+                                               {0, 0, 0.08},
+                                               {0.1, 0, 0.08},
+                                               {0, 0.1, 0.08},
+                                               {-0.1, 0, 0.08},
+                                               {0, -0.1, 0.08},
+                                               {0.1, -2.44929e-17, 0.08}},
+                                              {{1, 0, 2}, {5, 4, 3}, {6, 7, 8}, {6, 8, 9}, {6, 9, 10}, {6, 10, 11}});
+  const SplitResult result = split(mesh, 2e-7);
+  EXPECT_EQ(result.diagnostics.at(0).count, 4u);
+  EXPECT_EQ(edges_used_twice_one_way(result.surface), 0u);
+  EXPECT_EQ(open_edges(result.surface), 12u);
+}
+
+TEST(split_t_junctions, a_vertex_that_would_twist_the_surface_is_left_where_it_is) {
+  // A band of seven squares whose ends meet after half a turn, given with a vertex more on one of them.
+  constexpr int kSquares = 7;
+  std::vector<Vec3> points;
+  for (int i = 0; i <= kSquares; ++i) {
+    const double around = 2 * M_PI * i / kSquares, turn = around / 2;
+    for (const double side : {-0.3, 0.3})
+      points.push_back({(1 + side * std::cos(turn)) * std::cos(around), (1 + side * std::cos(turn)) * std::sin(around),
+                        side * std::sin(turn)});
+  }
+  points[2 * kSquares] = points[1];
+  points[2 * kSquares + 1] = points[0];
+  points.push_back(0.5 * points[0] + 0.5 * points[1]);
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t i = 0; i < kSquares; ++i) faces.push_back({2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
+  faces.back() = {2 * kSquares - 2, 2 * kSquares, 2 * kSquares + 2, 2 * kSquares + 1, 2 * kSquares - 1};
+  const PolygonMesh mesh = shapes::welded(shapes::from_lists(points, faces));
+  const SplitResult result = split(mesh, 1e-6);
+  EXPECT_FALSE(result.is_changed);
+  ASSERT_EQ(result.diagnostics.size(), 1u);
+  EXPECT_EQ(result.diagnostics[0].count, 1u);
+  EXPECT_NE(result.diagnostics[0].message.find("twisted"), std::string::npos);
+}
+
+TEST(split_t_junctions, faces_that_look_the_wrong_way_are_joined_all_the_same) {
+  PolygonMesh mesh = comb(4);
+  std::reverse(mesh.corners.begin(), mesh.corners.begin() + 3);
+  const SplitResult result = split(mesh, 1e-9);
+  EXPECT_EQ(open_edges(result.surface), 2u + 2 * 4);
+  EXPECT_EQ(edges_used_twice_one_way(result.surface), 4u);
 }
 
 TEST(split_t_junctions, very_many_long_edges_side_by_side_do_not_take_quadratic_time) {

@@ -214,6 +214,20 @@ TEST(weld, a_mesh_too_large_for_doubles_is_refused_with_a_vertex_that_makes_it_s
     EXPECT_EQ(welded(shapes::scaled(shapes::box({1, 1, 1}), side)).surface.vertex_count(), 8u);
 }
 
+TEST(weld, a_mesh_too_small_for_doubles_is_refused) {
+  for (const double side : {5e-324, 1e-310, 0x1.fp-1022}) {
+    const Error error = test::error_of([&] { welded(shapes::scaled(shapes::box({1, 1, 1}), side)); });
+    EXPECT_EQ(error.code, Code::kInvalidMesh);
+    EXPECT_EQ(error.stage, Stage::kWeld);
+  }
+  for (const double side : {0x1p-1021, 0x1.fp-1021})
+    EXPECT_EQ(welded(shapes::scaled(shapes::box({1, 1, 1}), side)).surface.vertex_count(), 8u);
+  // All in one place is another matter.
+  EXPECT_EQ(
+      welded(shapes::from_lists({{5e-324, 0, 0}, {5e-324, 0, 0}, {5e-324, 0, 0}}, {{0, 1, 2}})).surface.vertex_count(),
+      1u);
+}
+
 TEST(weld, a_tolerance_below_all_distances_changes_nothing) {
   const PolygonMesh mesh = shapes::box({1, 2, 3}, 4);
   for (const double tolerance : {1e-300, 1e-15, 0.1})
