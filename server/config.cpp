@@ -8,9 +8,9 @@
 #include <stdexcept>
 #include <vector>
 
+#include "api/machine_limits.h"
 #include "server/api_keys.h"
 #include "server/jobs/database.h"
-#include "server/machine_limits.h"
 
 namespace remesh::server {
 namespace {
@@ -224,7 +224,7 @@ const std::vector<Setting>& settings() {
 /// 70 % of what may be used, in whole MiB.
 std::uint64_t default_memory_budget() {
   constexpr std::uint64_t kMebibyte = 1 << 20;
-  return std::max<std::uint64_t>(1, usable_memory() / 10 * 7 / kMebibyte) * kMebibyte;
+  return std::max<std::uint64_t>(1, api::usable_memory() / 10 * 7 / kMebibyte) * kMebibyte;
 }
 
 /// What depends on several settings. Errors: std::invalid_argument.
@@ -258,7 +258,7 @@ api::Limits Config::api_limits() const {
 Invocation read_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& err) {
   Invocation invocation;
   Config& config = invocation.config;
-  config.workers = usable_cores();
+  config.workers = api::usable_cores();
   config.memory_budget = default_memory_budget();
   config.jobs.store = "sqlite";
   if (const char* key = std::getenv("REMESHD_API_KEY")) config.api_key = key;

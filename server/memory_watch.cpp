@@ -7,8 +7,8 @@
 #include <memory>
 #include <vector>
 
+#include "api/machine_limits.h"
 #include "server/log.h"
-#include "server/machine_limits.h"
 
 namespace remesh::server {
 namespace {
@@ -21,7 +21,7 @@ constexpr std::uint64_t kSlack = 64 << 20;
 }  // namespace
 
 MemoryWatch::MemoryWatch(MemoryBudget& budget, RequestRegistry& registry, std::chrono::milliseconds period)
-    : budget_(budget), registry_(registry), looks_(period, [this] { look(resident_memory()); }) {}
+    : budget_(budget), registry_(registry), looks_(period, [this] { look(api::resident_memory()); }) {}
 
 void MemoryWatch::look(std::uint64_t resident) {
   budget_.note_resident(resident);
@@ -49,7 +49,7 @@ void MemoryWatch::look(std::uint64_t resident) {
 void MemoryWatch::give_back(std::uint64_t resident) {
   if (resident <= resident_after_trim_ + kSlack) return;
   ::malloc_trim(0);
-  resident_after_trim_ = resident_memory();
+  resident_after_trim_ = api::resident_memory();
 }
 
 }  // namespace remesh::server

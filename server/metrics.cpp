@@ -15,9 +15,9 @@
 #include <sstream>
 #include <system_error>
 
+#include "api/machine_limits.h"
 #include "core/base/error.h"
 #include "core/remesh.h"
-#include "server/machine_limits.h"
 
 namespace remesh::server {
 namespace {
@@ -60,7 +60,7 @@ class Snapshot {
     ::getrusage(RUSAGE_SELF, &usage);
     counter("process_cpu_seconds_total", "Time of processors, user and system.",
             seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime));
-    gauge("process_resident_memory_bytes", "Memory in use.", static_cast<double>(resident_memory()));
+    gauge("process_resident_memory_bytes", "Memory in use.", static_cast<double>(api::resident_memory()));
     gauge("process_open_fds", "Open file descriptors.", static_cast<double>(open_descriptors()));
     rlimit files{};
     ::getrlimit(RLIMIT_NOFILE, &files);

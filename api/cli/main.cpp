@@ -23,6 +23,7 @@
 #include "api/cli/progress_bar.h"
 #include "api/cli/remote.h"
 #include "api/job.h"
+#include "api/machine_limits.h"
 #include "api/options.h"
 #include "core/io/formats.h"
 #include "core/io/gzip.h"
@@ -246,6 +247,8 @@ int main(int argc, char** argv) {
   // mesh. A process that does one thing and ends has no use for giving memory back.
   mallopt(M_MMAP_THRESHOLD, std::numeric_limits<int>::max());
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  // A result that does not fit is told, before the system ends whatever is largest.
+  remesh::api::limit_own_memory(remesh::api::usable_memory() / 10 * 9);
   CLI::App app{"Re-triangulates a surface mesh: the same surface, planar faces in patches, each one Delaunay.",
                "remesh"};
   Arguments arguments;

@@ -30,6 +30,11 @@ constexpr std::size_t kRun = 32;
 /// Patches near a run: more are not held against each of its faces, but looked up.
 constexpr std::size_t kFewPatches = 16;
 
+/// Where sheets lie in one another each face is near many patches. Beyond so many parts a face, on the average of many
+/// faces, nothing is gained by looking at patches, and they would take all memory.
+constexpr std::size_t kMostPartsPerFace = 4;
+constexpr std::size_t kManyParts = 1 << 16;
+
 /// Heights are sums of three products: their rounding, of the largest coordinate.
 constexpr double kHeightMargin = 0x1p-49;
 
@@ -92,10 +97,13 @@ class Cull {
     }
     if (large.empty()) all.clear();
     const TriangleTree tree_of_all = tree_of(boxes_of_patches(all)), tree_of_large = tree_of(boxes_of_patches(large));
+    const std::size_t most_parts = kManyParts + kMostPartsPerFace * surface_.face_count();
+    std::atomic<std::size_t> parts{0};
     auto found = map_blocks<Near>(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       Near near;
+      if (parts.load(std::memory_order_relaxed) > most_parts) return near;
       std::vector<PatchId> near_run;
-      while (begin < end) {
+      while (begin < end && near.parts.size() <= most_parts) {
         const std::size_t run_end = end_of_run(begin, std::min(end, begin + kRun));
         const bool is_few = has_few(surface_.patch[begin]);
         const std::vector<PatchId>& patches = is_few ? large : all;
@@ -110,8 +118,15 @@ class Cull {
             look_at(begin, near_run, near);
         }
       }
+      parts.fetch_add(near.parts.size(), std::memory_order_relaxed);
       return near;
     });
+    // Where it is more, it is so whatever the order in which blocks are counted.
+    if (parts.load(std::memory_order_relaxed) > most_parts) {
+      near_.faces.resize(surface_.face_count());
+      std::iota(near_.faces.begin(), near_.faces.end(), 0u);
+      return;
+    }
     for (Near& near : found) {
       near_.faces.insert(near_.faces.end(), near.faces.begin(), near.faces.end());
       near_.parts.insert(near_.parts.end(), near.parts.begin(), near.parts.end());

@@ -6,7 +6,7 @@
 #include <sstream>
 #include <vector>
 
-#include "server/machine_limits.h"
+#include "api/machine_limits.h"
 
 namespace remesh::server {
 namespace {
@@ -47,7 +47,7 @@ TEST(Config, the_defaults_are_those_of_the_contract) {
         "min-body-rate=1KiB\n", "write-timeout=60s\n", "request-timeout=300s\n", "drain-time=25s\n"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line << text;
   }
-  EXPECT_EQ(invocation.config.workers, usable_cores());
+  EXPECT_EQ(invocation.config.workers, api::usable_cores());
   EXPECT_EQ(invocation.config.max_running, invocation.config.workers);
 }
 
@@ -117,13 +117,13 @@ TEST(Config, the_commands_are_told_apart) {
 }
 
 TEST(CpuLimit, a_quota_is_rounded_up_to_whole_cores) {
-  EXPECT_EQ(cores_of_quota("150000 100000\n"), 2);
-  EXPECT_EQ(cores_of_quota("200000 100000\n"), 2);
-  EXPECT_EQ(cores_of_quota("5000 100000\n"), 1);
-  EXPECT_EQ(cores_of_quota("max 100000\n"), 0);
-  EXPECT_EQ(cores_of_quota("-1\n 100000\n"), 0);
-  EXPECT_EQ(cores_of_quota(""), 0);
-  EXPECT_GE(usable_cores(), 1);
+  EXPECT_EQ(api::cores_of_quota("150000 100000\n"), 2);
+  EXPECT_EQ(api::cores_of_quota("200000 100000\n"), 2);
+  EXPECT_EQ(api::cores_of_quota("5000 100000\n"), 1);
+  EXPECT_EQ(api::cores_of_quota("max 100000\n"), 0);
+  EXPECT_EQ(api::cores_of_quota("-1\n 100000\n"), 0);
+  EXPECT_EQ(api::cores_of_quota(""), 0);
+  EXPECT_GE(api::usable_cores(), 1);
 }
 
 }  // namespace

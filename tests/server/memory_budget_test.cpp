@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "server/machine_limits.h"
+#include "api/machine_limits.h"
 #include "server/memory_watch.h"
 #include "tests/server/stub_service.h"
 
@@ -99,7 +99,7 @@ TEST_F(MemoryTest, a_body_that_cannot_fit_is_refused_before_it_is_sent) {
 }
 
 TEST_F(MemoryTest, work_that_takes_too_much_is_ended_and_told_why) {
-  config_.memory_budget = resident_memory() + (256 << 20);
+  config_.memory_budget = api::resident_memory() + (256 << 20);
   start();
   const auto client = start_blocking();
   const std::string much(512 << 20, 'x');  // as if the request took it

@@ -71,6 +71,26 @@ TEST(patch_intersections, touching_from_one_patch_to_another_counts) {
   EXPECT_EQ(patched.find().pairs, expected.pairs);
 }
 
+TEST(patch_intersections, sheets_that_lie_in_one_another_are_held_against_each_other_as_a_whole) {
+  // Each face is near all other sheets: too many parts to keep.
+  Random random(17);
+  PolygonMesh mesh;
+  for (int i = 0; i < 60; ++i) {
+    const PolygonMesh sheet = shapes::moved(shapes::sheet(1, 1, 4, 4), {0.3 * random.unit(), 0.3 * random.unit(), 0});
+    mesh = i == 0 ? sheet : shapes::joined(mesh, sheet);
+  }
+  Patched patched(mesh);
+  // A patch each, not one for all.
+  for (std::size_t f = 0; f < patched.patch.size(); ++f) patched.patch[f] = PatchId(f / 32);
+  patched.normals.assign(60, {0, 0, 1});
+  patched.simple.assign(60, 1);
+  const SelfIntersections expected = patched.find_all();
+  ASSERT_GT(expected.pairs.size(), 100'000u);
+  ASSERT_TRUE(expected.is_complete);
+  EXPECT_EQ(patched.find().pairs, expected.pairs);
+  EXPECT_EQ(patched.find(1000).pairs.size(), 1000u);
+}
+
 /// Sheets through one line, like the pages of a book that go on behind its back.
 PolygonMesh crossing_sheets(int count, int cells) {
   PolygonMesh mesh;

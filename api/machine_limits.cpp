@@ -1,4 +1,4 @@
-#include "server/machine_limits.h"
+#include "api/machine_limits.h"
 
 #include <sched.h>
 #include <sys/resource.h>
@@ -13,7 +13,7 @@
 #include <thread>
 #include <vector>
 
-namespace remesh::server {
+namespace remesh::api {
 namespace {
 
 std::string contents(const std::string& path) {
@@ -50,6 +50,24 @@ std::vector<std::string> memory_limits() {
   return limits;
 }
 
+/// In bytes; 0 where it cannot be told.
+struct MemoryInUse {
+  std::uint64_t resident = 0;
+  std::uint64_t writable = 0;  ///< touched or not
+};
+
+MemoryInUse memory_in_use() {
+  unsigned long long total = 0, resident = 0, shared = 0, text = 0, libraries = 0, data = 0;
+  std::FILE* statm = std::fopen("/proc/self/statm", "re");
+  if (statm == nullptr) return {};
+  const bool is_read =
+      std::fscanf(statm, "%llu %llu %llu %llu %llu %llu", &total, &resident, &shared, &text, &libraries, &data) == 6;
+  std::fclose(statm);
+  if (!is_read) return {};
+  const auto page = static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
+  return {resident * page, data * page};
+}
+
 }  // namespace
 
 int cores_of_quota(const char* cpu_max) {
@@ -82,14 +100,13 @@ std::uint64_t usable_memory() {
   return bytes;
 }
 
-std::uint64_t resident_memory() {
-  unsigned long long total = 0;
-  unsigned long long resident = 0;
-  std::FILE* statm = std::fopen("/proc/self/statm", "re");
-  if (statm == nullptr) return 0;
-  const bool is_read = std::fscanf(statm, "%llu %llu", &total, &resident) == 2;
-  std::fclose(statm);
-  return is_read ? resident * static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE)) : 0;
+std::uint64_t resident_memory() { return memory_in_use().resident; }
+
+bool limit_own_memory(std::uint64_t bytes) {
+  rlimit data{};
+  if (::getrlimit(RLIMIT_DATA, &data) != 0 || memory_in_use().writable >= bytes) return false;
+  data.rlim_cur = std::min<std::uint64_t>({bytes, data.rlim_cur, data.rlim_max});
+  return ::setrlimit(RLIMIT_DATA, &data) == 0;
 }
 
-}  // namespace remesh::server
+}  // namespace remesh::api

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-namespace remesh::server {
+namespace remesh::api {
 
 /// The number of cores this process may use: its affinity mask and its control group's quota (rounded up), at least 1.
 int usable_cores();
@@ -18,4 +18,9 @@ std::uint64_t usable_memory();
 /// The bytes of memory it uses now; 0 where that cannot be told.
 std::uint64_t resident_memory();
 
-}  // namespace remesh::server
+/// From now on, memory beyond so many bytes is refused (std::bad_alloc): else the system would end this process, or
+/// others, when there is none left. Does nothing where more than that is reserved already, as sanitizers do.
+/// Output: whether it is so now.
+bool limit_own_memory(std::uint64_t bytes);
+
+}  // namespace remesh::api
