@@ -2,7 +2,6 @@
 
 #include <atomic>
 #include <limits>
-#include <optional>
 #include <utility>
 
 #include "core/base/blocks.h"
@@ -16,7 +15,7 @@ namespace {
 class FirstFaces {
  public:
   FirstFaces(const Surface& surface, const Adjacency& adjacency, const Regions& regions, RunControl& control)
-      : regions_(regions) {
+      : regions_(regions), pieces_(regions.are_connected ? 0 : surface.face_count()) {
     if (regions.are_connected)
       find_by_region(control);
     else
@@ -24,7 +23,7 @@ class FirstFaces {
   }
 
   FaceId operator()(FaceId f) const {
-    return FaceId(pieces_ ? pieces_->root_of(f.value) : first_of_region_[regions_.of_face[f].value]);
+    return FaceId(regions_.are_connected ? first_of_region_[regions_.of_face[f].value] : pieces_.root_of(f.value));
   }
 
  private:
@@ -44,23 +43,22 @@ class FirstFaces {
 
   void connect(const Surface& surface, const Adjacency& adjacency, RunControl& control) {
     const std::size_t n = surface.face_count();
-    pieces_.emplace(n);
     for_blocks(surface.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
         const std::uint32_t twin = adjacency.twin(h);
         if (twin == Adjacency::kNone || twin < h) continue;
         const FaceId f = adjacency.face_of(h), g = adjacency.face_of(twin);
-        if (regions_.of_face[f] == regions_.of_face[g]) pieces_->join(f.value, g.value);
+        if (regions_.of_face[f] == regions_.of_face[g]) pieces_.join(f.value, g.value);
       }
     });
     for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) pieces_->flatten(static_cast<std::uint32_t>(f));
+      for (std::size_t f = begin; f < end; ++f) pieces_.flatten(static_cast<std::uint32_t>(f));
     });
   }
 
   const Regions& regions_;
   std::vector<std::uint32_t> first_of_region_;
-  std::optional<UnionFind> pieces_;  ///< where regions may fall apart
+  UnionFind pieces_;  ///< of regions that may fall apart; empty where these hang together
 };
 
 /// Numbers the pieces of regions that edges hold together, by their first faces.
