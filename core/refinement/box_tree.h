@@ -85,6 +85,11 @@ class BoxTree {
   /// Which of the entries given to the constructor this is.
   std::uint32_t number(std::size_t slot) const { return number_[slot]; }
 
+  /// Lets note(tag, numbers) add to each tag, of entries and of nodes, what is to be learnt only from all that is in
+  /// it. Cost:   O(n log n) of what is noted, in parallel.
+  template <class Note>
+  void note(const Note& note, RunControl& control);
+
   /// Lets visit(slot) lower `best` until no entry can. `bound(entry)` is the least that anything in an entry's box may
   /// attain, infinity for what is of no interest; it must not be more for an entry than for those joined to it.
   template <class Bound, class Visit>
@@ -181,6 +186,24 @@ void BoxTree<Tag>::split(std::span<Place> places, std::size_t middle, RunControl
                      if (++comparisons % (1u << 16) == 0) control.check();
                      return std::pair(a.centre[longest], a.number) < std::pair(b.centre[longest], b.number);
                    });
+}
+
+template <class Tag>
+template <class Note>
+void BoxTree<Tag>::note(const Note& note, RunControl& control) {
+  for_blocks(size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t slot = begin; slot < end; ++slot) note(entries_[slot].tag, std::span(number_).subspan(slot, 1));
+  });
+  for (int level = 0; level <= leaf_level_ && !nodes_.empty(); ++level) {
+    const std::size_t nodes = std::size_t{1} << level;
+    for_blocks(nodes, std::max<std::size_t>(1, nodes * kBlock / size()), control, [&](std::size_t j, std::size_t last) {
+      for (; j < last; ++j) {
+        control.check();
+        const std::size_t begin = node_begin(level, j), end = node_begin(level, j + 1);
+        note(nodes_[node_index(level, j)].tag, std::span(number_).subspan(begin, end - begin));
+      }
+    });
+  }
 }
 
 template <class Tag>

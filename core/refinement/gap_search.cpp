@@ -14,6 +14,7 @@
 #include "core/refinement/box_tree.h"
 #include "core/refinement/distances.h"
 #include "core/refinement/patch_contacts.h"
+#include "core/refinement/steepness.h"
 #include "core/stages/polygon_split.h"
 
 namespace remesh {
@@ -21,10 +22,6 @@ namespace {
 
 /// A neighbour counts if the way over the surface is longer than this times the gap.
 constexpr double kDetour = 3;
-
-/// What faces a patch is above it at more than 51 degrees (the square of the sine): two planes that meet see each other
-/// below 39 degrees, as by the detour. Without it, every second facet of a round hole would be a gap to the first.
-constexpr double kSteep = 0.604;
 
 /// More than any distance between two points is wrong by, in local units: what the boxes are larger by, so that nothing
 /// nearer than the best so far is ever passed over, and the answer does not depend on the order of the search.
@@ -43,6 +40,7 @@ struct Common {
   PatchId patch;
   VertexId hub;                    ///< see hubs_
   std::array<PatchId, 2> largest;  ///< joined to it, by their borders
+  Layer layer;                     ///< all lie in it
 
   void join(const Common& other) {
     if (patch != other.patch) patch = PatchId();
@@ -93,13 +91,12 @@ class JoinedMemory {
 /// What is looked for: what the patch faces at the place, or also what is beside it.
 enum class What { kFaced, kAll };
 
-/// Where all of a patch is.
-struct Slab {
-  Plane plane;
-  double half_thickness = 0;
-
-  double distance(const Vec3& p) const { return std::max(0.0, std::fabs(plane.distance(p)) - half_thickness); }
-};
+/// Of a triangle with a layer's direction.
+Products products(const Layer& layer, const Corners3& triangle) {
+  const auto [least, most] =
+      std::minmax({layer.product(triangle[0]), layer.product(triangle[1]), layer.product(triangle[2])});
+  return {least, most};
+}
 
 /// Which patches are hidden from one place, and from where on: all their triangles need not be looked at one by one.
 class HiddenPatches {
@@ -175,31 +172,16 @@ class GapSearch::Index {
   void find_planes(const PatchSet& patches, RunControl& control);
   void find_solids(const Adjacency& adjacency, const PatchSet& patches, RunControl& control);
   void find_boxes(RunControl& control);
+  Layer layer_of(std::span<const std::uint32_t> triangles) const;
   void look_at_corners(SharedLeast& least, RunControl& control) const;
   void look_between_triangles(SharedLeast& least, RunControl& control) const;
   double squared_gap(const Vec3& p, PatchId patch, double below, What what) const;
-  bool is_steep(const Vec3& way, PatchId patch) const {
-    const double up = dot(way, slabs_[patch].plane.normal);
-    return up * up > kSteep * norm_squared(way);
-  }
 
   /// Does the way leave one patch inwards and come to the other from outside, or the other way round, and both bound
   /// one solid? Then it meets the surface between: the riser, where they are the treads of a step.
   bool is_blocked(const Vec3& way, PatchId from, PatchId to) const {
     if (solids_[from] == kOpen || solids_[from] != solids_[to]) return false;
     return dot(way, slabs_[from].plane.normal) * dot(way, slabs_[to].plane.normal) > 0;
-  }
-
-  /// Can any way from the patch to a place in the box be steep, if none is shorter than that (a square)?
-  bool may_be_steep(PatchId patch, const FloatBox& box, double squared_distance) const {
-    const Slab& slab = slabs_[patch];
-    Vec3 centre, half;
-    for (int axis = 0; axis < 3; ++axis) {
-      centre[axis] = 0.5 * (double{box.min[axis]} + box.max[axis]);
-      half[axis] = std::fabs(slab.plane.normal[axis]) * 0.5 * (double{box.max[axis]} - box.min[axis]);
-    }
-    const double up = std::fabs(slab.plane.distance(centre)) + half.x + half.y + half.z + slab.half_thickness;
-    return up * up > kSteep * squared_distance;
   }
 
   /// Is it at most three times as far to all of the box over the vertex that its patches and this one share?
@@ -213,9 +195,9 @@ class GapSearch::Index {
   }
 
   const Triangle& triangle(std::size_t slot) const { return triangles_[tree_.number(slot)]; }
-  Corners3 corners(std::size_t slot) const {
-    const auto& [a, b, c] = triangle(slot);
-    return {surface_.local[a], surface_.local[b], surface_.local[c]};
+  Corners3 corners(std::size_t slot) const { return corners_of(triangle(slot)); }
+  Corners3 corners_of(const Triangle& t) const {
+    return {surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]]};
   }
 
   const Surface& surface_;
@@ -300,8 +282,8 @@ void GapSearch::Index::find_boxes(RunControl& control) {
   for_blocks(patch_count(), 1024, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       hubs_[PatchId(p)] = contacts_.busiest_vertex(PatchId(p));
-      const Common common{PatchId(p), hubs_[PatchId(p)],
-                          contacts_.largest_neighbours(PatchId(p), kMostPatchesAtCorner)};
+      const Common common{PatchId(p), hubs_[PatchId(p)], contacts_.largest_neighbours(PatchId(p), kMostPatchesAtCorner),
+                          Layer()};
       for (std::uint32_t t = triangle_begin_[p]; t < triangle_begin_[p + 1]; ++t) {
         entries[t].tag = common;
         for (const VertexId v : triangles_[t])
@@ -310,6 +292,20 @@ void GapSearch::Index::find_boxes(RunControl& control) {
     }
   });
   tree_ = TriangleBoxes(entries, control);
+  tree_.note([&](Common& common, std::span<const std::uint32_t> among) { common.layer = layer_of(among); }, control);
+}
+
+Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const {
+  Vec3 sum;
+  for (const std::uint32_t t : triangles) {
+    const auto& [a, b, c] = corners_of(triangles_[t]);
+    const Vec3 normal = cross(b - a, c - a);
+    sum += (dot(sum, normal) < 0 ? -1.0 : 1.0) * normal;  // a thin wall is a layer, too
+  }
+  Layer layer(normalized(sum));
+  for (const std::uint32_t t : triangles)
+    for (const Vec3& p : corners_of(triangles_[t])) layer.add(p);
+  return layer;
 }
 
 /// In local units; infinity if it is not below that square.
@@ -323,8 +319,14 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
         const PatchId other = e.tag.patch;
         if (other == patch) return HUGE_VAL;
         double least = squared_distance(e.box, p);
-        if (!(is_all || may_be_steep(patch, e.box, least)) || is_hidden_by_hub(e, p, patch, least)) return HUGE_VAL;
-        if (!other.is_valid() || least >= best) return least;
+        if (least >= best) return least;
+        if (!is_all) {
+          const double product = e.tag.layer.product(p);
+          least = squared_steep_distance(slabs_[patch], {product, product}, e.box, e.tag.layer, least);
+          if (least >= best) return least;
+        }
+        if (is_hidden_by_hub(e, p, patch, least)) return HUGE_VAL;
+        if (!other.is_valid()) return least;
         least = std::max(least, std::pow(slabs_[other].distance(p), 2));
         return least < best && is_hidden(other, slabs_[other], least) ? HUGE_VAL : least;
       },
@@ -332,7 +334,7 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
         const PatchId other = tree_[slot].tag.patch;
         const Vec3 q = nearest_on_triangle(p, corners(slot));
         const double d = norm_squared(q - p);
-        if (d >= best || d <= touching_squared_ || !(is_all || is_steep(q - p, patch)) ||
+        if (d >= best || d <= touching_squared_ || !(is_all || slabs_[patch].is_steep(q - p)) ||
             is_blocked(q - p, patch, other) || is_hidden(other, slabs_[other], d))
           return;
         if (!contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) best = d;
@@ -368,14 +370,16 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
       control.check();
       const FloatBox& box = tree_[slot].box;
       const Common& mine = tree_[slot].tag;
+      const Slab& slab = slabs_[mine.patch];
       const Corners3 here = corners(slot);
       double best = least.get();
       tree_.search(
           best,
           [&](const TriangleBoxes::Entry& e) {
-            const double least = squared_distance(e.box, box);
+            double least = squared_distance(e.box, box);
             if (least >= best) return least;
-            if (!may_be_steep(mine.patch, e.box, least)) return HUGE_VAL;
+            least = squared_steep_distance(slab, products(e.tag.layer, here), e.box, e.tag.layer, least);
+            if (least >= best) return least;
             const bool is_joined = (e.tag.hub.is_valid() && e.tag.hub == mine.hub) || e.tag.is_joined_to(mine.patch) ||
                                    (e.tag.patch.is_valid() && are_joined(mine.patch, e.tag.patch));
             return is_joined ? HUGE_VAL : least;
@@ -385,7 +389,7 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
             const double d = norm_squared(way);
             if (d >= best || d <= touching_squared_) return;
             if (is_blocked(way, mine.patch, tree_[other].tag.patch)) return;
-            if (!is_steep(way, mine.patch)) return;  // if it is from the other side, it is found from there
+            if (!slab.is_steep(way)) return;  // if it is from the other side, it is found from there
             if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
           });
       least.lower(best);

@@ -42,7 +42,7 @@ class GapSearch {
   ~GapSearch();
 
   /// The gap at a place of that patch, model units; infinity if it is not less than `limit`.
-  /// Cost:   O(log n) and what is nearer than the answer.
+  /// Cost:   O(log n) and what is faced about as far as the answer: in a sphere a whole circle, n^(1/2) triangles.
   double at(const Vec3& place, PatchId patch, double limit) const;
 
   /// The same, but for all that would count if it were faced: what another place near this one may face.

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "tests/support/random.h"
@@ -79,6 +81,27 @@ TEST(box_tree, what_has_no_finite_bound_is_never_visited) {
   const double best = HUGE_VAL;
   tree.search(
       best, [](const Tree::Entry&) { return HUGE_VAL; }, [](std::size_t) { FAIL(); });
+}
+
+TEST(box_tree, what_is_noted_on_a_tag_is_told_of_all_that_is_in_it) {
+  RunControl control;
+  for (const int n : {0, 1, 4, 5, 1000}) {
+    std::vector<Tree::Entry> entries = boxes(n);
+    std::vector<float> values(entries.size());
+    for (std::size_t i = 0; i < entries.size(); ++i) values[i] = std::exchange(entries[i].tag.value, HUGE_VALF);
+    Tree tree(entries, control);
+    tree.note(
+        [&](Least& tag, std::span<const std::uint32_t> among) {
+          for (const std::uint32_t i : among) tag.join({values[i]});
+        },
+        control);
+    for (std::size_t slot = 0; slot < tree.size(); ++slot) EXPECT_EQ(tree[slot].tag.value, values[tree.number(slot)]);
+    // The tags of nodes lead to the least of all.
+    double best = HUGE_VAL;
+    tree.search(
+        best, [](const Tree::Entry& e) { return e.tag.value; }, [&](std::size_t slot) { best = tree[slot].tag.value; });
+    EXPECT_EQ(best, n == 0 ? HUGE_VAL : *std::min_element(values.begin(), values.end()));
+  }
 }
 
 TEST(box_tree, the_slots_are_the_same_for_any_number_of_threads) {
