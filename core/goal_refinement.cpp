@@ -84,8 +84,8 @@ bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   if (!has_goals() || faces <= goals_.max_faces || is_budget_too_small()) return false;
   const bool is_in_vain = last_faces_ != 0 && faces >= last_faces_;
   last_faces_ = faces;
-  retries_ = is_in_vain ? kMostRetries + 1 : retries_ + 1;
-  // What comes on top of a budget grows with it, on the whole; each time a little more is kept back.
+  retries_ += is_in_vain ? kRetriesInVain : 1;
+  // What comes on top of a budget mostly grows with it; each time a little more is kept back.
   const double share = static_cast<double>(goals_.max_faces) / static_cast<double>(faces);
   constexpr double kKeptBack = 1.0 / 32;
   budget_ = static_cast<std::uint64_t>(static_cast<double>(budget_) * share * (1 - kKeptBack * retries_));

@@ -64,6 +64,7 @@ class GoalRefinement {
 
  private:
   static constexpr int kMostRetries = 6;
+  static constexpr int kRetriesInVain = 3;  ///< so many does one count for that made no fewer faces
   /// One part in so many of the faces allowed is kept for what patches do for each other at the end: another attempt
   /// would take as long as the first.
   static constexpr std::uint64_t kReserve = 1024;

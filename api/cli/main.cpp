@@ -214,12 +214,20 @@ int remesh_folder(const Arguments& arguments, RunControl& control) {
   return kFailed;
 }
 
+/// A result that does not fit is told, before the system ends whatever is largest.
+void limit_memory(int workers) {
+  // Of a stack, hardly anything is touched.
+  constexpr std::uint64_t kStack = std::uint64_t{16} << 20;
+  api::limit_own_memory(api::usable_memory() / 10 * 9 + kStack * (static_cast<std::uint64_t>(workers) + 4));
+}
+
 int run(const Arguments& arguments) {
   static RunControl control;
   stop_on_signals(control);
   // As many threads as asked for, even where the machine has fewer cores.
   const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
                                         static_cast<std::size_t>(arguments.workers));
+  limit_memory(arguments.workers);
   try {
     api::Job job;
     for (const auto& [name, value] : arguments.options) job.options.add(name, value);
@@ -247,8 +255,6 @@ int main(int argc, char** argv) {
   // mesh. A process that does one thing and ends has no use for giving memory back.
   mallopt(M_MMAP_THRESHOLD, std::numeric_limits<int>::max());
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
-  // A result that does not fit is told, before the system ends whatever is largest.
-  remesh::api::limit_own_memory(remesh::api::usable_memory() / 10 * 9);
   CLI::App app{"Re-triangulates a surface mesh: the same surface, planar faces in patches, each one Delaunay.",
                "remesh"};
   Arguments arguments;

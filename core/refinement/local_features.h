@@ -17,7 +17,7 @@ struct LocalFeature {
   /// and the angle between (radians, over all triangles there).
   std::uint32_t next_at_start;
   double angle_at_start;
-  static constexpr double kWide = std::numbers::pi;  ///< stands for all angles over 64 degrees
+  static constexpr double kWide = std::numbers::pi;  ///< stands for all angles over some 63 degrees
 };
 
 /// Input:  the constrained half-edges of a patch that are segments.

@@ -461,7 +461,7 @@ void PatchRefiner::take_over(SegmentId segment, std::span<const double> cuts) {
   }
 }
 
-bool PatchRefiner::split_edges(std::span<const std::uint32_t> half_edges) {
+bool PatchRefiner::split_edges(std::span<const std::uint32_t> half_edges, RunControl& control) {
   struct Edge {
     std::uint32_t half_edge, from, to;
   };
@@ -475,7 +475,9 @@ bool PatchRefiner::split_edges(std::span<const std::uint32_t> half_edges) {
     edges.push_back({here, mesh_.from(here), mesh_.to(here)});
   }
   bool is_any = false;
-  for (const auto& [h, from, to] : edges) {
+  for (std::size_t i = 0; i < edges.size(); ++i) {
+    if (i % 256 == 0) control.check();
+    const auto& [h, from, to] = edges[i];
     if (!mesh_.is_live(h / 3) || mesh_.from(h) != from || mesh_.to(h) != to || mesh_.is_constrained(h)) continue;
     const Vec2 middle = on_grid(0.5 * (mesh_.point(from) + mesh_.point(to)));
     const double floor = std::min(floor_of(from), floor_of(to));

@@ -69,7 +69,7 @@ class PatchRefiner {
 
   /// Puts a point into the middle of each of these edges inside the patch that is still there when its turn comes and
   /// has room for one. Input: half-edges as in what `finish` would give now. Output: whether there was room for any.
-  bool split_edges(std::span<const std::uint32_t> half_edges);
+  bool split_edges(std::span<const std::uint32_t> half_edges, RunControl& control);
 
   /// Works until nothing is left to do or `quota` more triangles (in all patches) would be made.
   void run(std::uint64_t quota, RefinementProgress& progress);
@@ -165,8 +165,8 @@ class PatchRefiner {
     bool has_room;
   };
   Place look_at(Vec2 p, std::uint32_t triangle);
-  /// What a new point may do: encroach on no piece; on such as can be cut; or that, and be nearer to others than the
-  /// floor, which only says how near others may come to it.
+  /// What a new point may do: encroach on no piece; on such as can be cut; or on any, and be nearer to others than the
+  /// floor, which only says how near others may come to it then.
   enum class May { kBeClear, kEncroach, kBeAnywhere };
   Attempt insert(const Place& place, double floor, May may);
   Attempt insert(Vec2 p, std::uint32_t triangle, double floor, May may);

@@ -49,7 +49,7 @@ void place_inner_vertices(const Surface& surface, const Plane& plane, PatchMesh&
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
 /// One refinement, from sizes on segments to the refined patches. If rounding leaves no room for a cut, that segment is
-/// locked and all begins again; so it does at the first chord: the patches then stay at work until none is left.
+/// locked and all begins again; so it does at the first chord: the patches then stay at work, for some passes more.
 class Rounds {
  public:
   Rounds(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
@@ -78,7 +78,7 @@ class Rounds {
       }
       std::vector<PatchMesh> refined = finish();
       const std::vector<Chord> chords = find_chords(refined, surface_.vertex_count() + result_.first_inner, control_);
-      if (chords.empty() || passes == kMostChordPasses || (is_waiting_for_chords_ && !is_any_split_)) {
+      if (!can_split_any(chords) || passes == kMostChordPasses || (is_waiting_for_chords_ && !is_any_split_)) {
         meshes_ = std::move(refined);
         refiners_.clear();
         if (!chords.empty()) split_chords(surface_, patches_, meshes_, result_, control_);
@@ -195,7 +195,9 @@ class Rounds {
         refiner =
             std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_, quota_[i], control_);
       }
-      if (!chords_[p].empty() && refiner->split_edges(std::exchange(chords_[p], {}))) is_any_split_ = true;
+      // One that begins with points of its own numbers its edges anew: its chords are told in the next pass.
+      if (const auto chords = std::exchange(chords_[p], {}); !chords.empty())
+        if (refiner->triangle_count() != before || refiner->split_edges(chords, control_)) is_any_split_ = true;
       auto message = std::lower_bound(messages_.begin(), messages_.end(), Message{PatchId(p), SegmentId(0), 0});
       for (; message != messages_.end() && message->patch == PatchId(p); ++message)
         if (!refiner->impossible().is_valid()) refiner->take_over(message->segment, cuts_[message->segment]);
@@ -210,6 +212,10 @@ class Rounds {
       for (std::size_t k = range.begin(); k < range.end(); ++k) refine_one(k);
     });
   }
+
+  /// A bad triangle or two take so many.
+  static constexpr std::uint64_t kWorthwhile = 16;
+  bool is_budget_spent() const { return goals_.max_faces != kNoLimit && left_ < kWorthwhile; }
 
   /// How many triangles each dirty patch may make: from the state at the barrier alone. Half is shared out by the work
   /// that waits, half evenly: one bad triangle may take a thousand, and a patch that is stopped only for its share
@@ -229,7 +235,14 @@ class Rounds {
     // A step may make a few faces more than its quota has left.
     constexpr std::uint64_t kLastStep = 1;
     faces += kLastStep * dirty_.size();
-    const double left = goals_.max_faces > faces ? static_cast<double>(goals_.max_faces - faces) : 0;
+    left_ = goals_.max_faces - std::min(goals_.max_faces, faces);
+    // Where little is left for each, the first of them get a share that is worth a round.
+    if (left_ / dirty_.size() < kWorthwhile) {
+      std::fill(quota_.begin(), quota_.end(), 0);
+      std::fill_n(quota_.begin(), left_ / kWorthwhile, kWorthwhile);
+      return;
+    }
+    const auto left = static_cast<double>(left_);
     for (std::size_t i = 0; i < dirty_.size(); ++i)
       quota_[i] =
           static_cast<std::uint64_t>(left / 2 * static_cast<double>(share(dirty_[i])) / static_cast<double>(waiting)) +
@@ -239,20 +252,15 @@ class Rounds {
   void exchange_cuts() {
     std::vector<Cut> fresh;
     std::vector<std::uint32_t> unfinished;
-    std::uint64_t quota = 0;
     for (std::size_t i = 0; i < dirty_.size(); ++i) {
       PatchRefiner& refiner = *refiners_[dirty_[i]];
       if (refiner.impossible().is_valid()) impossible_.push_back(refiner.impossible());
       refiner.take_own_cuts(fresh);
-      if (!refiner.is_done()) {
-        unfinished.push_back(dirty_[i]);
-        quota += quota_[i];
-      }
+      if (!refiner.is_done()) unfinished.push_back(dirty_[i]);
     }
     std::sort(impossible_.begin(), impossible_.end());
     impossible_.erase(std::unique(impossible_.begin(), impossible_.end()), impossible_.end());
-    // Next to nothing was left to share out: the budget is spent.
-    if (quota < 16 * unfinished.size()) unfinished.clear();
+    if (is_budget_spent()) unfinished.clear();
     sort_all(fresh.begin(), fresh.end());
     fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
     messages_.clear();
@@ -343,6 +351,10 @@ class Rounds {
       if (is_refined_[p] == 0) std::swap(refined[p], meshes_[p]);
   }
 
+  bool can_split_any(const std::vector<Chord>& chords) const {
+    return std::any_of(chords.begin(), chords.end(), [&](const Chord& c) { return is_frozen_[c.patch.value] == 0; });
+  }
+
   /// Chords are for their patches to split, in the next round.
   void take_on(const std::vector<Chord>& chords) {
     is_any_split_ = false;
@@ -369,6 +381,7 @@ class Rounds {
   std::vector<std::unique_ptr<PatchRefiner>> refiners_;
   std::vector<std::uint32_t> dirty_;  ///< patches, ascending
   std::vector<std::uint64_t> quota_;  ///< one per dirty patch
+  std::uint64_t left_ = kNoLimit;     ///< of the budget, when they were shared out
   std::vector<Message> messages_;     ///< sorted
   std::vector<SegmentId> impossible_;
   std::vector<std::uint8_t> is_refined_;            ///< of each patch, when all are finished

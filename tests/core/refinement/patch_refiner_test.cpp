@@ -272,7 +272,7 @@ TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h)
     if (!mesh.is_constrained(h)) both.push_back(h);
   ASSERT_EQ(both.size(), 2u);  // the diagonal, from both sides
-  EXPECT_TRUE(refiner.split_edges(both));
+  EXPECT_TRUE(refiner.split_edges(both, subject.chain.control));
   EXPECT_EQ(refiner.triangle_count(), 4u);
   const PatchRefiner::Refined split = refiner.finish();
   EXPECT_EQ(split.patch.vertices.size(), 5u);
@@ -280,7 +280,7 @@ TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
   std::vector<std::uint32_t> rim;
   for (std::uint32_t h = 0; h < split.patch.mesh.half_edge_count(); ++h)
     if (split.patch.mesh.is_constrained(h)) rim.push_back(h);
-  EXPECT_FALSE(refiner.split_edges(rim));
+  EXPECT_FALSE(refiner.split_edges(rim, subject.chain.control));
   EXPECT_EQ(refiner.triangle_count(), 4u);
 }
 
