@@ -27,7 +27,7 @@ DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> po
                            std::pmr::memory_resource* memory)
     : DelaunayMesh(memory) {
   // Most operations touch few triangles: scratch that grows by doubling would be most of the work in a small patch.
-  constexpr std::size_t kUsual = 16;
+  constexpr std::size_t kUsual = 8;
   for (auto* scratch : {&cavity_, &stack_, &changed_, &ring_}) scratch->reserve(kUsual);
   front_.reserve(kUsual);
   rim_.reserve(kUsual);

@@ -8,6 +8,7 @@
 #include <tuple>
 
 #include "core/base/blocks.h"
+#include "core/base/grouping.h"
 #include "core/base/parallel.h"
 #include "core/base/union_find.h"
 #include "core/refinement/local_features.h"
@@ -66,8 +67,18 @@ std::vector<Use> segment_uses(const Surface& surface, const std::vector<PatchMes
   });
   std::vector<Use> uses;
   for (const std::vector<Use>& block : blocks) uses.insert(uses.end(), block.begin(), block.end());
-  sort_all(uses.begin(), uses.end());
-  return uses;
+  // By their first ends they are soon apart, and few at each.
+  const Grouping by_end = group_by(
+      uses.size(), surface.vertex_count(), [&](std::uint32_t i) { return uses[i].from.value; }, control);
+  std::vector<Use> sorted(uses.size());
+  for_blocks(surface.vertex_count(), kItemsPerBlock, control, [&](std::size_t v, std::size_t end) {
+    for (; v < end; ++v) {
+      const auto first = sorted.begin() + by_end.begin[v], last = sorted.begin() + by_end.begin[v + 1];
+      std::transform(by_end[v].begin(), by_end[v].end(), first, [&](std::uint32_t i) { return uses[i]; });
+      std::sort(first, last);
+    }
+  });
+  return sorted;
 }
 
 double magnitude(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }

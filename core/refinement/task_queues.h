@@ -23,7 +23,10 @@ class TaskQueues {
   std::size_t size() const { return size_; }
 
   void push(std::size_t queue, const Task& task) {
-    if (queue >= last_of_.size()) last_of_.resize(queue + 1, kNone);
+    if (queue >= last_of_.size()) {
+      if (queue >= last_of_.capacity()) last_of_.reserve(queue + kMoreQueues);
+      last_of_.resize(queue + 1, kNone);
+    }
     std::uint32_t& last = last_of_[queue];
     if (last == kNone || blocks_[last].end == block_size_) append_block(last);
     task_of(last, blocks_[last].end++) = task;
@@ -56,6 +59,7 @@ class TaskQueues {
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;
+  static constexpr std::size_t kMoreQueues = 32;  ///< the next tasks are a little more urgent, most often
   /// Some tasks of one queue, one after the other.
   struct Block {
     std::uint32_t next;        ///< in its queue; of the last one, the first
