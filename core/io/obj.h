@@ -10,14 +10,13 @@
 namespace remesh {
 
 /// Reads OBJ text.
-/// Input:   the whole text; line ends LF, CRLF or CR; continued lines (`\`); a UTF-8 byte-order mark is skipped. `fo`
-/// is
-///          the old word for `f`.
+/// Input:   the whole text; line ends LF, CRLF or CR; continued lines (`\`); a UTF-8 byte-order mark is skipped;
+///          `fo` is the old word for `f`.
 /// Output:  polygons as listed; one object, group and material per face where the file names them (several groups of
 ///          one face: one name, joined by blanks; before the first record of a kind: the empty name); vertices in file
 ///          order, coordinates correctly rounded, a missing z is 0. Each kind of record that does not describe the
-///          surface (texture coordinates, normals, lines, ...) is counted in a diagnostic, NUL
-///          and Ctrl-Z bytes that pad the text in trailing_bytes.
+///          surface (texture coordinates, normals, lines, ...) is counted in a diagnostic, NUL and
+///          Ctrl-Z bytes that pad the text in trailing_bytes.
 /// Holds:   no file is opened, whatever `mtllib` names; names are in the order in which faces first bear them.
 /// Errors:  kInvalidMesh, kIndexOutOfRange, kNonfiniteCoordinate - with the line; kMeshTooLarge - past `limits`, or
 ///          a face of more than 4 million corners; kEmptyMesh - no face; kCancelled, kTimeout - through `control`.

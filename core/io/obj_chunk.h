@@ -37,8 +37,8 @@ struct ObjChunk {
 
 /// Parses whole lines of plain records.
 /// Input:  text whose last character is a line end, and the one before its first one, too; it outlives the chunk.
-/// Output: nothing if some line is continued, might be, or is wrong. Whether the vertices of faces exist is not looked
-/// at. Cost:   O(text), one look at each byte.
+/// Output: nothing if some line is continued, might be, or is wrong. Whether the vertices of faces exist is left open.
+/// Cost:   O(text), one look at each byte.
 std::optional<ObjChunk> parse_obj_chunk(std::string_view text);
 
 }  // namespace remesh

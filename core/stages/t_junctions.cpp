@@ -321,8 +321,16 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
   }
   Split split(surface, junctions);
   std::vector<Junction> left;
-  for (auto twisting = twisting_junctions(surface, split, junctions, tolerance, control); !twisting.empty();
-       twisting = twisting_junctions(surface, split, junctions, tolerance, control)) {
+  // What one vertex spoils another may mend or spoil anew; where that goes on and on, all are left.
+  constexpr int kMostPasses = 16;
+  for (int pass = 0;; ++pass) {
+    const auto twisting = twisting_junctions(surface, split, junctions, tolerance, control);
+    if (twisting.empty()) break;
+    if (pass == kMostPasses) {
+      left.insert(left.end(), junctions.begin(), junctions.end());
+      junctions.clear();
+      break;
+    }
     std::vector<Junction> rest;
     auto next = twisting.begin();
     for (std::uint32_t j = 0; j < junctions.size(); ++j) {

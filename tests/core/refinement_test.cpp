@@ -499,6 +499,23 @@ TEST(refinement, a_budget_is_nearly_used_up_where_sheets_are_in_one_place) {
   expect_budgets_nearly_used_up(stacked_boxes(20, 50), with_angle(30), {0.1, 0.3, 0.6, 0.9});
 }
 
+TEST(refinement, a_budget_is_spent_to_the_end_where_patches_are_many_and_small) {
+  PolygonMesh mesh;
+  for (int i = 0; i < 40; ++i) {
+    const PolygonMesh box = shapes::moved(shapes::box({1, 0.15, 1}), {0, 1.0 * i, 0});
+    mesh = i == 0 ? box : shapes::joined(mesh, box);
+  }
+  Options options = with_angle(25);
+  expect_budgets_nearly_used_up(mesh, options, {0.5, 0.7, 0.9});
+  const std::uint64_t all = refined(mesh, options).mesh.faces.size();
+  for (const std::uint64_t budget : {all + all / 4, 2 * all, 3 * all}) {
+    options.max_output_faces = budget;
+    const Result result = refined(mesh, options);
+    EXPECT_EQ(result.mesh.faces.size(), all) << budget;
+    EXPECT_EQ(listed(result.report), 0u) << budget;
+  }
+}
+
 TEST(refinement, a_budget_is_nearly_used_up_though_cuts_for_sizes_alone_take_more) {
   // Thin sticks: most of their faces are for cuts.
   const PolygonMesh stick = shapes::box({2, 0.02, 0.02});
