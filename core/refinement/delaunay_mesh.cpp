@@ -7,34 +7,30 @@
 
 namespace remesh {
 
-DelaunayMesh::DelaunayMesh(std::pmr::memory_resource* memory)
-    : points_(memory),
+DelaunayMesh::DelaunayMesh(Scratch& scratch, std::pmr::memory_resource* memory)
+    : scratch_(&scratch),
+      points_(memory),
       edge_at_(memory),
       corner_(memory),
       twin_(memory),
       half_edge_of_side_(memory),
       free_vertices_(memory),
-      free_triangles_(memory),
-      cavity_(memory),
-      stack_(memory),
-      changed_(memory),
-      ring_(memory),
-      front_(memory),
-      rim_(memory) {}
+      free_triangles_(memory) {}
 
 DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> points,
-                           std::span<const std::uint32_t> sides, std::span<const std::uint32_t> number,
-                           std::pmr::memory_resource* memory)
-    : DelaunayMesh(memory) {
-  // Most operations touch few triangles: scratch that grows by doubling would be most of the work in a small patch.
-  constexpr std::size_t kUsual = 8;
-  for (auto* scratch : {&cavity_, &stack_, &changed_, &ring_}) scratch->reserve(kUsual);
-  front_.reserve(kUsual);
-  rim_.reserve(kUsual);
+                           std::span<const std::uint32_t> sides, Scratch& scratch,
+                           std::span<const std::uint32_t> number, std::pmr::memory_resource* memory)
+    : DelaunayMesh(scratch, memory) {
+  // What grows at all becomes twice as large, most often: growing at once spares copies.
+  const std::uint32_t n = mesh.half_edge_count();
+  points_.reserve(2 * points.size());
+  edge_at_.reserve(2 * points.size());
+  corner_.reserve(2 * std::size_t{n});
+  twin_.reserve(2 * std::size_t{n});
+  half_edge_of_side_.reserve(2 * sides.size());
   points_.assign(points.begin(), points.end());
   edge_at_.assign(points.size(), kNone);
   live_triangles_ = mesh.triangle_count();
-  const std::uint32_t n = mesh.half_edge_count();
   corner_.resize(n);
   twin_.resize(n);
   for (std::uint32_t h = 0; h < n; ++h) {
@@ -45,10 +41,11 @@ DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> po
   half_edge_of_side_.assign(sides.begin(), sides.end());
   for (std::uint32_t s = 0; s < sides.size(); ++s) twin_[sides[s]] = kConstraint | s;
   // A constraint that is none any more may leave its edge not Delaunay.
+  scratch.stack.clear();
   for (std::uint32_t h = 0; h < n; ++h)
-    if (mesh.is_constrained(h) && !is_constrained(h)) stack_.push_back(h);
+    if (mesh.is_constrained(h) && !is_constrained(h)) scratch_->stack.push_back(h);
   restore_delaunay();
-  changed_.clear();
+  scratch_->changed.clear();
 }
 
 DelaunayMesh::Location DelaunayMesh::locate(std::uint32_t triangle, Vec2 p) const {
@@ -73,37 +70,37 @@ DelaunayMesh::Location DelaunayMesh::locate(std::uint32_t triangle, Vec2 p) cons
 }
 
 void DelaunayMesh::collect_cavity(Vec2 p, std::uint32_t triangle, std::uint32_t left_out) {
-  cavity_.assign(1, triangle);
-  rim_.clear();
-  front_.clear();
+  scratch_->cavity.assign(1, triangle);
+  scratch_->rim.clear();
+  scratch_->front.clear();
   // Counter-clockwise around the triangle, from `left_out` on (which is no part of the rim) or from its first edge.
   const std::uint32_t first = left_out != kNone ? left_out : 3 * triangle;
   const auto reach = [&](std::uint32_t h, std::uint32_t from, std::uint32_t to) {
-    front_.push_back({from, to, twin_[h]});
+    scratch_->front.push_back({from, to, twin_[h]});
   };
   const std::uint32_t a = from(first), b = to(first), c = apex(first);
   reach(previous(first), c, a);
   reach(next(first), b, c);
   if (left_out == kNone) reach(first, a, b);
-  while (!front_.empty()) {
-    const RimEdge edge = front_.back();
-    front_.pop_back();
+  while (!scratch_->front.empty()) {
+    const RimEdge edge = scratch_->front.back();
+    scratch_->front.pop_back();
     if (!is_constrained(edge)) {
       const std::uint32_t previous_outside = previous(edge.outside), beyond = corner_[previous_outside];
       if (in_circle_perturbed(points_[edge.to], points_[edge.from], points_[beyond], p) > 0) {
-        cavity_.push_back(edge.outside / 3);
+        scratch_->cavity.push_back(edge.outside / 3);
         reach(previous_outside, beyond, edge.to);
         reach(next(edge.outside), edge.from, beyond);
         continue;
       }
     }
-    rim_.push_back(edge);
+    scratch_->rim.push_back(edge);
   }
 }
 
 bool DelaunayMesh::find_cavity(Vec2 p, std::uint32_t triangle) {
   collect_cavity(p, triangle, kNone);
-  return std::all_of(rim_.begin(), rim_.end(),
+  return std::all_of(scratch_->rim.begin(), scratch_->rim.end(),
                      [&](const RimEdge& e) { return orient2d(points_[e.from], points_[e.to], p) > 0; });
 }
 
@@ -145,7 +142,7 @@ void DelaunayMesh::set_triangle(std::uint32_t t, std::uint32_t a, std::uint32_t 
   edge_at_[a] = h;
   edge_at_[b] = h + 1;
   edge_at_[c] = h + 2;
-  changed_.push_back(t);
+  scratch_->changed.push_back(t);
 }
 
 void DelaunayMesh::attach(std::uint32_t h, std::uint32_t outside) {
@@ -157,12 +154,12 @@ void DelaunayMesh::attach(std::uint32_t h, std::uint32_t outside) {
 }
 
 DelaunayMesh::Fan DelaunayMesh::make_fan(std::uint32_t v) {
-  changed_.clear();
+  scratch_->changed.clear();
   Fan fan{kNone, kNone};
-  for (std::size_t i = 0; i < rim_.size(); ++i) {
-    const std::uint32_t t = i < cavity_.size() ? cavity_[i] : new_triangle();
-    set_triangle(t, rim_[i].from, rim_[i].to, v);
-    attach(3 * t, rim_[i].outside);
+  for (std::size_t i = 0; i < scratch_->rim.size(); ++i) {
+    const std::uint32_t t = i < scratch_->cavity.size() ? scratch_->cavity[i] : new_triangle();
+    set_triangle(t, scratch_->rim[i].from, scratch_->rim[i].to, v);
+    attach(3 * t, scratch_->rim[i].outside);
     if (i == 0)
       fan.first = 3 * t + 2;
     else
@@ -183,7 +180,7 @@ std::uint32_t DelaunayMesh::cut(std::uint32_t side, Vec2 p, std::uint32_t vertex
   const std::uint32_t h = half_edge_of_side_[side];
   collect_cavity(p, h / 3, h);
   const auto is_in_front = [&](const RimEdge& e) { return orient2d(points_[e.from], points_[e.to], p) > 0; };
-  if (!std::all_of(rim_.begin(), rim_.end(), is_in_front)) return kNone;
+  if (!std::all_of(scratch_->rim.begin(), scratch_->rim.end(), is_in_front)) return kNone;
   const std::uint32_t v = vertex != kNone ? vertex : new_vertex(p);
   const Fan fan = make_fan(v);
   // The rim runs from the edge's end round to its start.
@@ -196,13 +193,13 @@ std::uint32_t DelaunayMesh::cut(std::uint32_t side, Vec2 p, std::uint32_t vertex
 }
 
 void DelaunayMesh::remove(std::uint32_t v) {
-  changed_.clear();
+  scratch_->changed.clear();
   // The ring around v, counter-clockwise, as the half-edges opposite to it; its triangles go.
-  rim_.clear();
+  scratch_->rim.clear();
   const std::uint32_t first = edge_at_[v];
   std::uint32_t h = first;
   do {
-    rim_.push_back({to(h), apex(h), twin_[next(h)]});
+    scratch_->rim.push_back({to(h), apex(h), twin_[next(h)]});
     drop_triangle(h / 3);
     h = twin_[previous(h)];
   } while (h != first);
@@ -212,37 +209,37 @@ void DelaunayMesh::remove(std::uint32_t v) {
   // Ears are cut off, in circles around the ring. It stays star-shaped around v: so it always has an ear, and a convex
   // corner is one if v is not beyond its diagonal.
   const Vec2 centre = points_[v];
-  std::pmr::vector<std::uint32_t>& following = ring_;
-  const auto n = static_cast<std::uint32_t>(rim_.size());
+  std::vector<std::uint32_t>& following = scratch_->ring;
+  const auto n = static_cast<std::uint32_t>(scratch_->rim.size());
   following.resize(n);
   for (std::uint32_t i = 0; i < n; ++i) following[i] = (i + 1) % n;
-  stack_.clear();
+  scratch_->stack.clear();
   std::uint32_t i = 0;
   for (std::uint32_t left = n; left > 3;) {
     // Edges i (a to b) and j (b to c): the ear is abc.
     const std::uint32_t j = following[i];
-    const std::uint32_t a = rim_[i].from, b = rim_[i].to, c = rim_[j].to;
+    const std::uint32_t a = scratch_->rim[i].from, b = scratch_->rim[i].to, c = scratch_->rim[j].to;
     if (orient2d(points_[a], points_[b], points_[c]) > 0 && orient2d(points_[a], points_[c], centre) >= 0) {
       const std::uint32_t t = new_triangle();
       set_triangle(t, a, b, c);
-      attach(3 * t, rim_[i].outside);
-      attach(3 * t + 1, rim_[j].outside);
-      rim_[i] = {a, c, 3 * t + 2};
+      attach(3 * t, scratch_->rim[i].outside);
+      attach(3 * t + 1, scratch_->rim[j].outside);
+      scratch_->rim[i] = {a, c, 3 * t + 2};
       following[i] = following[j];
-      stack_.push_back(3 * t);
-      stack_.push_back(3 * t + 1);
-      stack_.push_back(3 * t + 2);
+      scratch_->stack.push_back(3 * t);
+      scratch_->stack.push_back(3 * t + 1);
+      scratch_->stack.push_back(3 * t + 2);
       --left;
     }
     i = following[i];
   }
   const std::uint32_t j = following[i], k = following[j];
   const std::uint32_t t = new_triangle();
-  set_triangle(t, rim_[i].from, rim_[j].from, rim_[k].from);
-  attach(3 * t, rim_[i].outside);
-  attach(3 * t + 1, rim_[j].outside);
-  attach(3 * t + 2, rim_[k].outside);
-  for (std::uint32_t e = 0; e < 3; ++e) stack_.push_back(3 * t + e);
+  set_triangle(t, scratch_->rim[i].from, scratch_->rim[j].from, scratch_->rim[k].from);
+  attach(3 * t, scratch_->rim[i].outside);
+  attach(3 * t + 1, scratch_->rim[j].outside);
+  attach(3 * t + 2, scratch_->rim[k].outside);
+  for (std::uint32_t e = 0; e < 3; ++e) scratch_->stack.push_back(3 * t + e);
   restore_delaunay();
 }
 
@@ -259,13 +256,13 @@ void DelaunayMesh::flip(std::uint32_t h) {
   attach(3 * u, db);
   attach(3 * u + 1, bc);
   join(3 * t + 2, 3 * u + 2);
-  for (const std::uint32_t e : {3 * t, 3 * t + 1, 3 * u, 3 * u + 1}) stack_.push_back(e);
+  for (const std::uint32_t e : {3 * t, 3 * t + 1, 3 * u, 3 * u + 1}) scratch_->stack.push_back(e);
 }
 
 void DelaunayMesh::restore_delaunay() {
-  while (!stack_.empty()) {
-    const std::uint32_t h = stack_.back();
-    stack_.pop_back();
+  while (!scratch_->stack.empty()) {
+    const std::uint32_t h = scratch_->stack.back();
+    scratch_->stack.pop_back();
     if (is_constrained(h)) continue;
     if (in_circle_perturbed(points_[from(h)], points_[to(h)], points_[apex(h)], points_[apex(twin_[h])]) > 0) flip(h);
   }

@@ -22,14 +22,28 @@ class DelaunayMesh {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  /// `memory` outlives the mesh.
-  explicit DelaunayMesh(std::pmr::memory_resource* memory = std::pmr::get_default_resource());
+  /// One edge of a cavity's rim: an edge of a triangle that would go, seen from inside.
+  struct RimEdge {
+    std::uint32_t from, to;
+    std::uint32_t outside;  ///< its twin word
+  };
+  /// What an operation writes down: one serves many meshes, one after the other.
+  struct Scratch {
+    std::vector<std::uint32_t> cavity, stack, changed, ring;
+    std::vector<RimEdge> front;  ///< edges that may be the rim's, or lie inside
+    std::vector<RimEdge> rim;
+  };
+
+  /// `scratch` and `memory` outlive the mesh.
+  explicit DelaunayMesh(Scratch& scratch, std::pmr::memory_resource* memory = std::pmr::get_default_resource());
   /// Input:  a constrained Delaunay triangulation of `points`; `sides` are its constrained half-edges: all on the rim,
   ///         and of inner constraints those that stay constraints (both half-edges). Their order numbers the sides.
   ///         `number` of a vertex of `mesh` is its index in `points`; empty: the same.
   DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> points, std::span<const std::uint32_t> sides,
-               std::span<const std::uint32_t> number = {},
+               Scratch& scratch, std::span<const std::uint32_t> number = {},
                std::pmr::memory_resource* memory = std::pmr::get_default_resource());
+  /// From now on, with this one.
+  void use(Scratch& scratch) { scratch_ = &scratch; }
 
   std::uint32_t triangle_slots() const { return static_cast<std::uint32_t>(corner_.size() / 3); }
   std::uint32_t triangle_count() const { return live_triangles_; }
@@ -64,17 +78,12 @@ class DelaunayMesh {
   };
   Location locate(std::uint32_t triangle, Vec2 p) const;
 
-  /// One edge of a cavity's rim: an edge of a triangle that would go, seen from inside.
-  struct RimEdge {
-    std::uint32_t from, to;
-    std::uint32_t outside;  ///< its twin word
-  };
   /// The triangles that would go if p, which lies in `triangle`, came. Output: false if p cannot be joined to the whole
   /// rim (it equals a vertex, or lies on a constrained edge). `rim()` is valid until the next operation.
   bool find_cavity(Vec2 p, std::uint32_t triangle);
-  std::span<const RimEdge> rim() const { return rim_; }
+  std::span<const RimEdge> rim() const { return scratch_->rim; }
   /// Its triangles.
-  std::span<const std::uint32_t> cavity() const { return cavity_; }
+  std::span<const std::uint32_t> cavity() const { return scratch_->cavity; }
   static bool is_constrained(const RimEdge& e) { return (e.outside & kConstraint) != 0; }
   static std::uint32_t side(const RimEdge& e) { return e.outside & ~kConstraint; }
   /// Puts p into the cavity that was found. Returns the new vertex.
@@ -89,7 +98,7 @@ class DelaunayMesh {
   void remove(std::uint32_t v);
 
   /// The triangles that the last operation made or changed; some may be named twice, or be gone again.
-  std::span<const std::uint32_t> changed() const { return changed_; }
+  std::span<const std::uint32_t> changed() const { return scratch_->changed; }
 
   /// The numbers of the vertices and triangles that are there, ascending: without gaps they are 0, 1, 2 ...
   void number(std::pmr::vector<std::uint32_t>& vertex, std::pmr::vector<std::uint32_t>& triangle) const;
@@ -118,6 +127,7 @@ class DelaunayMesh {
   void flip(std::uint32_t h);
   void restore_delaunay();
 
+  Scratch* scratch_;
   std::pmr::vector<Vec2> points_;
   std::pmr::vector<std::uint32_t> edge_at_;  ///< a half-edge from each vertex
   std::pmr::vector<std::uint32_t> corner_;
@@ -125,11 +135,6 @@ class DelaunayMesh {
   std::pmr::vector<std::uint32_t> half_edge_of_side_;
   std::pmr::vector<std::uint32_t> free_vertices_, free_triangles_;
   std::uint32_t live_triangles_ = 0;
-
-  // Scratch of one operation.
-  std::pmr::vector<std::uint32_t> cavity_, stack_, changed_, ring_;
-  std::pmr::vector<RimEdge> front_;  ///< edges that may be the rim's, or lie inside
-  std::pmr::vector<RimEdge> rim_;
 };
 
 }  // namespace remesh

@@ -341,9 +341,9 @@ PatchRefiner::Attempt PatchRefiner::insert(Vec2 p, std::uint32_t triangle, doubl
 }
 
 PatchRefiner::Attempt PatchRefiner::insert(const Place& place, double floor, May may) {
-  encroached_.clear();
+  at_->encroached.clear();
   if (place.at.is_hidden) {
-    encroached_.push_back(mesh_.side(place.at.half_edge));
+    at_->encroached.push_back(mesh_.side(place.at.half_edge));
     return Attempt::kEncroached;
   }
   const Vec2 p = place.p;
@@ -353,11 +353,12 @@ PatchRefiner::Attempt PatchRefiner::insert(const Place& place, double floor, May
     const Vec2 a = mesh_.point(e.from);
     is_near = is_near || squared_length(a - p) < least * least;
     if (DelaunayMesh::is_constrained(e) && is_encroached(p, a, mesh_.point(e.to)))
-      encroached_.push_back(DelaunayMesh::side(e));
+      at_->encroached.push_back(DelaunayMesh::side(e));
   }
   if (may != May::kBeAnywhere) {
     // Over a piece that stays as long as it is, triangles would only get flatter.
-    if (!encroached_.empty() && (may == May::kBeClear || is_any_locked(encroached_))) return Attempt::kEncroached;
+    if (!at_->encroached.empty() && (may == May::kBeClear || is_any_locked(at_->encroached)))
+      return Attempt::kEncroached;
     if (is_near) return Attempt::kTooNear;
   }
   if (!place.has_room) return Attempt::kTooNear;
@@ -390,15 +391,15 @@ void PatchRefiner::clear_circle(std::uint32_t side) {
 
 bool PatchRefiner::cut_side(std::uint32_t side) {
   const Side s = sides_[side];
-  const std::optional<double> t = segments_.cut(s.segment, s.t0, s.t1);
+  const std::optional<double> t = segments_.cut(segment_of(s), s.t0, s.t1);
   if (!t || !cut_side_at(side, *t)) return false;
-  own_cuts_.push_back({s.segment, *t});
-  quota_ -= std::min(quota_, cost_of_cut(s.segment));
+  own_cuts_.push_back({segment_of(s), *t});
+  quota_ -= std::min(quota_, cost_of_cut(segment_of(s)));
   return true;
 }
 
 bool PatchRefiner::cut_side_at(std::uint32_t side, double t) {
-  const SegmentId segment = sides_[side].segment;
+  const SegmentId segment = segment_of_side(side);
   const std::uint32_t partner = sides_[side].partner;
   const Vec2 p = to_plane(patch_.frame, segments_.position(segment, t));
   const std::uint32_t v = cut_one(side, t, p, kNone);
@@ -416,7 +417,7 @@ bool PatchRefiner::cut_side_at(std::uint32_t side, double t) {
 }
 
 std::uint32_t PatchRefiner::cut_one(std::uint32_t side, double t, Vec2 p, std::uint32_t vertex) {
-  const SegmentId segment = sides_[side].segment;
+  const SegmentId segment = segment_of_side(side);
   clear_circle(side);
   const std::uint32_t v = mesh_.cut(side, p, vertex);
   if (v == kNone) {
@@ -436,28 +437,28 @@ std::uint32_t PatchRefiner::cut_one(std::uint32_t side, double t, Vec2 p, std::u
 void PatchRefiner::take_over(SegmentId segment, std::span<const double> cuts) {
   const auto chain = std::lower_bound(chains_.begin(), chains_.end(), segment,
                                       [](const Chain& c, SegmentId s) { return c.segment < s; });
-  pieces_.clear();
-  for (std::uint32_t s = chain->first; s != kNone; s = sides_[s].next) pieces_.push_back(s);
-  std::sort(pieces_.begin(), pieces_.end(),
+  at_->pieces.clear();
+  for (std::uint32_t s = chain->first; s != kNone; s = sides_[s].next) at_->pieces.push_back(s);
+  std::sort(at_->pieces.begin(), at_->pieces.end(),
             [&](std::uint32_t a, std::uint32_t b) { return sides_[a].t0 < sides_[b].t0; });
   // Piece by piece, the cuts inside it: the middle one first, so that no vertex gets them all as neighbours.
-  ranges_.clear();
-  for (const std::uint32_t piece : pieces_) {
+  at_->ranges.clear();
+  for (const std::uint32_t piece : at_->pieces) {
     const auto first = std::upper_bound(cuts.begin(), cuts.end(), sides_[piece].t0);
     const auto last = std::lower_bound(first, cuts.end(), sides_[piece].t1);
-    ranges_.push_back(
+    at_->ranges.push_back(
         {piece, static_cast<std::size_t>(first - cuts.begin()), static_cast<std::size_t>(last - cuts.begin())});
   }
-  while (!ranges_.empty()) {
-    const Range range = ranges_.back();
-    ranges_.pop_back();
+  while (!at_->ranges.empty()) {
+    const Workplace::Range range = at_->ranges.back();
+    at_->ranges.pop_back();
     if (range.first == range.last) continue;
     const std::size_t middle = range.first + (range.last - range.first) / 2;
     const auto fresh = static_cast<std::uint32_t>(sides_.size());
     if (!cut_side_at(range.piece, cuts[middle])) return;
     const bool is_before = sides_[range.piece].t1 == cuts[middle];
-    ranges_.push_back({is_before ? range.piece : fresh, range.first, middle});
-    ranges_.push_back({is_before ? fresh : range.piece, middle + 1, range.last});
+    at_->ranges.push_back({is_before ? range.piece : fresh, range.first, middle});
+    at_->ranges.push_back({is_before ? fresh : range.piece, middle + 1, range.last});
   }
 }
 
@@ -487,11 +488,11 @@ bool PatchRefiner::split_edges(std::span<const std::uint32_t> half_edges, RunCon
 }
 
 bool PatchRefiner::is_any_locked(std::span<const std::uint32_t> sides) const {
-  return std::any_of(sides.begin(), sides.end(), [&](auto s) { return segments_[sides_[s].segment].is_locked; });
+  return std::any_of(sides.begin(), sides.end(), [&](auto s) { return segments_[segment_of_side(s)].is_locked; });
 }
 
 PatchRefiner::State PatchRefiner::refusal(double floor) const {
-  if (is_any_locked(encroached_)) return State::kLocked;
+  if (is_any_locked(at_->encroached)) return State::kLocked;
   return floor <= criteria_.min_edge_length ? State::kMinEdge : State::kSizeFloor;
 }
 
@@ -530,7 +531,7 @@ bool PatchRefiner::is_held_large(std::uint32_t t) const {
   if (criteria_.sizes.allows(length / kSizeMargin, to_space(middle)) && !std::isfinite(criteria_.max_area))
     return false;
   const Side& side = sides_[mesh_.side(longest)];
-  return !segments_.cut(side.segment, side.t0, side.t1).has_value();
+  return !segments_.cut(segment_of(side), side.t0, side.t1).has_value();
 }
 
 void PatchRefiner::treat(const Task& task) {
@@ -554,7 +555,7 @@ void PatchRefiner::treat(const Task& task) {
     const Vec2 best = best_for_size(p, shape.shortest);
     if (best != p && insert(best, t, floor, May::kBeClear) == Attempt::kDone) return;
   }
-  encroached_.clear();
+  at_->encroached.clear();
   Attempt attempt = Attempt::kTooNear;
   if (std::isfinite(p.x) && std::isfinite(p.y)) {
     Place place = look_at(p, t);
@@ -568,8 +569,8 @@ void PatchRefiner::treat(const Task& task) {
   State why = refusal(floor);
   if (attempt == Attempt::kEncroached && is_for_angle) {
     bool is_cut = false;
-    to_cut_.assign(encroached_.begin(), encroached_.end());
-    for (const std::uint32_t side : to_cut_) {
+    at_->to_cut.assign(at_->encroached.begin(), at_->encroached.end());
+    for (const std::uint32_t side : at_->to_cut) {
       is_cut = cut_side(side) || is_cut;
       if (impossible_.is_valid()) return;
     }
@@ -579,11 +580,11 @@ void PatchRefiner::treat(const Task& task) {
         push(task, shape.shortest_squared);
       return;
     }
-    if (is_any_locked(to_cut_))
+    if (is_any_locked(at_->to_cut))
       why = State::kLocked;
     else
-      why = segments_[sides_[to_cut_[0]].segment].floor <= criteria_.min_edge_length ? State::kMinEdge
-                                                                                     : State::kSizeFloor;
+      why = segments_[segment_of_side(at_->to_cut[0])].floor <= criteria_.min_edge_length ? State::kMinEdge
+                                                                                          : State::kSizeFloor;
   }
   if (shape.is_too_large && !is_hopeless && split_too_large(t, floor)) return;
   state_[t] = why;

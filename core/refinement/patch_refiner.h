@@ -16,6 +16,7 @@
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
 #include "core/refinement/task_queues.h"
+#include "core/refinement/workplace.h"
 #include "core/report.h"
 #include "core/stages/patch_meshing.h"
 
@@ -56,9 +57,14 @@ struct Criteria {
 class PatchRefiner {
  public:
   /// `cuts`: of every segment, ascending; those of the patch's segments are made. Where there are sizes, wide areas are
-  /// filled evenly at once, with at most about `quota` triangles.
+  /// filled evenly at once, with at most about `quota` triangles. Its first turn begins with that.
   PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria,
-               const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota, RunControl& control);
+               const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota, Workplace& at,
+               RunControl& control);
+
+  /// Whatever changes the patch is for its turns alone: each at a workplace that no other refiner has meanwhile.
+  void begin_turn(Workplace& at);
+  void end_turn();
 
   /// Would refinement change the patch at all? Cheap, before anything is built.
   static bool has_work(const PatchMesh& patch, const Criteria& criteria);
@@ -95,15 +101,13 @@ class PatchRefiner {
 
  private:
   static constexpr std::uint32_t kNone = DelaunayMesh::kNone;
-  static constexpr std::size_t kFirstBlock = 2304;  ///< bytes: enough for a patch of few triangles
 
   enum class State : std::uint8_t { kUnknown, kGood, kInputAngle, kAcrossInputAngle, kSizeFloor, kMinEdge, kLocked };
 
   struct Side {
-    SegmentId segment;
     double t0, t1;          ///< its piece
     std::uint32_t next;     ///< another piece of its chain, or kNone
-    std::uint32_t chain;    ///< in `chains_`
+    std::uint32_t chain;    ///< in `chains_`, which knows the segment
     std::uint32_t partner;  ///< the other side of a slit, or kNone
     bool is_forward;        ///< the half-edge runs from t0 to t1
   };
@@ -112,10 +116,7 @@ class PatchRefiner {
     SegmentId segment;
     std::uint32_t first;  ///< side; the others follow by Side::next
   };
-  /// A triangle that waits, by its shortest edge.
-  struct Task {
-    std::uint32_t half_edge, a, b, c;
-  };
+  using Task = Workplace::Task;
   struct Shape {
     std::uint32_t shortest;  ///< half-edge
     double shortest_squared, longest_squared, twice_area;
@@ -123,6 +124,10 @@ class PatchRefiner {
     bool is_too_large;
   };
 
+  SegmentId segment_of(const Side& side) const { return chains_[side.chain].segment; }
+  SegmentId segment_of_side(std::uint32_t side) const { return segment_of(sides_[side]); }
+  /// Bytes that suffice, most often, for what is kept of a small patch.
+  static std::size_t first_block(const PatchMesh& patch, std::size_t sides);
   void add_to_chain(std::uint32_t side);
   void collect_corners(PatchId id);
   void collect_sides(PatchId id);
@@ -186,8 +191,9 @@ class PatchRefiner {
   const SegmentTable& segments_;
   const Criteria& criteria_;
   const std::uint32_t corner_count_;
-  SmallBlocks memory_{kFirstBlock};
-  DelaunayMesh mesh_{&memory_};
+  Workplace* at_;  ///< during a turn
+  SmallBlocks memory_;
+  DelaunayMesh mesh_{at_->mesh, &memory_};
   std::pmr::vector<SegmentId> segment_{&memory_};  ///< of each vertex that cuts one
   std::pmr::vector<double> value_{&memory_};       ///< of such a vertex its parameter, of others their floor
   std::pmr::vector<Side> sides_{&memory_};         ///< numbered as in mesh_
@@ -204,18 +210,9 @@ class PatchRefiner {
 
   /// The higher the queue, the shorter the shortest edge: eight an octave of its square. First in, first out: layer
   /// after layer, where all are alike.
-  TaskQueues<Task> waiting_{&memory_};
+  TaskQueues<Task> waiting_;
   std::uint64_t quota_ = 0;
   std::pmr::vector<Cut> own_cuts_{&memory_};
-  std::pmr::vector<std::uint32_t> encroached_{&memory_};
-  // Scratch of one operation.
-  std::pmr::vector<std::uint32_t> to_cut_{&memory_}, pieces_{&memory_};
-  /// A piece, and the cuts inside it.
-  struct Range {
-    std::uint32_t piece;
-    std::size_t first, last;
-  };
-  std::pmr::vector<Range> ranges_{&memory_};
   SegmentId impossible_;
 };
 

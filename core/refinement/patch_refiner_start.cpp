@@ -87,14 +87,18 @@ std::vector<std::array<Vec2, 3>> triangles_of(const Triangulation2d& mesh, const
 }  // namespace
 
 PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria,
-                           const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
+                           const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota, Workplace& at,
                            RunControl& control)
     : patch_(patch),
       segments_(segments),
       criteria_(criteria),
       corner_count_(static_cast<std::uint32_t>(patch.vertices.size())),
-      segment_(corner_count_, &memory_),
-      value_(corner_count_, std::numeric_limits<double>::infinity(), &memory_) {
+      at_(&at),
+      memory_(first_block(patch, segments.sides_of_patch(id).size())) {
+  segment_.reserve(2 * std::size_t{corner_count_});
+  segment_.resize(corner_count_);
+  value_.reserve(2 * std::size_t{corner_count_});
+  value_.assign(corner_count_, std::numeric_limits<double>::infinity());
   collect_corners(id);
   collect_sides(id);
   if (!start_evenly(id, cuts, quota, control)) {
@@ -104,14 +108,40 @@ PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTabl
     chains_.clear();
     collect_sides(id);
     StackMemory memory;
-    mesh_ = DelaunayMesh(patch.mesh, patch.uv, half_edges_of(segments, id, &memory), {}, &memory_);
+    mesh_ = DelaunayMesh(patch.mesh, patch.uv, half_edges_of(segments, id, &memory), at.mesh, {}, &memory_);
   }
-  constexpr std::uint32_t kFewTriangles = 64;
-  if (mesh_.triangle_slots() > kFewTriangles) waiting_.set_block_size(8);
+  begin_turn(at);
+  state_.reserve(2 * std::size_t{mesh_.triangle_slots()});
   state_.assign(mesh_.triangle_slots(), State::kUnknown);
   for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) classify(t);
   for (std::size_t c = 0; c < chains_.size() && !impossible_.is_valid(); ++c)
     if (!cuts[chains_[c].segment].empty()) take_over(chains_[c].segment, cuts[chains_[c].segment]);
+}
+
+std::size_t PatchRefiner::first_block(const PatchMesh& patch, std::size_t sides) {
+  const std::size_t vertices = patch.vertices.size(), triangles = patch.mesh.triangle_count();
+  constexpr std::size_t kVertex = sizeof(Vec2) + sizeof(std::uint32_t) + sizeof(SegmentId) + sizeof(double),
+                        kTriangle = 6 * sizeof(std::uint32_t) + sizeof(State),
+                        kSide = sizeof(Side) + sizeof(std::uint32_t) + sizeof(Cut);
+  // Twice as much of what grows, and what stays as it is.
+  const std::size_t bytes = 2 * (vertices * kVertex + triangles * kTriangle + sides * kSide) +
+                            vertices * sizeof(std::uint32_t) + sides * (2 * sizeof(CornerSegment) + sizeof(Chain));
+  // Where there is more of it, much has blocks of its own.
+  constexpr std::size_t kLeast = 256, kMost = 4096;
+  return std::clamp(bytes, kLeast, kMost);
+}
+
+void PatchRefiner::begin_turn(Workplace& at) {
+  at_ = &at;
+  mesh_.use(at.mesh);
+  if (!is_done()) return;
+  std::swap(waiting_, at.waiting);
+  constexpr std::uint32_t kFewTriangles = 64;
+  waiting_.clear(mesh_.triangle_slots() > kFewTriangles ? 8 : 1);
+}
+
+void PatchRefiner::end_turn() {
+  if (is_done()) at_->waiting = std::exchange(waiting_, {});
 }
 
 /// Which segments meet at which corner, and the corners' floors.
@@ -165,14 +195,14 @@ void PatchRefiner::collect_sides(PatchId id) {
   for (const std::uint32_t i : segments_.sides_of_patch(id)) {
     const SegmentSide& side = segments_.all_sides()[i];
     const auto index = static_cast<std::uint32_t>(sides_.size());
-    const bool is_second = !sides_.empty() && sides_.back().segment == side.segment;
+    const bool is_second = !chains_.empty() && chains_.back().segment == side.segment;
     if (is_second)
       sides_.back().partner = index;
     else
       chains_.push_back({side.segment, index});
     const bool is_forward = patch_.vertices[patch_.mesh.from(side.half_edge)] == segments_[side.segment].from;
-    sides_.push_back({side.segment, 0, 1, kNone, static_cast<std::uint32_t>(chains_.size() - 1),
-                      is_second ? index - 1 : kNone, is_forward});
+    sides_.push_back(
+        {0, 1, kNone, static_cast<std::uint32_t>(chains_.size() - 1), is_second ? index - 1 : kNone, is_forward});
   }
 }
 
@@ -192,15 +222,15 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
   std::uint32_t first_cut = 0, first_piece = 0;  // of the segment: the first vertex on it, the first side after s
   for (std::uint32_t s = 0; s < original; ++s) {
     const Side side = sides_[s];
-    const std::vector<double>& at = cuts[side.segment];
+    const std::vector<double>& at = cuts[segment_of(side)];
     const auto n = static_cast<std::uint32_t>(at.size());
     const bool is_second = side.partner != kNone && side.partner < s;
     if (!is_second) {
       first_cut = static_cast<std::uint32_t>(points.size());
       first_piece = static_cast<std::uint32_t>(sides_.size());
       for (const double t : at) {
-        points.push_back(to_plane(patch_.frame, segments_.position(side.segment, t)));
-        segment_.push_back(side.segment);
+        points.push_back(to_plane(patch_.frame, segments_.position(segment_of(side), t)));
+        segment_.push_back(segment_of(side));
         value_.push_back(t);
       }
     }
@@ -270,7 +300,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
   }
   if (!made) return false;
   quota_ = quota - std::min<std::uint64_t>(quota, made->mesh.triangle_count());
-  mesh_ = DelaunayMesh(made->mesh, points, made->half_edge, made->number, &memory_);
+  mesh_ = DelaunayMesh(made->mesh, points, made->half_edge, at_->mesh, made->number, &memory_);
   return true;
 }
 

@@ -3,7 +3,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory_resource>
 #include <utility>
 #include <vector>
 
@@ -15,10 +14,16 @@ namespace remesh {
 template <class Task>
 class TaskQueues {
  public:
-  explicit TaskQueues(std::pmr::memory_resource* memory) : last_of_(memory), blocks_(memory), tasks_(memory) {}
-
-  /// How many tasks a block has; before the first push. Of few tasks, most are alone in their queues.
-  void set_block_size(std::uint16_t tasks) { block_size_ = tasks; }
+  /// Leaves nothing but the memory. From now on a block has so many tasks: of few tasks, most are alone in their
+  /// queues.
+  void clear(std::uint16_t block_size) {
+    block_size_ = block_size;
+    last_of_.clear();
+    blocks_.clear();
+    tasks_.clear();
+    free_ = kNone;
+    size_ = 0;
+  }
 
   std::size_t size() const { return size_; }
 
@@ -90,10 +95,10 @@ class TaskQueues {
   }
 
   std::uint16_t block_size_ = 1;
-  std::pmr::vector<std::uint32_t> last_of_;  ///< the last block of each queue, or kNone
-  std::pmr::vector<Block> blocks_;
-  std::pmr::vector<Task> tasks_;  ///< of all blocks
-  std::uint32_t free_ = kNone;    ///< the first of the blocks that are free again, linked
+  std::vector<std::uint32_t> last_of_;  ///< the last block of each queue, or kNone
+  std::vector<Block> blocks_;
+  std::vector<Task> tasks_;     ///< of all blocks
+  std::uint32_t free_ = kNone;  ///< the first of the blocks that are free again, linked
   std::size_t size_ = 0;
 };
 

@@ -1,6 +1,7 @@
 #include "core/stages/refinement.h"
 
 #include <tbb/blocked_range.h>
+#include <tbb/enumerable_thread_specific.h>
 
 #include <algorithm>
 #include <atomic>
@@ -190,11 +191,13 @@ class Rounds {
       control_.check();
       const std::uint32_t i = by_work.order[k], p = dirty_[i];
       std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
+      Workplace& at = workplaces_.local();
       const std::uint32_t before = refiner ? refiner->triangle_count() : meshes_[p].mesh.triangle_count();
-      if (!refiner) {
-        refiner =
-            std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_, quota_[i], control_);
-      }
+      if (!refiner)
+        refiner = std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_, quota_[i], at,
+                                                 control_);
+      else
+        refiner->begin_turn(at);
       // One that begins with points of its own numbers its edges anew: its chords are told in the next pass.
       if (const auto chords = std::exchange(chords_[p], {}); !chords.empty())
         if (refiner->triangle_count() != before || refiner->split_edges(chords, control_)) is_any_split_ = true;
@@ -206,6 +209,7 @@ class Rounds {
         progress_.add(std::int64_t{refiner->triangle_count()} - before);
         refiner->run(quota_[i] - std::min<std::uint64_t>(quota_[i], made), progress_);
       }
+      refiner->end_turn();
     };
     for_all(std::size_t{0}, by_work.large, refine_one);
     for_all(tbb::blocked_range<std::size_t>(by_work.large, by_work.order.size(), 16), [&](const auto& range) {
@@ -379,6 +383,8 @@ class Rounds {
   SegmentTable segments_;
   IdVector<SegmentId, std::vector<double>> cuts_;  ///< of each segment, ascending
   std::vector<std::unique_ptr<PatchRefiner>> refiners_;
+  /// Loops inside a turn take no other patch's meanwhile (core/base/parallel.h).
+  tbb::enumerable_thread_specific<Workplace> workplaces_;
   std::vector<std::uint32_t> dirty_;  ///< patches, ascending
   std::vector<std::uint64_t> quota_;  ///< one per dirty patch
   std::uint64_t left_ = kNoLimit;     ///< of the budget, when they were shared out

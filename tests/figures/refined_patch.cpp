@@ -73,7 +73,8 @@ class Figure {
     const IdVector<SegmentId, std::vector<double>> no_cuts(segments.size());
     constexpr std::uint64_t kNoQuota = std::numeric_limits<std::uint64_t>::max();
     const Criteria criteria(goals, sizes);
-    PatchRefiner refiner(meshes_[patch_.value], patch_, segments, criteria, no_cuts, kNoQuota, control_);
+    Workplace workplace;
+    PatchRefiner refiner(meshes_[patch_.value], patch_, segments, criteria, no_cuts, kNoQuota, workplace, control_);
     RefinementProgress progress(control_, 0);
     refiner.run(kNoQuota, progress);
     return refiner.finish().patch;

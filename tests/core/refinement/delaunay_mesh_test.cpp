@@ -43,7 +43,7 @@ class Subject {
       const auto other = side_of.find({ends[1], ends[0]});
       partner_[side] = other != side_of.end() ? std::optional(other->second) : std::nullopt;
     }
-    mesh = DelaunayMesh(made.mesh, input.points, sides);
+    mesh = DelaunayMesh(made.mesh, input.points, sides, scratch);
   }
 
   /// Returns whether there was a place for p.
@@ -138,7 +138,8 @@ class Subject {
     return t;
   }
 
-  DelaunayMesh mesh;
+  DelaunayMesh::Scratch scratch;
+  DelaunayMesh mesh{scratch};
 
  private:
   void expect_changed_are_around(std::uint32_t v) const {
@@ -309,7 +310,8 @@ TEST(delaunay_mesh, a_constraint_that_is_no_side_gives_way) {
   std::vector<std::uint32_t> rim;
   for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h)
     if (made.mesh.twin(h) == Triangulation2d::kNone) rim.push_back(h);
-  const DelaunayMesh mesh(made.mesh, points, rim);
+  DelaunayMesh::Scratch scratch;
+  const DelaunayMesh mesh(made.mesh, points, rim, scratch);
   std::set<Segment> inner;
   for (std::uint32_t h = 0; h < 6; ++h)
     if (!mesh.is_constrained(h)) inner.insert({std::min(mesh.from(h), mesh.to(h)), std::max(mesh.from(h), mesh.to(h))});
@@ -321,7 +323,9 @@ TEST(delaunay_mesh, numbers_name_the_vertices_of_the_given_mesh) {
   RunControl control;
   const PatchTriangulation made = triangulate_patch(sorted, std::vector<Segment>{{0, 2}, {2, 1}, {1, 0}}, control);
   const std::vector<Vec2> points{{1, 0}, {0, 0}, {0, 1}};
-  const DelaunayMesh mesh(made.mesh, points, std::vector<std::uint32_t>{0, 1, 2}, std::vector<std::uint32_t>{1, 2, 0});
+  DelaunayMesh::Scratch scratch;
+  const DelaunayMesh mesh(made.mesh, points, std::vector<std::uint32_t>{0, 1, 2}, scratch,
+                          std::vector<std::uint32_t>{1, 2, 0});
   for (std::uint32_t h = 0; h < 3; ++h) EXPECT_EQ(mesh.point(mesh.from(h)), sorted[made.mesh.from(h)]);
 }
 

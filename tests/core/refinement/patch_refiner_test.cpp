@@ -39,7 +39,7 @@ struct Subject {
   }
 
   PatchRefiner refiner(std::uint64_t quota = kNoLimit) {
-    return PatchRefiner(chain.meshes[0], PatchId(0), table, criteria, cuts, quota, chain.control);
+    return PatchRefiner(chain.meshes[0], PatchId(0), table, criteria, cuts, quota, workplace, chain.control);
   }
   PatchRefiner::Refined run() {
     PatchRefiner refiner = this->refiner();
@@ -50,6 +50,7 @@ struct Subject {
   }
 
   StageChain chain;
+  Workplace workplace;
   RefinementProgress progress{chain.control, 1000};
   Goals goals;
   SizeField sizes;
@@ -216,7 +217,7 @@ TEST(patch_refiner, the_cuts_of_two_patches_are_of_one_tree) {
   std::vector<std::vector<Cut>> own;
   for (std::uint32_t p = 0; p < 6; ++p) {
     PatchRefiner refiner(subject.chain.meshes[p], PatchId(p), subject.table, subject.criteria, subject.cuts, kNoLimit,
-                         subject.chain.control);
+                         subject.workplace, subject.chain.control);
     refiner.run(kNoLimit, subject.progress);
     own.push_back(own_cuts(refiner));
   }
@@ -252,6 +253,33 @@ TEST(patch_refiner, it_stops_at_its_quota_and_goes_on_from_there) {
   refiner.run(kNoLimit, subject.progress);
   EXPECT_TRUE(refiner.is_done());
   EXPECT_GE(measure(refiner.finish().patch).smallest_angle_deg, 30);
+}
+
+TEST(patch_refiner, patches_take_turns_at_one_workplace) {
+  Subject alone(shapes::sheet(100, 1, 1, 1), with_angle(30)), subject(shapes::sheet(100, 1, 1, 1), with_angle(30));
+  const PatchRefiner::Refined expected = alone.run();
+  Workplace another;
+  std::vector<std::unique_ptr<PatchRefiner>> refiners;
+  for (int i = 0; i < 2; ++i) {
+    refiners.push_back(std::make_unique<PatchRefiner>(subject.chain.meshes[0], PatchId(0), subject.table,
+                                                      subject.criteria, subject.cuts, kNoLimit, subject.workplace,
+                                                      subject.chain.control));
+    refiners[i]->end_turn();
+    EXPECT_EQ(subject.workplace.waiting.size(), 0u) << "what waits stays with its patch";
+  }
+  // Stopped again and again, and now at one workplace, now at another.
+  for (int turn = 0; !refiners[0]->is_done() || !refiners[1]->is_done(); ++turn) {
+    ASSERT_LT(turn, 1000);
+    PatchRefiner& refiner = *refiners[static_cast<std::size_t>(turn) % 2];
+    refiner.begin_turn(turn % 3 == 0 ? another : subject.workplace);
+    refiner.run(7, subject.progress);
+    refiner.end_turn();
+  }
+  for (const auto& refiner : refiners) {
+    const PatchRefiner::Refined refined = refiner->finish();
+    EXPECT_EQ(refined.patch.uv, expected.patch.uv);
+    EXPECT_EQ(refined.cuts, expected.cuts);
+  }
 }
 
 TEST(patch_refiner, boundaries_that_are_locked_get_no_vertex) {
@@ -292,7 +320,7 @@ TEST(patch_refiner, it_can_be_stopped) {
   RefinementProgress progress(control, 1);
   control.cancel();
   EXPECT_THROW(PatchRefiner(subject.chain.meshes[0], PatchId(0), subject.table, subject.criteria, subject.cuts,
-                            kNoLimit, control)
+                            kNoLimit, subject.workplace, control)
                    .run(kNoLimit, progress),
                Error);
 }

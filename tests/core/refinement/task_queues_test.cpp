@@ -4,7 +4,6 @@
 
 #include <deque>
 #include <map>
-#include <memory_resource>
 
 #include "tests/support/random.h"
 
@@ -33,7 +32,7 @@ class Expected {
 constexpr auto kNothing = [](int) {};
 
 TEST(TaskQueues, nothing_comes_out_of_empty_ones) {
-  Queues queues(std::pmr::get_default_resource());
+  Queues queues;
   int task = 0;
   EXPECT_FALSE(queues.pop(task, kNothing));
   EXPECT_EQ(queues.size(), 0u);
@@ -41,8 +40,8 @@ TEST(TaskQueues, nothing_comes_out_of_empty_ones) {
 
 TEST(TaskQueues, the_highest_comes_first_and_in_it_who_came_first) {
   for (const std::uint16_t block : std::initializer_list<std::uint16_t>{1, 2, 8}) {
-    Queues queues(std::pmr::get_default_resource());
-    queues.set_block_size(block);
+    Queues queues;
+    queues.clear(block);
     Expected expected;
     Random random(block);
     std::size_t waiting = 0;
@@ -65,9 +64,24 @@ TEST(TaskQueues, the_highest_comes_first_and_in_it_who_came_first) {
   }
 }
 
+TEST(TaskQueues, cleared_they_begin_anew) {
+  Queues queues;
+  for (int i = 0; i < 20; ++i) queues.push(static_cast<std::size_t>(i % 3), i);
+  int task = 0;
+  for (int i = 0; i < 5; ++i) queues.pop(task, kNothing);
+  queues.clear(4);
+  EXPECT_EQ(queues.size(), 0u);
+  EXPECT_FALSE(queues.pop(task, kNothing));
+  for (int i = 1; i <= 9; ++i) queues.push(1, i);
+  for (int i = 1; i <= 9; ++i) {
+    ASSERT_TRUE(queues.pop(task, kNothing));
+    EXPECT_EQ(task, i);
+  }
+}
+
 TEST(TaskQueues, a_task_is_announced_a_block_before_it_comes) {
-  Queues queues(std::pmr::get_default_resource());
-  queues.set_block_size(4);
+  Queues queues;
+  queues.clear(4);
   for (int i = 1; i <= 12; ++i) queues.push(3, i);
   int task = 0, announced = 0;
   for (int i = 1; i <= 8; ++i) {
