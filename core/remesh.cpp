@@ -4,6 +4,7 @@
 #include <tbb/task_arena.h>
 
 #include <algorithm>
+#include <map>
 #include <optional>
 #include <string>
 #include <utility>
@@ -433,12 +434,21 @@ class Run {
   IdVector<VertexId, Vec3> positions_;
 };
 
-/// Runs `work` on as many threads as the settings and the process (tbb::global_control) allow.
+/// One of so many threads, kept by the thread that calls. TBB (2021.8) keeps some KB of each arena whose workers did
+/// not come in time, for ever: one for each run would fill the memory of a process that lives long.
+tbb::task_arena& kept_arena(int threads) {
+  thread_local std::map<int, tbb::task_arena> arenas;
+  return arenas.try_emplace(threads, threads).first->second;
+}
+
+/// Runs `work` on as many threads as the settings and the process (tbb::global_control) allow; in the arena that the
+/// caller is in, if it has as many.
 template <class Work>
 auto in_arena(const RunSettings& settings, Work work) {
   const auto most = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-  tbb::task_arena arena(std::clamp(settings.workers, 1, most));
-  return arena.execute(work);
+  const int threads = std::clamp(settings.workers, 1, most);
+  if (tbb::this_task_arena::max_concurrency() == threads) return work();
+  return kept_arena(threads).execute(work);
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
 #include "core/remesh.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <fstream>
 #include <functional>
 #include <set>
 #include <sstream>
@@ -14,6 +17,7 @@
 #include "core/io/obj.h"
 #include "tests/support/errors.h"
 #include "tests/support/random.h"
+#include "tests/support/sanitizer.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 #include "tests/support/unrefined_options.h"
@@ -657,6 +661,30 @@ TEST(check_options, each_option_at_fault_is_named) {
     EXPECT_EQ(error_of([&] { remeshed(shapes::box({1, 1, 1}), options); }).option, b.name);
   }
   EXPECT_NO_THROW(check_options(Options{}));
+}
+
+/// Of this process, in the memory.
+double resident_mib() {
+  std::ifstream file("/proc/self/statm");
+  std::size_t all = 0, resident = 0;
+  file >> all >> resident;
+  return static_cast<double>(resident) * static_cast<double>(::sysconf(_SC_PAGESIZE)) / (1 << 20);
+}
+
+TEST(remesh, run_after_run_takes_no_more_memory) {
+  if (kIsSanitized) GTEST_SKIP() << "a sanitizer keeps what is freed";
+  const PolygonMesh box = shapes::box({1, 1, 1});
+  // As many threads as a loop of the caller would have anyway, and some others, whatever the machine has.
+  const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 4);
+  for (const int workers : {2, 3, 4}) {
+    const auto run = [&](int times) {
+      for (int i = 0; i < times; ++i) remeshed(box, unrefined(), {workers, false});
+    };
+    run(500);
+    const double before = resident_mib();
+    run(2000);
+    EXPECT_LT(resident_mib(), before + 2) << workers << " workers, from " << before << " MiB";
+  }
 }
 
 }  // namespace
