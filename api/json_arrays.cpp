@@ -1,6 +1,7 @@
 #include "api/json_arrays.h"
 
-#include <charconv>
+#include <fast_float/fast_float.h>
+
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -55,14 +56,9 @@ class Scanner {
     if (point != end_ && *point == '.' && (point + 1 == end_ || !is_digit(point[1]))) throw NotPlain();
 
     double value = 0;
-    const auto [stop, status] = std::from_chars(at_, end_, value);
-    if (status == std::errc::result_out_of_range) {
-      const Real real = parse_real({at_, static_cast<std::size_t>(stop - at_)});
-      if (real.fault != RealFault::kNone) throw NotPlain();
-      value = real.value;
-    } else if (status != std::errc{} || !std::isfinite(value)) {
-      throw NotPlain();
-    }
+    // As std::from_chars, but faster; what is too large comes as an infinity, and what is too small as 0.
+    const auto [stop, status] = fast_float::from_chars(at_, end_, value);
+    if (status != std::errc{} || !std::isfinite(value)) throw NotPlain();
     at_ = stop;
     return stop == point ? value + 0.0 : value;
   }

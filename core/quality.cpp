@@ -83,6 +83,7 @@ struct TriangleMeasures {
   Vec3 normal;                            ///< as long as `twice_area`
   std::array<double, 3> along{0, 0, 0};   ///< of each corner's angle: its cosine times the two sides there
   std::array<double, 3> length{0, 0, 0};  ///< of the side opposite each corner
+  std::array<double, 3> cosine{0, 0, 0};  ///< of each corner's angle; without sense where there is no area
   double shortest = 0;                    ///< of the lengths
   double area = 0;
   double radius_edge_ratio = HUGE_VAL;  ///< infinite for zero area
@@ -92,30 +93,39 @@ struct TriangleMeasures {
   double angle(std::size_t corner) const { return std::atan2(twice_area, along[corner]) * kDegrees; }
 };
 
-/// `opposite`: the side opposite each corner. Written out for each, and inlined: in an array that is walked over they
-/// would go through memory, which takes longer than all the rest.
+/// `opposite`: the side opposite each corner. Written out for each, without branches, and inlined: so the compiler can
+/// measure several triangles at once (`Lanes`).
 [[gnu::always_inline]] inline TriangleMeasures measure_sides(const Vec3& opposite_a, const Vec3& opposite_b,
                                                              const Vec3& opposite_c) {
   TriangleMeasures out;
   const double a = std::sqrt(norm_squared(opposite_a)), b = std::sqrt(norm_squared(opposite_b)),
                c = std::sqrt(norm_squared(opposite_c));
   // The cross product of the two shorter sides suffers least from cancellation.
-  const bool is_a_longest = a >= b && a >= c, is_b_longest = b >= c;
-  out.normal = is_a_longest   ? cross(opposite_b, opposite_c)
-               : is_b_longest ? cross(opposite_c, opposite_a)
-                              : cross(opposite_a, opposite_b);
+  const bool is_a_longest = (a >= b) & (a >= c), is_b_longest = b >= c;
+  const auto choose = [&](double if_a, double if_b, double if_c) {
+    const double other = is_b_longest ? if_b : if_c;
+    return is_a_longest ? if_a : other;
+  };
+  const Vec3 u{choose(opposite_b.x, opposite_c.x, opposite_a.x), choose(opposite_b.y, opposite_c.y, opposite_a.y),
+               choose(opposite_b.z, opposite_c.z, opposite_a.z)};
+  const Vec3 v{choose(opposite_c.x, opposite_a.x, opposite_b.x), choose(opposite_c.y, opposite_a.y, opposite_b.y),
+               choose(opposite_c.z, opposite_a.z, opposite_b.z)};
+  out.normal = cross(u, v);
   out.twice_area = std::sqrt(norm_squared(out.normal));
   out.along = {-dot(opposite_b, opposite_c), -dot(opposite_c, opposite_a), -dot(opposite_a, opposite_b)};
   out.length = {a, b, c};
-  out.shortest = std::min(std::min(a, b), c);
+  const double unit = 1 / (a * b * c);
+  out.cosine = {out.along[0] * a * unit, out.along[1] * b * unit, out.along[2] * c * unit};
+  const double less = a < b ? a : b, more = a < b ? b : a;
+  const double inner = more < c ? more : c, longest = more < c ? c : more, middle = less < inner ? inner : less;
+  out.shortest = less < c ? less : c;
   out.area = out.twice_area / 2;
-  if (out.twice_area > 0) {
-    const double longest = std::max(std::max(a, b), c);
-    const double middle = std::max(std::min(a, b), std::min(std::max(a, b), c));
-    // R = abc / (4 area): over the shortest side, the product of the two others is left.
-    if (out.shortest > 0) out.radius_edge_ratio = middle * longest / (2 * out.twice_area);
-    out.aspect_ratio = longest * (a + b + c) / (2 * std::sqrt(3.0) * out.twice_area);
-  }
+  // R = abc / (4 area): over the shortest side, the product of the two others is left.
+  const double radius_edge_ratio = middle * longest / (2 * out.twice_area);
+  const double aspect_ratio = longest * (a + b + c) / (2 * std::sqrt(3.0) * out.twice_area);
+  const bool has_ratio = (out.twice_area > 0) & (out.shortest > 0);
+  out.radius_edge_ratio = has_ratio ? radius_edge_ratio : HUGE_VAL;
+  out.aspect_ratio = out.twice_area > 0 ? aspect_ratio : HUGE_VAL;
   return out;
 }
 
@@ -133,12 +143,96 @@ struct TriangleMeasures {
   return out;
 }
 
-[[gnu::always_inline]] inline TriangleMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
+/// What is shorter has a square whose square would have lost digits.
+constexpr double kTinyLength = 0x1p-248;
+
+TriangleMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 opposite_a = c - b, opposite_b = a - c, opposite_c = b - a;
-  constexpr double kTiny = 0x1p-496;
-  if (!(std::max(norm_squared(opposite_a), norm_squared(opposite_b)) > kTiny)) return measure_tiny(a, b, c);
+  if (!(std::max(norm_squared(opposite_a), norm_squared(opposite_b)) > kTinyLength * kTinyLength))
+    return measure_tiny(a, b, c);
   return measure_sides(opposite_a, opposite_b, opposite_c);
 }
+
+/// Triangles side by side, row by row: the compiler measures as many at once as fit into a register.
+class Lanes {
+ public:
+  static constexpr std::size_t kCount = 16;
+
+  void put(std::size_t lane, const Vec3& a, const Vec3& b, const Vec3& c) {
+    a_.put(lane, a);
+    b_.put(lane, b);
+    c_.put(lane, c);
+  }
+
+  /// Measures the first `count`.
+  void measure(std::size_t count, const Vec3& centre) {
+    measure_all(centre);
+    for (std::size_t i = 0; i < count; ++i) {
+      grown_[i] = 0;
+      if (std::max(length_[0][i], length_[1][i]) > kTinyLength) continue;
+      const TriangleMeasures m = measure_tiny(a_[i], b_[i], c_[i]);
+      set(i, m);
+      grown_[i] = m.grown;
+      volume_[i] = std::ldexp(dot(a_[i] - centre, m.normal) / 6, -2 * m.grown);
+    }
+  }
+
+  /// Without the normal.
+  [[gnu::always_inline]] TriangleMeasures operator[](std::size_t i) const {
+    TriangleMeasures m;
+    m.grown = grown_[i];
+    m.twice_area = twice_area_[i];
+    m.along = {along_[0][i], along_[1][i], along_[2][i]};
+    m.length = {length_[0][i], length_[1][i], length_[2][i]};
+    m.cosine = {cosine_[0][i], cosine_[1][i], cosine_[2][i]};
+    m.shortest = shortest_[i];
+    m.area = area_[i];
+    m.radius_edge_ratio = radius_edge_ratio_[i];
+    m.aspect_ratio = aspect_ratio_[i];
+    return m;
+  }
+  /// Of the tetrahedron to the centre.
+  double volume(std::size_t i) const { return volume_[i]; }
+
+ private:
+  using Row = double[kCount];  // GCC 12 makes no vectors of the same loop over std::array
+  struct Points {
+    Row x{}, y{}, z{};
+    void put(std::size_t i, const Vec3& p) {
+      x[i] = p.x;
+      y[i] = p.y;
+      z[i] = p.z;
+    }
+    Vec3 operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
+  };
+
+  /// On its own, or the loop is no vectors' any more.
+  [[gnu::noinline]] void measure_all(const Vec3& centre) {
+    for (std::size_t i = 0; i < kCount; ++i) {
+      const Vec3 a = a_[i], b = b_[i], c = c_[i];
+      const TriangleMeasures m = measure_sides(c - b, a - c, b - a);
+      set(i, m);
+      volume_[i] = dot(a - centre, m.normal) / 6;
+    }
+  }
+  [[gnu::always_inline]] void set(std::size_t i, const TriangleMeasures& m) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      along_[k][i] = m.along[k];
+      length_[k][i] = m.length[k];
+      cosine_[k][i] = m.cosine[k];
+    }
+    twice_area_[i] = m.twice_area;
+    shortest_[i] = m.shortest;
+    radius_edge_ratio_[i] = m.radius_edge_ratio;
+    aspect_ratio_[i] = m.aspect_ratio;
+    area_[i] = m.area;
+  }
+
+  Points a_, b_, c_;
+  Row along_[3]{}, length_[3]{}, cosine_[3]{};
+  Row twice_area_{}, shortest_{}, radius_edge_ratio_{}, aspect_ratio_{}, area_{}, volume_{};
+  int grown_[kCount]{};
+};
 
 using AngleCounts = std::array<std::uint64_t, kAngleBins>;
 
@@ -175,16 +269,15 @@ class BinsByCosine {
 /// The smallest and the largest of many angles, and how many there are in each bin.
 class Angles {
  public:
-  void add(const TriangleMeasures& m) {
+  void add(const TriangleMeasures& m, const BinsByCosine& bin_of) {
     // Where squares of lengths have lost digits, cosines have, too; where there is no area, the angles are 0 or 180.
     if (!(m.twice_area > 0x1p-400) || m.shortest < 0x1p-300) {
       for (std::size_t i = 0; i < 3; ++i) add(m.angle(i));
       return;
     }
-    const double unit = 1 / (m.length[0] * m.length[1] * m.length[2]);
-    count(m, 0, unit);
-    count(m, 1, unit);
-    count(m, 2, unit);
+    count(m, 0, bin_of);
+    count(m, 1, bin_of);
+    count(m, 2, bin_of);
     // All three have the same sine: the largest cosine is the smallest angle's.
     const double least = std::min(std::min(m.along[0], m.along[1]), m.along[2]);
     const double most = std::max(std::max(m.along[0], m.along[1]), m.along[2]);
@@ -216,10 +309,8 @@ class Angles {
     double degrees() const { return std::atan2(sine, cosine) * kDegrees; }
   };
 
-  /// `unit`: one over the product of all lengths.
-  [[gnu::always_inline]] void count(const TriangleMeasures& m, std::size_t corner, double unit) {
-    static const BinsByCosine bin_of;
-    const double cosine = m.along[corner] * m.length[corner] * unit;
+  [[gnu::always_inline]] void count(const TriangleMeasures& m, std::size_t corner, const BinsByCosine& bin_of) {
+    const double cosine = m.cosine[corner];
     // Of right angles there are many, and they would be told by the arc tangent each.
     if (std::fabs(cosine) < 1e-12) {
       ++counts_[m.along[corner] > 0 ? kRightAngle - 1 : kRightAngle];
@@ -269,28 +360,41 @@ std::size_t bin_of_ratio(double ratio) {
 /// Measures triangles, and the edges that they are the first at; edges without twins are left out.
 QualityBlock measure_block(const Scale& scale, std::span<const Vec3> positions, const Adjacency& adjacency,
                            const Vec3& centre, std::size_t begin, std::size_t end) {
+  static const BinsByCosine bin_of;
   QualityBlock block;
-  for (auto h = static_cast<std::uint32_t>(3 * begin); h < 3 * end; h += 3) {
-    const auto corner = [&](std::uint32_t i) { return scale(positions[adjacency.from(h + i).value]); };
-    const Vec3 a = corner(0);
-    const TriangleMeasures m = measure(a, corner(1), corner(2));
-    block.angles.add(m);
-    block.area.add(m.area);
-    const double volume = dot(a - centre, m.normal) / 6;
-    block.volume += m.grown > 0 ? std::ldexp(volume, -2 * m.grown) : volume;
-    for (std::uint32_t i = 0; i < 3; ++i) {
-      const std::uint32_t twin = adjacency.twin(h + i);
-      if (twin == Adjacency::kNone || twin < h + i) continue;
-      const double length = m.length[(i + 2) % 3];
-      // Of a side that is tiny beside the others the square has lost digits.
-      const bool is_exact = m.grown == 0 && length > 0x1p-450;
-      block.edge_length.add(is_exact ? length : norm(corner(i) - corner((i + 1) % 3)));
+  Lanes lanes;
+  for (; begin < end; begin += Lanes::kCount) {
+    const std::size_t count = std::min(Lanes::kCount, end - begin);
+    const auto corner = [&](std::size_t h) {
+      return scale(positions[adjacency.from(static_cast<std::uint32_t>(h)).value]);
+    };
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t h = 3 * (begin + i);
+      lanes.put(i, corner(h), corner(h + 1), corner(h + 2));
     }
-    if (std::isfinite(m.radius_edge_ratio)) {
-      block.radius_edge.add(m.radius_edge_ratio);
-      ++block.radius_edge_counts[bin_of_ratio(m.radius_edge_ratio)];
+    lanes.measure(count, centre);
+    for (std::size_t i = 0; i < count; ++i) {
+      const auto h = static_cast<std::uint32_t>(3 * (begin + i));
+      const TriangleMeasures m = lanes[i];
+      block.angles.add(m, bin_of);
+      block.area.add(m.area);
+      block.volume += lanes.volume(i);
+      const auto add_edge = [&](std::uint32_t k, double length) {
+        const std::uint32_t twin = adjacency.twin(h + k);
+        if (twin == Adjacency::kNone || twin < h + k) return;
+        // Of a side that is tiny beside the others the square has lost digits.
+        const bool is_exact = m.grown == 0 && length > 0x1p-450;
+        block.edge_length.add(is_exact ? length : norm(corner(h + k) - corner(h + (k + 1) % 3)));
+      };
+      add_edge(0, m.length[2]);
+      add_edge(1, m.length[0]);
+      add_edge(2, m.length[1]);
+      if (std::isfinite(m.radius_edge_ratio)) {
+        block.radius_edge.add(m.radius_edge_ratio);
+        ++block.radius_edge_counts[bin_of_ratio(m.radius_edge_ratio)];
+      }
+      if (std::isfinite(m.aspect_ratio)) block.aspect.add(m.aspect_ratio);
     }
-    if (std::isfinite(m.aspect_ratio)) block.aspect.add(m.aspect_ratio);
   }
   return block;
 }
