@@ -93,7 +93,7 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> h
   for (std::size_t i = 0; i < gathered.size(); ++i) keys[place[bucket[i]]++] = gathered[i];
   std::uint32_t edges = 0;
   const std::span<std::uint64_t> all(keys), sorted(gathered);
-  for (std::size_t v = 0, begin = 0; v < kVertices; ++v) {
+  for (std::size_t v = 0, begin = 0; begin < half_edges.size(); ++v) {
     const std::size_t middle = place[2 * v], end = place[2 * v + 1];
     const auto forward = sorted.subspan(begin, middle - begin), backward = sorted.subspan(middle, end - middle);
     put_in_order(all.subspan(begin, forward.size()), forward);

@@ -678,7 +678,7 @@ TEST(remesh, run_after_run_takes_no_more_memory) {
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 4);
   for (const int workers : {2, 3, 4}) {
     const auto run = [&](int times) {
-      for (int i = 0; i < times; ++i) remeshed(box, unrefined(), {workers, false});
+      for (int i = 0; i < times; ++i) remeshed(box, Options{}, {workers, false});
     };
     run(500);
     const double before = resident_mib();
