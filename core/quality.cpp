@@ -143,14 +143,12 @@ struct TriangleMeasures {
   return out;
 }
 
-/// What is shorter has a square whose square would have lost digits.
-constexpr double kTinyLength = 0x1p-248;
+/// Are these sides, two of the three, so short that squares of their squares have lost digits?
+bool are_tiny(double a, double b) { return !(std::max(a, b) > 0x1p-248); }
 
 TriangleMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 opposite_a = c - b, opposite_b = a - c, opposite_c = b - a;
-  if (!(std::max(norm_squared(opposite_a), norm_squared(opposite_b)) > kTinyLength * kTinyLength))
-    return measure_tiny(a, b, c);
-  return measure_sides(opposite_a, opposite_b, opposite_c);
+  const TriangleMeasures m = measure_sides(c - b, a - c, b - a);
+  return are_tiny(m.length[0], m.length[1]) ? measure_tiny(a, b, c) : m;
 }
 
 /// Triangles side by side, row by row: the compiler measures as many at once as fit into a register.
@@ -169,7 +167,7 @@ class Lanes {
     measure_all(centre);
     for (std::size_t i = 0; i < count; ++i) {
       grown_[i] = 0;
-      if (std::max(length_[0][i], length_[1][i]) > kTinyLength) continue;
+      if (!are_tiny(length_[0][i], length_[1][i])) continue;
       const TriangleMeasures m = measure_tiny(a_[i], b_[i], c_[i]);
       set(i, m);
       grown_[i] = m.grown;

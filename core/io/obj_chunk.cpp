@@ -67,7 +67,7 @@ class Parser {
   }
 
   bool take_coordinate(double& value) {
-    // The same as std::from_chars, but in two thirds of its time; what has no finite value is told below.
+    // As std::from_chars, but faster; what has no finite value is told below.
     const auto [stop, status] = fast_float::from_chars(at_, end_, value);
     if (status == std::errc{} && is_token_end(*stop) && std::isfinite(value)) {
       at_ = stop;
