@@ -124,8 +124,9 @@ Remeshed remesh_for_job(Job job, const Limits& limits, FaceSource face_source, R
   const Format format = choose_output_format(input.options.format, job.accept, input.format);
   remeshed.options.format = format;
   const bool want_face_source = face_source == FaceSource::kAlways || format == Format::kJson;
-  remeshed.result = remesh_surface(input.read.mesh, input.options.core, {limits.workers, want_face_source}, control,
-                                   std::move(input.read.diagnostics));
+  remeshed.result =
+      remesh_surface(input.read.mesh, input.options.core, {limits.workers, want_face_source, limits.corners_a_thread},
+                     control, std::move(input.read.diagnostics));
   remeshed.times = stage_times(input, remeshed.result.report);
   return remeshed;
 }
@@ -152,8 +153,8 @@ AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& contro
   if (answer.options.format != Format::kJson) {
     throw Error(Code::kNotAcceptable, Stage::kRead, "an analysis is written as json only");
   }
-  answer.report = analyze_surface(input.read.mesh, input.options.core, {limits.workers, false}, control,
-                                  std::move(input.read.diagnostics));
+  answer.report = analyze_surface(input.read.mesh, input.options.core, {limits.workers, false, limits.corners_a_thread},
+                                  control, std::move(input.read.diagnostics));
   answer.times = stage_times(input, answer.report);
   return answer;
 }

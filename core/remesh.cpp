@@ -441,12 +441,9 @@ tbb::task_arena& kept_arena(int threads) {
   return arenas.try_emplace(threads, threads).first->second;
 }
 
-/// Runs `work` on as many threads as the settings and the process (tbb::global_control) allow; in the arena that the
-/// caller is in, if it has as many.
+/// Runs `work` on so many threads; in the arena that the caller is in, if it has as many.
 template <class Work>
-auto in_arena(const RunSettings& settings, Work work) {
-  const auto most = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
-  const int threads = std::clamp(settings.workers, 1, most);
+auto in_arena(int threads, Work work) {
   if (tbb::this_task_arena::max_concurrency() == threads) return work();
   return kept_arena(threads).execute(work);
 }
@@ -455,17 +452,27 @@ auto in_arena(const RunSettings& settings, Work work) {
 
 const char* version() { return REMESHD_VERSION; }
 
+int thread_count(const PolygonMesh& input, const Options& options, const RunSettings& settings) {
+  const auto most = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+  const int allowed = std::clamp(settings.workers, 1, most);
+  if (settings.corners_a_thread == 0 || options.refine) return allowed;
+  const std::size_t worth = 1 + input.corners.size() / settings.corners_a_thread;
+  return static_cast<int>(std::min(static_cast<std::size_t>(allowed), worth));
+}
+
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                       RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
-  return in_arena(
-      settings, [&] { return Run(input, options, control, std::move(diagnostics)).remesh(settings.want_face_source); });
+  return in_arena(thread_count(input, options, settings), [&] {
+    return Run(input, options, control, std::move(diagnostics)).remesh(settings.want_face_source);
+  });
 }
 
 Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                        RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
-  return in_arena(settings, [&] { return Run(input, options, control, std::move(diagnostics)).analyze(); });
+  return in_arena(thread_count(input, options, settings),
+                  [&] { return Run(input, options, control, std::move(diagnostics)).analyze(); });
 }
 
 }  // namespace remesh

@@ -22,6 +22,10 @@ struct Result {
 /// The version of the project, as in the report and in `--version`.
 const char* version();
 
+/// How many threads a run takes: as many as its settings and the process (tbb::global_control) allow, and as the input
+/// is worth (RunSettings::corners_a_thread).
+int thread_count(const PolygonMesh& input, const Options& options, const RunSettings& settings);
+
 /// Re-triangulates a surface: coplanar faces become patches, patches are triangulated from their essential vertices.
 /// Input:   a mesh that holds what PolygonMesh promises; `diagnostics` of its reader, passed on into the report.
 /// Output:  vertices with their input coordinates, bit for bit; triangles by patch; the report with a verdict all true.

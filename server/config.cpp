@@ -194,6 +194,11 @@ const std::vector<Setting>& settings() {
       {"--max-connections-per-address", "open connections from one IPv4 address or IPv6 /64 network",
        [](Config& c, const auto& text) { c.max_connections_per_address = between(1, 100'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.max_connections_per_address); }},
+      {"--idle-timeout", "time that an open connection may wait for its next request (none: one request a connection)",
+       [](Config& c, const auto& text) {
+         c.idle_timeout = text == "none" ? std::chrono::milliseconds(0) : positive_duration(text);
+       },
+       [](const Config& c) { return c.idle_timeout.count() == 0 ? "none" : format_duration(c.idle_timeout); }},
       {"--max-head", "size of a request's head",
        [](Config& c, const auto& text) { c.gate.head.max_bytes = between(1024, 16 << 20, parse_bytes(text)); },
        [](const Config& c) { return format_bytes(c.gate.head.max_bytes); }},
@@ -240,6 +245,10 @@ void complete(Config& config, Command command) {
   }
 }
 
+/// Below twice this, a second thread makes a request no shorter, and takes the time of others. Measured on boxes: 2,000
+/// faces take 1.14 ms on one thread and 1.26 ms on two, 3,900 take 2.13 and 2.08, 8,100 take 3.7 and 3.3.
+constexpr std::size_t kCornersAThread = 3 * 4096;
+
 }  // namespace
 
 api::Limits Config::api_limits() const {
@@ -251,6 +260,7 @@ api::Limits Config::api_limits() const {
   limits.max_faces = max_faces;
   limits.max_output_faces = max_output_faces;
   limits.workers = workers;
+  limits.corners_a_thread = kCornersAThread;
   limits.request_timeout_s = std::chrono::duration<double>(request_timeout).count();
   return limits;
 }

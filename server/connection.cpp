@@ -100,6 +100,12 @@ std::size_t Connection::read_some(char* buffer, std::size_t size, Clock::time_po
   for (;;) {
     // The deadline first: a client that always has one more byte ready must not get past it.
     if (Clock::now() >= deadline) throw ReadTimeout();
+    if (has_put_back()) {
+      const std::size_t count = put_back_.copy(buffer, size, read_again_);
+      read_again_ += count;
+      read_ += count;
+      return count;
+    }
     const ssize_t got = ::recv(socket_, buffer, size, 0);
     if (got >= 0) {
       read_ += static_cast<std::uint64_t>(got);
@@ -110,6 +116,20 @@ std::size_t Connection::read_some(char* buffer, std::size_t size, Clock::time_po
     } else if (errno != EINTR) {
       throw ConnectionLost("the client reset the connection");
     }
+  }
+}
+
+void Connection::put_back(std::string_view bytes) {
+  put_back_.replace(0, read_again_, bytes);
+  read_again_ = 0;
+  read_ -= bytes.size();
+}
+
+bool Connection::wait_for_input(Clock::time_point until) {
+  try {
+    return has_unread_input() || (wait_for(socket_, POLLIN, until) && has_unread_input());
+  } catch (const ConnectionLost&) {
+    return false;
   }
 }
 
@@ -155,6 +175,7 @@ Connection::Wake Connection::wait(const Event* event, Clock::time_point until, H
 }
 
 bool Connection::has_unread_input() const {
+  if (has_put_back()) return true;
   char byte = 0;
   return ::recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT) > 0;
 }

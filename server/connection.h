@@ -60,8 +60,15 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
+  /// Counts the bytes from 0 again: what follows belongs to another request.
+  void begin_exchange() { read_ = written_ = 0; }
+
   /// Waits for bytes. Output: how many, 0 at the end of input. Errors: ReadTimeout, ConnectionLost.
   std::size_t read_some(char* buffer, std::size_t size, Clock::time_point deadline);
+  /// Gives back the last bytes that were read: the next read begins with them.
+  void put_back(std::string_view bytes);
+  /// Waits until there is something to read. Output: false - the time is over, or the client has nothing more to say.
+  bool wait_for_input(Clock::time_point until);
 
   /// Sends everything. Errors: ConnectionLost - also when the client reads more slowly than `pace`.
   void write_all(std::string_view bytes, const Pace& pace);
@@ -87,18 +94,24 @@ class Connection {
   bool has_unread_input() const;
 
   const std::string& peer_address() const { return peer_address_; }
+  /// Of the exchange at hand.
   std::uint64_t bytes_written() const { return written_; }
   std::uint64_t bytes_read() const { return read_; }
+  int socket() const { return socket_; }
 
  private:
   /// The socket is closed whatever fails after this.
   struct Owned {};
   Connection(int socket, Owned) noexcept : socket_(socket) {}
 
+  bool has_put_back() const { return read_again_ < put_back_.size(); }
+
   int socket_;
   std::string peer_address_;
   std::optional<Clock::time_point> ask_at_;  ///< of a client that is half closed
   Pace write_pace_;
+  std::string put_back_;        ///< what was read too far, to be read again
+  std::size_t read_again_ = 0;  ///< how much of that has been
   std::uint64_t written_ = 0;
   std::uint64_t read_ = 0;
 };

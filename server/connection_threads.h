@@ -1,13 +1,17 @@
-/// A thread a connection: a slow client holds nothing but its own.
+/// A thread a connection: a slow client holds nothing but its own. Threads stay for a moment for the next one.
 #pragma once
 
 #include <httplib.h>
 
+#include <chrono>
 #include <condition_variable>
+#include <cstddef>
 #include <exception>
 #include <functional>
 #include <mutex>
 #include <thread>
+#include <utility>
+#include <vector>
 
 namespace remesh::server {
 
@@ -18,15 +22,20 @@ class ConnectionThreads : public httplib::TaskQueue {
 
   void enqueue(std::function<void()> serve) override {
     {
-      const std::lock_guard lock(mutex_);
-      if (running_ >= max_threads_) return serve();  // in the listener's thread, which only refuses
+      std::unique_lock lock(mutex_);
+      if (waiting_.size() < idle_) {
+        waiting_.push_back(std::move(serve));
+        lock.unlock();
+        return changed_.notify_one();
+      }
+      if (running_ >= max_threads_) {
+        lock.unlock();
+        return serve();  // in the listener's thread, which only refuses
+      }
       ++running_;
     }
     try {
-      std::thread([this, serve] {
-        serve();
-        leave();
-      }).detach();
+      std::thread([this, serve] { run(serve); }).detach();
     } catch (const std::exception&) {  // no thread, or no memory for one
       leave();
       serve();
@@ -35,21 +44,50 @@ class ConnectionThreads : public httplib::TaskQueue {
 
   void shutdown() override {
     std::unique_lock lock(mutex_);
-    idle_.wait(lock, [this] { return running_ == 0; });
+    is_over_ = true;
+    changed_.notify_all();
+    left_.wait(lock, [this] { return running_ == 0; });
   }
 
  private:
+  /// How long a thread stays for the next connection: starting one costs as much as a small answer's system calls.
+  static constexpr std::chrono::seconds kStay{2};
+
+  void run(std::function<void()> serve) {
+    while (serve) {
+      serve();
+      serve = next();
+    }
+    leave();
+  }
+
+  /// Output: nothing - no connection came.
+  std::function<void()> next() {
+    std::unique_lock lock(mutex_);
+    ++idle_;
+    changed_.wait_for(lock, kStay, [this] { return is_over_ || !waiting_.empty(); });
+    --idle_;
+    if (waiting_.empty()) return nullptr;
+    std::function<void()> serve = std::move(waiting_.back());
+    waiting_.pop_back();
+    return serve;
+  }
+
   void leave() {
     // Told under the lock: once `shutdown` returns, this object is gone.
     const std::lock_guard lock(mutex_);
     --running_;
-    idle_.notify_all();
+    left_.notify_all();
   }
 
   const std::size_t max_threads_;
   std::mutex mutex_;
-  std::condition_variable idle_;
-  std::size_t running_ = 0;
+  std::condition_variable changed_;             ///< for threads that stay
+  std::condition_variable left_;                ///< for `shutdown`
+  std::vector<std::function<void()>> waiting_;  ///< fewer than the threads that stay, or as many
+  std::size_t idle_ = 0;                        ///< threads that stay
+  std::size_t running_ = 0;                     ///< those included
+  bool is_over_ = false;
 };
 
 }  // namespace remesh::server

@@ -34,10 +34,12 @@ struct Exchange {
   Connection& connection;
   const Clock::time_point start = Clock::now();
   Request request;
-  PendingBody pending;
+  Framing framing;                ///< of the body, before that is read
   std::exception_ptr refusal;     ///< why it must not reach a route
   std::optional<Counted> active;  ///< from its admission on
   bool is_read = false;           ///< head and body, all of it
+  bool is_streamed = false;       ///< an answer that ends with its connection
+  bool is_kept = false;           ///< the connection, for another request
 
   // What is known of the answer.
   std::string_view route = "none";  ///< the path of the route, with names for what varies

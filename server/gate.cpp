@@ -13,37 +13,40 @@ constexpr std::size_t kReadSize = 64 << 10;
 /// What a body of unknown length reserves first.
 constexpr std::size_t kReserveStep = 1 << 20;
 
-/// The bytes up to the end of the head, in `bytes`; what came behind it stays there. Output: the head's length, 0 when
-/// the client left without a word.
-std::size_t receive_head(Connection& connection, const GateLimits& limits, std::string& bytes) {
+/// The bytes of a head; none when the client left without a word.
+std::string receive_head(Connection& connection, const GateLimits& limits) {
   const Clock::time_point deadline = Clock::now() + limits.head_timeout;
   std::array<char, 8 << 10> buffer;
+  std::string bytes;
   std::size_t checked = 0;
   for (;;) {
     std::size_t got = 0;
     try {
       got = connection.read_some(buffer.data(), buffer.size(), deadline);
     } catch (const ReadTimeout&) {
-      if (bytes.empty()) return 0;
+      if (bytes.empty()) return {};
       throw HttpError(408, "request_timeout", "the request head took too long");
     }
     if (got == 0) {
-      if (bytes.empty()) return 0;
+      if (bytes.empty()) return {};
       throw HttpError(400, "malformed_request", "the request head ends early");
     }
     bytes.append(buffer.data(), got);
-    if (const auto end = find_head_end(bytes, checked, limits.head)) return *end;
+    if (const auto end = find_head_end(bytes, checked, limits.head)) {
+      connection.put_back(std::string_view(bytes).substr(*end));
+      bytes.resize(*end);
+      return bytes;
+    }
   }
 }
 
-/// Reads a body as `framing` delimits it; `early` is what arrived with the head.
+/// Reads a body as its framing delimits it.
 class BodyReader {
  public:
   BodyReader(Connection& connection, const GateLimits& limits, const Reserve& reserve)
       : connection_(connection), reserve_(reserve), pace_{limits.head_timeout, limits.min_body_rate} {}
 
-  void read_length(std::string_view early, std::uint64_t length, Body& body) {
-    body.append(early.substr(0, static_cast<std::size_t>(std::min<std::uint64_t>(length, early.size()))));
+  void read_length(std::uint64_t length, Body& body) {
     while (body.size() < length) {
       reserve_next(body.size(), length);
       const std::size_t want = static_cast<std::size_t>(std::min<std::uint64_t>(kReadSize, length - body.size()));
@@ -51,16 +54,15 @@ class BodyReader {
     }
   }
 
-  void read_chunked(std::string_view early, std::uint64_t max_body, Body& body) {
+  void read_chunked(std::uint64_t max_body, Body& body) {
     ChunkedDecoder decoder(max_body);
     std::string piece;
-    decoder.decode(early, piece);
-    body.append(piece);
     while (!decoder.is_done()) {
       reserve_next(body.size(), max_body);
       const std::size_t got = read(kReadSize, body.size());
       piece.clear();
-      decoder.decode(std::string_view(buffer_.data(), got), piece);
+      const std::string_view bytes(buffer_.data(), got);
+      connection_.put_back(bytes.substr(decoder.decode(bytes, piece)));
       body.append(piece);
     }
   }
@@ -98,17 +100,16 @@ bool is_continue_expected(const RequestHead& head) {
 
 }  // namespace
 
-std::optional<PendingBody> read_head(Connection& connection, const GateLimits& limits, RequestHead& head) {
-  std::string bytes;
-  const std::size_t size = receive_head(connection, limits, bytes);
-  if (size == 0) return std::nullopt;
-  head = parse_head(std::string_view(bytes).substr(0, size), limits.head);
-  return PendingBody{framing(head), bytes.substr(size)};
+std::optional<Framing> read_head(Connection& connection, const GateLimits& limits, RequestHead& head) {
+  const std::string bytes = receive_head(connection, limits);
+  if (bytes.empty()) return std::nullopt;
+  head = parse_head(bytes, limits.head);
+  return framing(head);
 }
 
-Body read_body(Connection& connection, const GateLimits& limits, const RequestHead& head, const PendingBody& pending,
+Body read_body(Connection& connection, const GateLimits& limits, const RequestHead& head, const Framing& framing,
                std::uint64_t max_body, const Reserve& reserve) {
-  const auto [kind, length] = pending.framing;
+  const auto [kind, length] = framing;
   if (kind == Framing::Kind::kNone || (kind == Framing::Kind::kLength && length == 0)) return {};
   if (kind == Framing::Kind::kLength && length > max_body) {
     throw HttpError(413, "body_too_large", "the body is larger than this resource takes").with_limit(max_body);
@@ -116,17 +117,17 @@ Body read_body(Connection& connection, const GateLimits& limits, const RequestHe
   // Before the client sends it all: is there room for it now?
   if (kind == Framing::Kind::kLength) reserve(0, length);
 
-  if (pending.early.empty() && is_continue_expected(head)) {
+  if (!connection.has_unread_input() && is_continue_expected(head)) {
     connection.write_all("HTTP/1.1 100 Continue\r\n\r\n", {limits.head_timeout, limits.min_body_rate});
   }
   BodyReader reader(connection, limits, reserve);
   Body body;
   if (kind == Framing::Kind::kLength) {
-    reader.read_length(pending.early, length, body);
+    reader.read_length(length, body);
   } else {
-    reader.read_chunked(pending.early, max_body, body);
+    reader.read_chunked(max_body, body);
   }
-  reserve(body.size(), body.size());  // also what came with the head
+  reserve(body.size(), body.size());  // whatever steps it came in
   body.seal();
   return body;
 }

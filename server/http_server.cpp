@@ -21,6 +21,7 @@
 #include "server/connection_threads.h"
 #include "server/error_response.h"
 #include "server/exchange.h"
+#include "server/idle_connections.h"
 #include "server/log.h"
 #include "server/memory_budget.h"
 #include "server/request_registry.h"
@@ -150,12 +151,14 @@ std::string name_request(const RequestHead& head) {
 class HttpServer::Listener : public httplib::Server {
  public:
   Listener(const std::vector<Route>& routes, const HttpSettings& settings)
-      : settings_(settings), addresses_(settings.max_connections_per_address) {
+      : settings_(settings), addresses_(settings.max_connections_per_address), idle_(most_idle(settings)) {
     set_default_headers({{"X-Content-Type-Options", "nosniff"}});
     set_payload_max_length(0);  // bodies do not pass through the library
     register_routes(routes);
     register_ways_out();
-    new_task_queue = [this] { return new ConnectionThreads(settings_.max_connections + kRefusers); };
+    new_task_queue = [this] {
+      return new ConnectionThreads(settings_.max_connections + kRefusers + most_idle(settings_));
+    };
     // The library's own options let two daemons share a port in silence.
     set_socket_options([](socket_t socket) {
       const int yes = 1;
@@ -188,9 +191,15 @@ class HttpServer::Listener : public httplib::Server {
     while (!is_running()) std::this_thread::yield();
   }
 
+  void begin_drain() {
+    draining_ = true;
+    idle_.end_all();
+  }
+
   void stop_all() {
     if (!thread_.joinable()) return;
     stopping_ = true;
+    begin_drain();
     {
       const std::lock_guard lock(mutex_);
       for (const int socket : sockets_) ::shutdown(socket, SHUT_RDWR);
@@ -203,9 +212,11 @@ class HttpServer::Listener : public httplib::Server {
 
   int port() const { return port_; }
   std::size_t active_requests() const { return active_; }
-  std::size_t open_connections() const { return open_; }
+  std::size_t open_connections() const { return open_ + idle_.count(); }
 
  private:
+  static std::size_t most_idle(const HttpSettings& settings) { return settings.max_connections / 4 + 1; }
+
   void accept_connections() {
     listener_thread_ = std::this_thread::get_id();
     // The library ends its loop on any error of accept() that it does not know, and closes the socket: a second
@@ -230,24 +241,36 @@ class HttpServer::Listener : public httplib::Server {
     std::optional<Connection> accepted;
     try {
       Connection& connection = accepted.emplace(socket);
-      const Counted open(open_);
-      if (std::this_thread::get_id() == listener_thread_ || open_ > settings_.max_connections) {
-        refuse(connection, HttpError(503, "overloaded", "too many connections"));
-        return true;
-      }
-      const std::optional<AddressCounts::Place> place = addresses_.enter(connection.peer_address());
-      if (!place) {
-        refuse(connection, HttpError(429, "rate_limited", "too many connections from this address")
-                               .with_limit(settings_.max_connections_per_address));
-        return true;
-      }
       const OpenSocket registered(*this, socket);
-      serve(connection);
+      while (admit(connection) && has_next(connection)) connection.begin_exchange();
     } catch (const std::exception& error) {
       log::write(log::Level::kError, "connection failed", {{"error", std::string(error.what())}});
       if (accepted) excuse(*accepted);
     }
     return true;
+  }
+
+  /// Serves a request, where there is room for one more. Output: whether the connection is kept.
+  bool admit(Connection& connection) {
+    const Counted open(open_);
+    if (std::this_thread::get_id() == listener_thread_ || open_ > settings_.max_connections) {
+      refuse(connection, HttpError(503, "overloaded", "too many connections"));
+      return false;
+    }
+    const std::optional<AddressCounts::Place> place = addresses_.enter(connection.peer_address());
+    if (!place) {
+      refuse(connection, HttpError(429, "rate_limited", "too many connections from this address")
+                             .with_limit(settings_.max_connections_per_address));
+      return false;
+    }
+    return serve(connection);
+  }
+
+  /// Waits for the next request on a connection that is kept.
+  bool has_next(Connection& connection) {
+    if (connection.has_unread_input()) return true;
+    const IdleConnections::Stay stay(idle_, connection.socket());
+    return connection.wait_for_input(Clock::now() + settings_.idle_timeout);
   }
 
   /// The last resort, where there is not even memory for an answer.
@@ -280,32 +303,35 @@ class HttpServer::Listener : public httplib::Server {
     connection.finish(is_crowded ? std::chrono::milliseconds(0) : kRefusalLinger);
   }
 
-  /// One connection: one request, one answer.
-  void serve(Connection& connection) {
+  /// One request, one answer. Output: whether the connection is kept.
+  bool serve(Connection& connection) {
     connection.set_write_pace({settings_.gate.write_timeout, settings_.gate.min_body_rate});
     Exchange exchange(connection);
     try {
-      if (!take_head(exchange)) return;
+      if (!take_head(exchange)) return false;
       answer(exchange);
     } catch (const ConnectionLost&) {
-      return account_for(exchange, Outcome::kClientGone, settings_.metrics);
+      account_for(exchange, Outcome::kClientGone, settings_.metrics);
+      return false;
     }
     account_for(exchange, Outcome::kAnswered, settings_.metrics);
+    if (exchange.is_kept) return true;
     exchange.active.reset();
     exchange.request.memory.reset();
     // A client whose request was read whole mostly has nothing more to say; any other may be in the middle of its
     // upload.
     const bool is_silent = exchange.is_read && !connection.has_unread_input();
     connection.finish(is_silent ? std::chrono::milliseconds(0) : kLinger);
+    return false;
   }
 
   /// Output: false - there is no request.
   bool take_head(Exchange& exchange) const {
     RequestHead& head = exchange.request;
     try {
-      std::optional<PendingBody> pending = read_head(exchange.connection, settings_.gate, head);
-      if (!pending) return false;
-      exchange.pending = std::move(*pending);
+      const std::optional<Framing> framing = read_head(exchange.connection, settings_.gate, head);
+      if (!framing) return false;
+      exchange.framing = *framing;
       check_routable(head);
     } catch (const ConnectionLost&) {
       throw;
@@ -327,7 +353,14 @@ class HttpServer::Listener : public httplib::Server {
     const CurrentExchange current(exchange);
     ExchangeStream stream(exchange.connection, canonical_head(exchange));
     bool is_closed = false;
-    process_request(stream, /*close_connection=*/true, is_closed, nullptr);
+    if (!process_request(stream, /*close_connection=*/false, is_closed, nullptr)) exchange.is_kept = false;
+  }
+
+  /// Whether the connection is for another request: its client asks for that and has done nothing wrong, and both sides
+  /// know where this exchange ends. A body that was not read, or an answer without a length, ends with the connection.
+  bool may_keep(const Exchange& exchange) const {
+    return exchange.is_read && exchange.status < 400 && !exchange.is_streamed && settings_.idle_timeout.count() > 0 &&
+           !draining_ && asks_to_keep(exchange.request);
   }
 
   /// A route has taken the request: lets it in, and reads the body that it may have.
@@ -346,7 +379,7 @@ class HttpServer::Listener : public httplib::Server {
     const Clock::time_point start = Clock::now();
     Request& request = exchange.request;
     exchange.active.emplace(active_);
-    request.body = read_body(exchange.connection, settings_.gate, request, exchange.pending, max_body,
+    request.body = read_body(exchange.connection, settings_.gate, request, exchange.framing, max_body,
                              [&](std::uint64_t held, std::uint64_t expected) {
                                if (request.memory) request.memory->hold_body(held, expected);
                              });
@@ -366,6 +399,7 @@ class HttpServer::Listener : public httplib::Server {
     for (const auto& [name, value] : settings_.cors.headers(exchange.request)) out.set_header(name, value);
     const std::string content_type = one_line(answer.content_type);
     if (answer.next_piece) {
+      exchange.is_streamed = true;
       out.set_content_provider(content_type,
                                [next = std::move(answer.next_piece)](std::size_t, httplib::DataSink& sink) {
                                  const std::string piece = next();
@@ -471,7 +505,13 @@ class HttpServer::Listener : public httplib::Server {
       give_failure(*current_exchange, std::make_exception_ptr(not_found()), out);
       return Handled::Handled;
     }));
-    set_post_routing_handler([](const httplib::Request&, httplib::Response& out) {
+    set_post_routing_handler([this](const httplib::Request&, httplib::Response& out) {
+      Exchange& exchange = *current_exchange;
+      exchange.is_kept = may_keep(exchange);
+      out.headers.erase("Keep-Alive");  // the library's own times
+      out.set_header("Connection", exchange.is_kept ? "keep-alive" : "close");
+      if (exchange.is_kept)
+        out.set_header("Keep-Alive", "timeout=" + std::to_string(settings_.idle_timeout / std::chrono::seconds(1)));
       out.headers.erase("Accept-Ranges");  // there are none
       if (out.status == 204 || out.status == 304) out.headers.erase("Content-Length");
     });
@@ -504,7 +544,9 @@ class HttpServer::Listener : public httplib::Server {
   std::thread thread_;
   std::atomic<std::thread::id> listener_thread_{};
   std::atomic<bool> stopping_{false};
-  std::atomic<std::size_t> open_{0};
+  std::atomic<bool> draining_{false};
+  std::atomic<std::size_t> open_{0};  ///< connections, without those that wait for their next request
+  IdleConnections idle_;
   std::atomic<std::size_t> active_{0};
   std::mutex mutex_;
   std::set<int> sockets_;
@@ -516,6 +558,7 @@ HttpServer::~HttpServer() { stop(); }
 void HttpServer::bind(const Address& address) { listener_->bind(address); }
 int HttpServer::port() const { return listener_->port(); }
 void HttpServer::start() { listener_->start(); }
+void HttpServer::begin_drain() { listener_->begin_drain(); }
 void HttpServer::stop() { listener_->stop_all(); }
 std::size_t HttpServer::active_requests() const { return listener_->active_requests(); }
 std::size_t HttpServer::open_connections() const { return listener_->open_connections(); }

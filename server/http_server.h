@@ -1,5 +1,6 @@
-/// The listener: accepts connections, one thread each, reads one request from each through the gate, and answers it.
-/// Every answer closes its connection.
+/// The listener: accepts connections, one thread each, reads requests from each through the gate, one after another,
+/// and answers them. A connection is kept where its client asks for that and it is certain where the next request
+/// begins.
 ///
 /// cpp-httplib binds and accepts, routes, and writes the answers. It is not let near a byte that a client sends: its
 /// 0.11.4 has no overall deadlines, no bound on chunked bodies or lines, and can be misled about where a request ends.
@@ -8,6 +9,7 @@
 /// and fails before routing, so that there is one way out for all.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
@@ -26,6 +28,9 @@ struct HttpSettings {
   GateLimits gate;
   std::size_t max_connections = 512;
   std::size_t max_connections_per_address = 64;
+  /// How long a connection is kept for its next request; 0: not at all. Those that wait do not count among the
+  /// connections above: there may be a quarter as many, then the one that has waited longest goes.
+  std::chrono::milliseconds idle_timeout{5'000};
   const ApiKeys* keys = nullptr;  ///< what to ask for; none: nothing
   Cors cors;
   Metrics* metrics = nullptr;  ///< where to count; none: nowhere
@@ -43,11 +48,14 @@ class HttpServer {
   int port() const;
   /// Accepts connections in a thread of its own.
   void start();
+  /// Goes on, but keeps no connection any more.
+  void begin_drain();
   /// Closes the listener and all connections, and waits for their threads.
   void stop();
 
   /// Requests whose head was admitted and whose answer is not sent yet.
   std::size_t active_requests() const;
+  /// Those that wait for their next request included.
   std::size_t open_connections() const;
 
  private:

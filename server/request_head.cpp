@@ -155,6 +155,21 @@ RequestHead parse_head(std::string_view bytes, const HeadLimits& limits) {
   return head;
 }
 
+bool asks_to_keep(const RequestHead& head) {
+  bool keeps = false;
+  for (const auto& [name, value] : head.headers) {
+    if (name != "connection") continue;
+    for (std::string_view rest = value; !rest.empty();) {
+      const auto [text, others] = api::cut(rest, ',');
+      const std::string option = api::ascii_lower(trimmed(text));
+      if (option == "close") return false;
+      keeps = keeps || option == "keep-alive";
+      rest = others;
+    }
+  }
+  return keeps;
+}
+
 Framing framing(const RequestHead& head) {
   const std::size_t lengths = count(head, "content-length");
   const std::size_t codings = count(head, "transfer-encoding");

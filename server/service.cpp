@@ -87,6 +87,7 @@ Service::Service(const Config& config, Operations operations)
   HttpSettings settings;
   settings.gate = config.gate;
   settings.max_connections = settings.max_connections_per_address = kOpsConnections;
+  settings.idle_timeout = config.idle_timeout;
   ops_ = std::make_unique<HttpServer>(ops_routes(), settings);
 }
 
@@ -109,6 +110,7 @@ HttpSettings Service::http_settings() {
   settings.gate = config_.gate;
   settings.max_connections = config_.max_connections;
   settings.max_connections_per_address = config_.max_connections_per_address;
+  settings.idle_timeout = config_.idle_timeout;
   settings.keys = &keys_;
   settings.cors = config_.cors;
   settings.metrics = &metrics_;
@@ -127,6 +129,8 @@ void Service::start() {
 
 void Service::begin_drain() {
   draining_ = true;
+  http_.begin_drain();
+  if (ops_) ops_->begin_drain();
   if (jobs_) jobs_->begin_drain();
 }
 

@@ -72,6 +72,7 @@ std::optional<WorkerPool::Ticket> WorkerPool::try_submit(std::function<void()> j
     if (stopping_ || is_full_locked(size)) return std::nullopt;
     ticket = next_ticket_++;
     queue_.push_back({ticket, size, std::move(job)});
+    if (!needs_thread_locked()) return ticket;
   }
   changed_.notify_one();
   return ticket;
@@ -126,9 +127,15 @@ Clock::time_point WorkerPool::next_change_locked() const {
   return last > Clock::now() ? last : Clock::time_point::max();
 }
 
+std::deque<WorkerPool::Entry>::iterator WorkerPool::next_locked() {
+  return std::find_if(queue_.begin(), queue_.end(),
+                      [this](const Entry& candidate) { return may_start_locked(candidate.size); });
+}
+
+bool WorkerPool::needs_thread_locked() { return !queue_.empty() && (!is_watched_ || next_locked() != queue_.end()); }
+
 std::optional<WorkerPool::Entry> WorkerPool::take_locked() {
-  const auto entry = std::find_if(queue_.begin(), queue_.end(),
-                                  [this](const Entry& candidate) { return may_start_locked(candidate.size); });
+  const auto entry = next_locked();
   if (entry == queue_.end()) return std::nullopt;
   Entry taken = std::move(*entry);
   queue_.erase(entry);
@@ -145,23 +152,24 @@ void WorkerPool::work(std::size_t place, int workers) {
     std::optional<Entry> entry = take_locked();
     if (!entry) {
       const Clock::time_point until = next_change_locked();
-      if (until == Clock::time_point::max()) {
+      if (is_watched_ || until == Clock::time_point::max()) {
         changed_.wait(lock);
       } else {
+        is_watched_ = true;
         changed_.wait_until(lock, until);
+        is_watched_ = false;
       }
       continue;
     }
     running_[place] = Running{entry->size, Clock::now()};
     ++running_count_;
-    if (!queue_.empty()) changed_.notify_one();  // somebody must know when the next place may open
+    if (needs_thread_locked()) changed_.notify_one();
     lock.unlock();
     arena.execute(entry->job);
     entry.reset();  // what it holds is freed outside the lock
     lock.lock();
     running_[place].reset();
-    --running_count_;
-    changed_.notify_all();  // another thread may now take what it could not
+    --running_count_;  // what may start now, this thread takes
   }
 }
 

@@ -69,6 +69,10 @@ class WorkerPool {
   bool may_start_locked(JobSize size) const;
   /// When a place may open although no job ends; the maximum where that cannot be.
   Clock::time_point next_change_locked() const;
+  /// The first that may start.
+  std::deque<Entry>::iterator next_locked();
+  /// Whether a thread that waits has something to do: a job to start, or to know when a place opens.
+  bool needs_thread_locked();
   std::optional<Entry> take_locked();
 
   /// All arenas share this many threads, as many as asked for even where the machine has fewer cores.
@@ -80,6 +84,7 @@ class WorkerPool {
   std::deque<Entry> queue_;
   std::vector<std::optional<Running>> running_;  ///< one a thread, so that starting a job takes no memory
   std::size_t running_count_ = 0;
+  bool is_watched_ = false;  ///< a thread waits for the time when a place may open
   Ticket next_ticket_ = 1;
   bool stopping_ = false;
   std::atomic<std::size_t> busy_threads_{0};

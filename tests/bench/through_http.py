@@ -1,6 +1,7 @@
 """Part `http`: the daemon beside the command line, and beside the work alone."""
 
 import concurrent.futures
+import functools
 import http.client
 import re
 import shutil
@@ -90,22 +91,31 @@ def measure_small(bench, table, daemon):
     if not shutil.which("wrk"):
         table.leave_out(case, "answered", "wrk could not be had")
         return
-    script = bench.folder / "post.lua"
-    script.write_text(f'local file = io.open("{path}", "rb")\nwrk.method = "POST"\n'
-                      'wrk.body = file:read("*a")\nwrk.headers["Content-Type"] = "model/obj"\n')
+
+    def script(name, fields):
+        """Of wrk: what it sends."""
+        file = bench.folder / name
+        file.write_text(f'local file = io.open("{path}", "rb")\nwrk.method = "POST"\nwrk.body = file:read("*a")\n' +
+                        "".join(f'wrk.headers["{key}"] = "{value}"\n' for key, value in fields.items()))
+        return file
+
+    once = {"Content-Type": "model/obj"}
+    scripts = {"kept": script("kept.lua", {**once, "Connection": "keep-alive"}), "once": script("once.lua", once)}
 
     def possible():
         return float(bench.run(bench.program("remesh_cases"), "--rate", "1000", str(WORKERS), "2").output)
 
-    def answered():
-        output = bench.run("wrk", "-t1", "-c8", "-d2s", "-s", script,
+    def answered(connections):
+        output = bench.run("wrk", "-t1", "-c8", "-d2s", "-s", scripts[connections],
                            f"http://127.0.0.1:{daemon.port}/v1/remesh?refine=false&format=obj").output
         if "Non-2xx" in output:
             sys.exit(f"remeshd refuses under wrk:\n{output}")
         return float(re.search(r"Requests/sec:\s+([\d.]+)", output)[1])
 
-    results = bench.by_turns({"possible": possible, "answered": answered})
-    possible_rate, rate = (statistics.median(results[name]) for name in ["possible", "answered"])
+    results = bench.by_turns({"possible": possible, **{name: functools.partial(answered, name) for name in scripts}})
+    possible_rate, kept, one_each = (statistics.median(results[name]) for name in ["possible", "kept", "once"])
     table.add(case, "answered without HTTP", possible_rate, "a second")
-    table.add(case, "answered", rate, "a second")
-    table.add(case, "time a request", 1000 / rate, "ms", "without HTTP", 1000 / possible_rate, round(1 / 0.7, 2))
+    table.add(case, "answered, connections kept", kept, "a second")
+    table.add(case, "time a request", 1000 / kept, "ms", "without HTTP", 1000 / possible_rate, round(1 / 0.7, 2))
+    table.add(case, "answered, a connection each", one_each, "a second")
+    table.add(case, "time a request, a connection each", 1000 / one_each, "ms", "without HTTP", 1000 / possible_rate)

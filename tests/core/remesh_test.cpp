@@ -256,6 +256,24 @@ TEST(remesh_surface, cubes_that_touch_along_an_edge_keep_its_four_faces) {
   EXPECT_EQ(result.mesh.faces.size(), 24u);
 }
 
+TEST(thread_count, small_inputs_are_worth_fewer_threads) {
+  const tbb::global_control eight(tbb::global_control::max_allowed_parallelism, 8);
+  const PolygonMesh mesh = shapes::box({1, 2, 3}, 10);
+  const auto count = [&](std::size_t corners_a_thread, bool refine, int workers = 6) {
+    Options options;
+    options.refine = refine;
+    return thread_count(mesh, options, {workers, false, corners_a_thread});
+  };
+  const std::size_t corners = mesh.corners.size();
+  EXPECT_EQ(count(0, false), 6);
+  EXPECT_EQ(count(corners + 1, false), 1);
+  EXPECT_EQ(count(corners, false), 2);
+  EXPECT_EQ(count(corners / 3, false), 4);
+  EXPECT_EQ(count(1, false), 6);
+  EXPECT_EQ(count(1, false, 100), 8) << "more than the process has";
+  EXPECT_EQ(count(corners + 1, true), 6) << "what is refined may become large";
+}
+
 TEST(remesh_surface, bytes_are_the_same_for_any_number_of_workers_and_on_every_run) {
   for (const PolygonMesh& mesh :
        {shapes::ring(8), bracket(), shapes::sphere(4), shapes::rotated(shapes::cylinder(64, 1, 2), {1, 2, 3}, 20),

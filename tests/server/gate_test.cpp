@@ -37,9 +37,9 @@ class Gate : public ::testing::Test {
   /// The status of the refusal, or 200.
   int read() {
     try {
-      const std::optional<PendingBody> pending = read_head(*connection_, limits_, request_);
-      is_request_ = pending.has_value();
-      if (is_request_) request_.body = read_body(*connection_, limits_, request_, *pending, max_body_, reserve_);
+      const std::optional<Framing> framing = read_head(*connection_, limits_, request_);
+      is_request_ = framing.has_value();
+      if (is_request_) request_.body = read_body(*connection_, limits_, request_, *framing, max_body_, reserve_);
       return 200;
     } catch (const HttpError& error) {
       limit_ = error.problem.limit;
@@ -63,6 +63,9 @@ TEST_F(Gate, a_body_of_known_length_is_read_and_no_more) {
   EXPECT_EQ(read(), 200);
   EXPECT_TRUE(is_request_);
   EXPECT_EQ(request_.body.view(), "hello");
+  send("next HTTP/1.1\r\nHost: x\r\n\r\n");
+  EXPECT_EQ(read(), 200);
+  EXPECT_EQ(request_.path, "/next");
 }
 
 TEST_F(Gate, a_chunked_body_is_decoded) {

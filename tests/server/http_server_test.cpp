@@ -3,6 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <memory>
+#include <mutex>
+#include <set>
+#include <string>
+#include <thread>
+#include <vector>
+
 #include "server/log.h"
 #include "tests/server/raw_client.h"
 
@@ -153,14 +160,13 @@ TEST_F(HttpServerTest, a_value_cannot_start_a_field_of_its_own) {
 }
 
 TEST_F(HttpServerTest, what_a_client_may_ask_of_the_library_is_not_heard) {
-  // Ranges, compression, another connection: the library knows them all.
+  // Ranges, compression, its own times for connections: the library knows them all.
   const Answer answer = request("GET", "/v1/requests/abc",
-                                "Range: bytes=0-1\r\nAccept-Encoding: gzip, br\r\nConnection: keep-alive\r\n"
+                                "Range: bytes=0-1\r\nAccept-Encoding: gzip, br\r\n"
                                 "Expect: 100-continue\r\nREMOTE_ADDR: 1.2.3.4\r\n");
   EXPECT_EQ(answer.status, 200);
   EXPECT_EQ(answer.body, "show:abc:");
   EXPECT_EQ(answer.header("Content-Encoding"), "");
-  EXPECT_EQ(answer.header("Connection"), "close");
 }
 
 TEST_F(HttpServerTest, a_form_is_a_body_like_any_other) {
@@ -201,6 +207,146 @@ TEST_F(HttpServerTest, a_client_that_leaves_in_the_middle_leaves_nothing_behind)
     EXPECT_EQ(request("GET", "/").status, 200) << begun;
   }
   EXPECT_EQ(request("GET", "/large").body.size(), 30'000'000u);
+}
+
+/// Connections that serve more than one request.
+class KeptConnection : public HttpServerTest {
+ protected:
+  static std::string get_text(const std::string& path, const std::string& fields = "Connection: keep-alive\r\n") {
+    return "GET " + path + " HTTP/1.1\r\nHost: x\r\n" + fields + "\r\n";
+  }
+  static Answer next(RawClient& client) { return Answer::parse(client.receive_answer()); }
+  /// Of a connection that the server has closed.
+  static bool is_closed(RawClient& client) { return client.receive().empty(); }
+
+  static std::unique_ptr<HttpServer> start(const HttpSettings& settings) {
+    const std::vector<Route> routes{{"GET", "/", named("root")}};
+    auto server = std::make_unique<HttpServer>(routes, settings);
+    server->bind({"127.0.0.1", 0});
+    server->start();
+    return server;
+  }
+};
+
+TEST_F(KeptConnection, requests_are_answered_one_after_another) {
+  RawClient client(server_.port());
+  for (int i = 0; i < 20; ++i) {
+    const std::string name = std::to_string(i);
+    client.send(get_text("/v1/requests/" + name));
+    const Answer answer = next(client);
+    EXPECT_EQ(answer.body, "show:" + name + ":");
+    EXPECT_EQ(answer.header("Connection"), "keep-alive");
+    EXPECT_EQ(answer.header("Keep-Alive"), "timeout=5");
+    client.send(post_text("/v1/remesh", name, "Connection: keep-alive\r\n"));
+    EXPECT_EQ(next(client).body, "remesh::" + name);
+  }
+  EXPECT_EQ(server_.open_connections(), 1u);
+}
+
+TEST_F(KeptConnection, what_is_sent_ahead_is_not_lost_wherever_the_packets_end) {
+  const std::string requests = post_text("/v1/remesh", "one", "Connection: keep-alive\r\n") +
+                               "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nConnection: keep-alive\r\nTransfer-Encoding: "
+                               "chunked\r\n\r\n3\r\ntwo\r\n0\r\nT: t\r\n\r\n" +
+                               get_text("/nothing") + get_text("/v1/requests/four", "Connection: close\r\n");
+  for (const std::size_t size : {requests.size(), std::size_t{1}, std::size_t{7}, std::size_t{97}}) {
+    RawClient client(server_.port());
+    for (std::size_t at = 0; at < requests.size(); at += size) ASSERT_TRUE(client.send(requests.substr(at, size)));
+    EXPECT_EQ(next(client).body, "remesh::one") << size;
+    EXPECT_EQ(next(client).body, "remesh::two") << size;
+    EXPECT_EQ(next(client).body, "") << size;
+    EXPECT_EQ(next(client).body, "show:four:") << size;
+    EXPECT_TRUE(is_closed(client)) << size;
+  }
+}
+
+TEST_F(KeptConnection, it_ends_unless_the_client_asks_and_the_next_request_can_be_told) {
+  const std::string keep = "Connection: keep-alive\r\n";
+  for (const std::string& request :
+       {get_text("/", ""), get_text("/", "Connection: close\r\n"), get_text("/", keep + "Connection: close\r\n"),
+        get_text("/pieces"), get_text("/", keep + "Content-Length: 3\r\n") + "abc", get_text("/v1"),
+        get_text("/v1/remesh"), post_text("/v1/remesh", std::string(78, 'x'), keep), "rubbish\r\n" + keep + "\r\n"}) {
+    RawClient client(server_.port());
+    client.send(request + get_text("/"));
+    const Answer answer = next(client);
+    EXPECT_NE(answer.status, 0) << request;
+    EXPECT_EQ(answer.header("Connection"), "close") << request;
+    EXPECT_EQ(answer.header("Keep-Alive"), "") << request;
+    EXPECT_TRUE(is_closed(client)) << request;
+  }
+}
+
+TEST_F(KeptConnection, it_waits_so_long_and_no_longer) {
+  HttpSettings settings;
+  settings.idle_timeout = std::chrono::milliseconds(100);
+  const auto server = start(settings);
+  RawClient client(server->port());
+  client.send(get_text("/"));
+  const auto began = Clock::now();
+  EXPECT_EQ(next(client).status, 200);
+  EXPECT_TRUE(is_closed(client));
+  EXPECT_GE(Clock::now() - began, std::chrono::milliseconds(100));
+
+  settings.idle_timeout = std::chrono::milliseconds(0);
+  const auto other = start(settings);
+  RawClient once(other->port());
+  once.send(get_text("/"));
+  EXPECT_EQ(next(once).header("Connection"), "close");
+  EXPECT_TRUE(is_closed(once));
+}
+
+TEST_F(KeptConnection, those_that_wait_take_no_place_of_others) {
+  HttpSettings settings;
+  settings.max_connections = settings.max_connections_per_address = 4;  // and two that wait
+  settings.idle_timeout = std::chrono::seconds(60);
+  const auto server = start(settings);
+  std::vector<std::unique_ptr<RawClient>> clients;
+  for (int i = 0; i < 20; ++i) {
+    clients.push_back(std::make_unique<RawClient>(server->port()));
+    clients.back()->send(get_text("/"));
+    ASSERT_EQ(next(*clients.back()).status, 200) << i;
+    // Those that waited longest have gone.
+    ASSERT_TRUE(eventually([&] { return server->open_connections() <= 2; })) << i;
+  }
+  EXPECT_TRUE(is_closed(*clients.front()));
+  for (int again = 0; again < 2; ++again) {
+    clients.back()->send(get_text("/"));
+    EXPECT_EQ(next(*clients.back()).status, 200);
+  }
+}
+
+TEST_F(KeptConnection, a_drain_ends_those_that_wait_and_those_that_come) {
+  RawClient waiting(server_.port());
+  waiting.send(get_text("/"));
+  EXPECT_EQ(next(waiting).header("Connection"), "keep-alive");
+  server_.begin_drain();
+  EXPECT_TRUE(is_closed(waiting));
+  RawClient client(server_.port());
+  client.send(get_text("/"));
+  EXPECT_EQ(next(client).header("Connection"), "close");
+  EXPECT_TRUE(is_closed(client));
+}
+
+TEST_F(KeptConnection, a_thread_stays_for_the_next_one) {
+  std::mutex mutex;
+  std::set<std::thread::id> threads;
+  HttpServer server({{"GET", "/",
+                      [&](const Call&) {
+                        const std::lock_guard lock(mutex);
+                        threads.insert(std::this_thread::get_id());
+                        return Response();
+                      }}},
+                    HttpSettings{});
+  server.bind({"127.0.0.1", 0});
+  server.start();
+  for (int i = 0; i < 50; ++i) {
+    RawClient client(server.port());
+    client.send(get_text("/", "Connection: close\r\n"));
+    EXPECT_EQ(next(client).status, 200);
+    EXPECT_TRUE(is_closed(client));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  server.stop();
+  EXPECT_LT(threads.size(), 25u);
 }
 
 TEST(HttpServerRoutes, a_method_that_cannot_be_routed_is_a_defect_that_shows_at_once) {

@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <string>
 #include <string_view>
+#include <utility>
 
 namespace remesh::server {
 
@@ -59,16 +60,24 @@ class RawClient {
     return true;
   }
 
-  /// Everything up to the end, or up to `stop` if that is given and seen.
+  /// Everything up to the end, or at least up to `stop` if that is given and seen.
   std::string receive(std::string_view stop = {}) {
-    std::string text;
-    std::array<char, 4096> buffer;
-    while (stop.empty() || text.find(stop) == std::string::npos) {
-      const ssize_t got = ::recv(socket_, buffer.data(), buffer.size(), 0);
-      if (got <= 0) break;
-      text.append(buffer.data(), static_cast<std::size_t>(got));
+    while ((stop.empty() || arrived_.find(stop) == std::string::npos) && receive_some()) {
     }
-    return text;
+    return std::exchange(arrived_, {});
+  }
+
+  /// One answer: its head, behind interim ones, and as much as its Content-Length says, or all there is where it says
+  /// nothing.
+  std::string receive_answer() {
+    const std::string_view length = "\r\nContent-Length: ";
+    std::string head;
+    do {
+      head = take_up_to("\r\n\r\n");
+    } while (head.rfind("HTTP/1.1 1", 0) == 0);
+    if (head.rfind("HTTP/1.1 204", 0) == 0 || head.rfind("HTTP/1.1 304", 0) == 0) return head;
+    const std::size_t at = head.find(length);
+    return head + (at == std::string::npos ? receive() : take(std::stoull(head.substr(at + length.size()))));
   }
 
   /// Takes one byte if there is one.
@@ -90,7 +99,29 @@ class RawClient {
   }
 
  private:
+  /// Output: false at the end.
+  bool receive_some() {
+    std::array<char, 4096> buffer;
+    const ssize_t got = ::recv(socket_, buffer.data(), buffer.size(), 0);
+    if (got > 0) arrived_.append(buffer.data(), static_cast<std::size_t>(got));
+    return got > 0;
+  }
+  std::string take(std::size_t size) {
+    while (arrived_.size() < size && receive_some()) {
+    }
+    std::string taken = arrived_.substr(0, size);
+    arrived_.erase(0, size);
+    return taken;
+  }
+  std::string take_up_to(std::string_view stop) {
+    std::size_t at = 0;
+    while ((at = arrived_.find(stop)) == std::string::npos && receive_some()) {
+    }
+    return take(at == std::string::npos ? arrived_.size() : at + stop.size());
+  }
+
   int socket_;
+  std::string arrived_;  ///< and not taken yet
 };
 
 /// An answer, taken apart.

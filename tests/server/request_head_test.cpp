@@ -36,6 +36,21 @@ TEST(RequestHead, a_plain_head_is_read_whole) {
   EXPECT_EQ(head.minor_version, 1);
 }
 
+TEST(RequestHead, a_client_may_ask_for_its_connection_to_be_kept) {
+  const auto asks = [](const std::string& fields, const std::string& version = "1.1") {
+    return asks_to_keep(parsed("GET / HTTP/" + version + "\r\nHost: h\r\n" + fields + "\r\n"));
+  };
+  for (const char* fields : {"Connection: keep-alive\r\n", "Connection: TE , Keep-Alive,\r\n",
+                             "Connection: x\r\nConnection: keep-alive\r\n"}) {
+    EXPECT_TRUE(asks(fields)) << fields;
+    EXPECT_TRUE(asks(fields, "1.0")) << fields;
+  }
+  for (const char* fields :
+       {"", "Connection:\r\n", "Connection: close\r\n", "Connection: keep-alive, CLOSE\r\n",
+        "Connection: keep-alive\r\nConnection: close\r\n", "Connection: keep-alives\r\n", "Keep-Alive: timeout=5\r\n"})
+    EXPECT_FALSE(asks(fields)) << fields;
+}
+
 TEST(RequestHead, the_absolute_form_of_a_target_is_understood) {
   EXPECT_EQ(parsed("GET http://h:1/livez?x=1 HTTP/1.1\r\nHost: h\r\n\r\n").path, "/livez");
   EXPECT_EQ(parsed("GET http://h HTTP/1.1\r\nHost: h\r\n\r\n").path, "/");

@@ -5,6 +5,7 @@
 
 #include <atomic>
 #include <future>
+#include <thread>
 #include <vector>
 
 #include "tests/server/raw_client.h"
@@ -113,6 +114,26 @@ TEST(WorkerPool, small_jobs_pass_those_that_have_run_for_long) {
   EXPECT_TRUE(eventually([&] { return ran.load(); }));
   EXPECT_GE(Clock::now() - start, WorkerPool::kLong);
   gate.set_value();
+}
+
+TEST(WorkerPool, none_of_many_jobs_from_many_threads_is_forgotten) {
+  constexpr int kClients = 8;
+  constexpr int kJobs = 2000;
+  WorkerPool pool(2, kClients, 1);
+  std::vector<std::thread> clients;
+  std::atomic<int> done = 0;
+  for (int c = 0; c < kClients; ++c) {
+    clients.emplace_back([&, c] {
+      for (int i = 0; i < kJobs; ++i) {
+        std::promise<void> ran;
+        const JobSize size = (c + i) % 16 == 0 ? JobSize::kLarge : JobSize::kSmall;
+        while (!pool.try_submit([&] { ran.set_value(); }, size)) std::this_thread::yield();
+        if (ran.get_future().wait_for(kPatience) == std::future_status::ready) ++done;
+      }
+    });
+  }
+  for (std::thread& client : clients) client.join();
+  EXPECT_EQ(done, kClients * kJobs);
 }
 
 TEST(WorkerPool, large_jobs_leave_small_ones_a_part_of_the_queue) {
