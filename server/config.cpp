@@ -194,7 +194,7 @@ const std::vector<Setting>& settings() {
       {"--max-connections-per-address", "open connections from one IPv4 address or IPv6 /64 network",
        [](Config& c, const auto& text) { c.max_connections_per_address = between(1, 100'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.max_connections_per_address); }},
-      {"--idle-timeout", "time that an open connection may wait for its next request (none: one request a connection)",
+      {"--idle-timeout", "time that a kept connection may wait for its next request (none: one request each)",
        [](Config& c, const auto& text) {
          c.idle_timeout = text == "none" ? std::chrono::milliseconds(0) : positive_duration(text);
        },

@@ -1,4 +1,5 @@
 /// Configuration, service, signals; the rest is in the library.
+#include <malloc.h>
 #include <sys/resource.h>
 #include <tbb/global_control.h>
 
@@ -118,6 +119,10 @@ int run(int argc, char** argv) {
 }  // namespace remesh::server
 
 int main(int argc, char** argv) {
+  // Where the allocator's thresholds go by themselves once a large mesh has been there: until then it would give memory
+  // back and fetch it again several times in each request. What lies idle is given back between requests.
+  mallopt(M_MMAP_THRESHOLD, 32 << 20);
+  mallopt(M_TRIM_THRESHOLD, 64 << 20);
   try {
     // TBB's threads are the last to go: until then they hold on to what the pools gave them.
     tbb::task_scheduler_handle scheduler{tbb::attach{}};

@@ -21,12 +21,12 @@ std::string progress_json(const RunningRequest& request) {
 }
 
 RequestRegistry::Entry RequestRegistry::add(const std::string& id) {
-  const std::lock_guard lock(mutex_);
-  std::string free_id = id;
-  while (running_.count(free_id) > 0) free_id = new_request_id();
-  auto request = std::make_shared<RunningRequest>(free_id);
-  running_.emplace(free_id, request);
-  return Entry(*this, std::move(request));
+  // Made outside the lock: its event is a system call.
+  for (auto request = std::make_shared<RunningRequest>(id);;
+       request = std::make_shared<RunningRequest>(new_request_id())) {
+    const std::lock_guard lock(mutex_);
+    if (running_.emplace(request->id, request).second) return Entry(*this, std::move(request));
+  }
 }
 
 std::shared_ptr<RunningRequest> RequestRegistry::find(const std::string& id) const {

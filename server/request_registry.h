@@ -34,7 +34,7 @@ struct RunningRequest {
   const std::string id;
   const Clock::time_point start = Clock::now();
   RunControl control;
-  Event changed;  ///< the work has started or ended, or was cancelled
+  Event changed;  ///< the work has ended, or was cancelled
   std::atomic<bool> is_computing{false};
   std::atomic<bool> has_ended{false};
 

@@ -42,8 +42,7 @@ class Job {
       const std::lock_guard lock(mutex_);
       started_ = Clock::now();
     }
-    running_->is_computing = true;
-    running_->changed.set();
+    running_->is_computing = true;  // nobody needs to wake for that: deadlines only move away
     std::optional<api::Response> response;
     std::exception_ptr failure;
     try {

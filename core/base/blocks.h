@@ -70,6 +70,10 @@ std::vector<Id> select_ids(std::size_t n, std::size_t size, RunControl& control,
 /// calls of it, and soon none of `make`. A point of cancellation before each.
 template <class Result, class Make, class Take>
 bool map_in_order(std::size_t n, RunControl& control, const Make& make, const Take& take) {
+  if (n == 1) {
+    control.check();
+    return take(std::size_t{0}, make(std::size_t{0}));
+  }
   using Item = std::pair<std::size_t, Result>;
   constexpr std::size_t kResultsPerThread = 4;
   const auto threads = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
