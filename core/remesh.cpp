@@ -240,19 +240,24 @@ class Run {
                      regions_, control_);
     watch_.enter(Stage::kPatches);
     patches_ = patches(surface(), adjacency(), regions_, control_);
+    const std::vector<double> areas = patch_areas(patches_, geometry(), control_);
+    find_thin_faces();
+    // Most runs do not come back here, and it is as large as all the rest of the surface.
+    prepared_.release_geometry();
     watch_.enter(Stage::kLoops);
     loops_ = boundary_loops(surface(), adjacency(), patches_, control_);
     watch_.enter(Stage::kEssentialVertices);
     essential_ = essential_vertices(surface(), adjacency(), patches_, ladder.forced(), prepared_.pinched(control_),
                                     local_tolerance(), control_);
-    summaries_ = summarise_patches(surface(), adjacency(), geometry(), patches_, loops_, essential_, ladder, control_);
+    summaries_ = summarise_patches(surface(), adjacency(), areas, patches_, loops_, essential_, ladder, control_);
+  }
+
+  void find_thin_faces() {
     const FaceGeometries& of_face = geometry();
     const auto is_thin = [&](std::size_t f) { return of_face[FaceId(f)].height < kThinFace * local_tolerance(); };
     patches_of_thin_faces_.clear();
     for (const FaceId f : select_ids<FaceId>(surface().face_count(), kItemsPerBlock, control_, is_thin))
       patches_of_thin_faces_.push_back(patches_.of_face[f]);
-    // Most runs do not come back here, and it is as large as all the rest of the surface.
-    prepared_.release_geometry();
   }
 
   double local_tolerance() const { return report_.plane_tolerance / surface().unit; }

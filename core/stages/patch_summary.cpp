@@ -22,21 +22,23 @@ std::size_t distinct(std::vector<VertexId>& vertices) {
   return static_cast<std::size_t>(std::unique(vertices.begin(), vertices.end()) - vertices.begin());
 }
 
+constexpr std::size_t kPatchesPerBlock = 256;
+
 /// What some of a patch's faces come to; local units.
 struct FacesSummary {
-  double area = 0, deviation = 0;
+  double deviation = 0;
   std::vector<VertexId> essential;  ///< of their corners
 };
 
 /// Summarises one patch after the other.
 class Summariser {
  public:
-  Summariser(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+  Summariser(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
              const PatchSet& patches, const BoundaryLoops& loops, const IdVector<VertexId, std::uint8_t>& essential,
              const Ladder& ladder, RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
-        geometry_(geometry),
+        areas_(areas),
         patches_(patches),
         loops_(loops),
         essential_(essential),
@@ -56,8 +58,8 @@ class Summariser {
     surface_.for_each_source(patches_.faces_of(p), [&](FaceId) { ++s.input_faces; });
     s.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
 
-    measure_faces(p);
-    s.area = within_double(faces_.area * surface_.unit * surface_.unit);
+    s.area = within_double(areas_[p.value] * surface_.unit * surface_.unit);
+    look_at_faces(p);
     s.deviation = faces_.deviation * surface_.unit;
     const std::size_t vertices = distinct(faces_.essential);
     s.essential_vertices = static_cast<std::uint32_t>(vertices);
@@ -75,9 +77,9 @@ class Summariser {
   }
 
  private:
-  void measure_faces(PatchId p) {
+  void look_at_faces(PatchId p) {
     const auto faces = patches_.faces_of(p);
-    faces_.area = faces_.deviation = 0;
+    faces_.deviation = 0;
     faces_.essential.clear();
     if (faces.size() <= kItemsPerBlock) return add(p, faces, faces_);
     const auto add_block = [&](std::size_t begin, std::size_t end) {
@@ -86,7 +88,6 @@ class Summariser {
       return sum;
     };
     for (const FacesSummary& sum : map_blocks<FacesSummary>(faces.size(), kItemsPerBlock, control_, add_block)) {
-      faces_.area += sum.area;
       faces_.deviation = std::max(faces_.deviation, sum.deviation);
       faces_.essential.insert(faces_.essential.end(), sum.essential.begin(), sum.essential.end());
     }
@@ -95,7 +96,6 @@ class Summariser {
   void add(PatchId p, std::span<const FaceId> faces, FacesSummary& sum) const {
     const Plane& plane = patches_.planes[p];
     for (const FaceId f : faces) {
-      sum.area += geometry_[f].area;
       for (const VertexId v : surface_.face(f)) {
         sum.deviation = std::max(sum.deviation, std::fabs(plane.distance(surface_.local[v])));
         if (essential_[v]) sum.essential.push_back(v);
@@ -105,7 +105,7 @@ class Summariser {
 
   const Surface& surface_;
   const Adjacency& adjacency_;
-  const FaceGeometries& geometry_;
+  const std::vector<double>& areas_;
   const PatchSet& patches_;
   const BoundaryLoops& loops_;
   const IdVector<VertexId, std::uint8_t>& essential_;
@@ -118,15 +118,33 @@ class Summariser {
 
 }  // namespace
 
-PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+std::vector<double> patch_areas(const PatchSet& patches, const FaceGeometries& geometry, RunControl& control) {
+  const auto sum = [&](std::span<const FaceId> faces) {
+    double area = 0;
+    for (const FaceId f : faces) area += geometry[f].area;
+    return area;
+  };
+  std::vector<double> areas(patches.count(), 0);
+  for_blocks(patches.count(), kPatchesPerBlock, control, [&](std::size_t p, std::size_t end) {
+    for (; p < end; ++p) {
+      const auto faces = patches.faces_of(PatchId(p));
+      const auto of_block = [&](std::size_t first, std::size_t last) {
+        return sum(faces.subspan(first, last - first));
+      };
+      for (const double area : map_blocks<double>(faces.size(), kItemsPerBlock, control, of_block)) areas[p] += area;
+    }
+  });
+  return areas;
+}
+
+PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
                                  const PatchSet& patches, const BoundaryLoops& loops,
                                  const IdVector<VertexId, std::uint8_t>& essential, const Ladder& ladder,
                                  RunControl& control) {
-  constexpr std::size_t kPatches = 256;
   PatchSummaries result;
   result.patches.resize(patches.count());
-  for_blocks(patches.count(), kPatches, control, [&](std::size_t p, std::size_t end) {
-    Summariser summariser(surface, adjacency, geometry, patches, loops, essential, ladder, control);
+  for_blocks(patches.count(), kPatchesPerBlock, control, [&](std::size_t p, std::size_t end) {
+    Summariser summariser(surface, adjacency, areas, patches, loops, essential, ladder, control);
     for (; p < end; ++p) result.patches[p] = summariser.of(PatchId(p));
   });
   for (const PatchSummary& s : result.patches) {

@@ -16,8 +16,11 @@ struct PatchSummaries {
   double volume_bound = 0;      ///< model units cubed: area times deviation, over all patches
 };
 
-/// Summarises the patches as they stand; `output_faces` is what Euler's formula gives.
-PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+/// The areas of the patches, in squares of the local unit.
+std::vector<double> patch_areas(const PatchSet& patches, const FaceGeometries& geometry, RunControl& control);
+
+/// Summarises the patches as they stand; `areas` as above; `output_faces` is what Euler's formula gives.
+PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
                                  const PatchSet& patches, const BoundaryLoops& loops,
                                  const IdVector<VertexId, std::uint8_t>& essential, const Ladder& ladder,
                                  RunControl& control);

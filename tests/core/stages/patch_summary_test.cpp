@@ -12,8 +12,10 @@ namespace remesh {
 namespace {
 
 PatchSummaries summarised(const StageChain& chain, const Ladder& ladder) {
-  return summarise_patches(chain.surface, chain.adjacency, chain.geometry, chain.patches, chain.loops, chain.essential,
-                           ladder, chain.control);
+  RunControl control;
+  const std::vector<double> areas = patch_areas(chain.patches, chain.geometry, control);
+  return summarise_patches(chain.surface, chain.adjacency, areas, chain.patches, chain.loops, chain.essential, ladder,
+                           chain.control);
 }
 PatchSummaries summarised(const StageChain& chain) { return summarised(chain, Ladder(chain.surface)); }
 
