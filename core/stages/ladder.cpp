@@ -14,9 +14,10 @@ constexpr int kPatientRounds = 6;
 Ladder::Ladder(const Surface& surface, const std::vector<FaceId>& without_area)
     : surface_(surface),
       rung_(surface.face_count(), 0),
-      reason_(surface.face_count(), PatchReason::kNone),
-      is_kept_(surface.face_count(), 0),
       forced_(surface.vertex_count(), 0) {
+  if (without_area.empty()) return;
+  reason_.resize(surface.face_count(), PatchReason::kNone);
+  is_kept_.resize(surface.face_count(), 0);
   for (const FaceId f : without_area) {
     is_kept_[f] = 1;
     rung_[f] = kSingleFace;
@@ -30,6 +31,7 @@ std::vector<FaceId> Ladder::step(const PatchSet& patches, const BoundaryLoops& l
   if (steps_++ == 0) {
     zone_ = surface_.face_label;
     if (zone_.empty()) zone_.assign(surface_.face_count(), 0);
+    reason_.resize(surface_.face_count(), PatchReason::kNone);
     for (const std::uint32_t label : zone_) next_zone_ = std::max(next_zone_, label + 1);
   }
   std::vector<FaceId> stuck;

@@ -34,16 +34,17 @@ class Ladder {
   /// Empty: none is kept apart.
   const IdVector<FaceId, std::uint32_t>& zone() const { return zone_.empty() ? surface_.face_label : zone_; }
   const IdVector<FaceId, std::uint8_t>& rung() const { return rung_; }
-  const IdVector<FaceId, PatchReason>& reason() const { return reason_; }
-  bool is_kept(FaceId f) const { return is_kept_[f] != 0; }
+  PatchReason reason(FaceId f) const { return reason_.empty() ? PatchReason::kNone : reason_[f]; }
+  /// On the last step from the beginning.
+  bool is_kept(FaceId f) const { return !is_kept_.empty() && is_kept_[f] != 0; }
   IdVector<VertexId, std::uint8_t>& forced() { return forced_; }
 
  private:
   const Surface& surface_;
   IdVector<FaceId, std::uint32_t> zone_;  ///< as the surface's labels before the first step
   IdVector<FaceId, std::uint8_t> rung_;
-  IdVector<FaceId, PatchReason> reason_;
-  IdVector<FaceId, std::uint8_t> is_kept_;
+  IdVector<FaceId, PatchReason> reason_;    ///< empty while no face has one
+  IdVector<FaceId, std::uint8_t> is_kept_;  ///< empty where none is
   IdVector<VertexId, std::uint8_t> forced_;
   std::uint32_t next_zone_ = 0;
   int steps_ = 0;

@@ -54,7 +54,7 @@ class Summariser {
     s.status = ladder_.is_kept(first)      ? PatchStatus::kKept
                : ladder_.rung()[first] > 0 ? PatchStatus::kReduced
                                            : PatchStatus::kRemeshed;
-    s.reason = ladder_.reason()[first];
+    s.reason = ladder_.reason(first);
     surface_.for_each_source(patches_.faces_of(p), [&](FaceId) { ++s.input_faces; });
     s.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
 

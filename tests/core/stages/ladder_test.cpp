@@ -49,7 +49,7 @@ TEST(ladder, a_patch_that_failed_loses_its_region_and_rises_and_its_boundary_is_
     const bool is_failed = climb.chain.patches.of_face[f] == failed;
     EXPECT_EQ(climb.face_rung(i), is_failed ? 1 : 0);
     EXPECT_EQ(climb.chain.regions.of_face[f].is_valid(), !is_failed);
-    EXPECT_EQ(climb.ladder.reason()[f], is_failed ? PatchReason::kSelfIntersectingLoop : PatchReason::kNone);
+    EXPECT_EQ(climb.ladder.reason(f), is_failed ? PatchReason::kSelfIntersectingLoop : PatchReason::kNone);
     if (!is_failed) {
       EXPECT_EQ(climb.chain.regions.of_face[f], region_of[f]);
     }
@@ -70,7 +70,7 @@ TEST(ladder, the_first_reason_stays) {
   Climb climb(shapes::sheet(1, 1, 1, 1));
   climb.step({{PatchId(0), PatchReason::kOverlappingFaces}});
   climb.step({{PatchId(0), PatchReason::kVerificationFailed}});
-  EXPECT_EQ(climb.ladder.reason()[FaceId(0)], PatchReason::kOverlappingFaces);
+  EXPECT_EQ(climb.ladder.reason(FaceId(0)), PatchReason::kOverlappingFaces);
   EXPECT_EQ(climb.face_rung(0), 2);
 }
 
