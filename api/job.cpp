@@ -125,7 +125,7 @@ Remeshed remesh_for_job(Job job, const Limits& limits, FaceSource face_source, R
   remeshed.options.format = format;
   const bool want_face_source = face_source == FaceSource::kAlways || format == Format::kJson;
   remeshed.result =
-      remesh_surface(input.read.mesh, input.options.core, {limits.workers, want_face_source, limits.corners_a_thread},
+      remesh_surface(input.read.mesh, input.options.core, {limits.workers, want_face_source, limits.serial_corners},
                      control, std::move(input.read.diagnostics));
   remeshed.times = stage_times(input, remeshed.result.report);
   return remeshed;
@@ -153,7 +153,7 @@ AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& contro
   if (answer.options.format != Format::kJson) {
     throw Error(Code::kNotAcceptable, Stage::kRead, "an analysis is written as json only");
   }
-  answer.report = analyze_surface(input.read.mesh, input.options.core, {limits.workers, false, limits.corners_a_thread},
+  answer.report = analyze_surface(input.read.mesh, input.options.core, {limits.workers, false, limits.serial_corners},
                                   control, std::move(input.read.diagnostics));
   answer.times = stage_times(input, answer.report);
   return answer;

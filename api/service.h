@@ -31,7 +31,7 @@ struct Limits {
   double request_timeout_s = 300;
   /// Where a request names no `max_output_faces`, this many if it is fewer.
   std::uint64_t usual_output_faces = std::numeric_limits<std::uint64_t>::max();
-  std::size_t corners_a_thread = 0;  ///< see RunSettings
+  std::size_t serial_corners = 0;  ///< see RunSettings
 };
 
 /// Of those, what bounds a body, or a mesh in it, out of gzip.

@@ -60,9 +60,8 @@ void check_options(const Options& options);
 struct RunSettings {
   int workers = 1;                ///< threads that compute, at least 1
   bool want_face_source = false;  ///< fill Result::face_source and input_face_patch (costs a point location a face)
-  /// As many corners of the input's faces are a thread's share, where the work grows with the input alone (nothing is
-  /// refined): fewer threads take what is smaller. 0: all threads take everything.
-  std::size_t corners_a_thread = 0;
+  /// Where the work grows with the input alone (nothing is refined), one thread takes an input of fewer corners.
+  std::size_t serial_corners = 0;
 };
 
 }  // namespace remesh

@@ -460,9 +460,7 @@ const char* version() { return REMESHD_VERSION; }
 int thread_count(const PolygonMesh& input, const Options& options, const RunSettings& settings) {
   const auto most = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
   const int allowed = std::clamp(settings.workers, 1, most);
-  if (settings.corners_a_thread == 0 || options.refine) return allowed;
-  const std::size_t worth = 1 + input.corners.size() / settings.corners_a_thread;
-  return static_cast<int>(std::min(static_cast<std::size_t>(allowed), worth));
+  return !options.refine && input.corners.size() < settings.serial_corners ? 1 : allowed;
 }
 
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,

@@ -23,7 +23,7 @@ struct Result {
 const char* version();
 
 /// How many threads a run takes: as many as its settings and the process (tbb::global_control) allow, and as the input
-/// is worth (RunSettings::corners_a_thread).
+/// is worth (RunSettings::serial_corners).
 int thread_count(const PolygonMesh& input, const Options& options, const RunSettings& settings);
 
 /// Re-triangulates a surface: coplanar faces become patches, patches are triangulated from their essential vertices.

@@ -125,12 +125,11 @@ void Connection::put_back(std::string_view bytes) {
   read_ -= bytes.size();
 }
 
-bool Connection::wait_for_input(Clock::time_point until) {
-  try {
-    return has_unread_input() || (wait_for(socket_, POLLIN, until) && has_unread_input());
-  } catch (const ConnectionLost&) {
-    return false;
+bool Connection::wait_for_input(const Event& end, Clock::time_point until) const {
+  std::array<pollfd, 2> entries{pollfd{socket_, POLLIN, 0}, pollfd{end.fd(), POLLIN, 0}};
+  while (!has_put_back() && ::poll(entries.data(), entries.size(), milliseconds_until(until)) < 0 && errno == EINTR) {
   }
+  return has_unread_input();
 }
 
 void Connection::write_all(std::string_view bytes, const Pace& pace) {

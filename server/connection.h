@@ -60,15 +60,18 @@ class Connection {
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// Counts the bytes from 0 again: what follows belongs to another request.
-  void begin_exchange() { read_ = written_ = 0; }
+  /// What follows belongs to another request: bytes are counted from 0, and the client is asked anew.
+  void begin_exchange() {
+    read_ = written_ = 0;
+    ask_at_.reset();
+  }
 
   /// Waits for bytes. Output: how many, 0 at the end of input. Errors: ReadTimeout, ConnectionLost.
   std::size_t read_some(char* buffer, std::size_t size, Clock::time_point deadline);
   /// Gives back the last bytes that were read: the next read begins with them.
   void put_back(std::string_view bytes);
-  /// Waits until there is something to read. Output: false - the time is over, or the client has nothing more to say.
-  bool wait_for_input(Clock::time_point until);
+  /// Waits until there is something to read, `end` is set or the time is over. Output: whether there is.
+  bool wait_for_input(const Event& end, Clock::time_point until) const;
 
   /// Sends everything. Errors: ConnectionLost - also when the client reads more slowly than `pace`.
   void write_all(std::string_view bytes, const Pace& pace);
@@ -97,7 +100,6 @@ class Connection {
   /// Of the exchange at hand.
   std::uint64_t bytes_written() const { return written_; }
   std::uint64_t bytes_read() const { return read_; }
-  int socket() const { return socket_; }
 
  private:
   /// The socket is closed whatever fails after this.

@@ -18,7 +18,11 @@ namespace remesh::server {
 /// What httplib hands accepted connections to.
 class ConnectionThreads : public httplib::TaskQueue {
  public:
-  explicit ConnectionThreads(std::size_t max_threads) : max_threads_(max_threads) {}
+  /// `end_waits`: called when the threads are to end, for those that wait for something that may not come.
+  ConnectionThreads(std::size_t max_threads, std::function<void()> end_waits)
+      : max_threads_(max_threads), end_waits_(std::move(end_waits)) {
+    waiting_.reserve(max_threads);  // so that to hand one on takes no memory
+  }
 
   void enqueue(std::function<void()> serve) override {
     {
@@ -42,7 +46,9 @@ class ConnectionThreads : public httplib::TaskQueue {
     }
   }
 
+  /// The library calls this too when it cannot accept a connection, before it listens again.
   void shutdown() override {
+    end_waits_();
     std::unique_lock lock(mutex_);
     is_over_ = true;
     changed_.notify_all();
@@ -81,6 +87,7 @@ class ConnectionThreads : public httplib::TaskQueue {
   }
 
   const std::size_t max_threads_;
+  const std::function<void()> end_waits_;
   std::mutex mutex_;
   std::condition_variable changed_;             ///< for threads that stay
   std::condition_variable left_;                ///< for `shutdown`

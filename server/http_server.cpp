@@ -157,7 +157,8 @@ class HttpServer::Listener : public httplib::Server {
     register_routes(routes);
     register_ways_out();
     new_task_queue = [this] {
-      return new ConnectionThreads(settings_.max_connections + kRefusers + most_idle(settings_));
+      return new ConnectionThreads(settings_.max_connections + kRefusers + most_idle(settings_),
+                                   [this] { idle_.end_all(); });
     };
     // The library's own options let two daemons share a port in silence.
     set_socket_options([](socket_t socket) {
@@ -225,6 +226,8 @@ class HttpServer::Listener : public httplib::Server {
       log::write(log::Level::kWarning, "accept failed, listening again", {});
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
       svr_sock_ = ::dup(spare_);
+      idle_.begin_again();
+      if (draining_) idle_.end_all();
     }
   }
 
@@ -242,7 +245,8 @@ class HttpServer::Listener : public httplib::Server {
     try {
       Connection& connection = accepted.emplace(socket);
       const OpenSocket registered(*this, socket);
-      while (admit(connection) && has_next(connection)) connection.begin_exchange();
+      std::optional<Event> end;
+      while (admit(connection) && has_next(connection, end)) connection.begin_exchange();
     } catch (const std::exception& error) {
       log::write(log::Level::kError, "connection failed", {{"error", std::string(error.what())}});
       if (accepted) excuse(*accepted);
@@ -267,10 +271,11 @@ class HttpServer::Listener : public httplib::Server {
   }
 
   /// Waits for the next request on a connection that is kept.
-  bool has_next(Connection& connection) {
+  bool has_next(const Connection& connection, std::optional<Event>& end) {
     if (connection.has_unread_input()) return true;
-    const IdleConnections::Stay stay(idle_, connection.socket());
-    return connection.wait_for_input(Clock::now() + settings_.idle_timeout);
+    if (!end) end.emplace();
+    const IdleConnections::Stay stay(idle_, *end);
+    return connection.wait_for_input(*end, Clock::now() + settings_.idle_timeout);
   }
 
   /// The last resort, where there is not even memory for an answer.
@@ -360,7 +365,7 @@ class HttpServer::Listener : public httplib::Server {
   /// know where this exchange ends. A body that was not read, or an answer without a length, ends with the connection.
   bool may_keep(const Exchange& exchange) const {
     return exchange.is_read && exchange.status < 400 && !exchange.is_streamed && settings_.idle_timeout.count() > 0 &&
-           !draining_ && asks_to_keep(exchange.request);
+           !idle_.is_over() && asks_to_keep(exchange.request);
   }
 
   /// A route has taken the request: lets it in, and reads the body that it may have.
@@ -510,8 +515,8 @@ class HttpServer::Listener : public httplib::Server {
       exchange.is_kept = may_keep(exchange);
       out.headers.erase("Keep-Alive");  // the library's own times
       out.set_header("Connection", exchange.is_kept ? "keep-alive" : "close");
-      if (exchange.is_kept)
-        out.set_header("Keep-Alive", "timeout=" + std::to_string(settings_.idle_timeout / std::chrono::seconds(1)));
+      if (const auto seconds = settings_.idle_timeout / std::chrono::seconds(1); exchange.is_kept && seconds > 0)
+        out.set_header("Keep-Alive", "timeout=" + std::to_string(seconds));
       out.headers.erase("Accept-Ranges");  // there are none
       if (out.status == 204 || out.status == 304) out.headers.erase("Content-Length");
     });

@@ -8,17 +8,20 @@
 #include <map>
 #include <mutex>
 
+#include "server/connection.h"
+
 namespace remesh::server {
 
 class IdleConnections {
  public:
   explicit IdleConnections(std::size_t most) : most_(most) {}
 
-  /// A connection's stay among them.
+  /// A connection's stay among them. It is ended by its event alone: the socket is left as it is, so that a request
+  /// which arrives just then is served as any other.
   class Stay {
    public:
     /// Ends another's where there are too many.
-    Stay(IdleConnections& all, int socket);
+    Stay(IdleConnections& all, Event& end);
     ~Stay();
     Stay(const Stay&) = delete;
     Stay& operator=(const Stay&) = delete;
@@ -28,20 +31,21 @@ class IdleConnections {
     const std::uint64_t number_;
   };
 
-  /// Ends all, and those that come after.
+  /// Ends all, and those that come before it `begins_again`.
   void end_all();
+  void begin_again();
 
+  bool is_over() const { return is_over_; }
   std::size_t count() const { return count_; }
 
  private:
-  /// As if the client had nothing more to say; what it has said is still read.
-  static void end(int socket);
+  std::uint64_t add(Event& end);
 
   const std::size_t most_;
   std::mutex mutex_;
   std::uint64_t next_number_ = 0;
-  std::map<std::uint64_t, int> sockets_;  ///< those that were not ended, the oldest first
-  bool is_over_ = false;
+  std::map<std::uint64_t, Event*> ends_;  ///< of those that were not ended, the oldest first
+  std::atomic<bool> is_over_{false};
   std::atomic<std::size_t> count_{0};
 };
 

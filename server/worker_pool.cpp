@@ -132,7 +132,9 @@ std::deque<WorkerPool::Entry>::iterator WorkerPool::next_locked() {
                       [this](const Entry& candidate) { return may_start_locked(candidate.size); });
 }
 
-bool WorkerPool::needs_thread_locked() { return !queue_.empty() && (!is_watched_ || next_locked() != queue_.end()); }
+bool WorkerPool::needs_thread_locked() {
+  return !queue_.empty() && (next_change_locked() < watched_until_ || next_locked() != queue_.end());
+}
 
 std::optional<WorkerPool::Entry> WorkerPool::take_locked() {
   const auto entry = next_locked();
@@ -152,12 +154,12 @@ void WorkerPool::work(std::size_t place, int workers) {
     std::optional<Entry> entry = take_locked();
     if (!entry) {
       const Clock::time_point until = next_change_locked();
-      if (is_watched_ || until == Clock::time_point::max()) {
-        changed_.wait(lock);
-      } else {
-        is_watched_ = true;
+      if (until < watched_until_) {
+        watched_until_ = until;
         changed_.wait_until(lock, until);
-        is_watched_ = false;
+        if (watched_until_ == until) watched_until_ = Clock::time_point::max();
+      } else {
+        changed_.wait(lock);
       }
       continue;
     }

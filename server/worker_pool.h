@@ -71,7 +71,7 @@ class WorkerPool {
   Clock::time_point next_change_locked() const;
   /// The first that may start.
   std::deque<Entry>::iterator next_locked();
-  /// Whether a thread that waits has something to do: a job to start, or to know when a place opens.
+  /// Whether a thread that waits has something to do: a job to start, or to know that a place opens earlier.
   bool needs_thread_locked();
   std::optional<Entry> take_locked();
 
@@ -84,7 +84,8 @@ class WorkerPool {
   std::deque<Entry> queue_;
   std::vector<std::optional<Running>> running_;  ///< one a thread, so that starting a job takes no memory
   std::size_t running_count_ = 0;
-  bool is_watched_ = false;  ///< a thread waits for the time when a place may open
+  /// The time that a thread waits for, when a place may open; the maximum where none does.
+  Clock::time_point watched_until_ = Clock::time_point::max();
   Ticket next_ticket_ = 1;
   bool stopping_ = false;
   std::atomic<std::size_t> busy_threads_{0};

@@ -63,9 +63,12 @@ TEST_F(Gate, a_body_of_known_length_is_read_and_no_more) {
   EXPECT_EQ(read(), 200);
   EXPECT_TRUE(is_request_);
   EXPECT_EQ(request_.body.view(), "hello");
+  EXPECT_EQ(connection_->bytes_read(), 53u);
+  connection_->begin_exchange();
   send("next HTTP/1.1\r\nHost: x\r\n\r\n");
   EXPECT_EQ(read(), 200);
   EXPECT_EQ(request_.path, "/next");
+  EXPECT_EQ(connection_->bytes_read(), 31u);
 }
 
 TEST_F(Gate, a_chunked_body_is_decoded) {

@@ -116,6 +116,38 @@ TEST(WorkerPool, small_jobs_pass_those_that_have_run_for_long) {
   gate.set_value();
 }
 
+TEST(WorkerPool, each_one_that_runs_for_long_lets_another_pass) {
+  std::promise<void> gate;
+  const std::shared_future<void> open(gate.get_future());
+  std::atomic<bool> ran = false;
+  WorkerPool pool(2, 8, 1);
+  // Two hold the places, the third passes and runs for long, too.
+  for (int i = 0; i < 3; ++i) ASSERT_TRUE(pool.try_submit([&] { open.wait(); }));
+  ASSERT_TRUE(pool.try_submit([&] { ran = true; }));
+  EXPECT_TRUE(eventually([&] { return ran.load(); }));
+  gate.set_value();
+}
+
+TEST(WorkerPool, a_place_that_opens_earlier_than_was_known_is_taken_then) {
+  std::promise<void> gate;
+  const std::shared_future<void> open(gate.get_future());
+  std::promise<Clock::time_point> ran;
+  const auto wait = [&] { open.wait(); };
+  WorkerPool pool(2, 8, 1);
+  const auto start = Clock::now();
+  ASSERT_TRUE(pool.try_submit(wait));
+  std::this_thread::sleep_until(start + WorkerPool::kLong * 95 / 100);
+  // A short one, during which a large one and a small one come: the large one takes its place, and so the small one may
+  // pass when the first has run for long, not when the short one would have.
+  ASSERT_TRUE(pool.try_submit([&] { std::this_thread::sleep_until(start + WorkerPool::kLong * 97 / 100); }));
+  ASSERT_TRUE(pool.try_submit(wait, JobSize::kLarge));
+  ASSERT_TRUE(pool.try_submit([&] { ran.set_value(Clock::now()); }));
+  const auto took = ran.get_future().get() - start;
+  EXPECT_GE(took, WorkerPool::kLong);
+  EXPECT_LT(took, WorkerPool::kLong * 19 / 10);
+  gate.set_value();
+}
+
 TEST(WorkerPool, none_of_many_jobs_from_many_threads_is_forgotten) {
   constexpr int kClients = 8;
   constexpr int kJobs = 2000;
