@@ -56,7 +56,7 @@ class ConnectionThreads : public httplib::TaskQueue {
   }
 
  private:
-  /// How long a thread stays for the next connection: starting one costs as much as a small answer's system calls.
+  /// How long a thread stays for the next connection: clients that come one after another need no new one each.
   static constexpr std::chrono::seconds kStay{2};
 
   void run(std::function<void()> serve) {

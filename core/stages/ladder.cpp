@@ -12,9 +12,7 @@ constexpr int kPatientRounds = 6;
 }  // namespace
 
 Ladder::Ladder(const Surface& surface, const std::vector<FaceId>& without_area)
-    : surface_(surface),
-      rung_(surface.face_count(), 0),
-      forced_(surface.vertex_count(), 0) {
+    : surface_(surface), rung_(surface.face_count(), 0), forced_(surface.vertex_count(), 0) {
   if (without_area.empty()) return;
   reason_.resize(surface.face_count(), PatchReason::kNone);
   is_kept_.resize(surface.face_count(), 0);
