@@ -128,6 +128,10 @@ std::vector<double> patch_areas(const PatchSet& patches, const FaceGeometries& g
   for_blocks(patches.count(), kPatchesPerBlock, control, [&](std::size_t p, std::size_t end) {
     for (; p < end; ++p) {
       const auto faces = patches.faces_of(PatchId(p));
+      if (faces.size() <= kItemsPerBlock) {  // most are, and there may be as many as faces
+        areas[p] = sum(faces);
+        continue;
+      }
       const auto of_block = [&](std::size_t first, std::size_t last) {
         return sum(faces.subspan(first, last - first));
       };

@@ -197,9 +197,12 @@ TEST_F(AttackTest, many_bodies_that_never_end_take_no_memory) {
 TEST_F(AttackTest, what_follows_a_refused_request_is_not_taken_for_another) {
   const std::string smuggled = "GET /v1/capabilities HTTP/1.1\r\nHost: x\r\n\r\n";
   const std::string length = "Content-Length: " + std::to_string(smuggled.size()) + "\r\n\r\n";
+  // Not even where the client asks for the connection to be kept.
+  const std::string keep = "Connection: keep-alive\r\n";
   for (const std::string& first :
-       {kPost + "Content-Length: 0\r\n" + length, "GET /livez HTTP/1.1\r\nHost: x\r\n" + length,
-        "GET /none HTTP/1.1\r\nHost: x\r\n" + length, kChunked + "0\r\n\r\n"}) {
+       {kPost + keep + "Content-Length: 0\r\n" + length, "GET /livez HTTP/1.1\r\nHost: x\r\n" + keep + length,
+        "GET /none HTTP/1.1\r\nHost: x\r\n" + keep + length,
+        kPost + keep + "Transfer-Encoding: chunked\r\n\r\n0\r\n\r\n"}) {
     const std::string received = [&] {
       RawClient client(daemon_.port());
       client.send(first + smuggled);

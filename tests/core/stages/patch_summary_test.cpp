@@ -12,8 +12,7 @@ namespace remesh {
 namespace {
 
 PatchSummaries summarised(const StageChain& chain, const Ladder& ladder) {
-  RunControl control;
-  const std::vector<double> areas = patch_areas(chain.patches, chain.geometry, control);
+  const std::vector<double> areas = patch_areas(chain.patches, chain.geometry, chain.control);
   return summarise_patches(chain.surface, chain.adjacency, areas, chain.patches, chain.loops, chain.essential, ladder,
                            chain.control);
 }
