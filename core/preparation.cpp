@@ -81,13 +81,24 @@ class Preparation {
     if_changed(split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is,
                                  mend_if(repair.t_junctions && limits_.are_t_junctions_split), found, control_));
     // Faces without a plane are split, faces without an area dropped; nothing opens.
-    const bool is_mended =
-        mend_faces(surface(), tolerance, limits_.as_it_is, mend_if(repair.degenerate), found, control_);
+    const bool is_mended = !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.as_it_is,
+                                                              mend_if(repair.degenerate), found, control_);
     if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
     // Neighbours look the same way, closed pieces outwards if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
     if (!is_solid()) if_changed(turn_inside_out(surface(), adjacency(), mend_if(repair.inside_out), found, control_));
+  }
+
+  /// Are all faces triangles, and their angles so far from 0 that the measures show what mend_faces would prove of one
+  /// after the other? The sides of an angle are differences of two doubles: right to some 1e-16 of themselves, where
+  /// they are not too small for a double.
+  bool are_clearly_sound() {
+    constexpr double kClearAngle = 1e-6, kClearLength = 1e-100;
+    const Quality& measured = report_.input.quality;
+    return is_as_measured_ && limits_.as_it_is.empty() && adjacency().are_triangles() &&
+           measured.min_angle_deg > kClearAngle &&
+           measured.edge_length.min > kClearLength * report_.input.bounding_box.diagonal();
   }
 
   /// Is it closed, of one piece and clearly of positive volume? Then nothing of it is inside out.

@@ -89,7 +89,6 @@ class Run {
     report_.diagnostics = diagnostics_of_reader_;
     prepared_ = remesh::prepare(input_, options_, limits_, report_, watch_, control_);
     regions_ = {};
-    regions_.of_face.resize(surface().face_count());
     refiner_.emplace(goals_of(options_, report_.input.bounding_box.diagonal()), control_);
   }
 
@@ -247,7 +246,7 @@ class Run {
     watch_.enter(Stage::kLoops);
     loops_ = boundary_loops(surface(), adjacency(), patches_, control_);
     watch_.enter(Stage::kEssentialVertices);
-    essential_ = essential_vertices(surface(), adjacency(), patches_, ladder.forced(), prepared_.pinched(control_),
+    essential_ = essential_vertices(surface(), adjacency(), loops_, ladder.forced(), prepared_.pinched(control_),
                                     local_tolerance(), control_);
     summaries_ = summarise_patches(surface(), adjacency(), areas, patches_, loops_, essential_, ladder, control_);
   }
@@ -429,7 +428,7 @@ class Run {
   Regions regions_;
   PatchSet patches_;
   BoundaryLoops loops_;
-  IdVector<VertexId, std::uint8_t> essential_;
+  EssentialVertices essential_;
   PatchSummaries summaries_;
   std::vector<PatchId> patches_of_thin_faces_;
   std::vector<PatchMesh> meshes_;

@@ -91,21 +91,11 @@ std::int64_t count_set(std::size_t n, RunControl& control, const IsSet& is_set) 
   return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
 }
 
-std::int64_t count_input_vertices(const Model& model, RunControl& control) {
-  std::vector<std::atomic<std::uint8_t>> is_used(model.surface_vertex_count);
-  for_blocks(model.input.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t h = begin; h < end; ++h) is_used[model.input.corners[h].value].store(1, std::memory_order_relaxed);
-  });
-  return count_set(is_used.size(), control,
-                   [&](std::size_t v) { return is_used[v].load(std::memory_order_relaxed) != 0; });
-}
-
-void check_whole(const Model& model, const EdgeCounts& input, const EdgeCounts& output, const ShapeSums& shapes,
-                 Findings& findings, RunControl& control) {
+void check_whole(const Model& model, const EdgeCounts& input, std::int64_t input_vertices, const EdgeCounts& output,
+                 const ShapeSums& shapes, Findings& findings, RunControl& control) {
   const auto euler = [](std::int64_t vertices, const Faces& faces, const EdgeCounts& counts) {
     return vertices - static_cast<std::int64_t>(counts.edges) + static_cast<std::int64_t>(faces.count());
   };
-  const std::int64_t input_vertices = count_input_vertices(model, control);
   const std::int64_t output_vertices =
       count_set(model.is_kept.size(), control, [&](std::size_t v) { return model.is_kept[v] != 0; });
   if (euler(input_vertices, model.input, input) != euler(output_vertices, model.output, output))
@@ -189,7 +179,7 @@ Verdict verify(const Claim& claim, RunControl& control) {
   DelaunayCheck(model, output_edges, is_positive).run(findings, control);
   verdict.intersections = check_intersections(claim, is_positive, findings, control);
   if (claim.refinement != nullptr) check_goals(*claim.refinement, model, output_edges, seams.output, findings, control);
-  check_whole(model, input_edges.counts(), output_edges.counts(), shapes, findings, control);
+  check_whole(model, input_edges.counts(), boundary.input_vertices, output_edges.counts(), shapes, findings, control);
   findings.write_to(verdict);
   control.progress(1);
   return verdict;

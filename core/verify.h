@@ -33,8 +33,8 @@ struct InputIntersections {
 
 /// What the pipeline says it has done.
 struct Claim {
-  const Surface& surface;                          ///< what was remeshed
-  const IdVector<FaceId, PatchId>& surface_patch;  ///< patch of each face of `surface`
+  const Surface& surface;                  ///< what was remeshed
+  std::span<const PatchId> surface_patch;  ///< of each face of `surface`
   const IdVector<PatchId, Frame>& frames;
   std::span<const Vec3> positions;                    ///< output vertices
   std::span<const Triangle> faces;                    ///< output faces

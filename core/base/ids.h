@@ -108,4 +108,8 @@ struct LeftUnset : std::allocator<T> {
   }
 };
 
+/// An IdVector that many threads fill.
+template <class I, class T>
+using FilledIdVector = IdVector<I, T, LeftUnset<T>>;
+
 }  // namespace remesh

@@ -53,6 +53,8 @@ class UnionFind {
   std::uint32_t root_of(std::uint32_t i) const { return parent_[i]; }
   /// Returns whether the two were apart: true n - k times in all where k sets are left.
   bool join(std::uint32_t i, std::uint32_t j) {
+    // As most pairs of neighbours have, once some are joined.
+    if (at(i).load(std::memory_order_relaxed) == at(j).load(std::memory_order_relaxed)) return false;
     while (true) {
       i = find(i);
       j = find(j);

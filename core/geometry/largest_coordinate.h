@@ -21,9 +21,14 @@ inline double largest_coordinate(const Vec3& p) { return std::max({std::fabs(p.x
 inline double largest_coordinate(std::span<const Vec3> points, RunControl& control) {
   constexpr std::size_t kBlock = 1 << 14;
   const auto largest = map_blocks<double>(points.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-    double m = 0;
-    for (std::size_t i = begin; i < end; ++i) m = std::max(m, largest_coordinate(points[i]));
-    return m;
+    // Of each axis for itself: three chains of comparisons at once, and none waits for another one's.
+    Vec3 m;
+    for (std::size_t i = begin; i < end; ++i) {
+      m.x = std::max(m.x, std::fabs(points[i].x));
+      m.y = std::max(m.y, std::fabs(points[i].y));
+      m.z = std::max(m.z, std::fabs(points[i].z));
+    }
+    return largest_coordinate(m);
   });
   return largest.empty() ? 0 : *std::max_element(largest.begin(), largest.end());
 }

@@ -78,7 +78,9 @@ class Gatherer {
     add_labels(chunk);
     note(chunk.findings);
     const auto corners_before = static_cast<std::uint32_t>(mesh_.corners.size());
-    for (const std::uint32_t end : chunk.face_end) mesh_.face_begin.push_back(corners_before + end);
+    mesh_.face_begin.resize(mesh_.face_begin.size() + chunk.face_end.size());
+    std::transform(chunk.face_end.begin(), chunk.face_end.end(), mesh_.face_begin.end() - chunk.face_end.size(),
+                   [&](std::uint32_t end) { return corners_before + end; });
     mesh_.corners.insert(mesh_.corners.end(), chunk.corners.begin(), chunk.corners.end());
     mesh_.positions.items().insert(mesh_.positions.end(), chunk.positions.begin(), chunk.positions.end());
     largest_index_ = std::max(largest_index_, chunk.largest_index);

@@ -17,7 +17,8 @@ BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency,
         }
         return found;
       });
-  std::vector<bool> is_walked(surface.corners.size());  // bits: this is where the run has most in memory
+  std::vector<bool>& is_walked = loops.is_boundary;  // in the end; bits: this is where the run has most in memory
+  is_walked.resize(surface.corners.size());
   const auto close_patch = [&] {
     loops.patch_begin.push_back(static_cast<std::uint32_t>(loops.loop_begin.size() - 1));
   };

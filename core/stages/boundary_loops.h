@@ -17,6 +17,7 @@ struct BoundaryLoops {
   std::vector<std::uint32_t> half_edges;      ///< loop after loop
   std::vector<std::uint32_t> loop_begin{0};   ///< half-edges of loop l: [loop_begin[l], loop_begin[l + 1])
   std::vector<std::uint32_t> patch_begin{0};  ///< loops of patch p: [patch_begin[p], patch_begin[p + 1])
+  std::vector<bool> is_boundary;              ///< per half-edge: some loop has it
 
   std::span<const std::uint32_t> loop(std::uint32_t l) const {
     return std::span(half_edges).subspan(loop_begin[l], loop_begin[l + 1] - loop_begin[l]);

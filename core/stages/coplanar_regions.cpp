@@ -68,15 +68,31 @@ class Growth {
   void run() {
     find_joints();
     grow();
-    merge_regions(surface_, adjacency_, geometry_, rule_, first_region_, seeds_, regions_, control_);
+    merge_regions(surface_, adjacency_, rule_, first_region_, seeds_, heights_, regions_, control_);
   }
 
  private:
+  /// What a region's faces come to, in its plane.
+  struct Extent {
+    double deviation = 0;  ///< of the farthest corner
+    double height = 0;     ///< of the highest face
+    void add(const Extent& other) {
+      deviation = std::max(deviation, other.deviation);
+      height = std::max(height, other.height);
+    }
+  };
+
   struct NewRegion {
     bool is_thin;  ///< these after all others
     Seed seed;
     Plane plane;
+    Extent extent;
     bool is_before(const NewRegion& b) const { return is_thin != b.is_thin ? b.is_thin : seed.is_before(b.seed); }
+  };
+
+  struct InPlane {
+    Plane plane;
+    Extent extent;
   };
 
   /// What one thread has while it grows regions.
@@ -169,12 +185,16 @@ class Growth {
     sort_all(all.begin(), all.end(), [](const NewRegion& a, const NewRegion& b) { return a.is_before(b); });
     // All faces are taken: a seed may have its region's number for a stamp.
     regions_.planes.resize(first_region_ + all.size());
+    regions_.deviation.resize(first_region_ + all.size());
     seeds_.resize(all.size());
+    heights_.resize(all.size());
     for_blocks(all.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const RegionId r(first_region_ + i);
         seeds_[i] = all[i].seed.face;
+        heights_[i] = all[i].extent.height;
         regions_.planes[r] = all[i].plane;
+        regions_.deviation[r] = all[i].extent.deviation;
         stamp_[seeds_[i].value] = r.value;
       }
     });
@@ -195,14 +215,14 @@ class Growth {
       while (left > 0) {
         const FaceId seed = walk.seeds.next(is_open);
         if (!seed.is_valid()) break;
-        std::optional<Plane> plane;
-        if (left == island.size()) plane = plane_of_all(seed, island);
+        std::optional<InPlane> region;
+        if (left == island.size()) region = plane_of_all(seed, island);
         std::span<const std::uint32_t> found = island;
-        if (!plane) {
-          plane = grow_from(seed, walk);
+        if (!region) {
+          region = grow_from(seed, walk);
           found = walk.found;
         }
-        walk.regions.push_back({thin, walk.seeds.placed(seed), *plane});
+        walk.regions.push_back({thin, walk.seeds.placed(seed), region->plane, region->extent});
         take(found, seed);
         left -= found.size();
       }
@@ -210,12 +230,13 @@ class Growth {
   }
 
   /// The plane of an island that fits one, as most do: growing could only come to the same.
-  std::optional<Plane> plane_of_all(FaceId seed, std::span<const std::uint32_t> island) const {
+  std::optional<InPlane> plane_of_all(FaceId seed, std::span<const std::uint32_t> island) const {
     if (rule_.is_single(seed)) return std::nullopt;
     const Fit fit = fit_of(seed, island);
     if (!(fit.area > 0)) return std::nullopt;
     const Plane plane = fit.plane();
-    return do_all_fit(island, plane, kBand * rule_.tolerance(seed)) ? std::optional(plane) : std::nullopt;
+    const std::optional<Extent> extent = extent_if_all_fit(island, plane, kBand * rule_.tolerance(seed));
+    return extent ? std::optional(InPlane{plane, *extent}) : std::nullopt;
   }
 
   template <class Accept>
@@ -229,32 +250,52 @@ class Growth {
   }
 
   /// Finds the plane of the seed's region by growing while fitting, then the region by growing in that plane.
-  Plane grow_from(FaceId seed, Walk& walk) {
+  InPlane grow_from(FaceId seed, Walk& walk) {
     const Plane seed_plane = Plane{face_centre(surface_, seed), geometry_[seed].normal};
     if (rule_.is_single(seed)) {
       walk.found.assign(1, seed.value);
-      return seed_plane;
+      return {seed_plane, extent_of(walk.found, seed_plane)};
     }
     const double tol = rule_.tolerance(seed);
     Plane plane = grow_fitting(seed, seed_plane, tol, walk);
     const double band = kBand * tol;
-    if (!do_all_fit(walk.found, plane, band)) {
-      for (const std::uint32_t f : walk.found)
-        if (trials_[f] < kMostTrials) ++trials_[f];
-      if (!rule_.fits(seed, plane, band)) plane = seed_plane;
-      grow_in_plane(seed, plane, band, walk);
-    }
-    return plane;
+    if (const auto extent = extent_if_all_fit(walk.found, plane, band)) return {plane, *extent};
+    for (const std::uint32_t f : walk.found)
+      if (trials_[f] < kMostTrials) ++trials_[f];
+    if (!rule_.fits(seed, plane, band)) plane = seed_plane;
+    grow_in_plane(seed, plane, band, walk);
+    return {plane, extent_of(walk.found, plane)};
   }
 
-  bool do_all_fit(std::span<const std::uint32_t> faces, const Plane& plane, double tol) const {
+  /// Output: nothing if some face does not fit the plane.
+  std::optional<Extent> extent_if_all_fit(std::span<const std::uint32_t> faces, const Plane& plane, double tol) const {
     std::atomic<bool> do_fit = true;
-    const auto look = [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end && do_fit; ++i)
-        if (!rule_.fits(FaceId(faces[i]), plane, tol)) do_fit = false;
+    const auto extent = sum_over<Extent>(faces, [&](FaceId f, Extent& sum) {
+      if (!do_fit) return;
+      if (!rule_.fits(f, plane, tol, sum.deviation)) do_fit = false;
+      sum.height = std::max(sum.height, rule_.height(f));
+    });
+    return do_fit ? std::optional(extent) : std::nullopt;
+  }
+
+  Extent extent_of(std::span<const std::uint32_t> faces, const Plane& plane) const {
+    return sum_over<Extent>(faces, [&](FaceId f, Extent& sum) {
+      sum.add({rule_.distance(f, plane), rule_.height(f)});
+    });
+  }
+
+  /// Sums by blocks of faces, these in their order.
+  template <class Sum, class Add>
+  Sum sum_over(std::span<const std::uint32_t> faces, const Add& add) const {
+    const auto sum_block = [&](std::size_t begin, std::size_t end) {
+      Sum sum;
+      for (std::size_t i = begin; i < end; ++i) add(FaceId(faces[i]), sum);
+      return sum;
     };
-    for_blocks(faces.size(), kBlock, control_, look);
-    return do_fit;
+    if (faces.size() <= kBlock) return sum_block(0, faces.size());
+    Sum all;
+    for (const Sum& sum : map_blocks<Sum>(faces.size(), kBlock, control_, sum_block)) all.add(sum);
+    return all;
   }
 
   /// A layer is tested against one plane, and the plane is fitted anew when the region has doubled: so the order within
@@ -291,16 +332,9 @@ class Growth {
 
   /// Thin faces say nothing, but the seed has to.
   Fit fit_of(FaceId seed, std::span<const std::uint32_t> faces) const {
-    const auto sum = [&](std::size_t begin, std::size_t end) {
-      Fit part;
-      for (std::size_t i = begin; i < end; ++i)
-        if (const FaceId f(faces[i]); !rule_.is_thin(f) || f == seed) part.add(geometry_[f], face_centre(surface_, f));
-      return part;
-    };
-    if (faces.size() <= kBlock) return sum(0, faces.size());
-    Fit fit;
-    for (const Fit& part : map_blocks<Fit>(faces.size(), kBlock, control_, sum)) fit.add(part);
-    return fit;
+    return sum_over<Fit>(faces, [&](FaceId f, Fit& sum) {
+      if (!rule_.is_thin(f) || f == seed) sum.add(geometry_[f], face_centre(surface_, f));
+    });
   }
 
   void begin_growth(FaceId seed, Walk& walk) {
@@ -347,7 +381,9 @@ class Growth {
   std::vector<std::uint8_t> trials_;
   static constexpr std::size_t kBits = 64;
   std::vector<std::uint64_t> joints_;  ///< a bit a half-edge; set for the smaller one of an edge
-  std::vector<FaceId> seeds_;          ///< of the new regions
+  // Of the new regions.
+  std::vector<FaceId> seeds_;
+  std::vector<double> heights_;  ///< of each one's highest face
 };
 
 }  // namespace
@@ -360,7 +396,12 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor) {
 
 void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
                       const CoplanarityRule& rule, Regions& regions, RunControl& control) {
-  regions.of_face.resize(surface.face_count());
+  if (const std::size_t n = surface.face_count(); regions.of_face.size() != n) {
+    regions.of_face = FilledIdVector<FaceId, RegionId>::of_size(n);
+    for_blocks(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+      std::fill_n(&regions.of_face[FaceId(begin)], end - begin, RegionId());
+    });
+  }
   regions.are_connected = regions.are_connected || regions.planes.empty();
   Growth(surface, adjacency, geometry, rule, regions, control).run();
 }

@@ -25,11 +25,12 @@ struct Plane {
   double distance(const Vec3& p) const { return dot(p - origin, normal); }
 };
 
-/// Regions so far. Faces without a region are still to be grouped.
+/// Regions so far. Faces without a region are still to be grouped; so are all where nothing is said of any.
 struct Regions {
-  IdVector<FaceId, RegionId> of_face;
+  FilledIdVector<FaceId, RegionId> of_face;
   IdVector<RegionId, Plane> planes;
-  bool are_connected = false;  ///< each over edges, as those are that coplanar_regions makes
+  IdVector<RegionId, double> deviation;  ///< largest distance of a corner from the plane, of those that were grown
+  bool are_connected = false;            ///< each over edges, as those are that coplanar_regions makes
 };
 
 /// How faces are told apart; tolerances in local units.

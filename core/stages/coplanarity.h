@@ -38,15 +38,31 @@ class Coplanarity {
   /// theirs lie in one plane. (To first order the volume of the four changes by the faces' areas along each axis.)
   bool is_bend(std::uint32_t h) const;
 
+  double height(FaceId f) const { return geometry_[f].height; }
+
+  /// Of a face's farthest corner from a plane.
+  double distance(FaceId f, const Plane& plane) const {
+    double farthest = 0;
+    for (const VertexId v : surface_.face(f))
+      farthest = std::max(farthest, std::fabs(plane.distance(surface_.local[v])));
+    return farthest;
+  }
+
   /// Is a face in a plane, to a tolerance?
   bool fits(FaceId f, const Plane& plane, double tol) const {
+    double deviation = 0;
+    return fits(f, plane, tol, deviation);
+  }
+  /// The same, and raises `deviation` to the distance of its farthest corner, if it is.
+  bool fits(FaceId f, const Plane& plane, double tol, double& deviation) const {
     // The normal first: it is one test, where a large polygon with many neighbours has many corners.
     if (!is_thin(f)) {
       const double cosine = dot(geometry_[f].normal, plane.normal);
       if (!(cosine > 0 && 1 - cosine * cosine <= squared_sine(f, tol))) return false;
     }
-    for (const VertexId v : surface_.face(f))
-      if (std::fabs(plane.distance(surface_.local[v])) > tol) return false;
+    const double farthest = distance(f, plane);
+    if (farthest > tol) return false;
+    deviation = std::max(deviation, farthest);
     return true;
   }
 

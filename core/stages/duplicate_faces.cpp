@@ -16,13 +16,15 @@ class Duplicates {
 
   /// Output: what to do with each face; empty if none repeats another.
   const std::vector<std::uint8_t>& find() {
-    const auto may_have_equal_faces = [&](std::size_t e) {
-      const auto around = edges_.half_edges(EdgeId(e));
-      return around.size() > 2 || (around.size() == 2 && do_go_on_alike(around[0], around[1]));
-    };
-    const auto odd = select_ids<EdgeId>(edges_.edge_count(), kItemsPerBlock, control_, may_have_equal_faces);
-    if (!odd.empty()) find_first_half_edges();
-    for (const EdgeId e : odd) {
+    const std::vector<FaceId> suspects = find_suspects();
+    if (suspects.empty()) return fate_;
+    find_first_half_edges();
+    std::vector<EdgeId> edges;
+    for (const FaceId f : suspects)
+      if (first_[f.value] != Adjacency::kNone) edges.push_back(edges_.edge_of(first_[f.value]));
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    for (const EdgeId e : edges) {
       faces_.clear();
       for (const std::uint32_t h : edges_.half_edges(e))
         if (is_first(h)) faces_.push_back(edges_.face_of(h));
@@ -35,6 +37,20 @@ class Duplicates {
   static constexpr std::uint8_t kStays = 0, kDropped = 1, kBack = 2;
 
  private:
+  /// All faces that may repeat another one: this one is at each of its edges then, so that one of them tells.
+  std::vector<FaceId> find_suspects() const {
+    auto suspects = select_ids<FaceId>(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t f) {
+      const std::uint32_t h = surface_.face_begin[f], twin = edges_.twin(h);
+      return twin != Adjacency::kNone && do_go_on_alike(h, twin);
+    });
+    for (const EdgeId e : edges_.odd_edges()) {
+      const auto around = edges_.half_edges(e);
+      if (around.size() > 2 || (around.size() == 2 && do_go_on_alike(around[0], around[1])))
+        for (const std::uint32_t h : around) suspects.push_back(edges_.face_of(h));
+    }
+    return suspects;
+  }
+
   /// Whether two faces at an edge have the same vertex after it, seen in one direction: as most have not, nobody has to
   /// look at them any closer.
   bool do_go_on_alike(std::uint32_t g, std::uint32_t h) const {
@@ -161,7 +177,7 @@ bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, Mend mend, s
                   {},
                   "faces repeat another one, seen from behind, and stay: without them the surface would be open or "
                   "have edges of three faces"};
-  Surface kept;
+  FaceList kept;
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
     const FaceId f(i);
     const std::uint32_t source = surface.face_source[f].value;

@@ -29,18 +29,18 @@ ChordPosition about_chord(const Vec3& a, const Vec3& b, const Vec3& p) {
 
 class Selection {
  public:
-  Selection(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
+  Selection(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops,
             const IdVector<VertexId, std::uint8_t>& forced, std::span<const VertexId> pinched, double tolerance,
             RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
-        patches_(patches),
+        loops_(loops),
         forced_(forced),
         pinched_(pinched),
         tolerance_(tolerance),
         control_(control) {}
 
-  IdVector<VertexId, std::uint8_t> run() {
+  EssentialVertices run() {
     find_boundary();
     mark_junctions();
     // What touches there must go on touching.
@@ -54,7 +54,9 @@ class Selection {
     for (const VertexId v : vertices_)
       if (degree_[v.value] == 2 && !is_walked_[edges_at(v)[0].value]) close_ring(v);
     keep_doubled_chords();
-    return std::move(essential_);
+    // Inside a patch, a vertex has a closed fan of that patch's faces: if it is a corner of something else, too, its
+    // faces do not hang together there.
+    return {std::move(essential_), pinched_.empty()};
   }
 
  private:
@@ -83,9 +85,7 @@ class Selection {
   void find_boundary() {
     const std::size_t vertices = surface_.vertex_count();
     degree_.assign(vertices, 0);
-    const auto is_boundary = [&](std::size_t e) {
-      return is_patch_boundary(adjacency_, patches_, adjacency_.half_edges(EdgeId(e))[0]);
-    };
+    const auto is_boundary = [&](std::size_t e) { return loops_.is_boundary[adjacency_.half_edges(EdgeId(e))[0]]; };
     const auto boundary = select_ids<EdgeId>(adjacency_.edge_count(), kItemsPerBlock, control_, is_boundary);
     for (const EdgeId e : boundary) {
       ++degree_[low(e).value];
@@ -236,7 +236,7 @@ class Selection {
 
   const Surface& surface_;
   const Adjacency& adjacency_;
-  const PatchSet& patches_;
+  const BoundaryLoops& loops_;
   const IdVector<VertexId, std::uint8_t>& forced_;
   std::span<const VertexId> pinched_;
   double tolerance_;
@@ -253,12 +253,10 @@ class Selection {
 
 }  // namespace
 
-IdVector<VertexId, std::uint8_t> essential_vertices(const Surface& surface, const Adjacency& adjacency,
-                                                    const PatchSet& patches,
-                                                    const IdVector<VertexId, std::uint8_t>& forced,
-                                                    std::span<const VertexId> pinched, double tolerance,
-                                                    RunControl& control) {
-  return Selection(surface, adjacency, patches, forced, pinched, tolerance, control).run();
+EssentialVertices essential_vertices(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops,
+                                     const IdVector<VertexId, std::uint8_t>& forced, std::span<const VertexId> pinched,
+                                     double tolerance, RunControl& control) {
+  return Selection(surface, adjacency, loops, forced, pinched, tolerance, control).run();
 }
 
 }  // namespace remesh

@@ -113,13 +113,15 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
                                       const std::vector<std::uint8_t>& is_simple, double plane_tolerance,
                                       std::vector<Diagnostic>& diagnostics, RunControl& control) {
   std::vector<PatchId> patch_of_triangle;
-  if (faces.are_split())
+  std::span<const PatchId> patch = patches.of_face.items();
+  if (faces.are_split()) {
     for (std::size_t t = 0; t < faces.size(); ++t) patch_of_triangle.push_back(patches.of_face[faces.face(t)]);
-  const std::span<const PatchId> patch = faces.are_split() ? patch_of_triangle : patches.of_face.items();
+    patch = patch_of_triangle;
+  }
   std::vector<Vec3> normals;
   normals.reserve(patches.count());
   for (const Plane& plane : patches.planes) normals.push_back(plane.normal);
-  const std::vector<Vec3>& positions = surface.positions.items();
+  const std::span<const Vec3> positions = surface.positions.items();
   const SelfIntersections found =
       patch_intersections({positions, faces.corners(), patch, normals, is_simple}, kMostIntersections, control);
 

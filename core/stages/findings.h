@@ -32,7 +32,7 @@ class Triangulated {
   bool are_split() const { return are_split_; }
   std::size_t size() const { return corners().size() / 3; }
   /// Three a triangle.
-  std::span<const VertexId> corners() const { return are_split() ? corners_ : surface_->corners; }
+  std::span<const VertexId> corners() const { return are_split() ? std::span(corners_) : surface_->corners.items(); }
   Triangle triangle(std::size_t t) const { return {corners()[3 * t], corners()[3 * t + 1], corners()[3 * t + 2]}; }
   /// The face that a triangle is of; ascending.
   FaceId face(std::size_t t) const { return are_split() ? face_[t] : FaceId(t); }

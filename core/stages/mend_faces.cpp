@@ -177,7 +177,7 @@ class Mending {
         if (const std::uint32_t line = cluster_beyond(edges, cluster, h); line != Adjacency::kNone) stays[line] = 1;
     }
 
-    Surface out;
+    FaceList out;
     std::size_t inserted = 0;
     const std::size_t most = 4 * surface_.corners.size() + 1'000'000;
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
@@ -213,19 +213,22 @@ class Mending {
   void drop_unused_vertices() {
     std::vector<VertexId> renumbered(surface_.vertex_count());
     for (const VertexId v : surface_.corners) renumbered[v.value] = v;
+    std::vector<Vec3> positions;
     std::uint32_t kept = 0;
     for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
       if (!renumbered[v].is_valid()) continue;
       renumbered[v] = VertexId(kept);
-      surface_.positions[VertexId(kept)] = surface_.positions[VertexId(v)];
+      positions.push_back(surface_.positions[VertexId(v)]);
       surface_.local[VertexId(kept)] = surface_.local[VertexId(v)];
       surface_.vertex_source[VertexId(kept)] = surface_.vertex_source[VertexId(v)];
       ++kept;
     }
-    surface_.positions.resize(kept);
+    surface_.positions = std::move(positions);
     surface_.local.resize(kept);
     surface_.vertex_source.resize(kept);
-    for (VertexId& v : surface_.corners) v = renumbered[v.value];
+    surface_.corners.change([&](std::vector<VertexId>& corners) {
+      for (VertexId& v : corners) v = renumbered[v.value];
+    });
   }
 
   Surface& surface_;
@@ -234,7 +237,7 @@ class Mending {
   Mend degenerate_;
   RunControl& control_;
   std::optional<PolygonCuts> cuts_;
-  Surface mended_;  // faces only
+  FaceList mended_;
   std::vector<std::uint8_t> is_degenerate_;
   std::vector<VertexId> loop_, sorted_loop_;
   std::vector<Vec3> points_;

@@ -29,7 +29,7 @@ PatchReason reason_for(Outcome outcome) {
 class Mesher {
  public:
   Mesher(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, const BoundaryLoops& loops,
-         const IdVector<VertexId, std::uint8_t>& essential, const ProjectionRule& rule, RunControl& control)
+         const EssentialVertices& essential, const ProjectionRule& rule, RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
         patches_(patches),
@@ -67,9 +67,16 @@ class Mesher {
   /// Essential corners of the patch's faces: those of its loops, and those where something else touches its inside.
   void collect_vertices(PatchId p) {
     corners_.clear();
-    for (const FaceId f : patches_.faces_of(p))
-      for (const VertexId v : surface_.face(f))
-        if (essential_[v]) corners_.push_back(v);
+    const auto add = [&](VertexId v) {
+      if (essential_[v]) corners_.push_back(v);
+    };
+    if (essential_.are_on_loops) {
+      for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l)
+        for (const std::uint32_t h : loops_.loop(l)) add(adjacency_.from(h));
+    } else {
+      for (const FaceId f : patches_.faces_of(p))
+        for (const VertexId v : surface_.face(f)) add(v);
+    }
     vertices_.assign(corners_);
   }
 
@@ -182,7 +189,7 @@ class Mesher {
   const Adjacency& adjacency_;
   const PatchSet& patches_;
   const BoundaryLoops& loops_;
-  const IdVector<VertexId, std::uint8_t>& essential_;
+  const EssentialVertices& essential_;
   const ProjectionRule& rule_;
   RunControl& control_;
   std::vector<VertexId> corners_;
@@ -198,7 +205,7 @@ class Mesher {
 }  // namespace
 
 std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
-                                    const BoundaryLoops& loops, const IdVector<VertexId, std::uint8_t>& essential,
+                                    const BoundaryLoops& loops, const EssentialVertices& essential,
                                     const ProjectionRule& rule, RunControl& control) {
   const std::size_t n = patches.count();
   std::vector<PatchMesh> meshes(n);

@@ -13,6 +13,7 @@
 #include "core/options.h"
 #include "core/report.h"
 #include "core/stages/boundary_loops.h"
+#include "core/stages/essential_vertices.h"
 #include "core/stages/patches.h"
 
 namespace remesh {
@@ -42,7 +43,7 @@ struct ProjectionRule {
 ///          meet or loops cross. A patch of one triangle cannot fail.
 /// Cost:    O(n log n); on the caller's TBB arena, by patch, large ones first.
 std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
-                                    const BoundaryLoops& loops, const IdVector<VertexId, std::uint8_t>& essential,
+                                    const BoundaryLoops& loops, const EssentialVertices& essential,
                                     const ProjectionRule& rule, RunControl& control);
 
 }  // namespace remesh

@@ -24,17 +24,11 @@ std::size_t distinct(std::vector<VertexId>& vertices) {
 
 constexpr std::size_t kPatchesPerBlock = 256;
 
-/// What some of a patch's faces come to; local units.
-struct FacesSummary {
-  double deviation = 0;
-  std::vector<VertexId> essential;  ///< of their corners
-};
-
 /// Summarises one patch after the other.
 class Summariser {
  public:
   Summariser(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
-             const PatchSet& patches, const BoundaryLoops& loops, const IdVector<VertexId, std::uint8_t>& essential,
+             const PatchSet& patches, const BoundaryLoops& loops, const EssentialVertices& essential,
              const Ladder& ladder, RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
@@ -59,10 +53,7 @@ class Summariser {
     s.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
 
     s.area = within_double(areas_[p.value] * surface_.unit * surface_.unit);
-    look_at_faces(p);
-    s.deviation = faces_.deviation * surface_.unit;
-    const std::size_t vertices = distinct(faces_.essential);
-    s.essential_vertices = static_cast<std::uint32_t>(vertices);
+    s.deviation = (patches_.deviation.empty() ? deviation(p) : patches_.deviation[p]) * surface_.unit;
 
     // A region with k loop corners (a vertex counts as often as loops pass it) on l loops and m points inside is
     // cut into k + 2 m + 2 l - 4 triangles.
@@ -70,37 +61,38 @@ class Summariser {
     for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l)
       for (const std::uint32_t h : loops_.loop(l))
         if (essential_[adjacency_.from(h)]) rim_.push_back(adjacency_.from(h));
-    const std::size_t corners = rim_.size(), inside = vertices - distinct(rim_);
+    const std::size_t corners = rim_.size(), on_rim = distinct(rim_);
+    const std::size_t vertices = essential_.are_on_loops ? on_rim : count_essential(p), inside = vertices - on_rim;
+    s.essential_vertices = static_cast<std::uint32_t>(vertices);
     const auto triangles = static_cast<std::int64_t>(corners + 2 * inside + 2ull * s.loops) - 4;
     s.output_faces = static_cast<std::uint64_t>(std::max<std::int64_t>(1, triangles));
     return s;
   }
 
  private:
-  void look_at_faces(PatchId p) {
+  double deviation(PatchId p) const {
+    const Plane& plane = patches_.planes[p];
     const auto faces = patches_.faces_of(p);
-    faces_.deviation = 0;
-    faces_.essential.clear();
-    if (faces.size() <= kItemsPerBlock) return add(p, faces, faces_);
-    const auto add_block = [&](std::size_t begin, std::size_t end) {
-      FacesSummary sum;
-      add(p, faces.subspan(begin, end - begin), sum);
-      return sum;
-    };
-    for (const FacesSummary& sum : map_blocks<FacesSummary>(faces.size(), kItemsPerBlock, control_, add_block)) {
-      faces_.deviation = std::max(faces_.deviation, sum.deviation);
-      faces_.essential.insert(faces_.essential.end(), sum.essential.begin(), sum.essential.end());
-    }
+    double farthest = 0;
+    for (const double of_block :
+         map_blocks<double>(faces.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+           double distance = 0;
+           for (const FaceId f : faces.subspan(begin, end - begin))
+             for (const VertexId v : surface_.face(f))
+               distance = std::max(distance, std::fabs(plane.distance(surface_.local[v])));
+           return distance;
+         }))
+      farthest = std::max(farthest, of_block);
+    return farthest;
   }
 
-  void add(PatchId p, std::span<const FaceId> faces, FacesSummary& sum) const {
-    const Plane& plane = patches_.planes[p];
-    for (const FaceId f : faces) {
-      for (const VertexId v : surface_.face(f)) {
-        sum.deviation = std::max(sum.deviation, std::fabs(plane.distance(surface_.local[v])));
-        if (essential_[v]) sum.essential.push_back(v);
-      }
-    }
+  /// Of all corners of the patch's faces.
+  std::size_t count_essential(PatchId p) {
+    corners_.clear();
+    for (const FaceId f : patches_.faces_of(p))
+      for (const VertexId v : surface_.face(f))
+        if (essential_[v]) corners_.push_back(v);
+    return distinct(corners_);
   }
 
   const Surface& surface_;
@@ -108,12 +100,12 @@ class Summariser {
   const std::vector<double>& areas_;
   const PatchSet& patches_;
   const BoundaryLoops& loops_;
-  const IdVector<VertexId, std::uint8_t>& essential_;
+  const EssentialVertices& essential_;
   const Ladder& ladder_;
   RunControl& control_;
   // Scratch of one patch.
-  FacesSummary faces_;
-  std::vector<VertexId> rim_;  ///< essential ones of its loops
+  std::vector<VertexId> rim_;      ///< essential ones of its loops
+  std::vector<VertexId> corners_;  ///< essential ones of its faces
 };
 
 }  // namespace
@@ -143,8 +135,7 @@ std::vector<double> patch_areas(const PatchSet& patches, const FaceGeometries& g
 
 PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
                                  const PatchSet& patches, const BoundaryLoops& loops,
-                                 const IdVector<VertexId, std::uint8_t>& essential, const Ladder& ladder,
-                                 RunControl& control) {
+                                 const EssentialVertices& essential, const Ladder& ladder, RunControl& control) {
   PatchSummaries result;
   result.patches.resize(patches.count());
   for_blocks(patches.count(), kPatchesPerBlock, control, [&](std::size_t p, std::size_t end) {

@@ -5,6 +5,7 @@
 
 #include "core/report.h"
 #include "core/stages/boundary_loops.h"
+#include "core/stages/essential_vertices.h"
 #include "core/stages/ladder.h"
 #include "core/stages/patches.h"
 
@@ -22,7 +23,6 @@ std::vector<double> patch_areas(const PatchSet& patches, const FaceGeometries& g
 /// Summarises the patches as they stand; `areas` as above; `output_faces` is what Euler's formula gives.
 PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
                                  const PatchSet& patches, const BoundaryLoops& loops,
-                                 const IdVector<VertexId, std::uint8_t>& essential, const Ladder& ladder,
-                                 RunControl& control);
+                                 const EssentialVertices& essential, const Ladder& ladder, RunControl& control);
 
 }  // namespace remesh

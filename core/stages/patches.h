@@ -11,8 +11,9 @@
 namespace remesh {
 
 struct PatchSet {
-  IdVector<FaceId, PatchId> of_face;
+  FilledIdVector<FaceId, PatchId> of_face;
   IdVector<PatchId, Plane> planes;               ///< local units
+  IdVector<PatchId, double> deviation;           ///< of the farthest corner from the plane; empty: not known
   std::vector<std::uint32_t> face_begin{0};      ///< faces of patch p: faces[face_begin[p] .. face_begin[p + 1])
   std::vector<FaceId, LeftUnset<FaceId>> faces;  ///< ascending within a patch
 

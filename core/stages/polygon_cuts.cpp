@@ -7,7 +7,7 @@ namespace remesh {
 PolygonCuts::PolygonCuts(Surface& surface)
     : surface_(surface),
       edges_(surface.vertex_count(), surface.face_begin, surface.corners),
-      places_(surface.positions.items()) {
+      places_(surface.positions.begin(), surface.positions.end()) {
   std::sort(places_.begin(), places_.end());
 }
 
@@ -75,7 +75,8 @@ std::optional<VertexId> PolygonCuts::vertex_on(VertexId a, VertexId b) {
     new_places_.insert(place);
     surface_.local.push_back(surface_.to_local(place));
     surface_.vertex_source.push_back(surface_.vertex_source[first]);
-    return surface_.positions.push_back(place);
+    surface_.positions.change([&](std::vector<Vec3>& positions) { positions.push_back(place); });
+    return VertexId(surface_.vertex_count() - 1);
   }
   return std::nullopt;
 }

@@ -1,7 +1,6 @@
 #include "core/stages/region_merging.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <initializer_list>
 #include <utility>
@@ -18,23 +17,16 @@ constexpr std::uint8_t kMostFailures = 8;
 
 constexpr std::size_t kBlock = 4096;
 
-/// Makes `value` at least `least`, whoever else does.
-void raise(double& value, double least) {
-  const std::atomic_ref shared(value);
-  double now = shared.load(std::memory_order_relaxed);
-  while (now < least && !shared.compare_exchange_weak(now, least, std::memory_order_relaxed)) continue;
-}
-
 class Merging {
  public:
-  Merging(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, const Coplanarity& rule,
-          std::uint32_t first_region, std::span<const FaceId> seeds, Regions& regions, RunControl& control)
+  Merging(const Surface& surface, const Adjacency& adjacency, const Coplanarity& rule, std::uint32_t first_region,
+          std::span<const FaceId> seeds, std::span<const double> heights, Regions& regions, RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
-        geometry_(geometry),
         rule_(rule),
         first_region_(first_region),
         seeds_(seeds),
+        heights_(heights),
         regions_(regions),
         control_(control) {}
 
@@ -46,14 +38,11 @@ class Merging {
       const bool may_merge = r.value >= first_region_ && !rule_.is_single(f);
       return may_merge ? &pieces[r.value - first_region_] : nullptr;
     };
-    for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (FaceId f(begin); f.value < end; ++f.value)
-        if (Piece* piece = piece_of(f)) raise(piece->height, geometry_[f].height);
-    });
     // All faces of a region are on one step of the ladder.
     for (std::size_t r = 0; r < pieces.size(); ++r) {
       pieces[r].may_merge = !rule_.is_single(seeds_[r]);
       pieces[r].tolerance = rule_.tolerance(seeds_[r]);
+      pieces[r].height = heights_[r];
     }
     auto pairs = bordering_pieces(pieces);
     if (pairs.empty()) return;
@@ -132,14 +121,16 @@ class Merging {
     Plane plane{moments.mean(), fit.normal};
     if (dot(plane.normal, regions_.planes[RegionId(first_region_ + a)].normal) < 0) plane.normal = -plane.normal;
     centre(plane, {&pieces[a].faces, &pieces[b].faces});
+    double deviation = 0;
     for (const auto* faces : {&pieces[a].faces, &pieces[b].faces})
       for (const FaceId f : *faces)
-        if (!rule_.fits(f, plane, band)) {
+        if (!rule_.fits(f, plane, band, deviation)) {
           ++pieces[a].failures;
           ++pieces[b].failures;
           return false;
         }
     regions_.planes[RegionId(first_region_ + a)] = plane;
+    regions_.deviation[RegionId(first_region_ + a)] = deviation;
     for (const FaceId f : pieces[b].faces) regions_.of_face[f] = RegionId(first_region_ + a);
     // The smaller list is moved to the larger one.
     if (pieces[a].faces.size() < pieces[b].faces.size()) std::swap(pieces[a].faces, pieces[b].faces);
@@ -164,20 +155,20 @@ class Merging {
 
   const Surface& surface_;
   const Adjacency& adjacency_;
-  const FaceGeometries& geometry_;
   const Coplanarity& rule_;
   const std::uint32_t first_region_;
   const std::span<const FaceId> seeds_;
+  const std::span<const double> heights_;
   Regions& regions_;
   RunControl& control_;
 };
 
 }  // namespace
 
-void merge_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
-                   const Coplanarity& rule, std::uint32_t first_region, std::span<const FaceId> seeds, Regions& regions,
-                   RunControl& control) {
-  Merging(surface, adjacency, geometry, rule, first_region, seeds, regions, control).run();
+void merge_regions(const Surface& surface, const Adjacency& adjacency, const Coplanarity& rule,
+                   std::uint32_t first_region, std::span<const FaceId> seeds, std::span<const double> heights,
+                   Regions& regions, RunControl& control) {
+  Merging(surface, adjacency, rule, first_region, seeds, heights, regions, control).run();
 }
 
 }  // namespace remesh

@@ -11,11 +11,12 @@ namespace remesh {
 
 /// Joins neighbouring regions that have one plane after all. Growth begins with a plane as good as one face, and on a
 /// thin frame that plane is wrong at the far end by many times the rounding; all corners together know better.
-/// Input:  regions from `first_region` on; `seeds`: a face of each of them. Older ones are not touched.
+/// Input:  regions from `first_region` on; of each of them a face, and the height of its highest face. Older ones are
+///         not touched.
 /// Holds:  what coplanar_regions promises of regions. One that has been taken in by another has no faces any more.
 /// Cost:   O(n log n) for bounded numbers of neighbours that nearly fit.
-void merge_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
-                   const Coplanarity& rule, std::uint32_t first_region, std::span<const FaceId> seeds, Regions& regions,
-                   RunControl& control);
+void merge_regions(const Surface& surface, const Adjacency& adjacency, const Coplanarity& rule,
+                   std::uint32_t first_region, std::span<const FaceId> seeds, std::span<const double> heights,
+                   Regions& regions, RunControl& control);
 
 }  // namespace remesh

@@ -216,7 +216,7 @@ class Sides {
 struct Split {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  Surface faces;
+  FaceList faces;
   std::vector<std::uint32_t> junction_of;  ///< of each corner, kNone for those that the face had
 
   Split(const Surface& surface, const std::vector<Junction>& junctions) {

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <span>
 #include <tuple>
 #include <unordered_map>
@@ -27,10 +26,13 @@ struct Indexed {
   }
 };
 
+/// By vertex of the input; nothing for one that no face uses.
+using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
+
 /// Finds, for each vertex that is used, the first one with its coordinates.
 /// Output: false if that takes too long: someone has chosen coordinates that collide. Sorting takes its time always.
 bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::vector<std::uint8_t>& is_used,
-                        std::vector<std::uint32_t>& stands_for, RunControl& control) {
+                        Numbers& stands_for, RunControl& control) {
   constexpr std::uint64_t kFree = 0xffffffffffffffffu;
   constexpr std::size_t kMostLooks = 16;  // a vertex, on average
   // Adding 0 makes -0 0, which it equals.
@@ -45,7 +47,9 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
   // All threads fill one table, of vertices behind the upper halves of their hashes: these tell most others apart,
   // whose places are far off in memory. Which slot a place gets depends on them; that its first vertex stays in it does
   // not.
-  std::vector<std::uint64_t> table(std::bit_ceil(2 * positions.size() + 1), kFree);
+  std::vector<std::uint64_t, LeftUnset<std::uint64_t>> table(std::bit_ceil(2 * positions.size() + 1));
+  for_blocks(table.size(), kItemsPerBlock, control,
+             [&](std::size_t begin, std::size_t end) { std::fill_n(&table[begin], end - begin, kFree); });
   const std::size_t mask = table.size() - 1;
   std::atomic<bool> is_colliding = false;
   constexpr int kHalf = 32;
@@ -99,7 +103,7 @@ class NearWelding {
     cell_ = std::max(2 * tolerance, largest / kMostCells);
   }
 
-  void run(std::vector<std::uint32_t>& stands_for, Diagnostic& wide) {
+  void run(Numbers& stands_for, Diagnostic& wide) {
     for (std::uint32_t i = 0; i < places_.size(); ++i) {
       if (i % 4096 == 0) control_.check();
       const Near near = find_near(i);
@@ -203,7 +207,7 @@ void set_local_units(Surface& surface, RunControl& control) {
     throw Error(Code::kInvalidMesh, Stage::kWeld,
                 "the mesh is too small to compute with: all its vertices are less than 2^-1022 from its centre");
   surface.unit = std::ldexp(1.0, exponent);
-  surface.local.resize(n);
+  surface.local = FilledIdVector<VertexId, Vec3>::of_size(n);
   for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v)
       surface.local[VertexId(v)] = surface.to_local(surface.positions[VertexId(v)]);
@@ -234,42 +238,38 @@ IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Ba
   return numbers;
 }
 
-/// Gives the surface its vertices, in the input's order, each where the first of those comes that are welded to it.
-/// Output: of each input vertex that is used, which it is.
-std::vector<VertexId> take_vertices(const PolygonMesh& input, const std::vector<std::uint8_t>& is_used,
-                                    const std::vector<std::uint32_t>& stands_for, Surface& surface,
-                                    Diagnostic& duplicate, RunControl& control) {
-  const std::size_t n = input.vertex_count();
-  std::vector<VertexId> welded(n);
-  const auto take = [&](VertexId at, std::size_t source) {
-    surface.positions[at] = input.positions[VertexId(source)];
-    surface.vertex_source[at] = VertexId(source);
-  };
-  const auto is_single = [&](std::size_t i) { return is_used[i] != 0 && stands_for[i] == i; };
-  const auto counts = map_blocks<std::size_t>(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    std::size_t count = 0;
-    for (std::size_t i = begin; i < end; ++i) count += is_single(i);
-    return count;
-  });
-  const std::size_t singles = std::accumulate(counts.begin(), counts.end(), std::size_t{0});
-  surface.positions.resize(singles);
-  surface.vertex_source.resize(singles);
-  if (singles == n) {  // as most often
-    for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) take(welded[i] = VertexId(i), i);
-    });
-    return welded;
-  }
-  std::uint32_t next = 0;
-  for (std::uint32_t i = 0; i < n; ++i) {
+/// Vertices in the input's order, each where the first of those comes that are welded to it.
+struct Welded {
+  FilledIdVector<VertexId, VertexId> source;  ///< in the input
+  Numbers of_input;                           ///< which of them one of the input is
+};
+
+Welded number_welded(const std::vector<std::uint8_t>& is_used, const Numbers& stands_for, Diagnostic& duplicate) {
+  Welded welded;
+  welded.of_input.assign(is_used.size(), VertexId::kInvalid);
+  for (std::uint32_t i = 0; i < is_used.size(); ++i) {
     if (!is_used[i]) continue;
     // With a tolerance, of two vertices with equal coordinates the first knows for which it stands.
     const std::uint32_t one = stands_for[stands_for[i]];
     if (one != i) duplicate.add(i);
-    if (!welded[one].is_valid()) take(welded[one] = VertexId(next++), one);
-    welded[i] = welded[one];
+    if (welded.of_input[one] == VertexId::kInvalid) {
+      welded.of_input[one] = static_cast<std::uint32_t>(welded.source.size());
+      welded.source.push_back(VertexId(one));
+    }
+    welded.of_input[i] = welded.of_input[one];
   }
   return welded;
+}
+
+/// Whether all vertices are used, and none stands for another one.
+bool are_all_single(const std::vector<std::uint8_t>& is_used, const Numbers& stands_for, RunControl& control) {
+  const auto are_single = map_blocks<std::uint8_t>(is_used.size(), kItemsPerBlock, control,
+                                                   [&](std::size_t begin, std::size_t end) -> std::uint8_t {
+                                                     for (std::size_t i = begin; i < end; ++i)
+                                                       if (is_used[i] == 0 || stands_for[i] != i) return 0;
+                                                     return 1;
+                                                   });
+  return std::find(are_single.begin(), are_single.end(), 0) == are_single.end();
 }
 
 }  // namespace
@@ -292,7 +292,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
   });
   for (const VertexId v : select_ids<VertexId>(n, kItemsPerBlock, control, [&](std::size_t v) { return !is_used[v]; }))
     unused.add(v.value);
-  std::vector<std::uint32_t> stands_for(n);
+  Numbers stands_for(n);
   std::vector<Indexed> sorted;
   if (tolerance > 0 || !find_equal_by_hash(input.positions, is_used, stands_for, control)) {
     sorted.reserve(n);
@@ -315,28 +315,34 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
 
   control.check();
   Surface surface;
-  const std::vector<VertexId> welded = take_vertices(input, is_used, stands_for, surface, duplicate, control);
-  set_local_units(surface, control);
-
-  // Filled in by several threads, but allocated by this one: its memory comes from where the text was.
   const std::size_t faces = input.face_count();
-  surface.corners.reserve(input.corners.size());
-  surface.face_begin.reserve(faces + 1);
-  surface.face_source.reserve(faces);
-  do_all([&] { surface.corners.resize(input.corners.size()); },
-         [&] {
-           surface.face_begin.resize(faces + 1);
-           surface.face_source.resize(faces);
-         });
-  for_blocks(input.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t c = begin; c < end; ++c) surface.corners[c] = welded[input.corners[c].value];
-  });
+  surface.face_begin = CopyOnWrite<std::size_t, std::uint32_t>::of(input.face_begin);
+  surface.face_source = FilledIdVector<FaceId, FaceId>::of_size(faces);
   for_blocks(faces, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      surface.face_begin[f + 1] = input.face_begin[f + 1];
-      surface.face_source[FaceId(f)] = FaceId(f);
-    }
+    for (std::size_t f = begin; f < end; ++f) surface.face_source[FaceId(f)] = FaceId(f);
   });
+  if (are_all_single(is_used, stands_for, control)) {  // as most often
+    surface.positions = CopyOnWrite<VertexId, Vec3>::of(input.positions.items());
+    surface.corners = CopyOnWrite<std::size_t, VertexId>::of(input.corners);
+    surface.vertex_source = FilledIdVector<VertexId, VertexId>::of_size(n);
+    for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) surface.vertex_source[VertexId(v)] = VertexId(v);
+    });
+  } else {
+    Welded welded = number_welded(is_used, stands_for, duplicate);
+    std::vector<Vec3> positions(welded.source.size());
+    for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) positions[v] = input.positions[welded.source[VertexId(v)]];
+    });
+    std::vector<VertexId> corners(input.corners.size());
+    for_blocks(corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = begin; c < end; ++c) corners[c] = VertexId(welded.of_input[input.corners[c].value]);
+    });
+    surface.positions = std::move(positions);
+    surface.corners = std::move(corners);
+    surface.vertex_source = std::move(welded.source);
+  }
+  set_local_units(surface, control);
   surface.face_label = number_labels(input.labels, barriers, faces);
 
   for (Diagnostic* d : {&duplicate, &wide, &unused})

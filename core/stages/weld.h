@@ -18,7 +18,7 @@ namespace remesh {
 /// Output:  the surface with faces and corners as listed, vertices ordered by their first appearance in the input's
 ///          numbering; `face_label` numbers the combinations of the labels in `barriers`, in order of first use. What a
 ///          Surface holds about faces is not yet so: see mend_faces.
-///          Counts duplicate_vertex and unused_vertex.
+///          Counts duplicate_vertex and unused_vertex. What of the input stays as it is, the surface looks at only.
 /// Errors:  kEmptyMesh - no face; kInvalidMesh - a vertex 2^1022 from the centre or further, or all nearer to it than
 ///          2^-1022 but not in one place.
 /// Cost:    O(n log n).

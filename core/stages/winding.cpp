@@ -30,10 +30,10 @@ double area(const Surface& surface, FaceId f) {
 }
 
 void turn_over(Surface& surface, const std::vector<std::uint8_t>& is_turned) {
-  for (std::uint32_t f = 0; f < surface.face_count(); ++f)
-    if (is_turned[f])
-      std::reverse(surface.corners.begin() + surface.face_begin[f],
-                   surface.corners.begin() + surface.face_begin[f + 1]);
+  surface.corners.change([&](std::vector<VertexId>& corners) {
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f)
+      if (is_turned[f]) std::reverse(&corners[surface.face_begin[f]], corners.data() + surface.face_begin[f + 1]);
+  });
 }
 
 class Unifying {

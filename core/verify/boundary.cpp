@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
+#include <numeric>
 #include <utility>
 
 #include "core/base/blocks.h"
@@ -202,21 +204,28 @@ void BoundaryCheck::check_joints() {
   std::vector<std::atomic<std::uint32_t>> only_patch(model_.points.size());  // its number and 1
   const auto number = [](PatchId p) { return p.value + 1; };
   const auto of = [&](VertexId v) { return only_patch[v.value].load(std::memory_order_relaxed); };
-  for_blocks(model_.input.count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f)
-      for (const VertexId v : model_.input.face(f)) {
-        const std::uint32_t p = number(model_.input.patch[f]);
-        std::uint32_t only = of(v);
-        if (only == kNone && only_patch[v.value].compare_exchange_strong(only, p, std::memory_order_relaxed)) continue;
-        if (only != p && only != kSeveral) only_patch[v.value].store(kSeveral, std::memory_order_relaxed);
-      }
-  });
-  std::vector<std::uint64_t> before, after;
+  // Who finds another patch there than the first one takes down both; whoever comes later, its own.
   using Joints = std::vector<std::uint64_t>;
   const auto of_input = map_corners<Joints>(model_.input, [&](VertexId v, PatchId p, Joints& joints) {
-    if (of(v) == kSeveral) joints.push_back(joint(v, p));
+    std::uint32_t only = of(v);
+    if (only == number(p)) return;
+    if (only == kNone && only_patch[v.value].compare_exchange_strong(only, number(p), std::memory_order_relaxed))
+      return;
+    if (only == number(p)) return;
+    joints.push_back(joint(v, p));
+    if (only == kSeveral) return;
+    joints.push_back(joint(v, PatchId(only - 1)));
+    only_patch[v.value].store(kSeveral, std::memory_order_relaxed);
   });
+  std::vector<std::uint64_t> before, after;
   for (const Joints& joints : of_input) before.insert(before.end(), joints.begin(), joints.end());
+  const auto used =
+      map_blocks<std::int64_t>(only_patch.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+        return std::count_if(only_patch.begin() + static_cast<std::ptrdiff_t>(begin),
+                             only_patch.begin() + static_cast<std::ptrdiff_t>(end),
+                             [&](const auto& only) { return only.load(std::memory_order_relaxed) != kNone; });
+      });
+  result_.input_vertices = std::accumulate(used.begin(), used.end(), std::int64_t{0});
   struct OfOutput {
     Joints joints;
     std::vector<Finding> foreign;

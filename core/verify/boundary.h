@@ -26,8 +26,9 @@ struct Seams {
 };
 
 struct Boundary {
-  std::vector<double> deviation;  ///< of each patch: largest distance of a dropped boundary vertex to its chord
-  std::vector<double> slivers;    ///< of each patch: area between the input's chains and the output's
+  std::int64_t input_vertices = 0;  ///< that faces use
+  std::vector<double> deviation;    ///< of each patch: largest distance of a dropped boundary vertex to its chord
+  std::vector<double> slivers;      ///< of each patch: area between the input's chains and the output's
 };
 
 /// Reports kLostVertex, kLostLoop, kBoundary, kChord, kForeignVertex, kNewVertex, kNewOffLine.

@@ -106,9 +106,10 @@ Grouping by_patch(const Faces& faces, std::size_t patch_count, RunControl& contr
 bool is_well_formed(const Claim& claim, RunControl& control) {
   const Surface& surface = claim.surface;
   const std::size_t patch_count = claim.frames.size();
-  if (surface.face_begin.empty() || surface.face_begin.front() != 0 ||
-      surface.face_begin.back() != surface.corners.size() || claim.surface_patch.size() != surface.face_count() ||
-      claim.face_patch.size() != claim.faces.size() || claim.corner_uv.size() != 3 * claim.faces.size())
+  if (surface.face_begin.empty() || surface.face_begin[0] != 0 ||
+      surface.face_begin.items().back() != surface.corners.size() ||
+      claim.surface_patch.size() != surface.face_count() || claim.face_patch.size() != claim.faces.size() ||
+      claim.corner_uv.size() != 3 * claim.faces.size())
     return false;
   if (claim.refinement != nullptr && !is_well_formed(*claim.refinement, claim.faces.size())) return false;
   std::atomic<bool> is_good{true};
@@ -124,7 +125,7 @@ bool is_well_formed(const Claim& claim, RunControl& control) {
   const std::size_t vertex_count = surface.vertex_count();
   test(corners.size(), [=](std::size_t h) { return corners[h].value < vertex_count; });
   test(surface.face_count(), [&](std::size_t f) {
-    return surface.face_begin[f] + 3 <= surface.face_begin[f + 1] && claim.surface_patch[FaceId(f)].value < patch_count;
+    return surface.face_begin[f] + 3 <= surface.face_begin[f + 1] && claim.surface_patch[f].value < patch_count;
   });
   test(claim.faces.size(), [&](std::size_t f) {
     return claim.face_patch[f].value < patch_count &&
@@ -165,7 +166,7 @@ Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
   }
 
   renumber_output(claim, match, model, findings, control);
-  model.input = {claim.surface.face_begin, claim.surface.corners, claim.surface_patch.items()};
+  model.input = {claim.surface.face_begin, claim.surface.corners, claim.surface_patch};
   model.output = {model.output_face_begin, model.output_corners, claim.face_patch};
   model.corner_uv = claim.corner_uv;
   model.input_by_patch = by_patch(model.input, model.patch_count(), control);

@@ -104,7 +104,7 @@ class PatchFigures {
  public:
   PatchFigures(const Part& part, PatchId patch, RunControl& control) : part_(part), patch_(patch), control_(control) {
     const BoundaryLoops all = boundary_loops(part.surface, part.adjacency, part.patches, control);
-    essential_ = essential_vertices(part.surface, part.adjacency, part.patches,
+    essential_ = essential_vertices(part.surface, part.adjacency, all,
                                     IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0),
                                     pinched_vertices(part.surface, part.adjacency, control), part.tolerance, control);
     std::vector<Edge3> edges;
@@ -141,7 +141,7 @@ class PatchFigures {
       }
       for (const VertexId v : loop) loops.dot(at(v), 2.2, is_hole(loop) ? kHole : kOuter);
       for (const VertexId v : loop)
-        if (essential_[v] == 0) kept.dot(at(v), 1.6, kFaint);
+        if (!essential_[v]) kept.dot(at(v), 1.6, kFaint);
     }
     for (const Vec2 p : points_) kept.dot(p, 3, kOuter);
     return to_svg({loops, kept}, 420, 330);
@@ -182,7 +182,7 @@ class PatchFigures {
     for (const Loop& loop : loops_) {
       kept.emplace_back();
       for (const VertexId v : loop)
-        if (essential_[v] != 0) kept.back().push_back(at(v));
+        if (essential_[v]) kept.back().push_back(at(v));
       points_.insert(points_.end(), kept.back().begin(), kept.back().end());
     }
     std::sort(points_.begin(), points_.end());
@@ -217,7 +217,7 @@ class PatchFigures {
   const Part& part_;
   PatchId patch_;
   RunControl& control_;
-  IdVector<VertexId, std::uint8_t> essential_;
+  EssentialVertices essential_;
   std::vector<Loop> loops_;
   Frame frame_;
   std::vector<Vec2> points_;       // essential ones, in lexicographic order

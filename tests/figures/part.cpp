@@ -16,6 +16,7 @@ namespace remesh::figures {
 Part make_part(const PolygonMesh& mesh, double plane_tolerance, RunControl& control) {
   std::vector<Diagnostic> diagnostics;
   Surface surface = weld(mesh, Barriers{}, diagnostics, control);
+  surface.detach();
   const double tolerance = plane_tolerance / surface.unit;
   mend_faces(surface, tolerance, {}, Mend::kYes, diagnostics, control);
   Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners);

@@ -31,7 +31,7 @@ class Figure {
   Figure(const Part& part, PatchId patch, RunControl& control) : part_(part), patch_(patch), control_(control) {
     const BoundaryLoops loops = boundary_loops(part.surface, part.adjacency, part.patches, control);
     const auto essential = essential_vertices(
-        part.surface, part.adjacency, part.patches, IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0),
+        part.surface, part.adjacency, loops, IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0),
         pinched_vertices(part.surface, part.adjacency, control), part.tolerance, control);
     meshes_ = mesh_patches(part.surface, part.adjacency, part.patches, loops, essential, {}, control);
     frozen_.assign(meshes_.size(), 0);

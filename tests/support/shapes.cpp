@@ -383,7 +383,7 @@ PolygonMesh polygons(const TriangleMesh& mesh) {
 
 Surface surface(const PolygonMesh& mesh) {
   Surface out;
-  out.positions = mesh.positions;
+  out.positions = mesh.positions.items();
   Box3 box;
   for (const Vec3& p : out.positions) box.add(p);
   if (!box.is_empty()) {

@@ -14,6 +14,7 @@ namespace remesh {
 Surface mended(const PolygonMesh& mesh, double plane_tolerance, std::vector<Diagnostic>& diagnostics) {
   RunControl control;
   Surface surface = weld(mesh, Barriers{}, diagnostics, control);
+  surface.detach();
   mend_faces(surface, plane_tolerance / surface.unit, {}, Mend::kYes, diagnostics, control);
   return surface;
 }
@@ -41,7 +42,7 @@ StageChain::StageChain(const PolygonMesh& mesh, double plane_tolerance, const st
   loops = boundary_loops(surface, adjacency, patches, control);
   IdVector<VertexId, std::uint8_t> stays(surface.vertex_count(), 0);
   for (const Vec3& p : forced) stays[at(p)] = 1;
-  essential = essential_vertices(surface, adjacency, patches, stays, pinched_vertices(surface, adjacency, control),
+  essential = essential_vertices(surface, adjacency, loops, stays, pinched_vertices(surface, adjacency, control),
                                  tolerance, control);
   meshes = mesh_patches(surface, adjacency, patches, loops, essential, {}, control);
 }

@@ -11,6 +11,7 @@
 #include "core/report.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/coplanar_regions.h"
+#include "core/stages/essential_vertices.h"
 #include "core/stages/patch_meshing.h"
 #include "core/stages/patches.h"
 
@@ -31,7 +32,7 @@ class StageChain {
   StageChain& operator=(const StageChain&) = delete;
 
   VertexId at(const Vec3& position) const;
-  bool is_essential(const Vec3& position) const { return essential[at(position)] != 0; }
+  bool is_essential(const Vec3& position) const { return essential[at(position)]; }
   /// The essential vertices' positions, sorted.
   std::vector<Vec3> kept() const;
   /// The patch of a face of the input; its first piece where it was split.
@@ -48,7 +49,7 @@ class StageChain {
   Regions regions;
   PatchSet patches;
   BoundaryLoops loops;
-  IdVector<VertexId, std::uint8_t> essential;
+  EssentialVertices essential;
   std::vector<PatchMesh> meshes;
 };
 

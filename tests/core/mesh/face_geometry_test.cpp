@@ -14,7 +14,7 @@ namespace {
 /// Of the first face, its coordinates taken as local units.
 FaceGeometry geometry_of(const PolygonMesh& mesh) {
   Surface surface = shapes::surface(mesh);
-  surface.local = surface.positions;
+  surface.local.items().assign(surface.positions.begin(), surface.positions.end());
   RunControl control;
   return face_geometry(surface, control)[FaceId(0)];
 }
@@ -34,7 +34,7 @@ TEST(face_geometry, a_triangle_of_sides_3_4_5) {
 
 TEST(face_geometry, the_centre_is_the_mean_of_the_corners) {
   Surface surface = shapes::surface(shapes::from_lists({{0, 0, 1}, {4, 0, 1}, {0, 3, 1}}, {{0, 1, 2}}));
-  surface.local = surface.positions;
+  surface.local.items().assign(surface.positions.begin(), surface.positions.end());
   expect_near(face_centre(surface, FaceId(0)), {4.0 / 3, 1, 1});
 }
 
@@ -84,7 +84,7 @@ TEST(face_geometry, local_units_are_what_counts) {
 
 TEST(face_geometry, a_stop_that_was_asked_for_ends_it) {
   Surface surface = shapes::surface(shapes::sheet(1, 1, 2, 2));
-  surface.local = surface.positions;
+  surface.local.items().assign(surface.positions.begin(), surface.positions.end());
   RunControl control;
   control.cancel();
   EXPECT_THROW(face_geometry(surface, control), Error);

@@ -37,17 +37,21 @@ std::set<std::set<Vec3>> region_sets(const StageChain& chain) {
   return result;
 }
 
-/// What the header holds: corners within half the tolerance, no face turned over, every region in one piece.
+/// What the header holds: corners within half the tolerance, no face turned over, every region in one piece, and how
+/// far its corners are from its plane.
 void expect_holds(const StageChain& chain) {
   UnionFind pieces(chain.surface.face_count());
+  std::map<RegionId, double> farthest;
   for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
     const RegionId region = chain.regions.of_face[FaceId(f)];
     ASSERT_TRUE(region.is_valid());
     const Plane& plane = chain.regions.planes[region];
     EXPECT_NEAR(norm(plane.normal), 1, 1e-12);
-    for (const VertexId v : chain.surface.face(FaceId(f)))
-      EXPECT_LE(std::fabs(plane.distance(chain.surface.local[v])), chain.tolerance / 2 * (1 + 1e-9) + 1e-15)
-          << FaceId(f);
+    for (const VertexId v : chain.surface.face(FaceId(f))) {
+      const double distance = std::fabs(plane.distance(chain.surface.local[v]));
+      EXPECT_LE(distance, chain.tolerance / 2 * (1 + 1e-9) + 1e-15) << FaceId(f);
+      farthest[region] = std::max(farthest[region], distance);
+    }
     if (chain.geometry[FaceId(f)].height > 2 * chain.tolerance) {
       EXPECT_GT(dot(plane.normal, chain.geometry[FaceId(f)].normal), 0) << FaceId(f);
     }
@@ -57,6 +61,7 @@ void expect_holds(const StageChain& chain) {
         pieces.join(f, chain.adjacency.face_of(twin).value);
     }
   }
+  for (const auto& [region, distance] : farthest) EXPECT_EQ(chain.regions.deviation[region], distance) << region;
   std::map<RegionId, std::uint32_t> piece_of;
   for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
     const auto [it, is_new] = piece_of.try_emplace(chain.regions.of_face[FaceId(f)], pieces.find(f));

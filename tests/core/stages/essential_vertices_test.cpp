@@ -24,8 +24,16 @@ Points flat_points(const std::vector<Vec2>& points) {
 }
 
 /// Every loop vertex that went lies within the tolerance of the chord that replaces it, in order along it; a closed
-/// boundary keeps three; no two chords of different boundary edges join the same vertices.
+/// boundary keeps three; no two chords of different boundary edges join the same vertices. None lies inside a patch,
+/// where none is said to.
 void expect_holds(const StageChain& chain) {
+  for (std::uint32_t f = 0; f < chain.surface.face_count() && chain.essential.are_on_loops; ++f) {
+    const PatchId p = chain.patches.of_face[FaceId(f)];
+    std::set<VertexId> rim;
+    for (std::uint32_t l = chain.loops.patch_begin[p.value]; l < chain.loops.patch_begin[p.value + 1]; ++l)
+      for (const std::uint32_t h : chain.loops.loop(l)) rim.insert(chain.adjacency.from(h));
+    for (const VertexId v : chain.surface.face(FaceId(f))) EXPECT_TRUE(!chain.essential[v] || rim.count(v) == 1) << v;
+  }
   for (std::uint32_t l = 0; l + 1 < chain.loops.loop_begin.size(); ++l) {
     std::vector<VertexId> loop;
     for (const std::uint32_t h : chain.loops.loop(l)) loop.push_back(chain.adjacency.from(h));

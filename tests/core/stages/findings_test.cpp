@@ -91,7 +91,7 @@ TEST(triangulated, triangles_are_the_surface_s_own) {
   RunControl control;
   const Surface surface = mended(shapes::box({1, 2, 3}, 2));
   const Triangulated triangles(surface, control);
-  EXPECT_EQ(triangles.corners().data(), surface.corners.data());
+  EXPECT_EQ(triangles.corners().data(), surface.corners.items().data());
   EXPECT_EQ(triangles.size(), surface.face_count());
   EXPECT_EQ(triangles.face(7), FaceId(7));
   EXPECT_EQ(triangles.first_of(FaceId(7)), 7u);

@@ -96,7 +96,7 @@ TEST(mend_faces, a_polygon_that_leaves_its_plane_comes_as_triangles_with_its_bou
   const Surface surface = mended(mesh, 1e-3, diagnostics);
   EXPECT_EQ(surface.face_count(), 3u);
   EXPECT_EQ(count_of(diagnostics, DiagnosticCode::kNonplanarPolygon), 1u);
-  EXPECT_EQ(surface.face_source.items(), (std::vector<FaceId>{FaceId(0), FaceId(0), FaceId(1)}));
+  EXPECT_EQ(surface.face_source.items(), (FilledIdVector<FaceId, FaceId>::Items{FaceId(0), FaceId(0), FaceId(1)}));
   EXPECT_EQ(open_half_edges(surface), 6);
   expect_holds(surface);
 }

@@ -19,7 +19,9 @@ constexpr double kTolerance = 1e-9;
 Surface surface_of(const PolygonMesh& mesh) {
   std::vector<Diagnostic> diagnostics;
   RunControl control;
-  return weld(mesh, {}, diagnostics, control);
+  Surface surface = weld(mesh, {}, diagnostics, control);
+  surface.detach();
+  return surface;
 }
 
 void mend(Surface& surface) {

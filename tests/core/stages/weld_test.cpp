@@ -30,6 +30,7 @@ Welded welded(const PolygonMesh& mesh, const Barriers& barriers = {}) {
   Welded result;
   RunControl control;
   result.surface = weld(mesh, barriers, result.diagnostics, control);
+  result.surface.detach();
   return result;
 }
 
@@ -46,9 +47,29 @@ TEST(weld, vertices_with_equal_coordinates_become_the_first_of_them) {
   EXPECT_EQ(result.surface.vertex_count(), 4u);
   EXPECT_EQ(corner_numbers(result.surface), (std::vector<std::uint32_t>{1, 0, 2, 0, 3, 2}));
   EXPECT_EQ(result.surface.vertex_source.items(),
-            (std::vector<VertexId>{VertexId(0), VertexId(1), VertexId(2), VertexId(5)}));
+            (FilledIdVector<VertexId, VertexId>::Items{VertexId(0), VertexId(1), VertexId(2), VertexId(5)}));
   ASSERT_NE(result.find(DiagnosticCode::kDuplicateVertex), nullptr);
   EXPECT_EQ(result.find(DiagnosticCode::kDuplicateVertex)->elements, (std::vector<std::uint64_t>{3, 4}));
+}
+
+TEST(weld, what_stays_as_it_is_is_not_copied) {
+  RunControl control;
+  std::vector<Diagnostic> diagnostics;
+  const PolygonMesh sound = shapes::box({1, 2, 3}, 2);
+  const Surface looking = weld(sound, {}, diagnostics, control);
+  EXPECT_EQ(looking.positions.items().data(), sound.positions.items().data());
+  EXPECT_EQ(looking.corners.items().data(), sound.corners.data());
+  EXPECT_EQ(looking.face_begin.items().data(), sound.face_begin.data());
+  // One vertex twice, and one that no face uses.
+  for (const auto& points : {std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 0}},
+                             std::vector<Vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 0, 5}}}) {
+    PolygonMesh odd = shapes::from_lists(points, {{0, 1, 2}});
+    if (points[3] == points[1]) odd.corners[1] = VertexId(3);
+    const Surface own = weld(odd, {}, diagnostics, control);
+    EXPECT_EQ(own.vertex_count(), 3u);
+    EXPECT_NE(own.positions.items().data(), odd.positions.items().data());
+    EXPECT_EQ(own.positions[own.corners[1]], points[1]);
+  }
 }
 
 TEST(weld, minus_zero_equals_zero) {
@@ -152,6 +173,7 @@ Welded welded_within(const PolygonMesh& mesh, double tolerance) {
   Welded result;
   RunControl control;
   result.surface = weld(mesh, {}, result.diagnostics, control, tolerance);
+  result.surface.detach();
   return result;
 }
 
@@ -231,7 +253,7 @@ TEST(weld, a_mesh_too_small_for_doubles_is_refused) {
 TEST(weld, a_tolerance_below_all_distances_changes_nothing) {
   const PolygonMesh mesh = shapes::box({1, 2, 3}, 4);
   for (const double tolerance : {1e-300, 1e-15, 0.1})
-    EXPECT_EQ(welded_within(mesh, tolerance).surface.positions.items(), welded(mesh).surface.positions.items());
+    EXPECT_EQ(welded_within(mesh, tolerance).surface.positions, welded(mesh).surface.positions);
 }
 
 }  // namespace

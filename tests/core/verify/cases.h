@@ -47,8 +47,9 @@ inline Example bump(double height, double plane_tolerance) {
   PolygonMesh input = shapes::sheet(4, 4, 4, 4);
   const PolygonMesh output = shapes::sheet(4, 4, 1, 1);
   Example e = example(input, output);
-  for (Vec3& p : e.surface.positions)
+  e.move([&](Vec3& p) {
     if (p == Vec3{1, 1, 0}) p.z = height;
+  });
   e.plane_tolerance = plane_tolerance;
   return e;
 }
@@ -62,8 +63,9 @@ inline Example slope(double lift) {
   };
   Example e = example(tilted(shapes::flat({"####", "#.##", "####", "####"}, 3)),
                       tilted(shapes::flat({"####", "#.##", "####", "####"})));
-  for (Vec3& p : e.surface.positions)
+  e.move([&](Vec3& p) {
     if (p == Vec3{1 / 3.0, 2 / 3.0, 0.5e-3 / 3}) p.z += lift;
+  });
   e.frames[PatchId(0)] = {{2, 2, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 4, 0x1p-40};
   e.project();
   e.make_delaunay();

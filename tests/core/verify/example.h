@@ -47,6 +47,13 @@ struct Example {
       intersecting_patches.push_back(std::minmax(face_patch[f.value], face_patch[g.value]));
     std::sort(intersecting_patches.begin(), intersecting_patches.end());
   }
+  /// Moves vertices of the input.
+  template <class Move>
+  void move(const Move& move) {
+    surface.positions.change([&](std::vector<Vec3>& positions) {
+      for (Vec3& p : positions) move(p);
+    });
+  }
   Vec2 project(PatchId p, const Vec3& point) const {
     const Frame& f = frames[p];
     const auto rounded = [&](double t) { return std::nearbyint(t / f.scale / f.grid) * f.grid; };
@@ -232,7 +239,7 @@ inline Example example(const PolygonMesh& input, const PolygonMesh& output) {
 
 /// The same, in other units.
 inline Example scaled(Example e, double factor) {
-  for (Vec3& p : e.surface.positions) p = factor * p;
+  e.move([&](Vec3& p) { p = factor * p; });
   for (Vec3& p : e.positions) p = factor * p;
   for (Frame& frame : e.frames) {
     frame.origin = factor * frame.origin;

@@ -166,8 +166,9 @@ TEST(Verify, an_inner_vertex_off_the_plane_counts_by_its_distance) {
 TEST(Verify, an_input_that_folds_over_inside_the_plane_is_found) {
   // An inner vertex pulled over the border: the flap beyond it has no output, though loops and planes agree.
   Example e = bump(0, 1e-3);
-  for (Vec3& p : e.surface.positions)
+  e.move([](Vec3& p) {
     if (p == Vec3{1, 1, 0}) p = {1, -1, 0};
+  });
   const Verdict v = e.verify();
   EXPECT_FALSE(v.surface);
 }
@@ -176,7 +177,9 @@ TEST(Verify, noise_of_the_input_may_turn_slivers_over) {
   Example e = example(shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1e-12, 0}},
                                          {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}),
                       shapes::sheet(2, 2, 1, 1));
-  e.surface.positions[VertexId(4)].y = -1e-12;
+  e.move([](Vec3& p) {
+    if (p == Vec3{1, 1e-12, 0}) p.y = -1e-12;
+  });
   EXPECT_TRUE(is_verified(e));
 }
 

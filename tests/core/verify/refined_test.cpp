@@ -258,8 +258,10 @@ TEST(VerifyRefined, a_new_vertex_within_tolerance_of_all_its_input_need_not_be_m
       shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}},
                          {{0, 1, 5, 4}, {1, 6, 5}, {1, 2, 6}, {2, 3, 6}, {3, 5, 6}, {3, 4, 5}, {3, 0, 4}});
   Example e = refined(example(input, shapes::sheet(4, 4, 1, 1)));
-  e.surface.positions[VertexId(4)].z = 0.8e-3;
-  e.surface.positions[VertexId(6)].z = -0.8e-3;
+  e.move([](Vec3& p) {
+    if (p == Vec3{1, 1, 0}) p.z = 0.8e-3;
+    if (p == Vec3{3, 3, 0}) p.z = -0.8e-3;
+  });
   e.plane_tolerance = 1e-3;
   ASSERT_TRUE(is_verified(e));
   Example level = e;
