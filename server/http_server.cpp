@@ -38,10 +38,11 @@ constexpr std::chrono::milliseconds kRefusalLinger{200};
 /// The library matches paths with std::regex, which recurses for every character; no route of ours is nearly as long.
 constexpr std::size_t kMaxPath = 1024;
 
-/// Hands its own head to httplib, whose answer it takes to the client.
+/// Hands its own head to httplib, whose answer it takes to the client. httplib writes head and body one after the
+/// other: a small body goes with its head, in one packet, which wakes the client once. What streams goes at once.
 class ExchangeStream : public httplib::Stream {
  public:
-  ExchangeStream(Connection& connection, std::string head) : connection_(connection), head_(std::move(head)) {}
+  ExchangeStream(const Exchange& exchange, std::string head) : exchange_(exchange), head_(std::move(head)) {}
 
   ssize_t read(char* bytes, std::size_t size) override {
     const std::size_t count = head_.copy(bytes, size, read_);
@@ -50,23 +51,33 @@ class ExchangeStream : public httplib::Stream {
   }
   /// Errors: ConnectionLost, which leaves the library at once and reaches whoever called it.
   ssize_t write(const char* bytes, std::size_t size) override {
-    connection_.write_all({bytes, size});
+    constexpr std::size_t kMostHeld = 16 << 10;
+    const bool is_held = !exchange_.is_streamed && size <= kMostHeld - held_.size();
+    if (is_held) {
+      held_.append(bytes, size);
+    } else {
+      flush();
+      exchange_.connection.write_all({bytes, size});
+    }
     return static_cast<ssize_t>(size);
   }
+  /// Sends what is held. Errors: ConnectionLost.
+  void flush() { exchange_.connection.write_all(std::exchange(held_, {})); }
   bool is_readable() const override { return true; }
   bool is_writable() const override { return true; }
   // The library would refuse descriptors that select() cannot take; it needs none.
   socket_t socket() const override { return INVALID_SOCKET; }
   void get_remote_ip_and_port(std::string& ip, int& port) const override {
-    ip = connection_.peer_address();
+    ip = exchange_.connection.peer_address();
     port = 0;
   }
   void get_local_ip_and_port(std::string&, int&) const override {}
 
  private:
-  Connection& connection_;
+  const Exchange& exchange_;
   const std::string head_;
   std::size_t read_ = 0;
+  std::string held_;
 };
 
 /// httplib hands its handlers no context of ours; each thread serves one exchange at a time.
@@ -356,9 +367,10 @@ class HttpServer::Listener : public httplib::Server {
   /// Lets httplib route the request and write the answer. Errors: ConnectionLost.
   void answer(Exchange& exchange) {
     const CurrentExchange current(exchange);
-    ExchangeStream stream(exchange.connection, canonical_head(exchange));
+    ExchangeStream stream(exchange, canonical_head(exchange));
     bool is_closed = false;
     if (!process_request(stream, /*close_connection=*/false, is_closed, nullptr)) exchange.is_kept = false;
+    stream.flush();
   }
 
   /// Whether the connection is for another request: its client asks for that and has done nothing wrong, and both sides

@@ -11,7 +11,11 @@
 #include <array>
 #include <chrono>
 #include <filesystem>
+#include <functional>
 #include <iterator>
+#include <map>
+#include <mutex>
+#include <shared_mutex>
 #include <sstream>
 #include <system_error>
 
@@ -48,6 +52,29 @@ std::size_t open_descriptors() {
 double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
+
+/// Those of a family that have been asked for, by their labels: the library makes a new one for each look at one, and
+/// each request has a dozen.
+template <class Metric>
+class Known {
+ public:
+  /// What `make` gave for that key the first time. It lives as long as its family.
+  template <class Make>
+  Metric& find(std::string_view key, const Make& make) {
+    {
+      const std::shared_lock lock(mutex_);
+      if (const auto known = by_key_.find(key); known != by_key_.end()) return *known->second;
+    }
+    Metric& made = make();
+    const std::lock_guard lock(mutex_);
+    by_key_.emplace(key, &made);
+    return made;
+  }
+
+ private:
+  std::shared_mutex mutex_;
+  std::map<std::string, Metric*, std::less<>> by_key_;
+};
 
 /// Adds values that are read at the time of a look.
 class Snapshot {
@@ -127,6 +154,8 @@ struct Metrics::Families {
                                 .Help("Faces of meshes that went out.")
                                 .Register(registry)
                                 .Add({}, kFaces);
+  Known<Counter> known_requests, known_patches;
+  Known<Histogram> known_durations, known_stages;
   Gauge& build_info = prometheus::BuildGauge()
                           .Name("remeshd_build_info")
                           .Help("Always 1; the version is a label.")
@@ -138,10 +167,19 @@ Metrics::Metrics() : families_(std::make_unique<Families>()) { families_->build_
 Metrics::~Metrics() = default;
 
 void Metrics::count_request(std::string_view route, std::string_view method, int status, double seconds) {
-  const std::string path(route);
-  families_->requests.Add({{"route", path}, {"method", method_label(method)}, {"code", std::to_string(status)}})
+  const std::string path(route), label = method_label(method), code = std::to_string(status);
+  families_->known_requests
+      .find(code + ' ' + label + ' ' + path,
+            [&]() -> Counter& {
+              return families_->requests.Add({{"route", path}, {"method", label}, {"code", code}});
+            })
       .Increment();
-  families_->durations.Add({{"route", path}}, kSeconds).Observe(seconds);
+  families_->known_durations
+      .find(path,
+            [&]() -> Histogram& {
+              return families_->durations.Add({{"route", path}}, kSeconds);
+            })
+      .Observe(seconds);
 }
 
 void Metrics::count_rejection(const std::string& reason) {
@@ -149,11 +187,25 @@ void Metrics::count_rejection(const std::string& reason) {
 }
 
 void Metrics::count_work(const api::WorkDone& done) {
-  for (const auto& [stage, ms] : done.stages_ms)
-    families_->stages.Add({{"stage", std::string(stage)}}, kSeconds).Observe(ms / 1000);
-  families_->patches.Add({{"status", "remeshed"}}).Increment(static_cast<double>(done.remeshed));
-  families_->patches.Add({{"status", "reduced"}}).Increment(static_cast<double>(done.reduced));
-  families_->patches.Add({{"status", "kept"}}).Increment(static_cast<double>(done.kept));
+  for (const auto& [stage, ms] : done.stages_ms) {
+    const std::string_view name = stage;
+    families_->known_stages
+        .find(name,
+              [&]() -> Histogram& {
+                return families_->stages.Add({{"stage", std::string(name)}}, kSeconds);
+              })
+        .Observe(ms / 1000);
+  }
+  const auto count_patches = [&](const char* status, std::uint64_t patches) {
+    families_->known_patches.find(status,
+                                  [&]() -> Counter& {
+                                    return families_->patches.Add({{"status", status}});
+                                  })
+        .Increment(static_cast<double>(patches));
+  };
+  count_patches("remeshed", done.remeshed);
+  count_patches("reduced", done.reduced);
+  count_patches("kept", done.kept);
   families_->input_faces.Observe(static_cast<double>(done.input_faces));
   if (done.output_faces > 0) families_->output_faces.Observe(static_cast<double>(done.output_faces));
 }

@@ -7,7 +7,8 @@
 namespace remesh {
 
 /// Takes the pages of memory from the system that is about to be written to as a whole, all of them at once: one by
-/// one, as each is touched first, they take half as long again. Does nothing where the system does not know how.
+/// one, as each is touched first, they take half as long again. Does nothing for little memory, nor where the system
+/// does not know how.
 void take_pages(void* memory, std::size_t bytes);
 
 template <class T>

@@ -8,11 +8,13 @@
 #include <mutex>
 #include <set>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include "server/log.h"
 #include "tests/server/raw_client.h"
+#include "tests/support/tcp_segments.h"
 
 namespace remesh::server {
 namespace {
@@ -195,6 +197,17 @@ TEST_F(HttpServerTest, a_body_in_pieces_ends_with_its_connection) {
   EXPECT_EQ(answer.header("Content-Type"), "text/event-stream");
   EXPECT_EQ(answer.header("Content-Length"), "");
   EXPECT_EQ(answer.head.find("\r\nContent-Type"), answer.head.rfind("\r\nContent-Type"));
+}
+
+TEST_F(HttpServerTest, a_small_answer_comes_in_one_packet_and_pieces_when_they_are_made) {
+  const auto packets_of = [&](const std::string& path, std::string_view end) {
+    RawClient client(server_.port());
+    client.send("GET " + path + " HTTP/1.1\r\nHost: x\r\n\r\n");
+    EXPECT_NE(client.receive(end).find(end), std::string::npos);
+    return data_segments_received(client.socket());
+  };
+  EXPECT_EQ(packets_of("/", "root::"), 1u);
+  EXPECT_GE(packets_of("/pieces", "piece piece piece "), 3u);
 }
 
 TEST_F(HttpServerTest, a_client_that_leaves_in_the_middle_leaves_nothing_behind) {

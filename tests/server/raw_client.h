@@ -92,6 +92,7 @@ class RawClient {
     return ::poll(&entry, 1, 0) > 0;
   }
 
+  int socket() const { return socket_; }
   void close_sending() { ::shutdown(socket_, SHUT_WR); }
   void close() {
     if (socket_ >= 0) ::close(socket_);

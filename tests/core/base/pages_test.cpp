@@ -16,25 +16,25 @@ TEST(pages, those_within_the_memory_are_there_and_no_others) {
   GTEST_SKIP() << "the system does not know how";
 #else
   const auto page = static_cast<std::size_t>(::sysconf(_SC_PAGESIZE));
-  constexpr std::size_t kPages = 64;
+  constexpr std::size_t kPages = 512, kTaken = 256;
   void* const mapped = ::mmap(nullptr, kPages * page, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   ASSERT_NE(mapped, MAP_FAILED);
   (void)::madvise(mapped, kPages * page, MADV_NOHUGEPAGE);
   if (::madvise(mapped, page, MADV_POPULATE_WRITE) != 0) GTEST_SKIP() << "the kernel does not know how";
-  // From the middle of page 8 to the middle of page 16.
-  take_pages(static_cast<std::byte*>(mapped) + 8 * page + page / 2, 8 * page);
+  // From the middle of page 8 to the middle of page 264.
+  take_pages(static_cast<std::byte*>(mapped) + 8 * page + page / 2, kTaken * page);
   std::vector<unsigned char> is_there(kPages);
   ASSERT_EQ(::mincore(mapped, kPages * page, is_there.data()), 0);
-  for (std::size_t i = 1; i < kPages; ++i) EXPECT_EQ(is_there[i] & 1, i > 8 && i < 16 ? 1 : 0) << i;
+  for (std::size_t i = 1; i < kPages; ++i) EXPECT_EQ(is_there[i] & 1, i > 8 && i < 8 + kTaken ? 1 : 0) << i;
   ::munmap(mapped, kPages * page);
 #endif
 }
 
 TEST(pages, what_is_written_stays) {
-  std::vector<int> items(100'000, 7);
-  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{5000}, items.size()})
+  std::vector<int> items(1'000'000, 7);
+  for (const std::size_t size : {std::size_t{0}, std::size_t{1}, std::size_t{100'000}, items.size()})
     take_pages(std::span(items).first(size));
-  EXPECT_EQ(std::count(items.begin(), items.end(), 7), 100'000);
+  EXPECT_EQ(std::count(items.begin(), items.end(), 7), 1'000'000);
 }
 
 }  // namespace
