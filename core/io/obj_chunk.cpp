@@ -48,15 +48,16 @@ class Parser {
   ObjChunk take() { return std::move(chunk_); }
 
  private:
-  /// Room for what a chunk has that has nothing but records like its first, of some usual length; it costs nothing
-  /// where it is not written to, and growing step by step would.
+  /// Room for what a chunk has that has nothing but records like its first, of some usual length: growing step by step
+  /// takes longer. A chunk with one very long line has not more of them.
   void reserve(std::string_view text) {
-    constexpr std::size_t kVertexLine = 24, kFaceLine = 16;
+    constexpr std::size_t kVertexLine = 24, kFaceLine = 16, kUsualChunk = std::size_t{1} << 18;
+    const std::size_t size = std::min(text.size(), kUsualChunk);
     if (text.starts_with("v ")) {
-      chunk_.positions.reserve(text.size() / kVertexLine);
+      chunk_.positions.reserve(size / kVertexLine);
     } else if (text.starts_with("f ")) {
-      chunk_.face_end.reserve(text.size() / kFaceLine);
-      chunk_.corners.reserve(3 * (text.size() / kFaceLine));
+      chunk_.face_end.reserve(size / kFaceLine);
+      chunk_.corners.reserve(3 * (size / kFaceLine));
     }
   }
 

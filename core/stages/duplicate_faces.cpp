@@ -45,7 +45,9 @@ class Duplicates {
     });
     for (const EdgeId e : edges_.odd_edges()) {
       const auto around = edges_.half_edges(e);
-      if (around.size() > 2 || (around.size() == 2 && do_go_on_alike(around[0], around[1])))
+      // Between a corner and its repetition there is no direction to look in.
+      const bool is_point = edges_.from(around[0]) == edges_.to(around[0]);
+      if (around.size() > 2 || (around.size() == 2 && (is_point || do_go_on_alike(around[0], around[1]))))
         for (const std::uint32_t h : around) suspects.push_back(edges_.face_of(h));
     }
     return suspects;

@@ -214,6 +214,7 @@ class Mending {
     std::vector<VertexId> renumbered(surface_.vertex_count());
     for (const VertexId v : surface_.corners) renumbered[v.value] = v;
     std::vector<Vec3> positions;
+    positions.reserve(surface_.vertex_count());
     std::uint32_t kept = 0;
     for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
       if (!renumbered[v].is_valid()) continue;

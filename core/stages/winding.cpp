@@ -30,6 +30,7 @@ double area(const Surface& surface, FaceId f) {
 }
 
 void turn_over(Surface& surface, const std::vector<std::uint8_t>& is_turned) {
+  if (std::none_of(is_turned.begin(), is_turned.end(), [](std::uint8_t is) { return is != 0; })) return;
   surface.corners.change([&](std::vector<VertexId>& corners) {
     for (std::uint32_t f = 0; f < surface.face_count(); ++f)
       if (is_turned[f]) std::reverse(&corners[surface.face_begin[f]], corners.data() + surface.face_begin[f + 1]);

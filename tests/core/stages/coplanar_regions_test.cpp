@@ -221,13 +221,26 @@ TEST(coplanar_regions, two_triangles_bend_where_their_digits_cannot_explain_it) 
 }
 
 TEST(coplanar_regions, on_the_last_rung_every_face_is_alone) {
-  const StageChain chain(shapes::sheet(1, 1, 3, 3));
+  // Quads, each with a corner a little off the plane of the others.
+  PolygonMesh mesh = shapes::quad_box({1, 1, 1}, 3);
+  for (std::size_t v = 0; v < mesh.vertex_count(); v += 2) mesh.positions[VertexId(v)].x += 1e-8;
+  const StageChain chain(mesh);
   const IdVector<FaceId, std::uint8_t> rung(chain.surface.face_count(), kSingleFace);
   Regions regions;
   coplanar_regions(chain.surface, chain.adjacency, chain.geometry, {1e-6, 1e-6, &chain.surface.face_label, &rung},
                    regions, chain.control);
   std::set<RegionId> used(regions.of_face.begin(), regions.of_face.end());
   EXPECT_EQ(used.size(), chain.surface.face_count());
+  double most = 0;
+  for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
+    const RegionId r = regions.of_face[FaceId(f)];
+    double farthest = 0;
+    for (const VertexId v : chain.surface.face(FaceId(f)))
+      farthest = std::max(farthest, std::fabs(regions.planes[r].distance(chain.surface.local[v])));
+    EXPECT_EQ(regions.deviation[r], farthest);
+    most = std::max(most, farthest);
+  }
+  EXPECT_GT(most, 1e-10);
 }
 
 TEST(coplanar_regions, faces_that_have_a_region_keep_it) {

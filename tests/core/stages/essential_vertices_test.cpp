@@ -104,6 +104,8 @@ TEST(essential_vertices, what_touches_a_patch_inside_in_one_vertex_is_a_point_of
       shapes::from_lists({{1, 1, 0}, {0.5, 0.5, 1}, {1.5, 0.5, 1}, {1, 1.5, 1}}, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}}));
   const StageChain chain(mesh);
   EXPECT_TRUE(chain.is_essential({1, 1, 0}));
+  EXPECT_FALSE(chain.essential.are_on_loops);
+  expect_holds(chain);
 }
 
 TEST(essential_vertices, two_fans_pinched_at_a_vertex_keep_it) {
