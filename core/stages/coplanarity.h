@@ -60,9 +60,13 @@ class Coplanarity {
       const double cosine = dot(geometry_[f].normal, plane.normal);
       if (!(cosine > 0 && 1 - cosine * cosine <= squared_sine(f, tol))) return false;
     }
-    const double farthest = distance(f, plane);
-    if (farthest > tol) return false;
-    deviation = std::max(deviation, farthest);
+    double farthest = deviation;
+    for (const VertexId v : surface_.face(f)) {
+      const double distance = std::fabs(plane.distance(surface_.local[v]));
+      if (distance > tol) return false;
+      farthest = std::max(farthest, distance);
+    }
+    deviation = farthest;
     return true;
   }
 
