@@ -5,14 +5,14 @@
 #include <spdlog/pattern_formatter.h>
 #include <spdlog/sinks/stdout_sinks.h>
 #include <spdlog/spdlog.h>
-#include <sys/resource.h>
-#include <sys/syscall.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <iterator>
 #include <memory>
 #include <utility>
+
+#include "server/niceness.h"
 
 namespace remesh::server::log {
 namespace {
@@ -70,8 +70,7 @@ constexpr std::size_t kMaxWaiting = 8192;
 void let_others_first() {
   const sched_param none{};
   (void)::pthread_setschedparam(::pthread_self(), SCHED_BATCH, &none);
-  const auto thread = static_cast<id_t>(::syscall(SYS_gettid));
-  (void)::setpriority(PRIO_PROCESS, thread, ::getpriority(PRIO_PROCESS, thread) + 10);
+  be_nice();
 }
 
 /// The logger, and the thread that writes for it, which must end first.

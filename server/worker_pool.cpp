@@ -3,29 +3,11 @@
 #include <tbb/task_arena.h>
 #include <tbb/task_scheduler_observer.h>
 
-#include <sys/resource.h>
-#include <sys/syscall.h>
-#include <unistd.h>
-
 #include <algorithm>
 
+#include "server/niceness.h"
+
 namespace remesh::server {
-
-namespace {
-
-/// Geometry yields to the threads that answer: these need little time, but at once.
-constexpr int kNiceness = 10;
-
-void be_nice() {
-  // Of this thread alone, which Linux allows; where it does not work, it is no harm.
-  static thread_local const int set = [] {
-    const auto thread = static_cast<id_t>(::syscall(SYS_gettid));
-    return ::setpriority(PRIO_PROCESS, thread, ::getpriority(PRIO_PROCESS, thread) + kNiceness);
-  }();
-  (void)set;
-}
-
-}  // namespace
 
 /// Counts the threads that enter and leave an arena, and sets them behind those that answer.
 class WorkerPool::BusyThreads : public tbb::task_scheduler_observer {

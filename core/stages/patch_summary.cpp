@@ -29,15 +29,14 @@ class Summariser {
  public:
   Summariser(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
              const PatchSet& patches, const BoundaryLoops& loops, const EssentialVertices& essential,
-             const Ladder& ladder, RunControl& control)
+             const Ladder& ladder)
       : surface_(surface),
         adjacency_(adjacency),
         areas_(areas),
         patches_(patches),
         loops_(loops),
         essential_(essential),
-        ladder_(ladder),
-        control_(control) {}
+        ladder_(ladder) {}
 
   PatchSummary of(PatchId p) {
     const Plane& plane = patches_.planes[p];
@@ -53,7 +52,7 @@ class Summariser {
     s.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
 
     s.area = within_double(areas_[p.value] * surface_.unit * surface_.unit);
-    s.deviation = (patches_.deviation.empty() ? deviation(p) : patches_.deviation[p]) * surface_.unit;
+    s.deviation = patches_.deviation[p] * surface_.unit;
 
     // A region with k loop corners (a vertex counts as often as loops pass it) on l loops and m points inside is
     // cut into k + 2 m + 2 l - 4 triangles.
@@ -70,22 +69,6 @@ class Summariser {
   }
 
  private:
-  double deviation(PatchId p) const {
-    const Plane& plane = patches_.planes[p];
-    const auto faces = patches_.faces_of(p);
-    double farthest = 0;
-    for (const double of_block :
-         map_blocks<double>(faces.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-           double distance = 0;
-           for (const FaceId f : faces.subspan(begin, end - begin))
-             for (const VertexId v : surface_.face(f))
-               distance = std::max(distance, std::fabs(plane.distance(surface_.local[v])));
-           return distance;
-         }))
-      farthest = std::max(farthest, of_block);
-    return farthest;
-  }
-
   /// Of all corners of the patch's faces.
   std::size_t count_essential(PatchId p) {
     corners_.clear();
@@ -102,7 +85,6 @@ class Summariser {
   const BoundaryLoops& loops_;
   const EssentialVertices& essential_;
   const Ladder& ladder_;
-  RunControl& control_;
   // Scratch of one patch.
   std::vector<VertexId> rim_;      ///< essential ones of its loops
   std::vector<VertexId> corners_;  ///< essential ones of its faces
@@ -139,7 +121,7 @@ PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjace
   PatchSummaries result;
   result.patches.resize(patches.count());
   for_blocks(patches.count(), kPatchesPerBlock, control, [&](std::size_t p, std::size_t end) {
-    Summariser summariser(surface, adjacency, areas, patches, loops, essential, ladder, control);
+    Summariser summariser(surface, adjacency, areas, patches, loops, essential, ladder);
     for (; p < end; ++p) result.patches[p] = summariser.of(PatchId(p));
   });
   for (const PatchSummary& s : result.patches) {

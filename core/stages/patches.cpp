@@ -69,9 +69,11 @@ void number_pieces(const Surface& surface, const Adjacency& adjacency, const Reg
   const auto firsts =
       select_ids<FaceId>(n, kItemsPerBlock, control, [&](std::size_t f) { return first_of(FaceId(f)) == FaceId(f); });
   set.of_face = FilledIdVector<FaceId, PatchId>::of_size(n);
-  for (const FaceId f : firsts) set.of_face[f] = set.planes.push_back(regions.planes[regions.of_face[f]]);
-  if (regions.are_connected)
-    for (const FaceId f : firsts) set.deviation.push_back(regions.deviation[regions.of_face[f]]);
+  for (const FaceId f : firsts) {
+    const RegionId r = regions.of_face[f];
+    set.of_face[f] = set.planes.push_back(regions.planes[r]);
+    set.deviation.push_back(regions.deviation[r]);
+  }
   for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (FaceId f(begin); f.value < end; ++f.value)
       if (const FaceId first = first_of(f); first != f) set.of_face[f] = set.of_face[first];

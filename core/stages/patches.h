@@ -13,7 +13,7 @@ namespace remesh {
 struct PatchSet {
   FilledIdVector<FaceId, PatchId> of_face;
   IdVector<PatchId, Plane> planes;               ///< local units
-  IdVector<PatchId, double> deviation;           ///< of the farthest corner from the plane; empty: not known
+  IdVector<PatchId, double> deviation;           ///< of its region's farthest corner from the plane
   std::vector<std::uint32_t> face_begin{0};      ///< faces of patch p: faces[face_begin[p] .. face_begin[p + 1])
   std::vector<FaceId, LeftUnset<FaceId>> faces;  ///< ascending within a patch
 

@@ -14,6 +14,7 @@ namespace {
 PatchSet patches_of_one_region(const StageChain& chain) {
   Regions regions;
   regions.planes.push_back({{0, 0, 0}, {0, 0, 1}});
+  regions.deviation.push_back(0);
   regions.of_face.assign(chain.surface.face_count(), RegionId(0));
   return patches(chain.surface, chain.adjacency, regions, chain.control);
 }
