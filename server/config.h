@@ -40,7 +40,7 @@ struct Config {
 
   std::size_t max_connections = 512;
   std::size_t max_connections_per_address = 64;
-  std::chrono::milliseconds idle_timeout{5'000};  ///< 0: no connection is kept
+  std::chrono::milliseconds idle_timeout{3'000};  ///< 0: no connection is kept
   GateLimits gate;
 
   log::Format log_format = log::Format::kAuto;

@@ -9,7 +9,9 @@
 namespace remesh::server {
 namespace {
 
-constexpr std::size_t kReadSize = 64 << 10;
+/// Of a body. The system takes pieces of a file the faster the larger they are: with 64 KiB, an upload of 39 MB takes
+/// half as long again.
+constexpr std::size_t kReadSize = 256 << 10;
 /// What a body of unknown length reserves first.
 constexpr std::size_t kReserveStep = 1 << 20;
 

@@ -373,11 +373,12 @@ class HttpServer::Listener : public httplib::Server {
     stream.flush();
   }
 
-  /// Whether the connection is for another request: its client asks for that and has done nothing wrong, and both sides
-  /// know where this exchange ends. A body that was not read, or an answer without a length, ends with the connection.
+  /// Whether the connection is for another request: its client does not say otherwise and has done nothing wrong, and
+  /// both sides know where this exchange ends. A body that was not read, or an answer without a length, ends with the
+  /// connection.
   bool may_keep(const Exchange& exchange) const {
     return exchange.is_read && exchange.status < 400 && !exchange.is_streamed && settings_.idle_timeout.count() > 0 &&
-           !idle_.is_over() && asks_to_keep(exchange.request);
+           !idle_.is_over() && wants_to_be_kept(exchange.request);
   }
 
   /// A route has taken the request: lets it in, and reads the body that it may have.

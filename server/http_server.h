@@ -1,6 +1,6 @@
 /// The listener: accepts connections, one thread each, reads requests from each through the gate, one after another,
-/// and answers them. A connection is kept where its client asks for that and it is certain where the next request
-/// begins.
+/// and answers them. A connection is kept until its client says otherwise or it is not certain where the next
+/// request begins.
 ///
 /// cpp-httplib binds and accepts, routes, and writes the answers. It is not let near a byte that a client sends: its
 /// 0.11.4 has no overall deadlines, no bound on chunked bodies or lines, and can be misled about where a request ends.
@@ -30,7 +30,7 @@ struct HttpSettings {
   std::size_t max_connections_per_address = 64;
   /// How long a connection is kept for its next request; 0: not at all. Those that wait do not count among the
   /// connections above: there may be a quarter as many, then the one that has waited longest goes.
-  std::chrono::milliseconds idle_timeout{5'000};
+  std::chrono::milliseconds idle_timeout{3'000};
   const ApiKeys* keys = nullptr;  ///< what to ask for; none: nothing
   Cors cors;
   Metrics* metrics = nullptr;  ///< where to count; none: nowhere

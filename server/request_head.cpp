@@ -155,8 +155,8 @@ RequestHead parse_head(std::string_view bytes, const HeadLimits& limits) {
   return head;
 }
 
-bool asks_to_keep(const RequestHead& head) {
-  bool keeps = false;
+bool wants_to_be_kept(const RequestHead& head) {
+  bool keeps = head.minor_version >= 1;
   for (const auto& [name, value] : head.headers) {
     if (name != "connection") continue;
     for (std::string_view rest = value; !rest.empty();) {

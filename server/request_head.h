@@ -40,9 +40,9 @@ struct Framing {
 ///          without either; 501 - another coding than chunked.
 Framing framing(const RequestHead& head);
 
-/// Whether the client asks for the connection to be kept (RFC 9112, section 9.3). HTTP/1.1 takes that for granted, but
-/// a script that reads to the end of its connection does not mean it, and would wait for nothing.
-bool asks_to_keep(const RequestHead& head);
+/// Whether the client leaves the connection open for another request (RFC 9112, section 9.3): HTTP/1.1 unless it says
+/// `close`, HTTP/1.0 if it says `keep-alive`.
+bool wants_to_be_kept(const RequestHead& head);
 
 /// Reads %xx escapes; a NUL among them is refused.
 /// Errors:  400 - an incomplete escape.

@@ -99,8 +99,8 @@ def measure_small(bench, table, daemon):
                         "".join(f'wrk.headers["{key}"] = "{value}"\n' for key, value in fields.items()))
         return file
 
-    once = {"Content-Type": "model/obj"}
-    scripts = {"kept": script("kept.lua", {**once, "Connection": "keep-alive"}), "once": script("once.lua", once)}
+    plain = {"Content-Type": "model/obj"}
+    scripts = {"kept": script("kept.lua", plain), "once": script("once.lua", {**plain, "Connection": "close"})}
 
     def possible():
         return float(bench.run(bench.program("remesh_cases"), "--rate", "1000", str(WORKERS), "2").output)

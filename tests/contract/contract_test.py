@@ -53,7 +53,7 @@ def receive(connection):
 
 
 def request_bytes(method, target, body=None, fields=None):
-    lines = [f"{method} {target} HTTP/1.1", "Host: x"]
+    lines = [f"{method} {target} HTTP/1.1", "Host: x", "Connection: close"]
     lines += [f"{name}: {value}" for name, value in (fields or {}).items()]
     if body is not None:
         lines.append(f"Content-Length: {len(body)}")

@@ -30,6 +30,9 @@ cp "$work/body" "$work/plain"
 [ "$(header Repr-Digest)" = "$(digest_of "$work/plain")" ] || fail "the digest is $(header Repr-Digest)"
 [[ $(header Server-Timing) == *total\;dur=* ]] || fail "no times: $(cat "$work/head")"
 [ -n "$(header X-Request-Id)" ] || fail "no request id"
+[ "$(header Connection)" = keep-alive ] || fail "it does not say that the connection is kept"
+ask 200 -H 'Connection: close' --data-binary "@$mesh" '/v1/remesh?refine=false'
+same 'a connection of its own'
 [ "$(header Connection)" = close ] || fail "it does not say that it closes"
 ask 200 -H 'Content-Type: model/obj' --data-binary "@$mesh" '/v1/remesh?refine=false'
 same 'a named type'

@@ -20,7 +20,7 @@ Outcome perform(int port, const std::string& bytes, std::string* answer) {
   try {
     RawClient client(port);
     client.send(bytes);
-    const std::string received = client.receive();
+    const std::string received = client.receive_answer();
     outcome.status = server::Answer::parse(received).status;
     outcome.bytes = received.size();
     if (answer != nullptr) *answer = received;

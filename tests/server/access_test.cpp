@@ -160,7 +160,7 @@ TEST_F(AccessTest, without_the_key_no_byte_of_a_body_is_read) {
   start();
   RawClient client(port_);
   client.send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\nExpect: 100-continue\r\n\r\n");
-  EXPECT_EQ(Answer::parse(client.receive()).status, 401);
+  EXPECT_EQ(client.answer().status, 401);
 }
 
 TEST_F(AccessTest, the_operations_port_asks_for_no_key) {
@@ -202,7 +202,7 @@ TEST_F(AccessTest, one_address_cannot_shut_out_another) {
   EXPECT_FALSE(refused.header("Retry-After").empty());
   RawClient other(port_, "127.0.0.2");
   other.send("GET /livez HTTP/1.1\r\nHost: x\r\n\r\n");
-  EXPECT_EQ(Answer::parse(other.receive()).status, 200);
+  EXPECT_EQ(other.answer().status, 200);
 }
 
 }  // namespace

@@ -162,7 +162,7 @@ Answer flood(int port, const std::string& start, const std::string& piece, std::
   for (std::uint64_t sent = 0; sent < most && !client.has_input(); sent += piece.size()) {
     if (!client.send(piece)) break;
   }
-  return Answer::parse(client.receive());
+  return client.answer();
 }
 
 TEST_F(AttackTest, a_line_of_a_gigabyte_is_refused_when_it_passes_the_limit) {

@@ -145,7 +145,7 @@ TEST(EndToEnd, a_running_request_ends_soon_after_its_delete) {
       EXPECT_TRUE(eventually([&] { return get(daemon.port(), path).status == 200; }));
       EXPECT_EQ(ask(daemon.port(), "DELETE " + path + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
       const auto start = std::chrono::steady_clock::now();
-      EXPECT_EQ(code_of(Answer::parse(client.receive())), "cancelled");
+      EXPECT_EQ(code_of(client.answer()), "cancelled");
       const auto took = std::chrono::steady_clock::now() - start;
       EXPECT_EQ(get(daemon.port(), path).status, 404);
       return took;
@@ -164,7 +164,7 @@ TEST(EndToEnd, a_stop_lets_the_running_request_finish_and_exits_with_0) {
   ASSERT_TRUE(client.send(post_text("/v1/remesh?refine=false", bumpy_sheet(size), "X-Request-Id: " + id + "\r\n")));
   ASSERT_TRUE(eventually([&] { return get(daemon.port(), "/v1/requests/" + id).status == 200; }));
   daemon.send_signal(SIGTERM);
-  EXPECT_EQ(Answer::parse(client.receive()).status, 200);
+  EXPECT_EQ(client.answer().status, 200);
   EXPECT_EQ(daemon.wait(), 0);
   EXPECT_NE(daemon.log().find("\"event\":\"stopped\""), std::string::npos);
 }

@@ -131,7 +131,7 @@ TEST_F(HttpServerTest, options_has_no_body_and_says_what_is_allowed) {
 }
 
 TEST_F(HttpServerTest, head_answers_as_get_without_the_body) {
-  const Answer answer = request("HEAD", "/v1/requests/abc");
+  const Answer answer = request("HEAD", "/v1/requests/abc", "Connection: close\r\n");
   EXPECT_EQ(answer.status, 200);
   EXPECT_EQ(answer.header("Content-Length"), "9");
   EXPECT_EQ(answer.header("Accept-Ranges"), "");
@@ -226,10 +226,9 @@ TEST_F(HttpServerTest, a_client_that_leaves_in_the_middle_leaves_nothing_behind)
 /// Connections that serve more than one request.
 class KeptConnection : public HttpServerTest {
  protected:
-  static std::string get_text(const std::string& path, const std::string& fields = "Connection: keep-alive\r\n") {
+  static std::string get_text(const std::string& path, const std::string& fields = "") {
     return "GET " + path + " HTTP/1.1\r\nHost: x\r\n" + fields + "\r\n";
   }
-  static Answer next(RawClient& client) { return Answer::parse(client.receive_answer()); }
   /// Of a connection that the server has closed.
   static bool is_closed(RawClient& client) { return client.receive().empty(); }
 
@@ -247,45 +246,67 @@ TEST_F(KeptConnection, requests_are_answered_one_after_another) {
   for (int i = 0; i < 20; ++i) {
     const std::string name = std::to_string(i);
     client.send(get_text("/v1/requests/" + name));
-    const Answer answer = next(client);
+    const Answer answer = client.answer();
     EXPECT_EQ(answer.body, "show:" + name + ":");
     EXPECT_EQ(answer.header("Connection"), "keep-alive");
-    EXPECT_EQ(answer.header("Keep-Alive"), "timeout=5");
-    client.send(post_text("/v1/remesh", name, "Connection: keep-alive\r\n"));
-    EXPECT_EQ(next(client).body, "remesh::" + name);
+    EXPECT_EQ(answer.header("Keep-Alive"), "timeout=3");
+    client.send(post_text("/v1/remesh", name));
+    EXPECT_EQ(client.answer().body, "remesh::" + name);
   }
   EXPECT_EQ(server_.open_connections(), 1u);
 }
 
 TEST_F(KeptConnection, what_is_sent_ahead_is_not_lost_wherever_the_packets_end) {
-  const std::string requests = post_text("/v1/remesh", "one", "Connection: keep-alive\r\n") +
-                               "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nConnection: keep-alive\r\nTransfer-Encoding: "
-                               "chunked\r\n\r\n3\r\ntwo\r\n0\r\nT: t\r\n\r\n" +
-                               get_text("/nothing") + get_text("/v1/requests/four", "Connection: close\r\n");
+  const std::string requests =
+      post_text("/v1/remesh", "one") +
+      "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n3\r\ntwo\r\n0\r\nT: t\r\n\r\n" +
+      get_text("/nothing") + get_text("/v1/requests/four", "Connection: close\r\n");
   for (const std::size_t size : {requests.size(), std::size_t{1}, std::size_t{7}, std::size_t{97}}) {
     RawClient client(server_.port());
     for (std::size_t at = 0; at < requests.size(); at += size) ASSERT_TRUE(client.send(requests.substr(at, size)));
-    EXPECT_EQ(next(client).body, "remesh::one") << size;
-    EXPECT_EQ(next(client).body, "remesh::two") << size;
-    EXPECT_EQ(next(client).body, "") << size;
-    EXPECT_EQ(next(client).body, "show:four:") << size;
+    EXPECT_EQ(client.answer().body, "remesh::one") << size;
+    EXPECT_EQ(client.answer().body, "remesh::two") << size;
+    EXPECT_EQ(client.answer().body, "") << size;
+    EXPECT_EQ(client.answer().body, "show:four:") << size;
     EXPECT_TRUE(is_closed(client)) << size;
   }
 }
 
-TEST_F(KeptConnection, it_ends_unless_the_client_asks_and_the_next_request_can_be_told) {
-  const std::string keep = "Connection: keep-alive\r\n";
+TEST_F(KeptConnection, it_ends_where_the_client_says_so_or_the_next_request_cannot_be_told) {
   for (const std::string& request :
-       {get_text("/", ""), get_text("/", "Connection: close\r\n"), get_text("/", keep + "Connection: close\r\n"),
-        get_text("/pieces"), get_text("/", keep + "Content-Length: 3\r\n") + "abc", get_text("/v1"),
-        get_text("/v1/remesh"), post_text("/v1/remesh", std::string(78, 'x'), keep), "rubbish\r\n" + keep + "\r\n"}) {
+       {get_text("/", "Connection: close\r\n"), get_text("/", "Connection: keep-alive\r\nConnection: close\r\n"),
+        std::string("GET / HTTP/1.0\r\n\r\n"), get_text("/pieces"), get_text("/", "Content-Length: 3\r\n") + "abc",
+        get_text("/v1"), get_text("/v1/remesh"), post_text("/v1/remesh", std::string(78, 'x')),
+        std::string("rubbish\r\n\r\n")}) {
     RawClient client(server_.port());
     client.send(request + get_text("/"));
-    const Answer answer = next(client);
+    const std::string received = client.receive();
+    const Answer answer = Answer::parse(received);
     EXPECT_NE(answer.status, 0) << request;
     EXPECT_EQ(answer.header("Connection"), "close") << request;
     EXPECT_EQ(answer.header("Keep-Alive"), "") << request;
-    EXPECT_TRUE(is_closed(client)) << request;
+    EXPECT_EQ(received.find("\nHTTP/1.1 "), std::string::npos) << request << ": a second answer";
+  }
+}
+
+TEST_F(KeptConnection, behind_the_answer_to_head_comes_the_next_one) {
+  RawClient client(server_.port());
+  client.send("HEAD /v1/requests/abc HTTP/1.1\r\nHost: x\r\n\r\n");
+  const std::string end = "\r\n\r\n";
+  const std::string head = client.receive(end);
+  EXPECT_EQ(head.find(end) + end.size(), head.size());
+  EXPECT_EQ(Answer::parse(head).header("Content-Length"), "9");
+  client.send(get_text("/v1/requests/abc"));
+  EXPECT_EQ(client.answer().body, "show:abc:");
+}
+
+TEST_F(KeptConnection, before_http_1_1_it_is_kept_where_the_client_asks) {
+  RawClient client(server_.port());
+  for (int i = 0; i < 2; ++i) {
+    client.send("GET / HTTP/1.0\r\nConnection: Keep-Alive\r\n\r\n");
+    const Answer answer = client.answer();
+    EXPECT_EQ(answer.status, 200);
+    EXPECT_EQ(answer.header("Connection"), "keep-alive");
   }
 }
 
@@ -296,7 +317,7 @@ TEST_F(KeptConnection, it_waits_so_long_and_no_longer) {
   RawClient client(server->port());
   client.send(get_text("/"));
   const auto began = Clock::now();
-  EXPECT_EQ(next(client).status, 200);
+  EXPECT_EQ(client.answer().status, 200);
   EXPECT_TRUE(is_closed(client));
   EXPECT_GE(Clock::now() - began, std::chrono::milliseconds(100));
   EXPECT_LT(Clock::now() - began, std::chrono::seconds(40));
@@ -305,7 +326,7 @@ TEST_F(KeptConnection, it_waits_so_long_and_no_longer) {
   const auto other = start(settings);
   RawClient once(other->port());
   once.send(get_text("/"));
-  EXPECT_EQ(next(once).header("Connection"), "close");
+  EXPECT_EQ(once.answer().header("Connection"), "close");
   EXPECT_TRUE(is_closed(once));
 }
 
@@ -318,14 +339,14 @@ TEST_F(KeptConnection, those_that_wait_take_no_place_of_others) {
   for (int i = 0; i < 20; ++i) {
     clients.push_back(std::make_unique<RawClient>(server->port()));
     clients.back()->send(get_text("/"));
-    ASSERT_EQ(next(*clients.back()).status, 200) << i;
+    ASSERT_EQ(clients.back()->answer().status, 200) << i;
     // Those that waited longest have gone.
     ASSERT_TRUE(eventually([&] { return server->open_connections() <= 2; })) << i;
   }
   EXPECT_TRUE(is_closed(*clients.front()));
   for (int again = 0; again < 2; ++again) {
     clients.back()->send(get_text("/"));
-    EXPECT_EQ(next(*clients.back()).status, 200);
+    EXPECT_EQ(clients.back()->answer().status, 200);
   }
 }
 
@@ -335,14 +356,14 @@ TEST_F(KeptConnection, a_drain_ends_those_that_wait_and_those_that_come) {
   const auto server = start(settings);
   RawClient waiting(server->port());
   waiting.send(get_text("/"));
-  EXPECT_EQ(next(waiting).header("Connection"), "keep-alive");
+  EXPECT_EQ(waiting.answer().header("Connection"), "keep-alive");
   const auto began = Clock::now();
   server->begin_drain();
   EXPECT_TRUE(is_closed(waiting));
   EXPECT_LT(Clock::now() - began, settings.idle_timeout);
   RawClient client(server->port());
   client.send(get_text("/"));
-  EXPECT_EQ(next(client).header("Connection"), "close");
+  EXPECT_EQ(client.answer().header("Connection"), "close");
   EXPECT_TRUE(is_closed(client));
 }
 
@@ -361,7 +382,7 @@ TEST_F(KeptConnection, a_thread_stays_for_the_next_one) {
   for (int i = 0; i < 50; ++i) {
     RawClient client(server.port());
     client.send(get_text("/", "Connection: close\r\n"));
-    EXPECT_EQ(next(client).status, 200);
+    EXPECT_EQ(client.answer().status, 200);
     EXPECT_TRUE(is_closed(client));
     std::this_thread::sleep_for(std::chrono::milliseconds(2));
   }

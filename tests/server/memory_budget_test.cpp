@@ -91,7 +91,7 @@ TEST_F(MemoryTest, a_body_that_cannot_fit_is_refused_before_it_is_sent) {
   start();
   RawClient client(port_);
   client.send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\nExpect: 100-continue\r\n\r\n");
-  const Answer answer = Answer::parse(client.receive());
+  const Answer answer = client.answer();
   EXPECT_EQ(answer.status, 413);
   EXPECT_EQ(code_of(answer), "mesh_too_large");
   const std::string chunked = "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n";
@@ -103,7 +103,7 @@ TEST_F(MemoryTest, work_that_takes_too_much_is_ended_and_told_why) {
   start();
   const auto client = start_blocking();
   const std::string much(512 << 20, 'x');  // as if the request took it
-  const Answer answer = Answer::parse(client->receive());
+  const Answer answer = client->answer();
   EXPECT_EQ(answer.status, 413);  // it was alone: coming again would not help
   EXPECT_EQ(code_of(answer), "mesh_too_large");
 }

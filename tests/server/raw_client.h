@@ -21,6 +21,30 @@ namespace remesh::server {
 /// How long a test waits for what must come: long, so that a busy machine is not taken for a fault.
 constexpr std::chrono::seconds kPatience{60};
 
+/// An answer, taken apart.
+struct Answer {
+  int status = 0;
+  std::string head;
+  std::string body;
+
+  static Answer parse(const std::string& text) {
+    Answer answer;
+    const std::size_t end = text.find("\r\n\r\n");
+    if (text.rfind("HTTP/1.1 ", 0) != 0 || end == std::string::npos) return answer;
+    answer.status = std::stoi(text.substr(9, 3));
+    answer.head = text.substr(0, end + 2);
+    answer.body = text.substr(end + 4);
+    return answer;
+  }
+
+  std::string header(const std::string& name) const {
+    const std::size_t at = head.find("\r\n" + name + ": ");
+    if (at == std::string::npos) return {};
+    const std::size_t start = at + name.size() + 4;
+    return head.substr(start, head.find("\r\n", start) - start);
+  }
+};
+
 class RawClient {
  public:
   /// From an address of this machine of the test's choice.
@@ -67,18 +91,19 @@ class RawClient {
     return std::exchange(arrived_, {});
   }
 
-  /// One answer: its head, behind interim ones, and as much as its Content-Length says, or all there is where it says
-  /// nothing.
+  /// One answer, behind interim ones: as much as its Content-Length says, and all that comes up to the end of a
+  /// connection that ends with it.
   std::string receive_answer() {
-    const std::string_view length = "\r\nContent-Length: ";
-    std::string head;
-    do {
-      head = take_up_to("\r\n\r\n");
-    } while (head.rfind("HTTP/1.1 1", 0) == 0);
-    if (head.rfind("HTTP/1.1 204", 0) == 0 || head.rfind("HTTP/1.1 304", 0) == 0) return head;
-    const std::size_t at = head.find(length);
-    return head + (at == std::string::npos ? receive() : take(std::stoull(head.substr(at + length.size()))));
+    const auto take_head = [this] { return take_up_to("\r\n\r\n"); };
+    std::string head = take_head();
+    while (head.rfind("HTTP/1.1 1", 0) == 0) head = take_head();
+    const Answer answer = Answer::parse(head);
+    if (answer.header("Connection") != "keep-alive") return head + receive();
+    const std::string length = answer.header("Content-Length");
+    return head + (length.empty() ? "" : take(std::stoull(length)));
   }
+  /// The same, taken apart.
+  Answer answer() { return Answer::parse(receive_answer()); }
 
   /// Takes one byte if there is one.
   void receive_byte() {
@@ -125,34 +150,10 @@ class RawClient {
   std::string arrived_;  ///< and not taken yet
 };
 
-/// An answer, taken apart.
-struct Answer {
-  int status = 0;
-  std::string head;
-  std::string body;
-
-  static Answer parse(const std::string& text) {
-    Answer answer;
-    const std::size_t end = text.find("\r\n\r\n");
-    if (text.rfind("HTTP/1.1 ", 0) != 0 || end == std::string::npos) return answer;
-    answer.status = std::stoi(text.substr(9, 3));
-    answer.head = text.substr(0, end + 2);
-    answer.body = text.substr(end + 4);
-    return answer;
-  }
-
-  std::string header(const std::string& name) const {
-    const std::size_t at = head.find("\r\n" + name + ": ");
-    if (at == std::string::npos) return {};
-    const std::size_t start = at + name.size() + 4;
-    return head.substr(start, head.find("\r\n", start) - start);
-  }
-};
-
 inline Answer ask(int port, std::string_view bytes) {
   RawClient client(port);
   client.send(bytes);
-  return Answer::parse(client.receive());
+  return client.answer();
 }
 
 inline Answer get(int port, const std::string& path) {

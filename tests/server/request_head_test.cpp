@@ -36,19 +36,25 @@ TEST(RequestHead, a_plain_head_is_read_whole) {
   EXPECT_EQ(head.minor_version, 1);
 }
 
-TEST(RequestHead, a_client_may_ask_for_its_connection_to_be_kept) {
-  const auto asks = [](const std::string& fields, const std::string& version = "1.1") {
-    return asks_to_keep(parsed("GET / HTTP/" + version + "\r\nHost: h\r\n" + fields + "\r\n"));
+TEST(RequestHead, a_connection_is_kept_unless_the_client_says_close_and_before_1_1_only_if_it_asks) {
+  const auto keeps = [](const std::string& version, const std::string& fields) {
+    return wants_to_be_kept(parsed("GET / HTTP/" + version + "\r\nHost: h\r\n" + fields + "\r\n"));
   };
-  for (const char* fields : {"Connection: keep-alive\r\n", "Connection: TE , Keep-Alive,\r\n",
-                             "Connection: x\r\nConnection: keep-alive\r\n"}) {
-    EXPECT_TRUE(asks(fields)) << fields;
-    EXPECT_TRUE(asks(fields, "1.0")) << fields;
+  for (const char* asks : {"Connection: keep-alive\r\n", "Connection: TE , Keep-Alive,\r\n",
+                           "Connection: x\r\nConnection: keep-alive\r\n"}) {
+    EXPECT_TRUE(keeps("1.1", asks)) << asks;
+    EXPECT_TRUE(keeps("1.0", asks)) << asks;
   }
-  for (const char* fields :
-       {"", "Connection:\r\n", "Connection: close\r\n", "Connection: keep-alive, CLOSE\r\n",
-        "Connection: keep-alive\r\nConnection: close\r\n", "Connection: keep-alives\r\n", "Keep-Alive: timeout=5\r\n"})
-    EXPECT_FALSE(asks(fields)) << fields;
+  for (const char* silent :
+       {"", "Connection:\r\n", "Connection: keep-alives, closes\r\n", "Keep-Alive: timeout=5\r\n"}) {
+    EXPECT_TRUE(keeps("1.1", silent)) << silent;
+    EXPECT_FALSE(keeps("1.0", silent)) << silent;
+  }
+  for (const char* ends : {"Connection: close\r\n", "Connection: keep-alive, CLOSE\r\n",
+                           "Connection: keep-alive\r\nConnection: close\r\n"}) {
+    EXPECT_FALSE(keeps("1.1", ends)) << ends;
+    EXPECT_FALSE(keeps("1.0", ends)) << ends;
+  }
 }
 
 TEST(RequestHead, the_absolute_form_of_a_target_is_understood) {

@@ -23,7 +23,7 @@ TEST_F(ServiceTest, a_request_reaches_the_operation_as_it_was_sent) {
   EXPECT_EQ(answer.status, 200);
   EXPECT_EQ(answer.body, "5 application/x-www-form-urlencoded model/obj a=1e+5 b= ");
   EXPECT_EQ(answer.header("X-Request-Id"), kId);
-  EXPECT_EQ(answer.header("Connection"), "close");
+  EXPECT_EQ(answer.header("Connection"), "keep-alive");
   EXPECT_EQ(answer.header("Content-Length"), std::to_string(answer.body.size()));
 }
 
@@ -38,7 +38,7 @@ TEST_F(ServiceTest, the_small_routes_answer) {
   EXPECT_EQ(code_of(get(port_, "/nothing")), "not_found");
   EXPECT_EQ(code_of(get(port_, "/v1/remesh")), "method_not_allowed");
   EXPECT_EQ(get(port_, "/v1/remesh").header("Allow"), "POST, OPTIONS");
-  const Answer head = ask(port_, "HEAD /livez HTTP/1.1\r\nHost: x\r\n\r\n");
+  const Answer head = ask(port_, "HEAD /livez HTTP/1.1\r\nHost: x\r\nConnection: close\r\n\r\n");
   EXPECT_EQ(head.status, 200);
   EXPECT_EQ(head.body, "");
   EXPECT_EQ(head.header("Content-Length"), "6");
@@ -103,7 +103,7 @@ TEST_F(ServiceTest, an_upload_that_goes_on_after_its_refusal_still_gets_the_answ
   RawClient client(port_);
   client.send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 20000000\r\n\r\n");
   for (int i = 0; i < 200; ++i) client.send(std::string(10'000, 'x'));
-  EXPECT_EQ(Answer::parse(client.receive()).status, 413);
+  EXPECT_EQ(client.answer().status, 413);
 }
 
 TEST_F(ServiceTest, a_running_request_is_shown_and_can_be_cancelled) {
@@ -118,7 +118,7 @@ TEST_F(ServiceTest, a_running_request_is_shown_and_can_be_cancelled) {
   EXPECT_GE(progress["elapsed_s"], 0.0);
 
   EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
-  EXPECT_EQ(code_of(Answer::parse(client->receive())), "cancelled");
+  EXPECT_EQ(code_of(client->answer()), "cancelled");
   EXPECT_EQ(get(port_, "/v1/requests/" + kId).status, 404);
   EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 404);
   expect_well();
@@ -133,7 +133,7 @@ TEST_F(ServiceTest, an_id_in_use_is_replaced_by_a_new_one) {
   EXPECT_NE(second.header("X-Request-Id"), kId);
   EXPECT_EQ(second.header("X-Request-Id").size(), 32u);
   stub_.released = true;
-  EXPECT_EQ(Answer::parse(client->receive()).header("X-Request-Id"), kId);
+  EXPECT_EQ(client->answer().header("X-Request-Id"), kId);
 }
 
 TEST_F(ServiceTest, events_follow_a_request_to_its_end) {
@@ -170,7 +170,7 @@ TEST_F(ServiceTest, a_client_that_closes_its_sending_side_is_asked_and_gets_its_
   const std::string interim = "HTTP/1.1 102 Processing\r\n\r\n";
   EXPECT_EQ(client->receive(interim), interim);
   stub_.released = true;
-  const Answer answer = Answer::parse(client->receive());
+  const Answer answer = client->answer();
   EXPECT_EQ(answer.status, 200);
   EXPECT_EQ(answer.body, "5  ");
   EXPECT_EQ(stub_.stopped, 0);
@@ -192,7 +192,7 @@ TEST_F(ServiceTest, before_http_1_1_there_is_no_asking) {
   client.send("POST /v1/remesh HTTP/1.0\r\nContent-Length: 5\r\n\r\nblock");
   ASSERT_TRUE(eventually([&] { return stub_.blocked == 1; }));
   client.close_sending();
-  EXPECT_EQ(code_of(Answer::parse(client.receive())), "cancelled");
+  EXPECT_EQ(code_of(client.answer()), "cancelled");
   EXPECT_EQ(stub_.stopped, 1);
 }
 
@@ -201,7 +201,7 @@ TEST_F(ServiceTest, a_small_request_from_a_half_closed_client_is_answered_withou
   RawClient client(port_);
   client.send(post_text("/v1/remesh", "hello"));
   client.close_sending();
-  EXPECT_EQ(Answer::parse(client.receive()).status, 200);
+  EXPECT_EQ(client.answer().status, 200);
 }
 
 TEST_F(ServiceTest, a_refusal_carries_the_id_that_the_client_sent) {
@@ -224,7 +224,7 @@ TEST_F(ServiceTest, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
     auto client = std::make_unique<RawClient>(port_);
     client->send(post_text("/v1/remesh", "block", "X-Request-Id: " + id + "\r\n"));
     EXPECT_TRUE(eventually([&] { return client->has_input() || get(port_, "/v1/requests/" + id).status == 200; }));
-    if (client->has_input()) return Answer::parse(client->receive());
+    if (client->has_input()) return client->answer();
     taken.push_back(std::move(client));
     return Answer();
   };
@@ -242,7 +242,7 @@ TEST_F(ServiceTest, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
   EXPECT_EQ(get(port_, "/livez").status, 200);
   EXPECT_EQ(get(port_, "/v1/capabilities").status, 200);
   stub_.released = true;
-  for (const auto& client : taken) EXPECT_EQ(Answer::parse(client->receive()).status, 200);
+  for (const auto& client : taken) EXPECT_EQ(client->answer().status, 200);
 }
 
 TEST_F(ServiceTest, a_waiting_request_can_be_cancelled_and_frees_its_place) {
@@ -253,7 +253,7 @@ TEST_F(ServiceTest, a_waiting_request_can_be_cancelled_and_frees_its_place) {
   ASSERT_TRUE(eventually([&] { return get(port_, "/v1/requests/" + kId).status == 200; }));
   EXPECT_EQ(nlohmann::json::parse(get(port_, "/v1/requests/" + kId).body)["stage"], "queued");
   EXPECT_EQ(ask(port_, "DELETE /v1/requests/" + kId + " HTTP/1.1\r\nHost: x\r\n\r\n").status, 204);
-  EXPECT_EQ(code_of(Answer::parse(waiting.receive())), "cancelled");
+  EXPECT_EQ(code_of(waiting.answer()), "cancelled");
   EXPECT_EQ(stub_.calls, 1);
 }
 
@@ -336,7 +336,7 @@ TEST_F(ServiceTest, draining_finishes_what_runs_and_takes_nothing_new) {
   EXPECT_EQ(code_of(refused), "draining");
   EXPECT_FALSE(refused.header("Retry-After").empty());
   stub_.released = true;
-  EXPECT_EQ(Answer::parse(running->receive()).status, 200);
+  EXPECT_EQ(running->answer().status, 200);
   EXPECT_TRUE(eventually([&] { return service_->is_idle(); }));
 }
 
@@ -346,7 +346,7 @@ TEST_F(ServiceTest, stopping_cancels_what_is_left) {
   const RawClient idle(port_);
   service_->stop();
   EXPECT_EQ(stub_.stopped, 1);
-  const Answer answer = Answer::parse(running->receive());
+  const Answer answer = running->answer();
   EXPECT_EQ(answer.status, 503);
   EXPECT_EQ(code_of(answer), "draining");
   EXPECT_THROW(RawClient{port_}, std::runtime_error);
