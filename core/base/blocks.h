@@ -7,9 +7,11 @@
 #include <algorithm>
 #include <atomic>
 #include <cstddef>
+#include <functional>
 #include <utility>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/parallel.h"
 #include "core/base/run_control.h"
 
@@ -62,6 +64,20 @@ std::vector<Id> select_ids(std::size_t n, std::size_t size, RunControl& control,
   });
   std::vector<Id> all;
   for (const std::vector<Id>& wanted : found) all.insert(all.end(), wanted.begin(), wanted.end());
+  return all;
+}
+
+/// What blocks made, one after another, each item as `convert` has it; in parallel.
+template <class To, class From, class Convert = std::identity>
+std::vector<To, LeftUnset<To>> concatenate(const std::vector<std::vector<From>>& blocks, RunControl& control,
+                                           const Convert& convert = {}) {
+  std::vector<std::size_t> begin(blocks.size() + 1, 0);
+  for (std::size_t b = 0; b < blocks.size(); ++b) begin[b + 1] = begin[b] + blocks[b].size();
+  std::vector<To, LeftUnset<To>> all(begin.back());
+  for_blocks(blocks.size(), 16, control, [&](std::size_t b, std::size_t end) {
+    for (; b < end; ++b)
+      std::transform(blocks[b].begin(), blocks[b].end(), all.begin() + static_cast<std::ptrdiff_t>(begin[b]), convert);
+  });
   return all;
 }
 

@@ -3,6 +3,10 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/base/run_control.h"
 
 namespace remesh {
 
@@ -14,6 +18,15 @@ void take_pages(void* memory, std::size_t bytes);
 template <class T>
 void take_pages(std::span<T> items) {
   take_pages(items.data(), items.size_bytes());
+}
+
+/// Reserves memory for `n` items that one thread will make: all threads take its pages.
+template <class T>
+void reserve_pages(std::vector<T>& items, std::size_t n, RunControl& control) {
+  items.reserve(n);
+  auto* const memory = reinterpret_cast<std::byte*>(items.data());
+  for_blocks(n * sizeof(T), std::size_t{1} << 20, control,
+             [&](std::size_t begin, std::size_t end) { take_pages(memory + begin, end - begin); });
 }
 
 }  // namespace remesh

@@ -50,8 +50,10 @@ struct Use {
   }
 };
 
+using Uses = std::vector<Use, LeftUnset<Use>>;
+
 /// Constrained half-edges that bound a patch; what was only held for the chord rule is none.
-std::vector<Use> segment_uses(const Surface& surface, const std::vector<PatchMesh>& meshes, RunControl& control) {
+Uses segment_uses(const Surface& surface, const std::vector<PatchMesh>& meshes, RunControl& control) {
   const auto blocks = map_blocks<std::vector<Use>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
     std::vector<Use> uses;
     for (; p < end; ++p) {
@@ -65,12 +67,11 @@ std::vector<Use> segment_uses(const Surface& surface, const std::vector<PatchMes
     }
     return uses;
   });
-  std::vector<Use> uses;
-  for (const std::vector<Use>& block : blocks) uses.insert(uses.end(), block.begin(), block.end());
+  const auto uses = concatenate<Use>(blocks, control);
   // By their first ends they are soon apart, and few at each.
   const Grouping by_end = group_by(
       uses.size(), surface.vertex_count(), [&](std::uint32_t i) { return uses[i].from.value; }, control);
-  std::vector<Use> sorted(uses.size());
+  Uses sorted(uses.size());
   for_blocks(surface.vertex_count(), kItemsPerBlock, control, [&](std::size_t v, std::size_t end) {
     for (; v < end; ++v) {
       const auto first = sorted.begin() + by_end.begin[v], last = sorted.begin() + by_end.begin[v + 1];
@@ -113,7 +114,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
                            const std::vector<std::uint8_t>& is_frozen, const SizeField& sizes, const Goals& goals,
                            RunControl& control)
     : surface_(surface), min_edge_length_(goals.min_edge_length) {
-  const std::vector<Use> uses = segment_uses(surface, meshes, control);
+  const Uses uses = segment_uses(surface, meshes, control);
   const auto for_each_segment = [&](const auto& visit) {
     for_blocks(segments_.size(), kSegments, control, [&](std::size_t s, std::size_t end) {
       for (; s < end; ++s) visit(SegmentId(s), segments_[SegmentId(s)]);
@@ -135,13 +136,8 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     }
   });
 
-  // The sides by patch.
-  patch_begin_.assign(meshes.size() + 1, 0);
-  for (const SegmentSide& side : sides_) ++patch_begin_[side.patch.value + 1];
-  for (std::size_t p = 0; p < meshes.size(); ++p) patch_begin_[p + 1] += patch_begin_[p];
-  by_patch_.resize(sides_.size());
-  std::vector<std::uint32_t> at(patch_begin_.begin(), patch_begin_.end() - 1);
-  for (std::uint32_t i = 0; i < sides_.size(); ++i) by_patch_[at[sides_[i].patch.value]++] = i;
+  by_patch_ = group_by(
+      sides_.size(), meshes.size(), [&](std::uint32_t i) { return sides_[i].patch.value; }, control);
 
   // Patch by patch: the features that its segments see, and the angles between them.
   struct Seen {

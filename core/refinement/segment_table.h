@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/grouping.h"
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/mesh/surface.h"
@@ -69,9 +70,7 @@ class SegmentTable {
     return std::span(sides_).subspan(begin_[s.value], begin_[s.value + 1] - begin_[s.value]);
   }
   /// The sides of a patch, by segment and half-edge, as indices of all_sides().
-  std::span<const std::uint32_t> sides_of_patch(PatchId p) const {
-    return std::span(by_patch_).subspan(patch_begin_[p.value], patch_begin_[p.value + 1] - patch_begin_[p.value]);
-  }
+  std::span<const std::uint32_t> sides_of_patch(PatchId p) const { return by_patch_[p.value]; }
   std::span<const SegmentSide> all_sides() const { return sides_; }
 
   void lock(SegmentId s) { segments_[s].is_locked = true; }
@@ -94,8 +93,7 @@ class SegmentTable {
   IdVector<SegmentId, BoundarySegment> segments_;
   std::vector<SegmentSide> sides_;
   std::vector<std::uint32_t> begin_;
-  std::vector<std::uint32_t> by_patch_;
-  std::vector<std::uint32_t> patch_begin_;
+  Grouping by_patch_;  ///< sides
 };
 
 }  // namespace remesh

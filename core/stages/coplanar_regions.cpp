@@ -180,9 +180,19 @@ class Growth {
   }
 
   void number_regions(const std::vector<std::vector<NewRegion>>& found, std::span<const std::uint32_t> faces) {
-    std::vector<NewRegion> all;
-    for (const auto& some : found) all.insert(all.end(), some.begin(), some.end());
-    sort_all(all.begin(), all.end(), [](const NewRegion& a, const NewRegion& b) { return a.is_before(b); });
+    // What is asked most often is at hand.
+    struct Place {
+      bool is_thin;
+      double area;
+      const NewRegion* region;
+    };
+    auto all = concatenate<Place>(found, control_, [](const NewRegion& region) {
+      return Place{region.is_thin, region.seed.area, &region};
+    });
+    sort_all(all.begin(), all.end(), [](const Place& a, const Place& b) {
+      if (a.is_thin == b.is_thin && a.area != b.area) return a.area > b.area;
+      return a.region->is_before(*b.region);
+    });
     // All faces are taken: a seed may have its region's number for a stamp.
     regions_.planes.resize(first_region_ + all.size());
     regions_.deviation.resize(first_region_ + all.size());
@@ -191,10 +201,11 @@ class Growth {
     for_blocks(all.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         const RegionId r(first_region_ + i);
-        seeds_[i] = all[i].seed.face;
-        heights_[i] = all[i].extent.height;
-        regions_.planes[r] = all[i].plane;
-        regions_.deviation[r] = all[i].extent.deviation;
+        const NewRegion& region = *all[i].region;
+        seeds_[i] = region.seed.face;
+        heights_[i] = region.extent.height;
+        regions_.planes[r] = region.plane;
+        regions_.deviation[r] = region.extent.deviation;
         stamp_[seeds_[i].value] = r.value;
       }
     });

@@ -28,9 +28,10 @@ struct Plane {
 /// Regions so far. Faces without a region are still to be grouped; so are all where nothing is said of any.
 struct Regions {
   FilledIdVector<FaceId, RegionId> of_face;
-  IdVector<RegionId, Plane> planes;
-  IdVector<RegionId, double> deviation;  ///< largest distance of a corner from the plane, of those that were grown
-  bool are_connected = false;            ///< each over edges, as those are that coplanar_regions makes
+  FilledIdVector<RegionId, Plane> planes;
+  FilledIdVector<RegionId, double>
+      deviation;               ///< largest distance of a corner from the plane, of those that were grown
+  bool are_connected = false;  ///< each over edges, as those are that coplanar_regions makes
 };
 
 /// How faces are told apart; tolerances in local units.

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 
 namespace remesh {
 namespace {
@@ -107,16 +108,19 @@ class Selection {
 
   void mark_junctions() {
     essential_.assign(surface_.vertex_count(), 0);
-    for (const VertexId v : vertices_) {
-      const auto edges = edges_at(v);
-      bool stays = forced_[v] != 0 || edges.size() != 2;
-      if (!stays) {
-        const VertexId a = other_end(edges[0], v), b = other_end(edges[1], v);
-        const ChordPosition position = about_chord(at(a), at(b), at(v));
-        stays = position.distance > tolerance_ || position.along <= 0 || position.along >= 1;
+    for_blocks(vertices_.size(), kItemsPerBlock, control_, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) {
+        const VertexId v = vertices_[i];
+        const auto edges = edges_at(v);
+        bool stays = forced_[v] != 0 || edges.size() != 2;
+        if (!stays) {
+          const VertexId a = other_end(edges[0], v), b = other_end(edges[1], v);
+          const ChordPosition position = about_chord(at(a), at(b), at(v));
+          stays = position.distance > tolerance_ || position.along <= 0 || position.along >= 1;
+        }
+        essential_[v] = stays;
       }
-      essential_[v] = stays;
-    }
+    });
   }
 
   /// Follows the boundary from an essential vertex to the next one and simplifies what lies between.
@@ -219,7 +223,7 @@ class Selection {
       }
     }
     const auto key = [](const Chord& c) { return std::pair{c.a, c.b}; };
-    std::sort(chords.begin(), chords.end(), [&](const Chord& c, const Chord& d) {
+    sort_all(chords.begin(), chords.end(), [&](const Chord& c, const Chord& d) {
       return key(c) != key(d) ? key(c) < key(d) : c.first_edge < d.first_edge;
     });
     for (std::size_t i = 0; i < chords.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "core/base/large_first.h"
+#include "core/base/pages.h"
 #include "core/base/parallel.h"
 #include "core/base/ranked_ids.h"
 #include "core/stages/patch_triangulation.h"
@@ -208,7 +209,9 @@ std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adj
                                     const BoundaryLoops& loops, const EssentialVertices& essential,
                                     const ProjectionRule& rule, RunControl& control) {
   const std::size_t n = patches.count();
-  std::vector<PatchMesh> meshes(n);
+  std::vector<PatchMesh> meshes;
+  reserve_pages(meshes, n, control);
+  meshes.resize(n);
   // The small ones in groups.
   const LargeFirst by_size = large_first(
       n, 1000, [&](std::uint32_t p) -> std::size_t { return patches.face_begin[p + 1] - patches.face_begin[p]; });

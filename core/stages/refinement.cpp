@@ -77,15 +77,16 @@ class Rounds {
         begin();
         continue;
       }
-      std::vector<PatchMesh> refined = finish();
-      const std::vector<Chord> chords = find_chords(refined, surface_.vertex_count() + result_.first_inner, control_);
+      finish();
+      exchange_refined();
+      const std::vector<Chord> chords = find_chords(meshes_, surface_.vertex_count() + result_.first_inner, control_);
       if (!can_split_any(chords) || passes == kMostChordPasses || (is_waiting_for_chords_ && !is_any_split_)) {
-        meshes_ = std::move(refined);
         refiners_.clear();
+        refined_.clear();
         if (!chords.empty()) split_chords(surface_, patches_, meshes_, result_, control_);
         return std::move(result_);
       }
-      swap_unrefined(refined);
+      exchange_refined();
       // Most surfaces have none, and need not keep two of each patch.
       if (!std::exchange(is_waiting_for_chords_, true)) {
         begin();
@@ -292,26 +293,26 @@ class Rounds {
 
   /// The patches as they are now, with ids for new vertices: those on segments, segment after segment, then those
   /// inside patches, patch after patch.
-  std::vector<PatchMesh> finish() {
+  void finish() {
     const std::size_t n = meshes_.size(), old = surface_.vertex_count();
     std::vector<std::uint32_t> first_cut(segments_.size() + 1, 0);
     for (std::size_t s = 0; s < segments_.size(); ++s)
       first_cut[s + 1] = first_cut[s] + static_cast<std::uint32_t>(cuts_[SegmentId(s)].size());
     result_.first_inner = first_cut[segments_.size()];
-    std::vector<PatchMesh> refined(n);
-    is_refined_.assign(n, 1);
-    std::vector<std::vector<UnrefinedReason>> reasons(n);
-    // Of each patch, then of all before it.
-    std::vector<std::size_t> first_inner(n + 1, 0), first_triangle(n + 1, 0);
-    for_blocks(n, kPatches, control_, [&](std::size_t p, std::size_t end) {
-      for (; p < end; ++p) {
-        first_triangle[p + 1] = meshes_[p].mesh.triangle_count();
-        if (!refiners_[p]) {
-          is_refined_[p] = 0;
-          continue;
-        }
-        PatchRefiner::Refined patch = refiners_[p]->finish();
-        if (!is_waiting_for_chords_) refiners_[p].reset();
+    at_work_ = select_ids<PatchId>(n, kItemsPerBlock, control_, [&](std::size_t p) { return refiners_[p] != nullptr; });
+    refined_.clear();
+    refined_.resize(at_work_.size());
+    std::vector<std::vector<UnrefinedReason>> reasons(at_work_.size());
+    // Of each patch at work, and of each patch; then of all before it.
+    std::vector<std::size_t> first_inner(at_work_.size() + 1, 0), first_triangle(n + 1, 0);
+    for_blocks(n, kItemsPerBlock, control_, [&](std::size_t p, std::size_t end) {
+      for (; p < end; ++p) first_triangle[p + 1] = meshes_[p].mesh.triangle_count();
+    });
+    for_blocks(at_work_.size(), kPatches, control_, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) {
+        std::unique_ptr<PatchRefiner>& refiner = refiners_[at_work_[i].value];
+        PatchRefiner::Refined patch = refiner->finish();
+        if (!is_waiting_for_chords_) refiner.reset();
         for (std::size_t v = 0; v < patch.cuts.size(); ++v) {
           const Cut& cut = patch.cuts[v];
           if (!cut.segment.is_valid()) continue;
@@ -319,16 +320,16 @@ class Rounds {
           const auto k = std::lower_bound(cuts.begin(), cuts.end(), cut.t) - cuts.begin();
           patch.patch.vertices[v] = VertexId(old + first_cut[cut.segment.value] + static_cast<std::size_t>(k));
         }
-        first_inner[p + 1] = count_unplaced(patch.patch);
-        first_triangle[p + 1] = patch.patch.mesh.triangle_count();
-        reasons[p] = std::move(patch.reason);
-        refined[p] = std::move(patch.patch);
+        first_inner[i + 1] = count_unplaced(patch.patch);
+        first_triangle[at_work_[i].value + 1] = patch.patch.mesh.triangle_count();
+        reasons[i] = std::move(patch.reason);
+        refined_[i] = std::move(patch.patch);
       }
     });
     first_inner[0] = result_.first_inner;
     std::partial_sum(first_inner.begin(), first_inner.end(), first_inner.begin());
     std::partial_sum(first_triangle.begin(), first_triangle.end(), first_triangle.begin());
-    result_.new_positions.resize(first_inner[n]);
+    result_.new_positions.resize(first_inner.back());
     result_.reason.assign(first_triangle[n], UnrefinedReason::kBoundaryLocked);
     for_blocks(segments_.size(), kSegments, control_, [&](std::size_t s, std::size_t end) {
       for (; s < end; ++s) {
@@ -337,22 +338,19 @@ class Rounds {
           result_.new_positions[first_cut[s] + k] = segments_.position(SegmentId(s), cuts[k]);
       }
     });
-    for_blocks(n, kPatches, control_, [&](std::size_t p, std::size_t end) {
-      for (; p < end; ++p) {
-        if (is_refined_[p] == 0) continue;
-        place_inner_vertices(surface_, patches_.planes[PatchId(p)], refined[p], first_inner[p], result_.new_positions);
-        std::copy(reasons[p].begin(), reasons[p].end(),
-                  result_.reason.begin() + static_cast<std::ptrdiff_t>(first_triangle[p]));
+    for_blocks(at_work_.size(), kPatches, control_, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) {
+        const PatchId p = at_work_[i];
+        place_inner_vertices(surface_, patches_.planes[p], refined_[i], first_inner[i], result_.new_positions);
+        std::copy(reasons[i].begin(), reasons[i].end(),
+                  result_.reason.begin() + static_cast<std::ptrdiff_t>(first_triangle[p.value]));
       }
     });
-    swap_unrefined(refined);
-    return refined;
   }
 
-  /// Patches that stay as they were are lent to the result, and taken back if all begins again.
-  void swap_unrefined(std::vector<PatchMesh>& refined) {
-    for (std::size_t p = 0; p < meshes_.size(); ++p)
-      if (is_refined_[p] == 0) std::swap(refined[p], meshes_[p]);
+  /// Puts the patches of `finish` in the place of those that they began as, or takes these back.
+  void exchange_refined() {
+    for (std::size_t i = 0; i < at_work_.size(); ++i) std::swap(meshes_[at_work_[i].value], refined_[i]);
   }
 
   bool can_split_any(const std::vector<Chord>& chords) const {
@@ -390,7 +388,8 @@ class Rounds {
   std::uint64_t left_ = kNoLimit;     ///< of the budget, when they were shared out
   std::vector<Message> messages_;     ///< sorted
   std::vector<SegmentId> impossible_;
-  std::vector<std::uint8_t> is_refined_;            ///< of each patch, when all are finished
+  std::vector<PatchId> at_work_;                    ///< those that have a refiner, when `finish` came
+  std::vector<PatchMesh> refined_;                  ///< of those, what has been made of them; or what they were
   std::vector<std::vector<std::uint32_t>> chords_;  ///< of each patch: half-edges, as `finish` has them
   bool is_waiting_for_chords_ = false;              ///< patches stay at work after `finish`
   std::atomic<bool> is_any_split_ = true;           ///< of the chords that were there last

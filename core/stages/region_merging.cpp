@@ -32,50 +32,48 @@ class Merging {
 
   void run() {
     if (first_region_ == regions_.planes.size()) return;
-    std::vector<Piece> pieces(regions_.planes.size() - first_region_);
-    const auto piece_of = [&](FaceId f) {
-      const RegionId r = regions_.of_face[f];
-      const bool may_merge = r.value >= first_region_ && !rule_.is_single(f);
-      return may_merge ? &pieces[r.value - first_region_] : nullptr;
-    };
+    pieces_.resize(regions_.planes.size() - first_region_);
     // All faces of a region are on one step of the ladder.
-    for (std::size_t r = 0; r < pieces.size(); ++r) {
-      pieces[r].may_merge = !rule_.is_single(seeds_[r]);
-      pieces[r].tolerance = rule_.tolerance(seeds_[r]);
-      pieces[r].height = heights_[r];
-    }
-    auto pairs = bordering_pieces(pieces);
-    if (pairs.empty()) return;
+    for_blocks(pieces_.size(), kBlock, control_, [&](std::size_t r, std::size_t end) {
+      for (; r < end; ++r) pieces_[r] = {rule_.tolerance(seeds_[r]), heights_[r], 0, !rule_.is_single(seeds_[r])};
+    });
+    auto pairs = bordering_pieces();
+    if (pairs.empty()) return;  // as on most surfaces
+    contents_.resize(pieces_.size());
     for (FaceId f(0); f.value < surface_.face_count(); ++f.value) {
       if (f.value % kBlock == 0) control_.check();
-      Piece* piece = piece_of(f);
-      if (piece == nullptr) continue;
-      piece->faces.push_back(f);
-      for (const VertexId v : surface_.face(f)) piece->moments.add(surface_.local[v]);
+      const RegionId r = regions_.of_face[f];
+      if (r.value < first_region_ || rule_.is_single(f)) continue;
+      Content& content = contents_[r.value - first_region_];
+      content.faces.push_back(f);
+      for (const VertexId v : surface_.face(f)) content.moments.add(surface_.local[v]);
     }
     // Each pass may make neighbours of regions that were not; few are needed.
     constexpr int kMostPasses = 8;
     for (int pass = 0; pass < kMostPasses; ++pass) {
       bool is_changed = false;
-      for (const auto& [a, b] : pairs) is_changed = try_merge(pieces, a, b) || is_changed;
+      for (const auto& [a, b] : pairs) is_changed = try_merge(a, b) || is_changed;
       if (!is_changed || pass + 1 == kMostPasses) return;
-      pairs = bordering_pieces(pieces);
+      pairs = bordering_pieces();
     }
   }
 
  private:
-  /// What is known of a region while regions are merged; a region that has been taken in by another one is empty.
+  /// What is known of a region while regions are merged.
   struct Piece {
-    std::vector<FaceId> faces;  ///< filled in, as are the moments, if any regions might be merged
-    PointMoments moments;
     double tolerance = 0;
     double height = 0;  ///< of its highest face: what its normal is worth
     std::uint8_t failures = 0;
     bool may_merge = false;
   };
+  /// What a region consists of; one that has been taken in by another one is empty.
+  struct Content {
+    std::vector<FaceId> faces;
+    PointMoments moments;
+  };
 
   /// Pairs of new regions with an edge between them whose planes might be one, ascending: in the order of their seeds.
-  std::vector<std::pair<std::uint32_t, std::uint32_t>> bordering_pieces(const std::vector<Piece>& pieces) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> bordering_pieces() {
     using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
     const auto find = [&](std::size_t begin, std::size_t end) {
       Pairs found;
@@ -87,7 +85,7 @@ class Merging {
         if (r == q || std::min(r, q).value < first_region_ || !rule_.are_in_one_zone(f, g) || rule_.is_bend(h))
           continue;
         const std::uint32_t a = std::min(r, q).value - first_region_, b = std::max(r, q).value - first_region_;
-        if (is_alike(pieces, a, b)) found.push_back({a, b});
+        if (is_alike(a, b)) found.push_back({a, b});
       }
       return found;
     };
@@ -100,44 +98,45 @@ class Merging {
   }
 
   /// Whether two regions' planes turn against each other by no more than what the tolerance explains.
-  bool is_alike(const std::vector<Piece>& pieces, std::uint32_t a, std::uint32_t b) const {
-    if (!pieces[a].may_merge || !pieces[b].may_merge) return false;
+  bool is_alike(std::uint32_t a, std::uint32_t b) const {
+    if (!pieces_[a].may_merge || !pieces_[b].may_merge) return false;
     const double cosine =
         dot(regions_.planes[RegionId(first_region_ + a)].normal, regions_.planes[RegionId(first_region_ + b)].normal);
-    const double height = std::min(pieces[a].height, pieces[b].height);
-    const double sine = 2 * kThinFace * pieces[a].tolerance / std::max(height, 1e-300);
+    const double height = std::min(pieces_[a].height, pieces_[b].height);
+    const double sine = 2 * kThinFace * pieces_[a].tolerance / std::max(height, 1e-300);
     return cosine > 0 && 1 - cosine * cosine <= sine * sine;
   }
 
-  bool try_merge(std::vector<Piece>& pieces, std::uint32_t a, std::uint32_t b) {
-    if (!pieces[a].may_merge || !pieces[b].may_merge) return false;
-    if (pieces[a].failures >= kMostFailures || pieces[b].failures >= kMostFailures) return false;
-    PointMoments moments = pieces[a].moments;
-    moments.merge(pieces[b].moments);
+  bool try_merge(std::uint32_t a, std::uint32_t b) {
+    if (!pieces_[a].may_merge || !pieces_[b].may_merge) return false;
+    if (pieces_[a].failures >= kMostFailures || pieces_[b].failures >= kMostFailures) return false;
+    PointMoments moments = contents_[a].moments;
+    moments.merge(contents_[b].moments);
     const PlaneFit fit = fit_plane(moments);
-    const double band = kBand * pieces[a].tolerance;
+    const double band = kBand * pieces_[a].tolerance;
     constexpr double kRounding = 1e-7;  // of moments, in local units
     if (fit.rms > band + kRounding) return false;
     Plane plane{moments.mean(), fit.normal};
     if (dot(plane.normal, regions_.planes[RegionId(first_region_ + a)].normal) < 0) plane.normal = -plane.normal;
-    centre(plane, {&pieces[a].faces, &pieces[b].faces});
+    centre(plane, {&contents_[a].faces, &contents_[b].faces});
     double deviation = 0;
-    for (const auto* faces : {&pieces[a].faces, &pieces[b].faces})
+    for (const auto* faces : {&contents_[a].faces, &contents_[b].faces})
       for (const FaceId f : *faces)
         if (!rule_.fits(f, plane, band, deviation)) {
-          ++pieces[a].failures;
-          ++pieces[b].failures;
+          ++pieces_[a].failures;
+          ++pieces_[b].failures;
           return false;
         }
     regions_.planes[RegionId(first_region_ + a)] = plane;
     regions_.deviation[RegionId(first_region_ + a)] = deviation;
-    for (const FaceId f : pieces[b].faces) regions_.of_face[f] = RegionId(first_region_ + a);
+    for (const FaceId f : contents_[b].faces) regions_.of_face[f] = RegionId(first_region_ + a);
     // The smaller list is moved to the larger one.
-    if (pieces[a].faces.size() < pieces[b].faces.size()) std::swap(pieces[a].faces, pieces[b].faces);
-    pieces[a].faces.insert(pieces[a].faces.end(), pieces[b].faces.begin(), pieces[b].faces.end());
-    pieces[a].moments = moments;
-    pieces[a].height = std::max(pieces[a].height, pieces[b].height);
-    pieces[b] = {};
+    if (contents_[a].faces.size() < contents_[b].faces.size()) std::swap(contents_[a].faces, contents_[b].faces);
+    contents_[a].faces.insert(contents_[a].faces.end(), contents_[b].faces.begin(), contents_[b].faces.end());
+    contents_[a].moments = moments;
+    pieces_[a].height = std::max(pieces_[a].height, pieces_[b].height);
+    pieces_[b] = {};
+    contents_[b] = {};
     return true;
   }
 
@@ -161,6 +160,8 @@ class Merging {
   const std::span<const double> heights_;
   Regions& regions_;
   RunControl& control_;
+  std::vector<Piece, LeftUnset<Piece>> pieces_;
+  std::vector<Content> contents_;  ///< if any regions might be merged
 };
 
 }  // namespace

@@ -193,9 +193,14 @@ std::uint64_t joint(VertexId v, PatchId p) { return static_cast<std::uint64_t>(v
 VertexId vertex_of(std::uint64_t joint) { return VertexId(static_cast<std::uint32_t>(joint >> 32)); }
 PatchId patch_of(std::uint64_t joint) { return PatchId(static_cast<std::uint32_t>(joint)); }
 
-void sort_unique(std::vector<std::uint64_t>& items) {
-  sort_all(items.begin(), items.end());
-  items.erase(std::unique(items.begin(), items.end()), items.end());
+using Joints = std::vector<std::uint64_t>;
+
+/// All of them, ascending, each once.
+auto in_order(const std::vector<Joints>& blocks, RunControl& control) {
+  auto all = concatenate<std::uint64_t>(blocks, control);
+  sort_all(all.begin(), all.end());
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
 }
 
 void BoundaryCheck::check_joints() {
@@ -205,7 +210,6 @@ void BoundaryCheck::check_joints() {
   const auto number = [](PatchId p) { return p.value + 1; };
   const auto of = [&](VertexId v) { return only_patch[v.value].load(std::memory_order_relaxed); };
   // Who finds another patch there than the first one takes down both; whoever comes later, its own.
-  using Joints = std::vector<std::uint64_t>;
   const auto of_input = map_corners<Joints>(model_.input, [&](VertexId v, PatchId p, Joints& joints) {
     std::uint32_t only = of(v);
     if (only == number(p)) return;
@@ -217,8 +221,6 @@ void BoundaryCheck::check_joints() {
     joints.push_back(joint(v, PatchId(only - 1)));
     only_patch[v.value].store(kSeveral, std::memory_order_relaxed);
   });
-  std::vector<std::uint64_t> before, after;
-  for (const Joints& joints : of_input) before.insert(before.end(), joints.begin(), joints.end());
   const auto used =
       map_blocks<std::int64_t>(only_patch.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
         return std::count_if(only_patch.begin() + static_cast<std::ptrdiff_t>(begin),
@@ -230,19 +232,19 @@ void BoundaryCheck::check_joints() {
     Joints joints;
     std::vector<Finding> foreign;
   };
-  const auto of_output = map_corners<OfOutput>(model_.output, [&](VertexId v, PatchId p, OfOutput& found) {
+  auto of_output = map_corners<OfOutput>(model_.output, [&](VertexId v, PatchId p, OfOutput& found) {
     if (model_.is_new(v)) return;
     if (of(v) == kSeveral)
       found.joints.push_back(joint(v, p));
     else if (of(v) != number(p))
       found.foreign.push_back({p, Fault::kForeignVertex, v.value});
   });
-  for (const OfOutput& found : of_output) {
-    after.insert(after.end(), found.joints.begin(), found.joints.end());
+  std::vector<Joints> kept;
+  for (OfOutput& found : of_output) {
+    kept.push_back(std::move(found.joints));
     findings_.add(found.foreign);
   }
-  sort_unique(before);
-  sort_unique(after);
+  const auto before = in_order(of_input, control_), after = in_order(kept, control_);
 
   std::size_t a = 0;
   for (std::size_t b = 0; b < before.size(); ++b) {
