@@ -63,10 +63,11 @@ class Bench:
         run.report = json.loads(report.read_bytes())
         return run
 
-    def by_turns(self, works):
-        """The results of all works, by their names. They take turns, so that all see the same moods of the machine."""
+    def by_turns(self, works, times=1):
+        """The results of all works, by their names. They take turns, so that all see the same moods of the machine.
+        `times`: as many runs as asked for, for works that are short beside those moods."""
         results = {name: [] for name in works}
-        for _ in range(self.runs):
+        for _ in range(self.runs * times):
             for name, work in works.items():
                 results[name].append(work())
         return results

@@ -12,6 +12,8 @@ import time
 
 from programs import WORKERS, seconds
 
+SHORT = 3  # times as many runs of what is short as of other works
+
 
 class Daemon:
     """A daemon on a free port, for as long as the block."""
@@ -72,7 +74,7 @@ def measure_large(bench, table, daemon):
         connection.close()
         return took / 1000
 
-    results = bench.by_turns({"http": through_http, "alone": lambda: bench.remesh(path, "--refine", "false")})
+    results = bench.by_turns({"http": through_http, "alone": lambda: bench.remesh(path, "--refine", "false")}, SHORT)
     case = f"box, {len(body) >> 20} MB through HTTP"
     alone = seconds(results["alone"])
     table.add(case, "command line", alone, "s")
@@ -103,16 +105,16 @@ def measure_small(bench, table, daemon):
     scripts = {"kept": script("kept.lua", plain), "once": script("once.lua", {**plain, "Connection": "close"})}
 
     def possible():
-        return float(bench.run(bench.program("remesh_cases"), "--rate", "1000", str(WORKERS), "2").output)
+        return float(bench.run(bench.program("remesh_cases"), "--rate", "1000", str(WORKERS), "1").output)
 
     def answered(connections):
-        output = bench.run("wrk", "-t1", "-c8", "-d2s", "-s", scripts[connections],
+        output = bench.run("wrk", "-t1", "-c8", "-d1s", "-s", scripts[connections],
                            f"http://127.0.0.1:{daemon.port}/v1/remesh?refine=false&format=obj").output
         if "Non-2xx" in output:
             sys.exit(f"remeshd refuses under wrk:\n{output}")
         return float(re.search(r"Requests/sec:\s+([\d.]+)", output)[1])
 
-    results = bench.by_turns({"possible": possible, **{name: functools.partial(answered, name) for name in scripts}})
+    results = bench.by_turns({"possible": possible, **{name: functools.partial(answered, name) for name in scripts}}, SHORT)
     possible_rate, kept, one_each = (statistics.median(results[name]) for name in ["possible", "kept", "once"])
     table.add(case, "answered without HTTP", possible_rate, "a second")
     table.add(case, "answered, connections kept", kept, "a second")
