@@ -194,8 +194,8 @@ class Growth {
       return a.region->is_before(*b.region);
     });
     // All faces are taken: a seed may have its region's number for a stamp.
-    regions_.planes.resize(first_region_ + all.size());
-    regions_.deviation.resize(first_region_ + all.size());
+    regions_.planes.items().resize(first_region_ + all.size());
+    regions_.deviation.items().resize(first_region_ + all.size());
     seeds_.resize(all.size());
     heights_.resize(all.size());
     for_blocks(all.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {

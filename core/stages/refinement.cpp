@@ -87,6 +87,7 @@ class Rounds {
         return std::move(result_);
       }
       exchange_refined();
+      refined_.clear();
       // Most surfaces have none, and need not keep two of each patch.
       if (!std::exchange(is_waiting_for_chords_, true)) {
         begin();

@@ -20,7 +20,7 @@ struct Outcome {
   std::size_t bytes = 0;
 };
 
-/// Sends the bytes, and takes what comes to the end of the connection.
+/// Sends the bytes, and takes the answer.
 Outcome perform(int port, const std::string& bytes, std::string* answer = nullptr);
 /// Sends the bytes and leaves without a look at the answer.
 void send_and_leave(int port, const std::string& bytes);

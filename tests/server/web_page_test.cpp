@@ -63,7 +63,7 @@ TEST_F(WebPage, what_has_not_changed_is_not_sent_again) {
   const std::string tag = get("/").header("ETag");
   EXPECT_NE(tag, get("/assets/app-0123.js").header("ETag"));
   for (const std::string& field : {tag, "\"other\", " + tag, tag.substr(2), std::string("*")}) {
-    const Answer answer = get("/", "If-None-Match: " + field + "\r\n");
+    const Answer answer = get("/", "Connection: close\r\nIf-None-Match: " + field + "\r\n");
     EXPECT_EQ(answer.status, 304) << field;
     EXPECT_EQ(answer.body, "");
     EXPECT_EQ(answer.header("ETag"), tag);
