@@ -173,6 +173,21 @@ Connection::Wake Connection::wait(const Event* event, Clock::time_point until, H
   }
 }
 
+void Connection::skip_line_end() {
+  const std::string_view end = "\r\n";
+  std::array<char, 2> next{};
+  if (has_put_back()) {
+    if (put_back_.compare(read_again_, end.size(), end) != 0) return;
+    read_again_ += end.size();
+  } else {
+    const auto size = static_cast<ssize_t>(next.size());
+    if (::recv(socket_, next.data(), next.size(), MSG_PEEK | MSG_DONTWAIT) != size) return;
+    if (std::string_view(next.data(), next.size()) != end) return;
+    if (::recv(socket_, next.data(), next.size(), MSG_DONTWAIT) != size) return;
+  }
+  read_ += end.size();
+}
+
 bool Connection::has_unread_input() const {
   if (has_put_back()) return true;
   char byte = 0;

@@ -93,6 +93,8 @@ class Connection {
   /// (closing on unread bytes would reset the connection, and the answer with it).
   void finish(std::chrono::milliseconds patience);
 
+  /// Takes a CRLF if that is what has arrived next.
+  void skip_line_end();
   /// True when bytes have arrived that nobody has read.
   bool has_unread_input() const;
 

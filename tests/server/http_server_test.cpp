@@ -303,6 +303,22 @@ TEST_F(KeptConnection, behind_an_answer_without_a_body_comes_the_next_one) {
   }
 }
 
+TEST_F(KeptConnection, a_line_end_behind_a_body_is_no_request) {
+  for (const bool is_late : {false, true}) {
+    RawClient client(server_.port());
+    client.send(post_text("/v1/remesh", "one") + (is_late ? "" : "\r\n"));
+    EXPECT_EQ(client.answer().body, "remesh::one");
+    if (is_late) client.send("\r\n");
+    client.send(get_text("/v1/requests/two"));
+    EXPECT_EQ(client.answer().body, "show:two:") << is_late;
+  }
+  // With the next request in one piece, as it is put back.
+  RawClient client(server_.port());
+  client.send(get_text("/") + "\r\n" + get_text("/v1/requests/two", "Connection: close\r\n"));
+  EXPECT_EQ(client.answer().body, "root::");
+  EXPECT_EQ(client.answer().body, "show:two:");
+}
+
 TEST_F(KeptConnection, before_http_1_1_it_is_kept_where_the_client_asks) {
   RawClient client(server_.port());
   for (int i = 0; i < 2; ++i) {
