@@ -284,14 +284,15 @@ class HttpServer::Listener : public httplib::Server {
   /// Waits for the next request on a connection that is kept. Some clients send a line end behind a body, which belongs
   /// to nothing (RFC 9112, section 2.2).
   bool has_next(Connection& connection, std::optional<Event>& end) {
-    connection.skip_line_end();
-    if (connection.has_unread_input()) return true;
+    const auto is_there = [&] {
+      connection.skip_line_end();
+      return connection.has_unread_input();
+    };
+    if (is_there()) return true;
     if (!end) end.emplace();
     const IdleConnections::Stay stay(idle_, *end);
     const Clock::time_point until = Clock::now() + settings_.idle_timeout;
-    if (!connection.wait_for_input(*end, until)) return false;
-    connection.skip_line_end();
-    return connection.wait_for_input(*end, until);
+    return connection.wait_for_input(*end, until) && (is_there() || connection.wait_for_input(*end, until));
   }
 
   /// The last resort, where there is not even memory for an answer.

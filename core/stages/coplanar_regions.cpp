@@ -194,6 +194,7 @@ class Growth {
       return a.region->is_before(*b.region);
     });
     // All faces are taken: a seed may have its region's number for a stamp.
+    // By way of `items`: for all threads to fill, not for one to clear.
     regions_.planes.items().resize(first_region_ + all.size());
     regions_.deviation.items().resize(first_region_ + all.size());
     seeds_.resize(all.size());

@@ -37,5 +37,17 @@ TEST(pages, what_is_written_stays) {
   EXPECT_EQ(std::count(items.begin(), items.end(), 7), 1'000'000);
 }
 
+TEST(pages, reserved_memory_has_room_for_all_and_holds_none) {
+  RunControl control;
+  for (const std::size_t n : {std::size_t{0}, std::size_t{3}, std::size_t{1'000'000}}) {
+    std::vector<double> items;
+    reserve_pages(items, n, control);
+    EXPECT_GE(items.capacity(), n);
+    EXPECT_TRUE(items.empty());
+    items.resize(n);
+    EXPECT_EQ(std::count(items.begin(), items.end(), 0.0), static_cast<std::ptrdiff_t>(n));
+  }
+}
+
 }  // namespace
 }  // namespace remesh
