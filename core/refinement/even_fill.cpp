@@ -142,7 +142,8 @@ class Lattice {
         return extent > step ? extent / std::ceil(extent / step * kHair) : step;
       };
       x = fitted(high.x - low_.x, x);
-      y = fitted(high.y - low_.y, y);
+      // The narrower the columns, the higher the rows may be.
+      y = fitted(high.y - low_.y, std::sqrt(edge_ * edge_ - x * x / 4));
     }
     along_ = {x, 0};
     up_ = {x / 2, y};

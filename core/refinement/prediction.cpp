@@ -44,7 +44,7 @@ struct Asked {
         sizes(its_sizes),
         tangent(tangent_of(goals.min_angle_deg)),
         strip_tangent(goals.min_angle_deg > 0 && goals.split_boundaries
-                          ? tangent_of(std::max(goals.min_angle_deg, kLeastStripAngle))
+                          ? tangent_of(std::max(goals.min_angle_deg, least_strip_angle(sizes)))
                           : 0) {}
 
   const Goals& goals;

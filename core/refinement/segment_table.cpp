@@ -253,7 +253,8 @@ std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes
     while (!pieces.empty()) {
       const auto [t0, t1] = pieces.back();
       pieces.pop_back();
-      if ((t1 - t0) * s.length * (1 - 1e-12) <= sizes.largest()) continue;
+      const double size = sizes.is_uniform() ? sizes.largest() : sizes.at(position(id, t0 + (t1 - t0) / 2));
+      if ((t1 - t0) * s.length * (1 - 1e-12) <= size) continue;
       const double t = s.parts.cut(t0, t1);
       cuts.push_back(t);
       pieces.push_back({t0, t});

@@ -21,6 +21,8 @@ constexpr double kMostWidening = 1.25;
 constexpr double kMostShear = 0.5;
 /// Strips side by side are alike if their sides want parts in numbers that differ by no more.
 constexpr double kAlike = 1.05;
+/// The height of a row of triangles, in sizes: half of the square root of three, and no more than fits.
+constexpr double kRow = 0.85;
 
 using Pair = std::array<SegmentId, 2>;
 
@@ -78,6 +80,16 @@ std::vector<Pair> facing_segments(const std::vector<PatchMesh>& meshes, const Se
   return pairs;
 }
 
+/// The smallest size that is read along a segment, at places that are half of it apart, or a 16th of the segment.
+double smallest_size(const SegmentTable& table, SegmentId s, const SizeField& sizes) {
+  if (sizes.is_uniform()) return sizes.largest();
+  constexpr double kMostSteps = 16;
+  double least = sizes.at(table.position(s, 0.5));
+  const double steps = std::clamp(std::ceil(2 * table[s].length / least), 1.0, kMostSteps);
+  for (double i = 0; i <= steps; ++i) least = std::min(least, sizes.at(table.position(s, i / steps)));
+  return least;
+}
+
 /// How many parts a segment wants if it is the side of a strip; 0: it is none, or has to be cut more finely anyway.
 double wanted_parts(const BoundarySegment& segment, double feature, double tangent, const Goals& goals, double size) {
   if (segment.is_locked) return 0;
@@ -85,8 +97,10 @@ double wanted_parts(const BoundarySegment& segment, double feature, double tange
   const double by_size = std::ceil(segment.length / size * (1 - 1e-12));
   const double parts = std::max(by_angle, by_size);
   const double most = goals.min_edge_length > 0 ? segment.length / segment.floor : kMostParts;
-  // With twice as many parts it does not matter where the other side's are.
-  if (by_angle < 2 || by_size >= 2 * by_angle || 2 * parts > most) return 0;
+  if (parts < 2 || 2 * parts > most) return 0;
+  // With twice as many parts as angles need it does not matter to these where the other side's are; and where a strip
+  // is as wide as a row of triangles is high, there is a row of points between.
+  if (by_size >= 2 * by_angle && feature > kRow * size) return 0;
   return parts;
 }
 
@@ -96,17 +110,28 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
                                           std::span<const double> feature, const Goals& goals, const SizeField& sizes,
                                           RunControl& control) {
   std::vector<EvenParts> parts(table.size());
-  if (goals.min_angle_deg == 0 || !sizes.is_uniform()) return parts;
-  const double angle = std::max(goals.min_angle_deg, kLeastStripAngle) + kMargin;
+  if (goals.min_angle_deg == 0) return parts;
+  const double angle = std::max(goals.min_angle_deg, least_strip_angle(sizes)) + kMargin;
   const double tangent = std::tan(angle * std::numbers::pi / 180);
+  const auto wanted_by = [&](SegmentId s) {
+    return wanted_parts(table[s], feature[s.value], tangent, goals, smallest_size(table, s, sizes));
+  };
+  // Sizes that vary take long to read: there only those that face another are asked.
   std::vector<double> wanted(table.size());
   for_blocks(table.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s)
-      wanted[s] = wanted_parts(table[SegmentId(s)], feature[s], tangent, goals, sizes.largest());
+      wanted[s] = sizes.is_uniform() ? wanted_by(SegmentId(s)) : table[SegmentId(s)].is_locked ? 0 : 1;
   });
+  std::vector<Pair> pairs = facing_segments(meshes, table, wanted, control);
+  if (!sizes.is_uniform()) {
+    for_blocks(pairs.size(), kItemsPerBlock, control, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i)
+        if (i == 0 || pairs[i][0] != pairs[i - 1][0]) wanted[pairs[i][0].value] = wanted_by(pairs[i][0]);
+    });
+    std::erase_if(pairs, [&](const Pair& pair) { return wanted[pair[0].value] == 0 || wanted[pair[1].value] == 0; });
+  }
 
   // From side to side over all strips that are alike, beginning with the smallest id.
-  const std::vector<Pair> pairs = facing_segments(meshes, table, wanted, control);
   std::vector<std::uint8_t> is_seen(table.size(), 0);
   std::vector<SegmentId> alike;
   for (const auto& [seed, unused] : pairs) {

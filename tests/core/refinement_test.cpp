@@ -252,6 +252,36 @@ TEST(refinement, facets_of_a_cylinder_get_hardly_more_faces_than_they_need) {
     }
 }
 
+/// A bar with four chamfers along it that are narrower than a row of equilateral triangles of its size is high.
+TEST(refinement, strips_narrower_than_a_row_for_the_size_have_no_points_inside) {
+  const double length = 6, thickness = 0.25, size = thickness, cut = 0.073;
+  const PolygonMesh bar = shapes::prism({{cut, 0},
+                                         {1 - cut, 0},
+                                         {1, cut},
+                                         {1, thickness - cut},
+                                         {1 - cut, thickness},
+                                         {cut, thickness},
+                                         {0, thickness - cut},
+                                         {0, cut}},
+                                        length);
+  Options everywhere, by_gap;
+  everywhere.max_edge_length = size;
+  by_gap.proximity = 1;
+  for (const Options& options : {everywhere, by_gap}) {
+    const Result result = refined(bar, options);
+    expect_promises(bar, options, result);
+    std::size_t on_chamfers = 0;
+    for (const Triangle& t : result.mesh.faces) {
+      const auto& at = result.mesh.positions;
+      const Vec3 normal = normalized(cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]));
+      on_chamfers += std::fabs(std::fabs(normal.x) - std::fabs(normal.y)) < 1e-6 && std::fabs(normal.z) < 0.5;
+    }
+    // On either side of each as many pieces as its size asks for, and one more where they take turns.
+    const double least = std::min(size, result.report.smallest_gap.value_or(size));
+    EXPECT_LE(static_cast<double>(on_chamfers), 4 * (2 * std::ceil(length / least) + 2));
+  }
+}
+
 TEST(refinement, faces_along_strips_are_foreseen) {
   const auto chamfered = [](double width) {
     return shapes::prism({{0, 0}, {1, 0}, {1, 1 - width}, {1 - width, 1}, {0, 1}}, 1);

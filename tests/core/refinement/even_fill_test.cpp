@@ -131,15 +131,29 @@ TEST(even_fill, a_side_that_is_a_whole_number_of_sizes_has_that_many_whatever_it
     }
 }
 
+TEST(even_fill, rows_are_as_high_as_the_columns_that_fit_allow) {
+  // 3.02 sizes are four columns, 0.755 sizes wide. Rows of equilateral triangles would have to be ten.
+  const double size = 1, width = 3.02, height = 8.2;
+  const polygons::Polygon plate{{{0, 0}, {width, 0}, {width, height}, {0, height}}, {}};
+  std::vector<double> rows;
+  for (const Vec2 p : fill(region(plate, uniform(size)), uniform(size))) rows.push_back(p.y);
+  std::sort(rows.begin(), rows.end());
+  rows.erase(std::unique(rows.begin(), rows.end(), [](double a, double b) { return b - a < 1e-6; }), rows.end());
+  const double column = width / 4, slanting = std::hypot(column / 2, height / 9);
+  EXPECT_LE(slanting, size);
+  EXPECT_GT(height / (size * std::sqrt(3) / 2), 9);
+  EXPECT_EQ(rows.size(), 8u);  // between nine
+}
+
 TEST(even_fill, sizes_that_are_nearly_one_are_filled_as_one) {
   const polygons::Polygon plate{{{0, 0}, {1, 0}, {1, 0.37}, {0, 0.37}}, {}};
   const double size = 0.03;
-  const std::size_t even = fill(region(plate, uniform(size)), uniform(size)).size();
+  const auto even = [&](double of) { return fill(region(plate, uniform(of)), uniform(of)).size(); };
   const PlaneSizes nearly{[=](Vec2 p) { return size * (1.01 + 0.03 * p.x); },
                           [=](double length, Vec2 p) { return length <= size * (1.01 + 0.03 * p.x); }, 0.5};
   const std::size_t found = fill(region(plate, nearly), nearly).size();
-  EXPECT_LE(found, even);
-  EXPECT_GE(found, even * 9 / 10);
+  EXPECT_LE(found, even(size));
+  EXPECT_GE(found, even(1.04 * size));
 }
 
 TEST(even_fill, more_points_than_allowed_are_none) {
