@@ -43,7 +43,8 @@ void write_file(const std::filesystem::path& path, const std::string& text) {
 
 Shape shape_of(const Part& part) {
   Shape shape;
-  shape.positions = part.surface.positions.items();
+  const auto positions = part.surface.positions.items();
+  shape.positions.assign(positions.begin(), positions.end());
   for (std::uint32_t f = 0; f < part.surface.face_count(); ++f) {
     const auto [a, b, c] = corners_of(part.surface, FaceId(f));
     shape.faces.push_back({a.value, b.value, c.value});

@@ -531,7 +531,8 @@ TEST_P(StoreTest, fifty_thousand_jobs_that_wait_do_not_slow_a_claim) {
     std::nth_element(times.begin(), times.begin() + kClaims / 2, times.end());
     return times[kClaims / 2];
   };
-  // Other work on the machine may slow the one and not the other, but hardly three times; a search through all jobs does.
+  // Other work on the machine may slow the one and not the other, but hardly three times; a search through all jobs
+  // does.
   constexpr int kTries = 3;
   bool is_slowed = true;
   for (int i = 0; i < kTries && is_slowed; ++i) {
