@@ -45,7 +45,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   Goals within_budget = goals_;
   within_budget.max_faces = budget_;
   Refinement refined =
-      remesh::refine(on.surface, on.patches, frozen_, within_budget, sizes, prediction.expected, meshes, control_);
+      remesh::refine(on.surface, on.patches, frozen_, within_budget, sizes, prediction, meshes, control_);
   if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
   return refined;
 }

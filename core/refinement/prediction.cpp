@@ -185,14 +185,17 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
       const Prediction one = PatchPrediction(meshes[p], asked).run(block.pieces);
       block.sum.least += one.least;
       block.sum.expected += one.expected;
+      block.sum.of_patch.push_back(static_cast<float>(one.expected));
     }
     return block;
   });
   Prediction total;
+  total.of_patch.reserve(meshes.size());
   std::vector<EdgePieces> needed;
   for (const Block& block : blocks) {
     total.least += block.sum.least;
     total.expected += block.sum.expected;
+    total.of_patch.insert(total.of_patch.end(), block.sum.of_patch.begin(), block.sum.of_patch.end());
     needed.insert(needed.end(), block.pieces.begin(), block.pieces.end());
   }
   if (needed.empty()) return total;

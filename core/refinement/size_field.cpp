@@ -247,6 +247,36 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
   if (gaps != nullptr && goals.proximity > 0) sampler.sample_gaps(*gaps);
   if (goals.gradation > 0) sampler.sample_segments(segments);
   samples_ = Samples(sampler.samples(), control);
+  drop_dominated(control);
+}
+
+/// Does another sample ask for less at each place of this one's box? Then, by the triangle's inequality, everywhere.
+bool SizeField::is_dominated(const Samples::Entry& sample) const {
+  const double size = sample.tag.value;
+  double best = size;
+  samples_.search(
+      best,
+      [&](const Samples::Entry& entry) {
+        return entry.tag.value + slope_ * std::sqrt(squared_farthest(entry.box, sample.box));
+      },
+      [&](std::size_t) { best = -1; });  // one is enough
+  return best != size;
+}
+
+/// The field is the same without them. Behind a wall of one width there are none; where gaps close they are most.
+void SizeField::drop_dominated(RunControl& control) {
+  constexpr std::size_t kTried = 256, kBlock = 256;
+  constexpr double kWorthwhile = 1.0 / 16;
+  const std::size_t n = samples_.size(), stride = n / kTried + 1;
+  std::size_t dropped = 0, tried = 0;
+  for (std::size_t i = 0; i < n; i += stride, ++tried) dropped += is_dominated(samples_[i]) ? 1 : 0;
+  if (!(static_cast<double>(dropped) > kWorthwhile * static_cast<double>(tried))) return;
+  const auto kept =
+      select_ids<std::uint32_t>(n, kBlock, control, [&](std::size_t i) { return !is_dominated(samples_[i]); });
+  std::vector<Samples::Entry> entries;
+  entries.reserve(kept.size());
+  for (const std::uint32_t i : kept) entries.push_back(samples_[i]);
+  samples_ = Samples(entries, control);
 }
 
 /// Monotone in the box and in the size, rounding included: no node promises more than its samples keep, and the answer

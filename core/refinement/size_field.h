@@ -66,6 +66,8 @@ class SizeField {
   class Sampler;
 
   double size_from(const Samples::Entry& sample, const Vec3& p) const;
+  bool is_dominated(const Samples::Entry& sample) const;
+  void drop_dominated(RunControl& control);
   Vec3 local(const Vec3& place) const { return (1 / unit_) * (place - centre_); }
 
   double largest_;

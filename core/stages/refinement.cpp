@@ -54,7 +54,7 @@ constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 class Rounds {
  public:
   Rounds(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
-         const Goals& goals, const SizeField& sizes, double expected_faces, std::vector<PatchMesh>& meshes,
+         const Goals& goals, const SizeField& sizes, const Prediction& prediction, std::vector<PatchMesh>& meshes,
          RunControl& control)
       : surface_(surface),
         patches_(patches),
@@ -62,9 +62,10 @@ class Rounds {
         goals_(goals),
         sizes_(sizes),
         criteria_(goals, sizes),
+        prediction_(prediction),
         meshes_(meshes),
         control_(control),
-        progress_(control, expected_faces),
+        progress_(control, prediction.expected),
         segments_(surface, meshes, is_frozen, sizes, goals, control) {}
 
   Refinement run() {
@@ -223,19 +224,20 @@ class Rounds {
   static constexpr std::uint64_t kWorthwhile = 16;
   bool is_budget_spent() const { return goals_.max_faces != kNoLimit && left_ < kWorthwhile; }
 
-  /// How many triangles each dirty patch may make: from the state at the barrier alone. Half is shared out by the work
-  /// that waits, half evenly: one bad triangle may take a thousand, and a patch that is stopped only for its share
-  /// comes back in a round of its own.
+  /// How many triangles each dirty patch may make: from the state at the barrier alone. At first that is shared out by
+  /// what is predicted, so that lattices fit; later half by the work that waits, half evenly: one bad triangle may take
+  /// a thousand, and a patch that is stopped only for its share comes back in a round of its own.
   void choose_quotas() {
     quota_.assign(dirty_.size(), kNoLimit);
     if (goals_.max_faces == kNoLimit) return;
-    std::uint64_t faces = 0, waiting = 0;
+    std::uint64_t faces = 0;
+    double waiting = 0;
     for (std::size_t p = 0; p < meshes_.size(); ++p)
       faces += refiners_[p] ? refiners_[p]->triangle_count() : meshes_[p].mesh.triangle_count();
     // What the messages will make.
     for (const Message& m : messages_) faces += m.count;
     const auto share = [&](std::uint32_t p) {
-      return std::max<std::uint64_t>(1, refiners_[p] ? refiners_[p]->waiting() : meshes_[p].mesh.triangle_count());
+      return refiners_[p] ? std::max(1.0, static_cast<double>(refiners_[p]->waiting())) : prediction_.of_patch[p];
     };
     for (const std::uint32_t p : dirty_) waiting += share(p);
     // A step may make a few faces more than its quota has left.
@@ -249,10 +251,12 @@ class Rounds {
       return;
     }
     const auto left = static_cast<double>(left_);
+    const bool is_first =
+        std::none_of(dirty_.begin(), dirty_.end(), [&](std::uint32_t p) { return refiners_[p] != nullptr; });
+    const double even = is_first ? 1.0 / 8 : 1.0 / 2;
     for (std::size_t i = 0; i < dirty_.size(); ++i)
-      quota_[i] =
-          static_cast<std::uint64_t>(left / 2 * static_cast<double>(share(dirty_[i])) / static_cast<double>(waiting)) +
-          static_cast<std::uint64_t>(left / 2 / static_cast<double>(dirty_.size()));
+      quota_[i] = static_cast<std::uint64_t>((1 - even) * left * share(dirty_[i]) / waiting) +
+                  static_cast<std::uint64_t>(even * left / static_cast<double>(dirty_.size()));
   }
 
   void exchange_cuts() {
@@ -376,6 +380,7 @@ class Rounds {
   const Goals& goals_;
   const SizeField& sizes_;
   const Criteria criteria_;
+  const Prediction& prediction_;
   std::vector<PatchMesh>& meshes_;
   RunControl& control_;
   RefinementProgress progress_;
@@ -400,9 +405,9 @@ class Rounds {
 }  // namespace
 
 Refinement refine(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
-                  const Goals& goals, const SizeField& sizes, double expected_faces, std::vector<PatchMesh>& meshes,
-                  RunControl& control) {
-  return Rounds(surface, patches, is_frozen, goals, sizes, expected_faces, meshes, control).run();
+                  const Goals& goals, const SizeField& sizes, const Prediction& prediction,
+                  std::vector<PatchMesh>& meshes, RunControl& control) {
+  return Rounds(surface, patches, is_frozen, goals, sizes, prediction, meshes, control).run();
 }
 
 void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,

@@ -529,6 +529,16 @@ TEST(refinement, a_budget_is_nearly_used_up_where_sheets_are_in_one_place) {
   expect_budgets_nearly_used_up(stacked_boxes(20, 50), with_angle(30), {0.1, 0.3, 0.6, 0.9});
 }
 
+TEST(refinement, a_budget_of_twice_what_is_needed_changes_little_where_one_patch_needs_most) {
+  PolygonMesh mesh = shapes::box({40, 40, 1});
+  for (int i = 0; i < 40; ++i) mesh = shapes::joined(mesh, shapes::moved(shapes::box({1, 1, 1}), {2.0 * i, 50, 0}));
+  Options options;
+  options.max_edge_length = 1;
+  const std::size_t all = refined(mesh, options).mesh.faces.size();
+  options.max_output_faces = 2 * all;
+  EXPECT_NEAR(static_cast<double>(refined(mesh, options).mesh.faces.size()) / static_cast<double>(all), 1, 0.01);
+}
+
 TEST(refinement, a_budget_is_spent_to_the_end_where_patches_are_many_and_small) {
   PolygonMesh mesh;
   for (int i = 0; i < 40; ++i) {

@@ -83,7 +83,8 @@ class Figure {
   PatchMesh refine_all(const Goals& goals, std::uint32_t& rounds) {
     std::vector<PatchMesh> meshes = meshes_;
     const SizeField sizes(goals.max_edge_length);
-    rounds = refine(part_.surface, part_.patches, frozen_, goals, sizes, 0, meshes, control_).rounds;
+    const Prediction prediction = predict(meshes, goals, sizes, control_);
+    rounds = refine(part_.surface, part_.patches, frozen_, goals, sizes, prediction, meshes, control_).rounds;
     return meshes[patch_.value];
   }
 

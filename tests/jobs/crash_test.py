@@ -206,6 +206,8 @@ def main():
     parser.add_argument("--store-kills", type=int, default=0)
     parser.add_argument("--seed", type=int, default=random.randrange(1 << 30))
     wanted = parser.parse_args()
+    if wanted.store_kills and wanted.store != "postgres":
+        parser.error("--store-kills needs --store postgres: SQLite is no process of its own")
     if not can_use(wanted.store):
         print("SKIPPED: there is no PostgreSQL (Debian: postgresql-15)")
         return 77

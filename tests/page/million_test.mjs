@@ -65,7 +65,7 @@ test("a million triangles load, are remeshed into a million, turn, and are picke
     console.log(`longest task of the page: ${(await page.evaluate(() => globalThis.longest)).toFixed(0)} ms`);
 
     // Equal pieces of a side: about as many again.
-    await type("#option-max_edge_length", "1.3");
+    await type("#option-max_edge_length", "1.1");
     start = performance.now();
     await page.click("#run");
     await waitForText("#status", /^Remeshed in/, kPatience);

@@ -48,6 +48,21 @@ TEST(box_tree, boxes_in_single_precision_hold_what_was_added) {
   }
 }
 
+TEST(box_tree, the_farthest_place_of_a_box_is_one_of_its_corners) {
+  const std::vector<Tree::Entry> entries = boxes(60);
+  for (const Tree::Entry& a : entries)
+    for (const Tree::Entry& b : entries) {
+      double farthest = 0;
+      for (int corner = 0; corner < 8; ++corner) {
+        const auto at = [&](int axis) -> double {
+          return (corner >> axis) % 2 == 0 ? b.box.min[axis] : b.box.max[axis];
+        };
+        farthest = std::max(farthest, squared_distance(a.box, Vec3{at(0), at(1), at(2)}));
+      }
+      EXPECT_EQ(squared_farthest(a.box, b.box), farthest);
+    }
+}
+
 TEST(box_tree, the_best_of_all_is_found_for_any_number_of_boxes) {
   RunControl control;
   for (const int n : {0, 1, 2, 4, 5, 8, 9, 31, 1000, 20000}) {

@@ -181,6 +181,23 @@ TEST(size_field, it_is_what_the_gaps_ask_for_graded_and_not_much_less) {
   }
 }
 
+TEST(size_field, samples_that_others_make_needless_are_left_out_and_it_stays_the_same) {
+  // A gap that opens by 35 degrees: sizes that grow by a fifth of the way come from its narrow end alone.
+  const PolygonMesh mesh =
+      shapes::joined(shapes::sheet(4, 4, 1, 1),
+                     shapes::moved(shapes::rotated(shapes::sheet(4, 4, 1, 1), {0, -1, 0}, 35), {0, 0, 0.0625}));
+  const Scene slow(mesh, goals(1, 1.2)), fast(mesh, goals(1, 3));
+  EXPECT_LT(slow.sizes.sample_count(), fast.sizes.sample_count() / 2);
+  EXPECT_GT(slow.sizes.sample_count(), 64u);
+  Random random(9);
+  for (int i = 0; i < 5000; ++i) {
+    const Vec3 x = slow.place(random).point, y = slow.place(random).point;
+    // Sizes that may grow faster are never smaller, and as far from there as they grow the slower one is no larger.
+    EXPECT_LE(slow.sizes.at(x), fast.sizes.at(x) * (1 + kSingle));
+    EXPECT_LE(slow.sizes.at(x), (fast.sizes.at(y) + 0.2 * norm(x - y)) * (1 + kSingle));
+  }
+}
+
 TEST(size_field, it_grows_by_no_more_than_the_slope) {
   for (const double gradation : {1.1, 1.5, 3.0}) {
     const Scene scene(thick_and_thin(), goals(1, gradation));
