@@ -19,6 +19,8 @@ constexpr double kFacesPerIdeal = 1.45;
 
 /// Faces for each piece of a boundary edge that another patch needs, from there to where they may be large again.
 constexpr double kFacesPerPiece = 2.5;
+/// A patch's share stays a number, however sharp its angles or small its sizes are.
+constexpr double kMostOfPatch = 0x1p62;
 /// Edges in fewer pieces are no news to the patches beside them.
 constexpr double kFewPieces = 3;
 
@@ -44,7 +46,7 @@ struct Asked {
         sizes(its_sizes),
         tangent(tangent_of(goals.min_angle_deg)),
         strip_tangent(goals.min_angle_deg > 0 && goals.split_boundaries
-                          ? tangent_of(std::max(goals.min_angle_deg, least_strip_angle(sizes)))
+                          ? tangent_of(std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)))
                           : 0) {}
 
   const Goals& goals;
@@ -185,7 +187,7 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
       const Prediction one = PatchPrediction(meshes[p], asked).run(block.pieces);
       block.sum.least += one.least;
       block.sum.expected += one.expected;
-      block.sum.of_patch.push_back(static_cast<float>(one.expected));
+      block.sum.of_patch.push_back(static_cast<float>(std::min(one.expected, kMostOfPatch)));
     }
     return block;
   });

@@ -17,7 +17,7 @@ struct Prediction {
   /// What to expect: by sizes within some 30 %, by angles alone within a factor of two or so, along narrow strips too
   /// (fans of needles have no cheap tight estimate).
   double expected = 0;
-  /// The share of each patch in that, but for what it makes of cuts that others need.
+  /// One per patch, at least 1: its share in that, but for what it makes of cuts that others need.
   std::vector<float> of_patch;
 };
 

@@ -82,7 +82,8 @@ class SegmentTable {
   std::optional<double> cut(SegmentId s, double t0, double t1) const;
 
   /// The parameters at which a segment is cut for its size, before anything else: into the fewest parts that are no
-  /// longer than the size there, equal where it is; on the side of a strip between its parts. Ascending.
+  /// longer than the size there, equal where it is; on the side of a strip between its parts, by halves until no piece
+  /// is longer than the size in its middle. Ascending.
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
 
  private:

@@ -265,11 +265,14 @@ bool SizeField::is_dominated(const Samples::Entry& sample) const {
 
 /// The field is the same without them. Behind a wall of one width there are none; where gaps close they are most.
 void SizeField::drop_dominated(RunControl& control) {
-  constexpr std::size_t kTried = 256, kBlock = 256;
+  constexpr std::size_t kTried = 256, kBlock = 64;
   constexpr double kWorthwhile = 1.0 / 16;
   const std::size_t n = samples_.size(), stride = n / kTried + 1;
   std::size_t dropped = 0, tried = 0;
-  for (std::size_t i = 0; i < n; i += stride, ++tried) dropped += is_dominated(samples_[i]) ? 1 : 0;
+  for (std::size_t i = 0; i < n; i += stride, ++tried) {
+    control.check();
+    dropped += is_dominated(samples_[i]) ? 1 : 0;
+  }
   if (!(static_cast<double>(dropped) > kWorthwhile * static_cast<double>(tried))) return;
   const auto kept =
       select_ids<std::uint32_t>(n, kBlock, control, [&](std::size_t i) { return !is_dominated(samples_[i]); });

@@ -21,7 +21,8 @@ namespace remesh {
 ///         lengths h and gradation h that meet: their sizes are read one h apart); it reads the input, never the
 ///         growing mesh; scales with it by powers of two, exactly; the same for any number of threads.
 /// Cost:   at() is O(log n) as long as sizes vary slowly; constant where there is no proximity and no gradation.
-///         Memory: some 50 bytes a sample, at most kMostSamples and two a segment.
+///         Memory: some 50 bytes a sample, at most kMostSamples and two a segment; those that another one undercuts
+///         everywhere are left out, which takes as long as an at() for each.
 class SizeField {
  public:
   /// The same size everywhere.

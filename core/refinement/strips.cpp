@@ -21,7 +21,7 @@ constexpr double kMostWidening = 1.25;
 constexpr double kMostShear = 0.5;
 /// Strips side by side are alike if their sides want parts in numbers that differ by no more.
 constexpr double kAlike = 1.05;
-/// The height of a row of triangles, in sizes: half of the square root of three, and no more than fits.
+/// In sizes: the height of a row of equilateral triangles, a little less, so that the slanting edges are not too long.
 constexpr double kRow = 0.85;
 
 using Pair = std::array<SegmentId, 2>;
@@ -80,7 +80,8 @@ std::vector<Pair> facing_segments(const std::vector<PatchMesh>& meshes, const Se
   return pairs;
 }
 
-/// The smallest size that is read along a segment, at places that are half of it apart, or a 16th of the segment.
+/// The smallest size that is read along a segment, at places that are half of the size in its middle apart, or a 16th
+/// of the segment.
 double smallest_size(const SegmentTable& table, SegmentId s, const SizeField& sizes) {
   if (sizes.is_uniform()) return sizes.largest();
   constexpr double kMostSteps = 16;
@@ -111,20 +112,23 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
                                           RunControl& control) {
   std::vector<EvenParts> parts(table.size());
   if (goals.min_angle_deg == 0) return parts;
-  const double angle = std::max(goals.min_angle_deg, least_strip_angle(sizes)) + kMargin;
+  const double angle = std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)) + kMargin;
   const double tangent = std::tan(angle * std::numbers::pi / 180);
   const auto wanted_by = [&](SegmentId s) {
     return wanted_parts(table[s], feature[s.value], tangent, goals, smallest_size(table, s, sizes));
   };
-  // Sizes that vary take long to read: there only those that face another are asked.
   std::vector<double> wanted(table.size());
   for_blocks(table.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t s = begin; s < end; ++s)
-      wanted[s] = sizes.is_uniform() ? wanted_by(SegmentId(s)) : table[SegmentId(s)].is_locked ? 0 : 1;
+    for (std::size_t s = begin; s < end; ++s) {
+      // Sizes that vary take long to read: there all that may be cut are taken, until it is known which face another.
+      const double unknown = table[SegmentId(s)].is_locked ? 0 : 1;
+      wanted[s] = sizes.is_uniform() ? wanted_by(SegmentId(s)) : unknown;
+    }
   });
   std::vector<Pair> pairs = facing_segments(meshes, table, wanted, control);
   if (!sizes.is_uniform()) {
-    for_blocks(pairs.size(), kItemsPerBlock, control, [&](std::size_t i, std::size_t end) {
+    constexpr std::size_t kPairs = 64;
+    for_blocks(pairs.size(), kPairs, control, [&](std::size_t i, std::size_t end) {
       for (; i < end; ++i)
         if (i == 0 || pairs[i][0] != pairs[i - 1][0]) wanted[pairs[i][0].value] = wanted_by(pairs[i][0]);
     });

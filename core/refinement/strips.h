@@ -16,7 +16,7 @@ namespace remesh {
 /// faces and make worse tetrahedra (TetGen's worst dihedral angle on plates and prisms: 2.2 degrees at 25, 4.2 at 32).
 /// Behind thin walls, where sizes vary, steeper ones are better still (a plate with holes, a tray and a coupling: 3.9,
 /// 4.7 and 1.7 degrees at 30; 5.8, 6.0 and 3.4 at 36; no better beyond).
-inline double least_strip_angle(const SizeField& sizes) { return sizes.is_uniform() ? 30 : 36; }
+inline double least_strip_angle_deg(const SizeField& sizes) { return sizes.is_uniform() ? 30 : 36; }
 
 /// Along a strip the bound on angles says how long the pieces of its sides may be; halves of halves of a side would be
 /// as short as half of that. And where both sides are cut at the same places, the triangles over the pieces have right
@@ -25,7 +25,7 @@ inline double least_strip_angle(const SizeField& sizes) { return sizes.is_unifor
 /// between those of the other, from strip to strip as far as they are alike: a third to a half of the faces.
 /// Input:  of each segment the distance to the nearest feature, model units; the table has its segments and sides.
 /// Output: one a segment; 1 for those that are no sides of strips, or of such as have room for a row of points inside
-///         and a size that asks for shorter pieces than the bound does.
+///         and a size that asks for pieces at most half as long as the bound does.
 std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
                                           std::span<const double> feature, const Goals& goals, const SizeField& sizes,
                                           RunControl& control);

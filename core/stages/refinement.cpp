@@ -110,11 +110,18 @@ class Rounds {
   struct Message {
     PatchId patch;
     SegmentId segment;
-    std::uint64_t count = 0;  ///< of cuts that are new to it, at most
+    std::uint64_t count = 0;  ///< of cuts that are new to it
     friend bool operator<(const Message& a, const Message& b) {
       return a.patch != b.patch ? a.patch < b.patch : a.segment < b.segment;
     }
     friend bool operator==(const Message&, const Message&) = default;
+  };
+
+  /// A cut, and the patch that made it: not the only one, if others did so in the same round.
+  struct FreshCut {
+    Cut cut;
+    PatchId by;
+    friend bool operator<(const FreshCut& a, const FreshCut& b) { return a.cut == b.cut ? a.by < b.by : a.cut < b.cut; }
   };
 
   /// Rounds, until no patch has anything to do.
@@ -260,34 +267,41 @@ class Rounds {
   }
 
   void exchange_cuts() {
-    std::vector<Cut> fresh;
+    std::vector<Cut> made;
+    std::vector<FreshCut> fresh;
     std::vector<std::uint32_t> unfinished;
     for (std::size_t i = 0; i < dirty_.size(); ++i) {
       PatchRefiner& refiner = *refiners_[dirty_[i]];
       if (refiner.impossible().is_valid()) impossible_.push_back(refiner.impossible());
-      refiner.take_own_cuts(fresh);
+      made.clear();
+      refiner.take_own_cuts(made);
+      for (const Cut& cut : made) fresh.push_back({cut, PatchId(dirty_[i])});
       if (!refiner.is_done()) unfinished.push_back(dirty_[i]);
     }
     std::sort(impossible_.begin(), impossible_.end());
     impossible_.erase(std::unique(impossible_.begin(), impossible_.end()), impossible_.end());
     if (is_budget_spent()) unfinished.clear();
     sort_all(fresh.begin(), fresh.end());
-    fresh.erase(std::unique(fresh.begin(), fresh.end()), fresh.end());
     messages_.clear();
     for (auto from = fresh.begin(); from != fresh.end();) {
-      const SegmentId s = from->segment;
+      const SegmentId s = from->cut.segment;
       const auto first = from;
       auto to = from;
       std::vector<double>& cuts = cuts_[s];
-      const auto old = static_cast<std::ptrdiff_t>(cuts.size());
-      for (; to != fresh.end() && to->segment == s; ++to) cuts.push_back(to->t);
-      std::inplace_merge(cuts.begin(), cuts.begin() + old, cuts.end());
+      const std::size_t old = cuts.size();
+      for (; to != fresh.end() && to->cut.segment == s; ++to)
+        if (to == first || to->cut.t != (to - 1)->cut.t) cuts.push_back(to->cut.t);
+      const std::uint64_t count = cuts.size() - old;
+      std::inplace_merge(cuts.begin(), cuts.begin() + static_cast<std::ptrdiff_t>(old), cuts.end());
       from = to;
       const auto sides = segments_.sides(s);
       // A segment of one patch alone has nobody to tell.
       if (sides.front().patch == sides.back().patch) continue;
-      for (const SegmentSide& side : sides)
-        messages_.push_back({side.patch, s, static_cast<std::uint64_t>(to - first)});
+      for (const SegmentSide& side : sides) {
+        const auto own =
+            static_cast<std::uint64_t>(std::count_if(first, to, [&](const FreshCut& c) { return c.by == side.patch; }));
+        if (own < count) messages_.push_back({side.patch, s, count - own});
+      }
     }
     sort_messages();
     dirty_ = std::move(unfinished);

@@ -253,23 +253,31 @@ TEST(refinement, facets_of_a_cylinder_get_hardly_more_faces_than_they_need) {
 }
 
 /// A bar with four chamfers along it that are narrower than a row of equilateral triangles of its size is high.
+PolygonMesh chamfered_bar(double length, double thickness, double cut) {
+  return shapes::prism({{cut, 0},
+                        {1 - cut, 0},
+                        {1, cut},
+                        {1, thickness - cut},
+                        {1 - cut, thickness},
+                        {cut, thickness},
+                        {0, thickness - cut},
+                        {0, cut}},
+                       length);
+}
+
 TEST(refinement, strips_narrower_than_a_row_for_the_size_have_no_points_inside) {
-  const double length = 6, thickness = 0.25, size = thickness, cut = 0.073;
-  const PolygonMesh bar = shapes::prism({{cut, 0},
-                                         {1 - cut, 0},
-                                         {1, cut},
-                                         {1, thickness - cut},
-                                         {1 - cut, thickness},
-                                         {cut, thickness},
-                                         {0, thickness - cut},
-                                         {0, cut}},
-                                        length);
+  const double length = 6, size = 0.25;
   Options everywhere, by_gap;
   everywhere.max_edge_length = size;
   by_gap.proximity = 1;
-  for (const Options& options : {everywhere, by_gap}) {
-    const Result result = refined(bar, options);
-    expect_promises(bar, options, result);
+  struct Case {
+    Options options;
+    double thickness, cut;
+  };
+  for (const Case& c : {Case{everywhere, 0.5, 0.073}, Case{everywhere, 0.5, 0.113}, Case{by_gap, size, 0.073}}) {
+    const PolygonMesh bar = chamfered_bar(length, c.thickness, c.cut);
+    const Result result = refined(bar, c.options);
+    expect_promises(bar, c.options, result);
     std::size_t on_chamfers = 0;
     for (const Triangle& t : result.mesh.faces) {
       const auto& at = result.mesh.positions;
@@ -278,7 +286,31 @@ TEST(refinement, strips_narrower_than_a_row_for_the_size_have_no_points_inside) 
     }
     // On either side of each as many pieces as its size asks for, and one more where they take turns.
     const double least = std::min(size, result.report.smallest_gap.value_or(size));
-    EXPECT_LE(static_cast<double>(on_chamfers), 4 * (2 * std::ceil(length / least) + 2));
+    EXPECT_LE(static_cast<double>(on_chamfers), 4 * (2 * std::ceil(length / least) + 2)) << c.cut;
+    EXPECT_GE(static_cast<double>(on_chamfers), 4 * 2 * std::floor(length / size)) << c.cut;
+  }
+}
+
+TEST(refinement, strips_keep_the_shortest_edge_where_sizes_vary) {
+  // A small cube hovers over the chamfer of a long bar: the size there is much less than along the rest of it.
+  const double c = 10 - std::sqrt(0.125), off = 0.05 * std::sqrt(0.5), side = 0.3 * std::sqrt(0.5);
+  const PolygonMesh bar = shapes::prism({{0, 0}, {10, 0}, {10, c}, {c, 10}, {0, 10}}, 100);
+  const double middle = (10 + c) / 2 + off;
+  const PolygonMesh cube = shapes::moved(shapes::prism({{middle + side / 2, middle - side / 2},
+                                                        {middle + 3 * side / 2, middle + side / 2},
+                                                        {middle + side / 2, middle + 3 * side / 2},
+                                                        {middle - side / 2, middle + side / 2}},
+                                                       0.3),
+                                         {0, 0, 52.95});
+  const PolygonMesh mesh = shapes::joined(bar, cube);
+  for (const double least : {0.1, 0.2}) {
+    Options options;
+    options.proximity = 1;
+    options.min_edge_length = least;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_EQ(listed(result.report), 0u) << least;
+    EXPECT_GE(smallest_angle_deg(result.mesh), 25);
   }
 }
 
