@@ -75,12 +75,13 @@ class PatchPrediction {
   }
 
   /// `many_pieces`: gets the boundary edges of which the patch needs many pieces.
-  Prediction run(std::vector<EdgePieces>& many_pieces) const {
+  Prediction run(std::vector<EdgePieces>& many_pieces, RunControl& control) const {
     const Triangulation2d& mesh = patch_.mesh;
     const double scale = patch_.frame.scale;
     const double largest = std::min(goals_.max_area, ideal_area(sizes_.largest()));
     double pieces = 0, area = 0, by_angle = 0, by_size = 0;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
+      control.check();
       const Vec2 p[3] = {patch_.uv[mesh.from(h)], patch_.uv[mesh.from(h + 1)], patch_.uv[mesh.from(h + 2)]};
       double length[3];
       for (std::uint32_t k = 0; k < 3; ++k) {
@@ -184,7 +185,7 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
   auto blocks = map_blocks<Block>(meshes.size(), kPatches, control, [&](std::size_t begin, std::size_t end) {
     Block block;
     for (std::size_t p = begin; p < end; ++p) {
-      const Prediction one = PatchPrediction(meshes[p], asked).run(block.pieces);
+      const Prediction one = PatchPrediction(meshes[p], asked).run(block.pieces, control);
       block.sum.least += one.least;
       block.sum.expected += one.expected;
       block.sum.of_patch.push_back(static_cast<float>(std::min(one.expected, kMostOfPatch)));

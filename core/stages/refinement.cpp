@@ -146,7 +146,10 @@ class Rounds {
     dirty_.clear();
     cuts_.assign(segments_.size(), {});
     for_blocks(segments_.size(), kSegments, control_, [&](std::size_t from, std::size_t to) {
-      for (std::size_t s = from; s < to; ++s) cuts_[SegmentId(s)] = segments_.size_cuts(SegmentId(s), sizes_);
+      for (std::size_t s = from; s < to; ++s) {
+        control_.check();
+        cuts_[SegmentId(s)] = segments_.size_cuts(SegmentId(s), sizes_);
+      }
     });
     thin_out_cuts();
     result_.new_positions.clear();
