@@ -54,20 +54,20 @@ inline double squared_distance(const FloatBox& b, const Vec3& p) {
   const double z = excess(b.min[2], b.max[2], p.z);
   return x * x + y * y + z * z;
 }
-/// From whatever place of `from` is farthest from the box. As monotone in the box.
+inline double squared_distance(const FloatBox& a, const FloatBox& b) {
+  double sum = 0;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double d = std::max(0.0, std::max(double{a.min[axis]} - b.max[axis], double{b.min[axis]} - a.max[axis]));
+    sum += d * d;
+  }
+  return sum;
+}
+/// From the place of `from` that is farthest from the box to the box; as monotone in the box.
 inline double squared_farthest(const FloatBox& b, const FloatBox& from) {
   double sum = 0;
   for (int axis = 0; axis < 3; ++axis) {
     const double d =
         std::max(excess(b.min[axis], b.max[axis], from.min[axis]), excess(b.min[axis], b.max[axis], from.max[axis]));
-    sum += d * d;
-  }
-  return sum;
-}
-inline double squared_distance(const FloatBox& a, const FloatBox& b) {
-  double sum = 0;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double d = std::max(0.0, std::max(double{a.min[axis]} - b.max[axis], double{b.min[axis]} - a.max[axis]));
     sum += d * d;
   }
   return sum;

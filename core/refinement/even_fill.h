@@ -20,10 +20,11 @@ struct PlaneSizes {
 
 /// Points of lattices of equilateral triangles, whose edges are at most the size there, inside a region and away from
 /// its boundary: what lies between is left to refinement. Each lattice has half the edges of the next coarser one, and
-/// all its points; rows run along x. Of one size, or nearly, the lattice is stretched to fit the region's box: no edge
-/// is longer for that. Input:  triangles that cover the region; the points of its boundary, no further apart than the
-/// size there. Output: in lexicographic order; empty if there would be more than `most`. Cost:   O((t + n) log n) for t
-/// triangles and n points, where the triangles are a Delaunay triangulation of the
+/// all its points; rows run along x. Of one size, or nearly, the lattice fits the region's box: its columns as many as
+/// they must be, its rows as high as the slanting edges allow.
+/// Input:  triangles that cover the region; the points of its boundary, no further apart than the size there.
+/// Output: in lexicographic order; empty if there would be more than `most`.
+/// Cost:   O((t + n) log n) for t triangles and n points, where the triangles are a Delaunay triangulation of the
 ///         boundary.
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
                             const PlaneSizes& sizes, std::size_t most, RunControl& control);

@@ -253,8 +253,7 @@ std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes
     while (!pieces.empty()) {
       const auto [t0, t1] = pieces.back();
       pieces.pop_back();
-      const double size = sizes.is_uniform() ? sizes.largest() : sizes.at(position(id, t0 + (t1 - t0) / 2));
-      if ((t1 - t0) * s.length * (1 - 1e-12) <= size) continue;
+      if ((t1 - t0) * s.length * (1 - 1e-12) <= sizes.at(position(id, t0 + (t1 - t0) / 2))) continue;
       const double t = s.parts.cut(t0, t1);
       if (min_edge_length_ > 0 && std::min(t - t0, t1 - t) * s.length < s.floor) continue;
       cuts.push_back(t);

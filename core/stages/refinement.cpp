@@ -234,9 +234,10 @@ class Rounds {
   static constexpr std::uint64_t kWorthwhile = 16;
   bool is_budget_spent() const { return goals_.max_faces != kNoLimit && left_ < kWorthwhile; }
 
-  /// How many triangles each dirty patch may make: from the state at the barrier alone. At first that is shared out by
-  /// what is predicted, so that lattices fit; later half by the work that waits, half evenly: one bad triangle may take
-  /// a thousand, and a patch that is stopped only for its share comes back in a round of its own.
+  /// How many triangles each dirty patch may make: from the state at the barrier alone. While all of them are still
+  /// to begin that is shared out by what is predicted, so that lattices fit; later half by the work that waits, half
+  /// evenly: one bad triangle may take a thousand, and a patch that is stopped only for its share comes back in a round
+  /// of its own.
   void choose_quotas() {
     quota_.assign(dirty_.size(), kNoLimit);
     if (goals_.max_faces == kNoLimit) return;
@@ -261,9 +262,9 @@ class Rounds {
       return;
     }
     const auto left = static_cast<double>(left_);
-    const bool is_first =
+    const bool are_all_new =
         std::none_of(dirty_.begin(), dirty_.end(), [&](std::uint32_t p) { return refiners_[p] != nullptr; });
-    const double even = is_first ? 1.0 / 8 : 1.0 / 2;
+    const double even = are_all_new ? 1.0 / 8 : 1.0 / 2;
     for (std::size_t i = 0; i < dirty_.size(); ++i)
       quota_[i] = static_cast<std::uint64_t>((1 - even) * left * share(dirty_[i]) / waiting) +
                   static_cast<std::uint64_t>(even * left / static_cast<double>(dirty_.size()));
