@@ -62,11 +62,6 @@ double size_of(const PolygonMesh& mesh) {
   return box.diagonal();
 }
 
-Result refined(const PolygonMesh& mesh, const Options& options, int workers) {
-  RunControl control;
-  return remesh_surface(mesh, options, RunSettings{workers, false}, control);
-}
-
 /// The promises, and that neither the number of workers nor a scale of a power of two changes anything.
 void expect_refined_well(const PolygonMesh& mesh, const Options& options, double tolerance = 1e-9) {
   Result result;

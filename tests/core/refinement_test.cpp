@@ -24,23 +24,6 @@
 namespace remesh {
 namespace {
 
-Result refined(const PolygonMesh& mesh, const Options& options = {}, int workers = 2) {
-  RunControl control;
-  return remesh_surface(mesh, options, RunSettings{workers, false}, control);
-}
-
-Options with_angle(double degrees) {
-  Options options;
-  options.min_angle_deg = degrees;
-  return options;
-}
-
-Options with_length(double length) {
-  Options options;
-  options.max_edge_length = length;
-  return options;
-}
-
 constexpr double kHair = 1 + 1e-9;
 
 std::string bytes(const Result& result) {
@@ -506,124 +489,6 @@ TEST(refinement, labels_are_boundaries_that_are_cut_alike_on_both_sides) {
   }
 }
 
-// The budget.
-
-/// Boxes on top of each other, each with its whole skin: of each wall between two there are two sheets.
-PolygonMesh stacked_boxes(int count, double length) {
-  std::vector<Vec3> points;
-  std::vector<std::vector<std::uint32_t>> faces;
-  for (int level = 0; level <= count; ++level)
-    for (const Vec2 p : {Vec2{0, 0}, {length, 0}, {length, 1}, {0, 1}}) points.push_back({p.x, p.y, 1.0 * level});
-  for (std::uint32_t box = 0; box < static_cast<std::uint32_t>(count); ++box) {
-    const std::uint32_t low = 4 * box, high = low + 4;
-    faces.push_back({low + 3, low + 2, low + 1, low});
-    faces.push_back({high, high + 1, high + 2, high + 3});
-    for (std::uint32_t i = 0; i < 4; ++i) {
-      const std::uint32_t j = (i + 1) % 4;
-      faces.push_back({low + i, low + j, high + j, high + i});
-    }
-  }
-  return shapes::from_lists(points, faces);
-}
-
-TEST(refinement, a_budget_is_never_exceeded_and_what_it_leaves_is_listed) {
-  const PolygonMesh mesh = solids::extrusion(polygons::star_with_holes(11, 40, 3), 0.4);
-  const Options unlimited = with_angle(30);
-  const std::uint64_t all = refined(mesh, unlimited).mesh.faces.size();
-  const std::uint64_t least = refined(mesh, with_angle(0)).mesh.faces.size();
-  ASSERT_GT(all, least + 100);
-  for (const std::uint64_t budget : {least, least + 1, least + 50, (least + all) / 2, all - 1}) {
-    Options options = unlimited;
-    options.max_output_faces = budget;
-    const Result result = refined(mesh, options);
-    expect_promises(mesh, options, result);
-    EXPECT_LE(result.mesh.faces.size(), budget);
-    EXPECT_GT(listed(result.report, UnrefinedReason::kBudget), 0u);
-  }
-}
-
-void expect_budgets_nearly_used_up(const PolygonMesh& mesh, Options options, std::initializer_list<double> shares,
-                                   double at_least = 0.5) {
-  const auto all = static_cast<double>(refined(mesh, options).mesh.faces.size());
-  for (const double share : shares) {
-    options.max_output_faces = static_cast<std::uint64_t>(share * all);
-    const Result result = refined(mesh, options);
-    EXPECT_TRUE(result.report.verified.all_true());
-    EXPECT_LE(result.mesh.faces.size(), *options.max_output_faces);
-    EXPECT_GT(static_cast<double>(result.mesh.faces.size()), at_least * share * all) << share;
-  }
-}
-
-TEST(refinement, a_budget_is_nearly_used_up) {
-  expect_budgets_nearly_used_up(shapes::box({100, 1, 1}), with_angle(30), {0.3, 0.6, 0.9});
-}
-
-TEST(refinement, a_budget_is_nearly_used_up_where_sheets_are_in_one_place) {
-  expect_budgets_nearly_used_up(stacked_boxes(20, 50), with_angle(30), {0.1, 0.3, 0.6, 0.9});
-}
-
-TEST(refinement, a_budget_is_nearly_used_up_where_many_patches_cut_what_they_share) {
-  // A cylinder that stands over a block: its facets are strips, and all of them are cut near the gap.
-  const PolygonMesh mesh =
-      shapes::joined(shapes::cylinder(48, 10, 60), shapes::moved(shapes::box({24, 24, 41.2}), {-12, -12, -43}));
-  Options options;
-  options.proximity = 1;
-  expect_budgets_nearly_used_up(mesh, options, {0.55, 0.7, 0.8, 0.9}, 0.93);
-}
-
-TEST(refinement, a_budget_of_twice_what_is_needed_changes_little_where_one_patch_needs_most) {
-  PolygonMesh mesh = shapes::box({40, 40, 1});
-  for (int i = 0; i < 40; ++i) mesh = shapes::joined(mesh, shapes::moved(shapes::box({1, 1, 1}), {2.0 * i, 50, 0}));
-  Options options;
-  options.max_edge_length = 1;
-  const std::size_t all = refined(mesh, options).mesh.faces.size();
-  options.max_output_faces = 2 * all;
-  EXPECT_NEAR(static_cast<double>(refined(mesh, options).mesh.faces.size()) / static_cast<double>(all), 1, 0.01);
-}
-
-TEST(refinement, a_budget_is_spent_to_the_end_where_patches_are_many_and_small) {
-  PolygonMesh mesh;
-  for (int i = 0; i < 40; ++i) {
-    const PolygonMesh box = shapes::moved(shapes::box({1, 0.15, 1}), {0, 1.0 * i, 0});
-    mesh = i == 0 ? box : shapes::joined(mesh, box);
-  }
-  Options options = with_angle(25);
-  expect_budgets_nearly_used_up(mesh, options, {0.5, 0.7, 0.9});
-  const std::uint64_t all = refined(mesh, options).mesh.faces.size();
-  for (const std::uint64_t budget : {all + all / 4, 2 * all, 3 * all}) {
-    options.max_output_faces = budget;
-    const Result result = refined(mesh, options);
-    EXPECT_EQ(result.mesh.faces.size(), all) << budget;
-    EXPECT_EQ(listed(result.report), 0u) << budget;
-  }
-}
-
-TEST(refinement, a_budget_is_nearly_used_up_though_cuts_for_sizes_alone_take_more) {
-  // Thin sticks: most of their faces are for cuts.
-  const PolygonMesh stick = shapes::box({2, 0.02, 0.02});
-  const PolygonMesh sticks = shapes::joined(stick, shapes::moved(stick, {0, 0.1, 0.3}));
-  Options options = with_angle(0);
-  options.proximity = 1;
-  expect_budgets_nearly_used_up(sticks, options, {0.15, 0.3, 0.6});
-}
-
-TEST(refinement, a_result_that_must_be_larger_than_allowed_is_refused_at_once) {
-  for (const double length : {0.01, 1e-4, 1e-7, 1e-12, 1e-300}) {
-    Options options = with_length(length);
-    options.max_output_faces = 10'000;
-    RunControl control;
-    const auto start = std::chrono::steady_clock::now();
-    try {
-      remesh_surface(shapes::box({1, 1, 1}), options, {}, control);
-      ADD_FAILURE() << length << " was not refused";
-    } catch (const Error& error) {
-      EXPECT_EQ(code_name(error.code), code_name(Code::kOutputTooLarge)) << length;
-      EXPECT_EQ(error.limit, 10'000u);
-    }
-    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 1);
-  }
-}
-
 // Sizes that see the third dimension.
 
 double distance_to_outer_walls(const Vec3& p, double width) { return std::min({p.x, p.y, width - p.x, width - p.y}); }
@@ -746,7 +611,7 @@ TEST(refinement, bodies_that_share_walls_meet_the_angle_bound) {
     for (const double length : {1.0, 3.7, 10.0, 40.0}) {
       Options options;
       options.min_angle_deg = 28;
-      const Result result = refined(stacked_boxes(boxes, length), options);
+      const Result result = refined(solids::stacked_boxes(boxes, length), options);
       EXPECT_TRUE(result.report.verified.all_true()) << length;
       EXPECT_GE(result.report.output.quality.min_angle_deg, *options.min_angle_deg) << boxes << " of " << length;
       EXPECT_EQ(listed(result.report), 0u) << length;

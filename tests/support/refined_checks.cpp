@@ -141,6 +141,23 @@ std::size_t intersecting_pairs(const Result& result) {
 
 }  // namespace
 
+Result refined(const PolygonMesh& mesh, const Options& options, int workers) {
+  RunControl control;
+  return remesh_surface(mesh, options, RunSettings{workers, false}, control);
+}
+
+Options with_angle(double degrees) {
+  Options options;
+  options.min_angle_deg = degrees;
+  return options;
+}
+
+Options with_length(double length) {
+  Options options;
+  options.max_edge_length = length;
+  return options;
+}
+
 Bounds bounds_of(const Options& options) {
   Bounds bounds;
   if (!options.refine) return bounds;

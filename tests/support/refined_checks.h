@@ -12,6 +12,10 @@
 
 namespace remesh {
 
+Result refined(const PolygonMesh& mesh, const Options& options = {}, int workers = 2);
+Options with_angle(double degrees);
+Options with_length(double length);
+
 struct Bounds {
   double min_angle_deg = 0;
   double max_edge_length = std::numeric_limits<double>::infinity();

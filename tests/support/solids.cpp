@@ -154,4 +154,21 @@ PolygonMesh tube(double width, double height, double thickness) {
   return extrusion(ring, height);
 }
 
+PolygonMesh stacked_boxes(int count, double length) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int level = 0; level <= count; ++level)
+    for (const Vec2 p : {Vec2{0, 0}, {length, 0}, {length, 1}, {0, 1}}) points.push_back({p.x, p.y, 1.0 * level});
+  for (std::uint32_t box = 0; box < static_cast<std::uint32_t>(count); ++box) {
+    const std::uint32_t low = 4 * box, high = low + 4;
+    faces.push_back({low + 3, low + 2, low + 1, low});
+    faces.push_back({high, high + 1, high + 2, high + 3});
+    for (std::uint32_t i = 0; i < 4; ++i) {
+      const std::uint32_t j = (i + 1) % 4;
+      faces.push_back({low + i, low + j, high + j, high + i});
+    }
+  }
+  return shapes::from_lists(points, faces);
+}
+
 }  // namespace remesh::solids

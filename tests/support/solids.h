@@ -27,5 +27,7 @@ PolygonMesh needle_fan(int n, double degrees);
 PolygonMesh nested_squares(int n, double gap);
 /// A square tube of four walls, closed: its walls are `thickness` thick.
 PolygonMesh tube(double width, double height, double thickness);
+/// Boxes on top of each other, each with its whole skin: of each wall between two there are two sheets.
+PolygonMesh stacked_boxes(int count, double length);
 
 }  // namespace remesh::solids

@@ -1,0 +1,119 @@
+// The largest number of faces that is allowed: never more, nearly as many where they are needed, and no worse a mesh
+// where they are not.
+
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <cstdint>
+#include <initializer_list>
+
+#include "core/base/error.h"
+#include "core/remesh.h"
+#include "tests/support/polygons.h"
+#include "tests/support/refined_checks.h"
+#include "tests/support/shapes.h"
+#include "tests/support/solids.h"
+
+namespace remesh {
+namespace {
+
+TEST(refinement_budget, a_budget_is_never_exceeded_and_what_it_leaves_is_listed) {
+  const PolygonMesh mesh = solids::extrusion(polygons::star_with_holes(11, 40, 3), 0.4);
+  const Options unlimited = with_angle(30);
+  const std::uint64_t all = refined(mesh, unlimited).mesh.faces.size();
+  const std::uint64_t least = refined(mesh, with_angle(0)).mesh.faces.size();
+  ASSERT_GT(all, least + 100);
+  for (const std::uint64_t budget : {least, least + 1, least + 50, (least + all) / 2, all - 1}) {
+    Options options = unlimited;
+    options.max_output_faces = budget;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_LE(result.mesh.faces.size(), budget);
+    EXPECT_GT(listed(result.report, UnrefinedReason::kBudget), 0u);
+  }
+}
+
+void expect_budgets_nearly_used_up(const PolygonMesh& mesh, Options options, std::initializer_list<double> shares,
+                                   double at_least = 0.5) {
+  const auto all = static_cast<double>(refined(mesh, options).mesh.faces.size());
+  for (const double share : shares) {
+    options.max_output_faces = static_cast<std::uint64_t>(share * all);
+    const Result result = refined(mesh, options);
+    EXPECT_TRUE(result.report.verified.all_true());
+    EXPECT_LE(result.mesh.faces.size(), *options.max_output_faces);
+    EXPECT_GT(static_cast<double>(result.mesh.faces.size()), at_least * share * all) << share;
+  }
+}
+
+TEST(refinement_budget, a_budget_is_nearly_used_up) {
+  expect_budgets_nearly_used_up(shapes::box({100, 1, 1}), with_angle(30), {0.3, 0.6, 0.9});
+}
+
+TEST(refinement_budget, a_budget_is_nearly_used_up_where_sheets_are_in_one_place) {
+  expect_budgets_nearly_used_up(solids::stacked_boxes(20, 50), with_angle(30), {0.1, 0.3, 0.6, 0.9});
+}
+
+TEST(refinement_budget, a_budget_is_nearly_used_up_where_many_patches_cut_what_they_share) {
+  // A cylinder that stands over a block: its facets are strips, and all of them are cut near the gap.
+  const PolygonMesh mesh =
+      shapes::joined(shapes::cylinder(48, 10, 60), shapes::moved(shapes::box({24, 24, 41.2}), {-12, -12, -43}));
+  Options options;
+  options.proximity = 1;
+  expect_budgets_nearly_used_up(mesh, options, {0.55, 0.7, 0.8, 0.9}, 0.93);
+}
+
+TEST(refinement_budget, a_budget_of_twice_what_is_needed_changes_little_where_one_patch_needs_most) {
+  PolygonMesh mesh = shapes::box({40, 40, 1});
+  for (int i = 0; i < 40; ++i) mesh = shapes::joined(mesh, shapes::moved(shapes::box({1, 1, 1}), {2.0 * i, 50, 0}));
+  Options options;
+  options.max_edge_length = 1;
+  const std::size_t all = refined(mesh, options).mesh.faces.size();
+  options.max_output_faces = 2 * all;
+  EXPECT_NEAR(static_cast<double>(refined(mesh, options).mesh.faces.size()) / static_cast<double>(all), 1, 0.01);
+}
+
+TEST(refinement_budget, a_budget_is_spent_to_the_end_where_patches_are_many_and_small) {
+  PolygonMesh mesh;
+  for (int i = 0; i < 40; ++i) {
+    const PolygonMesh box = shapes::moved(shapes::box({1, 0.15, 1}), {0, 1.0 * i, 0});
+    mesh = i == 0 ? box : shapes::joined(mesh, box);
+  }
+  Options options = with_angle(25);
+  expect_budgets_nearly_used_up(mesh, options, {0.5, 0.7, 0.9});
+  const std::uint64_t all = refined(mesh, options).mesh.faces.size();
+  for (const std::uint64_t budget : {all + all / 4, 2 * all, 3 * all}) {
+    options.max_output_faces = budget;
+    const Result result = refined(mesh, options);
+    EXPECT_EQ(result.mesh.faces.size(), all) << budget;
+    EXPECT_EQ(listed(result.report), 0u) << budget;
+  }
+}
+
+TEST(refinement_budget, a_budget_is_nearly_used_up_though_cuts_for_sizes_alone_take_more) {
+  // Thin sticks: most of their faces are for cuts.
+  const PolygonMesh stick = shapes::box({2, 0.02, 0.02});
+  const PolygonMesh sticks = shapes::joined(stick, shapes::moved(stick, {0, 0.1, 0.3}));
+  Options options = with_angle(0);
+  options.proximity = 1;
+  expect_budgets_nearly_used_up(sticks, options, {0.15, 0.3, 0.6});
+}
+
+TEST(refinement_budget, a_result_that_must_be_larger_than_allowed_is_refused_at_once) {
+  for (const double length : {0.01, 1e-4, 1e-7, 1e-12, 1e-300}) {
+    Options options = with_length(length);
+    options.max_output_faces = 10'000;
+    RunControl control;
+    const auto start = std::chrono::steady_clock::now();
+    try {
+      remesh_surface(shapes::box({1, 1, 1}), options, {}, control);
+      ADD_FAILURE() << length << " was not refused";
+    } catch (const Error& error) {
+      EXPECT_EQ(code_name(error.code), code_name(Code::kOutputTooLarge)) << length;
+      EXPECT_EQ(error.limit, 10'000u);
+    }
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 1);
+  }
+}
+
+}  // namespace
+}  // namespace remesh
