@@ -51,6 +51,8 @@ class DelaunayMesh {
   std::uint32_t vertex_slots() const { return static_cast<std::uint32_t>(points_.size()); }
   bool is_live_vertex(std::uint32_t v) const { return edge_at_[v] != kNone; }
   Vec2 point(std::uint32_t v) const { return points_[v]; }
+  /// One that begins at this vertex, which is live.
+  std::uint32_t half_edge_at(std::uint32_t v) const { return edge_at_[v]; }
 
   static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
   static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }

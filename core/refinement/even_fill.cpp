@@ -22,8 +22,11 @@ namespace {
 constexpr double kClearance = 0.8;
 /// Sizes within this factor are as good as one size: the smallest.
 constexpr double kAlike = 1.05;
-/// Of one size and stretched to fit, every second row ends half a size from the side, and may.
+/// Of one size and stretched to fit, every second row ends half a column from the side, and may: this is in columns, or
+/// in sizes where columns are narrower than that share of the size. There are but one to three of these then, and what
+/// is between them and the sides needs no points.
 constexpr double kClearanceOfOneSize = 0.49;
+constexpr double kWideColumn = 0.75;
 
 /// Points in square cells, to ask what is near.
 class PointGrid {
@@ -153,7 +156,11 @@ class Lattice {
 
   Vec2 origin() const { return low_; }
   double edge() const { return edge_; }
-  bool is_even() const { return is_even_; }
+  /// How near to the boundary a point may be where that is the size.
+  double clearance(double size) const {
+    if (!is_even_) return kClearance * size;
+    return kClearanceOfOneSize * (along_.x >= kWideColumn * edge_ ? along_.x : size);
+  }
 
   /// Cells that together cover the region.
   Cells cover(std::pmr::memory_resource* memory) const {
@@ -234,8 +241,7 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
                             const PlaneSizes& sizes, std::size_t most, RunControl& control) {
   const Lattice lattice(triangles, sizes);
   const PointGrid grid(boundary, lattice.origin(), lattice.edge());
-  const double clearance = lattice.is_even() ? kClearanceOfOneSize : kClearance;
-  const auto is_near = [&](Vec2 p) { return grid.has_point_within(p, clearance * sizes.at(p)); };
+  const auto is_near = [&](Vec2 p) { return grid.has_point_within(p, lattice.clearance(sizes.at(p))); };
   std::atomic<std::size_t> count = 0;  // of the points of all that are finished
   // Adds those that come from a cell.
   const auto collect = [&](const Cell& cell, const Cells& of, Cells& parts, std::vector<Vec2>& points) {

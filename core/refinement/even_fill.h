@@ -22,7 +22,7 @@ struct PlaneSizes {
 /// its boundary: what lies between is left to refinement. Each lattice has half the edges of the next coarser one, and
 /// all its points; rows run along x. Of one size, or nearly, the lattice fits the region's box: its columns as many as
 /// they must be, its rows as high as the slanting edges allow.
-/// Input:  triangles that cover the region; the points of its boundary, no further apart than the size there.
+/// Input:  triangles that cover the region; points of its boundary, no further apart than half the size there.
 /// Output: in lexicographic order; empty if there would be more than `most`.
 /// Cost:   O((t + n) log n) for t triangles and n points, where the triangles are a Delaunay triangulation of the
 ///         boundary.

@@ -80,6 +80,14 @@ class PatchRefiner {
   /// Works until nothing is left to do or `quota` more triangles (in all patches) would be made.
   void run(std::uint64_t quota, RefinementProgress& progress);
 
+  /// Where there are sizes, for a patch that is done: takes away what refinement put inside and the bounds do not need
+  /// in the end, point by point, or puts one in the place of two. Each step has fewer points, so it ends.
+  /// Holds:  triangles are within the bounds as before, and none is flatter than two angles of 32 degrees make it, or
+  ///         than the flattest there was. What misses a bound stays as it is.
+  /// Source: H. Erten, A. Üngör, Quality triangulations with locally optimal Steiner points, 2009 (one point for two);
+  ///         places for them as in M. Badoiu, K. Clarkson, Smaller core-sets for balls, 2003.
+  void thin_out(RunControl& control, RefinementProgress& progress);
+
   /// A segment that had to be cut, and rounding left no room for it: the patch is of no use any more, and the segment
   /// must stay as it is, for all patches. Invalid: all is well.
   SegmentId impossible() const { return impossible_; }
@@ -118,9 +126,9 @@ class PatchRefiner {
   };
   using Task = Workplace::Task;
   struct Shape {
-    std::uint32_t shortest;  ///< half-edge
-    double shortest_squared, longest_squared, twice_area;
-    bool is_sharp;  ///< an angle below the bound
+    std::uint32_t shortest;                                         ///< half-edge
+    double shortest_squared, longest_squared, squares, twice_area;  ///< `squares`: of all edges
+    bool is_sharp;                                                  ///< an angle below the bound
     bool is_too_large;
   };
 
@@ -181,6 +189,19 @@ class PatchRefiner {
   bool is_any_locked(std::span<const std::uint32_t> sides) const;
   State refusal(double floor) const;
 
+  // Thinning out.
+  double size_at(Vec2 p) const;
+  bool find_ring(std::uint32_t v, std::vector<std::uint32_t>& ring) const;
+  double least_shape(Vec2 p, std::span<const std::uint32_t> ring) const;
+  void note_remade();
+  void take(std::uint32_t v);
+  void put_back();
+  bool is_inside(std::uint32_t t, Vec2 p) const;
+  bool are_remade_well(double flattest) const;
+  bool leave_out(std::uint32_t v, double flattest);
+  std::optional<Vec2> place_within(std::span<const std::uint32_t> ring, double floor, double flattest) const;
+  std::uint32_t merge(std::uint32_t v, std::uint32_t w, double flattest);
+
   Vec3 to_space(Vec2 uv) const;
   Vec2 on_grid(Vec2 uv) const;
   bool is_free(std::uint32_t v) const { return v >= corner_count_ && !segment_[v].is_valid(); }
@@ -212,6 +233,7 @@ class PatchRefiner {
   /// after layer, where all are alike.
   TaskQueues<Task> waiting_;
   std::uint64_t quota_ = 0;
+  std::uint32_t first_refined_ = 0;  ///< the vertices before it are corners, cuts for sizes and lattices
   std::pmr::vector<Cut> own_cuts_{&memory_};
   SegmentId impossible_;
 };

@@ -116,6 +116,7 @@ PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTabl
   for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) classify(t);
   for (std::size_t c = 0; c < chains_.size() && !impossible_.is_valid(); ++c)
     if (!cuts[chains_[c].segment].empty()) take_over(chains_[c].segment, cuts[chains_[c].segment]);
+  first_refined_ = mesh_.vertex_slots();
 }
 
 std::size_t PatchRefiner::first_block(const PatchMesh& patch, std::size_t sides) {

@@ -23,11 +23,21 @@ struct Workplace {
     std::size_t first, last;
   };
 
+  /// A vertex that was taken away, and may have to come back.
+  struct Taken {
+    std::uint32_t v;
+    Vec2 p;
+    double value;
+  };
+
   DelaunayMesh::Scratch mesh;
   TaskQueues<Task> waiting;  ///< empty between turns: it is lent
   // Of one operation.
   std::vector<std::uint32_t> encroached, to_cut, pieces;
   std::vector<Range> ranges;
+  // Of thinning out: vertices, triangles.
+  std::vector<std::uint32_t> to_thin, ring, other_ring, hole, remade;
+  std::vector<Taken> taken;
 };
 
 }  // namespace remesh

@@ -78,6 +78,7 @@ class Rounds {
         begin();
         continue;
       }
+      if (passes == 0) thin_out();
       finish();
       exchange_refined();
       const std::vector<Chord> chords = find_chords(meshes_, surface_.vertex_count() + result_.first_inner, control_);
@@ -131,6 +132,20 @@ class Rounds {
       refine_dirty();
       exchange_cuts();
     }
+  }
+
+  /// Where the budget has ended refinement, it has not put in too much.
+  void thin_out() {
+    if (!criteria_.has_sizes || is_any_unfinished_) return;
+    const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
+      return refiners_[p] ? refiners_[p]->triangle_count() : 0;
+    });
+    for_each_in(by_size, [&](std::uint32_t p) {
+      if (!refiners_[p]) return;
+      refiners_[p]->begin_turn(workplaces_.local());
+      refiners_[p]->thin_out(control_, progress_);
+      refiners_[p]->end_turn();
+    });
   }
 
   void begin() {
@@ -200,9 +215,9 @@ class Rounds {
       const std::uint32_t p = dirty_[i];
       return refiners_[p] ? refiners_[p]->waiting() : meshes_[p].mesh.triangle_count();
     });
-    const auto refine_one = [&](std::size_t k) {
+    for_each_in(by_work, [&](std::uint32_t i) {
       control_.check();
-      const std::uint32_t i = by_work.order[k], p = dirty_[i];
+      const std::uint32_t p = dirty_[i];
       std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
       Workplace& at = workplaces_.local();
       const std::uint32_t before = refiner ? refiner->triangle_count() : meshes_[p].mesh.triangle_count();
@@ -223,10 +238,15 @@ class Rounds {
         refiner->run(quota_[i] - std::min<std::uint64_t>(quota_[i], made), progress_);
       }
       refiner->end_turn();
-    };
-    for_all(std::size_t{0}, by_work.large, refine_one);
-    for_all(tbb::blocked_range<std::size_t>(by_work.large, by_work.order.size(), 16), [&](const auto& range) {
-      for (std::size_t k = range.begin(); k < range.end(); ++k) refine_one(k);
+    });
+  }
+
+  /// In parallel: the large ones one by one, the others in blocks.
+  template <class Body>
+  static void for_each_in(const LargeFirst& items, const Body& body) {
+    for_all(std::size_t{0}, items.large, [&](std::size_t k) { body(items.order[k]); });
+    for_all(tbb::blocked_range<std::size_t>(items.large, items.order.size(), 16), [&](const auto& range) {
+      for (std::size_t k = range.begin(); k < range.end(); ++k) body(items.order[k]);
     });
   }
 
@@ -284,6 +304,7 @@ class Rounds {
     }
     std::sort(impossible_.begin(), impossible_.end());
     impossible_.erase(std::unique(impossible_.begin(), impossible_.end()), impossible_.end());
+    is_any_unfinished_ = !unfinished.empty();
     if (is_budget_spent()) unfinished.clear();
     sort_all(fresh.begin(), fresh.end());
     messages_.clear();
@@ -415,6 +436,7 @@ class Rounds {
   std::vector<PatchId> at_work_;                    ///< those that have a refiner, when `finish` came
   std::vector<PatchMesh> refined_;                  ///< of those, what has been made of them; or what they were
   std::vector<std::vector<std::uint32_t>> chords_;  ///< of each patch: half-edges, as `finish` has them
+  bool is_any_unfinished_ = false;                  ///< of the patches of the last round
   bool is_waiting_for_chords_ = false;              ///< patches stay at work after `finish`
   std::atomic<bool> is_any_split_ = true;           ///< of the chords that were there last
   Refinement result_;

@@ -40,6 +40,9 @@ Region region(const polygons::Polygon& polygon, const PlaneSizes& sizes) {
     result.triangles.push_back(
         {input.points[made.mesh.from(h)], input.points[made.mesh.from(h + 1)], input.points[made.mesh.from(h + 2)]});
   result.boundary = input.points;
+  for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h)
+    if (made.mesh.is_constrained(h))
+      result.boundary.push_back(0.5 * (input.points[made.mesh.from(h)] + input.points[made.mesh.to(h)]));
   return result;
 }
 
@@ -76,7 +79,8 @@ const polygons::Polygon& square() {
   return polygon;
 }
 
-void expect_holds(const Region& region, const PlaneSizes& sizes) {
+/// `column`: of a lattice that fits the region's box, in sizes.
+void expect_holds(const Region& region, const PlaneSizes& sizes, double column = 1) {
   const std::vector<Vec2> points = fill(region, sizes);
   ASSERT_GT(points.size(), 20u);
   EXPECT_TRUE(std::is_sorted(points.begin(), points.end()));
@@ -85,7 +89,7 @@ void expect_holds(const Region& region, const PlaneSizes& sizes) {
   all.insert(all.end(), region.boundary.begin(), region.boundary.end());
   for (const Vec2 p : points) {
     ASSERT_TRUE(is_inside(region, p));
-    EXPECT_GE(nearest(region.boundary, p), 0.49 * sizes.at(p));
+    EXPECT_GE(nearest(region.boundary, p), 0.49 * column * sizes.at(p));
     // No further from the others than the size, no nearer than the finest lattice beside it.
     EXPECT_LE(nearest(all, p), sizes.at(p) * (1 + 1e-9));
     EXPECT_GE(nearest(points, p), 0.25 * sizes.at(p));
@@ -98,8 +102,17 @@ void expect_holds(const Region& region, const PlaneSizes& sizes) {
 }
 
 TEST(even_fill, of_one_size_it_is_a_lattice_away_from_the_boundary) {
-  for (const double size : {0.1, 0.03}) expect_holds(region(square(), uniform(size)), uniform(size));
-  expect_holds(region(polygons::star_with_holes(2, 30, 2), uniform(0.04)), uniform(0.04));
+  const auto column = [](const Region& region, double size) {
+    const auto [left, right] = std::minmax_element(region.boundary.begin(), region.boundary.end());
+    const double columns = (right->x - left->x) / size;
+    return columns / std::ceil(columns * (1 - 1e-11));
+  };
+  for (const double size : {0.1, 0.095, 0.03}) {
+    const Region of_square = region(square(), uniform(size));
+    expect_holds(of_square, uniform(size), column(of_square, size));
+  }
+  const Region star = region(polygons::star_with_holes(2, 30, 2), uniform(0.04));
+  expect_holds(star, uniform(0.04), column(star, 0.04));
 }
 
 TEST(even_fill, of_sizes_that_grow_it_is_as_coarse_as_they_allow) {
@@ -129,6 +142,14 @@ TEST(even_fill, a_side_that_is_a_whole_number_of_sizes_has_that_many_whatever_it
       const polygons::Polygon other{{{0, 0}, {side, 0}, {side, side}, {0, side}}, {}};
       EXPECT_EQ(fill(region(other, sizes), sizes).size(), expected) << side;
     }
+}
+
+TEST(even_fill, every_second_row_ends_half_a_column_from_the_sides) {
+  // 6.8 sizes are seven columns; of nine rows every second one has seven points, the others six between corners.
+  const double size = 1, width = 6.8, height = 7.6;
+  const polygons::Polygon plate{{{0, 0}, {width, 0}, {width, height}, {0, height}}, {}};
+  const std::vector<Vec2> points = fill(region(plate, uniform(size)), uniform(size));
+  EXPECT_EQ(points.size(), 4u * 7 + 4u * 6);
 }
 
 TEST(even_fill, rows_are_as_high_as_the_columns_that_fit_allow) {

@@ -312,6 +312,86 @@ TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
   EXPECT_EQ(refiner.triangle_count(), 4u);
 }
 
+double shortest_edge(const PatchMesh& patch) {
+  double least = HUGE_VAL;
+  for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
+    least = std::min(least, norm(patch.uv[patch.mesh.to(h)] - patch.uv[patch.mesh.from(h)]) * patch.frame.scale);
+  return least;
+}
+
+/// The least of all triangles: area over the sum of squared edges, twice.
+double least_shape(const PatchMesh& patch) {
+  double least = HUGE_VAL;
+  for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3) {
+    const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
+    least = std::min(least, cross(b - a, c - a) / (dot(b - a, b - a) + dot(c - b, c - b) + dot(a - c, a - c)));
+  }
+  return least;
+}
+
+TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
+  for (const double degrees : {0.0, 20.0, 30.0})
+    for (const double across : {20, 30, 43})
+      for (const auto& polygon :
+           {polygons::sieve(3), polygons::star_with_holes(3, 20, 3), polygons::grown(5, 40, 30)}) {
+        Options options = with_angle(degrees);
+        const auto [low, high] = std::minmax_element(polygon.outer.begin(), polygon.outer.end());
+        const double length = (high->x - low->x) / across;
+        options.max_edge_length = length;
+        Subject subject(solids::region(polygon), options);
+        PatchRefiner refiner = subject.refiner();
+        refiner.run(kNoLimit, subject.progress);
+        ASSERT_TRUE(refiner.is_done());
+        const PatchRefiner::Refined before = refiner.finish();
+        refiner.thin_out(subject.chain.control, subject.progress);
+        EXPECT_TRUE(refiner.is_done());
+        const PatchRefiner::Refined after = refiner.finish();
+        expect_sound(subject, after);
+        EXPECT_LT(after.patch.mesh.triangle_count(), 0.98 * before.patch.mesh.triangle_count())
+            << degrees << " degrees, " << across << " edges across";
+        EXPECT_LE(measure(after.patch).longest, std::max(length * (1 + 1e-9), measure(before.patch).longest));
+        EXPECT_GE(measure(after.patch).smallest_angle_deg, std::min(degrees, measure(before.patch).smallest_angle_deg));
+        EXPECT_GE(least_shape(after.patch), std::min(0.185, least_shape(before.patch)) * (1 - 1e-9));
+        // Only points inside go.
+        const auto cuts_of = [](const PatchRefiner::Refined& refined) {
+          return std::count_if(refined.cuts.begin(), refined.cuts.end(),
+                               [](const Cut& cut) { return cut.segment.is_valid(); });
+        };
+        EXPECT_EQ(cuts_of(after), cuts_of(before));
+      }
+}
+
+TEST(patch_refiner, thinned_out_no_edge_becomes_shorter_than_the_shortest_allowed) {
+  int thinned = 0;
+  for (const double length : {0.11, 0.083, 0.061, 0.047, 0.036})
+    for (const double share : {0.4, 0.55, 0.7})
+      for (const double degrees : {0.0, 20.0}) {
+        Options options = with_angle(degrees);
+        options.max_edge_length = length;
+        options.min_edge_length = share * length;
+        const polygons::Polygon polygon{{{0, 0}, {1, 0.1}, {1.2, 0.7}, {0.6, 1.1}, {0.1, 0.8}}, {}};
+        Subject subject(solids::region(polygon), options);
+        PatchRefiner refiner = subject.refiner();
+        refiner.run(kNoLimit, subject.progress);
+        const double before = shortest_edge(refiner.finish().patch);
+        const std::uint32_t faces = refiner.triangle_count();
+        refiner.thin_out(subject.chain.control, subject.progress);
+        thinned += refiner.triangle_count() < faces ? 1 : 0;
+        EXPECT_GE(shortest_edge(refiner.finish().patch), std::min(before, options.min_edge_length.value()))
+            << share << " of " << length << " at " << degrees;
+      }
+  EXPECT_GT(thinned, 10);
+}
+
+TEST(patch_refiner, without_sizes_nothing_is_thinned_out) {
+  Subject subject(solids::region(polygons::sieve(3)), with_angle(30));
+  PatchRefiner refiner = subject.refiner();
+  refiner.run(kNoLimit, subject.progress);
+  const std::uint32_t before = refiner.triangle_count();
+  refiner.thin_out(subject.chain.control, subject.progress);
+  EXPECT_EQ(refiner.triangle_count(), before);
+}
+
 TEST(patch_refiner, it_can_be_stopped) {
   Options options;
   options.max_edge_length = 0.005;
