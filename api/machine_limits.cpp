@@ -30,7 +30,7 @@ std::vector<std::string> of_cgroups(const std::string& file) {
   for (std::string line; std::getline(groups, line);) {
     if (line.rfind("0::", 0) != 0) continue;
     for (std::string path = line.substr(3);; path.erase(path.rfind('/'))) {
-      found.push_back(contents("/sys/fs/cgroup" + path + "/" + file));
+      found.push_back(contents(std::string("/sys/fs/cgroup").append(path).append("/").append(file)));
       if (path.empty() || path.rfind('/') == std::string::npos) break;
     }
   }

@@ -215,6 +215,7 @@ class Lanes {
   }
   [[gnu::always_inline]] void set(std::size_t i, const TriangleMeasures& m) {
     for (std::size_t k = 0; k < 3; ++k) {
+      // cppcheck-suppress arrayIndexOutOfBounds ; takes three rows of many for many rows of three
       along_[k][i] = m.along[k];
       length_[k][i] = m.length[k];
       cosine_[k][i] = m.cosine[k];

@@ -27,8 +27,8 @@ class Job {
       : running_(std::move(running)),
         limits_(limits.api),
         operation_(std::move(operation)),
-        body_(std::move(request.body)) {
-    accept_encoding_ = request.header("accept-encoding");
+        body_(std::move(request.body)),
+        accept_encoding_(request.header("accept-encoding")) {
     input_.content_type = request.header("content-type");
     input_.content_encoding = request.header("content-encoding");
     input_.accept = request.header("accept");

@@ -28,7 +28,10 @@ class SmallBlocks : public std::pmr::memory_resource {
 
   static constexpr std::size_t kLarge = 1024;
 
-  memory_resource& source(std::size_t bytes) { return bytes < kLarge ? static_cast<memory_resource&>(small_) : heap_; }
+  memory_resource& source(std::size_t bytes) {
+    if (bytes < kLarge) return small_;
+    return heap_;
+  }
   void* do_allocate(std::size_t bytes, std::size_t alignment) override {
     return source(bytes).allocate(bytes, alignment);
   }

@@ -96,7 +96,7 @@ class DelaunayMesh {
   /// other side of a slit). Returns the vertex; kNone, and nothing changed, if rounding leaves no room for p.
   std::uint32_t cut(std::uint32_t side, Vec2 p, std::uint32_t vertex = kNone);
 
-  /// Takes away a vertex that no constrained edge has. Its number is used again.
+  /// Takes away a vertex that no constrained edge has. Its number is the next that is used again.
   void remove(std::uint32_t v);
 
   /// The triangles that the last operation made or changed; some may be named twice, or be gone again.

@@ -176,6 +176,7 @@ class Lattice {
   /// Calls take(point) on the point of the lattices at the cell's corner, if it has one, and adds to `parts` what the
   /// cell has to be cut into. `of`: where the cell is from; may be `parts`.
   template <class Take>
+  // cppcheck-suppress passedByValue ; a reference into `parts` would not outlive its growth
   void visit(const Cell cell, const Cells& of, Cells& parts, const Take& take) const {
     const double radius = cell.share * edge_;
     if (cell.level >= 0) {
@@ -238,10 +239,12 @@ class Lattice {
 }  // namespace
 
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
-                            const PlaneSizes& sizes, std::size_t most, RunControl& control) {
+                            const PlaneSizes& sizes, double shortest, std::size_t most, RunControl& control) {
   const Lattice lattice(triangles, sizes);
   const PointGrid grid(boundary, lattice.origin(), lattice.edge());
-  const auto is_near = [&](Vec2 p) { return grid.has_point_within(p, lattice.clearance(sizes.at(p))); };
+  const auto is_near = [&](Vec2 p) {
+    return grid.has_point_within(p, std::max(shortest, lattice.clearance(sizes.at(p))));
+  };
   std::atomic<std::size_t> count = 0;  // of the points of all that are finished
   // Adds those that come from a cell.
   const auto collect = [&](const Cell& cell, const Cells& of, Cells& parts, std::vector<Vec2>& points) {

@@ -22,11 +22,13 @@ struct PlaneSizes {
 /// its boundary: what lies between is left to refinement. Each lattice has half the edges of the next coarser one, and
 /// all its points; rows run along x. Of one size, or nearly, the lattice fits the region's box: its columns as many as
 /// they must be, its rows as high as the slanting edges allow.
-/// Input:  triangles that cover the region; points of its boundary, no further apart than half the size there.
+/// Input:  triangles that cover the region; points of its boundary, most often no further apart than half the size
+/// there;
+///         `shortest`: the least distance from these.
 /// Output: in lexicographic order; empty if there would be more than `most`.
 /// Cost:   O((t + n) log n) for t triangles and n points, where the triangles are a Delaunay triangulation of the
 ///         boundary.
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
-                            const PlaneSizes& sizes, std::size_t most, RunControl& control);
+                            const PlaneSizes& sizes, double shortest, std::size_t most, RunControl& control);
 
 }  // namespace remesh

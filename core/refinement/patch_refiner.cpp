@@ -89,9 +89,8 @@ PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
   shape.shortest = h + k;
   shape.shortest_squared = squared[k];
   shape.longest_squared = std::max({squared[0], squared[1], squared[2]});
-  shape.squares = squared[0] + squared[1] + squared[2];
   shape.twice_area = cross(b - a, c - a);
-  shape.is_sharp = is_sharp(shape.squares, squared[k], shape.twice_area);
+  shape.is_sharp = is_sharp(squared[0] + squared[1] + squared[2], squared[k], shape.twice_area);
   shape.is_too_large = is_too_large((1.0 / 3) * (a + b + c), shape.longest_squared, shape.twice_area);
   return shape;
 }

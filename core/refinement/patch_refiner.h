@@ -80,10 +80,11 @@ class PatchRefiner {
   /// Works until nothing is left to do or `quota` more triangles (in all patches) would be made.
   void run(std::uint64_t quota, RefinementProgress& progress);
 
-  /// Where there are sizes, for a patch that is done: takes away what refinement put inside and the bounds do not need
-  /// in the end, point by point, or puts one in the place of two. Each step has fewer points, so it ends.
-  /// Holds:  triangles are within the bounds as before, and none is flatter than two angles of 32 degrees make it, or
-  ///         than the flattest there was. What misses a bound stays as it is.
+  /// Where there are sizes, for a patch that is done: takes points inside away that the bounds do not need in the end,
+  /// one by one, or puts one in the place of two: around those that refinement put in, and around where it succeeds.
+  /// Each step has fewer points, so it ends.
+  /// Holds:  triangles are within the bounds as before, and none is flatter than two angles of 28 degrees make it,
+  ///         or than the flattest there was. What misses a bound stays as it is.
   /// Source: H. Erten, A. Üngör, Quality triangulations with locally optimal Steiner points, 2009 (one point for two);
   ///         places for them as in M. Badoiu, K. Clarkson, Smaller core-sets for balls, 2003.
   void thin_out(RunControl& control, RefinementProgress& progress);
@@ -126,9 +127,9 @@ class PatchRefiner {
   };
   using Task = Workplace::Task;
   struct Shape {
-    std::uint32_t shortest;                                         ///< half-edge
-    double shortest_squared, longest_squared, squares, twice_area;  ///< `squares`: of all edges
-    bool is_sharp;                                                  ///< an angle below the bound
+    std::uint32_t shortest;  ///< half-edge
+    double shortest_squared, longest_squared, twice_area;
+    bool is_sharp;  ///< an angle below the bound
     bool is_too_large;
   };
 
@@ -190,9 +191,13 @@ class PatchRefiner {
   State refusal(double floor) const;
 
   // Thinning out.
-  double size_at(Vec2 p) const;
+  struct Fan {
+    double least_shape, twice_area;
+    bool is_any_sharp;
+  };
+  bool is_allowed(double length, Vec2 p) const;
   bool find_ring(std::uint32_t v, std::vector<std::uint32_t>& ring) const;
-  double least_shape(Vec2 p, std::span<const std::uint32_t> ring) const;
+  Fan fan_of(Vec2 p, std::span<const std::uint32_t> ring) const;
   void note_remade();
   void take(std::uint32_t v);
   void put_back();
@@ -233,7 +238,7 @@ class PatchRefiner {
   /// after layer, where all are alike.
   TaskQueues<Task> waiting_;
   std::uint64_t quota_ = 0;
-  std::uint32_t first_refined_ = 0;  ///< the vertices before it are corners, cuts for sizes and lattices
+  std::uint32_t first_refined_ = 0;  ///< so many vertices were there when it began
   std::pmr::vector<Cut> own_cuts_{&memory_};
   SegmentId impossible_;
 };

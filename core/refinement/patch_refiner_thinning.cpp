@@ -1,7 +1,8 @@
-/// Points that refinement put in and does not need in the end: taken away, or two of them replaced by one.
+/// Points inside that are not needed in the end: taken away, or two of them replaced by one.
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "core/geometry/predicates.h"
@@ -12,23 +13,26 @@ namespace remesh {
 namespace {
 
 /// Points whose edges all are longer than this share of what is allowed stay: there is no room for fewer.
-constexpr double kLongEnough = 0.82;
-/// Area over the sum of squared edges, twice, of a triangle with two angles of 32 degrees: for fewer points none gets
+constexpr double kLongEnough = 0.84;
+/// Area over the sum of squared edges, twice, of a triangle with two angles of 28 degrees: for fewer points none gets
 /// flatter than this, nor than the flattest there was.
-constexpr double kFlattest = 0.185;
+constexpr double kFlattest = 0.165;
 /// A point with more edges, between small things far from it, stays. With angles of 15 degrees there are no more.
 constexpr std::size_t kMostEdges = 24;
+/// Sizes change across a few triangles: their average may seem a little too large.
+constexpr double kAlmost = 0.8;
 /// Places that are tried for one point instead of two.
-constexpr int kPlaces = 6;
+constexpr int kPlaces = 8;
 
 double squared_length(Vec2 a) { return dot(a, a); }
 
 }  // namespace
 
-double PatchRefiner::size_at(Vec2 p) const {
-  const SizeField& sizes = criteria_.sizes;
-  const double size = sizes.is_uniform() ? sizes.largest() : sizes.at(to_space(p));
-  return std::min(size, criteria_.even_size) / patch_.frame.scale;
+/// May an edge at that place be so long, in the plane?
+bool PatchRefiner::is_allowed(double length, Vec2 p) const {
+  const double in_space = length * patch_.frame.scale;
+  return in_space <= criteria_.even_size &&
+         (criteria_.sizes.is_uniform() || criteria_.sizes.allows(in_space, to_space(p)));
 }
 
 /// The vertices around v, counter-clockwise; false if they are too many, or a triangle there is not as it should be.
@@ -44,18 +48,19 @@ bool PatchRefiner::find_ring(std::uint32_t v, std::vector<std::uint32_t>& ring) 
   return true;
 }
 
-/// Of the triangles between p and a ring the least area over the sum of squared edges, twice; 0 if one misses the bound
-/// on angles or is turned over.
-double PatchRefiner::least_shape(Vec2 p, std::span<const std::uint32_t> ring) const {
-  double least = HUGE_VAL;
+/// Of the triangles between p and a ring: the least area over the sum of squared edges, twice; negative if one is
+/// turned over.
+PatchRefiner::Fan PatchRefiner::fan_of(Vec2 p, std::span<const std::uint32_t> ring) const {
+  Fan fan{HUGE_VAL, 0, false};
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Vec2 a = mesh_.point(ring[i]), b = mesh_.point(ring[i + 1 < ring.size() ? i + 1 : 0]);
     const double squared[3] = {squared_length(b - a), squared_length(a - p), squared_length(b - p)};
     const double sum = squared[0] + squared[1] + squared[2], twice_area = cross(a - p, b - p);
-    if (!(twice_area > 0) || is_sharp(sum, std::min({squared[0], squared[1], squared[2]}), twice_area)) return 0;
-    least = std::min(least, twice_area / sum);
+    fan.least_shape = std::min(fan.least_shape, twice_area / sum);
+    fan.twice_area += twice_area;
+    fan.is_any_sharp = fan.is_any_sharp || is_sharp(sum, std::min({squared[0], squared[1], squared[2]}), twice_area);
   }
-  return least;
+  return fan;
 }
 
 void PatchRefiner::note_remade() {
@@ -67,13 +72,13 @@ void PatchRefiner::note_remade() {
 }
 
 void PatchRefiner::take(std::uint32_t v) {
-  at_->taken.push_back({v, mesh_.point(v), value_[v]});
+  at_->taken.push_back({mesh_.point(v), value_[v]});
   mesh_.remove(v);
   note_remade();
 }
 
-/// Puts all back that was taken: the triangulation of these points is one and the same, and they get their numbers
-/// again.
+/// Puts all back that was taken, the last first: so they get their numbers again, and the triangulation of these points
+/// is one and the same.
 void PatchRefiner::put_back() {
   for (; !at_->taken.empty(); at_->taken.pop_back()) {
     const Workplace::Taken& taken = at_->taken.back();
@@ -95,12 +100,16 @@ bool PatchRefiner::is_inside(std::uint32_t t, Vec2 p) const {
 
 /// Are all triangles that were remade since the first was taken within the bounds, and none flatter than that?
 bool PatchRefiner::are_remade_well(double flattest) const {
-  const double least = criteria_.min_edge_length / patch_.frame.scale;
+  const double shortest = criteria_.min_edge_length / patch_.frame.scale;
   return std::all_of(at_->remade.begin(), at_->remade.end(), [&](std::uint32_t t) {
     if (!mesh_.is_live(t)) return true;
-    const Shape shape = shape_of(t);
-    return !shape.is_sharp && !shape.is_too_large && shape.twice_area >= flattest * shape.squares &&
-           shape.shortest_squared >= least * least;
+    const Vec2 a = mesh_.point(mesh_.from(3 * t)), b = mesh_.point(mesh_.from(3 * t + 1)),
+               c = mesh_.point(mesh_.from(3 * t + 2));
+    const double squared[3] = {squared_length(b - a), squared_length(c - b), squared_length(a - c)};
+    const double sum = squared[0] + squared[1] + squared[2], twice_area = cross(b - a, c - a);
+    const auto [least, most] = std::minmax({squared[0], squared[1], squared[2]});
+    return twice_area >= flattest * sum && least >= shortest * shortest && !is_sharp(sum, least, twice_area) &&
+           !is_too_large((1.0 / 3) * (a + b + c), most, twice_area);
   });
 }
 
@@ -122,7 +131,6 @@ std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ri
   Vec2 p{};
   for (const std::uint32_t u : ring) p = p + mesh_.point(u);
   p = (1 / static_cast<double>(ring.size())) * p;
-  const double most = size_at(p);
   // Towards the middle of the smallest circle around the ring.
   for (int i = 1; i <= kPlaces; ++i) {
     Vec2 farthest = p;
@@ -132,9 +140,11 @@ std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ri
       nearest_squared = std::min(nearest_squared, squared_length(q - p));
       if (squared_length(q - p) > squared_length(farthest - p)) farthest = q;
     }
-    if (squared_length(farthest - p) <= most * most && nearest_squared >= floor * floor &&
-        least_shape(p, ring) >= flattest)
-      return on_grid(p);
+    if (nearest_squared >= floor * floor) {
+      const Fan fan = fan_of(p, ring);
+      if (fan.least_shape >= flattest && !fan.is_any_sharp && is_allowed(std::sqrt(squared_length(farthest - p)), p))
+        return on_grid(p);
+    }
     p = p + (1.0 / (i + 3)) * (farthest - p);
   }
   return std::nullopt;
@@ -189,17 +199,23 @@ void PatchRefiner::thin_out(RunControl& control, RefinementProgress& progress) {
     is_waiting[v] = 0;
     if (!mesh_.is_live_vertex(v) || !find_ring(v, ring)) continue;
     const Vec2 p = mesh_.point(v);
-    const double enough = kLongEnough * size_at(p);
-    const auto is_short = [&](std::uint32_t u) { return squared_length(mesh_.point(u) - p) <= enough * enough; };
-    if (std::none_of(ring.begin(), ring.end(), is_short)) continue;
-    const double flattest = std::min(kFlattest, least_shape(p, ring));
-    if (leave_out(v, flattest)) {
+    const auto is_short = [&](std::uint32_t u) { return is_allowed(norm(mesh_.point(u) - p) / kLongEnough, p); };
+    const std::uint32_t nearest = *std::min_element(ring.begin(), ring.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return squared_length(mesh_.point(a) - p) < squared_length(mesh_.point(b) - p);
+    });
+    if (!is_short(nearest)) continue;
+    const Fan fan = fan_of(p, ring);
+    const double flattest = std::min(kFlattest, fan.least_shape);
+    // Two triangles less, of the same area.
+    const double side = std::sqrt(fan.twice_area / (static_cast<double>(ring.size()) - 2) * (2 / std::numbers::sqrt3));
+    if (is_allowed(kAlmost * side, p) && leave_out(v, flattest)) {
       for (const std::uint32_t u : ring) wait(u);
       continue;
     }
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const std::uint32_t w = ring[k];
-      if (!is_free(w) || !is_short(w) || !find_ring(w, other)) continue;
+      // One that still waits will try this pair in its turn.
+      if (!is_free(w) || is_waiting[w] != 0 || !is_short(w) || !find_ring(w, other)) continue;
       // Around v from behind w to before it, then on around w.
       hole.clear();
       const auto add = [&](const std::vector<std::uint32_t>& around, std::size_t from) {
@@ -207,7 +223,7 @@ void PatchRefiner::thin_out(RunControl& control, RefinementProgress& progress) {
       };
       add(ring, k);
       add(other, static_cast<std::size_t>(std::find(other.begin(), other.end(), v) - other.begin()));
-      const std::uint32_t merged = merge(v, w, std::min(flattest, least_shape(mesh_.point(w), other)));
+      const std::uint32_t merged = merge(v, w, std::min(flattest, fan_of(mesh_.point(w), other).least_shape));
       if (merged == kNone) continue;
       for (const std::uint32_t u : hole) wait(u);
       wait(merged);

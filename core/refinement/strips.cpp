@@ -86,8 +86,8 @@ double smallest_size(const SegmentTable& table, SegmentId s, const SizeField& si
   if (sizes.is_uniform()) return sizes.largest();
   constexpr double kMostSteps = 16;
   double least = sizes.at(table.position(s, 0.5));
-  const double steps = std::clamp(std::ceil(2 * table[s].length / least), 1.0, kMostSteps);
-  for (double i = 0; i <= steps; ++i) least = std::min(least, sizes.at(table.position(s, i / steps)));
+  const auto steps = static_cast<int>(std::clamp(std::ceil(2 * table[s].length / least), 1.0, kMostSteps));
+  for (int i = 0; i <= steps; ++i) least = std::min(least, sizes.at(table.position(s, static_cast<double>(i) / steps)));
   return least;
 }
 

@@ -25,7 +25,6 @@ struct Workplace {
 
   /// A vertex that was taken away, and may have to come back.
   struct Taken {
-    std::uint32_t v;
     Vec2 p;
     double value;
   };

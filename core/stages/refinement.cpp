@@ -78,7 +78,7 @@ class Rounds {
         begin();
         continue;
       }
-      if (passes == 0) thin_out();
+      thin_out();
       finish();
       exchange_refined();
       const std::vector<Chord> chords = find_chords(meshes_, surface_.vertex_count() + result_.first_inner, control_);
@@ -134,9 +134,9 @@ class Rounds {
     }
   }
 
-  /// Where the budget has ended refinement, it has not put in too much.
+  /// Once: points that chords get have to stay. And where the budget has ended refinement, there are not too many.
   void thin_out() {
-    if (!criteria_.has_sizes || is_any_unfinished_) return;
+    if (std::exchange(is_thinned_out_, true) || !criteria_.has_sizes || is_any_unfinished_) return;
     const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
       return refiners_[p] ? refiners_[p]->triangle_count() : 0;
     });
@@ -155,6 +155,7 @@ class Rounds {
         [](std::uint64_t faces, const PatchMesh& patch) { return faces + patch.mesh.triangle_count(); }));
     impossible_.clear();
     is_any_split_ = true;
+    is_thinned_out_ = false;
     refiners_.clear();
     refiners_.resize(n);
     messages_.clear();
@@ -437,6 +438,7 @@ class Rounds {
   std::vector<PatchMesh> refined_;                  ///< of those, what has been made of them; or what they were
   std::vector<std::vector<std::uint32_t>> chords_;  ///< of each patch: half-edges, as `finish` has them
   bool is_any_unfinished_ = false;                  ///< of the patches of the last round
+  bool is_thinned_out_ = false;                     ///< since all patches began
   bool is_waiting_for_chords_ = false;              ///< patches stay at work after `finish`
   std::atomic<bool> is_any_split_ = true;           ///< of the chords that were there last
   Refinement result_;

@@ -29,7 +29,7 @@ HttpError store_unavailable();
 
 class JobRoutes {
  public:
-  explicit JobRoutes(JobContext context) : context_(context) {}
+  explicit JobRoutes(const JobContext& context) : context_(context) {}
 
   std::vector<Route> routes();
 

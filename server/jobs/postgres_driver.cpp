@@ -41,7 +41,7 @@ Connected open_connection(const std::string& url) {
   return connection;
 }
 
-class PostgresDatabase : public Database {
+class PostgresDatabase final : public Database {
  public:
   explicit PostgresDatabase(const std::string& url) : connection_(open_connection(url)) {
     ::PQsetnonblocking(connection_.get(), 1);  // sending is waited for with the answer

@@ -53,7 +53,7 @@ class FileClock {
   std::atomic<std::int64_t> base_ms_{milliseconds_of(CLOCK_REALTIME) - milliseconds_of(CLOCK_BOOTTIME)};
 };
 
-class SqliteDatabase : public Database {
+class SqliteDatabase final : public Database {
  public:
   SqliteDatabase(const std::string& path, FileClock& clock) {
     const int flags = SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE | SQLITE_OPEN_NOMUTEX;

@@ -422,6 +422,22 @@ std::size_t vertices_on_box_edges(const TriangleMesh& mesh, double size) {
   return count;
 }
 
+TEST(refinement, a_shortest_edge_of_nearly_half_the_longest_leaves_nothing_unrefined) {
+  const std::tuple<Vec3, double, double> cases[] = {{{0.23, 0.23, 0.23}, 0.1, 0.039},
+                                                    {{0.155, 0.155, 1}, 0.1, 0.039},
+                                                    {{0.31, 0.52, 1.04}, 0.1, 0.045},
+                                                    {{1.05, 1.365, 0.945}, 0.1, 0.05}};
+  for (const auto& [size, longest, shortest] : cases) {
+    Options options = with_length(longest);
+    options.min_edge_length = shortest;
+    const PolygonMesh box = shapes::box(size);
+    const Result result = refined(box, options);
+    expect_promises(box, options, result);
+    EXPECT_EQ(listed(result.report), 0u) << size.x << " x " << size.y << " x " << size.z;
+    EXPECT_LE(longest_edge(result.mesh), longest * (1 + 1e-9));
+  }
+}
+
 TEST(refinement, boundaries_that_must_not_be_split_get_no_vertex) {
   for (const double length : {0.5, 0.1}) {
     Options options = with_length(length);

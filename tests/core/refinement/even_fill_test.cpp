@@ -55,9 +55,10 @@ PlaneSizes growing(double least, double slope) {
   return {at, [=](double length, Vec2 p) { return length <= at(p); }, slope};
 }
 
-std::vector<Vec2> fill(const Region& region, const PlaneSizes& sizes, std::size_t most = 1'000'000) {
+std::vector<Vec2> fill(const Region& region, const PlaneSizes& sizes, std::size_t most = 1'000'000,
+                       double shortest = 0) {
   RunControl control;
-  return even_fill(region.triangles, region.boundary, sizes, most, control);
+  return even_fill(region.triangles, region.boundary, sizes, shortest, most, control);
 }
 
 bool is_inside(const Region& region, Vec2 p) {
@@ -152,6 +153,16 @@ TEST(even_fill, every_second_row_ends_half_a_column_from_the_sides) {
   EXPECT_EQ(points.size(), 4u * 7 + 4u * 6);
 }
 
+TEST(even_fill, no_point_is_nearer_to_the_boundary_than_the_shortest_edge) {
+  // Three columns of 0.77, whose every second row would end 0.38 from the sides.
+  const Region narrow = region(polygons::Polygon{{{0, 0}, {2.31, 0}, {2.31, 5}, {0, 5}}, {}}, uniform(1));
+  for (const double shortest : {0.38, 0.45, 0.5, 0.6}) {
+    const std::vector<Vec2> points = fill(narrow, uniform(1), 1'000'000, shortest);
+    ASSERT_GT(points.size(), 4u);
+    for (const Vec2 p : points) EXPECT_GE(nearest(narrow.boundary, p), shortest);
+  }
+}
+
 TEST(even_fill, rows_are_as_high_as_the_columns_that_fit_allow) {
   // 3.02 sizes are four columns, 0.755 sizes wide. Rows of equilateral triangles would have to be ten.
   const double size = 1, width = 3.02, height = 8.2;
@@ -204,7 +215,7 @@ TEST(even_fill, it_can_be_stopped) {
   const Region square_region = region(square(), uniform(0.01));
   RunControl control;
   control.cancel();
-  EXPECT_THROW(even_fill(square_region.triangles, square_region.boundary, uniform(0.01), 1'000'000, control), Error);
+  EXPECT_THROW(even_fill(square_region.triangles, square_region.boundary, uniform(0.01), 0, 1'000'000, control), Error);
 }
 
 }  // namespace

@@ -312,6 +312,15 @@ TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
   EXPECT_EQ(refiner.triangle_count(), 4u);
 }
 
+double largest_area(const PatchMesh& patch) {
+  double most = 0;
+  for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3) {
+    const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
+    most = std::max(most, cross(b - a, c - a) / 2 * patch.frame.scale * patch.frame.scale);
+  }
+  return most;
+}
+
 double shortest_edge(const PatchMesh& patch) {
   double least = HUGE_VAL;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
@@ -336,8 +345,13 @@ TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
            {polygons::sieve(3), polygons::star_with_holes(3, 20, 3), polygons::grown(5, 40, 30)}) {
         Options options = with_angle(degrees);
         const auto [low, high] = std::minmax_element(polygon.outer.begin(), polygon.outer.end());
-        const double length = (high->x - low->x) / across;
-        options.max_edge_length = length;
+        double length = (high->x - low->x) / across;
+        if (across == 43) {
+          options.max_area = length * length / 3;
+          length = HUGE_VAL;
+        } else {
+          options.max_edge_length = length;
+        }
         Subject subject(solids::region(polygon), options);
         PatchRefiner refiner = subject.refiner();
         refiner.run(kNoLimit, subject.progress);
@@ -347,11 +361,12 @@ TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
         EXPECT_TRUE(refiner.is_done());
         const PatchRefiner::Refined after = refiner.finish();
         expect_sound(subject, after);
-        EXPECT_LT(after.patch.mesh.triangle_count(), 0.98 * before.patch.mesh.triangle_count())
+        EXPECT_LT(after.patch.mesh.triangle_count(), 0.995 * before.patch.mesh.triangle_count())
             << degrees << " degrees, " << across << " edges across";
-        EXPECT_LE(measure(after.patch).longest, std::max(length * (1 + 1e-9), measure(before.patch).longest));
+        EXPECT_LE(measure(after.patch).longest, length * (1 + 1e-9));
+        EXPECT_LE(largest_area(after.patch), options.max_area.value_or(HUGE_VAL) * (1 + 1e-9));
         EXPECT_GE(measure(after.patch).smallest_angle_deg, std::min(degrees, measure(before.patch).smallest_angle_deg));
-        EXPECT_GE(least_shape(after.patch), std::min(0.185, least_shape(before.patch)) * (1 - 1e-9));
+        EXPECT_GE(least_shape(after.patch), std::min(0.165, least_shape(before.patch)) * (1 - 1e-9));
         // Only points inside go.
         const auto cuts_of = [](const PatchRefiner::Refined& refined) {
           return std::count_if(refined.cuts.begin(), refined.cuts.end(),
@@ -381,6 +396,18 @@ TEST(patch_refiner, thinned_out_no_edge_becomes_shorter_than_the_shortest_allowe
             << share << " of " << length << " at " << degrees;
       }
   EXPECT_GT(thinned, 10);
+}
+
+TEST(patch_refiner, thinning_out_can_be_stopped) {
+  Options options;
+  options.max_edge_length = 0.02;
+  Subject subject(solids::region(polygons::star_with_holes(3, 20, 3)), options);
+  PatchRefiner refiner = subject.refiner();
+  refiner.run(kNoLimit, subject.progress);
+  RunControl control;
+  RefinementProgress progress(subject.chain.control, 1);
+  control.cancel();
+  EXPECT_THROW(refiner.thin_out(control, progress), Error);
 }
 
 TEST(patch_refiner, without_sizes_nothing_is_thinned_out) {
