@@ -484,7 +484,7 @@ class HttpServer::Listener : public httplib::Server {
       response.headers.emplace_back("Allow", allow);
       give(exchange, std::move(response), out);
       for (const auto& [name, value] : settings_.cors.headers(exchange.request, allow)) {
-        if (!out.has_header(name.c_str())) out.set_header(name, value);
+        if (!out.has_header(name)) out.set_header(name, value);
       }
     });
   }
@@ -514,7 +514,7 @@ class HttpServer::Listener : public httplib::Server {
       if (current_exchange->refusal) std::rethrow_exception(current_exchange->refusal);
       return Handled::Unhandled;
     });
-    set_exception_handler([this](const httplib::Request&, httplib::Response& out, std::exception_ptr failure) {
+    set_exception_handler([this](const httplib::Request&, httplib::Response& out, const std::exception_ptr& failure) {
       try {
         std::rethrow_exception(failure);
       } catch (const ConnectionLost&) {
@@ -591,7 +591,7 @@ int probe(const Address& address, const std::string& path) {
   httplib::Client client(address.host, address.port);
   client.set_connection_timeout(2);
   client.set_read_timeout(2);
-  const httplib::Result result = client.Get(path.c_str());
+  const httplib::Result result = client.Get(path);
   return result ? result->status : 0;
 }
 

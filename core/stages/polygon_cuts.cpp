@@ -1,6 +1,7 @@
 #include "core/stages/polygon_cuts.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace remesh {
 
@@ -66,10 +67,11 @@ bool PolygonCuts::is_free_place(const Vec3& p) const {
 
 /// A new vertex between two others. Output: none if so many are there that no place was found.
 std::optional<VertexId> PolygonCuts::vertex_on(VertexId a, VertexId b) {
-  constexpr double kLeastFraction = 0x1p-20;
+  constexpr int kHalvings = 20;
   const auto [first, second] = std::minmax(a, b);
   const Vec3 p = surface_.positions[first], q = surface_.positions[second];
-  for (double fraction = 0.5; fraction >= kLeastFraction; fraction /= 2) {
+  for (int i = 1; i <= kHalvings; ++i) {
+    const double fraction = std::ldexp(1.0, -i);
     const Vec3 place = (1 - fraction) * p + fraction * q;
     if (!is_free_place(place)) continue;
     new_places_.insert(place);

@@ -158,6 +158,7 @@ std::vector<Raised> collect_probes(const Model& model, const Frame& frame, const
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   std::vector<Raised> probes;
+  probes.reserve(wanted.size());
   for (const VertexId v : wanted) probes.push_back(raise(model, frame, v));
   return probes;
 }

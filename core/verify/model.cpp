@@ -1,9 +1,11 @@
 #include "core/verify/model.h"
 
 #include <algorithm>
+#include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <functional>
 
 #include "core/base/blocks.h"
@@ -13,7 +15,10 @@
 namespace remesh::verification {
 namespace {
 
-bool is_same_bits(const Vec3& a, const Vec3& b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool is_same_bits(const Vec3& a, const Vec3& b) {
+  using Bits = std::array<std::uint64_t, 3>;
+  return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
+}
 
 /// 1 over the power of two above the largest coordinate.
 double scale_of(std::span<const Vec3> positions, RunControl& control) {

@@ -63,7 +63,7 @@ std::string BlobFolder::write(const std::string& id, std::string_view kind, std:
     fail(folder);
   }
   // Two workers may end one job: each writes a file of its own, and the row of the one that counts names it.
-  const std::string name = id.substr(0, 2) + "/" + id + "." + new_request_id().substr(0, 8) + "." + std::string(kind);
+  std::string name = id.substr(0, 2) + "/" + id + "." + new_request_id().substr(0, 8) + "." + std::string(kind);
   const std::string path = path_ + "/" + name;
   const std::string unfinished = path + ".part";
   try {
@@ -110,7 +110,8 @@ std::vector<BlobFolder::Found> BlobFolder::files_older_than(std::chrono::hours a
   for (const auto& entry : std::filesystem::directory_iterator(path_ + "/" + folder, failure)) {
     const std::string name = entry.path().filename().string();
     const auto written = entry.last_write_time(failure);
-    if (!failure && written < last) found.push_back({folder + "/" + name, name.substr(0, name.find('.'))});
+    if (!failure && written < last)
+      found.push_back({std::string(folder).append("/").append(name), name.substr(0, name.find('.'))});
   }
   return found;
 }
