@@ -205,6 +205,7 @@ class PatchRefiner {
   bool are_remade_well(double flattest) const;
   bool leave_out(std::uint32_t v, double flattest);
   std::optional<Vec2> place_within(std::span<const std::uint32_t> ring, double floor, double flattest) const;
+  bool find_hole(std::uint32_t v, std::size_t k);
   std::uint32_t merge(std::uint32_t v, std::uint32_t w, double flattest);
 
   Vec3 to_space(Vec2 uv) const;

@@ -150,6 +150,20 @@ std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ri
   return std::nullopt;
 }
 
+/// Finds the ring around v and the k-th vertex w of v's ring; false if not all is as it should be around w.
+bool PatchRefiner::find_hole(std::uint32_t v, std::size_t k) {
+  const std::vector<std::uint32_t>&ring = at_->ring, &other = at_->other_ring;
+  if (!find_ring(ring[k], at_->other_ring)) return false;
+  at_->hole.clear();
+  const auto add = [&](const std::vector<std::uint32_t>& around, std::size_t from) {
+    for (std::size_t i = 1; i + 1 < around.size(); ++i) at_->hole.push_back(around[(from + i) % around.size()]);
+  };
+  // Around v from behind w to before it, then on around w.
+  add(ring, k);
+  add(other, static_cast<std::size_t>(std::find(other.begin(), other.end(), v) - other.begin()));
+  return true;
+}
+
 /// Puts one point in the place of v and its neighbour w, if there is one that does for both. `at_->hole`: the ring
 /// around them. Output: the vertex, or kNone.
 std::uint32_t PatchRefiner::merge(std::uint32_t v, std::uint32_t w, double flattest) {
@@ -182,7 +196,7 @@ std::uint32_t PatchRefiner::merge(std::uint32_t v, std::uint32_t w, double flatt
 void PatchRefiner::thin_out(RunControl& control, RefinementProgress& progress) {
   if (!criteria_.has_sizes) return;
   const std::int64_t before = triangle_count();
-  std::vector<std::uint32_t>&waiting = at_->to_thin, &ring = at_->ring, &other = at_->other_ring, &hole = at_->hole;
+  std::vector<std::uint32_t>&waiting = at_->to_thin, &ring = at_->ring;
   StackMemory memory;
   std::pmr::vector<std::uint8_t> is_waiting(mesh_.vertex_slots(), 0, &memory);
   const auto wait = [&](std::uint32_t v) {
@@ -215,17 +229,11 @@ void PatchRefiner::thin_out(RunControl& control, RefinementProgress& progress) {
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const std::uint32_t w = ring[k];
       // One that still waits will try this pair in its turn.
-      if (!is_free(w) || is_waiting[w] != 0 || !is_short(w) || !find_ring(w, other)) continue;
-      // Around v from behind w to before it, then on around w.
-      hole.clear();
-      const auto add = [&](const std::vector<std::uint32_t>& around, std::size_t from) {
-        for (std::size_t i = 1; i + 1 < around.size(); ++i) hole.push_back(around[(from + i) % around.size()]);
-      };
-      add(ring, k);
-      add(other, static_cast<std::size_t>(std::find(other.begin(), other.end(), v) - other.begin()));
-      const std::uint32_t merged = merge(v, w, std::min(flattest, fan_of(mesh_.point(w), other).least_shape));
+      if (!is_free(w) || is_waiting[w] != 0 || !is_short(w) || !find_hole(v, k)) continue;
+      const double least = fan_of(mesh_.point(w), at_->other_ring).least_shape;
+      const std::uint32_t merged = merge(v, w, std::min(flattest, least));
       if (merged == kNone) continue;
-      for (const std::uint32_t u : hole) wait(u);
+      for (const std::uint32_t u : at_->hole) wait(u);
       wait(merged);
       break;
     }
