@@ -22,9 +22,8 @@ struct PlaneSizes {
 /// its boundary: what lies between is left to refinement. Each lattice has half the edges of the next coarser one, and
 /// all its points; rows run along x. Of one size, or nearly, the lattice fits the region's box: its columns as many as
 /// they must be, its rows as high as the slanting edges allow.
-/// Input:  triangles that cover the region; points of its boundary, most often no further apart than half the size
-/// there;
-///         `shortest`: the least distance from these.
+/// Input:  triangles that cover the region; points of its boundary, half the size there apart or less where it can be
+///         cut; `shortest`: no point is nearer to these.
 /// Output: in lexicographic order; empty if there would be more than `most`.
 /// Cost:   O((t + n) log n) for t triangles and n points, where the triangles are a Delaunay triangulation of the
 ///         boundary.

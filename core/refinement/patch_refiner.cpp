@@ -249,10 +249,8 @@ bool PatchRefiner::is_encroached(Vec2 p, Vec2 a, Vec2 b) const {
 int PatchRefiner::count_good(Vec2 p, int least) const {
   int possible = static_cast<int>(mesh_.rim().size());
   for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
-    const Vec2 a = mesh_.point(e.from), b = mesh_.point(e.to);
-    const double squared[3] = {squared_length(b - a), squared_length(a - p), squared_length(b - p)};
-    const double shortest = std::min({squared[0], squared[1], squared[2]});
-    if (is_sharp(squared[0] + squared[1] + squared[2], shortest, cross(a - p, b - p)) && --possible <= least) break;
+    const Spanned s = spanned(p, mesh_.point(e.from), mesh_.point(e.to));
+    if (is_sharp(s.squares, s.shortest_squared, s.twice_area) && --possible <= least) break;
   }
   return possible;
 }
@@ -277,11 +275,10 @@ PatchRefiner::Outcome PatchRefiner::outcome(Vec2 p) const {
   Outcome found{0, HUGE_VAL};
   for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
     const Vec2 a = mesh_.point(e.from), b = mesh_.point(e.to);
-    const double squared[3] = {squared_length(b - a), squared_length(a - p), squared_length(b - p)};
-    const double sum = squared[0] + squared[1] + squared[2], twice_area = cross(a - p, b - p);
-    const auto [shortest, longest] = std::minmax({squared[0], squared[1], squared[2]});
-    found.more_bad += is_sharp(sum, shortest, twice_area) || is_too_large((1.0 / 3) * (a + b + p), longest, twice_area);
-    found.least_shape = std::min(found.least_shape, twice_area / sum);
+    const Spanned s = spanned(p, a, b);
+    found.more_bad += is_sharp(s.squares, s.shortest_squared, s.twice_area) ||
+                      is_too_large((1.0 / 3) * (a + b + p), s.longest_squared, s.twice_area);
+    found.least_shape = std::min(found.least_shape, s.twice_area / s.squares);
   }
   for (const std::uint32_t t : mesh_.cavity()) {
     const Shape shape = shape_of(t);

@@ -1,6 +1,7 @@
 /// Refines one patch in its plane: angles and sizes, until nothing is left to do there.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory_resource>
 #include <optional>
@@ -142,6 +143,17 @@ class PatchRefiner {
   void collect_sides(PatchId id);
   bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
                     RunControl& control);
+  /// The triangle from a point to an edge.
+  struct Spanned {
+    double squares, shortest_squared, longest_squared;  ///< of its edges: the sum, the least, the largest
+    double twice_area;
+  };
+  static Spanned spanned(Vec2 p, Vec2 a, Vec2 b) {
+    const Vec2 base = b - a, u = a - p, v = b - p;
+    const double squared[3] = {dot(base, base), dot(u, u), dot(v, v)};
+    const auto [shortest, longest] = std::minmax({squared[0], squared[1], squared[2]});
+    return {squared[0] + squared[1] + squared[2], shortest, longest, cross(u, v)};
+  }
   Shape shape_of(std::uint32_t t) const;
   bool is_sharp(double squares, double shortest_squared, double twice_area) const;
   bool is_too_large(Vec2 centre, double longest_squared, double twice_area) const;

@@ -12,6 +12,9 @@
 namespace remesh {
 namespace {
 
+// Shares from 0.8 to 0.9, shapes from 0.16 to 0.185 and 4 to 8 places give counts within a half per cent. Of these, the
+// ones here are such that TetGen's worst dihedral angles came out well on three parts: next time that may be others.
+
 /// Points whose edges all are longer than this share of what is allowed stay: there is no room for fewer.
 constexpr double kLongEnough = 0.84;
 /// Area over the sum of squared edges, twice, of a triangle with two angles of 28 degrees: for fewer points none gets
@@ -53,12 +56,10 @@ bool PatchRefiner::find_ring(std::uint32_t v, std::vector<std::uint32_t>& ring) 
 PatchRefiner::Fan PatchRefiner::fan_of(Vec2 p, std::span<const std::uint32_t> ring) const {
   Fan fan{HUGE_VAL, 0, false};
   for (std::size_t i = 0; i < ring.size(); ++i) {
-    const Vec2 a = mesh_.point(ring[i]), b = mesh_.point(ring[i + 1 < ring.size() ? i + 1 : 0]);
-    const double squared[3] = {squared_length(b - a), squared_length(a - p), squared_length(b - p)};
-    const double sum = squared[0] + squared[1] + squared[2], twice_area = cross(a - p, b - p);
-    fan.least_shape = std::min(fan.least_shape, twice_area / sum);
-    fan.twice_area += twice_area;
-    fan.is_any_sharp = fan.is_any_sharp || is_sharp(sum, std::min({squared[0], squared[1], squared[2]}), twice_area);
+    const Spanned s = spanned(p, mesh_.point(ring[i]), mesh_.point(ring[i + 1 < ring.size() ? i + 1 : 0]));
+    fan.least_shape = std::min(fan.least_shape, s.twice_area / s.squares);
+    fan.twice_area += s.twice_area;
+    fan.is_any_sharp = fan.is_any_sharp || is_sharp(s.squares, s.shortest_squared, s.twice_area);
   }
   return fan;
 }
@@ -105,11 +106,10 @@ bool PatchRefiner::are_remade_well(double flattest) const {
     if (!mesh_.is_live(t)) return true;
     const Vec2 a = mesh_.point(mesh_.from(3 * t)), b = mesh_.point(mesh_.from(3 * t + 1)),
                c = mesh_.point(mesh_.from(3 * t + 2));
-    const double squared[3] = {squared_length(b - a), squared_length(c - b), squared_length(a - c)};
-    const double sum = squared[0] + squared[1] + squared[2], twice_area = cross(b - a, c - a);
-    const auto [least, most] = std::minmax({squared[0], squared[1], squared[2]});
-    return twice_area >= flattest * sum && least >= shortest * shortest && !is_sharp(sum, least, twice_area) &&
-           !is_too_large((1.0 / 3) * (a + b + c), most, twice_area);
+    const Spanned s = spanned(c, a, b);
+    return s.twice_area >= flattest * s.squares && s.shortest_squared >= shortest * shortest &&
+           !is_sharp(s.squares, s.shortest_squared, s.twice_area) &&
+           !is_too_large((1.0 / 3) * (a + b + c), s.longest_squared, s.twice_area);
   });
 }
 

@@ -9,6 +9,7 @@
 #include <numbers>
 
 #include "tests/support/polygons.h"
+#include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/solids.h"
 #include "tests/support/stage_chain.h"
@@ -18,12 +19,6 @@ namespace remesh {
 namespace {
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
-
-Options with_angle(double degrees) {
-  Options options;
-  options.min_angle_deg = degrees;
-  return options;
-}
 
 /// The first patch of a surface, ready to be refined alone.
 struct Subject {
@@ -340,18 +335,16 @@ double least_shape(const PatchMesh& patch) {
 
 TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
   for (const double degrees : {0.0, 20.0, 30.0})
-    for (const double across : {20, 30, 43})
+    for (const bool is_by_area : {false, true})
       for (const auto& polygon :
            {polygons::sieve(3), polygons::star_with_holes(3, 20, 3), polygons::grown(5, 40, 30)}) {
         Options options = with_angle(degrees);
         const auto [low, high] = std::minmax_element(polygon.outer.begin(), polygon.outer.end());
-        double length = (high->x - low->x) / across;
-        if (across == 43) {
+        const double length = (high->x - low->x) / 30;
+        if (is_by_area)
           options.max_area = length * length / 3;
-          length = HUGE_VAL;
-        } else {
+        else
           options.max_edge_length = length;
-        }
         Subject subject(solids::region(polygon), options);
         PatchRefiner refiner = subject.refiner();
         refiner.run(kNoLimit, subject.progress);
@@ -362,8 +355,8 @@ TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
         const PatchRefiner::Refined after = refiner.finish();
         expect_sound(subject, after);
         EXPECT_LT(after.patch.mesh.triangle_count(), 0.995 * before.patch.mesh.triangle_count())
-            << degrees << " degrees, " << across << " edges across";
-        EXPECT_LE(measure(after.patch).longest, length * (1 + 1e-9));
+            << degrees << " degrees, " << (is_by_area ? "by area" : "by length");
+        EXPECT_LE(measure(after.patch).longest, options.max_edge_length.value_or(HUGE_VAL) * (1 + 1e-9));
         EXPECT_LE(largest_area(after.patch), options.max_area.value_or(HUGE_VAL) * (1 + 1e-9));
         EXPECT_GE(measure(after.patch).smallest_angle_deg, std::min(degrees, measure(before.patch).smallest_angle_deg));
         EXPECT_GE(least_shape(after.patch), std::min(0.165, least_shape(before.patch)) * (1 - 1e-9));
@@ -388,11 +381,10 @@ TEST(patch_refiner, thinned_out_no_edge_becomes_shorter_than_the_shortest_allowe
         Subject subject(solids::region(polygon), options);
         PatchRefiner refiner = subject.refiner();
         refiner.run(kNoLimit, subject.progress);
-        const double before = shortest_edge(refiner.finish().patch);
         const std::uint32_t faces = refiner.triangle_count();
         refiner.thin_out(subject.chain.control, subject.progress);
         thinned += refiner.triangle_count() < faces ? 1 : 0;
-        EXPECT_GE(shortest_edge(refiner.finish().patch), std::min(before, options.min_edge_length.value()))
+        EXPECT_GE(shortest_edge(refiner.finish().patch), *options.min_edge_length)
             << share << " of " << length << " at " << degrees;
       }
   EXPECT_GT(thinned, 10);
