@@ -160,6 +160,7 @@ class GapSearch::Index {
   }
   std::optional<double> smallest(RunControl& control) const;
 
+  const Vec3& normal_of(PatchId p) const { return slabs_[p].plane.normal; }
   std::size_t patch_count() const { return triangle_begin_.size() - 1; }
   std::span<const Triangle> triangles_of(PatchId p) const {
     return std::span(triangles_)
@@ -410,6 +411,7 @@ double GapSearch::nearest(const Vec3& place, PatchId patch, double limit) const 
 }
 std::optional<double> GapSearch::smallest(RunControl& control) const { return index_->smallest(control); }
 std::size_t GapSearch::patch_count() const { return index_->patch_count(); }
+const Vec3& GapSearch::normal_of(PatchId patch) const { return index_->normal_of(patch); }
 std::span<const Triangle> GapSearch::triangles_of(PatchId patch) const { return index_->triangles_of(patch); }
 
 }  // namespace remesh

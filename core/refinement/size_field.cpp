@@ -85,7 +85,7 @@ class SizeField::Sampler {
   void sample_gaps(const GapSearch& gaps);
   void sample_segments(std::span<const std::array<VertexId, 2>> segments);
 
-  const std::vector<Samples::Entry>& samples() const { return samples_; }
+  const std::vector<Sample>& samples() const { return samples_; }
 
  private:
   /// What lies of a patch in a box. Boxes rather than triangles are cut, since triangles may be needles, many of them
@@ -96,7 +96,7 @@ class SizeField::Sampler {
     std::vector<std::uint32_t> triangles;  ///< of the patch; all those that reach into the box
   };
   struct Output {
-    std::vector<Samples::Entry> samples;
+    std::vector<Sample> samples;
     std::vector<Cell> cells;
   };
 
@@ -109,8 +109,8 @@ class SizeField::Sampler {
   Corners3 corners(const Triangle& t) const {
     return {surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]]};
   }
-  void add(const FloatBox& box, double size, std::vector<Samples::Entry>& to) const {
-    to.push_back({box, {FloatBox::rounded_down(std::max(size, floor_))}});
+  void add(const FloatBox& box, double size, const Layer& layer, std::vector<Sample>& to) const {
+    to.push_back({{box, {FloatBox::rounded_down(std::max(size, floor_))}}, layer});
   }
 
   const Surface& surface_;
@@ -120,7 +120,7 @@ class SizeField::Sampler {
   double floor_;
   double largest_;
   double coarse_;
-  std::vector<Samples::Entry> samples_;
+  std::vector<Sample> samples_;
 };
 
 void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const {
@@ -168,7 +168,9 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   FloatBox whole;
   whole.add(box.min);
   whole.add(box.max);
-  add(whole, size, out.samples);
+  Layer layer(gaps.normal_of(cell.patch));
+  for (const Vec3& p : outline) layer.add(p);
+  add(whole, size, layer, out.samples);
 }
 
 /// `box` is about what the cell really holds.
@@ -232,7 +234,7 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
       FloatBox box;
       box.add(a + (1.0 * i / kPiecesOfSegment) * (b - a));
       box.add(a + (1.0 * (i + 1) / kPiecesOfSegment) * (b - a));
-      add(box, length, samples_);
+      add(box, length, Layer(), samples_);
     }
   }
 }
@@ -246,20 +248,32 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
   Sampler sampler(surface, goals, plane_tolerance, control);
   if (gaps != nullptr && goals.proximity > 0) sampler.sample_gaps(*gaps);
   if (goals.gradation > 0) sampler.sample_segments(segments);
-  samples_ = Samples(sampler.samples(), control);
+  set_samples(sampler.samples(), control);
   drop_dominated(control);
 }
 
+void SizeField::set_samples(std::span<const Sample> samples, RunControl& control) {
+  std::vector<Samples::Entry> entries;
+  entries.reserve(samples.size());
+  for (const Sample& sample : samples) entries.push_back(sample.entry);
+  samples_ = Samples(entries, control);
+  layers_.resize(samples.size());
+  for (std::size_t slot = 0; slot < samples.size(); ++slot) layers_[slot] = samples[samples_.number(slot)].layer;
+}
+
 /// Does another sample ask for less at each place of this one's box? Then, by the triangle's inequality, everywhere.
-bool SizeField::is_dominated(const Samples::Entry& sample) const {
-  const double size = sample.tag.value;
+bool SizeField::is_dominated(std::size_t slot) const {
+  const auto& [box, tag] = samples_[slot];
+  const double size = tag.value;
   double best = size;
   samples_.search(
       best,
       [&](const Samples::Entry& entry) {
-        return entry.tag.value + slope_ * std::sqrt(squared_farthest(entry.box, sample.box));
+        return entry.tag.value + slope_ * std::sqrt(squared_farthest(entry.box, box));
       },
-      [&](std::size_t) { best = -1; });  // one is enough
+      [&](std::size_t other) {
+        if (samples_[other].tag.value + slope_ * layers_[other].farthest(box) < size) best = -1;  // one is enough
+      });
   return best != size;
 }
 
@@ -271,21 +285,24 @@ void SizeField::drop_dominated(RunControl& control) {
   std::size_t dropped = 0, tried = 0;
   for (std::size_t i = 0; i < n; i += stride, ++tried) {
     control.check();
-    dropped += is_dominated(samples_[i]) ? 1 : 0;
+    dropped += is_dominated(i) ? 1 : 0;
   }
   if (!(static_cast<double>(dropped) > kWorthwhile * static_cast<double>(tried))) return;
-  const auto kept =
-      select_ids<std::uint32_t>(n, kBlock, control, [&](std::size_t i) { return !is_dominated(samples_[i]); });
-  std::vector<Samples::Entry> entries;
-  entries.reserve(kept.size());
-  for (const std::uint32_t i : kept) entries.push_back(samples_[i]);
-  samples_ = Samples(entries, control);
+  const auto kept = select_ids<std::uint32_t>(n, kBlock, control, [&](std::size_t i) { return !is_dominated(i); });
+  std::vector<Sample> samples;
+  samples.reserve(kept.size());
+  for (const std::uint32_t i : kept) samples.push_back({samples_[i], layers_[i]});
+  set_samples(samples, control);
 }
 
 /// Monotone in the box and in the size, rounding included: no node promises more than its samples keep, and the answer
 /// does not depend on the order of the search.
-inline double SizeField::size_from(const Samples::Entry& sample, const Vec3& p) const {
-  return sample.tag.value + slope_ * std::sqrt(squared_distance(sample.box, p));
+inline double SizeField::size_from(const Samples::Entry& node, const Vec3& p) const {
+  return node.tag.value + slope_ * std::sqrt(squared_distance(node.box, p));
+}
+inline double SizeField::size_from(std::size_t slot, const Vec3& p) const {
+  const auto& [box, tag] = samples_[slot];
+  return tag.value + slope_ * std::max(layers_[slot].distance(p), std::sqrt(squared_distance(box, p)));
 }
 
 double SizeField::at(const Vec3& place) const {
@@ -294,7 +311,7 @@ double SizeField::at(const Vec3& place) const {
   double best = largest_ / unit_;
   samples_.search(
       best, [&](const Samples::Entry& entry) { return size_from(entry, p); },
-      [&](std::size_t slot) { best = size_from(samples_[slot], p); });
+      [&](std::size_t slot) { best = std::min(best, size_from(slot, p)); });
   return best * unit_;
 }
 
@@ -305,7 +322,9 @@ bool SizeField::allows(double length, const Vec3& place) const {
   double best = wanted;
   samples_.search(
       best, [&](const Samples::Entry& entry) { return size_from(entry, p); },
-      [&](std::size_t) { best = -1; });  // one is enough
+      [&](std::size_t slot) {
+        if (size_from(slot, p) < wanted) best = -1;
+      });
   return best == wanted;
 }
 

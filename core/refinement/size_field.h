@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
@@ -12,16 +13,18 @@
 #include "core/refinement/box_tree.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goals.h"
+#include "core/refinement/steepness.h"
 
 namespace remesh {
 
-/// The least, over samples, of the sample's size plus the slope times the distance from it. A sample is a box in space,
-/// so sizes also grade from patch to patch.
-/// Holds:  at(x) <= goals.max_edge_length; |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1 (two edges of
+/// The least, over samples, of the sample's size plus the slope times the distance from it, or a little less. A sample
+/// is what lies both in a box and in a layer about its patch's plane: in space, so sizes also grade from patch to
+/// patch. Holds:  at(x) <= goals.max_edge_length; |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1 (two
+/// edges of
 ///         lengths h and gradation h that meet: their sizes are read one h apart); it reads the input, never the
 ///         growing mesh; scales with it by powers of two, exactly; the same for any number of threads.
 /// Cost:   at() is O(log n) as long as sizes vary slowly; constant where there is no proximity and no gradation.
-///         Memory: some 50 bytes a sample, at most kMostSamples and two a segment; those that another one undercuts
+///         Memory: some 70 bytes a sample, at most kMostSamples and two a segment; those that another one undercuts
 ///         everywhere are left out, which takes as long as an at() for each.
 class SizeField {
  public:
@@ -64,10 +67,16 @@ class SizeField {
     void join(Size other) { value = std::min(value, other.value); }
   };
   using Samples = BoxTree<Size>;
+  struct Sample {
+    Samples::Entry entry;
+    Layer layer;  ///< where the box is askew to the patch, most of it is air
+  };
   class Sampler;
 
-  double size_from(const Samples::Entry& sample, const Vec3& p) const;
-  bool is_dominated(const Samples::Entry& sample) const;
+  double size_from(const Samples::Entry& node, const Vec3& p) const;
+  double size_from(std::size_t slot, const Vec3& p) const;
+  void set_samples(std::span<const Sample> samples, RunControl& control);
+  bool is_dominated(std::size_t slot) const;
   void drop_dominated(RunControl& control);
   Vec3 local(const Vec3& place) const { return (1 / unit_) * (place - centre_); }
 
@@ -76,6 +85,7 @@ class SizeField {
   Vec3 centre_;  ///< local units as in Surface
   double unit_ = 1;
   Samples samples_;
+  std::vector<Layer> layers_;  ///< by slot
 };
 
 }  // namespace remesh
