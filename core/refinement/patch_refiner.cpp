@@ -91,7 +91,7 @@ PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
   shape.longest_squared = std::max({squared[0], squared[1], squared[2]});
   shape.twice_area = cross(b - a, c - a);
   shape.is_sharp = is_sharp(squared[0] + squared[1] + squared[2], squared[k], shape.twice_area);
-  shape.is_too_large = is_too_large((1.0 / 3) * (a + b + c), shape.longest_squared, shape.twice_area);
+  shape.is_too_large = is_too_large(a, b, c, shape.longest_squared, shape.twice_area);
   return shape;
 }
 
@@ -101,14 +101,20 @@ bool PatchRefiner::is_sharp(double squares, double shortest_squared, double twic
   return twice_area < criteria_.tangent * (squares - 2 * shortest_squared) / 2;
 }
 
-bool PatchRefiner::is_too_large(Vec2 centre, double longest_squared, double twice_area) const {
+bool PatchRefiner::is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const {
   if (!criteria_.has_sizes) return false;
   const double scale = patch_.frame.scale;
   if (twice_area / 2 * scale * scale > criteria_.max_area) return true;
   const double longest = std::sqrt(longest_squared) * scale;
   if (longest > criteria_.sizes.largest() * kSizeMargin) return true;
   if (criteria_.sizes.is_uniform()) return false;
-  return !criteria_.sizes.allows(longest / kSizeMargin, to_space(centre));
+  return is_too_long(a, b) || is_too_long(b, c) || is_too_long(c, a);
+}
+
+/// An edge is measured by the size in its middle, as the pieces of segments are.
+bool PatchRefiner::is_too_long(Vec2 a, Vec2 b) const {
+  const double length = norm(b - a) * patch_.frame.scale;
+  return !criteria_.sizes.allows(length / kSizeMargin, to_space(0.5 * (a + b)));
 }
 
 bool PatchRefiner::is_at_input_angle(std::uint32_t shortest) const {
@@ -276,8 +282,8 @@ PatchRefiner::Outcome PatchRefiner::outcome(Vec2 p) const {
   for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
     const Vec2 a = mesh_.point(e.from), b = mesh_.point(e.to);
     const Spanned s = spanned(p, a, b);
-    found.more_bad += is_sharp(s.squares, s.shortest_squared, s.twice_area) ||
-                      is_too_large((1.0 / 3) * (a + b + p), s.longest_squared, s.twice_area);
+    found.more_bad +=
+        is_sharp(s.squares, s.shortest_squared, s.twice_area) || is_too_large(a, b, p, s.longest_squared, s.twice_area);
     found.least_shape = std::min(found.least_shape, s.twice_area / s.squares);
   }
   for (const std::uint32_t t : mesh_.cavity()) {
@@ -518,23 +524,45 @@ bool PatchRefiner::split_too_large(std::uint32_t t, double floor) {
   return insert(on_grid(a + 0.5 * base), t, floor, May::kEncroach) == Attempt::kDone;
 }
 
-/// Is the longest edge a piece of the boundary that is too long and cannot be cut?
+bool PatchRefiner::is_too_long_side(std::uint32_t h) const {
+  return mesh_.is_constrained(h) && is_too_long(mesh_.point(mesh_.from(h)), mesh_.point(mesh_.to(h)));
+}
+
+/// Cuts a side of the triangle that is too long, if there is one that can be cut.
+bool PatchRefiner::cut_too_long_side(std::uint32_t t) {
+  if (criteria_.sizes.is_uniform()) return false;  // all are cut from the start
+  for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
+    if (is_too_long_side(h) && cut_side(mesh_.side(h))) return true;
+  return false;
+}
+
+/// Is it too large for a side that cannot be cut: the longest edge, or all that is too long?
 bool PatchRefiner::is_held_large(std::uint32_t t) const {
+  const auto can_be_cut = [&](std::uint32_t h) {
+    const Side& side = sides_[mesh_.side(h)];
+    return segments_.cut(segment_of(side), side.t0, side.t1).has_value();
+  };
   const std::uint32_t longest = longest_edge(t);
-  if (!mesh_.is_constrained(longest)) return false;
-  const Vec2 from = mesh_.point(mesh_.from(longest)), to = mesh_.point(mesh_.to(longest));
-  const Vec2 middle = 0.5 * (from + to);
-  const double length = std::sqrt(squared_length(to - from)) * patch_.frame.scale;
-  if (criteria_.sizes.allows(length / kSizeMargin, to_space(middle)) && !std::isfinite(criteria_.max_area))
-    return false;
-  const Side& side = sides_[mesh_.side(longest)];
-  return !segments_.cut(segment_of(side), side.t0, side.t1).has_value();
+  if (mesh_.is_constrained(longest) && (is_too_long_side(longest) || std::isfinite(criteria_.max_area)))
+    return !can_be_cut(longest);
+  bool is_any = false;
+  for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
+    if (!is_too_long(mesh_.point(mesh_.from(h)), mesh_.point(mesh_.to(h)))) continue;
+    if (!mesh_.is_constrained(h) || can_be_cut(h)) return false;
+    is_any = true;
+  }
+  return is_any;
+}
+
+/// Is the triangle still the one that it was?
+bool PatchRefiner::is_live(const Task& task) const {
+  const std::uint32_t h = task.half_edge;
+  return mesh_.from(h) == task.a && mesh_.to(h) == task.b && mesh_.apex(h) == task.c;
 }
 
 void PatchRefiner::treat(const Task& task) {
-  const std::uint32_t h = task.half_edge;
-  if (mesh_.from(h) != task.a || mesh_.to(h) != task.b || mesh_.apex(h) != task.c) return;
-  const std::uint32_t t = h / 3;
+  if (!is_live(task)) return;
+  const std::uint32_t t = task.half_edge / 3;
   // Another triangle of vertices that have the same numbers may be good, or have an excuse.
   if (state_[t] != State::kUnknown) return;
   const Shape shape = shape_of(t);
@@ -546,6 +574,14 @@ void PatchRefiner::treat(const Task& task) {
   if (is_hopeless && !is_for_angle) {
     state_[t] = State::kLocked;
     return;
+  }
+  if (shape.is_too_large && !is_for_angle) {
+    const bool is_cut = cut_too_long_side(t);
+    if (impossible_.is_valid()) return;
+    if (is_cut) {
+      if (is_live(task)) push(task, shape.shortest_squared);
+      return;
+    }
   }
   const Vec2 p = steiner_point(shape);
   if (shape.is_too_large && !is_for_angle) {
@@ -573,8 +609,7 @@ void PatchRefiner::treat(const Task& task) {
     }
     if (is_cut) {
       // The triangle may have been spared.
-      if (mesh_.from(h) == task.a && mesh_.to(h) == task.b && mesh_.apex(h) == task.c)
-        push(task, shape.shortest_squared);
+      if (is_live(task)) push(task, shape.shortest_squared);
       return;
     }
     if (is_any_locked(at_->to_cut))

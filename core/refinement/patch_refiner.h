@@ -156,7 +156,8 @@ class PatchRefiner {
   }
   Shape shape_of(std::uint32_t t) const;
   bool is_sharp(double squares, double shortest_squared, double twice_area) const;
-  bool is_too_large(Vec2 centre, double longest_squared, double twice_area) const;
+  bool is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const;
+  bool is_too_long(Vec2 a, Vec2 b) const;
   State excuse(std::uint32_t shortest) const;
   void classify(std::uint32_t t);
   void classify_changed();
@@ -198,7 +199,10 @@ class PatchRefiner {
   Attempt insert(Vec2 p, std::uint32_t triangle, double floor, May may);
   std::uint32_t longest_edge(std::uint32_t t) const;
   bool split_too_large(std::uint32_t t, double floor);
+  bool is_too_long_side(std::uint32_t h) const;
+  bool cut_too_long_side(std::uint32_t t);
   bool is_held_large(std::uint32_t t) const;
+  bool is_live(const Task& task) const;
   bool is_any_locked(std::span<const std::uint32_t> sides) const;
   State refusal(double floor) const;
 

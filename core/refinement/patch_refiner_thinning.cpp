@@ -109,7 +109,7 @@ bool PatchRefiner::are_remade_well(double flattest) const {
     const Spanned s = spanned(c, a, b);
     return s.twice_area >= flattest * s.squares && s.shortest_squared >= shortest * shortest &&
            !is_sharp(s.squares, s.shortest_squared, s.twice_area) &&
-           !is_too_large((1.0 / 3) * (a + b + c), s.longest_squared, s.twice_area);
+           !is_too_large(a, b, c, s.longest_squared, s.twice_area);
   });
 }
 
@@ -142,7 +142,7 @@ std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ri
     }
     if (nearest_squared >= floor * floor) {
       const Fan fan = fan_of(p, ring);
-      if (fan.least_shape >= flattest && !fan.is_any_sharp && is_allowed(std::sqrt(squared_length(farthest - p)), p))
+      if (fan.least_shape >= flattest && !fan.is_any_sharp && is_allowed(norm(farthest - p), 0.5 * (p + farthest)))
         return on_grid(p);
     }
     p = p + (1.0 / (i + 3)) * (farthest - p);
