@@ -154,6 +154,17 @@ class Lattice {
     levels_above_ = std::max(0, std::ilogb(extent / std::min(x, y)) + 1);
   }
 
+  /// Shifts the rows by half a column if that is where most of the vertices in the lowest row are.
+  void match(std::span<const Vec2> vertices) {
+    if (!is_even_) return;
+    constexpr double kSameRow = 1e-6;
+    double sum = 0;
+    for (const Vec2 p : vertices)
+      if (p.y - low_.y < kSameRow * edge_) sum += std::cos(2 * std::numbers::pi * (p.x - low_.x) / along_.x);
+    // The row's two ends are corners, whatever the others are.
+    if (sum < -1) low_.x -= along_.x / 2;
+  }
+
   Vec2 origin() const { return low_; }
   double edge() const { return edge_; }
   /// How near to the boundary a point may be where that is the size.
@@ -239,8 +250,10 @@ class Lattice {
 }  // namespace
 
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
-                            const PlaneSizes& sizes, double shortest, std::size_t most, RunControl& control) {
-  const Lattice lattice(triangles, sizes);
+                            std::size_t vertex_count, const PlaneSizes& sizes, double shortest, std::size_t most,
+                            RunControl& control) {
+  Lattice lattice(triangles, sizes);
+  lattice.match(boundary.first(vertex_count));
   const PointGrid grid(boundary, lattice.origin(), lattice.edge());
   const auto is_near = [&](Vec2 p) {
     return grid.has_point_within(p, std::max(shortest, lattice.clearance(sizes.at(p))));

@@ -21,13 +21,14 @@ struct PlaneSizes {
 /// Points of lattices of equilateral triangles, whose edges are at most the size there, inside a region and away from
 /// its boundary: what lies between is left to refinement. Each lattice has half the edges of the next coarser one, and
 /// all its points; rows run along x. Of one size, or nearly, the lattice fits the region's box: its columns as many as
-/// they must be, its rows as high as the slanting edges allow.
+/// they must be, its rows as high as the slanting edges allow, beginning as the vertices along the box's lower side do.
 /// Input:  triangles that cover the region; points of its boundary, half the size there apart or less where it can be
-///         cut; `shortest`: no point is nearer to these.
+///         cut, the first `vertex_count` of them its vertices; `shortest`: no point is nearer to these.
 /// Output: in lexicographic order; empty if there would be more than `most`.
 /// Cost:   O((t + n) log n) for t triangles and n points, where the triangles are a Delaunay triangulation of the
 ///         boundary.
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
-                            const PlaneSizes& sizes, double shortest, std::size_t most, RunControl& control);
+                            std::size_t vertex_count, const PlaneSizes& sizes, double shortest, std::size_t most,
+                            RunControl& control);
 
 }  // namespace remesh

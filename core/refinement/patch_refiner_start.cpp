@@ -284,7 +284,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
   // Points go to the grid, and to space.
   const double shortest = criteria_.min_edge_length / scale * (1 + 1e-9) + 2 * patch_.frame.grid;
   const std::size_t before = points.size();
-  for (const Vec2 p : even_fill(triangles, boundary, plane_sizes, shortest, most, control)) {
+  for (const Vec2 p : even_fill(triangles, boundary, before, plane_sizes, shortest, most, control)) {
     const double size = plane_sizes.at(p) * scale;
     if (size / 2 < criteria_.min_edge_length) continue;
     points.push_back(on_grid(p));

@@ -4,10 +4,12 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
+#include "core/refinement/distances.h"
 
 namespace remesh {
 namespace {
@@ -23,6 +25,12 @@ constexpr double kMostShear = 0.5;
 constexpr double kAlike = 1.05;
 /// In sizes: the height of a row of equilateral triangles, a little less, so that the slanting edges are not too long.
 constexpr double kRow = 0.85;
+/// In sizes: what is no wider is as a row of squares.
+constexpr double kRim = 1.1;
+/// Wider strips have their sides far apart: what is between them can make up for a wrong end of a row.
+constexpr double kMostRows = 12;
+/// A side may have so many more parts than its size in the middle asks for, and be of one size: by this factor and one.
+constexpr double kEven = 1.02;
 
 using Pair = std::array<SegmentId, 2>;
 
@@ -91,18 +99,51 @@ double smallest_size(const SegmentTable& table, SegmentId s, const SizeField& si
   return least;
 }
 
+/// The largest of the sizes that are read along a segment, away from its ends.
+double largest_size(const SegmentTable& table, SegmentId s, const SizeField& sizes) {
+  double largest = 0;
+  for (const double t : {0.25, 0.5, 0.75}) largest = std::max(largest, sizes.at(table.position(s, t)));
+  return largest;
+}
+
+double parts_of_size(const BoundarySegment& segment, double size) {
+  return std::ceil(segment.length / size * (1 - 1e-12));
+}
+
 /// How many parts a segment wants if it is the side of a strip; 0: it is none, or has to be cut more finely anyway.
-double wanted_parts(const BoundarySegment& segment, double feature, double tangent, const Goals& goals, double size) {
+double wanted_parts(const SegmentTable& table, SegmentId s, double feature, double tangent, const Goals& goals,
+                    const SizeField& sizes) {
+  const BoundarySegment& segment = table[s];
   if (segment.is_locked) return 0;
   const double by_angle = std::ceil(segment.length * tangent / (2 * feature));
-  const double by_size = std::ceil(segment.length / size * (1 - 1e-12));
+  const double size = smallest_size(table, s, sizes);
+  const double by_size = parts_of_size(segment, size);
   const double parts = std::max(by_angle, by_size);
   const double most = goals.min_edge_length > 0 ? segment.length / segment.floor : kMostParts;
   if (parts < 2 || 2 * parts > most) return 0;
   // With twice as many parts as angles need it does not matter to these where the other side's are; and where a strip
-  // is as wide as a row of triangles is high, there is a row of points between.
-  if (by_size >= 2 * by_angle && feature > kRow * size) return 0;
-  return parts;
+  // is as wide as a row of triangles is high, there are points inside.
+  if (by_size < 2 * by_angle || feature <= kRow * size) return parts;
+  if (sizes.is_uniform() || feature > std::min(segment.length, kMostRows * size)) return 0;
+  return by_size <= kEven * parts_of_size(segment, largest_size(table, s, sizes)) + 1 ? parts : 0;
+}
+
+/// Are there an odd number of rows of triangles across a strip, between two of its sides, one of them in that many
+/// parts? Empty if they are too many, or it is wider than long.
+std::optional<bool> is_odd_across(const SegmentTable& table, const Pair& sides, double parts, const SizeField& sizes) {
+  if (sizes.is_uniform()) return true;
+  const Vec3 here = table.position(sides[0], 0.5);
+  const Vec3 there = nearest_on_segment(here, table.position(sides[1], 0), table.position(sides[1], 1));
+  const double width = norm(there - here);
+  // As wide as long, such as the rim of a wall: there points opposite each other are well, and so are the lattices on
+  // the wall's two sides.
+  const double size_of_side = sizes.at(here);
+  if (width > kRow * size_of_side && width <= kRim * size_of_side) return false;
+  // As high as the slanting edges allow.
+  const double size = sizes.at(0.5 * (here + there)), half = table[sides[0]].length / parts / 2;
+  const double rows = std::ceil(width / std::sqrt(std::max(size * size - half * half, size * size / 4)) * (1 - 1e-9));
+  if (rows > kMostRows || width > table[sides[0]].length) return std::nullopt;
+  return std::fmod(rows, 2) == 1;
 }
 
 }  // namespace
@@ -114,9 +155,7 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
   if (goals.min_angle_deg == 0) return parts;
   const double angle = std::max(goals.min_angle_deg, least_strip_angle_deg(sizes)) + kMargin;
   const double tangent = std::tan(angle * std::numbers::pi / 180);
-  const auto wanted_by = [&](SegmentId s) {
-    return wanted_parts(table[s], feature[s.value], tangent, goals, smallest_size(table, s, sizes));
-  };
+  const auto wanted_by = [&](SegmentId s) { return wanted_parts(table, s, feature[s.value], tangent, goals, sizes); };
   std::vector<double> wanted(table.size());
   for_blocks(table.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
@@ -151,8 +190,10 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
         const SegmentId next = (*pair)[1];
         const double of_next = wanted[next.value];
         if (is_seen[next.value] != 0 || std::fabs(of_next - of_seed) > (kAlike - 1) * of_seed + 1) continue;
+        const std::optional<bool> is_odd = is_odd_across(table, *pair, std::max(of_seed, of_next), sizes);
+        if (!is_odd) continue;
         is_seen[next.value] = 1;
-        parts[next.value].is_shifted = !parts[s.value].is_shifted;
+        parts[next.value].is_shifted = parts[s.value].is_shifted != *is_odd;
         most = std::max(most, of_next);
         alike.push_back(next);
       }

@@ -23,9 +23,13 @@ inline double least_strip_angle_deg(const SizeField& sizes) { return sizes.is_un
 /// angles: the bound allows only pieces half as long, and a size that is not much more than the width forbids the long
 /// sides of those triangles. So the sides of a strip are cut into equal parts, as many on either, those of one side
 /// between those of the other, from strip to strip as far as they are alike: a third to a half of the faces.
+///
+/// Behind a wall of one thickness, facets of a few rows of triangles are such strips, too: every second row ends half a
+/// piece later, so the sides' pieces begin alike where rows are even, and half a piece later where they are odd. The
+/// wall's rim, as wide as its pieces are long, is none: what is alike on both sides of the wall is best.
 /// Input:  of each segment the distance to the nearest feature, model units; the table has its segments and sides.
 /// Output: one a segment; 1 for those that are no sides of strips, or of such as have room for a row of points inside
-///         and a size that asks for pieces at most half as long as the bound does.
+///         and a size that varies, is the same everywhere on the surface, or asks for a great many rows.
 std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
                                           std::span<const double> feature, const Goals& goals, const SizeField& sizes,
                                           RunControl& control);

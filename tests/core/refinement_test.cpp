@@ -551,6 +551,48 @@ TEST(refinement, across_the_walls_of_a_tube_no_edge_is_longer_than_they_are_thic
   EXPECT_GT(on_walls, 1000u);
 }
 
+TEST(refinement, edges_across_the_rim_of_a_wall_may_be_longer_by_the_gradation) {
+  const double thick = 0.1;
+  for (const double degrees : {0.0, 35.0}) {
+    const auto turned = [&](const PolygonMesh& mesh, double by) { return shapes::rotated(mesh, {1, 2, 3}, by); };
+    const PolygonMesh mesh = turned(shapes::box({1.03, 0.77, thick}), degrees);
+    Options options;
+    options.proximity = 1;
+    options.min_angle_deg = 20;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    PolygonMesh back;
+    for (const Vec3& p : result.mesh.positions) back.positions.push_back(p);
+    back = turned(back, -degrees);
+    double longest_across = 0;
+    for (const Triangle& t : result.mesh.faces)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 &a = back.positions[t[k]], &b = back.positions[t[(k + 1) % 3]];
+        const double height = 0.5 * (a.z + b.z), way = std::min(height, thick - height);
+        EXPECT_LE(norm(b - a), (thick + 0.5 * way) * kHair);
+        longest_across = std::max(longest_across, norm(b - a));
+      }
+    EXPECT_GT(longest_across, 1.05 * thick) << degrees;
+  }
+}
+
+TEST(refinement, rows_across_a_wall_end_between_the_pieces_of_its_sides) {
+  // Two, three and four rows of triangles, ten columns, on a wall of thickness 1: not a point too many.
+  for (const double width : {1.7, 2.55, 3.4}) {
+    const double rows = std::round(width / 0.85);
+    const PolygonMesh mesh = shapes::box({9.9, width, 1});
+    Options options;
+    options.proximity = 1;
+    options.min_angle_deg = 20;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    const auto is_on_wall = [&](const Triangle& t) {
+      return std::all_of(t.begin(), t.end(), [&](VertexId v) { return result.mesh.positions[v].z == 1; });
+    };
+    EXPECT_EQ(std::count_if(result.mesh.faces.begin(), result.mesh.faces.end(), is_on_wall), rows * (10 + 11)) << width;
+  }
+}
+
 TEST(refinement, sizes_grow_no_faster_than_asked) {
   // A plate with one short edge: from there on, edges may be twice as long from one to the next.
   const PolygonMesh mesh = shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0.05, 8}, {0, 7.95}});

@@ -15,6 +15,7 @@ namespace {
 struct Region {
   std::vector<std::array<Vec2, 3>> triangles;
   std::vector<Vec2> boundary;
+  std::size_t vertex_count = 0;
 };
 
 Region region(const polygons::Polygon& polygon, const PlaneSizes& sizes) {
@@ -40,6 +41,7 @@ Region region(const polygons::Polygon& polygon, const PlaneSizes& sizes) {
     result.triangles.push_back(
         {input.points[made.mesh.from(h)], input.points[made.mesh.from(h + 1)], input.points[made.mesh.from(h + 2)]});
   result.boundary = input.points;
+  result.vertex_count = input.points.size();
   for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h)
     if (made.mesh.is_constrained(h))
       result.boundary.push_back(0.5 * (input.points[made.mesh.from(h)] + input.points[made.mesh.to(h)]));
@@ -58,7 +60,7 @@ PlaneSizes growing(double least, double slope) {
 std::vector<Vec2> fill(const Region& region, const PlaneSizes& sizes, std::size_t most = 1'000'000,
                        double shortest = 0) {
   RunControl control;
-  return even_fill(region.triangles, region.boundary, sizes, shortest, most, control);
+  return even_fill(region.triangles, region.boundary, region.vertex_count, sizes, shortest, most, control);
 }
 
 bool is_inside(const Region& region, Vec2 p) {
@@ -153,6 +155,19 @@ TEST(even_fill, every_second_row_ends_half_a_column_from_the_sides) {
   EXPECT_EQ(points.size(), 4u * 7 + 4u * 6);
 }
 
+TEST(even_fill, rows_begin_as_the_vertices_along_the_lowest_side_do) {
+  const double height = std::sqrt(3) * (1 - 1e-6);  // two rows
+  for (const double first : {1.0, 0.5}) {
+    polygons::Polygon plate{{{0, 0}}, {}};
+    for (double x = first; x < 10; ++x) plate.outer.push_back({x, 0});
+    for (const Vec2 p : {Vec2{10, 0}, Vec2{10, height}, Vec2{0, height}}) plate.outer.push_back(p);
+    const std::vector<Vec2> points = fill(region(plate, uniform(1)), uniform(1));
+    // Between the two sides there is one row, half a column from either.
+    EXPECT_EQ(points.size(), first == 1 ? 10u : 9u);
+    for (const Vec2 p : points) EXPECT_NEAR(p.x + first, std::round(p.x + first + 0.5) - 0.5, 1e-9);
+  }
+}
+
 TEST(even_fill, no_point_is_nearer_to_the_boundary_than_the_shortest_edge) {
   // Three columns of 0.77, whose every second row would end 0.38 from the sides.
   const Region narrow = region(polygons::Polygon{{{0, 0}, {2.31, 0}, {2.31, 5}, {0, 5}}, {}}, uniform(1));
@@ -215,7 +230,9 @@ TEST(even_fill, it_can_be_stopped) {
   const Region square_region = region(square(), uniform(0.01));
   RunControl control;
   control.cancel();
-  EXPECT_THROW(even_fill(square_region.triangles, square_region.boundary, uniform(0.01), 0, 1'000'000, control), Error);
+  EXPECT_THROW(even_fill(square_region.triangles, square_region.boundary, square_region.vertex_count, uniform(0.01), 0,
+                         1'000'000, control),
+               Error);
 }
 
 }  // namespace

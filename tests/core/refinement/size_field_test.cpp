@@ -99,6 +99,20 @@ TEST(size_field, between_plates_it_is_the_gap_over_the_proximity_and_grows_away_
     }
 }
 
+TEST(size_field, across_the_rim_of_a_wall_it_grows_from_both_sides_however_the_wall_stands) {
+  const double thick = 0.25;
+  for (const double degrees : {0.0, 10.0, 35.0, 60.0}) {
+    const auto turned = [&](const PolygonMesh& mesh) { return shapes::rotated(mesh, {1, 2, 3}, degrees); };
+    const Scene scene(turned(shapes::box({4, 4, thick})), goals(1, 1.5));
+    for (const double part : {0.0, 0.2, 0.5, 0.7}) {
+      PolygonMesh place = shapes::polygon({{2, 0}, {3, 0}, {3, 1}});
+      place = turned(shapes::moved(place, {0, 0, part * thick}));
+      const double way = std::min(part, 1 - part) * thick;
+      EXPECT_NEAR(scene.sizes.at(place.positions[VertexId(0)]), thick + 0.5 * way, kSingle) << degrees << " " << part;
+    }
+  }
+}
+
 TEST(size_field, plates_that_overlap_in_a_corner_are_seen_there) {
   // The middle of neither faces the other one, and a wall farther off is faced by both.
   for (const double wall : {20.0, 5.0}) {
