@@ -58,7 +58,7 @@ class GapSearch {
   /// The triangles that are searched: the same surface for whoever walks over it.
   std::size_t patch_count() const;
   std::span<const Triangle> triangles_of(PatchId patch) const;
-  const Vec3& normal_of(PatchId patch) const;
+  const Vec3& normal_of(PatchId patch) const;  ///< of its plane, of length 1
 
  private:
   class Index;

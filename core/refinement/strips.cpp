@@ -106,6 +106,9 @@ double largest_size(const SegmentTable& table, SegmentId s, const SizeField& siz
   return largest;
 }
 
+/// Elsewhere few facets have one size all over that is not that of all.
+bool is_behind_walls(const Goals& goals, const SizeField& sizes) { return goals.proximity > 0 && !sizes.is_uniform(); }
+
 double parts_of_size(const BoundarySegment& segment, double size) {
   return std::ceil(segment.length / size * (1 - 1e-12));
 }
@@ -124,14 +127,15 @@ double wanted_parts(const SegmentTable& table, SegmentId s, double feature, doub
   // With twice as many parts as angles need it does not matter to these where the other side's are; and where a strip
   // is as wide as a row of triangles is high, there are points inside.
   if (by_size < 2 * by_angle || feature <= kRow * size) return parts;
-  if (sizes.is_uniform() || feature > std::min(segment.length, kMostRows * size)) return 0;
+  if (!is_behind_walls(goals, sizes) || feature > std::min(segment.length, kMostRows * size)) return 0;
   return by_size <= kEven * parts_of_size(segment, largest_size(table, s, sizes)) + 1 ? parts : 0;
 }
 
 /// Are there an odd number of rows of triangles across a strip, between two of its sides, one of them in that many
 /// parts? Empty if they are too many, or it is wider than long.
-std::optional<bool> is_odd_across(const SegmentTable& table, const Pair& sides, double parts, const SizeField& sizes) {
-  if (sizes.is_uniform()) return true;
+std::optional<bool> is_odd_across(const SegmentTable& table, const Pair& sides, double parts, const Goals& goals,
+                                  const SizeField& sizes) {
+  if (!is_behind_walls(goals, sizes)) return true;
   const Vec3 here = table.position(sides[0], 0.5);
   const Vec3 there = nearest_on_segment(here, table.position(sides[1], 0), table.position(sides[1], 1));
   const double width = norm(there - here);
@@ -190,7 +194,7 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
         const SegmentId next = (*pair)[1];
         const double of_next = wanted[next.value];
         if (is_seen[next.value] != 0 || std::fabs(of_next - of_seed) > (kAlike - 1) * of_seed + 1) continue;
-        const std::optional<bool> is_odd = is_odd_across(table, *pair, std::max(of_seed, of_next), sizes);
+        const std::optional<bool> is_odd = is_odd_across(table, *pair, std::max(of_seed, of_next), goals, sizes);
         if (!is_odd) continue;
         is_seen[next.value] = 1;
         parts[next.value].is_shifted = parts[s.value].is_shifted != *is_odd;
