@@ -18,9 +18,8 @@
 namespace remesh {
 
 /// The least, over samples, of the sample's size plus the slope times the distance from it, or a little less. A sample
-/// is what lies both in a box and in a layer about its patch's plane: in space, so sizes also grade from patch to
-/// patch. Holds:  at(x) <= goals.max_edge_length; |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1 (two
-/// edges of
+/// lies both in a box and in a layer about its patch's plane: in space, so sizes also grade from patch to patch.
+/// Holds:  at(x) <= goals.max_edge_length; |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1 (two edges of
 ///         lengths h and gradation h that meet: their sizes are read one h apart); it reads the input, never the
 ///         growing mesh; scales with it by powers of two, exactly; the same for any number of threads.
 /// Cost:   at() is O(log n) as long as sizes vary slowly; constant where there is no proximity and no gradation.

@@ -17,10 +17,12 @@ import urllib.parse
 from postgres import Postgres, find_programs, free_port
 
 SQUARE = b"v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n"
-# Options by how long they keep one core busy: hardly, about a tenth of a second, about a second, for minutes.
+# Options by how long they keep one core busy, of a fast machine: hardly, some hundredths of a second, a fifth of a
+# second, a second, for minutes.
 QUICK = "max_edge_length=0.3"
 SHORT = "max_edge_length=0.01"
-SECOND = "max_edge_length=0.0033"
+FIFTH = "max_edge_length=0.0033"
+SECOND = "max_edge_length=0.0015"
 ENDLESS = "max_edge_length=0.0003"
 
 

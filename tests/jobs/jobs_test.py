@@ -18,8 +18,8 @@ import threading
 import time
 import traceback
 
-from daemons import (CONTINUE, ENDLESS, QUICK, SECOND, SHORT, SQUARE, STOP, Daemon, Store, ask, can_use, events, result_of,
-                     state_of, submit, wait_for, wait_for_state, with_clock)
+from daemons import (CONTINUE, ENDLESS, FIFTH, QUICK, SECOND, SHORT, SQUARE, STOP, Daemon, Store, ask, can_use, events,
+                     result_of, state_of, submit, wait_for, wait_for_state, with_clock)
 
 LEASE_S = 2
 # How many times as long as usual the daemons' work may take: sanitizers make them slow.
@@ -253,7 +253,7 @@ def test_clocks_that_differ_by_an_hour_do_no_harm(store):
         print("  SKIPPED: there is no libfaketime (Debian: faketime)")
         return
     with daemons(store, 3, prefixes=prefixes) as fleet:
-        jobs = [accepted(submit(fleet[i % 3].port, SECOND if i % 4 == 0 else SHORT)) for i in range(12)]
+        jobs = [accepted(submit(fleet[i % 3].port, FIFTH if i % 4 == 0 else SHORT)) for i in range(12)]
         finished = [wait_for_state(fleet[(i + 1) % 3].port, job, "succeeded", "failed", seconds=60)
                     for i, job in enumerate(jobs)]
         expect_equal({job["state"] for job in finished}, {"succeeded"}, "all succeed")
@@ -290,7 +290,7 @@ def expect_in_order(daemon, job):
 
 def test_a_store_that_cannot_be_written_is_told_and_recovers(store):
     with daemons(store, 1) as (daemon,):
-        job = accepted(submit(daemon.port, SECOND))
+        job = accepted(submit(daemon.port, FIFTH))
         wait_for_state(daemon.port, job, "running", "succeeded")
         if store.postgres:
             store.query("ALTER SYSTEM SET default_transaction_read_only = on")
@@ -356,7 +356,7 @@ def test_a_store_that_goes_away_comes_back(store):
     if not store.postgres:
         return
     with daemons(store, 2) as (daemon, other):
-        job = accepted(submit(daemon.port, SECOND))
+        job = accepted(submit(daemon.port, FIFTH))
         wait_for_state(daemon.port, job, "running", "succeeded")
         with away(store.postgres):
             expect_out_of_order(daemon)

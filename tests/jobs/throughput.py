@@ -8,7 +8,7 @@ import os
 import sys
 import time
 
-from daemons import SECOND, SQUARE, Daemon, Store, can_use, state_of, submit, wait_for
+from daemons import FIFTH, SQUARE, Daemon, Store, can_use, state_of, submit, wait_for
 
 def start_worker(program, flags, core):
     return Daemon(program, [*flags, "--workers", "1", "--max-running", "1"], prefix=("taskset", "-c", str(core))).start()
@@ -24,7 +24,7 @@ def measure(program, kind, workers, count, with_blob_dir):
         try:
             fleet = [start_worker(program, flags, cores[i % len(cores)]) for i in range(workers)]
             start = time.monotonic()
-            jobs = [submit(serving.port, SECOND).json()["id"] for _ in range(count)]
+            jobs = [submit(serving.port, FIFTH).json()["id"] for _ in range(count)]
             wait_for(lambda: sum(len(daemon.logged("job committed")) for daemon in fleet) == count, 600, 0.05)
             seconds = time.monotonic() - start
             work = sum(line["work_ms"] for daemon in fleet for line in daemon.logged("job committed")) / 1000
