@@ -263,16 +263,17 @@ void SizeField::set_samples(std::span<const Sample> samples, RunControl& control
 
 /// Does another sample ask for less at each place of this one's box? Then, by the triangle's inequality, everywhere.
 bool SizeField::is_dominated(std::size_t slot) const {
-  const auto& [box, tag] = samples_[slot];
-  const double size = tag.value;
+  const Samples::Entry& sample = samples_[slot];
+  const double size = sample.tag.value;
   double best = size;
   samples_.search(
       best,
       [&](const Samples::Entry& entry) {
-        return entry.tag.value + slope_ * std::sqrt(squared_farthest(entry.box, box));
+        return entry.tag.value + slope_ * std::sqrt(squared_farthest(entry.box, sample.box));
       },
       [&](std::size_t other) {
-        if (samples_[other].tag.value + slope_ * layers_[other].farthest(box) < size) best = -1;  // one is enough
+        // One is enough.
+        if (samples_[other].tag.value + slope_ * layers_[other].farthest(sample.box) < size) best = -1;
       });
   return best != size;
 }
