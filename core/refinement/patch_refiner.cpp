@@ -530,7 +530,7 @@ bool PatchRefiner::is_too_long_side(std::uint32_t h) const {
 
 /// Cuts a side of the triangle that is too long, if there is one that can be cut.
 bool PatchRefiner::cut_too_long_side(std::uint32_t t) {
-  if (criteria_.sizes.is_uniform()) return false;  // all are cut from the start
+  if (criteria_.sizes.is_uniform()) return false;  // there all are cut from the start
   for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
     if (is_too_long_side(h) && cut_side(mesh_.side(h))) return true;
   return false;
@@ -575,14 +575,8 @@ void PatchRefiner::treat(const Task& task) {
     state_[t] = State::kLocked;
     return;
   }
-  if (shape.is_too_large && !is_for_angle) {
-    const bool is_cut = cut_too_long_side(t);
-    if (impossible_.is_valid()) return;
-    if (is_cut) {
-      if (is_live(task)) push(task, shape.shortest_squared);
-      return;
-    }
-  }
+  // The cut parts the triangle, too.
+  if (shape.is_too_large && !is_for_angle && (cut_too_long_side(t) || impossible_.is_valid())) return;
   const Vec2 p = steiner_point(shape);
   if (shape.is_too_large && !is_for_angle) {
     const Vec2 best = best_for_size(p, shape.shortest);

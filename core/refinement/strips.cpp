@@ -29,7 +29,7 @@ constexpr double kRow = 0.85;
 constexpr double kRim = 1.1;
 /// Wider strips have their sides far apart: what is between them can make up for a wrong end of a row.
 constexpr double kMostRows = 12;
-/// A side may have so many more parts than its size in the middle asks for, and be of one size: by this factor and one.
+/// A side is of one size if the smallest asks for no more parts than the largest times this, and one more.
 constexpr double kEven = 1.02;
 
 using Pair = std::array<SegmentId, 2>;
