@@ -118,6 +118,51 @@ struct Cells {
   explicit Cells(std::pmr::memory_resource* memory) : cells(memory), triangles(memory) {}
 };
 
+/// Ten sizes are ten columns, whatever the last digits say.
+constexpr double kHair = 1 - 1e-11;
+
+/// The vertices along the lower or the upper side of a region's box.
+class SideRow {
+ public:
+  SideRow(std::span<const Vec2> vertices, Vec2 corner, double width, double size) : width_(width) {
+    constexpr double kSame = 1e-2;
+    for (const Vec2 p : vertices) {
+      const Vec2 d = p - corner;
+      if (std::fabs(d.y) > kSame * size) continue;
+      const bool is_first = d.x<kSame * size, is_last = d.x> width - kSame * size;
+      has_first_ |= is_first;
+      has_last_ |= is_last;
+      // Corners are where they are.
+      if (!is_first && !is_last) inner_.push_back(d.x);
+    }
+  }
+
+  /// Does it reach from corner to corner?
+  bool is_whole() const { return has_first_ && has_last_; }
+
+  /// The vertices but the corners.
+  double inner_count() const { return static_cast<double>(inner_.size()); }
+
+  /// 1: columns end where the vertices are, -1: half a column beside them; what is between is neither. One alone may be
+  /// anywhere.
+  double phase(double columns) const {
+    if (inner_.size() < 2) return 1;
+    double sum = 0;
+    for (const double x : inner_) sum += std::cos(2 * std::numbers::pi * columns * x / width_);
+    return sum / inner_count();
+  }
+
+ private:
+  double width_;
+  std::vector<double> inner_;
+  bool has_first_ = false, has_last_ = false;
+};
+
+/// Of SideRow::phase(): in step; nearer to the middles of columns than to their ends.
+constexpr double kInStep = 0.9, kBetween = -0.5;
+/// Columns are added where that makes no more points than so many rows have.
+constexpr double kRowsOutOfStep = 1.2;
+
 /// Walks the cells of the lattices, each with four of half its edge.
 class Lattice {
  public:
@@ -134,35 +179,23 @@ class Lattice {
     // The coarsest lattice: its edge is allowed somewhere.
     edge_ = is_even_ ? spacing.smallest
                      : std::ldexp(spacing.best, std::ilogb(spacing.largest / spacing.best * (1 + 1e-12)));
-    // Where sizes vary, even the same gap is not everywhere the same to the last digits.
-    if (sizes.slope > 0) edge_ *= kJustBelow;
-    double x = edge_, y = edge_ * std::numbers::sqrt3 / 2;
-    if (is_even_) {
-      // Ten sizes are ten columns, whatever the last digits say. What is narrower than one has none to fit: cells as
-      // thin as a needle would be as many as it is long.
-      constexpr double kHair = 1 - 1e-11;
-      const auto fitted = [](double extent, double step) {
-        return extent > step ? extent / std::ceil(extent / step * kHair) : step;
-      };
-      x = fitted(high.x - low_.x, x);
-      // The narrower the columns, the higher the rows may be.
-      y = fitted(high.y - low_.y, std::sqrt(edge_ * edge_ - x * x / 4));
-    }
-    along_ = {x, 0};
-    up_ = {x / 2, y};
-    const double extent = 2 * std::max(high.x - low_.x, high.y - low_.y);
-    levels_above_ = std::max(0, std::ilogb(extent / std::min(x, y)) + 1);
+    if (is_even_) edge_ *= 1 - sizes.noise;
+    width_ = high.x - low_.x;
+    height_ = high.y - low_.y;
+    along_ = {edge_, 0};
+    up_ = {edge_ / 2, edge_ * std::numbers::sqrt3 / 2};
+    if (is_even_) fit_columns(std::ceil(width_ / edge_ * kHair));
+    const double extent = 2 * std::max(width_, height_);
+    levels_above_ = std::max(0, std::ilogb(extent / std::min(along_.x, up_.y)) + 1);
   }
 
-  /// Shifts the rows by half a column if that is where most of the vertices in the lowest row are.
+  /// Fits a lattice of one size to the vertices along the box's lower and upper side.
   void match(std::span<const Vec2> vertices) {
     if (!is_even_) return;
-    constexpr double kSameRow = 1e-6;
-    double sum = 0;
-    for (const Vec2 p : vertices)
-      if (p.y - low_.y < kSameRow * edge_) sum += std::cos(2 * std::numbers::pi * (p.x - low_.x) / along_.x);
-    // The row's two ends are corners, whatever the others are.
-    if (sum < -1) low_.x -= along_.x / 2;
+    const SideRow lower(vertices, low_, width_, edge_), upper(vertices, low_ + Vec2{0, height_}, width_, edge_);
+    const double columns = match_columns(lower), phase = lower.phase(columns);
+    lean(lower.is_whole() && upper.is_whole(), phase, upper.phase(columns));
+    if (phase < kBetween) low_.x -= along_.x / 2;
   }
 
   Vec2 origin() const { return low_; }
@@ -203,7 +236,38 @@ class Lattice {
 
  private:
   static constexpr double kAlmost = 1 - 1e-9;
-  static constexpr double kJustBelow = 1 - 1e-3;
+
+  /// So many columns, and the narrower they are, the higher the rows. What is narrower than one has none to fit: cells
+  /// as thin as a needle would be as many as it is long.
+  void fit_columns(double columns) {
+    if (width_ > edge_) along_ = {width_ / columns, 0};
+    const double highest = std::sqrt(edge_ * edge_ - along_.x * along_.x / 4);
+    up_ = {along_.x / 2, height_ > highest ? height_ / std::ceil(height_ / highest * kHair) : highest};
+  }
+
+  /// As many columns as the lower side has pieces, if these are only a few more; else what they are.
+  double match_columns(const SideRow& lower) {
+    const double columns = std::round(width_ / along_.x), rows = std::max(1.0, std::round(height_ / up_.y));
+    double best = columns;
+    if (!lower.is_whole()) return best;
+    // A row that is out of step with its side has about a point too many for each column.
+    const double most = columns * (1 + kRowsOutOfStep / rows);
+    // Shifted, the pieces at both ends are half as long.
+    for (const double pieces : {lower.inner_count(), lower.inner_count() + 1})
+      if (pieces > columns && pieces <= most && std::fabs(lower.phase(pieces)) > std::fabs(lower.phase(best)))
+        best = pieces;
+    if (best > columns) fit_columns(best);
+    return best;
+  }
+
+  /// Where the last row would be out of step with its side, all rows lean a little more, if there is room for that.
+  void lean(bool are_whole, double phase_below, double phase_above) {
+    if (!are_whole || !(std::fabs(phase_below) > kInStep && std::fabs(phase_above) > kInStep)) return;
+    const double rows = std::max(1.0, std::round(height_ / up_.y));
+    const bool is_odd = std::fmod(rows, 2) == 1, is_shifted = (phase_below < 0) != (phase_above < 0);
+    const double x = along_.x * (0.5 + 0.5 / rows);
+    if (is_odd != is_shifted && x * x + up_.y * up_.y <= edge_ * edge_) up_.x = x;
+  }
 
   Vec2 place(const Cell& cell, double part) const {
     return low_ + (cell.share * (static_cast<double>(cell.i) + part)) * along_ +
@@ -242,7 +306,7 @@ class Lattice {
   const PlaneSizes& sizes_;
   std::span<const std::array<Vec2, 3>> triangles_;
   Vec2 low_, along_, up_;
-  double edge_ = 0;
+  double width_ = 0, height_ = 0, edge_ = 0;
   bool is_even_ = false;
   int levels_above_ = 0;
 };

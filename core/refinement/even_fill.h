@@ -16,12 +16,14 @@ struct PlaneSizes {
   std::function<double(Vec2)> at;
   std::function<bool(double, Vec2)> allows;  ///< is a length at most the size there? May be faster
   double slope = 0;                          ///< 0: the same everywhere
+  double noise = 0;                          ///< sizes that are meant to be the same differ by less than this part
 };
 
 /// Points of lattices of equilateral triangles, whose edges are at most the size there, inside a region and away from
 /// its boundary: what lies between is left to refinement. Each lattice has half the edges of the next coarser one, and
 /// all its points; rows run along x. Of one size, or nearly, the lattice fits the region's box: its columns as many as
-/// they must be, its rows as high as the slanting edges allow, beginning as the vertices along the box's lower side do.
+/// they must be, or as the lower side has pieces if these are few more; its rows as high as the slanting edges allow,
+/// the first and the last in step with the vertices along the lower and the upper side, if there is room.
 /// Input:  triangles that cover the region; points of its boundary, half the size there apart or less where it can be
 ///         cut, the first `vertex_count` of them its vertices; `shortest`: no point is nearer to these.
 /// Output: in lexicographic order; empty if there would be more than `most`.

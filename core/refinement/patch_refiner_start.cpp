@@ -274,7 +274,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
                    [&](double length, Vec2 p) {
                      return length * scale <= criteria_.even_size && sizes.allows(length * scale, to_space(p));
                    },
-                   sizes.slope()};
+                   sizes.slope(), SizeField::kNoise};
   }
   const std::vector<std::array<Vec2, 3>> triangles =
       made ? triangles_of(made->mesh, points, made->number) : triangles_of(patch_.mesh, patch_.uv, {});

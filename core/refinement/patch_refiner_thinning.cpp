@@ -13,7 +13,7 @@ namespace remesh {
 namespace {
 
 // Shares from 0.8 to 0.9, shapes from 0.15 to 0.185 and 4 to 12 places give counts within a half per cent. Of these,
-// the ones here are such that TetGen's worst dihedral angles came out well on three parts (one of some forty settings
+// the ones here are such that TetGen's worst dihedral angles came out well on three parts (one of some thirty settings
 // did): next time that may be others.
 
 /// Points whose edges all are longer than this share of what is allowed stay: there is no room for fewer.
@@ -26,7 +26,7 @@ constexpr std::size_t kMostEdges = 24;
 /// Sizes change across a few triangles: their average may seem a little too large.
 constexpr double kAlmost = 0.8;
 /// Places that are tried for one point instead of two.
-constexpr int kPlaces = 6;
+constexpr int kPlaces = 10;
 
 double squared_length(Vec2 a) { return dot(a, a); }
 

@@ -80,6 +80,7 @@ class SizeField::Sampler {
                        kFloorTolerances * plane_tolerance / surface.unit});
     largest_ = goals.max_edge_length / surface.unit;
     coarse_ = kCoarse * box_.diagonal();
+    tolerance_ = plane_tolerance / surface.unit;
   }
 
   void sample_gaps(const GapSearch& gaps);
@@ -120,6 +121,7 @@ class SizeField::Sampler {
   double floor_;
   double largest_;
   double coarse_;
+  double tolerance_;
   std::vector<Sample> samples_;
 };
 
@@ -163,7 +165,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
     cut(gaps, cell, box, out.cells);
     return;
   }
-  const double size = std::max(gap / proximity_, floor_);
+  const double size = std::max((gap * (1 + 2 * kNoise) + tolerance_) / proximity_, floor_);
   if (size >= largest_ || size == HUGE_VAL) return;
   FloatBox whole;
   whole.add(box.min);

@@ -30,12 +30,13 @@ class SizeField {
   /// The same size everywhere.
   explicit SizeField(double size = std::numeric_limits<double>::infinity()) : largest_(size) {}
 
-  /// With goals.proximity > 0: size = max(gap / proximity, floor), floor = max(goals.min_edge_length, 2^-11 of the
-  /// box's diagonal, 10 plane tolerances). Each patch is cut into cells until a cell reaches from its middle at most
-  /// half the gap there; all of it is given the size of its middle. So at() is at most twice what any place asks for
-  /// (where the gap shrinks as fast as one can come nearer); across a wall or a slot of one width it is exact. What is
-  /// faced only from a part of a cell, and faces it in its turn only with a part of its own, may be missed if that part
-  /// is smaller than some 2^-5 of the diagonal.
+  /// With goals.proximity > 0: size = max((gap (1 + 2 kNoise) + plane_tolerance) / proximity, floor): what is ten gaps
+  /// long is cut into ten pieces, whatever the last digits of the input say; floor = max(goals.min_edge_length,
+  /// 2^-11 of the box's diagonal, 10 plane tolerances). Each patch is cut into cells until a cell reaches from its
+  /// middle at most half the gap there; all of it is given the size of its middle. So at() is at most twice what any
+  /// place asks for (where the gap shrinks as fast as one can come nearer); across a wall or a slot of one width it is
+  /// exact. What is faced only from a part of a cell, and faces it in its turn only with a part of its own, may be
+  /// missed if that part is smaller than some 2^-5 of the diagonal.
   ///
   /// With goals.gradation > 0: an edge on a segment between essential vertices is as long as the segment at most, so
   /// that is the size there, though none under the floor.
@@ -47,6 +48,9 @@ class SizeField {
 
   /// Cells are not cut further where there would be more than these, and more than four a patch.
   static constexpr std::size_t kMostSamples = std::size_t{1} << 19;
+
+  /// Sizes are kept in single precision, so those of one gap differ in their last digits: by less than this part.
+  static constexpr double kNoise = 0x1p-21;
 
   /// Is it the same everywhere? Then `largest()` is all there is to know.
   bool is_uniform() const { return samples_.size() == 0; }

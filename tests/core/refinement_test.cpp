@@ -593,6 +593,41 @@ TEST(refinement, rows_across_a_wall_end_between_the_pieces_of_its_sides) {
   }
 }
 
+TEST(refinement, a_plate_of_so_many_thicknesses_is_cut_into_so_many_pieces_whatever_the_last_digits_say) {
+  // As doubles, as a binary STL's floats, in print.
+  const auto single = [](PolygonMesh mesh) {
+    for (Vec3& p : mesh.positions) p = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    return mesh;
+  };
+  const auto in_print = [](const PolygonMesh& mesh) { return shapes::rounded(mesh, 1e-4); };
+  struct Written {
+    std::function<PolygonMesh(const PolygonMesh&)> as;
+    double rounding;
+  };
+  for (const double thick : {1.0, 0.1, 0.7, 3.3})
+    for (const Written& written :
+         {Written{std::identity(), 0x1p-50}, Written{single, 0x1p-20}, Written{in_print, 1e-4}}) {
+      const Vec3 corner{5.1, -3.3, 0.7};
+      const PolygonMesh mesh = written.as(shapes::moved(shapes::box({12 * thick, 7 * thick, thick}), corner));
+      Options options;
+      options.plane_tolerance = 2 * written.rounding;
+      options.proximity = 1;
+      options.min_angle_deg = 20;
+      const Result result = refined(mesh, options);
+      expect_promises(mesh, options, result);
+      const auto count = [&](int axis, int other) {
+        return std::count_if(result.mesh.positions.begin(), result.mesh.positions.end(), [&](const Vec3& p) {
+          return std::fabs(p[axis] - corner[axis]) < 0.1 * thick && std::fabs(p[other] - corner[other]) < 0.1 * thick;
+        });
+      };
+      EXPECT_EQ(count(1, 2), 13) << thick;
+      EXPECT_EQ(count(0, 2), 8) << thick;
+      // Of equilateral triangles it would take so many.
+      const double triangles = 2 * (12 * 7 + 12 + 7) / (std::sqrt(3) / 4);
+      EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 1.35 * triangles) << thick;
+    }
+}
+
 TEST(refinement, sizes_grow_no_faster_than_asked) {
   // A plate with one short edge: from there on, edges may be twice as long from one to the next.
   const PolygonMesh mesh = shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0.05, 8}, {0, 7.95}});

@@ -168,6 +168,38 @@ TEST(even_fill, rows_begin_as_the_vertices_along_the_lowest_side_do) {
   }
 }
 
+/// A plate ten wide, its lower and upper side cut into so many pieces.
+polygons::Polygon plate_of_pieces(double height, int pieces) {
+  polygons::Polygon plate;
+  for (int k = 0; k <= pieces; ++k) plate.outer.push_back({10.0 * k / pieces, 0});
+  for (int k = pieces; k >= 0; --k) plate.outer.push_back({10.0 * k / pieces, height});
+  return plate;
+}
+
+TEST(even_fill, there_are_as_many_columns_as_the_sides_have_pieces_if_these_are_few_more) {
+  const auto columns = [](int pieces) {
+    std::vector<Vec2> points = fill(region(plate_of_pieces(10.2, pieces), uniform(1)), uniform(1));
+    std::sort(points.begin(), points.end(), [](Vec2 a, Vec2 b) { return std::pair(a.y, a.x) < std::pair(b.y, b.x); });
+    return 10 / (points[1].x - points[0].x);
+  };
+  EXPECT_NEAR(columns(10), 10, 1e-9);
+  EXPECT_NEAR(columns(11), 11, 1e-9);
+  EXPECT_NEAR(columns(15), 10, 1e-9);
+}
+
+TEST(even_fill, an_odd_number_of_rows_leans_so_that_the_last_one_is_in_step_as_the_first) {
+  for (const double rows : {11.0, 12.0, 21.0}) {
+    const double height = rows * 0.83;  // an edge of 1 is a row 0.866 high, so there is room
+    const std::vector<Vec2> points = fill(region(plate_of_pieces(height, 10), uniform(1)), uniform(1));
+    for (const Vec2 p : points) {
+      const double row = std::round(p.y / 0.83), lean = std::fmod(rows, 2) == 1 ? 0.5 + 0.5 / rows : 0.5;
+      EXPECT_NEAR(p.y, row * 0.83, 1e-9);
+      EXPECT_NEAR(p.x - row * lean, std::round(p.x - row * lean), 1e-9);
+    }
+    EXPECT_GE(static_cast<double>(points.size()), (rows - 1) * 9);
+  }
+}
+
 TEST(even_fill, no_point_is_nearer_to_the_boundary_than_the_shortest_edge) {
   // Three columns of 0.77, whose every second row would end 0.38 from the sides.
   const Region narrow = region(polygons::Polygon{{{0, 0}, {2.31, 0}, {2.31, 5}, {0, 5}}, {}}, uniform(1));

@@ -16,7 +16,7 @@ namespace remesh {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-/// Sizes are kept in single precision, rounded down.
+/// Sizes are kept in single precision, and a little too large.
 constexpr double kSingle = 1e-6;
 
 Goals goals(double proximity, double gradation) {
@@ -30,7 +30,7 @@ Goals goals(double proximity, double gradation) {
 }
 
 struct Scene {
-  Scene(const PolygonMesh& mesh, const Goals& goals, double tolerance = 1e-6)
+  Scene(const PolygonMesh& mesh, const Goals& goals, double tolerance = 1e-12)
       : chain(mesh, tolerance),
         gaps(chain.surface, chain.adjacency, chain.patches, tolerance, chain.control),
         sizes(chain.surface, goals.proximity > 0 ? &gaps : nullptr, segments(chain), goals, tolerance, chain.control) {}
@@ -97,6 +97,17 @@ TEST(size_field, between_plates_it_is_the_gap_over_the_proximity_and_grows_away_
       EXPECT_NEAR(scene.sizes.at({2, -0.5, 0}), size + (gradation - 1) * 0.5, kSingle * gradation);
       EXPECT_NEAR(scene.sizes.at({2, 2, -3}), size + (gradation - 1) * 3, 3 * kSingle * gradation);
     }
+}
+
+TEST(size_field, it_is_larger_than_the_gap_by_more_than_its_noise_and_by_the_tolerance) {
+  Random random(3);
+  for (int i = 0; i < 50; ++i) {
+    const double gap = 0.05 + 0.2 * random.unit(), tolerance = 1e-4 * gap;
+    const double exact = Scene(plates(gap), goals(1, 1.5)).sizes.at({1, 2, 0});
+    EXPECT_GT(exact * (1 - SizeField::kNoise), gap);
+    EXPECT_LT(exact, gap * (1 + kSingle));
+    EXPECT_NEAR(Scene(plates(gap), goals(2, 1.5), tolerance).sizes.at({1, 2, 0}), (gap + tolerance) / 2, kSingle);
+  }
 }
 
 TEST(size_field, across_the_rim_of_a_wall_it_grows_from_both_sides_however_the_wall_stands) {
@@ -253,7 +264,7 @@ TEST(size_field, a_length_is_allowed_if_it_is_at_most_the_size) {
 
 TEST(size_field, scaling_by_a_power_of_two_scales_it_exactly) {
   const Scene one(thick_and_thin(), goals(1, 1.5));
-  const Scene big(shapes::scaled(thick_and_thin(), 1024), goals(1, 1.5), 1024e-6);
+  const Scene big(shapes::scaled(thick_and_thin(), 1024), goals(1, 1.5), 1024e-12);
   EXPECT_EQ(one.sizes.sample_count(), big.sizes.sample_count());
   Random random(7);
   for (int i = 0; i < 1000; ++i) {
