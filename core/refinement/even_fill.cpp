@@ -185,8 +185,6 @@ class Lattice {
     along_ = {edge_, 0};
     up_ = {edge_ / 2, edge_ * std::numbers::sqrt3 / 2};
     if (is_even_) fit_columns(std::ceil(width_ / edge_ * kHair));
-    const double extent = 2 * std::max(width_, height_);
-    levels_above_ = std::max(0, std::ilogb(extent / std::min(along_.x, up_.y)) + 1);
   }
 
   /// Fits a lattice of one size to the vertices along the box's lower and upper side.
@@ -212,8 +210,10 @@ class Lattice {
     all.triangles.resize(triangles_.size());
     std::iota(all.triangles.begin(), all.triangles.end(), 0u);
     // The box's lower left corner is the lattice's origin; rows lean to the right, so cells begin left of it.
-    const double share = std::ldexp(1.0, levels_above_);
-    for (const std::int64_t i : {-1, 0}) add({-levels_above_, share, i, 0, 0, triangles_.size()}, all, cover);
+    const double extent = 2 * std::max(width_, height_);
+    const int levels_above = std::max(0, std::ilogb(extent / std::min(along_.x, up_.y)) + 1);
+    const double share = std::ldexp(1.0, levels_above);
+    for (const std::int64_t i : {-1, 0}) add({-levels_above, share, i, 0, 0, triangles_.size()}, all, cover);
     return cover;
   }
 
@@ -308,7 +308,6 @@ class Lattice {
   Vec2 low_, along_, up_;
   double width_ = 0, height_ = 0, edge_ = 0;
   bool is_even_ = false;
-  int levels_above_ = 0;
 };
 
 }  // namespace
