@@ -1,0 +1,164 @@
+// Sizes that see the third dimension, and how they grow from place to place: no edge longer than the gap, and hardly a
+// face more than that takes.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "core/remesh.h"
+#include "tests/support/refined_checks.h"
+#include "tests/support/shapes.h"
+#include "tests/support/solids.h"
+
+namespace remesh {
+namespace {
+
+constexpr double kHair = 1 + 1e-9;
+
+double distance_to_outer_walls(const Vec3& p, double width) { return std::min({p.x, p.y, width - p.x, width - p.y}); }
+
+TEST(refinement_proximity, between_two_plates_no_edge_is_longer_than_the_gap) {
+  for (const double gap : {0.25, 0.1}) {
+    const PolygonMesh plate = shapes::sheet(2, 2, 1, 1);
+    const PolygonMesh mesh = shapes::joined(plate, shapes::moved(plate, {0, 0, gap}));
+    Options options;
+    options.proximity = 1;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_LE(longest_edge(result.mesh), gap * kHair);
+    ASSERT_TRUE(result.report.smallest_gap.has_value());
+    EXPECT_NEAR(*result.report.smallest_gap, gap, 1e-9);
+    // Of equilateral triangles it would take these; near the rims there are more.
+    const double triangles = 2 * 4 / (gap * gap * std::sqrt(3) / 4);
+    EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 3 * triangles);
+    // Twice as fine where asked.
+    options.proximity = 2;
+    EXPECT_LE(longest_edge(refined(mesh, options).mesh), gap / 2 * kHair);
+  }
+}
+
+TEST(refinement_proximity, across_the_walls_of_a_tube_no_edge_is_longer_than_they_are_thick) {
+  const double width = 2, thick = 0.1;
+  const PolygonMesh mesh = solids::tube(width, 0.5, thick);
+  Options options;
+  options.proximity = 1;
+  options.min_angle_deg = 20;
+  const Result result = refined(mesh, options);
+  expect_promises(mesh, options, result);
+  std::size_t on_walls = 0;
+  for (const Triangle& t : result.mesh.faces)
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 &a = result.mesh.positions[t[k]], &b = result.mesh.positions[t[(k + 1) % 3]];
+      const bool is_outside = distance_to_outer_walls(a, width) == 0 && distance_to_outer_walls(b, width) == 0;
+      if (!is_outside) continue;
+      ++on_walls;
+      // Every place of an outer wall has the inner one a wall's thickness away, but near the upright edges, where the
+      // inner wall ends: the distance is the diagonal's there.
+      EXPECT_LE(norm(b - a), thick * std::sqrt(2) * kHair);
+    }
+  EXPECT_GT(on_walls, 1000u);
+}
+
+TEST(refinement_proximity, edges_across_the_rim_of_a_wall_may_be_longer_by_the_gradation) {
+  const double thick = 0.1;
+  for (const double degrees : {0.0, 35.0}) {
+    const auto turned = [&](const PolygonMesh& mesh, double by) { return shapes::rotated(mesh, {1, 2, 3}, by); };
+    const PolygonMesh mesh = turned(shapes::box({1.03, 0.77, thick}), degrees);
+    Options options;
+    options.proximity = 1;
+    options.min_angle_deg = 20;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    PolygonMesh back;
+    for (const Vec3& p : result.mesh.positions) back.positions.push_back(p);
+    back = turned(back, -degrees);
+    double longest_across = 0;
+    for (const Triangle& t : result.mesh.faces)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 &a = back.positions[t[k]], &b = back.positions[t[(k + 1) % 3]];
+        const double height = 0.5 * (a.z + b.z), way = std::min(height, thick - height);
+        EXPECT_LE(norm(b - a), (thick + 0.5 * way) * kHair);
+        longest_across = std::max(longest_across, norm(b - a));
+      }
+    EXPECT_GT(longest_across, 1.05 * thick) << degrees;
+  }
+}
+
+TEST(refinement_proximity, rows_across_a_wall_end_between_the_pieces_of_its_sides) {
+  // Two, three and four rows of triangles, ten columns, on a wall of thickness 1: not a point too many.
+  for (const double width : {1.7, 2.55, 3.4}) {
+    const double rows = std::round(width / 0.85);
+    const PolygonMesh mesh = shapes::box({9.9, width, 1});
+    Options options;
+    options.proximity = 1;
+    options.min_angle_deg = 20;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    const auto is_on_wall = [&](const Triangle& t) {
+      return std::all_of(t.begin(), t.end(), [&](VertexId v) { return result.mesh.positions[v].z == 1; });
+    };
+    EXPECT_EQ(std::count_if(result.mesh.faces.begin(), result.mesh.faces.end(), is_on_wall), rows * (10 + 11)) << width;
+  }
+}
+
+TEST(refinement_proximity, a_plate_of_so_many_thicknesses_is_cut_into_so_many_pieces_whatever_the_last_digits_say) {
+  // As doubles, as a binary STL's floats, in print.
+  const auto single = [](PolygonMesh mesh) {
+    for (Vec3& p : mesh.positions) p = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    return mesh;
+  };
+  const auto in_print = [](const PolygonMesh& mesh) { return shapes::rounded(mesh, 1e-4); };
+  struct Written {
+    std::function<PolygonMesh(const PolygonMesh&)> as;
+    double rounding;
+  };
+  for (const double thick : {1.0, 0.1, 0.7, 3.3})
+    for (const Written& written :
+         {Written{std::identity(), 0x1p-50}, Written{single, 0x1p-20}, Written{in_print, 1e-4}}) {
+      const Vec3 corner{5.1, -3.3, 0.7};
+      const PolygonMesh mesh = written.as(shapes::moved(shapes::box({12 * thick, 7 * thick, thick}), corner));
+      Options options;
+      options.plane_tolerance = 2 * written.rounding;
+      options.proximity = 1;
+      options.min_angle_deg = 20;
+      const Result result = refined(mesh, options);
+      expect_promises(mesh, options, result);
+      const auto count = [&](int axis, int other) {
+        return std::count_if(result.mesh.positions.begin(), result.mesh.positions.end(), [&](const Vec3& p) {
+          return std::fabs(p[axis] - corner[axis]) < 0.1 * thick && std::fabs(p[other] - corner[other]) < 0.1 * thick;
+        });
+      };
+      EXPECT_EQ(count(1, 2), 13) << thick;
+      EXPECT_EQ(count(0, 2), 8) << thick;
+      // Of equilateral triangles it would take so many.
+      const double triangles = 2 * (12 * 7 + 12 + 7) / (std::sqrt(3) / 4);
+      EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 1.35 * triangles) << thick;
+    }
+}
+
+TEST(refinement_proximity, sizes_grow_no_faster_than_asked) {
+  // A plate with one short edge: from there on, edges may be twice as long from one to the next.
+  const PolygonMesh mesh = shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0.05, 8}, {0, 7.95}});
+  std::size_t before = 0;
+  for (const double gradation : {3.0, 1.5, 1.2}) {
+    Options options;
+    options.gradation = gradation;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_GT(result.mesh.faces.size(), before) << gradation;
+    before = result.mesh.faces.size();
+    // Each edge is at most the short one plus (gradation - 1) times the way there, by the report's own definition.
+    const Vec3 near{0.025, 7.975, 0};
+    for (const Triangle& t : result.mesh.faces)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 &a = result.mesh.positions[t[k]], &b = result.mesh.positions[t[(k + 1) % 3]];
+        const double way = std::max(norm(a - near), norm(b - near));
+        EXPECT_LE(norm(b - a), 0.075 + (gradation - 1) * way);
+      }
+  }
+}
+
+}  // namespace
+}  // namespace remesh
