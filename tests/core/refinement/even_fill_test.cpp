@@ -159,7 +159,7 @@ TEST(even_fill, rows_begin_as_the_vertices_along_the_lowest_side_do) {
   const double height = std::sqrt(3) * (1 - 1e-6);  // two rows
   for (const double first : {1.0, 0.5}) {
     polygons::Polygon plate{{{0, 0}}, {}};
-    for (double x = first; x < 10; ++x) plate.outer.push_back({x, 0});
+    for (int k = 0; first + k < 10; ++k) plate.outer.push_back({first + k, 0});
     for (const Vec2 p : {Vec2{10, 0}, Vec2{10, height}, Vec2{0, height}}) plate.outer.push_back(p);
     const std::vector<Vec2> points = fill(region(plate, uniform(1)), uniform(1));
     // Between the two sides there is one row, half a column from either.
