@@ -125,11 +125,12 @@ constexpr double kHair = 1 - 1e-11;
 class SideRow {
  public:
   SideRow(std::span<const Vec2> vertices, Vec2 corner, double width, double size) : width_(width) {
-    constexpr double kSame = 1e-2;
+    const double same = 1e-2 * size;
     for (const Vec2 p : vertices) {
       const Vec2 d = p - corner;
-      if (std::fabs(d.y) > kSame * size) continue;
-      const bool is_first = d.x<kSame * size, is_last = d.x> width - kSame * size;
+      if (std::fabs(d.y) > same) continue;
+      const bool is_first = d.x < same;
+      const bool is_last = d.x > width - same;
       has_first_ |= is_first;
       has_last_ |= is_last;
       // Corners are where they are.
