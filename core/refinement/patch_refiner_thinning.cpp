@@ -13,7 +13,7 @@ namespace remesh {
 namespace {
 
 // Shares from 0.8 to 0.9, shapes from 0.15 to 0.185 and 4 to 12 places give counts within a half per cent. Of these,
-// the ones here are such that TetGen's worst dihedral angles came out well on three parts (one of some thirty settings
+// the ones here are such that TetGen's worst dihedral angles came out well on three parts (two of some thirty settings
 // did): next time that may be others.
 
 /// Points whose edges all are longer than this share of what is allowed stay: there is no room for fewer.

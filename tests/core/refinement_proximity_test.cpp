@@ -132,7 +132,7 @@ TEST(refinement_proximity, a_plate_of_so_many_thicknesses_is_cut_into_so_many_pi
       };
       EXPECT_EQ(count(1, 2), 13) << thick;
       EXPECT_EQ(count(0, 2), 8) << thick;
-      // Of equilateral triangles it would take so many.
+      // Of equilateral triangles it would take so many. Squares across the rims have a point inside each.
       const double triangles = 2 * (12 * 7 + 12 + 7) / (std::sqrt(3) / 4);
       EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 1.35 * triangles) << thick;
     }
