@@ -166,6 +166,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   // Clusters: ends of segments that meet under a small angle in some patch. End 2s is `from` of segment s, 2s + 1 `to`.
   UnionFind clusters(2 * segments_.size());
   std::vector<double> sharpest(2 * segments_.size(), std::numbers::pi / 2);
+  std::vector<Corner> corners;
   std::vector<double> feature(segments_.size());
   std::vector<double> roundings(segments_.size());
   for_each_segment([&](SegmentId s, const BoundarySegment& segment) {
@@ -189,6 +190,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     // The next side comes in at the vertex: it ends where this one starts.
     const std::uint32_t there = end_at_start(sides_[seen[i].next]) ^ 1u;
     clusters.join(here, there);
+    corners.push_back({here, there, seen[i].angle});
     sharpest[here] = std::min(sharpest[here], seen[i].angle);
     sharpest[there] = std::min(sharpest[there], seen[i].angle);
   }
@@ -217,6 +219,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   });
   const std::vector<EvenParts> parts = parts_along_strips(meshes, *this, feature, goals, sizes, control);
   for_each_segment([&](SegmentId s, BoundarySegment& segment) { segment.parts = parts[s.value]; });
+  corner_shells_ = CornerShells(*this, std::move(corners), goals, sizes, control);
 }
 
 Vec3 SegmentTable::position(SegmentId s, double t) const {
@@ -242,52 +245,6 @@ std::optional<double> SegmentTable::cut(SegmentId id, double t0, double t1) cons
   const std::optional<double> t = place_cut(s, t0, t1);
   if (t && std::min(*t - t0, t1 - *t) * s.length < s.floor) return std::nullopt;
   return t;
-}
-
-std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes) const {
-  const BoundarySegment& s = segments_[id];
-  std::vector<double> cuts;
-  if (s.is_locked || (sizes.is_uniform() && !std::isfinite(sizes.largest()))) return cuts;
-  if (s.parts.count > 1) {
-    std::vector<std::array<double, 2>> pieces{{0, 1}};
-    while (!pieces.empty()) {
-      const auto [t0, t1] = pieces.back();
-      pieces.pop_back();
-      if ((t1 - t0) * s.length * (1 - 1e-12) <= sizes.at(position(id, t0 + (t1 - t0) / 2))) continue;
-      const double t = s.parts.cut(t0, t1);
-      if (min_edge_length_ > 0 && std::min(t - t0, t1 - t) * s.length < s.floor) continue;
-      cuts.push_back(t);
-      pieces.push_back({t0, t});
-      pieces.push_back({t, t1});
-    }
-    std::sort(cuts.begin(), cuts.end());
-    return cuts;
-  }
-  // The way along the segment, counted in sizes, from step to step: each about half the size before.
-  std::vector<std::pair<double, double>> way{{0, 0}};  // parameter, sizes so far
-  double size = sizes.is_uniform() ? sizes.largest() : sizes.at(position(id, 0));
-  while (way.back().first < 1) {
-    const auto [t, count] = way.back();
-    double next = sizes.is_uniform() ? 1 : t + size / 2 / s.length;
-    if (!(next < 1 - 1e-9)) next = 1;
-    if (!sizes.is_uniform()) size = sizes.at(position(id, t + (next - t) / 2));
-    way.emplace_back(next, count + (next - t) * s.length / size);
-  }
-  double parts = std::ceil(way.back().second * (1 - 1e-12));
-  if (min_edge_length_ > 0) parts = std::min(parts, std::floor(s.length / s.floor));
-  const auto n = static_cast<std::uint64_t>(std::max(1.0, parts));
-  std::size_t k = 1;
-  for (std::uint64_t i = 1; i < n; ++i) {
-    if (sizes.is_uniform()) {
-      cuts.push_back(static_cast<double>(i) / static_cast<double>(n));
-      continue;
-    }
-    const double wanted = way.back().second * static_cast<double>(i) / static_cast<double>(n);
-    while (way[k].second < wanted) ++k;
-    const double part = (wanted - way[k - 1].second) / (way[k].second - way[k - 1].second);
-    cuts.push_back(way[k - 1].first + part * (way[k].first - way[k - 1].first));
-  }
-  return cuts;
 }
 
 }  // namespace remesh

@@ -11,6 +11,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/mesh/surface.h"
+#include "core/refinement/corner_shells.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/size_field.h"
 #include "core/stages/patch_meshing.h"
@@ -83,10 +84,14 @@ class SegmentTable {
 
   /// The parameters at which a segment is cut for its size, before anything else: into the fewest parts that are no
   /// longer than the size there, equal where it is; on the side of a strip between its parts, by halves until no piece
-  /// is longer than the size in its middle. Ascending.
+  /// is longer than the size in its middle; beside sharp corners on their shells (CornerShells). Ascending.
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
 
  private:
+  void cut_at_corners(SegmentId s, std::span<const double> at_from, std::span<const double> at_to,
+                      const SizeField& sizes, std::vector<double>& cuts) const;
+  void cut_between_parts(SegmentId s, const SizeField& sizes, std::vector<double>& cuts) const;
+  void cut_evenly(SegmentId s, double first, double last, const SizeField& sizes, std::vector<double>& cuts) const;
   std::optional<double> place_cut(const BoundarySegment& s, double t0, double t1) const;
 
   const Surface& surface_;
@@ -95,6 +100,7 @@ class SegmentTable {
   std::vector<SegmentSide> sides_;
   std::vector<std::uint32_t> begin_;
   Grouping by_patch_;  ///< sides
+  CornerShells corner_shells_;
 };
 
 }  // namespace remesh
