@@ -17,6 +17,9 @@ namespace {
 /// Corners are sharp if their sides, at the distance 1, are no farther apart than this share of the bound's tangent:
 /// else pieces as long as the size give triangles in one row that meet the bound.
 constexpr double kSharp = 0.5;
+/// A corner that is so many times less sharp than another one beside it is not cut like that: one sliver in a fan would
+/// have all of it cut as finely.
+constexpr double kAlike = 2;
 /// In sizes: sides are no longer near each other where a row of the largest triangles has some room between them.
 constexpr double kFarApart = 0.85;
 /// Pieces are so much shorter than the bound on angles allows: rows are not quite regular.
@@ -185,6 +188,18 @@ class Way {
   std::vector<Stop> stops_;
 };
 
+/// How many of a group's distances are on a side, and leave enough of it behind the last.
+std::size_t count_near(const Side& side, std::span<const double> distances) {
+  double before = 0;
+  std::size_t count = 0;
+  for (const double here : distances) {
+    if (here > side.common * (1 + 1e-9) || side.length - here < kLeastRest * (here - before)) break;
+    before = here;
+    ++count;
+  }
+  return count;
+}
+
 }  // namespace
 
 CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corners, const Goals& goals,
@@ -198,6 +213,10 @@ CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corner
         std::lower_bound(sides.begin(), sides.end(), end, [](const Side& s, std::uint32_t e) { return s.end < e; }) -
         sides.begin());
   };
+  std::erase_if(corners, [&](const Corner& c) {
+    return width_of(c.angle) > kAlike * std::min(sides[slot(c.end)].width, sides[slot(c.other)].width);
+  });
+  sides = sides_of(corners, table);
   std::vector<Pair> pairs;
   UnionFind together(sides.size());
   for (const Corner& c : corners) {
@@ -228,14 +247,8 @@ CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corner
       way.add_distances(block.distances);
       const std::size_t count = (block.distances.size() - first) / 2;
       for (const std::uint32_t i : groups[g]) {
-        const Side& side = sides[i];
-        const std::size_t begin = side.is_between ? first + count : first;
-        std::size_t size = 0;
-        for (double before = 0; size < count; before = block.distances[begin + size++]) {
-          const double here = block.distances[begin + size];
-          if (here > side.common * (1 + 1e-9) || side.length - here < kLeastRest * (here - before)) break;
-        }
-        ranges_[i] = {side.end, begin, size};
+        const std::size_t begin = sides[i].is_between ? first + count : first;
+        ranges_[i] = {sides[i].end, begin, count_near(sides[i], std::span(block.distances).subspan(begin, count))};
         block.sides.push_back(i);
       }
     }

@@ -91,6 +91,29 @@ TEST(sharp_corners, around_a_vertex_facets_take_turns) {
   }
 }
 
+/// Facets around the origin, folded along the edges between them.
+PolygonMesh fan(const std::vector<double>& degrees) {
+  std::vector<Vec3> positions{{0, 0, 0}, {1, 0, 0.02}};
+  std::vector<std::vector<std::uint32_t>> faces;
+  double turn = 0;
+  for (const double angle : degrees) {
+    turn += angle * kDegree;
+    const auto k = static_cast<std::uint32_t>(positions.size());
+    positions.push_back({std::cos(turn), std::sin(turn), k % 2 == 0 ? -0.02 : 0.02});
+    faces.push_back({0, k - 1, k});
+  }
+  return shapes::from_lists(positions, faces);
+}
+
+TEST(sharp_corners, one_sliver_in_a_fan_does_not_make_all_of_it_finer) {
+  std::vector<double> degrees(21, 8);
+  const std::size_t even = refined(fan(degrees), with(25, 0.05)).mesh.faces.size();
+  degrees[10] = 0.4;
+  const Result result = refined(fan(degrees), with(25, 0.05));
+  expect_promises(fan(degrees), with(25, 0.05), result);
+  EXPECT_LE(static_cast<double>(result.mesh.faces.size()), 1.02 * static_cast<double>(even));
+}
+
 TEST(sharp_corners, what_is_too_sharp_for_the_angle_is_excused_and_stays_coarse) {
   for (const double degrees : {1e-2, 1e-4, 1e-6}) {
     const PolygonMesh mesh = needle(degrees);
