@@ -261,6 +261,7 @@ void draw_all(const std::filesystem::path& folder, const std::filesystem::path& 
   write_file(folder / "essential_vertices.svg", patch.loops_and_essential_vertices());
   write_file(folder / "triangulation.svg", patch.triangulation());
   write_file(folder / "refinement.svg", refinement_of_patch(part, upper_face_of_base(part), control));
+  write_file(folder / "sharp_corner.svg", sharp_corner(control));
   write_file(folder / "three_settings.svg", three_settings(mesh, control));
 }
 

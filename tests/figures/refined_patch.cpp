@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <string>
 #include <vector>
 
 #include "core/mesh/pinched_vertices.h"
@@ -12,6 +13,7 @@
 #include "core/refinement/patch_refiner.h"
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
+#include "core/remesh.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/essential_vertices.h"
 #include "core/stages/patch_meshing.h"
@@ -25,6 +27,12 @@ namespace {
 const Colour kBad{0.97, 0.80, 0.78};
 const Colour kNeighbour{0.13, 0.53, 0.33};
 constexpr double kLargestEdge = 6;
+
+/// Has the triangle an angle below that of the tangent?
+bool is_bad(Vec2 a, Vec2 b, Vec2 c, double tangent) {
+  const auto is_sharp = [&](Vec2 at, Vec2 p, Vec2 q) { return cross(p - at, q - at) < tangent * dot(p - at, q - at); };
+  return is_sharp(a, b, c) || is_sharp(b, c, a) || is_sharp(c, a, b);
+}
 
 class Figure {
  public:
@@ -88,18 +96,11 @@ class Figure {
     return meshes[patch_.value];
   }
 
-  bool is_bad(Vec2 a, Vec2 b, Vec2 c) const {
-    const auto is_sharp = [&](Vec2 at, Vec2 p, Vec2 q) {
-      return cross(p - at, q - at) < tangent_ * dot(p - at, q - at);
-    };
-    return is_sharp(a, b, c) || is_sharp(b, c, a) || is_sharp(c, a, b);
-  }
-
   void draw_triangles(const PatchMesh& patch, Panel& panel) const {
     const Triangulation2d& mesh = patch.mesh;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
       const Vec2 a = patch.uv[mesh.from(h)], b = patch.uv[mesh.to(h)], c = patch.uv[mesh.apex(h)];
-      panel.polygon({a, b, c}, is_bad(a, b, c) ? kBad : kPaper, mix(kInk, kFaint, 0.4), 0.6);
+      panel.polygon({a, b, c}, is_bad(a, b, c, tangent_) ? kBad : kPaper, mix(kInk, kFaint, 0.4), 0.6);
     }
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h)
       if (mesh.is_constrained(h)) panel.line(patch.uv[mesh.from(h)], patch.uv[mesh.to(h)], kOuter, 1.6);
@@ -135,6 +136,33 @@ class Figure {
 
 std::string refinement_of_patch(const Part& part, PatchId patch, RunControl& control) {
   return Figure(part, patch, control).draw();
+}
+
+std::string sharp_corner(RunControl& control) {
+  constexpr double kDegrees = 5, kLength = 100, kBound = 25;
+  const double angle = kDegrees * std::numbers::pi / 180, tangent = std::tan(kBound * std::numbers::pi / 180);
+  PolygonMesh needle;
+  needle.positions.push_back({0, 0, 0});
+  needle.positions.push_back({kLength, 0, 0});
+  needle.positions.push_back({kLength * std::cos(angle), kLength * std::sin(angle), 0});
+  needle.face_begin = {0, 3};
+  needle.corners = {VertexId(0), VertexId(1), VertexId(2)};
+  const auto drawn = [&](double bound, const std::string& title, const std::string& caption) {
+    Options options;
+    options.max_edge_length = kLargestEdge;
+    options.min_angle_deg = bound;
+    const Result result = remesh_surface(needle, options, RunSettings{}, control);
+    Panel panel(title, count(result.mesh.faces.size()) + " triangles" + caption);
+    for (const auto& corners : result.mesh.faces) {
+      std::vector<Vec2> at;
+      for (const VertexId v : corners) at.push_back({result.mesh.positions[v].x, result.mesh.positions[v].y});
+      panel.polygon(at, is_bad(at[0], at[1], at[2], tangent) ? kBad : kPaper, mix(kInk, kFaint, 0.4), 0.6);
+    }
+    return panel;
+  };
+  return to_svg({drawn(0, "max_edge_length 6", "; red: an angle below 25 degrees"),
+                 drawn(kBound, "max_edge_length 6, min_angle_deg 25", ", in one row from the corner on")},
+                620, 100);
 }
 
 }  // namespace remesh::figures

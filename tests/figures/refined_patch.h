@@ -1,4 +1,4 @@
-/// The figure of the stage refinement.
+/// The figures of the stage refinement.
 #pragma once
 
 #include <string>
@@ -11,5 +11,8 @@ namespace remesh::figures {
 
 /// One patch before, during and after the refinement of all patches, and the same with a largest edge; as SVG.
 std::string refinement_of_patch(const Part& part, PatchId patch, RunControl& control);
+
+/// A facet with a sharp corner and a largest edge, without and with a bound on angles; as SVG.
+std::string sharp_corner(RunControl& control);
 
 }  // namespace remesh::figures
