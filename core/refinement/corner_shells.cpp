@@ -138,17 +138,20 @@ class Way {
   void add_distances(std::vector<double>& distances) const {
     distances.push_back(stops_[0].distance);
     std::vector<double> between{stops_[0].distance};
-    const double all = stops_.back().pieces, count = std::ceil(all * (1 - 1e-12));
+    const double all = stops_.back().pieces;
+    const auto count = static_cast<std::size_t>(std::ceil(all * (1 - 1e-12)));
     std::size_t k = 1;
-    const auto place = [&](double pieces) {
+    // Where piece i ends, and its middle at i - 0.5; i may only grow from call to call.
+    const auto place = [&](double i) {
+      const double pieces = all * (i / static_cast<double>(count));
       while (k + 1 < stops_.size() && stops_[k].pieces < pieces) ++k;
       const Stop &a = stops_[k - 1], &b = stops_[k];
       return a.distance + (pieces - a.pieces) / (b.pieces - a.pieces) * (b.distance - a.distance);
     };
-    for (double i = 1; i <= count; ++i) {
-      const double middle = place(all * ((i - 0.5) / count));
+    for (std::size_t i = 1; i <= count; ++i) {
+      const double middle = place(static_cast<double>(i) - 0.5);
       const bool is_row = stops_[k].is_row;
-      distances.push_back(i < count ? place(all * (i / count)) : stops_.back().distance);
+      distances.push_back(i < count ? place(static_cast<double>(i)) : stops_.back().distance);
       between.push_back(is_row ? middle : distances.back());
     }
     distances.insert(distances.end(), between.begin(), between.end());

@@ -154,8 +154,10 @@ std::string sharp_corner(RunControl& control) {
     const Result result = remesh_surface(needle, options, RunSettings{}, control);
     Panel panel(title, count(result.mesh.faces.size()) + " triangles" + caption);
     for (const auto& corners : result.mesh.faces) {
-      std::vector<Vec2> at;
-      for (const VertexId v : corners) at.push_back({result.mesh.positions[v].x, result.mesh.positions[v].y});
+      std::vector<Vec2> at(corners.size());
+      std::transform(corners.begin(), corners.end(), at.begin(), [&](VertexId v) {
+        return Vec2{result.mesh.positions[v].x, result.mesh.positions[v].y};
+      });
       panel.polygon(at, is_bad(at[0], at[1], at[2], tangent) ? kBad : kPaper, mix(kInk, kFaint, 0.4), 0.6);
     }
     return panel;
