@@ -123,6 +123,11 @@ PolygonMesh polygon(const std::vector<Vec2>& points) {
   return b.take();
 }
 
+PolygonMesh triangle(double degrees, double first, double second) {
+  const double angle = degrees * kPi / 180;
+  return polygon({{0, 0}, {first, 0}, {second * std::cos(angle), second * std::sin(angle)}});
+}
+
 PolygonMesh sheet(double width, double height, int nx, int ny) {
   Builder b;
   b.square({}, {width, 0, 0}, {0, height, 0}, nx, ny);

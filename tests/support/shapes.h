@@ -28,6 +28,8 @@ TriangleMesh as_triangles(const PolygonMesh& mesh);
 PolygonMesh flat(const std::vector<std::string_view>& rows, int cuts = 1);
 /// One polygon face through these points, which run counter-clockwise.
 PolygonMesh polygon(const std::vector<Vec2>& points);
+/// A triangle with that angle at the origin, its sides there so long, the first one along x.
+PolygonMesh triangle(double degrees, double first, double second);
 /// A rectangle of nx x ny squares of two triangles each.
 PolygonMesh sheet(double width, double height, int nx, int ny);
 /// The square ring of the specification's section 1.1: outer square +-4, inner square +-3, z = 1; 8 triangles and then

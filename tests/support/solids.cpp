@@ -118,14 +118,31 @@ PolygonMesh placed(const PolygonMesh& mesh, const polygons::Placement& place) {
   return out;
 }
 
-PolygonMesh needle_fan(int n, double degrees) {
-  std::vector<Vec3> positions{{0, 0, 0}};
+PolygonMesh needle_fan(int n, double degrees) { return needle_fan(std::vector<double>(n, degrees)); }
+
+PolygonMesh needle_fan(const std::vector<double>& degrees) {
+  std::vector<Vec3> positions{{0, 0, 0}, {1, 0, 0.01}};
   Faces faces;
-  for (int i = 0; i <= n; ++i) {
-    const double angle = i * degrees * std::numbers::pi / 180;
-    positions.push_back({std::cos(angle), std::sin(angle), i % 2 == 0 ? 0.01 : -0.01});
-    const auto k = static_cast<std::uint32_t>(i);
-    if (i > 0) faces.push_back({0, k, k + 1});
+  double turn = 0;
+  for (const double angle : degrees) {
+    turn += angle;
+    const double radians = turn * std::numbers::pi / 180;
+    const auto k = static_cast<std::uint32_t>(positions.size());
+    positions.push_back({std::cos(radians), std::sin(radians), k % 2 == 0 ? -0.01 : 0.01});
+    faces.push_back({0, k - 1, k});
+  }
+  return shapes::from_lists(positions, faces);
+}
+
+PolygonMesh cone(int sides, double height) {
+  std::vector<Vec3> positions{{0, 0, height}};
+  Faces faces(1);
+  const auto n = static_cast<std::uint32_t>(sides);
+  for (std::uint32_t k = 0; k < n; ++k) {
+    const double turn = 2 * std::numbers::pi * k / sides;
+    positions.push_back({std::cos(turn), std::sin(turn), 0});
+    faces.push_back({0, k + 1, (k + 1) % n + 1});
+    faces[0].push_back(n - k);
   }
   return shapes::from_lists(positions, faces);
 }

@@ -23,6 +23,10 @@ PolygonMesh placed(const PolygonMesh& mesh, const polygons::Placement& place);
 /// `n` needle facets around the origin, each `degrees` wide there, with spokes one long that go up and down in turn: no
 /// two facets share a plane.
 PolygonMesh needle_fan(int n, double degrees);
+/// One for each of these angles.
+PolygonMesh needle_fan(const std::vector<double>& degrees);
+/// A cone over a regular polygon around the origin, of radius 1: needles around its apex. The base is a polygon.
+PolygonMesh cone(int sides, double height);
 /// `n` square rings within each other, flat, `gap` wide and `gap` apart.
 PolygonMesh nested_squares(int n, double gap);
 /// A square tube of four walls, closed: its walls are `thickness` thick.

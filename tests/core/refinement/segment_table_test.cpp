@@ -96,11 +96,6 @@ double longest_piece(const std::vector<double>& cuts, double length) {
   return std::max(longest, (1 - last) * length);
 }
 
-PolygonMesh triangle(double degrees, double first, double second) {
-  const double angle = degrees * std::numbers::pi / 180;
-  return shapes::polygon({{0, 0}, {first, 0}, {second * std::cos(angle), second * std::sin(angle)}});
-}
-
 TEST(segment_table, a_box_has_twelve_segments_of_two_sides_each) {
   const Subject subject(shapes::box({1, 2, 3}, 2));
   ASSERT_EQ(subject.table.size(), 12u);
@@ -181,7 +176,7 @@ TEST(segment_table, segments_at_a_small_angle_are_cut_on_common_shells) {
 }
 
 TEST(segment_table, at_sixty_degrees_there_are_no_shells) {
-  const Subject subject(triangle(60, 1, 1));
+  const Subject subject(shapes::triangle(60, 1, 1));
   for (std::uint32_t s = 0; s < 3; ++s) EXPECT_EQ(subject.table[SegmentId(s)].shell_base[0], 0);
 }
 
@@ -215,7 +210,7 @@ TEST(segment_table, angles_of_different_patches_at_a_vertex_are_different_cluste
 }
 
 TEST(segment_table, no_cut_makes_a_piece_shorter_than_the_floor) {
-  for (const PolygonMesh& mesh : {shapes::box({1, 2, 3}), triangle(3, 1, 1.3), solids::needle_fan(5, 10)}) {
+  for (const PolygonMesh& mesh : {shapes::box({1, 2, 3}), shapes::triangle(3, 1, 1.3), solids::needle_fan(5, 10)}) {
     const Subject subject(mesh);
     for (std::uint32_t s = 0; s < subject.table.size(); ++s) {
       const BoundarySegment& segment = subject.table[SegmentId(s)];
@@ -247,7 +242,7 @@ TEST(segment_table, a_shortest_edge_is_a_floor) {
     EXPECT_EQ(all_cuts(subject.table, SegmentId(s)), (std::vector<double>{0.5}));
   }
   // On shells at a sharp corner, the two segments' cuts are that far from each other, too.
-  const Subject sharp(triangle(20, 1, 1), goals(0.05));
+  const Subject sharp(shapes::triangle(20, 1, 1), goals(0.05));
   const double apart = 2 * std::sin(10 * std::numbers::pi / 180);
   const SegmentId side = sharp.between({0, 0, 0}, {1, 0, 0});
   for (const double shell : sharp.shells_at({0, 0, 0}, side)) EXPECT_GE(shell * apart, 0.05);

@@ -1,0 +1,80 @@
+#include "core/refinement/corner_shells.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <set>
+#include <vector>
+
+#include "core/refinement/segment_table.h"
+#include "tests/support/refined_checks.h"
+#include "tests/support/shapes.h"
+#include "tests/support/stage_chain.h"
+
+// What it makes of whole surfaces is in tests/core/refinement_sharp_corners_test.cpp.
+
+namespace remesh {
+namespace {
+
+/// Distances from the corner at the origin, of a side's cuts.
+std::vector<double> distances(const StageChain& chain, const SegmentTable& table, const SizeField& sizes,
+                              const Vec3& end) {
+  for (std::uint32_t s = 0; s < table.size(); ++s) {
+    const BoundarySegment& segment = table[SegmentId(s)];
+    const std::set<VertexId> ends{segment.from, segment.to};
+    if (ends != std::set<VertexId>{chain.at({0, 0, 0}), chain.at(end)}) continue;
+    std::vector<double> found;
+    for (const double t : table.size_cuts(SegmentId(s), sizes)) found.push_back(norm(table.position(SegmentId(s), t)));
+    std::sort(found.begin(), found.end());
+    return found;
+  }
+  ADD_FAILURE() << "no such side";
+  return {};
+}
+
+TEST(corner_shells, the_sides_of_a_corner_are_cut_by_turns_in_pieces_that_grow) {
+  const double degrees = 3, size = 0.1, bound = 25, tangent = std::tan(bound * std::numbers::pi / 180);
+  const double angle = degrees * std::numbers::pi / 180, width = 2 * std::sin(angle / 2);
+  StageChain chain(shapes::triangle(degrees, 1, 1));
+  const SizeField sizes(size);
+  const Goals goals = goals_of(with_angle(bound), 1);
+  const SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(1, 0), sizes, goals, chain.control);
+  std::vector<double> a = distances(chain, table, sizes, {1, 0, 0}),
+                      b = distances(chain, table, sizes, {std::cos(angle), std::sin(angle), 0});
+  ASSERT_GT(std::min(a.size(), b.size()), 10u);
+  EXPECT_EQ(a[0], size);
+  EXPECT_NEAR(b[0], size, 1e-12);
+  if (a[1] < b[1]) std::swap(a, b);
+  // Behind the last shells the sides are cut each on its own.
+  const double near = 0.8 * size / width;
+  for (std::size_t i = 1; i < std::min(a.size(), b.size()) && a[i] < near; ++i) {
+    EXPECT_LT(a[i - 1], b[i]);
+    EXPECT_LT(b[i], a[i]);
+    EXPECT_LE(a[i] - a[i - 1], size * (1 + 1e-9));
+    // The angles at the base of a triangle whose top is on the other side.
+    EXPECT_GE(width * b[i] / (a[i] - b[i]), tangent) << i;
+    EXPECT_GE(width * b[i] / (b[i] - a[i - 1]), tangent) << i;
+    if (i > 1) {
+      EXPECT_GE(width * a[i - 1] / (b[i] - a[i - 1]), tangent) << i;
+      EXPECT_GE(width * a[i - 1] / (a[i - 1] - b[i - 1]), tangent) << i;
+    }
+  }
+}
+
+TEST(corner_shells, without_a_size_or_a_bound_on_angles_there_are_none) {
+  StageChain chain(shapes::triangle(3, 1, 1));
+  for (const auto& [bound, size] : {std::pair(25.0, HUGE_VAL), std::pair(0.0, 0.1)}) {
+    Options options = with_angle(bound);
+    const Goals goals = goals_of(options, 1);
+    const SizeField sizes(size);
+    const SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(1, 0), sizes, goals, chain.control);
+    const std::vector<double> cuts = distances(chain, table, sizes, {1, 0, 0});
+    ASSERT_EQ(cuts.size(), std::isfinite(size) ? 9u : 0u);
+    for (std::size_t i = 0; i < cuts.size(); ++i) EXPECT_NEAR(cuts[i], 0.1 * static_cast<double>(i + 1), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace remesh
