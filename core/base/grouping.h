@@ -9,6 +9,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/ids.h"
+#include "core/base/parallel.h"
 #include "core/base/run_control.h"
 
 namespace remesh {
@@ -57,6 +58,33 @@ GroupingOf<Item> group_by(std::size_t n, std::size_t key_count, const KeyOf& key
   for_each_item(
       [&](std::uint32_t& place, std::size_t i) { groups.items[place++] = Item(static_cast<std::uint32_t>(i)); });
   return groups;
+}
+
+/// Items in ascending order, which begins with key_of(item), a number below `key_count`.
+/// Cost:   O(n + keys + n log m), where m items have one key. Few items with many keys: O(n log n). In order already:
+///         O(n).
+template <class Items, class KeyOf>
+Items sorted_by_key(Items items, std::size_t key_count, const KeyOf& key_of, RunControl& control) {
+  if (std::is_sorted(items.begin(), items.end())) return items;
+  if (items.size() < key_count / 8) {
+    sort_all(items.begin(), items.end());
+    return items;
+  }
+  Items sorted(items.size());
+  const Grouping groups = group_by(
+      items.size(), key_count, [&](std::uint32_t i) { return key_of(items[i]); }, control);
+  for_blocks(key_count, kItemsPerBlock, control, [&](std::size_t key, std::size_t end) {
+    constexpr std::size_t kMany = 1 << 16;
+    for (; key < end; ++key) {
+      const auto first = sorted.begin() + groups.begin[key], last = sorted.begin() + groups.begin[key + 1];
+      std::transform(groups[key].begin(), groups[key].end(), first, [&](std::uint32_t i) { return items[i]; });
+      if (groups[key].size() > kMany)
+        sort_all(first, last);
+      else
+        std::sort(first, last);
+    }
+  });
+  return sorted;
 }
 
 }  // namespace remesh

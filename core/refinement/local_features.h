@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <numbers>
+#include <span>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -20,11 +21,27 @@ struct LocalFeature {
   static constexpr double kWide = std::numbers::pi;  ///< stands for all angles over some 63 degrees
 };
 
-/// Input:  the constrained half-edges of a patch that are segments.
-/// Output: one entry each. Distances look at no more than a bounded number of triangles around a segment: they may be
-///         too large where very many features crowd along a long one.
-/// Cost:   O(n) in the patch.
-std::vector<LocalFeature> local_features(const PatchMesh& patch, std::span<const std::uint32_t> sides,
-                                         RunControl& control);
+/// Finds them, patch after patch: most are small, and what it takes besides serves them all.
+class LocalFeatures {
+ public:
+  /// Input:  the constrained half-edges of a patch that are segments.
+  /// Output: one entry each, valid until the next call. Distances look at no more than a bounded number of triangles
+  ///         around a segment: they may be too large where very many features crowd along a long one.
+  /// Cost:   O(n) in the patch.
+  std::span<const LocalFeature> of(const PatchMesh& patch, std::span<const std::uint32_t> sides, RunControl& control);
+
+ private:
+  /// A triangle that was entered, by the half-edge, and how far that one's ends are from the segment, squared.
+  struct Entered {
+    std::uint32_t half_edge;
+    double from_distance, to_distance;
+  };
+
+  double distance(const PatchMesh& patch, std::uint32_t side);
+
+  std::vector<LocalFeature> features_;
+  std::vector<std::uint32_t> seen_;  ///< the half-edge whose search has entered a triangle last
+  std::vector<Entered> queue_;
+};
 
 }  // namespace remesh

@@ -67,19 +67,10 @@ Uses segment_uses(const Surface& surface, const std::vector<PatchMesh>& meshes, 
     }
     return uses;
   });
-  const auto uses = concatenate<Use>(blocks, control);
   // By their first ends they are soon apart, and few at each.
-  const Grouping by_end = group_by(
-      uses.size(), surface.vertex_count(), [&](std::uint32_t i) { return uses[i].from.value; }, control);
-  Uses sorted(uses.size());
-  for_blocks(surface.vertex_count(), kItemsPerBlock, control, [&](std::size_t v, std::size_t end) {
-    for (; v < end; ++v) {
-      const auto first = sorted.begin() + by_end.begin[v], last = sorted.begin() + by_end.begin[v + 1];
-      std::transform(by_end[v].begin(), by_end[v].end(), first, [&](std::uint32_t i) { return uses[i]; });
-      std::sort(first, last);
-    }
-  });
-  return sorted;
+  return sorted_by_key(
+      concatenate<Use>(blocks, control), surface.vertex_count(), [](const Use& use) { return use.from.value; },
+      control);
 }
 
 double magnitude(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
@@ -146,6 +137,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   };
   std::vector<Seen> seen(sides_.size());
   for_all(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
+    LocalFeatures local_features;
     std::vector<std::uint32_t> half_edges, side_of;
     for (std::size_t p = range.begin(); p < range.end(); ++p) {
       const auto own = sides_of_patch(PatchId(p));
@@ -155,7 +147,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
         half_edges.push_back(sides_[i].half_edge);
         side_of[sides_[i].half_edge] = i;
       }
-      const std::vector<LocalFeature> features = local_features(meshes[p], half_edges, control);
+      const auto features = local_features.of(meshes[p], half_edges, control);
       for (std::size_t k = 0; k < own.size(); ++k) {
         const std::uint32_t next = side_of[features[k].next_at_start];
         seen[own[k]] = {features[k].distance, features[k].angle_at_start, next == kNoSide ? own[k] : next};

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/grouping.h"
 #include "core/refinement/distances.h"
 
 namespace remesh {
@@ -33,6 +33,7 @@ constexpr double kMostRows = 12;
 constexpr double kEven = 1.02;
 
 using Pair = std::array<SegmentId, 2>;
+using Pairs = std::vector<Pair, LeftUnset<Pair>>;
 
 /// Do two half-edges of a patch face each other all along?
 bool do_face(const PatchMesh& patch, std::uint32_t h, std::uint32_t other) {
@@ -59,8 +60,8 @@ std::uint32_t facing(const PatchMesh& patch, std::uint32_t h) {
 }
 
 /// Segments that want parts and face each other in a patch: each pair both ways, ascending.
-std::vector<Pair> facing_segments(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
-                                  const std::vector<double>& wanted, RunControl& control) {
+Pairs facing_segments(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
+                      const std::vector<double>& wanted, RunControl& control) {
   const auto blocks = map_blocks<std::vector<Pair>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
     std::vector<Pair> pairs;
     std::vector<std::pair<std::uint32_t, SegmentId>> segment_of;  // of half-edges
@@ -81,9 +82,8 @@ std::vector<Pair> facing_segments(const std::vector<PatchMesh>& meshes, const Se
     }
     return pairs;
   });
-  std::vector<Pair> pairs;
-  for (const std::vector<Pair>& block : blocks) pairs.insert(pairs.end(), block.begin(), block.end());
-  sort_all(pairs.begin(), pairs.end());
+  Pairs pairs = sorted_by_key(
+      concatenate<Pair>(blocks, control), table.size(), [](const Pair& pair) { return pair[0].value; }, control);
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   return pairs;
 }
@@ -168,7 +168,7 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
       wanted[s] = sizes.is_uniform() ? wanted_by(SegmentId(s)) : unknown;
     }
   });
-  std::vector<Pair> pairs = facing_segments(meshes, table, wanted, control);
+  Pairs pairs = facing_segments(meshes, table, wanted, control);
   if (!sizes.is_uniform()) {
     constexpr std::size_t kPairs = 64;
     for_blocks(pairs.size(), kPairs, control, [&](std::size_t i, std::size_t end) {

@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/grouping.h"
 #include "core/geometry/predicates.h"
 #include "core/stages/delaunay_flips.h"
 
@@ -14,10 +14,14 @@ namespace remesh {
 namespace {
 
 /// An undirected edge by its surface vertices.
-using Key = std::pair<VertexId, VertexId>;
+struct Key {
+  VertexId first, second;
+  friend auto operator<=>(const Key&, const Key&) = default;
+};
 
 Key key_of(const PatchMesh& patch, std::uint32_t a, std::uint32_t b) {
-  return std::minmax(patch.vertices[a], patch.vertices[b]);
+  const auto& [low, high] = std::minmax(patch.vertices[a], patch.vertices[b]);
+  return {low, high};
 }
 Key key_of(const PatchMesh& patch, std::uint32_t half_edge) {
   return key_of(patch, patch.mesh.from(half_edge), patch.mesh.to(half_edge));
@@ -34,10 +38,12 @@ struct Use {
   }
 };
 
+using Uses = std::vector<Use, LeftUnset<Use>>;
+
 /// The edges whose two ends are vertices below `vertex_end` and that are wanted, each once a patch, sorted.
 template <class IsWanted>
-std::vector<Use> edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control,
-                           const IsWanted& is_wanted) {
+Uses edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control,
+               const IsWanted& is_wanted) {
   const auto blocks = map_blocks<std::vector<Use>>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
     std::vector<Use> uses;
     for (; p < end; ++p) {
@@ -53,17 +59,15 @@ std::vector<Use> edge_uses(const std::vector<PatchMesh>& meshes, std::size_t ver
     }
     return uses;
   });
-  std::vector<Use> uses;
-  for (const std::vector<Use>& block : blocks) uses.insert(uses.end(), block.begin(), block.end());
-  sort_all(uses.begin(), uses.end());
-  return uses;
+  return sorted_by_key(
+      concatenate<Use>(blocks, control), vertex_end, [](const Use& use) { return use.key.first.value; }, control);
 }
 
-std::vector<Use> edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+Uses edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
   return edge_uses(meshes, vertex_end, control, [](const Key&, bool) { return true; });
 }
 
-std::vector<Chord> chords_of(const std::vector<Use>& uses, RunControl& control) {
+std::vector<Chord> chords_of(const Uses& uses, RunControl& control) {
   std::vector<Chord> chords;
   for (std::size_t i = 1; i < uses.size(); ++i) {
     if (i % 4096 == 0) control.check();
@@ -73,13 +77,13 @@ std::vector<Chord> chords_of(const std::vector<Use>& uses, RunControl& control) 
   return chords;
 }
 
-bool is_used(const std::vector<Use>& uses, const Key& key) {
+bool is_used(const Uses& uses, const Key& key) {
   const auto found = std::lower_bound(uses.begin(), uses.end(), Use{key, false, PatchId(0), 0});
   return found != uses.end() && found->key == key;
 }
 
 /// Flips the edge away and holds the new one, so that what follows is Delaunay around it.
-bool flip_away(PatchMesh& patch, std::uint32_t h, const std::vector<Use>& uses, RunControl& control) {
+bool flip_away(PatchMesh& patch, std::uint32_t h, const Uses& uses, RunControl& control) {
   if (patch.mesh.is_constrained(h)) return false;
   const std::uint32_t g = patch.mesh.twin(h);
   const std::uint32_t a = patch.mesh.from(h), b = patch.mesh.to(h), c = patch.mesh.apex(h), d = patch.mesh.apex(g);
@@ -164,11 +168,11 @@ bool for_chords(std::vector<PatchMesh>& meshes, const std::vector<Chord>& chords
 std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
   if (meshes.size() < 2) return {};
   // Few edges inside patches join two such vertices, and only what joins the same two could be equal to one of them.
-  std::vector<Use> uses = edge_uses(meshes, vertex_end, control, [](const Key&, bool is_inside) { return is_inside; });
+  Uses uses = edge_uses(meshes, vertex_end, control, [](const Key&, bool is_inside) { return is_inside; });
   if (uses.empty()) return {};
   std::vector<std::uint8_t> is_end(vertex_end, 0);
   for (const Use& use : uses) is_end[use.key.first.value] = is_end[use.key.second.value] = 1;
-  const std::vector<Use> boundary = edge_uses(meshes, vertex_end, control, [&](const Key& key, bool is_inside) {
+  const Uses boundary = edge_uses(meshes, vertex_end, control, [&](const Key& key, bool is_inside) {
     return !is_inside && is_end[key.first.value] != 0 && is_end[key.second.value] != 0;
   });
   const auto middle = static_cast<std::ptrdiff_t>(uses.size());
@@ -185,7 +189,7 @@ bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCont
   // left.
   constexpr int kMostPasses = 8;
   for (int pass = 0;; ++pass) {
-    const std::vector<Use> uses = edge_uses(meshes, vertex_end, control);
+    const Uses uses = edge_uses(meshes, vertex_end, control);
     bool is_settled = true;
     for (PatchMesh& patch : meshes) {
       const auto is_wanted = [&](std::uint32_t h) {

@@ -6,6 +6,7 @@
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <malloc.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
@@ -15,6 +16,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <functional>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -278,4 +280,10 @@ int run(std::vector<std::string> arguments) {
 }  // namespace
 }  // namespace remesh::bench
 
-int main(int argc, char** argv) { return remesh::bench::run({argv + 1, argv + argc}); }
+int main(int argc, char** argv) {
+  // As the command `remesh` has it, for us and for the peers: else each run would give its memory back, and the next
+  // one would fetch it again, page by page.
+  mallopt(M_MMAP_THRESHOLD, std::numeric_limits<int>::max());
+  mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
+  return remesh::bench::run({argv + 1, argv + argc});
+}

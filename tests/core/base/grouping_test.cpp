@@ -4,6 +4,7 @@
 #include <tbb/global_control.h>
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 #include <vector>
 
@@ -33,6 +34,44 @@ TEST(grouping, items_stand_with_their_keys_in_the_order_of_a_stable_sort) {
       for (std::uint32_t k = 0; k < static_cast<std::uint32_t>(keys); ++k)
         for (const std::uint32_t i : groups[k]) ASSERT_EQ(key[i], k);
     }
+}
+
+using Item = std::array<std::uint32_t, 2>;
+
+/// Some twice, each with a key below `keys`.
+std::vector<Item> items(std::size_t n, int keys, std::uint64_t seed) {
+  Random random(seed);
+  std::vector<Item> items(n);
+  for (Item& item : items)
+    item = {static_cast<std::uint32_t>(random.below(keys)), static_cast<std::uint32_t>(random.below(50))};
+  return items;
+}
+
+TEST(grouping, items_sorted_by_key_are_in_order) {
+  // Few items with many keys; most of them with one; as many as there are keys.
+  for (const auto& [n, keys] : std::vector<std::pair<std::size_t, int>>{
+           {0, 1}, {1, 9}, {100, 1000}, {80'000, 1}, {80'000, 2}, {50'000, 40'000}})
+    for (const std::size_t threads : {1, 4}) {
+      const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+      RunControl control;
+      const std::vector<Item> given = items(n, keys, 1);
+      const auto sorted = [&](const std::vector<Item>& of) {
+        return sorted_by_key(
+            of, static_cast<std::size_t>(keys), [](const Item& item) { return item[0]; }, control);
+      };
+      std::vector<Item> expected = given;
+      std::sort(expected.begin(), expected.end());
+      EXPECT_EQ(sorted(given), expected);
+      EXPECT_EQ(sorted(expected), expected);
+    }
+}
+
+TEST(grouping, sorting_stops_when_asked) {
+  RunControl control;
+  control.cancel();
+  EXPECT_THROW(sorted_by_key(
+                   items(100, 100, 2), 100, [](const Item& item) { return item[0]; }, control),
+               Error);
 }
 
 TEST(grouping, stops_when_asked) {

@@ -31,7 +31,9 @@ struct Subject {
     const Triangulation2d& mesh = patch().mesh;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h)
       if (mesh.is_constrained(h)) sides.push_back(h);
-    features = local_features(patch(), sides, chain.control);
+    LocalFeatures search;
+    const auto found = search.of(patch(), sides, chain.control);
+    features.assign(found.begin(), found.end());
   }
   const PatchMesh& patch() const { return chain.meshes.at(0); }
   Vec3 at(std::uint32_t h) const { return chain.surface.positions[patch().vertices[patch().mesh.from(h)]]; }
