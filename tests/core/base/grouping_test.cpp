@@ -55,9 +55,9 @@ TEST(grouping, items_sorted_by_key_are_in_order) {
       const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
       RunControl control;
       const std::vector<Item> given = items(n, keys, 1);
-      const auto sorted = [&](const std::vector<Item>& of) {
+      const auto sorted = [&control, key_count = static_cast<std::size_t>(keys)](const std::vector<Item>& of) {
         return sorted_by_key(
-            of, static_cast<std::size_t>(keys), [](const Item& item) { return item[0]; }, control);
+            of, key_count, [](const Item& item) { return item[0]; }, control);
       };
       std::vector<Item> expected = given;
       std::sort(expected.begin(), expected.end());
