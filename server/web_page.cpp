@@ -67,6 +67,7 @@ Response answer(const WebFile& file, const std::string& tag, const Request& requ
 
 std::vector<Route> web_routes(const std::vector<WebFile>& files) {
   std::vector<Route> routes;
+  routes.reserve(files.size());
   for (const WebFile& file : files) {
     routes.push_back(
         {"GET", std::string(file.path),

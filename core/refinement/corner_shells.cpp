@@ -96,8 +96,8 @@ void take_turns(std::span<const Pair> pairs, std::span<Side> sides) {
 /// The way from a vertex along the sides of its sharp corners, counted in pieces.
 class Way {
  public:
-  Way(const SegmentTable& table, const SizeField& sizes, double tangent)
-      : table_(table), sizes_(sizes), tangent_(tangent) {}
+  Way(const SegmentTable& table, const SizeField& sizes, double tangent, RunControl& control)
+      : table_(table), sizes_(sizes), tangent_(tangent), control_(control) {}
 
   /// Goes as far as there are sides near each other, and sets their `common`. `members`: indices of sides.
   void walk(std::span<Side> sides, std::vector<std::uint32_t> members) {
@@ -180,6 +180,7 @@ class Way {
   }
 
   double size_at(const Side& side, double distance) const {
+    control_.check();
     const double t = distance / side.length;
     return sizes_.at(table_.position(SegmentId(side.end / 2), side.end % 2 == 0 ? t : 1 - t));
   }
@@ -187,6 +188,7 @@ class Way {
   const SegmentTable& table_;
   const SizeField& sizes_;
   double tangent_;
+  RunControl& control_;
   double floor_ = 0;
   std::vector<Stop> stops_;
 };
@@ -241,7 +243,7 @@ CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corner
   constexpr std::size_t kGroups = 256;
   const auto blocks = map_blocks<Block>(sides.size(), kGroups, control, [&](std::size_t g, std::size_t end) {
     Block block;
-    Way way(table, sizes, tangent);
+    Way way(table, sizes, tangent, control);
     for (; g < end; ++g) {
       if (groups[g].empty()) continue;
       control.check();

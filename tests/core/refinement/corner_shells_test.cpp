@@ -3,14 +3,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <thread>
 #include <vector>
 
 #include "core/refinement/segment_table.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
+#include "tests/support/solids.h"
 #include "tests/support/stage_chain.h"
 
 // What it makes of whole surfaces is in tests/core/refinement_sharp_corners_test.cpp.
@@ -74,6 +77,29 @@ TEST(corner_shells, without_a_size_or_a_bound_on_angles_there_are_none) {
     ASSERT_EQ(cuts.size(), std::isfinite(size) ? 9u : 0u);
     for (std::size_t i = 0; i < cuts.size(); ++i) EXPECT_NEAR(cuts[i], 0.1 * static_cast<double>(i + 1), 1e-12);
   }
+}
+
+TEST(corner_shells, a_stop_is_obeyed_soon_on_the_way_along_many_sides) {
+  using Clock = std::chrono::steady_clock;
+  PolygonMesh fan = solids::needle_fan(50'000, 0.007);
+  for (Vec3& p : fan.positions) p.z *= 0.012;  // as sharp as from above, but not flat
+  StageChain chain(fan);
+  const SizeField sizes(3e-4);
+  const Goals goals = goals_of(with_angle(25), 1);
+  RunControl control;
+  Clock::time_point asked;
+  std::thread watcher([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    asked = Clock::now();
+    control.cancel();
+  });
+  EXPECT_THROW(SegmentTable(chain.surface, chain.meshes, std::vector<std::uint8_t>(chain.meshes.size(), 0), sizes,
+                            goals, control),
+               Error);
+  const Clock::time_point ended = Clock::now();
+  watcher.join();
+  // The promise is 100 ms; the margin is for slow builds and busy machines. Without a stop it is some seconds.
+  EXPECT_LT(std::chrono::duration<double>(ended - asked).count(), 0.5);
 }
 
 }  // namespace
