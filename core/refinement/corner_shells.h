@@ -34,7 +34,9 @@ struct Corner {
 class CornerShells {
  public:
   CornerShells() = default;
-  /// Input: the corners of all patches, in any order; the table has its segments, with their floors.
+  /// Input:  the corners of all patches, in any order; the table has its segments, with their floors.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  /// Cost:   a few sizes for each piece of each side. Sides around one vertex are one thread's work.
   CornerShells(const SegmentTable& table, std::vector<Corner> corners, const Goals& goals, const SizeField& sizes,
                RunControl& control);
 

@@ -100,5 +100,21 @@ TEST(local_features, small_angles_are_those_of_the_loop_and_all_others_wide) {
   EXPECT_GT(small, 100);
 }
 
+TEST(local_features, a_patch_has_the_same_ones_whatever_was_looked_at_before) {
+  LocalFeatures search;
+  RunControl control;
+  // Sides of one number are elsewhere in each: what was seen from one must not count for the next.
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const Subject subject(polygons::grown(seed, 30 + static_cast<int>(seed % 3), 8).outer);
+    const auto found = search.of(subject.patch(), subject.sides, control);
+    ASSERT_EQ(found.size(), subject.features.size());
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      EXPECT_EQ(found[i].distance, subject.features[i].distance) << "seed " << seed;
+      EXPECT_EQ(found[i].next_at_start, subject.features[i].next_at_start);
+      EXPECT_EQ(found[i].angle_at_start, subject.features[i].angle_at_start);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace remesh
