@@ -91,7 +91,13 @@ PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
   shape.longest_squared = std::max({squared[0], squared[1], squared[2]});
   shape.twice_area = cross(b - a, c - a);
   shape.is_sharp = is_sharp(squared[0] + squared[1] + squared[2], squared[k], shape.twice_area);
-  shape.is_too_large = is_too_large(a, b, c, shape.longest_squared, shape.twice_area);
+  // What a good triangle has, too, is no longer than it may be.
+  const auto is_long = [&](std::uint32_t edge) {
+    if (!mesh_.is_constrained(edge) && state_[mesh_.twin(edge) / 3] == State::kGood) return false;
+    return is_too_long(mesh_.point(mesh_.from(edge)), mesh_.point(mesh_.to(edge)));
+  };
+  shape.is_too_large = is_too_large_anywhere(shape.longest_squared, shape.twice_area) ||
+                       (!criteria_.sizes.is_uniform() && (is_long(h) || is_long(h + 1) || is_long(h + 2)));
   return shape;
 }
 
@@ -101,12 +107,16 @@ bool PatchRefiner::is_sharp(double squares, double shortest_squared, double twic
   return twice_area < criteria_.tangent * (squares - 2 * shortest_squared) / 2;
 }
 
-bool PatchRefiner::is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const {
+/// Is a triangle larger than any may be?
+bool PatchRefiner::is_too_large_anywhere(double longest_squared, double twice_area) const {
   if (!criteria_.has_sizes) return false;
   const double scale = patch_.frame.scale;
   if (twice_area / 2 * scale * scale > criteria_.max_area) return true;
-  const double longest = std::sqrt(longest_squared) * scale;
-  if (longest > criteria_.sizes.largest() * kSizeMargin) return true;
+  return std::sqrt(longest_squared) * scale > criteria_.sizes.largest() * kSizeMargin;
+}
+
+bool PatchRefiner::is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const {
+  if (is_too_large_anywhere(longest_squared, twice_area)) return true;
   if (criteria_.sizes.is_uniform()) return false;
   return is_too_long(a, b) || is_too_long(b, c) || is_too_long(c, a);
 }
@@ -195,9 +205,11 @@ PatchRefiner::State PatchRefiner::excuse(std::uint32_t shortest) const {
 
 void PatchRefiner::classify(std::uint32_t t) {
   if (!mesh_.is_live(t)) return;
-  state_[t] = State::kGood;
   const Shape shape = shape_of(t);
-  if (!shape.is_sharp && !shape.is_too_large) return;
+  if (!shape.is_sharp && !shape.is_too_large) {
+    state_[t] = State::kGood;
+    return;
+  }
   const std::uint32_t h = shape.shortest;
   if (!shape.is_too_large) {
     state_[t] = excuse(h);
@@ -209,6 +221,7 @@ void PatchRefiner::classify(std::uint32_t t) {
 
 void PatchRefiner::classify_changed() {
   state_.resize(mesh_.triangle_slots(), State::kUnknown);
+  for (const std::uint32_t t : mesh_.changed()) state_[t] = State::kUnknown;
   for (const std::uint32_t t : mesh_.changed()) classify(t);
 }
 
@@ -277,18 +290,33 @@ Vec2 PatchRefiner::lowered(Vec2 p, std::uint32_t shortest) const {
   return on_grid(best);
 }
 
-PatchRefiner::Outcome PatchRefiner::outcome(Vec2 p) const {
-  Outcome found{0, HUGE_VAL};
-  for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
-    const Vec2 a = mesh_.point(e.from), b = mesh_.point(e.to);
-    const Spanned s = spanned(p, a, b);
-    found.more_bad +=
-        is_sharp(s.squares, s.shortest_squared, s.twice_area) || is_too_large(a, b, p, s.longest_squared, s.twice_area);
+/// What p would make of the cavity that was found; where more than `most` more triangles would miss a bound, only that.
+PatchRefiner::Outcome PatchRefiner::outcome(Vec2 p, int most) const {
+  const std::span<const DelaunayMesh::RimEdge> rim = mesh_.rim();
+  const auto is_bad = [&](std::uint32_t t) { return state_[t] != State::kGood; };
+  const auto bad_before = std::count_if(mesh_.cavity().begin(), mesh_.cavity().end(), is_bad);
+  Outcome found{-static_cast<int>(bad_before), HUGE_VAL};
+  // Both triangles at a spoke ask for it: it is looked up once.
+  std::optional<bool> first, here, next;
+  const auto is_long_spoke = [&](std::uint32_t v, std::optional<bool>& known) {
+    if (!known) known = is_too_long(p, mesh_.point(v));
+    return *known;
+  };
+  const auto is_long_edge = [&](const DelaunayMesh::RimEdge& e) {
+    if (!DelaunayMesh::is_constrained(e) && !is_bad(e.outside / 3)) return false;
+    return is_too_long(mesh_.point(e.from), mesh_.point(e.to));
+  };
+  for (std::size_t i = 0; i < rim.size() && found.more_bad <= most; ++i) {
+    const DelaunayMesh::RimEdge& e = rim[i];
+    const Spanned s = spanned(p, mesh_.point(e.from), mesh_.point(e.to));
+    next = i + 1 < rim.size() ? std::nullopt : first;
+    found.more_bad += is_sharp(s.squares, s.shortest_squared, s.twice_area) ||
+                      is_too_large_anywhere(s.longest_squared, s.twice_area) ||
+                      (!criteria_.sizes.is_uniform() &&
+                       (is_long_spoke(e.from, here) || is_long_spoke(e.to, next) || is_long_edge(e)));
     found.least_shape = std::min(found.least_shape, s.twice_area / s.squares);
-  }
-  for (const std::uint32_t t : mesh_.cavity()) {
-    const Shape shape = shape_of(t);
-    found.more_bad -= shape.is_sharp || shape.is_too_large;
+    if (i == 0) first = here;
+    here = next;
   }
   return found;
 }
@@ -325,7 +353,7 @@ Vec2 PatchRefiner::best_for_size(Vec2 p, std::uint32_t shortest) {
     if (!std::isfinite(at.x) || !std::isfinite(at.y)) continue;
     const Place place = look_at(on_grid(at), shortest / 3);
     if (!place.has_room || is_encroaching(place.p)) continue;
-    const Outcome next = outcome(place.p);
+    const Outcome next = outcome(place.p, least.more_bad);
     if (next.more_bad > least.more_bad || (next.more_bad == least.more_bad && !(next.least_shape > least.least_shape)))
       continue;
     least = next;

@@ -156,6 +156,7 @@ class PatchRefiner {
   }
   Shape shape_of(std::uint32_t t) const;
   bool is_sharp(double squares, double shortest_squared, double twice_area) const;
+  bool is_too_large_anywhere(double longest_squared, double twice_area) const;
   bool is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const;
   bool is_too_long(Vec2 a, Vec2 b) const;
   State excuse(std::uint32_t shortest) const;
@@ -174,7 +175,7 @@ class PatchRefiner {
     int more_bad;        ///< triangles that miss a bound, less those that did before
     double least_shape;  ///< of the new triangles: area over the sum of squared edges, the larger the better
   };
-  Outcome outcome(Vec2 p) const;
+  Outcome outcome(Vec2 p, int most) const;
   bool is_encroaching(Vec2 p) const;
   Vec2 best_for_size(Vec2 p, std::uint32_t shortest);
   bool is_encroached(Vec2 p, Vec2 a, Vec2 b) const;
