@@ -143,11 +143,10 @@ std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ri
     }
     if (nearest_squared >= floor * floor) {
       const Fan fan = fan_of(p, ring);
-      const auto is_within_reach = [&](std::uint32_t u) {
-        const Vec2 q = mesh_.point(u);
-        return is_allowed(norm(q - p), 0.5 * (p + q));
-      };
-      if (fan.least_shape >= flattest && !fan.is_any_sharp && std::all_of(ring.begin(), ring.end(), is_within_reach))
+      const auto is_within_reach = [&](Vec2 q) { return is_allowed(norm(q - p), 0.5 * (p + q)); };
+      // The farthest first: most places fail by it.
+      if (fan.least_shape >= flattest && !fan.is_any_sharp && is_within_reach(farthest) &&
+          std::all_of(ring.begin(), ring.end(), [&](std::uint32_t u) { return is_within_reach(mesh_.point(u)); }))
         return on_grid(p);
     }
     p = p + (1.0 / (i + 3)) * (farthest - p);
