@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <span>
 #include <utility>
@@ -92,6 +93,10 @@ class BoxTree {
 
   std::size_t size() const { return entries_.size(); }
   const Entry& operator[](std::size_t slot) const { return entries_[slot]; }
+  /// Is it one of those, not a node that joins some?
+  bool is_slot(const Entry& entry) const {
+    return !std::less<>()(&entry, entries_.data()) && std::less<>()(&entry, entries_.data() + entries_.size());
+  }
   /// Which of the entries given to the constructor this is.
   std::uint32_t number(std::size_t slot) const { return number_[slot]; }
 

@@ -98,6 +98,24 @@ TEST(box_tree, what_has_no_finite_bound_is_never_visited) {
       best, [](const Tree::Entry&) { return HUGE_VAL; }, [](std::size_t) { FAIL(); });
 }
 
+TEST(box_tree, each_slot_is_told_from_the_nodes_above_it) {
+  RunControl control;
+  for (const int n : {1, 2, 100}) {
+    const Tree tree(boxes(n), control);
+    int slots = 0, nodes = 0;
+    const double best = HUGE_VAL;
+    tree.search(
+        best,
+        [&](const Tree::Entry& e) {
+          ++(tree.is_slot(e) ? slots : nodes);
+          return 0.0;
+        },
+        [](std::size_t) {});
+    EXPECT_EQ(slots, n);
+    EXPECT_GE(nodes, 1);
+  }
+}
+
 TEST(box_tree, what_is_noted_on_a_tag_is_told_of_all_that_is_in_it) {
   RunControl control;
   for (const int n : {0, 1, 4, 5, 1000}) {
