@@ -262,6 +262,25 @@ TEST(size_field, a_length_is_allowed_if_it_is_at_most_the_size) {
   }
 }
 
+TEST(size_field, no_answer_depends_on_what_was_asked_before) {
+  const Scene many(thick_and_thin(), goals(1, 1.5)), few(plates(0.125), goals(1, 1.5));
+  ASSERT_GT(many.sizes.sample_count(), few.sizes.sample_count());
+  Random random(7);
+  std::vector<Vec3> places(200);
+  for (Vec3& p : places) p = many.place(random).point;
+  std::vector<double> alone(places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) alone[i] = many.sizes.at(places[i]);
+  for (std::size_t i = places.size(); i-- > 0;) {
+    const double size = few.sizes.at(places[i]);
+    EXPECT_EQ(many.sizes.at(places[i]), alone[i]);
+    EXPECT_FALSE(few.sizes.allows(1.001 * size, places[i]));
+    EXPECT_TRUE(many.sizes.allows(0.999 * alone[i], places[i]));
+    EXPECT_TRUE(few.sizes.allows(0.999 * size, places[i]));
+    EXPECT_FALSE(many.sizes.allows(1.001 * alone[i], places[i]));
+    EXPECT_EQ(few.sizes.at(places[i]), size);
+  }
+}
+
 TEST(size_field, scaling_by_a_power_of_two_scales_it_exactly) {
   const Scene one(thick_and_thin(), goals(1, 1.5));
   const Scene big(shapes::scaled(thick_and_thin(), 1024), goals(1, 1.5), 1024e-12);
