@@ -327,7 +327,7 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
           if (least >= best) return least;
         }
         if (is_hidden_by_hub(e, p, patch, least)) return HUGE_VAL;
-        // Of one triangle it is asked last: most are passed over for less.
+        // Whether a single triangle is hidden is asked last, below: most are passed over for less.
         if (!other.is_valid() || tree_.is_slot(e)) return least;
         least = std::max(least, std::pow(slabs_[other].distance(p), 2));
         return least < best && is_hidden(other, slabs_[other], least) ? HUGE_VAL : least;

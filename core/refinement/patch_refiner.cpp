@@ -221,6 +221,7 @@ void PatchRefiner::classify(std::uint32_t t) {
 
 void PatchRefiner::classify_changed() {
   state_.resize(mesh_.triangle_slots(), State::kUnknown);
+  // None is good before it was looked at: its neighbours rely on that.
   for (const std::uint32_t t : mesh_.changed()) state_[t] = State::kUnknown;
   for (const std::uint32_t t : mesh_.changed()) classify(t);
 }
@@ -290,7 +291,8 @@ Vec2 PatchRefiner::lowered(Vec2 p, std::uint32_t shortest) const {
   return on_grid(best);
 }
 
-/// What p would make of the cavity that was found; where more than `most` more triangles would miss a bound, only that.
+/// What p would make of the cavity that was found. Where more than `most` triangles more would miss a bound, it is told
+/// only that they are more.
 PatchRefiner::Outcome PatchRefiner::outcome(Vec2 p, int most) const {
   const std::span<const DelaunayMesh::RimEdge> rim = mesh_.rim();
   const auto is_bad = [&](std::uint32_t t) { return state_[t] != State::kGood; };
