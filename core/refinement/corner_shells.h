@@ -22,10 +22,10 @@ struct Corner {
 /// Near a sharp corner of a facet its sides are much nearer to each other than sizes are large. Cut each on its own,
 /// what is between them fills with points until all angles are large enough, or is excused where both happen to be cut
 /// at the same distances from the corner. So the sides are cut together. The triangle in the corner is a size long
-/// (shorter where sizes vary and the corner is very sharp); behind it the pieces are as long as the bound on angles
+/// (half of it where sizes vary); behind it the pieces are as long as the bound on angles
 /// allows for triangles in one row, and grow as fast as the sides part: those of one side end at common distances,
 /// those of the other between them. All angles but the corner's own are what was asked for: with 107 triangles before
-/// and 39 now, at 25 degrees, in a corner of two whose sides are 10 and 9.3 sizes long; with as many as before at
+/// and 38 now, at 25 degrees, in a corner of two whose sides are 10 and 9.3 sizes long; with as many as before at
 /// worst.
 ///
 /// Where such pieces would be shorter than the floor, or than a 32nd of the size, the sides are cut at the same

@@ -49,22 +49,24 @@ TEST(sharp_corners, a_needle_takes_hardly_more_triangles_than_a_row_of_them_with
 }
 
 TEST(sharp_corners, around_a_vertex_facets_take_turns) {
-  const double size = 0.5;
-  for (const int sides : {64, 65}) {
-    const PolygonMesh mesh = solids::cone(sides, 10);
-    const Options options = with(25, size);
-    const Result result = refined(mesh, options);
-    expect_promises(mesh, options, result);
-    const auto corners = static_cast<std::uint64_t>(sides);
-    EXPECT_EQ(listed(result.report, UnrefinedReason::kInputAngle), corners);
-    const double angle = 2 * std::sin(std::numbers::pi / sides) / std::hypot(10, 1) / kDegree;
-    const double of_facet = triangles_in_needle(angle, 25, size / std::hypot(10, 1));
-    // In an odd ring there is one facet whose sides are cut alike.
-    const std::uint64_t across = listed(result.report) - corners;
-    EXPECT_LE(static_cast<double>(across), sides % 2 == 0 ? 0 : 1.15 * of_facet + 6);
-    const double of_base = std::numbers::pi / (std::numbers::sqrt3 / 4 * size * size);
-    EXPECT_LE(static_cast<double>(result.mesh.faces.size()), sides * (1.15 * of_facet + 6) + 2 * of_base) << sides;
-  }
+  for (const int sides : {64, 65})
+    for (const double bound : {20.0, 25.0, 30.0})
+      for (const double size : {0.9, 0.5, 0.3}) {
+        SCOPED_TRACE(::testing::Message() << sides << ' ' << bound << ' ' << size);
+        const PolygonMesh mesh = solids::cone(sides, 10);
+        const Options options = with(bound, size);
+        const Result result = refined(mesh, options);
+        expect_promises(mesh, options, result);
+        const auto corners = static_cast<std::uint64_t>(sides);
+        EXPECT_EQ(listed(result.report, UnrefinedReason::kInputAngle), corners);
+        const double angle = 2 * std::sin(std::numbers::pi / sides) / std::hypot(10, 1) / kDegree;
+        const double of_facet = triangles_in_needle(angle, bound, size / std::hypot(10, 1));
+        // In an odd ring there is one facet whose sides are cut alike.
+        const std::uint64_t across = listed(result.report) - corners;
+        EXPECT_LE(static_cast<double>(across), sides % 2 == 0 ? 0 : 1.15 * of_facet + 6);
+        const double of_base = std::numbers::pi / (std::numbers::sqrt3 / 4 * size * size);
+        EXPECT_LE(static_cast<double>(result.mesh.faces.size()), sides * (1.15 * of_facet + 6) + 2 * of_base);
+      }
 }
 
 TEST(sharp_corners, one_sliver_in_a_fan_does_not_make_all_of_it_finer) {
