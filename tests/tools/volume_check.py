@@ -10,6 +10,9 @@ degrees, where the input itself asks for flat tetrahedra.
   tetgen -pq1.4    may split its facets: the number of tetrahedra to compare with
   gmsh -3          keeps the surface
 
+Which flat tetrahedra TetGen leaves depends on the order of vertices and faces, too: --orders tells for the output what
+comes out on average, and how often it holds. The verdict is on the order as it is.
+
 Writes a Markdown table to standard output, what it is doing to standard error. Exit code: 0 if from every part that
 TetGen can mesh, it also meshes the remesher's output, within --at-least and --at-most; 1 if not; 2 for misuse.
 """
@@ -18,9 +21,11 @@ import argparse
 import dataclasses
 import os
 import pathlib
+import random
 import re
 import shutil
 import signal
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -46,6 +51,7 @@ class Volume:
     worst_deg: float = 0.0
     worst_apart_deg: float = 0.0  # over tetrahedra that touch no sharp edge
     worst_place: tuple = ()  # the centroid of the one that worst_apart_deg is of
+    flat: int = 0  # of those tetrahedra, below the bound
     failure: str = ""
 
 
@@ -58,6 +64,7 @@ class Row:
     faces: int = 0
     least_angle_deg: float = 0.0
     volumes: dict = dataclasses.field(default_factory=dict)  # by mesher
+    orders: list = dataclasses.field(default_factory=list)  # under KEPT, renumbered
     note: str = ""
 
 
@@ -157,7 +164,16 @@ MESHERS = {"tetgen -pYq1.4": tetgen("-pYq1.4"), "tetgen -pq1.4": tetgen("-pq1.4"
 KEPT, SPLIT = "tetgen -pYq1.4", "tetgen -pq1.4"
 
 
-def mesh_volume(mesher, surface, sharp, seconds):
+def renumbered(surface, seed):
+    """The same surface with its points and faces in another order."""
+    numbers = random.Random(seed)
+    order = numbers.sample(range(len(surface.points)), len(surface.points))
+    place = {old: new for new, old in enumerate(order)}
+    faces = [tuple(place[corner] for corner in face) for face in surface.faces]
+    return surface_files.Surface([surface.points[old] for old in order], numbers.sample(faces, len(faces)))
+
+
+def mesh_volume(mesher, surface, sharp, seconds, at_least):
     """Runs a mesher in a folder of its own. `sharp`: tells of a point whether it lies on a sharp edge."""
     with tempfile.TemporaryDirectory(prefix="volume-check-") as folder:
         try:
@@ -171,7 +187,10 @@ def mesh_volume(mesher, surface, sharp, seconds):
     for corners in tetrahedra:
         angle = dihedral.least_dihedral(*(points[p] for p in corners))
         volume.worst_deg = min(volume.worst_deg, angle)
-        if angle < volume.worst_apart_deg and not any(is_sharp[p] for p in corners):
+        if angle >= max(volume.worst_apart_deg, at_least) or any(is_sharp[p] for p in corners):
+            continue
+        volume.flat += angle < at_least
+        if angle < volume.worst_apart_deg:
             volume.worst_apart_deg = angle
             volume.worst_place = tuple(sum(points[p][k] for p in corners) / 4 for k in range(3))
     return volume
@@ -192,7 +211,7 @@ def remesh(program, options, path, surface, seconds):
         return surface_files.read_surface(folder / "out.obj")
 
 
-def check_part(path, program, options, seconds, meshers):
+def check_part(path, program, options, seconds, meshers, at_least, orders):
     """The two rows of a part."""
     before = Row(path.name, "input")
     after = Row(path.name, "output")
@@ -217,11 +236,14 @@ def check_part(path, program, options, seconds, meshers):
         output = None
         after.note = f"remesh: {failure}"
     for name, mesher in meshers.items():
-        before.volumes[name] = mesh_volume(mesher, surface, sharp, seconds)
+        before.volumes[name] = mesh_volume(mesher, surface, sharp, seconds, at_least)
         say(f"  {name} of the input: {describe(before.volumes[name])}")
         if output is not None:
-            after.volumes[name] = mesh_volume(mesher, output, sharp, seconds)
+            after.volumes[name] = mesh_volume(mesher, output, sharp, seconds, at_least)
             say(f"  {name} of the output: {describe(after.volumes[name])}")
+    if output is not None:
+        for seed in range(1, orders):
+            after.orders.append(mesh_volume(meshers[KEPT], renumbered(output, seed), sharp, seconds, at_least))
     return before, after
 
 
@@ -275,10 +297,33 @@ def print_table(rows, meshers):
         if row.note:
             cells[4] = row.note
         table.append([cell.replace("|", "\\|") for cell in cells])
-    widths = [max(len(row[column]) for row in table) for column in range(len(titles))]
+    print_aligned(table)
+
+
+def print_aligned(table):
+    widths = [max(len(row[column]) for row in table) for column in range(len(table[0]))]
     table.insert(1, ["-" * width for width in widths])
     for row in table:
         print("| " + " | ".join(cell.ljust(width) for cell, width in zip(row, widths)) + " |")
+
+
+def print_orders(rows, at_least):
+    """Of each part, over all orders that TetGen could mesh."""
+    titles = ["part", "orders", "tetrahedra", "least", "median", "most", f"below {at_least:g} degrees", "with none"]
+    table = [titles]
+    for row in rows:
+        if not row.orders:
+            continue
+        volumes = [v for v in [row.volumes[KEPT], *row.orders] if not v.failure]
+        cells = [row.part, f"{len(volumes)} of {1 + len(row.orders)}"]
+        if volumes:
+            worst = [v.worst_apart_deg for v in volumes]
+            cells += [f"{statistics.mean(v.tetrahedra for v in volumes):.0f}"]
+            cells += [f"{x:.3g}" for x in (min(worst), statistics.median(worst), max(worst))]
+            cells += [f"{statistics.mean(v.flat for v in volumes):.3g}", str(sum(v.flat == 0 for v in volumes))]
+        table.append(cells + [""] * (len(titles) - len(cells)))
+    print(f"\nOutputs under {KEPT}, their worst dihedral angles apart over all orders, and averages:\n")
+    print_aligned(table)
 
 
 def parse_arguments(arguments):
@@ -299,6 +344,9 @@ def parse_arguments(arguments):
         metavar="TIMES",
         help=f"the tetrahedra of the output under {KEPT} to those of the input under {SPLIT} (%(default)s); "
         f"up to {FEW} always are well",
+    )
+    parser.add_argument(
+        "--orders", type=int, default=1, metavar="N", help="of vertices and faces, in which TetGen is given the output"
     )
     parser.add_argument("--without-gmsh", action="store_true", help="TetGen only")
     parsed = parser.parse_args(arguments[:end])
@@ -326,7 +374,7 @@ def main(arguments):
     rows, failures = [], []
     for path in asked.files:
         say(str(path))
-        before, after = check_part(path, asked.remesh, asked.options, asked.time_limit, meshers)
+        before, after = check_part(path, asked.remesh, asked.options, asked.time_limit, meshers, asked.at_least, asked.orders)
         if before.note:
             say(f"  {before.note}")
             rows.append(before)
@@ -336,6 +384,8 @@ def main(arguments):
             say(f"  FAILED: {failure}")
             failures.append(f"{path.name}: {failure}")
     print_table(rows, meshers)
+    if asked.orders > 1:
+        print_orders(rows, asked.at_least)
     print(f"\nremesh {' '.join(asked.options)}: " + (f"{len(failures)} failed" if failures else "all well"))
     for failure in failures:
         print(f"- {failure}")

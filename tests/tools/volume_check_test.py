@@ -186,6 +186,27 @@ class Verdict(unittest.TestCase):
         with self.assertRaises(volume_check.ToolFailed):
             volume_check.in_triangles(prism([(0, 0), (4, 0), (1, 1), (0, 4)][1:] + [(0, 0)]))
 
+    def test_flat_tetrahedra_are_counted_apart_from_sharp_edges(self):
+        def mesher(surface, folder, seconds):
+            height = math.tan(math.radians(2))  # of a flat one, with two angles near 2 degrees
+            points = {0: (0, 0, 0), 1: (1, 0, 0), 2: (0.5, 1, 0), 3: (0.5, -1, 2 * height), 4: (0.5, 0.5, 1)}
+            return points, [(0, 1, 2, 4), (0, 1, 2, 3), (0, 1, 3, 2)]
+
+        for sharp, flat in (((), 2), ({(0, 0, 0)}, 0)):
+            volume = volume_check.mesh_volume(mesher, None, sharp, 1, 5)
+            self.assertEqual((volume.tetrahedra, volume.flat), (3, flat))
+            self.assertLess(volume.worst_deg, 5)
+            self.assertEqual(volume.worst_apart_deg < 5, flat > 0)
+
+    def test_a_renumbered_surface_is_the_same_surface(self):
+        surface = Surface(CUBE_POINTS, CUBE_FACES)
+        other = volume_check.renumbered(surface, 1)
+        self.assertNotEqual((other.points, other.faces), (surface.points, surface.faces))
+        again = volume_check.renumbered(surface, 1)
+        self.assertEqual((other.points, other.faces), (again.points, again.faces))
+        corners = lambda s: sorted([s.points[c] for c in face] for face in s.faces)
+        self.assertEqual(corners(other), corners(surface))
+
 
 if __name__ == "__main__":
     unittest.main()
