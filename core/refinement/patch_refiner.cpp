@@ -369,18 +369,18 @@ PatchRefiner::Place PatchRefiner::look_at(Vec2 p, std::uint32_t triangle) {
   return {p, at, !at.is_hidden && mesh_.find_cavity(p, at.half_edge / 3)};
 }
 
-PatchRefiner::Attempt PatchRefiner::insert(Vec2 p, std::uint32_t triangle, double floor, May may) {
+PatchRefiner::Attempt PatchRefiner::insert(Vec2 p, std::uint32_t triangle, Floor floor, May may) {
   return insert(look_at(p, triangle), floor, may);
 }
 
-PatchRefiner::Attempt PatchRefiner::insert(const Place& place, double floor, May may) {
+PatchRefiner::Attempt PatchRefiner::insert(const Place& place, Floor floor, May may) {
   at_->encroached.clear();
   if (place.at.is_hidden) {
     at_->encroached.push_back(mesh_.side(place.at.half_edge));
     return Attempt::kEncroached;
   }
   const Vec2 p = place.p;
-  const double least = floor / patch_.frame.scale;
+  const double least = floor.length() / patch_.frame.scale;
   bool is_near = false;
   for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
     const Vec2 a = mesh_.point(e.from);
@@ -395,7 +395,7 @@ PatchRefiner::Attempt PatchRefiner::insert(const Place& place, double floor, May
     if (is_near) return Attempt::kTooNear;
   }
   if (!place.has_room) return Attempt::kTooNear;
-  set_vertex(mesh_.fill_cavity(p), SegmentId(), floor);
+  set_vertex(mesh_.fill_cavity(p), SegmentId(), floor.packed());
   quota_ -= std::min<std::uint64_t>(quota_, 2);
   classify_changed();
   return Attempt::kDone;
@@ -514,7 +514,7 @@ bool PatchRefiner::split_edges(std::span<const std::uint32_t> half_edges, RunCon
     const auto& [h, from, to] = edges[i];
     if (!mesh_.is_live(h / 3) || mesh_.from(h) != from || mesh_.to(h) != to || mesh_.is_constrained(h)) continue;
     const Vec2 middle = on_grid(0.5 * (mesh_.point(from) + mesh_.point(to)));
-    const double floor = std::min(floor_of(from), floor_of(to));
+    const Floor floor = std::min(floor_of(from), floor_of(to));
     is_any = insert(middle, h / 3, floor, May::kBeAnywhere) == Attempt::kDone || is_any;
   }
   return is_any;
@@ -524,9 +524,13 @@ bool PatchRefiner::is_any_locked(std::span<const std::uint32_t> sides) const {
   return std::any_of(sides.begin(), sides.end(), [&](auto s) { return segments_[segment_of_side(s)].is_locked; });
 }
 
-PatchRefiner::State PatchRefiner::refusal(double floor) const {
-  if (is_any_locked(at_->encroached)) return State::kLocked;
-  return floor <= criteria_.min_edge_length ? State::kMinEdge : State::kSizeFloor;
+/// Why none of these sides is cut; `otherwise`: where none of them is locked.
+PatchRefiner::State PatchRefiner::why_uncut(std::span<const std::uint32_t> sides, State otherwise) const {
+  for (const std::uint32_t side : sides) {
+    const BoundarySegment& s = segments_[segment_of_side(side)];
+    if (s.is_locked) return s.is_lock_asked ? State::kMinEdge : State::kLocked;
+  }
+  return otherwise;
 }
 
 std::uint32_t PatchRefiner::longest_edge(std::uint32_t t) const {
@@ -541,7 +545,7 @@ std::uint32_t PatchRefiner::longest_edge(std::uint32_t t) const {
 
 /// What is too large must be split, wherever there is room: at its circumcentre, at last in the middle of its longest
 /// edge.
-bool PatchRefiner::split_too_large(std::uint32_t t, double floor) {
+bool PatchRefiner::split_too_large(std::uint32_t t, Floor floor) {
   const std::uint32_t longest = longest_edge(t);
   const Vec2 a = mesh_.point(mesh_.from(longest)), b = mesh_.point(mesh_.to(longest)),
              c = mesh_.point(mesh_.apex(longest));
@@ -566,22 +570,26 @@ bool PatchRefiner::cut_too_long_side(std::uint32_t t) {
   return false;
 }
 
-/// Is it too large for a side that cannot be cut: the longest edge, or all that is too long?
-bool PatchRefiner::is_held_large(std::uint32_t t) const {
-  const auto can_be_cut = [&](std::uint32_t h) {
+/// Why a triangle stays too large, if that is for a side that cannot be cut: the longest edge, or all that is too long.
+std::optional<PatchRefiner::State> PatchRefiner::held_large(std::uint32_t t) const {
+  // Why a side cannot be cut, if so.
+  const auto held_by = [&](std::uint32_t h) -> std::optional<State> {
     const Side& side = sides_[mesh_.side(h)];
-    return segments_.cut(segment_of(side), side.t0, side.t1).has_value();
+    if (segments_.cut(segment_of(side), side.t0, side.t1)) return std::nullopt;
+    const BoundarySegment& s = segments_[segment_of(side)];
+    return (s.is_locked ? s.is_lock_asked : s.is_floor_asked) ? State::kMinEdge : State::kLocked;
   };
   const std::uint32_t longest = longest_edge(t);
   if (mesh_.is_constrained(longest) && (is_too_long_side(longest) || std::isfinite(criteria_.max_area)))
-    return !can_be_cut(longest);
-  bool is_any = false;
+    return held_by(longest);
+  std::optional<State> why;
   for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
     if (!is_too_long(mesh_.point(mesh_.from(h)), mesh_.point(mesh_.to(h)))) continue;
-    if (!mesh_.is_constrained(h) || can_be_cut(h)) return false;
-    is_any = true;
+    const std::optional<State> here = mesh_.is_constrained(h) ? held_by(h) : std::nullopt;
+    if (!here) return std::nullopt;
+    if (!why) why = here;
   }
-  return is_any;
+  return why;
 }
 
 /// Is the triangle still the one that it was?
@@ -598,11 +606,11 @@ void PatchRefiner::treat(const Task& task) {
   const Shape shape = shape_of(t);
   // What waits and is not too large has no excuse.
   const bool is_for_angle = shape.is_sharp && (!shape.is_too_large || excuse(shape.shortest) == State::kUnknown);
-  const double floor = std::min(floor_of(task.a), floor_of(task.b));
+  const Floor floor = std::min(floor_of(task.a), floor_of(task.b));
   // An edge that is too long and cannot be cut keeps its triangle too large, whatever is put inside.
-  const bool is_hopeless = shape.is_too_large && is_held_large(t);
-  if (is_hopeless && !is_for_angle) {
-    state_[t] = State::kLocked;
+  const std::optional<State> hopeless = shape.is_too_large ? held_large(t) : std::nullopt;
+  if (hopeless && !is_for_angle) {
+    state_[t] = *hopeless;
     return;
   }
   // The cut parts the triangle, too.
@@ -623,7 +631,7 @@ void PatchRefiner::treat(const Task& task) {
     attempt = insert(place, floor, May::kBeClear);
   }
   if (attempt == Attempt::kDone) return;
-  State why = refusal(floor);
+  State why = why_uncut(at_->encroached, why_near(floor));
   if (attempt == Attempt::kEncroached && is_for_angle) {
     bool is_cut = false;
     at_->to_cut.assign(at_->encroached.begin(), at_->encroached.end());
@@ -636,13 +644,9 @@ void PatchRefiner::treat(const Task& task) {
       if (is_live(task)) push(task, shape.shortest_squared);
       return;
     }
-    if (is_any_locked(at_->to_cut))
-      why = State::kLocked;
-    else
-      why = segments_[segment_of_side(at_->to_cut[0])].floor <= criteria_.min_edge_length ? State::kMinEdge
-                                                                                          : State::kSizeFloor;
+    why = why_uncut(at_->to_cut, why_near(floor_on(segment_of_side(at_->to_cut[0]))));
   }
-  if (shape.is_too_large && !is_hopeless && split_too_large(t, floor)) return;
+  if (shape.is_too_large && !hopeless && split_too_large(t, floor)) return;
   state_[t] = why;
 }
 

@@ -12,6 +12,7 @@
 #include "core/base/run_control.h"
 #include "core/base/small_blocks.h"
 #include "core/refinement/delaunay_mesh.h"
+#include "core/refinement/floor.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/refinement_progress.h"
 #include "core/refinement/segment_table.h"
@@ -196,16 +197,17 @@ class PatchRefiner {
   /// What a new point may do: encroach on no piece; on such as can be cut; or on any, and be nearer to others than the
   /// floor, which only says how near others may come to it then.
   enum class May { kBeClear, kEncroach, kBeAnywhere };
-  Attempt insert(const Place& place, double floor, May may);
-  Attempt insert(Vec2 p, std::uint32_t triangle, double floor, May may);
+  Attempt insert(const Place& place, Floor floor, May may);
+  Attempt insert(Vec2 p, std::uint32_t triangle, Floor floor, May may);
   std::uint32_t longest_edge(std::uint32_t t) const;
-  bool split_too_large(std::uint32_t t, double floor);
+  bool split_too_large(std::uint32_t t, Floor floor);
   bool is_too_long_side(std::uint32_t h) const;
   bool cut_too_long_side(std::uint32_t t);
-  bool is_held_large(std::uint32_t t) const;
+  std::optional<State> held_large(std::uint32_t t) const;
   bool is_live(const Task& task) const;
   bool is_any_locked(std::span<const std::uint32_t> sides) const;
-  State refusal(double floor) const;
+  static State why_near(Floor floor) { return floor.is_asked() ? State::kMinEdge : State::kSizeFloor; }
+  State why_uncut(std::span<const std::uint32_t> sides, State otherwise) const;
 
   // Thinning out.
   struct Fan {
@@ -221,14 +223,15 @@ class PatchRefiner {
   bool is_inside(std::uint32_t t, Vec2 p) const;
   bool are_remade_well(double flattest) const;
   bool leave_out(std::uint32_t v, double flattest);
-  std::optional<Vec2> place_within(std::span<const std::uint32_t> ring, double floor, double flattest) const;
+  std::optional<Vec2> place_within(std::span<const std::uint32_t> ring, Floor floor, double flattest) const;
   bool find_hole(std::uint32_t v, std::size_t k);
   std::uint32_t merge(std::uint32_t v, std::uint32_t w, double flattest);
 
   Vec3 to_space(Vec2 uv) const;
   Vec2 on_grid(Vec2 uv) const;
   bool is_free(std::uint32_t v) const { return v >= corner_count_ && !segment_[v].is_valid(); }
-  double floor_of(std::uint32_t v) const { return segment_[v].is_valid() ? segments_[segment_[v]].floor : value_[v]; }
+  Floor floor_on(SegmentId s) const { return {segments_[s].floor, segments_[s].is_floor_asked}; }
+  Floor floor_of(std::uint32_t v) const { return segment_[v].is_valid() ? floor_on(segment_[v]) : Floor(value_[v]); }
   std::uint64_t cost_of_cut(SegmentId s) const { return segments_.sides(s).size(); }
 
   const PatchMesh& patch_;
@@ -239,7 +242,7 @@ class PatchRefiner {
   SmallBlocks memory_;
   DelaunayMesh mesh_{at_->mesh, &memory_};
   std::pmr::vector<SegmentId> segment_{&memory_};  ///< of each vertex that cuts one
-  std::pmr::vector<double> value_{&memory_};       ///< of such a vertex its parameter, of others their floor
+  std::pmr::vector<double> value_{&memory_};       ///< of such a vertex its parameter, of others their Floor
   std::pmr::vector<Side> sides_{&memory_};         ///< numbered as in mesh_
   std::pmr::vector<State> state_{&memory_};        ///< of each triangle
   /// A segment at a corner: its other end, and which it is; sorted at each corner.

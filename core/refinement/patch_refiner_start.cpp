@@ -159,7 +159,7 @@ void PatchRefiner::collect_corners(PatchId id) {
   corner_begin_.assign(corner_count_ + 1, 0);
   for_each_end([&](std::uint32_t corner, std::uint32_t, SegmentId s) {
     ++corner_begin_[corner + 1];
-    value_[corner] = std::min(value_[corner], segments_[s].floor);
+    value_[corner] = std::min(Floor(value_[corner]), floor_on(s)).packed();
   });
   std::partial_sum(corner_begin_.begin(), corner_begin_.end(), corner_begin_.begin());
   corner_segments_.resize(corner_begin_[corner_count_]);
@@ -180,7 +180,8 @@ void PatchRefiner::collect_corners(PatchId id) {
     for (const std::uint32_t v : {patch_.mesh.from(h), patch_.mesh.to(h)})
       if (is_inside[v] != 0) {
         const double length = norm(patch_.uv[patch_.mesh.to(h)] - patch_.uv[patch_.mesh.from(h)]);
-        value_[v] = std::max(criteria_.min_edge_length, std::min(value_[v], length * patch_.frame.scale * 0x1p-6));
+        const double nearest = std::min(Floor(value_[v]).length(), length * patch_.frame.scale * 0x1p-6);
+        value_[v] = Floor::above(criteria_.min_edge_length, nearest).packed();
       }
 }
 
@@ -289,7 +290,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
     if (size / 2 < criteria_.min_edge_length) continue;
     points.push_back(on_grid(p));
     segment_.emplace_back();
-    value_.push_back(std::max(criteria_.min_edge_length, size * 0x1p-6));
+    value_.push_back(Floor::above(criteria_.min_edge_length, size * 0x1p-6).packed());
   }
   if (points.size() > before) {
     std::optional<Triangulated> filled = triangulate(points, pieces, sides_.size(), control);

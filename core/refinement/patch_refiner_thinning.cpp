@@ -127,8 +127,9 @@ bool PatchRefiner::leave_out(std::uint32_t v, double flattest) {
 }
 
 /// A place from which all of a ring is within reach, and no triangle is flatter than that.
-std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ring, double floor,
+std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ring, Floor floor,
                                                double flattest) const {
+  const double least = floor.length() / patch_.frame.scale;
   Vec2 p{};
   for (const std::uint32_t u : ring) p = p + mesh_.point(u);
   p = (1 / static_cast<double>(ring.size())) * p;
@@ -141,7 +142,7 @@ std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ri
       nearest_squared = std::min(nearest_squared, squared_length(q - p));
       if (squared_length(q - p) > squared_length(farthest - p)) farthest = q;
     }
-    if (nearest_squared >= floor * floor) {
+    if (nearest_squared >= least * least) {
       const Fan fan = fan_of(p, ring);
       const auto is_within_reach = [&](Vec2 q) { return is_allowed(norm(q - p), 0.5 * (p + q)); };
       // The farthest first: most places fail by it.
@@ -171,8 +172,8 @@ bool PatchRefiner::find_hole(std::uint32_t v, std::size_t k) {
 /// Puts one point in the place of v and its neighbour w, if there is one that does for both. `at_->hole`: the ring
 /// around them. Output: the vertex, or kNone.
 std::uint32_t PatchRefiner::merge(std::uint32_t v, std::uint32_t w, double flattest) {
-  const double value = std::min(value_[v], value_[w]);
-  const std::optional<Vec2> p = place_within(at_->hole, value / patch_.frame.scale, flattest);
+  const Floor floor = std::min(Floor(value_[v]), Floor(value_[w]));
+  const std::optional<Vec2> p = place_within(at_->hole, floor, flattest);
   if (!p) return kNone;
   at_->remade.clear();
   take(v);
@@ -184,7 +185,7 @@ std::uint32_t PatchRefiner::merge(std::uint32_t v, std::uint32_t w, double flatt
     if (!mesh_.find_cavity(*p, t) || !std::all_of(mesh_.cavity().begin(), mesh_.cavity().end(), is_good)) break;
     const std::uint32_t merged = mesh_.fill_cavity(*p);
     note_remade();
-    set_vertex(merged, SegmentId(), value);
+    set_vertex(merged, SegmentId(), floor.packed());
     if (are_remade_well(flattest)) {
       at_->taken.clear();
       return merged;

@@ -201,13 +201,17 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   for_each_segment([&](SegmentId s, BoundarySegment& segment) {
     const double noise = kRoundings * roundings[s.value];
     double size = feature[s.value];
+    if (!(size > noise)) segment.is_locked = true;
     // What is narrower than the shortest edge allowed cannot be cut across.
-    if (!(size > noise) || size < goals.min_edge_length) segment.is_locked = true;
+    segment.is_lock_asked = !segment.is_locked && size < goals.min_edge_length;
+    segment.is_locked |= segment.is_lock_asked;
     for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(s, t)));
     const double angle = std::min(sharpest[2 * s.value], sharpest[2 * s.value + 1]);
     // Shells at an angle below 60 degrees are nearer to each other than to the corner.
     const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
-    segment.floor = std::max({shortest_piece, kFloorShare * size, noise / std::sin(angle)});
+    const double of_features = std::max(kFloorShare * size, noise / std::sin(angle));
+    segment.floor = std::max(shortest_piece, of_features);
+    segment.is_floor_asked = shortest_piece > of_features;
   });
   const std::vector<EvenParts> parts = parts_along_strips(meshes, *this, feature, goals, sizes, control);
   for_each_segment([&](SegmentId s, BoundarySegment& segment) { segment.parts = parts[s.value]; });

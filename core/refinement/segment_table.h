@@ -39,9 +39,11 @@ struct BoundarySegment {
   /// Around each end: the shells at base * 2^k on which pieces there are cut, so that segments that meet at a small
   /// angle are cut alike; 0 where no other segment is near.
   std::array<double, 2> shell_base{0, 0};
-  EvenParts parts;         ///< where there are no shells
-  double floor = 0;        ///< no piece becomes shorter
-  bool is_locked = false;  ///< it stays as it is
+  EvenParts parts;              ///< where there are no shells
+  double floor = 0;             ///< no piece becomes shorter
+  bool is_floor_asked = false;  ///< it is as high for min_edge_length alone
+  bool is_locked = false;       ///< it stays as it is
+  bool is_lock_asked = false;   ///< for min_edge_length alone
 };
 
 /// One side of one patch along a segment.

@@ -411,6 +411,37 @@ TEST(refinement, the_shortest_edge_goes_before_the_longest) {
   EXPECT_GT(listed(result.report, UnrefinedReason::kMinEdgeLength), 0u);
 }
 
+TEST(refinement, what_only_the_shortest_edge_forbids_is_listed_as_that) {
+  // Corners under 60 degrees, where pieces have to be longer so that edges across are not too short; a strip that is
+  // narrower than it; and triangles inside that need points near both.
+  const PolygonMesh meshes[] = {shapes::triangle(40, 1, 1), shapes::triangle(12, 1, 0.8), solids::tube(1, 1, 0.04),
+                                solids::extrusion(polygons::star_with_holes(3, 40, 3), 0.1)};
+  for (const PolygonMesh& mesh : meshes) {
+    Options options = with_angle(30);
+    options.max_edge_length = 0.15;
+    const Result free = refined(mesh, options);
+    const std::uint64_t at_corners =
+        listed(free.report, UnrefinedReason::kInputAngle) + listed(free.report, UnrefinedReason::kAcrossInputAngle);
+    ASSERT_EQ(listed(free.report), at_corners) << listed_in_words(free.report);
+    options.min_edge_length = 0.07;
+    const Result held = refined(mesh, options);
+    expect_promises(mesh, options, held);
+    EXPECT_GT(listed(held.report, UnrefinedReason::kMinEdgeLength), 0u) << listed_in_words(held.report);
+    EXPECT_EQ(listed(held.report, UnrefinedReason::kSizeFloor), 0u) << listed_in_words(held.report);
+    EXPECT_EQ(listed(held.report, UnrefinedReason::kBoundaryLocked), 0u) << listed_in_words(held.report);
+  }
+}
+
+TEST(refinement, what_the_shortest_edge_does_not_forbid_is_not_listed_as_that) {
+  // Every segment stays as it is for split_boundaries; so small an edge forbids nothing.
+  Options options = with_length(0.1);
+  options.split_boundaries = false;
+  options.min_edge_length = 1e-6;
+  const Result result = refined(shapes::box({1, 1, 1}), options);
+  EXPECT_GT(listed(result.report, UnrefinedReason::kBoundaryLocked), 0u);
+  EXPECT_EQ(listed(result.report, UnrefinedReason::kMinEdgeLength), 0u) << listed_in_words(result.report);
+}
+
 /// Vertices of the output on an edge of the box [0, size]^3.
 std::size_t vertices_on_box_edges(const TriangleMesh& mesh, double size) {
   std::size_t count = 0;
