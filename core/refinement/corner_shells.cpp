@@ -16,7 +16,7 @@ namespace {
 
 /// Corners are sharp if their sides, at the distance 1, are no farther apart than this share of the bound's tangent:
 /// else pieces as long as the size give triangles in one row that meet the bound.
-constexpr double kSharp = 0.5;
+constexpr double kSharp = 0.7;
 /// A corner that is so many times less sharp than another one beside it is not cut like that: one sliver in a fan would
 /// have all of it cut as finely.
 constexpr double kAlike = 2;
@@ -25,11 +25,12 @@ constexpr double kFarApart = 0.85;
 /// Pieces are so much shorter than the bound on angles allows: rows are not quite regular. Beyond 1.02 what does not
 /// fit is refined (two and a half times the triangles of a cone); from 0.94 to there every hundredth saves some, and
 /// the fewer short edges there are behind a corner, the fewer flat tetrahedra.
-constexpr double kMargin = 0.99;
+constexpr double kMargin = 0.98;
 /// In sizes: the triangle in a corner, where sizes vary. Shorter, and there are more tetrahedra; longer, and more of
-/// them are flat. Of TetGen's 58 thousand in t13 and 70 thousand in a coupling, both with corners of 2 to 5 degrees, on
-/// average over sixteen orders of the vertices 2.7 and 1.7 are below 3 degrees from 0.5 to 0.6, some ten at 1.
-constexpr double kTip = 0.55;
+/// them are flat. Of TetGen's 58 thousand in t13 and 71 thousand in a coupling, both with corners of 2 to 5 degrees, on
+/// average over sixteen orders of the vertices 3 and 1 are below 3 degrees from 0.5 to 0.55, some ten each at 1. That
+/// the coupling has none in its own order is luck: a third of the settings near these have it.
+constexpr double kTip = 0.54;
 /// In sizes: no piece is shorter. Where it had to be, the angle is given up.
 constexpr double kLeastPiece = 0x1p-5;
 /// In pieces: what is left of a side behind its last shell is no shorter.
@@ -104,12 +105,15 @@ class Way {
   void walk(std::span<Side> sides, std::vector<std::uint32_t> members) {
     stops_.clear();
     floor_ = 0;
-    double size = HUGE_VAL;
+    double size = HUGE_VAL, nearest_end = HUGE_VAL;
     for (const std::uint32_t i : members) {
       size = std::min(size, size_at(sides[i], 0));
       floor_ = std::max(floor_, sides[i].floor);
+      nearest_end = std::min(nearest_end, sides[i].reach);
     }
     Piece piece{sizes_.is_uniform() ? size : kTip * size, true};
+    // Else that side would stay as it is for want of room, and the others be cut.
+    if (nearest_end > piece.length && nearest_end <= size) piece.length = nearest_end;
     double step = piece.length;
     for (Stop from;; from = stops_.back()) {
       std::erase_if(members, [&](std::uint32_t i) {

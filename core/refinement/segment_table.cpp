@@ -216,6 +216,15 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   const std::vector<EvenParts> parts = parts_along_strips(meshes, *this, feature, goals, sizes, control);
   for_each_segment([&](SegmentId s, BoundarySegment& segment) { segment.parts = parts[s.value]; });
   corner_shells_ = CornerShells(*this, std::move(corners), goals, sizes, control);
+  // What they make next to a corner is cut in halves.
+  std::vector<double> first(2 * segments_.size(), HUGE_VAL);
+  for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
+    double& least = first[clusters.find(e)];
+    if (const auto shells = corner_shells_.at(e); !shells.empty()) least = std::min(least, shells.front());
+  }
+  for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e)
+    if (const double base = first[clusters.find(e)]; std::isfinite(base))
+      segments_[SegmentId(e / 2)].shell_base[e % 2] = base;
 }
 
 Vec3 SegmentTable::position(SegmentId s, double t) const {

@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/refinement/gap_search.h"
 #include "core/refinement/segment_table.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
@@ -63,6 +64,30 @@ TEST(corner_shells, the_sides_of_a_corner_are_cut_by_turns_in_pieces_that_grow) 
       EXPECT_GE(width * a[i - 1] / (b[i] - a[i - 1]), tangent) << i;
       EXPECT_GE(width * a[i - 1] / (a[i - 1] - b[i - 1]), tangent) << i;
     }
+  }
+}
+
+TEST(corner_shells, where_sizes_vary_a_side_that_ends_within_one_is_all_of_the_corner) {
+  // Far from the corner two sheets are near each other, so that sizes vary; there the size is the largest.
+  const double size = 0.1, degrees = 4, angle = degrees * std::numbers::pi / 180;
+  const PolygonMesh sheet = shapes::moved(shapes::sheet(1, 1, 1, 1), {9, 0, 0});
+  const PolygonMesh sheets = shapes::joined(sheet, shapes::moved(sheet, {0, 0, 0.05}));
+  for (const double shorter : {0.06, 0.08, 0.0999}) {
+    StageChain chain(shapes::joined(shapes::triangle(degrees, 1, shorter), sheets));
+    Options options = with_angle(25);
+    options.max_edge_length = size;
+    options.proximity = 1;
+    const Goals goals = goals_of(options, 1);
+    const GapSearch gaps(chain.surface, chain.adjacency, chain.patches, 1e-12, chain.control);
+    const SizeField sizes(chain.surface, &gaps, {}, goals, 1e-12, chain.control);
+    ASSERT_FALSE(sizes.is_uniform());
+    const SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(chain.meshes.size(), 0), sizes,
+                             goals, chain.control);
+    const Vec3 end{shorter * std::cos(angle), shorter * std::sin(angle), 0};
+    EXPECT_TRUE(distances(chain, table, sizes, end).empty()) << shorter;
+    const std::vector<double> cuts = distances(chain, table, sizes, {1, 0, 0});
+    ASSERT_FALSE(cuts.empty());
+    EXPECT_NEAR(cuts[0], shorter, 1e-9);
   }
 }
 
