@@ -111,9 +111,15 @@ class Way {
       floor_ = std::max(floor_, sides[i].floor);
       nearest_end = std::min(nearest_end, sides[i].reach);
     }
-    Piece piece{sizes_.is_uniform() ? size : kTip * size, true};
+    Piece piece{size, true};
+    if (!sizes_.is_uniform() && kTip * size >= floor_) piece.length = kTip * size;
     // Else that side would stay as it is for want of room, and the others be cut.
-    if (nearest_end > piece.length && nearest_end <= size) piece.length = nearest_end;
+    if (nearest_end > piece.length && nearest_end < 2 * piece.length) {
+      if (nearest_end <= size)
+        piece.length = nearest_end;
+      else if (nearest_end / 2 >= floor_)
+        piece.length = nearest_end / 2;
+    }
     double step = piece.length;
     for (Stop from;; from = stops_.back()) {
       std::erase_if(members, [&](std::uint32_t i) {

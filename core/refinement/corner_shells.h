@@ -22,11 +22,11 @@ struct Corner {
 /// Near a sharp corner of a facet its sides are much nearer to each other than sizes are large. Cut each on its own,
 /// what is between them fills with points until all angles are large enough, or is excused where both happen to be cut
 /// at the same distances from the corner. So the sides are cut together. The triangle in the corner is a size long
-/// (half of it where sizes vary, or as a side that ends behind that); behind it the pieces are as long as the bound on
-/// angles allows for triangles in one row, and grow as fast as the sides part: those of one side end at common
-/// distances, those of the other between them. All angles but the corner's own are what was asked for: with 107
-/// triangles before and 38 now, at 25 degrees, in a corner of two whose sides are 10 and 9.3 sizes long; with as many
-/// as before at worst.
+/// (half of it where sizes vary; or as long as a side that ends soon behind that, or half as long); behind it the
+/// pieces are as long as the bound on angles allows for triangles in one row, and grow as fast as the sides part: those
+/// of one side end at common distances, those of the other between them. All angles but the corner's own are what was
+/// asked for: with 107 triangles before and 37 now, at 25 degrees, in a corner of two whose sides are 10 and 9.3 sizes
+/// long; with as many as before at worst.
 ///
 /// Where such pieces would be shorter than the floor, or than a 32nd of the size, the sides are cut at the same
 /// distances, a size apart: the angle is given up there, and the triangles are excused, as is the corner's own

@@ -528,7 +528,9 @@ bool PatchRefiner::is_any_locked(std::span<const std::uint32_t> sides) const {
 PatchRefiner::State PatchRefiner::why_uncut(std::span<const std::uint32_t> sides, State otherwise) const {
   for (const std::uint32_t side : sides) {
     const BoundarySegment& s = segments_[segment_of_side(side)];
-    if (s.is_locked) return s.is_lock_asked ? State::kMinEdge : State::kLocked;
+    // Without the option, another one that is locked would still stay.
+    if (s.is_locked && !s.is_lock_asked) return State::kLocked;
+    if (s.is_locked) otherwise = State::kMinEdge;
   }
   return otherwise;
 }
@@ -576,8 +578,7 @@ std::optional<PatchRefiner::State> PatchRefiner::held_large(std::uint32_t t) con
   const auto held_by = [&](std::uint32_t h) -> std::optional<State> {
     const Side& side = sides_[mesh_.side(h)];
     if (segments_.cut(segment_of(side), side.t0, side.t1)) return std::nullopt;
-    const BoundarySegment& s = segments_[segment_of(side)];
-    return (s.is_locked ? s.is_lock_asked : s.is_floor_asked) ? State::kMinEdge : State::kLocked;
+    return why_uncut(std::array{mesh_.side(h)}, why_near(floor_on(segment_of(side))));
   };
   const std::uint32_t longest = longest_edge(t);
   if (mesh_.is_constrained(longest) && (is_too_long_side(longest) || std::isfinite(criteria_.max_area)))
@@ -587,7 +588,7 @@ std::optional<PatchRefiner::State> PatchRefiner::held_large(std::uint32_t t) con
     if (!is_too_long(mesh_.point(mesh_.from(h)), mesh_.point(mesh_.to(h)))) continue;
     const std::optional<State> here = mesh_.is_constrained(h) ? held_by(h) : std::nullopt;
     if (!here) return std::nullopt;
-    if (!why) why = here;
+    if (!why || *here == State::kLocked) why = here;
   }
   return why;
 }

@@ -77,34 +77,53 @@ void SegmentTable::cut_between_parts(SegmentId id, const SizeField& sizes, std::
   std::sort(cuts.begin(), cuts.end());
 }
 
-/// The piece [first, last] into the fewest parts that are no longer than the size there, equal where it is.
+/// The piece [first, last] into the fewest parts that are no longer than the size there, equal where it is; into one
+/// less where some would be shorter than the shortest edge.
 void SegmentTable::cut_evenly(SegmentId id, double first, double last, const SizeField& sizes,
                               std::vector<double>& cuts) const {
   const BoundarySegment& s = segments_[id];
+  const double shortest = min_edge_length_ > 0 ? s.floor : 0;
+  const auto size_at = [&](double t) {
+    return std::max(shortest, sizes.is_uniform() ? sizes.largest() : sizes.at(position(id, t)));
+  };
   // The way along the segment, counted in sizes, from step to step: each about half the size before.
   std::vector<std::pair<double, double>> way{{first, 0}};  // parameter, sizes so far
-  double size = sizes.is_uniform() ? sizes.largest() : sizes.at(position(id, first));
+  double size = size_at(first);
   while (way.back().first < last) {
     const auto [t, count] = way.back();
     double next = sizes.is_uniform() ? last : t + size / 2 / s.length;
     if (!(next < last - 1e-9)) next = last;
-    if (!sizes.is_uniform()) size = sizes.at(position(id, t + (next - t) / 2));
+    if (!sizes.is_uniform()) size = size_at(t + (next - t) / 2);
     way.emplace_back(next, count + (next - t) * s.length / size);
   }
-  double parts = std::ceil(way.back().second * (1 - 1e-12));
-  if (min_edge_length_ > 0) parts = std::min(parts, std::floor((last - first) * s.length / s.floor));
-  const auto n = static_cast<std::uint64_t>(std::max(1.0, parts));
-  std::size_t k = 1;
-  for (std::uint64_t i = 1; i < n; ++i) {
-    if (sizes.is_uniform()) {
-      cuts.push_back(first + (last - first) * (static_cast<double>(i) / static_cast<double>(n)));
-      continue;
+  const double all = way.back().second;
+  const std::size_t before = cuts.size();
+  const auto cut_into = [&](double n) {
+    cuts.resize(before);
+    std::size_t k = 1;
+    for (double i = 1; i < n; ++i) {
+      if (sizes.is_uniform()) {
+        cuts.push_back(first + (last - first) * (i / n));
+        continue;
+      }
+      const double wanted = all * i / n;
+      while (way[k].second < wanted) ++k;
+      const double part = (wanted - way[k - 1].second) / (way[k].second - way[k - 1].second);
+      cuts.push_back(way[k - 1].first + part * (way[k].first - way[k - 1].first));
     }
-    const double wanted = way.back().second * static_cast<double>(i) / static_cast<double>(n);
-    while (way[k].second < wanted) ++k;
-    const double part = (wanted - way[k - 1].second) / (way[k].second - way[k - 1].second);
-    cuts.push_back(way[k - 1].first + part * (way[k].first - way[k - 1].first));
-  }
+  };
+  const auto is_any_short = [&] {
+    double from = first;
+    for (std::size_t i = before; i <= cuts.size(); ++i) {
+      const double to = i < cuts.size() ? cuts[i] : last;
+      if ((to - from) * s.length < shortest) return true;
+      from = to;
+    }
+    return false;
+  };
+  cut_into(std::ceil(all * (1 - 1e-12)));
+  // Parts of a size or more are none too short.
+  if (shortest > 0 && is_any_short()) cut_into(std::floor(all));
 }
 
 }  // namespace remesh

@@ -37,7 +37,8 @@ struct BoundarySegment {
   VertexId from, to;  ///< by position, the smaller one first
   double length = 0;
   /// Around each end: the shells at base * 2^k on which pieces there are cut, so that segments that meet at a small
-  /// angle are cut alike; 0 where no other segment is near.
+  /// angle are cut alike; 0 where no other segment is near. The base is a third of the shortest of these segments, or,
+  /// where sizes vary, the first of their CornerShells.
   std::array<double, 2> shell_base{0, 0};
   EvenParts parts;              ///< where there are no shells
   double floor = 0;             ///< no piece becomes shorter

@@ -240,7 +240,8 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
       FloatBox box;
       box.add(a + (1.0 * i / kPiecesOfSegment) * (b - a));
       box.add(a + (1.0 * (i + 1) / kPiecesOfSegment) * (b - a));
-      add(box, length, Layer(), samples_);
+      // No segment is longer than itself, whatever rounding says.
+      add(box, length * (1 + 2 * kNoise), Layer(), samples_);
     }
   }
 }

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "core/remesh.h"
 #include "tests/support/refined_checks.h"
@@ -136,6 +137,34 @@ TEST(refinement_proximity, a_plate_of_so_many_thicknesses_is_cut_into_so_many_pi
       const double triangles = 2 * (12 * 7 + 12 + 7) / (std::sqrt(3) / 4);
       EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 1.35 * triangles) << thick;
     }
+}
+
+TEST(refinement_proximity, where_gaps_close_the_shortest_edge_goes_before_them) {
+  // At the bottom of a notch of 30 degrees gaps are as small as one likes.
+  const double half = 0.5, wide = std::tan(15 * std::numbers::pi / 180);
+  const PolygonMesh mesh =
+      shapes::prism({{-1, -1}, {1, -1}, {1, half}, {wide, half}, {0, -half}, {-wide, half}, {-1, half}}, 0.3);
+  for (const double shortest : {0.01, 0.02, 0.05, 0.1}) {
+    Options options = with_length(0.3);
+    options.proximity = 1;
+    options.min_edge_length = shortest;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kMinEdgeLength));
+    EXPECT_GE(shortest_edge(result.mesh), shortest / kHair);
+    EXPECT_LE(longest_edge(result.mesh), 0.3 * kHair);
+    // Not as if the notch were not there.
+    EXPECT_LE(shortest_edge(result.mesh), 1.2 * shortest);
+  }
+}
+
+TEST(refinement_proximity, no_edge_is_longer_than_itself) {
+  // With gradation alone each edge of the input is as long as sizes are there: it is not cut.
+  for (const double size : {1.0, 1.1, 1.3, 1.7, 0.3}) {
+    Options options;
+    options.gradation = 1.5;
+    EXPECT_EQ(refined(shapes::box({size, size, size}), options).mesh.faces.size(), 24u) << size;
+  }
 }
 
 TEST(refinement_proximity, sizes_grow_no_faster_than_asked) {

@@ -114,6 +114,22 @@ TEST(sharp_corners, the_shortest_edge_goes_before_them) {
   }
 }
 
+TEST(sharp_corners, where_sizes_vary_the_shortest_edge_leaves_no_long_ones) {
+  // Two sheets far away, so that sizes vary. The corner's own triangle cannot be as small as elsewhere.
+  const PolygonMesh sheet = shapes::moved(shapes::sheet(1, 1, 1, 1), {9, 0, 0});
+  const PolygonMesh sheets = shapes::joined(sheet, shapes::moved(sheet, {0, 0, 0.05}));
+  for (const double degrees : {11.5, 13.0})
+    for (const double least : {0.0115, 0.012, 0.013}) {
+      const PolygonMesh mesh = shapes::joined(shapes::triangle(degrees, 1, 0.9), sheets);
+      Options options = with(25, 0.1);
+      options.proximity = 1;
+      options.min_edge_length = least;
+      const Result result = refined(mesh, options);
+      expect_promises(mesh, options, result);
+      EXPECT_LE(longest_edge(result.mesh), 0.11) << degrees << ' ' << least;
+    }
+}
+
 TEST(sharp_corners, scaling_by_powers_of_two_scales_the_cuts) {
   const PolygonMesh mesh = solids::cone(24, 10);
   const Result once = refined(mesh, with(20, 0.5));

@@ -433,13 +433,17 @@ TEST(refinement, what_only_the_shortest_edge_forbids_is_listed_as_that) {
 }
 
 TEST(refinement, what_the_shortest_edge_does_not_forbid_is_not_listed_as_that) {
-  // Every segment stays as it is for split_boundaries; so small an edge forbids nothing.
-  Options options = with_length(0.1);
+  // Sides of 0.05 cannot be cut across for the shortest edge; but where no boundary is split, not for it alone.
+  Options options = with_length(0.2);
+  options.min_edge_length = 0.1;
+  const PolygonMesh mesh = shapes::box({1, 1, 0.05});
+  const Result held = refined(mesh, options);
+  EXPECT_GT(listed(held.report, UnrefinedReason::kMinEdgeLength), 0u);
+  EXPECT_EQ(listed(held.report, UnrefinedReason::kBoundaryLocked), 0u) << listed_in_words(held.report);
   options.split_boundaries = false;
-  options.min_edge_length = 1e-6;
-  const Result result = refined(shapes::box({1, 1, 1}), options);
-  EXPECT_GT(listed(result.report, UnrefinedReason::kBoundaryLocked), 0u);
-  EXPECT_EQ(listed(result.report, UnrefinedReason::kMinEdgeLength), 0u) << listed_in_words(result.report);
+  const Result locked = refined(mesh, options);
+  EXPECT_GT(listed(locked.report, UnrefinedReason::kBoundaryLocked), 0u);
+  EXPECT_EQ(listed(locked.report, UnrefinedReason::kMinEdgeLength), 0u) << listed_in_words(locked.report);
 }
 
 /// Vertices of the output on an edge of the box [0, size]^3.

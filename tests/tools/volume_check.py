@@ -296,11 +296,12 @@ def print_table(rows, meshers):
                 cells += [str(volume.tetrahedra), f"{volume.worst_deg:.3g}", f"{volume.worst_apart_deg:.3g}"]
         if row.note:
             cells[4] = row.note
-        table.append([cell.replace("|", "\\|") for cell in cells])
+        table.append(cells)
     print_aligned(table)
 
 
 def print_aligned(table):
+    table = [[cell.replace("|", "\\|") for cell in cells] for cells in table]
     widths = [max(len(row[column]) for row in table) for column in range(len(table[0]))]
     table.insert(1, ["-" * width for width in widths])
     for row in table:

@@ -88,6 +88,15 @@ TEST(corner_shells, where_sizes_vary_a_side_that_ends_within_one_is_all_of_the_c
     const std::vector<double> cuts = distances(chain, table, sizes, {1, 0, 0});
     ASSERT_FALSE(cuts.empty());
     EXPECT_NEAR(cuts[0], shorter, 1e-9);
+    // If that has to be cut again, then in halves.
+    int tried = 0;
+    for (std::uint32_t k = 0; k < table.size(); ++k) {
+      const BoundarySegment& side = table[SegmentId(k)];
+      if (side.from != chain.at({0, 0, 0}) || side.to != chain.at({1, 0, 0})) continue;
+      EXPECT_NEAR(table.cut(SegmentId(k), 0, shorter).value_or(0), shorter / 2, 1e-9);
+      ++tried;
+    }
+    EXPECT_EQ(tried, 1);
   }
 }
 

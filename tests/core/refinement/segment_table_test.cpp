@@ -460,19 +460,5 @@ TEST(segment_ends, each_segment_is_named_once) {
   for (const auto& [a, b] : ends) EXPECT_LT(a, b);
 }
 
-TEST(segment_table, the_triangle_that_a_size_makes_in_a_sharp_corner_is_cut_in_halves) {
-  const double size = 0.1;
-  const Subject subject(shapes::triangle(3, 1, 0.9), goals(), size);
-  for (const Vec3& end :
-       {Vec3{1, 0, 0}, 0.9 * Vec3{std::cos(std::numbers::pi / 60), std::sin(std::numbers::pi / 60), 0}}) {
-    const SegmentId s = subject.between({0, 0, 0}, end);
-    const bool is_from = subject.table[s].from == subject.chain.at({0, 0, 0});
-    const double length = subject.table[s].length, t = size / length;
-    const auto cut = is_from ? subject.table.cut(s, 0, t) : subject.table.cut(s, 1 - t, 1);
-    ASSERT_TRUE(cut);
-    EXPECT_NEAR((is_from ? *cut : 1 - *cut) * length, size / 2, 1e-12);
-  }
-}
-
 }  // namespace
 }  // namespace remesh
