@@ -9,6 +9,9 @@
 namespace remesh {
 namespace {
 
+/// Ten sizes are ten parts, whatever the last digits say.
+constexpr double kHair = 1e-12;
+
 double last_of(std::span<const double> shells) { return shells.empty() ? 0 : shells.back(); }
 
 double last_piece_of(std::span<const double> shells) {
@@ -67,7 +70,7 @@ void SegmentTable::cut_between_parts(SegmentId id, const SizeField& sizes, std::
   while (!pieces.empty()) {
     const auto [t0, t1] = pieces.back();
     pieces.pop_back();
-    if ((t1 - t0) * s.length * (1 - 1e-12) <= sizes.at(position(id, t0 + (t1 - t0) / 2))) continue;
+    if ((t1 - t0) * s.length * (1 - kHair) <= sizes.at(position(id, t0 + (t1 - t0) / 2))) continue;
     const double t = s.parts.cut(t0, t1);
     if (min_edge_length_ > 0 && std::min(t - t0, t1 - t) * s.length < s.floor) continue;
     cuts.push_back(t);
@@ -98,15 +101,17 @@ void SegmentTable::cut_evenly(SegmentId id, double first, double last, const Siz
   }
   const double all = way.back().second;
   const std::size_t before = cuts.size();
-  const auto cut_into = [&](double n) {
+  const auto cut_into = [&](double parts) {
     cuts.resize(before);
+    const auto n = static_cast<std::uint64_t>(parts);
     std::size_t k = 1;
-    for (double i = 1; i < n; ++i) {
+    for (std::uint64_t i = 1; i < n; ++i) {
+      const double share = static_cast<double>(i) / static_cast<double>(n);
       if (sizes.is_uniform()) {
-        cuts.push_back(first + (last - first) * (i / n));
+        cuts.push_back(first + (last - first) * share);
         continue;
       }
-      const double wanted = all * i / n;
+      const double wanted = all * share;
       while (way[k].second < wanted) ++k;
       const double part = (wanted - way[k - 1].second) / (way[k].second - way[k - 1].second);
       cuts.push_back(way[k - 1].first + part * (way[k].first - way[k - 1].first));
@@ -116,14 +121,14 @@ void SegmentTable::cut_evenly(SegmentId id, double first, double last, const Siz
     double from = first;
     for (std::size_t i = before; i <= cuts.size(); ++i) {
       const double to = i < cuts.size() ? cuts[i] : last;
-      if ((to - from) * s.length < shortest) return true;
+      if ((to - from) * s.length < shortest * (1 - kHair)) return true;
       from = to;
     }
     return false;
   };
-  cut_into(std::ceil(all * (1 - 1e-12)));
+  cut_into(std::ceil(all * (1 - kHair)));
   // Parts of a size or more are none too short.
-  if (shortest > 0 && is_any_short()) cut_into(std::floor(all));
+  if (shortest > 0 && is_any_short()) cut_into(std::floor(all * (1 + kHair)));
 }
 
 }  // namespace remesh

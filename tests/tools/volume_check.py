@@ -375,7 +375,9 @@ def main(arguments):
     rows, failures = [], []
     for path in asked.files:
         say(str(path))
-        before, after = check_part(path, asked.remesh, asked.options, asked.time_limit, meshers, asked.at_least, asked.orders)
+        before, after = check_part(
+            path, asked.remesh, asked.options, asked.time_limit, meshers, asked.at_least, asked.orders
+        )
         if before.note:
             say(f"  {before.note}")
             rows.append(before)
