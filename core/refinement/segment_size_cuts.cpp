@@ -103,15 +103,14 @@ void SegmentTable::cut_evenly(SegmentId id, double first, double last, const Siz
   const std::size_t before = cuts.size();
   const auto cut_into = [&](double parts) {
     cuts.resize(before);
-    const auto n = static_cast<std::uint64_t>(parts);
     std::size_t k = 1;
-    for (std::uint64_t i = 1; i < n; ++i) {
-      const double share = static_cast<double>(i) / static_cast<double>(n);
+    for (std::uint64_t i = 1; i < static_cast<std::uint64_t>(parts); ++i) {
+      const auto end = static_cast<double>(i);
       if (sizes.is_uniform()) {
-        cuts.push_back(first + (last - first) * share);
+        cuts.push_back(first + (last - first) * (end / parts));
         continue;
       }
-      const double wanted = all * share;
+      const double wanted = all * end / parts;
       while (way[k].second < wanted) ++k;
       const double part = (wanted - way[k - 1].second) / (way[k].second - way[k - 1].second);
       cuts.push_back(way[k - 1].first + part * (way[k].first - way[k - 1].first));
