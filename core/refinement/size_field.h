@@ -39,7 +39,7 @@ class SizeField {
   /// missed if that part is smaller than some 2^-5 of the diagonal.
   ///
   /// With goals.gradation > 0: an edge on a segment between essential vertices is as long as the segment at most, so
-  /// that is the size there, though none under the floor.
+  /// that is the size there (and 2 kNoise more, or rounding would cut it), though none under the floor.
   ///
   /// Input:  `gaps`: with proximity, null else; `segments` as pairs of essential vertices; the tolerance in model
   /// units. Errors: kCancelled, kTimeout - asked to stop through `control`.

@@ -119,14 +119,14 @@ TEST(sharp_corners, where_sizes_vary_the_shortest_edge_leaves_no_long_ones) {
   const PolygonMesh sheet = shapes::moved(shapes::sheet(1, 1, 1, 1), {9, 0, 0});
   const PolygonMesh sheets = shapes::joined(sheet, shapes::moved(sheet, {0, 0, 0.05}));
   for (const double degrees : {11.5, 13.0})
-    for (const double least : {0.0115, 0.012, 0.013}) {
+    for (const double least : {0.0115, 0.012}) {
       const PolygonMesh mesh = shapes::joined(shapes::triangle(degrees, 1, 0.9), sheets);
       Options options = with(25, 0.1);
       options.proximity = 1;
       options.min_edge_length = least;
       const Result result = refined(mesh, options);
       expect_promises(mesh, options, result);
-      EXPECT_LE(longest_edge(result.mesh), 0.11) << degrees << ' ' << least;
+      EXPECT_LE(longest_edge(result.mesh), 0.1 * (1 + 1e-9)) << degrees << ' ' << least;
     }
 }
 

@@ -1,6 +1,8 @@
 """Tests of the tools beside this file, against analytic answers."""
 
+import contextlib
 import gzip
+import io
 import math
 import pathlib
 import random
@@ -197,6 +199,17 @@ class Verdict(unittest.TestCase):
             self.assertEqual((volume.tetrahedra, volume.flat), (3, flat))
             self.assertLess(volume.worst_deg, 5)
             self.assertEqual(volume.worst_apart_deg < 5, flat > 0)
+
+    def test_orders_are_counted_over_those_that_could_be_meshed(self):
+        volume, failed = volume_check.Volume, volume_check.Volume(failure="crashed")
+        row = volume_check.Row("a|b", "output", volumes={volume_check.KEPT: volume(10, 4, 4)})
+        row.orders = [volume(20, 1, 1, flat=3), failed, volume(30, 5, 5)]
+        none = volume_check.Row("c", "output", volumes={volume_check.KEPT: failed}, orders=[failed])
+        with contextlib.redirect_stdout(io.StringIO()) as said:
+            volume_check.print_orders([volume_check.Row("c", "input"), row, none], 3)
+        lines = [line.split() for line in said.getvalue().splitlines() if line.startswith("| ")][2:]
+        self.assertEqual(" ".join(lines[0]), "| a\\|b | 3 of 4 | 20 | 1 | 4 | 5 | 1 | 2 |")
+        self.assertEqual(" ".join(lines[1]), "| c | 0 of 2 | | | | | | |")
 
     def test_a_renumbered_surface_is_the_same_surface(self):
         surface = Surface(CUBE_POINTS, CUBE_FACES)
