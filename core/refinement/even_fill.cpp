@@ -176,7 +176,7 @@ class Lattice {
         high = {std::max(high.x, p.x), std::max(high.y, p.y)};
       }
     const Spacing spacing = best_spacing(triangles, sizes);
-    is_even_ = sizes.slope == 0 || spacing.largest <= kAlike * spacing.smallest;
+    is_even_ = sizes.is_uniform || spacing.largest <= kAlike * spacing.smallest;
     // The coarsest lattice: its edge is allowed somewhere.
     edge_ = is_even_ ? spacing.smallest
                      : std::ldexp(spacing.best, std::ilogb(spacing.largest / spacing.best * (1 + 1e-12)));
@@ -227,9 +227,11 @@ class Lattice {
     if (cell.level >= 0) {
       const Vec2 corner = place(cell, 0);
       const bool is_new = cell.level == 0 || cell.i % 2 != 0 || cell.j % 2 != 0;
-      if (is_new && is_covered(corner, cell, of) && (cell.level == 0 || !sizes_.allows(2 * radius * kAlmost, corner)))
+      if (is_new && is_covered(corner, cell, of) &&
+          (cell.level == 0 || !sizes_.allows(2 * radius * kAlmost, corner, 0)))
         take(corner);
-      if (sizes_.allows(radius * kAlmost + sizes_.slope * radius, place(cell, 0.5))) return;
+      // However steeply sizes grow from here, none of the parts' points would be taken.
+      if (sizes_.allows(radius * kAlmost, place(cell, 0.5), radius)) return;
     }
     for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)})
       add({cell.level + 1, cell.share / 2, 2 * cell.i + di, 2 * cell.j + dj, cell.first, cell.last}, of, parts);

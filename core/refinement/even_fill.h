@@ -11,12 +11,13 @@
 
 namespace remesh {
 
-/// The longest edge at each place of the plane: it changes by at most `slope` per length.
+/// The longest edge at each place of the plane.
 struct PlaneSizes {
   std::function<double(Vec2)> at;
-  std::function<bool(double, Vec2)> allows;  ///< is a length at most the size there? May be faster
-  double slope = 0;                          ///< 0: the same everywhere
-  double noise = 0;                          ///< sizes that are meant to be the same differ by less than this part
+  /// Is a length at most the size at all places within a radius of this one? False may also be said where it is so.
+  std::function<bool(double length, Vec2 place, double radius)> allows;
+  bool is_uniform = true;  ///< the same everywhere
+  double noise = 0;        ///< sizes that are meant to be the same differ by less than this part
 };
 
 /// Points of lattices of equilateral triangles, whose edges are at most the size there, inside a region and away from

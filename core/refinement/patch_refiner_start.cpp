@@ -269,13 +269,14 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
   PlaneSizes plane_sizes;
   if (sizes.is_uniform()) {
     const double size = criteria_.even_size / scale;
-    plane_sizes = {[size](Vec2) { return size; }, [size](double length, Vec2) { return length <= size; }};
+    plane_sizes = {[size](Vec2) { return size; }, [size](double length, Vec2, double) { return length <= size; }};
   } else {
     plane_sizes = {[&](Vec2 p) { return std::min(sizes.at(to_space(p)), criteria_.even_size) / scale; },
-                   [&](double length, Vec2 p) {
-                     return length * scale <= criteria_.even_size && sizes.allows(length * scale, to_space(p));
+                   [&](double length, Vec2 p, double radius) {
+                     return length * scale <= criteria_.even_size &&
+                            sizes.allows(length * scale, to_space(p), radius * scale);
                    },
-                   sizes.slope(), SizeField::kNoise};
+                   false, SizeField::kNoise};
   }
   const std::vector<std::array<Vec2, 3>> triangles =
       made ? triangles_of(made->mesh, points, made->number) : triangles_of(patch_.mesh, patch_.uv, {});

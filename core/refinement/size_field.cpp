@@ -25,6 +25,8 @@ constexpr double kReach = 0.5;
 constexpr double kCoarse = 0x1p-6;
 /// Sizes between samples where no gradation is asked for: a gap grows by no more than the way from it.
 constexpr double kNaturalSlope = 1;
+/// What grows faster is as large as it may be wherever two samples are told apart; and sums stay finite.
+constexpr double kSteepest = 0x1p40;
 /// A segment's samples. One box about a segment askew to the axes reaches far beside it.
 constexpr int kPiecesOfSegment = 2;
 
@@ -249,7 +251,7 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
 SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
                      const Goals& goals, double plane_tolerance, RunControl& control)
     : largest_(goals.max_edge_length),
-      slope_(goals.gradation > 0 ? goals.gradation - 1 : kNaturalSlope),
+      slope_(goals.gradation > 0 ? std::min(goals.gradation - 1, kSteepest) : kNaturalSlope),
       centre_(surface.centre),
       unit_(surface.unit) {
   Sampler sampler(surface, goals, plane_tolerance, control);
@@ -303,14 +305,15 @@ void SizeField::drop_dominated(RunControl& control) {
   set_samples(samples, control);
 }
 
-/// Monotone in the box and in the size, rounding included: no node promises more than its samples keep, and the answer
-/// does not depend on the order of the search.
-inline double SizeField::size_from(const Samples::Entry& node, const Vec3& p) const {
-  return node.tag.value + slope_ * std::sqrt(squared_distance(node.box, p));
+/// At the nearest place within a radius. Monotone in the box and in the size, rounding included: no node promises more
+/// than its samples keep, and the answer does not depend on the order of the search.
+inline double SizeField::size_from(const Samples::Entry& node, const Vec3& p, double radius) const {
+  return node.tag.value + slope_ * std::max(0.0, std::sqrt(squared_distance(node.box, p)) - radius);
 }
-inline double SizeField::size_from(std::size_t slot, const Vec3& p) const {
+inline double SizeField::size_from(std::size_t slot, const Vec3& p, double radius) const {
   const auto& [box, tag] = samples_[slot];
-  return tag.value + slope_ * std::max(layers_[slot].distance(p), std::sqrt(squared_distance(box, p)));
+  const double distance = std::max(layers_[slot].distance(p), std::sqrt(squared_distance(box, p)));
+  return tag.value + slope_ * std::max(0.0, distance - radius);
 }
 
 double SizeField::at(const Vec3& place) const {
@@ -330,16 +333,16 @@ double SizeField::at(const Vec3& place) const {
   return best * unit_;
 }
 
-bool SizeField::allows(double length, const Vec3& place) const {
+bool SizeField::allows(double length, const Vec3& place, double radius) const {
   if (!(length <= largest_)) return false;
   const Vec3 p = local(place);
-  const double wanted = length / unit_;
-  if (last_found < samples_.size() && size_from(last_found, p) < wanted) return false;
+  const double wanted = length / unit_, near = radius / unit_;
+  if (last_found < samples_.size() && size_from(last_found, p, near) < wanted) return false;
   double best = wanted;
   samples_.search(
-      best, [&](const Samples::Entry& entry) { return size_from(entry, p); },
+      best, [&](const Samples::Entry& entry) { return size_from(entry, p, near); },
       [&](std::size_t slot) {
-        if (size_from(slot, p) < wanted) {
+        if (size_from(slot, p, near) < wanted) {
           best = -1;
           last_found = slot;
         }

@@ -55,13 +55,13 @@ class SizeField {
   /// Is it the same everywhere? Then `largest()` is all there is to know.
   bool is_uniform() const { return samples_.size() == 0; }
   double largest() const { return largest_; }
-  double slope() const { return slope_; }
   std::size_t sample_count() const { return samples_.size(); }
 
   /// The size at a place, model units. May be called from any thread.
   double at(const Vec3& place) const;
-  /// Is length <= at(place)? Several times faster, the clearer the answer the more.
-  bool allows(double length, const Vec3& place) const;
+  /// Is length <= at(place)? Several times faster, the clearer the answer the more. With a radius: is it so for all
+  /// places that near? Then it may also say no where the answer is yes.
+  bool allows(double length, const Vec3& place, double radius = 0) const;
 
  private:
   /// In local units, rounded down.
@@ -76,8 +76,8 @@ class SizeField {
   };
   class Sampler;
 
-  double size_from(const Samples::Entry& node, const Vec3& p) const;
-  double size_from(std::size_t slot, const Vec3& p) const;
+  double size_from(const Samples::Entry& node, const Vec3& p, double radius = 0) const;
+  double size_from(std::size_t slot, const Vec3& p, double radius = 0) const;
   void set_samples(std::span<const Sample> samples, RunControl& control);
   bool is_dominated(std::size_t slot) const;
   void drop_dominated(RunControl& control);

@@ -167,6 +167,22 @@ TEST(refinement_proximity, no_edge_is_longer_than_itself) {
   }
 }
 
+TEST(refinement_proximity, sizes_that_grow_at_once_take_no_longer_than_others) {
+  // Some seconds would be noticed here: with lattices cut for steepness it took minutes, or did not end.
+  for (const double gradation : {1e3, 1e6, 1e12, 1e300})
+    for (const double proximity : {0.0, 1.0}) {
+      const PolygonMesh mesh = shapes::box({4, 4, 0.5});
+      Options options;
+      options.proximity = proximity;
+      options.gradation = 100;
+      const std::size_t faces = refined(mesh, options).mesh.faces.size();
+      options.gradation = gradation;
+      const Result result = refined(mesh, options);
+      expect_promises(mesh, options, result);
+      EXPECT_EQ(result.mesh.faces.size(), faces) << gradation;
+    }
+}
+
 TEST(refinement_proximity, sizes_grow_no_faster_than_asked) {
   // A plate with one short edge: from there on, edges may be twice as long from one to the next.
   const PolygonMesh mesh = shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0.05, 8}, {0, 7.95}});

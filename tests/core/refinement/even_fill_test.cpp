@@ -49,12 +49,12 @@ Region region(const polygons::Polygon& polygon, const PlaneSizes& sizes) {
 }
 
 PlaneSizes uniform(double size) {
-  return {[size](Vec2) { return size; }, [size](double length, Vec2) { return length <= size; }, 0};
+  return {[size](Vec2) { return size; }, [size](double length, Vec2, double) { return length <= size; }};
 }
 /// Finest at the left.
 PlaneSizes growing(double least, double slope) {
   const auto at = [=](Vec2 p) { return least + slope * std::max(0.0, p.x); };
-  return {at, [=](double length, Vec2 p) { return length <= at(p); }, slope};
+  return {at, [=](double length, Vec2 p, double radius) { return length <= at({p.x - radius, p.y}); }, false};
 }
 
 std::vector<Vec2> fill(const Region& region, const PlaneSizes& sizes, std::size_t most = 1'000'000,
@@ -123,6 +123,19 @@ TEST(even_fill, of_sizes_that_grow_it_is_as_coarse_as_they_allow) {
     const PlaneSizes sizes = growing(0.02, slope);
     expect_holds(region(square(), sizes), sizes);
   }
+}
+
+TEST(even_fill, however_steeply_sizes_grow_few_places_are_looked_at) {
+  // As large as they may be a hair from the left side; near that, cells would be cut until they are as small as a hair.
+  PlaneSizes sizes = growing(0.1, 1e9);
+  std::size_t asked = 0;
+  sizes.allows = [&asked, allows = sizes.allows](double length, Vec2 p, double radius) {
+    ++asked;
+    return allows(length, p, radius);
+  };
+  fill(region(square(), sizes), sizes);
+  EXPECT_GT(asked, 0u);
+  EXPECT_LT(asked, 10'000u);
 }
 
 TEST(even_fill, it_scales_by_powers_of_two) {
@@ -228,8 +241,9 @@ TEST(even_fill, sizes_that_are_nearly_one_are_filled_as_one) {
   const polygons::Polygon plate{{{0, 0}, {1, 0}, {1, 0.37}, {0, 0.37}}, {}};
   const double size = 0.03;
   const auto even = [&](double of) { return fill(region(plate, uniform(of)), uniform(of)).size(); };
-  const PlaneSizes nearly{[=](Vec2 p) { return size * (1.01 + 0.03 * p.x); },
-                          [=](double length, Vec2 p) { return length <= size * (1.01 + 0.03 * p.x); }, 0.5};
+  const PlaneSizes nearly{
+      [=](Vec2 p) { return size * (1.01 + 0.03 * p.x); },
+      [=](double length, Vec2 p, double radius) { return length <= size * (1.01 + 0.03 * (p.x - radius)); }, false};
   const std::size_t found = fill(region(plate, nearly), nearly).size();
   EXPECT_LE(found, even(size));
   EXPECT_GE(found, even(1.04 * size));

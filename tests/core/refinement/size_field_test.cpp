@@ -262,6 +262,23 @@ TEST(size_field, a_length_is_allowed_if_it_is_at_most_the_size) {
   }
 }
 
+TEST(size_field, what_is_allowed_around_a_place_is_allowed_at_all_places_there) {
+  const Scene scene(thick_and_thin(), goals(1, 1.5));
+  Random random(8);
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 x = scene.place(random).point;
+    const double radius = random.uniform(0, 0.5), size = scene.sizes.at(x);
+    // By the slope alone it is at least that.
+    EXPECT_TRUE(scene.sizes.allows(0.999999 * (size - 0.5 * radius), x, radius));
+    const double length = random.uniform(0.5, 1) * size;
+    if (!scene.sizes.allows(length, x, radius)) continue;
+    for (int k = 0; k < 10; ++k) {
+      const Vec3 way{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+      EXPECT_GE(scene.sizes.at(x + (radius / std::sqrt(3.0)) * way), length * (1 - 1e-12));
+    }
+  }
+}
+
 TEST(size_field, no_answer_depends_on_what_was_asked_before) {
   const Scene many(thick_and_thin(), goals(1, 1.5)), few(plates(0.125), goals(1, 1.5));
   ASSERT_GT(many.sizes.sample_count(), few.sizes.sample_count());
