@@ -27,8 +27,6 @@ constexpr double kCoarse = 0x1p-6;
 constexpr double kNaturalSlope = 1;
 /// What grows faster is as large as it may be wherever two samples are told apart; and sums stay finite.
 constexpr double kSteepest = 0x1p40;
-/// A segment's samples. One box about a segment askew to the axes reaches far beside it.
-constexpr int kPiecesOfSegment = 2;
 
 /// The slot that decided this thread's last question: the next one is asked beside it, most often, and so begins there.
 /// Of whichever field: any slot of a field is a place to begin, and no answer depends on where that is.
@@ -116,8 +114,8 @@ class SizeField::Sampler {
   Corners3 corners(const Triangle& t) const {
     return {surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]]};
   }
-  void add(const FloatBox& box, double size, const Layer& layer, std::vector<Sample>& to) const {
-    to.push_back({{box, {FloatBox::rounded_down(std::max(size, floor_))}}, layer});
+  Samples::Entry entry(const FloatBox& box, double size) const {
+    return {box, {FloatBox::rounded_down(std::max(size, floor_))}};
   }
 
   const Surface& surface_;
@@ -178,7 +176,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   whole.add(box.max);
   Layer layer(gaps.normal_of(cell.patch));
   for (const Vec3& p : outline) layer.add(p);
-  add(whole, size, layer, out.samples);
+  out.samples.push_back({entry(whole, size), layer});
 }
 
 /// `box` is about what the cell really holds.
@@ -238,13 +236,11 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
     const Vec3 &a = surface_.local[v], &b = surface_.local[w];
     const double length = norm(b - a);
     if (length >= largest_) continue;
-    for (int i = 0; i < kPiecesOfSegment; ++i) {
-      FloatBox box;
-      box.add(a + (1.0 * i / kPiecesOfSegment) * (b - a));
-      box.add(a + (1.0 * (i + 1) / kPiecesOfSegment) * (b - a));
-      // No segment is longer than itself, whatever rounding says.
-      add(box, length * (1 + 2 * kNoise), Layer(), samples_);
-    }
+    FloatBox box;
+    box.add(a);
+    box.add(b);
+    // No segment is longer than itself, whatever rounding says.
+    samples_.push_back({entry(box, length * (1 + 2 * kNoise)), Layer(), {a, b}});
   }
 }
 
@@ -253,10 +249,13 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
     : largest_(goals.max_edge_length),
       slope_(goals.gradation > 0 ? std::min(goals.gradation - 1, kSteepest) : kNaturalSlope),
       centre_(surface.centre),
-      unit_(surface.unit) {
+      unit_(surface.unit),
+      is_of_segments_(gaps == nullptr) {
   Sampler sampler(surface, goals, plane_tolerance, control);
-  if (gaps != nullptr && goals.proximity > 0) sampler.sample_gaps(*gaps);
-  if (goals.gradation > 0) sampler.sample_segments(segments);
+  if (gaps != nullptr)
+    sampler.sample_gaps(*gaps);
+  else if (goals.gradation > 0)
+    sampler.sample_segments(segments);
   set_samples(sampler.samples(), control);
   drop_dominated(control);
 }
@@ -266,8 +265,29 @@ void SizeField::set_samples(std::span<const Sample> samples, RunControl& control
   entries.reserve(samples.size());
   for (const Sample& sample : samples) entries.push_back(sample.entry);
   samples_ = Samples(entries, control);
-  layers_.resize(samples.size());
-  for (std::size_t slot = 0; slot < samples.size(); ++slot) layers_[slot] = samples[samples_.number(slot)].layer;
+  const auto in_order = [&](auto& of_slots, auto Sample::*member) {
+    of_slots.resize(samples.size());
+    for (std::size_t slot = 0; slot < samples.size(); ++slot) of_slots[slot] = samples[samples_.number(slot)].*member;
+  };
+  if (is_of_segments_)
+    in_order(segments_, &Sample::segment);
+  else
+    in_order(layers_, &Sample::layer);
+}
+
+/// To a place. Not less than that to the box, whatever rounding says.
+inline double SizeField::distance(std::size_t slot, const Vec3& p) const {
+  const double to_box = std::sqrt(squared_distance(samples_[slot].box, p));
+  if (!is_of_segments_) return std::max(layers_[slot].distance(p), to_box);
+  const auto& [a, b] = segments_[slot];
+  return std::max(norm(nearest_on_segment(p, a, b) - p), to_box);
+}
+
+/// From the place of another sample that is farthest, at most.
+double SizeField::farthest(std::size_t slot, std::size_t from) const {
+  if (!is_of_segments_) return layers_[slot].farthest(samples_[from].box);
+  const auto& [a, b] = segments_[from];
+  return std::max(distance(slot, a), distance(slot, b));
 }
 
 /// Does another sample ask for less at each place of this one's box? Then, by the triangle's inequality, everywhere.
@@ -282,7 +302,7 @@ bool SizeField::is_dominated(std::size_t slot) const {
       },
       [&](std::size_t other) {
         // One is enough.
-        if (samples_[other].tag.value + slope_ * layers_[other].farthest(sample.box) < size) best = -1;
+        if (samples_[other].tag.value + slope_ * farthest(other, slot) < size) best = -1;
       });
   return best != size;
 }
@@ -301,7 +321,8 @@ void SizeField::drop_dominated(RunControl& control) {
   const auto kept = select_ids<std::uint32_t>(n, kBlock, control, [&](std::size_t i) { return !is_dominated(i); });
   std::vector<Sample> samples;
   samples.reserve(kept.size());
-  for (const std::uint32_t i : kept) samples.push_back({samples_[i], layers_[i]});
+  for (const std::uint32_t i : kept)
+    samples.push_back(is_of_segments_ ? Sample{samples_[i], Layer(), segments_[i]} : Sample{samples_[i], layers_[i]});
   set_samples(samples, control);
 }
 
@@ -311,9 +332,7 @@ inline double SizeField::size_from(const Samples::Entry& node, const Vec3& p, do
   return node.tag.value + slope_ * std::max(0.0, std::sqrt(squared_distance(node.box, p)) - radius);
 }
 inline double SizeField::size_from(std::size_t slot, const Vec3& p, double radius) const {
-  const auto& [box, tag] = samples_[slot];
-  const double distance = std::max(layers_[slot].distance(p), std::sqrt(squared_distance(box, p)));
-  return tag.value + slope_ * std::max(0.0, distance - radius);
+  return samples_[slot].tag.value + slope_ * std::max(0.0, distance(slot, p) - radius);
 }
 
 double SizeField::at(const Vec3& place) const {

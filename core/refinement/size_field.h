@@ -18,7 +18,8 @@
 namespace remesh {
 
 /// The least, over samples, of the sample's size plus the slope times the distance from it, or a little less. A sample
-/// lies both in a box and in a layer about its patch's plane: in space, so sizes also grade from patch to patch.
+/// is a segment, or what lies both in a box and in a layer about its patch's plane: in space, so sizes also grade from
+/// patch to patch.
 /// Holds:  at(x) <= goals.max_edge_length; |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1 (two edges of
 ///         lengths h and gradation h that meet: their sizes are read one h apart); it reads the input, never the
 ///         growing mesh; scales with it by powers of two, exactly; the same for any number of threads.
@@ -38,11 +39,12 @@ class SizeField {
   /// exact. What is faced only from a part of a cell, and faces it in its turn only with a part of its own, may be
   /// missed if that part is smaller than some 2^-5 of the diagonal.
   ///
-  /// With goals.gradation > 0: an edge on a segment between essential vertices is as long as the segment at most, so
-  /// that is the size there (and 2 kNoise more, or rounding would cut it), though none under the floor.
+  /// Else, with goals.gradation > 0: an edge on a segment between essential vertices is as long as the segment at most,
+  /// so that is the size there (and 2 kNoise more, or rounding would cut it), though none under the floor.
   ///
-  /// Input:  `gaps`: with proximity, null else; `segments` as pairs of essential vertices; the tolerance in model
-  /// units. Errors: kCancelled, kTimeout - asked to stop through `control`.
+  /// Input:  `gaps`: with proximity, null else; `segments` as pairs of essential vertices, of no matter then; the
+  ///         tolerance in model units.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
             const Goals& goals, double plane_tolerance, RunControl& control);
 
@@ -70,15 +72,19 @@ class SizeField {
     void join(Size other) { value = std::min(value, other.value); }
   };
   using Samples = BoxTree<Size>;
+  using Segment = std::array<Vec3, 2>;
   struct Sample {
     Samples::Entry entry;
-    Layer layer;  ///< where the box is askew to the patch, most of it is air
+    Layer layer;        ///< where the box is askew to the patch, most of it is air
+    Segment segment{};  ///< in a field of segments, instead
   };
   class Sampler;
 
   double size_from(const Samples::Entry& node, const Vec3& p, double radius = 0) const;
   double size_from(std::size_t slot, const Vec3& p, double radius = 0) const;
   void set_samples(std::span<const Sample> samples, RunControl& control);
+  double distance(std::size_t slot, const Vec3& p) const;
+  double farthest(std::size_t slot, std::size_t from) const;
   bool is_dominated(std::size_t slot) const;
   void drop_dominated(RunControl& control);
   Vec3 local(const Vec3& place) const { return (1 / unit_) * (place - centre_); }
@@ -87,8 +93,10 @@ class SizeField {
   double slope_ = 0;
   Vec3 centre_;  ///< local units as in Surface
   double unit_ = 1;
+  bool is_of_segments_ = false;
   Samples samples_;
-  std::vector<Layer> layers_;  ///< by slot
+  std::vector<Layer> layers_;      ///< by slot, in a field of gaps
+  std::vector<Segment> segments_;  ///< by slot, in a field of segments
 };
 
 }  // namespace remesh

@@ -183,6 +183,17 @@ TEST(refinement_proximity, sizes_that_grow_at_once_take_no_longer_than_others) {
     }
 }
 
+TEST(refinement_proximity, gradation_is_heeded_without_any_other_bound) {
+  const PolygonMesh mesh = shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0.05, 8}, {0, 7.95}});
+  Options options;
+  options.min_angle_deg = 0;
+  EXPECT_LT(refined(mesh, options).mesh.faces.size(), 5u);
+  options.gradation = 1.5;
+  const Result result = refined(mesh, options);
+  expect_promises(mesh, options, result);
+  EXPECT_GT(result.mesh.faces.size(), 50u);
+}
+
 TEST(refinement_proximity, sizes_grow_no_faster_than_asked) {
   // A plate with one short edge: from there on, edges may be twice as long from one to the next.
   const PolygonMesh mesh = shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0.05, 8}, {0, 7.95}});

@@ -251,6 +251,27 @@ TEST(size_field, gradation_alone_grades_away_from_short_segments) {
   EXPECT_NEAR(square.sizes.at({2, 2, 0}), 4 + 0.25 * 2, 4 * kSingle);
 }
 
+TEST(size_field, however_a_surface_lies_sizes_grow_from_its_segments_alike) {
+  const PolygonMesh nicked =
+      shapes::polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}, {0, 2.03125}, {0.03125, 2.03125}, {0.03125, 2}, {0, 2}});
+  const auto turned = [&](const Vec3& axis, double degrees) { return shapes::rotated(nicked, axis, degrees); };
+  const Scene flat(nicked, goals(0, 1.25));
+  for (const double degrees : {45.0, 90.0, 17.0}) {
+    const Vec3 axis{1, 2, 3};
+    const Scene askew(turned(axis, degrees), goals(0, 1.25));
+    Random random(9);
+    for (int i = 0; i < 500; ++i) {
+      // The vertices' positions tell where a place has gone.
+      const Scene::Place x = flat.place(random);
+      const auto &from = flat.chain.surface.positions, &to = askew.chain.surface.positions;
+      const VertexId o(0), u(1), v(2);
+      const Vec3 a = from[u] - from[o], b = from[v] - from[u], c = to[u] - to[o], d = to[v] - to[u];
+      const double s = dot(x.point - from[o], a) / dot(a, a), t = dot(x.point - from[o], b) / dot(b, b);
+      EXPECT_NEAR(askew.sizes.at(to[o] + s * c + t * d), flat.sizes.at(x.point), 8 * kSingle);
+    }
+  }
+}
+
 TEST(size_field, a_length_is_allowed_if_it_is_at_most_the_size) {
   const Scene scene(thick_and_thin(), goals(1, 1.5));
   Random random(6);
