@@ -6,6 +6,7 @@
 
 #include "core/base/blocks.h"
 #include "core/verify/exact.h"
+#include "core/verify/folded.h"
 #include "core/verify/height_measure.h"
 
 namespace remesh::verification {
@@ -51,9 +52,10 @@ struct Measures {
 struct Reading {
   Heights heights;
   Measures measures;
-  double reach = 0;              ///< largest coordinate relative to the frame's origin
-  FaceId facing_away;            ///< the first of the input's
-  bool are_all_positive = true;  ///< the output's
+  double reach = 0;                   ///< largest coordinate relative to the frame's origin
+  FaceId facing_away;                 ///< the first of the input's that are higher than the tolerance
+  std::vector<std::uint32_t> folded;  ///< all of the input's that face away
+  bool are_all_positive = true;       ///< the output's
   std::vector<Finding> findings;
 
   void add(const Reading& other) {
@@ -61,6 +63,7 @@ struct Reading {
     measures.add(other.measures);
     reach = std::max(reach, other.reach);
     facing_away = std::min(facing_away, other.facing_away);  // an invalid one is the largest
+    folded.insert(folded.end(), other.folded.begin(), other.folded.end());
     are_all_positive = are_all_positive && other.are_all_positive;
     findings.insert(findings.end(), other.findings.begin(), other.findings.end());
   }
@@ -173,6 +176,7 @@ class PatchCheck {
       const double extent = longest_extent(face, model_.points);
       const bool is_high = extent > 0 && !model_.is_within_tolerance(norm(twice_area) / extent / 2, extent);
       if (is_high && !reading.facing_away.is_valid()) reading.facing_away = FaceId(f);
+      reading.folded.push_back(f);
     }
   }
 
@@ -264,12 +268,14 @@ class PatchCheck {
       return 0;
     }
     if (input_.facing_away.is_valid()) report(Fault::kFacingAway, input_.facing_away.value);
-    if (is_flat) return std::max(along_boundary, height_bound_);
+    const double of_folds = farthest_of_folded(model_, patch_, input_.folded, control_);
+    if (!model_.is_within_tolerance(of_folds, reach_)) report(Fault::kDeviation);
+    if (is_flat) return std::max({along_boundary, height_bound_, of_folds});
     const double measured = std::max(
         output_.are_all_positive ? largest_height_of_dropped(model_, patch_, seams_.input, control_) : height_bound_,
         bound_of_new_heights());
     if (!model_.is_within_tolerance(measured, reach_)) report(Fault::kDeviation);
-    return std::max(along_boundary, std::min(measured, height_bound_));
+    return std::max({along_boundary, std::min(measured, height_bound_), of_folds});
   }
 
   /// How far new vertices inside the patch are from the input, or a bound of it. Those on the boundary are on their

@@ -341,6 +341,42 @@ TEST(remesh_surface, noise_within_a_given_tolerance_merges_and_beyond_it_does_no
   expect_sound(kept);
 }
 
+TEST(remesh_surface, where_a_thin_plate_is_a_single_patch_no_corner_of_it_is_lost) {
+  // A plate thinner than the tolerance, its caps fans. At the tip of a cap a triangle as narrow as two tolerances
+  // joined the other cap by way of the rim, and went with its vertex, which was farther from all that was left.
+  const std::vector<Vec2> outline{{10.4, -3.6}, {11.8, 3.6}, {7.2, 9.6},   {0.2, 12.1}, {-6.3, 9},
+                                  {-11.4, 3.9}, {-9.7, -3},  {-6.1, -8.1}, {-0.2, -10}, {5.2, -7.4}};
+  const auto n = static_cast<std::uint32_t>(outline.size());
+  PolygonMesh mesh;
+  for (const double z : {0.0, 0.05})
+    for (const Vec2& p : outline) mesh.positions.push_back({p.x, p.y, z});
+  const auto add = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    for (const std::uint32_t v : {a, b, c}) mesh.corners.emplace_back(v);
+    mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+  };
+  for (std::uint32_t i = 0; i < n; ++i) {
+    const std::uint32_t j = (i + 1) % n;
+    add(i, j, n + j);
+    add(i, n + j, n + i);
+    if (i == 0 || j == 0) continue;
+    add(n, n + i, n + j);
+    add(0, j, i);
+  }
+  for (const double tolerance : {0.25, 0.3, 0.35}) {
+    Options options;
+    options.plane_tolerance = tolerance;
+    options.max_edge_length = 0.25;
+    const Result result = remeshed(mesh, options);
+    EXPECT_TRUE(result.report.verified.all_true());
+    for (const Vec3& p : mesh.positions) {
+      double nearest = HUGE_VAL;
+      for (const Vec3& q : result.mesh.positions) nearest = std::min(nearest, norm(q - p));
+      // No place of the output is farther from its vertices than that.
+      EXPECT_LE(nearest, tolerance + 0.25 / std::sqrt(3));
+    }
+  }
+}
+
 TEST(remesh_surface, boundary_vertices_stay_where_asked) {
   Options options = unrefined();
   options.keep_boundary_vertices = true;
