@@ -158,6 +158,10 @@ class GapSearch::Index {
     const double found = squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below, what);
     return std::sqrt(found) * surface_.unit;
   }
+  double beside(std::span<const Corners3> pieces, PatchId patch, double limit) const {
+    const double below = limit / surface_.unit;
+    return std::sqrt(squared_beside(pieces, patch, below * below)) * surface_.unit;
+  }
   std::optional<double> smallest(RunControl& control) const;
 
   const Vec3& normal_of(PatchId p) const { return slabs_[p].plane.normal; }
@@ -177,6 +181,7 @@ class GapSearch::Index {
   void look_at_corners(SharedLeast& least, RunControl& control) const;
   void look_between_triangles(SharedLeast& least, RunControl& control) const;
   double squared_gap(const Vec3& p, PatchId patch, double below, What what) const;
+  double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below) const;
 
   /// Does the way leave one patch inwards and come to the other from outside, or the other way round, and both bound
   /// one solid? Then it meets the surface between: the riser, where they are the treads of a step.
@@ -344,6 +349,49 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
   return best < below ? best : HUGE_VAL;
 }
 
+/// In local units; infinity if it is not below that square.
+double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchId patch, double below) const {
+  const Slab& slab = slabs_[patch];
+  FloatBox box;
+  for (const Corners3& piece : pieces)
+    for (const Vec3& p : piece) box.add(p);
+  // Of a steep way, if no way is shorter than that.
+  const auto steep = [&](const TriangleBoxes::Entry& e, double squared) {
+    Products from{HUGE_VAL, -HUGE_VAL};
+    for (const Corners3& piece : pieces) {
+      const auto [least, most] = products(e.tag.layer, piece);
+      from = {std::min(from.least, least), std::max(from.most, most)};
+    }
+    return squared_steep_distance(slab, from, e.box, e.tag.layer, squared);
+  };
+  JoinedMemory are_joined(contacts_);
+  double best = below;
+  tree_.search(
+      best,
+      [&](const TriangleBoxes::Entry& e) {
+        const PatchId other = e.tag.patch;
+        if (other == patch) return HUGE_VAL;
+        double least = squared_distance(e.box, box);
+        if (least >= best) return least;
+        least = steep(e, least);
+        return least < best && other.is_valid() && are_joined(patch, other) ? HUGE_VAL : least;
+      },
+      [&](std::size_t slot) {
+        const Corners3 there = corners(slot);
+        double up = 0;
+        for (const Vec3& p : there) up = std::max(up, std::fabs(slab.plane.distance(p)) + slab.half_thickness);
+        for (const Corners3& piece : pieces) {
+          const Vec3 way = shortest_way(piece, there);
+          const double d = norm_squared(way);
+          // No other way between the two goes higher up, and none is shorter.
+          if (d >= best || d <= touching_squared_ || up * up <= kSteep * d) continue;
+          if (is_blocked(way, patch, tree_[slot].tag.patch)) continue;
+          best = std::min(best, steep(tree_[slot], d));
+        }
+      });
+  return best < below ? best : HUGE_VAL;
+}
+
 std::optional<double> GapSearch::Index::smallest(RunControl& control) const {
   SharedLeast least;
   // Corners first: it is cheap, and what it finds makes the rest short.
@@ -409,6 +457,9 @@ double GapSearch::at(const Vec3& place, PatchId patch, double limit) const {
 }
 double GapSearch::nearest(const Vec3& place, PatchId patch, double limit) const {
   return index_->distance(place, patch, limit, What::kAll);
+}
+double GapSearch::beside(std::span<const Corners3> pieces, PatchId patch, double limit) const {
+  return index_->beside(pieces, patch, limit);
 }
 std::optional<double> GapSearch::smallest(RunControl& control) const { return index_->smallest(control); }
 std::size_t GapSearch::patch_count() const { return index_->patch_count(); }

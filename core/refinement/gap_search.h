@@ -48,6 +48,11 @@ class GapSearch {
   /// The same, but for all that would count if it were faced: what another place near this one may face.
   double nearest(const Vec3& place, PatchId patch, double limit) const;
 
+  /// How near other patches are that some place of these pieces of the patch may face, and that share no vertex with
+  /// it; infinity if none is below `limit`. Never more than any gap there, and near what is beside them less. Input:
+  /// triangles in the patch, local units. Cost:   as `at`, and a few distances between triangles for each piece.
+  double beside(std::span<const std::array<Vec3, 3>> pieces, PatchId patch, double limit) const;
+
   /// The smallest gap of the whole surface; empty if there is none. Between patches that share no vertex it is exact,
   /// pairs of triangles that touch or cross left out; between those that do, it is looked for at the corners where
   /// three to sixteen patches meet, at most some 64 of each patch. (A wedge has no smallest gap, but it has ends.)

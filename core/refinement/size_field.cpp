@@ -20,8 +20,12 @@ constexpr double kFloorTolerances = 10;
 /// A cell reaches at most this part of the gap in its middle. Smaller, and there are more samples than faces to come;
 /// larger, and a gap that shrinks towards the cell's end is seen too late.
 constexpr double kReach = 0.5;
-/// Of the box's diagonal. Larger cells are cut also where only what is beside their middle is near: another place of
-/// theirs may face it. For smaller ones that would cost as many cells as a curved surface has facets' widths.
+/// The same for what only a part of a cell may face. With less sizes are no better, and there are twice as many
+/// samples.
+constexpr double kReachBeside = 1;
+/// Of the box's diagonal. Larger cells are cut also where only what is beside their middle is near, though it is joined
+/// to their patch: another place of theirs may face it. For smaller ones that would cost as many cells as a curved
+/// surface has facets' widths.
 constexpr double kCoarse = 0x1p-6;
 /// Sizes between samples where no gradation is asked for: a gap grows by no more than the way from it.
 constexpr double kNaturalSlope = 1;
@@ -131,15 +135,18 @@ class SizeField::Sampler {
 
 void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const {
   const auto triangles = gaps.triangles_of(cell.patch);
-  std::vector<Vec3> outline;  // of all pieces
+  std::vector<Vec3> outline;     // of all pieces
+  std::vector<Corners3> pieces;  // cut into triangles
   Box3 box;
   for (const std::uint32_t t : cell.triangles) {
     control_.check();
     const Piece piece(corners(triangles[t]), cell.box);
-    for (const Vec3& p : piece.corners()) {
+    const auto around = piece.corners();
+    for (const Vec3& p : around) {
       outline.push_back(p);
       box.add(p);
     }
+    for (std::size_t i = 2; i < around.size(); ++i) pieces.push_back({around[0], around[i - 1], around[i]});
   }
   if (outline.empty()) return;
   // The place of the patch that is nearest to the middle of the box stands for all.
@@ -160,12 +167,17 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   const double limit = (proximity_ * largest_ + reach) * surface_.unit;
   const Vec3 place = surface_.centre + surface_.unit * middle;
   const double gap = gaps.at(place, cell.patch, limit) / surface_.unit;
-  const auto is_too_large_for = [&](double distance) {
-    return distance < HUGE_VAL && reach > kReach * std::max(distance, std::max(proximity_, 1.0) * floor_);
+  const auto is_too_large_for = [&](double distance, double share) {
+    return distance < HUGE_VAL && reach > share * std::max(distance, std::max(proximity_, 1.0) * floor_);
   };
   // What the middle does not face, another place of the cell may.
-  if (may_cut && (is_too_large_for(gap) ||
-                  (reach > coarse_ && is_too_large_for(gaps.nearest(place, cell.patch, limit) / surface_.unit)))) {
+  const auto is_too_large_beside = [&] {
+    constexpr double kMoreThanMatters = 1.1;
+    const double near = std::min(limit, kMoreThanMatters / kReachBeside * reach * surface_.unit);
+    if (is_too_large_for(gaps.beside(pieces, cell.patch, near) / surface_.unit, kReachBeside)) return true;
+    return reach > coarse_ && is_too_large_for(gaps.nearest(place, cell.patch, limit) / surface_.unit, kReach);
+  };
+  if (may_cut && (is_too_large_for(gap, kReach) || is_too_large_beside())) {
     cut(gaps, cell, box, out.cells);
     return;
   }

@@ -36,8 +36,8 @@ class SizeField {
   /// 2^-11 of the box's diagonal, 10 plane tolerances). Each patch is cut into cells until a cell reaches from its
   /// middle at most half the gap there; all of it is given the size of its middle. So at() is at most twice what any
   /// place asks for (where the gap shrinks as fast as one can come nearer); across a wall or a slot of one width it is
-  /// exact. What is faced only from a part of a cell, and faces it in its turn only with a part of its own, may be
-  /// missed if that part is smaller than some 2^-5 of the diagonal.
+  /// exact. Cells of which only a part may face something are cut until they reach no farther than to that; of what is
+  /// joined to their patch, only cells larger than some 2^-6 of the diagonal are.
   ///
   /// Else, with goals.gradation > 0: an edge on a segment between essential vertices is as long as the segment at most,
   /// so that is the size there (and 2 kNoise more, or rounding would cut it), though none under the floor.

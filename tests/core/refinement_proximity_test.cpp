@@ -183,6 +183,50 @@ TEST(refinement_proximity, sizes_that_grow_at_once_take_no_longer_than_others) {
     }
 }
 
+TEST(refinement_proximity, what_is_much_smaller_than_a_facet_under_it_is_seen_from_there) {
+  // A cube over a plate, and a roof's ridge, upside down.
+  struct Case {
+    const char* name;
+    PolygonMesh over;
+    Vec2 low, high;  ///< of what is lowest
+    double gap;
+  };
+  const auto cube = [](double side, double gap) {
+    return Case{"cube",
+                shapes::moved(shapes::box({side, side, side}), {4.9, 5.03, gap}),
+                {4.9, 5.03},
+                {4.9 + side, 5.03 + side},
+                gap};
+  };
+  const PolygonMesh roof = shapes::rotated(shapes::prism({{0, 0}, {1.5, 3}, {-1.5, 3}}, 6), {1, 0, 0}, 90);
+  const Case cases[] = {cube(1, 0.05),
+                        cube(0.3, 0.02),
+                        cube(0.05, 0.01),
+                        cube(0.2, 0.2),
+                        {"ridge", shapes::moved(roof, {5.1, 8, 0.1}), {5.1, 2}, {5.1, 8}, 0.1}};
+  for (const Case& c : cases) {
+    const PolygonMesh mesh = shapes::joined(shapes::moved(shapes::box({10, 10, 1}), {0, 0, -1}), c.over);
+    Options options;
+    options.proximity = 1;
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_NEAR(result.report.smallest_gap.value(), c.gap, 1e-9);
+    std::size_t below = 0;
+    for (const Triangle& t : result.mesh.faces)
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 &a = result.mesh.positions[t[k]], &b = result.mesh.positions[t[(k + 1) % 3]];
+        const Vec3 middle = 0.5 * (a + b);
+        if (a.z != 0 || b.z != 0 || middle.y < c.low.y || middle.y > c.high.y) continue;
+        const double beside = std::max({0.0, c.low.x - middle.x, middle.x - c.high.x});
+        if (beside > c.gap / 2) continue;
+        ++below;
+        // Sizes are known where a cell's middle is; from there they grow.
+        EXPECT_LE(norm(b - a), 1.1 * std::hypot(c.gap, beside)) << c.name << ' ' << c.gap;
+      }
+    EXPECT_GT(below, 0u);
+  }
+}
+
 TEST(refinement_proximity, gradation_is_heeded_without_any_other_bound) {
   const PolygonMesh mesh = shapes::polygon({{0, 0}, {8, 0}, {8, 8}, {0.05, 8}, {0, 7.95}});
   Options options;

@@ -437,6 +437,42 @@ TEST(gap_search, agrees_with_the_rule_applied_to_every_triangle) {
   }
 }
 
+TEST(gap_search, nothing_is_nearer_to_a_place_of_a_piece_than_what_is_beside_it) {
+  // Boxes: their own faces meet at right angles, so whatever is a gap is to what is not joined.
+  for (int seed = 1; seed <= 4; ++seed) {
+    const Scene scene(random_boxes(seed));
+    const auto& local = scene.chain.surface.local;
+    const double unit = scene.chain.surface.unit;
+    Random random(seed);
+    int found = 0, in_vain = 0;
+    for (int i = 0; i < 300; ++i) {
+      const PatchId p(random.below(static_cast<int>(scene.gaps.patch_count())));
+      const auto triangles = scene.gaps.triangles_of(p);
+      const Triangle& t = triangles[random.below(static_cast<int>(triangles.size()))];
+      const auto place = [&] {
+        const double u = random.unit(), v = random.unit() * (1 - u);
+        return local[t[0]] + u * (local[t[1]] - local[t[0]]) + v * (local[t[2]] - local[t[0]]);
+      };
+      const std::vector<Corners3> pieces{{place(), place(), place()}};
+      const Corners3& piece = pieces[0];
+      const double beside = scene.gaps.beside(pieces, p, kFar);
+      double least = kFar;
+      for (int k = 0; k < 50; ++k) {
+        const double u = random.unit(), v = random.unit() * (1 - u);
+        const Vec3 x = piece[0] + u * (piece[1] - piece[0]) + v * (piece[2] - piece[0]);
+        least = std::min(least, scene.gaps.at(scene.chain.surface.centre + unit * x, p, kFar));
+      }
+      EXPECT_LE(beside, least * (1 + 1e-9));
+      EXPECT_EQ(scene.gaps.beside(pieces, p, 1.001 * beside), beside);
+      EXPECT_EQ(scene.gaps.beside(pieces, p, 0.999 * beside), kFar);
+      if (least < kFar) ++found;
+      if (least < kFar && beside < 0.5 * least) ++in_vain;
+    }
+    EXPECT_GT(found, 50);
+    EXPECT_LT(in_vain, found / 2);
+  }
+}
+
 TEST(gap_search, scaling_by_a_power_of_two_scales_the_gaps_exactly) {
   const PolygonMesh mesh = random_boxes(7);
   const StageChain one(mesh, kTolerance), eight(shapes::scaled(mesh, 8), 8 * kTolerance);
