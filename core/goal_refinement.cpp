@@ -5,6 +5,7 @@
 #include <cmath>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "core/refinement/gap_search.h"
 #include "core/refinement/prediction.h"
@@ -39,21 +40,21 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[p] = 1;
   if (is_budget_too_small()) frozen_.assign(on.patches.count(), 1);
   const SizeField& sizes = size_field(on, meshes);
+  SegmentTable segments(on.surface, meshes, frozen_, sizes, goals_, control_);
+  refuse_if_hopeless(least_faces(meshes, segments, goals_, sizes, control_));
+  segments.plan_cuts(meshes, sizes, goals_, control_);
   const Prediction prediction = predict(meshes, goals_, sizes, control_);
-  refuse_if_hopeless(prediction.least);
   predicted_faces_ = whole(prediction.expected);
   Goals within_budget = goals_;
   within_budget.max_faces = budget_;
-  Refinement refined =
-      remesh::refine(on.surface, on.patches, frozen_, within_budget, sizes, prediction, meshes, control_);
+  Refinement refined = remesh::refine(on.surface, on.patches, frozen_, within_budget, sizes, std::move(segments),
+                                      prediction, meshes, control_);
   if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
   return refined;
 }
 
 /// Before anything is allocated by it: what must have more faces than allowed is not begun.
 void GoalRefinement::refuse_if_hopeless(double least) const {
-  // Half-edges are numbered in 31 bits.
-  constexpr std::uint64_t kMostFaces = std::uint64_t{1} << 29;
   const std::uint64_t most = std::min(goals_.max_faces, kMostFaces);
   if (least > static_cast<double>(most))
     throw Error(Code::kOutputTooLarge, Stage::kRefinement,

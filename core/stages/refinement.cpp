@@ -8,12 +8,12 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/large_first.h"
 #include "core/base/parallel.h"
 #include "core/refinement/patch_refiner.h"
-#include "core/refinement/segment_table.h"
 #include "core/stages/chords.h"
 #include "core/stages/projection.h"
 
@@ -54,8 +54,8 @@ constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 class Rounds {
  public:
   Rounds(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
-         const Goals& goals, const SizeField& sizes, const Prediction& prediction, std::vector<PatchMesh>& meshes,
-         RunControl& control)
+         const Goals& goals, const SizeField& sizes, SegmentTable segments, const Prediction& prediction,
+         std::vector<PatchMesh>& meshes, RunControl& control)
       : surface_(surface),
         patches_(patches),
         is_frozen_(is_frozen),
@@ -66,7 +66,7 @@ class Rounds {
         meshes_(meshes),
         control_(control),
         progress_(control, prediction.expected),
-        segments_(surface, meshes, is_frozen, sizes, goals, control) {}
+        segments_(std::move(segments)) {}
 
   Refinement run() {
     chords_.resize(meshes_.size());
@@ -447,9 +447,9 @@ class Rounds {
 }  // namespace
 
 Refinement refine(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
-                  const Goals& goals, const SizeField& sizes, const Prediction& prediction,
+                  const Goals& goals, const SizeField& sizes, SegmentTable segments, const Prediction& prediction,
                   std::vector<PatchMesh>& meshes, RunControl& control) {
-  return Rounds(surface, patches, is_frozen, goals, sizes, prediction, meshes, control).run();
+  return Rounds(surface, patches, is_frozen, goals, sizes, std::move(segments), prediction, meshes, control).run();
 }
 
 void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,

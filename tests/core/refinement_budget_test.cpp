@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cstdint>
 #include <initializer_list>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/remesh.h"
@@ -96,6 +97,26 @@ TEST(refinement_budget, a_budget_is_nearly_used_up_though_cuts_for_sizes_alone_t
   Options options = with_angle(0);
   options.proximity = 1;
   expect_budgets_nearly_used_up(sticks, options, {0.15, 0.3, 0.6});
+}
+
+TEST(refinement_budget, a_limit_of_what_comes_out_without_one_is_never_refused_whatever_keeps_sizes_from_being_met) {
+  Options locked = with_length(0.05), narrow = with_length(0.5), few;
+  locked.split_boundaries = false;
+  narrow.min_edge_length = 0.2;
+  few.max_area = 1e-3;
+  few.min_edge_length = 0.2;
+  const PolygonMesh needle = shapes::triangle(10, 4, 4);
+  for (const auto& [mesh, asked] : {std::pair(shapes::box({1, 1, 1}), locked), std::pair(shapes::box({1, 1, 1}), few),
+                                    std::pair(needle, locked), std::pair(needle, narrow), std::pair(needle, few)}) {
+    const std::uint64_t all = refined(mesh, asked).mesh.faces.size();
+    Options options = asked;
+    options.max_output_faces = all;
+    try {
+      EXPECT_LE(refined(mesh, options).mesh.faces.size(), all);
+    } catch (const Error& error) {
+      ADD_FAILURE() << all << " faces: " << error.what();
+    }
+  }
 }
 
 TEST(refinement_budget, a_result_that_must_be_larger_than_allowed_is_refused_at_once) {
