@@ -55,7 +55,7 @@ class Rounds {
  public:
   Rounds(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
          const Goals& goals, const SizeField& sizes, SegmentTable segments, const Prediction& prediction,
-         std::vector<PatchMesh>& meshes, RunControl& control)
+         std::vector<PatchMesh>& meshes, std::uint64_t most_made, RunControl& control)
       : surface_(surface),
         patches_(patches),
         is_frozen_(is_frozen),
@@ -64,15 +64,17 @@ class Rounds {
         criteria_(goals, sizes),
         prediction_(prediction),
         meshes_(meshes),
+        most_made_(most_made),
         control_(control),
         progress_(control, prediction.expected),
         segments_(std::move(segments)) {}
 
-  Refinement run() {
+  std::optional<Refinement> run() {
     chords_.resize(meshes_.size());
     begin();
     for (int passes = 0;;) {
       settle();
+      if (is_too_much_made()) return std::nullopt;
       if (!impossible_.empty()) {
         for (const SegmentId s : impossible_) segments_.lock(s);
         begin();
@@ -127,12 +129,29 @@ class Rounds {
 
   /// Rounds, until no patch has anything to do.
   void settle() {
-    while (!dirty_.empty() && impossible_.empty()) {
+    note_made();
+    while (!dirty_.empty() && impossible_.empty() && !is_too_much_made()) {
       ++result_.rounds;
       refine_dirty();
+      if (is_too_much_made()) return;
       exchange_cuts();
+      note_made();
     }
   }
+
+  /// The triangles that there are, and those that the messages will make.
+  std::uint64_t count_faces() const {
+    std::uint64_t faces = 0;
+    for (std::size_t p = 0; p < meshes_.size(); ++p)
+      faces += refiners_[p] ? refiners_[p]->triangle_count() : meshes_[p].mesh.triangle_count();
+    for (const Message& m : messages_) faces += m.count;
+    return faces;
+  }
+
+  void note_made() {
+    if (most_made_ != kNoLimit) made_ = count_faces();
+  }
+  bool is_too_much_made() const { return made_ > most_made_; }
 
   /// Once: points that chords get have to stay. And where the budget has ended refinement, there are not too many.
   void thin_out() {
@@ -218,13 +237,14 @@ class Rounds {
     });
     for_each_in(by_work, [&](std::uint32_t i) {
       control_.check();
+      if (is_too_much_made()) return;
       const std::uint32_t p = dirty_[i];
       std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
       Workplace& at = workplaces_.local();
       const std::uint32_t before = refiner ? refiner->triangle_count() : meshes_[p].mesh.triangle_count();
       if (!refiner)
-        refiner = std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_, quota_[i], at,
-                                                 control_);
+        refiner = std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_,
+                                                 std::min(quota_[i], most_made_), at, control_);
       else
         refiner->begin_turn(at);
       // One that begins with points of its own numbers its edges anew: its chords are told in the next pass.
@@ -236,10 +256,26 @@ class Rounds {
       if (!refiner->impossible().is_valid()) {
         const std::uint64_t made = refiner->triangle_count() - std::min(refiner->triangle_count(), before);
         progress_.add(std::int64_t{refiner->triangle_count()} - before);
-        refiner->run(quota_[i] - std::min<std::uint64_t>(quota_[i], made), progress_);
+        run_turn(*refiner, quota_[i] - std::min(quota_[i], made), made);
       }
       refiner->end_turn();
     });
+  }
+
+  /// So many triangles are asked for at once where all that are made are counted.
+  static constexpr std::uint64_t kSlice = 1 << 16;
+
+  /// During turns it is only added to what is made, and each of them adds the same whenever it runs: so whether it gets
+  /// too much is the same, too, though which turns come to their end then is not. `begun_with`: triangles that are new
+  /// in this turn already.
+  void run_turn(PatchRefiner& refiner, std::uint64_t quota, std::uint64_t begun_with) {
+    if (most_made_ == kNoLimit) return refiner.run(quota, progress_);
+    made_ += begun_with;
+    for (std::uint64_t given = 0; given < quota && !is_too_much_made(); given += kSlice) {
+      refiner.run(std::min(kSlice, quota - given), progress_);
+      if (refiner.is_done() || refiner.impossible().is_valid()) return;
+      made_ += kSlice;
+    }
   }
 
   /// In parallel: the large ones one by one, the others in blocks.
@@ -262,12 +298,8 @@ class Rounds {
   void choose_quotas() {
     quota_.assign(dirty_.size(), kNoLimit);
     if (goals_.max_faces == kNoLimit) return;
-    std::uint64_t faces = 0;
+    std::uint64_t faces = count_faces();
     double waiting = 0;
-    for (std::size_t p = 0; p < meshes_.size(); ++p)
-      faces += refiners_[p] ? refiners_[p]->triangle_count() : meshes_[p].mesh.triangle_count();
-    // What the messages will make.
-    for (const Message& m : messages_) faces += m.count;
     const auto share = [&](std::uint32_t p) {
       return refiners_[p] ? std::max(1.0, static_cast<double>(refiners_[p]->waiting())) : prediction_.of_patch[p];
     };
@@ -422,6 +454,7 @@ class Rounds {
   const Criteria criteria_;
   const Prediction& prediction_;
   std::vector<PatchMesh>& meshes_;
+  const std::uint64_t most_made_;
   RunControl& control_;
   RefinementProgress progress_;
   SegmentTable segments_;
@@ -429,10 +462,11 @@ class Rounds {
   std::vector<std::unique_ptr<PatchRefiner>> refiners_;
   /// Loops inside a turn take no other patch's meanwhile (core/base/parallel.h).
   tbb::enumerable_thread_specific<Workplace> workplaces_;
-  std::vector<std::uint32_t> dirty_;  ///< patches, ascending
-  std::vector<std::uint64_t> quota_;  ///< one per dirty patch
-  std::uint64_t left_ = kNoLimit;     ///< of the budget, when they were shared out
-  std::vector<Message> messages_;     ///< sorted
+  std::vector<std::uint32_t> dirty_;     ///< patches, ascending
+  std::vector<std::uint64_t> quota_;     ///< one per dirty patch
+  std::atomic<std::uint64_t> made_ = 0;  ///< triangles at the barrier, and what turns have made since or more
+  std::uint64_t left_ = kNoLimit;        ///< of the budget, when they were shared out
+  std::vector<Message> messages_;        ///< sorted
   std::vector<SegmentId> impossible_;
   std::vector<PatchId> at_work_;                    ///< those that have a refiner, when `finish` came
   std::vector<PatchMesh> refined_;                  ///< of those, what has been made of them; or what they were
@@ -446,10 +480,12 @@ class Rounds {
 
 }  // namespace
 
-Refinement refine(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
-                  const Goals& goals, const SizeField& sizes, SegmentTable segments, const Prediction& prediction,
-                  std::vector<PatchMesh>& meshes, RunControl& control) {
-  return Rounds(surface, patches, is_frozen, goals, sizes, std::move(segments), prediction, meshes, control).run();
+std::optional<Refinement> refine(const Surface& surface, const PatchSet& patches,
+                                 const std::vector<std::uint8_t>& is_frozen, const Goals& goals, const SizeField& sizes,
+                                 SegmentTable segments, const Prediction& prediction, std::vector<PatchMesh>& meshes,
+                                 std::uint64_t most_made, RunControl& control) {
+  return Rounds(surface, patches, is_frozen, goals, sizes, std::move(segments), prediction, meshes, most_made, control)
+      .run();
 }
 
 void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,

@@ -2,6 +2,7 @@
 // where they are not.
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <chrono>
 #include <cstdint>
@@ -71,6 +72,37 @@ TEST(refinement_budget, a_budget_of_twice_what_is_needed_changes_little_where_on
   const std::size_t all = refined(mesh, options).mesh.faces.size();
   options.max_output_faces = 2 * all;
   EXPECT_NEAR(static_cast<double>(refined(mesh, options).mesh.faces.size()) / static_cast<double>(all), 1, 0.01);
+}
+
+/// Behind the slot sizes grow, and at 33 degrees there are three times as many triangles before they are thinned out.
+PolygonMesh slotted_block() {
+  return shapes::prism({{0, 0}, {4, 0}, {4, 1.95}, {1, 1.95}, {1, 2.05}, {4, 2.05}, {4, 4}, {0, 4}}, 2);
+}
+
+TEST(refinement_budget, what_is_made_in_between_and_thinned_out_is_no_reason_to_leave_anything_undone) {
+  Options options = with_angle(33);
+  options.proximity = 2;
+  const Result all = refined(slotted_block(), options);
+  for (const double share : {1.0, 1.7, 2.0, 2.6, 100.0}) {
+    options.max_output_faces = static_cast<std::uint64_t>(share * static_cast<double>(all.mesh.faces.size()));
+    const Result result = refined(slotted_block(), options);
+    EXPECT_EQ(result.mesh.positions, all.mesh.positions) << share;
+    EXPECT_EQ(result.mesh.faces, all.mesh.faces) << share;
+    EXPECT_EQ(listed(result.report, UnrefinedReason::kBudget), 0u) << share;
+  }
+}
+
+TEST(refinement_budget, what_is_made_without_a_budget_ends_alike_for_any_number_of_threads) {
+  Options options = with_angle(33);
+  options.proximity = 2;
+  options.max_output_faces = 12'000;
+  const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
+  RunControl control;
+  const Result alone = remesh_surface(slotted_block(), options, RunSettings{1, false}, control);
+  const Result together = remesh_surface(slotted_block(), options, RunSettings{4, false}, control);
+  EXPECT_LE(alone.mesh.faces.size(), 12'000u);
+  EXPECT_EQ(alone.mesh.positions, together.mesh.positions);
+  EXPECT_EQ(alone.mesh.faces, together.mesh.faces);
 }
 
 TEST(refinement_budget, a_budget_is_spent_to_the_end_where_patches_are_many_and_small) {

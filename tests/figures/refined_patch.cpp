@@ -99,8 +99,8 @@ class Figure {
     const SizeField sizes(goals.max_edge_length);
     const Prediction prediction = predict(meshes, goals, sizes, control_);
     rounds = refine(part_.surface, part_.patches, frozen_, goals, sizes, segments_of(sizes, goals), prediction, meshes,
-                    control_)
-                 .rounds;
+                    std::numeric_limits<std::uint64_t>::max(), control_)
+                 ->rounds;
     return meshes[patch_.value];
   }
 
