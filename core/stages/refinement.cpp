@@ -80,7 +80,7 @@ class Rounds {
         begin();
         continue;
       }
-      thin_out();
+      if (thin_out() && take_up_again()) continue;
       finish();
       exchange_refined();
       const std::vector<Chord> chords = find_chords(meshes_, surface_.vertex_count() + result_.first_inner, control_);
@@ -105,6 +105,10 @@ class Rounds {
  private:
   /// A chord that gets a point ends many others, and what is refined around it may make a few anew.
   static constexpr int kMostChordPasses = 16;
+  /// Most is done then: what the last time brings is a few per cent.
+  static constexpr int kMostTakenUp = 8;
+  /// In parts of the budget: for less it is not worth a round over all patches.
+  static constexpr std::uint64_t kRoomForMore = 128;
   /// Small enough blocks: patches may have thousands of triangles each.
   static constexpr std::size_t kPatches = 16;
   static constexpr std::size_t kSegments = 1024;
@@ -153,9 +157,9 @@ class Rounds {
   }
   bool is_too_much_made() const { return made_ > most_made_; }
 
-  /// Once: points that chords get have to stay. And where the budget has ended refinement, there are not too many.
-  void thin_out() {
-    if (std::exchange(is_thinned_out_, true) || !criteria_.has_sizes || is_any_unfinished_) return;
+  /// Not after the first chords: points that they get have to stay. Output: whether it was done.
+  bool thin_out() {
+    if (std::exchange(is_thinned_out_, true) || !criteria_.has_sizes) return false;
     const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
       return refiners_[p] ? refiners_[p]->triangle_count() : 0;
     });
@@ -165,6 +169,23 @@ class Rounds {
       refiners_[p]->thin_out(control_, progress_);
       refiners_[p]->end_turn();
     });
+    return true;
+  }
+
+  /// Where the budget has ended refinement, thinning out may have made room again: then the patches that have something
+  /// to do go on. Not for ever: what is refined and what is thinned out may be the same.
+  bool take_up_again() {
+    if (goals_.max_faces == kNoLimit || times_taken_up_ == kMostTakenUp) return false;
+    for (std::uint32_t p = 0; p < refiners_.size(); ++p)
+      if (refiners_[p] && !refiners_[p]->is_done()) dirty_.push_back(p);
+    if (dirty_.empty()) return false;
+    if (count_faces() > goals_.max_faces - goals_.max_faces / kRoomForMore) {
+      dirty_.clear();
+      return false;
+    }
+    ++times_taken_up_;
+    is_thinned_out_ = false;
+    return true;
   }
 
   void begin() {
@@ -175,6 +196,7 @@ class Rounds {
     impossible_.clear();
     is_any_split_ = true;
     is_thinned_out_ = false;
+    times_taken_up_ = 0;
     refiners_.clear();
     refiners_.resize(n);
     messages_.clear();
@@ -337,7 +359,6 @@ class Rounds {
     }
     std::sort(impossible_.begin(), impossible_.end());
     impossible_.erase(std::unique(impossible_.begin(), impossible_.end()), impossible_.end());
-    is_any_unfinished_ = !unfinished.empty();
     if (is_budget_spent()) unfinished.clear();
     sort_all(fresh.begin(), fresh.end());
     messages_.clear();
@@ -471,10 +492,10 @@ class Rounds {
   std::vector<PatchId> at_work_;                    ///< those that have a refiner, when `finish` came
   std::vector<PatchMesh> refined_;                  ///< of those, what has been made of them; or what they were
   std::vector<std::vector<std::uint32_t>> chords_;  ///< of each patch: half-edges, as `finish` has them
-  bool is_any_unfinished_ = false;                  ///< of the patches of the last round
-  bool is_thinned_out_ = false;                     ///< since all patches began
-  bool is_waiting_for_chords_ = false;              ///< patches stay at work after `finish`
-  std::atomic<bool> is_any_split_ = true;           ///< of the chords that were there last
+  bool is_thinned_out_ = false;                     ///< since all patches began, or were taken up again
+  int times_taken_up_ = 0;
+  bool is_waiting_for_chords_ = false;     ///< patches stay at work after `finish`
+  std::atomic<bool> is_any_split_ = true;  ///< of the chords that were there last
   Refinement result_;
 };
 

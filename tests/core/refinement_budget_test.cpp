@@ -92,6 +92,19 @@ TEST(refinement_budget, what_is_made_in_between_and_thinned_out_is_no_reason_to_
   }
 }
 
+TEST(refinement_budget, what_thinning_out_leaves_room_for_is_used) {
+  Options options = with_angle(33);
+  options.proximity = 2;
+  const std::uint64_t all = refined(slotted_block(), options).mesh.faces.size();
+  options.max_output_faces = all - all / 8;
+  const Result result = refined(slotted_block(), options);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_LE(result.mesh.faces.size(), *options.max_output_faces);
+  EXPECT_GT(result.mesh.faces.size(), *options.max_output_faces * 97 / 100);
+  // An eighth less faces, and the budget is named for few.
+  EXPECT_LT(listed(result.report, UnrefinedReason::kBudget), all / 45);
+}
+
 TEST(refinement_budget, what_is_made_without_a_budget_ends_alike_for_any_number_of_threads) {
   Options options = with_angle(33);
   options.proximity = 2;
