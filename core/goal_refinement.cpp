@@ -67,8 +67,8 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
 }
 
 bool GoalRefinement::is_worth_trying_without_budget() const {
-  return goals_.max_faces != kNoLimit &&
-         static_cast<double>(predicted_faces_) <= kHopeless * static_cast<double>(goals_.max_faces);
+  return goals_.max_faces != kNoLimit && static_cast<double>(predicted_faces_) <=
+                                             std::max(kFewFaces, kHopeless * static_cast<double>(goals_.max_faces));
 }
 
 /// Before anything is allocated by it: what must have more faces than allowed is not begun.

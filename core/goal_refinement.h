@@ -67,8 +67,9 @@ class GoalRefinement {
   /// An attempt without a budget may make so many times the faces allowed, though no more beyond these than would take
   /// a few GB. (A slot behind which sizes grow, at 33 degrees, has three times as many before it is thinned out.)
   static constexpr std::uint64_t kMostMade = 4, kMostMadeBeyond = std::uint64_t{1} << 23;
-  /// It is not worth it where that many times the faces allowed are predicted.
-  static constexpr double kHopeless = 2;
+  /// It is not worth it where that many times the faces allowed are predicted, or so many if these are few: where
+  /// boundaries are locked or edges must not be short, predictions may be far too high, and it takes a second at most.
+  static constexpr double kHopeless = 2, kFewFaces = 0x1p17;
   static constexpr int kMostRetries = 6;
   static constexpr int kRetriesInVain = 3;  ///< so many does one count for that made no fewer faces
   /// One part in so many of the faces allowed is kept for what patches do for each other at the end: another attempt
