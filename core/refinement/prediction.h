@@ -28,9 +28,11 @@ inline constexpr std::uint64_t kMostFaces = std::uint64_t{1} << 29;
 Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, const SizeField& sizes,
                    RunControl& control);
 
-/// So many faces every result has: of each patch its triangles as they are, or where more, what its area
-/// takes of the largest triangles that are allowed, and what the pieces of its boundary take. Where sizes may have to
-/// give way they count for nothing: at segments that stay as they are, and near floors not far below the sizes.
+/// So many faces every result has: of each patch its triangles as they are, or where more, what its area takes of the
+/// largest triangles that are allowed, and what the pieces of its boundary take. Where sizes may have to give way they
+/// count for nothing: at segments that stay as they are, and near floors not far below the sizes. What is not foreseen
+/// is that a refined patch fails the check, as may happen where the input intersects or touches itself, and stays as it
+/// was.
 /// Input:  the patches' segments, as they are limited; cuts need not be planned.
 /// Cost:   O(n).
 double least_faces(const std::vector<PatchMesh>& meshes, const SegmentTable& segments, const Goals& goals,
