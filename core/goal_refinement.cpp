@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include "core/refinement/gap_search.h"
 #include "core/refinement/prediction.h"
@@ -12,6 +14,8 @@
 
 namespace remesh {
 namespace {
+
+constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
 /// What is far beyond any result fits, too.
 std::uint64_t whole(double faces) { return static_cast<std::uint64_t>(std::min(faces, 0x1p62)); }
@@ -40,20 +44,35 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   if (is_budget_too_small()) frozen_.assign(on.patches.count(), 1);
   const SizeField& sizes = size_field(on, meshes);
   const Prediction prediction = predict(meshes, goals_, sizes, control_);
-  refuse_if_hopeless(prediction.least);
   predicted_faces_ = whole(prediction.expected);
-  Goals within_budget = goals_;
-  within_budget.max_faces = budget_;
-  Refinement refined =
-      remesh::refine(on.surface, on.patches, frozen_, within_budget, sizes, prediction, meshes, control_);
+  const auto attempt = [&](std::uint64_t budget, std::uint64_t most_made) {
+    SegmentTable segments(on.surface, meshes, frozen_, sizes, goals_, control_);
+    refuse_if_hopeless(least_faces(meshes, segments, goals_, sizes, control_));
+    segments.plan_cuts(meshes, sizes, goals_, control_);
+    Goals within_budget = goals_;
+    within_budget.max_faces = budget;
+    return remesh::refine(on.surface, on.patches, frozen_, within_budget, sizes, std::move(segments), prediction,
+                          meshes, most_made, control_);
+  };
+  needs_budget_ = needs_budget_ || !is_worth_trying_without_budget();
+  if (!needs_budget_) {
+    const std::uint64_t most = std::min(goals_.max_faces, kMostFaces);
+    if (auto refined = attempt(kNoLimit, most + std::min((kMostMade - 1) * most, kMostMadeBeyond)))
+      return *std::move(refined);
+    needs_budget_ = true;
+  }
+  Refinement refined = attempt(budget_, kNoLimit).value();
   if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
   return refined;
 }
 
+bool GoalRefinement::is_worth_trying_without_budget() const {
+  return goals_.max_faces != kNoLimit && static_cast<double>(predicted_faces_) <=
+                                             std::max(kFewFaces, kHopeless * static_cast<double>(goals_.max_faces));
+}
+
 /// Before anything is allocated by it: what must have more faces than allowed is not begun.
 void GoalRefinement::refuse_if_hopeless(double least) const {
-  // Half-edges are numbered in 31 bits.
-  constexpr std::uint64_t kMostFaces = std::uint64_t{1} << 29;
   const std::uint64_t most = std::min(goals_.max_faces, kMostFaces);
   if (least > static_cast<double>(most))
     throw Error(Code::kOutputTooLarge, Stage::kRefinement,
@@ -82,6 +101,7 @@ const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std:
 
 bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   if (!has_goals() || faces <= goals_.max_faces || is_budget_too_small()) return false;
+  if (!std::exchange(needs_budget_, true)) return true;
   const bool is_in_vain = last_faces_ != 0 && faces >= last_faces_;
   last_faces_ = faces;
   retries_ += is_in_vain ? kRetriesInVain : 1;

@@ -48,9 +48,10 @@ class GoalRefinement {
   /// Errors: kOutputTooLarge - no result with these sizes can have as few faces as are allowed.
   Refinement refine(const PatchedSurface& on, const Ladder& ladder, std::vector<PatchMesh>& meshes);
 
-  /// Whether a result of so many faces is more than the budget: a refinement may overshoot it by what patches do for
-  /// each other at the end, or do for sizes alone. Then the next attempt gets less, and where that does not help, or
-  /// not soon, nothing is refined.
+  /// Whether a result of so many faces is more than the budget. The first attempt has none, as long as there are not
+  /// far more triangles than allowed: what is made and thinned out in the end is no reason to leave anything undone.
+  /// The next one may overshoot its budget by what patches do for each other at the end, or do for sizes alone: then
+  /// the one after gets less, and where that does not help, or not soon, nothing is refined.
   bool is_over_budget(std::uint64_t faces);
 
   /// Patches whose refinement failed the check stay as they were before it. Output: whether that is a change.
@@ -63,6 +64,12 @@ class GoalRefinement {
   }
 
  private:
+  /// An attempt without a budget may make so many times the faces allowed, though no more beyond these than would take
+  /// a few GB. (A slot behind which sizes grow, at 33 degrees, has three times as many before it is thinned out.)
+  static constexpr std::uint64_t kMostMade = 4, kMostMadeBeyond = std::uint64_t{1} << 23;
+  /// It is not worth it where that many times the faces allowed are predicted, or so many if these are few: where
+  /// boundaries are locked or edges must not be short, predictions may be far too high, and it takes a second at most.
+  static constexpr double kHopeless = 2, kFewFaces = 0x1p17;
   static constexpr int kMostRetries = 6;
   static constexpr int kRetriesInVain = 3;  ///< so many does one count for that made no fewer faces
   /// One part in so many of the faces allowed is kept for what patches do for each other at the end: another attempt
@@ -72,10 +79,12 @@ class GoalRefinement {
   /// The same for all attempts at the same patches.
   const SizeField& size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes);
   void refuse_if_hopeless(double least) const;
+  bool is_worth_trying_without_budget() const;
 
   Goals goals_;
   std::uint64_t budget_;  ///< faces that refinement may make it
   RunControl& control_;
+  bool needs_budget_ = false;  ///< an attempt without it made too many faces, or would
   int retries_ = 0;
   std::uint64_t last_faces_ = 0;      ///< that were too many; 0: none yet
   std::vector<std::uint8_t> frozen_;  ///< per patch: not refined

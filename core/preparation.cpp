@@ -39,11 +39,11 @@ class Preparation {
 
   void measure() {
     const auto& positions = surface().positions.items();
-    report_.input = measure_surface(positions, surface().face_begin, surface().corners, adjacency(), control_);
+    const Triangulated triangles(surface(), control_);
+    report_.input =
+        measure_surface(positions, surface().face_begin, surface().corners, adjacency(), triangles.corners(), control_);
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
-    if (const Triangulated triangles(surface(), control_); triangles.are_split())
-      report_.input.quality = measure_quality(positions, triangles.corners(), control_);
     find_defects(surface(), adjacency(), prepared_.pinched(control_), report_.diagnostics);
   }
 

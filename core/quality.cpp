@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <vector>
 
 #include "core/base/blocks.h"
@@ -442,34 +443,6 @@ Quality quality_of(const QualityBlock& total, const Scale& scale) {
   return quality;
 }
 
-/// Area and the sum for the volume of one block of polygons.
-struct AreaBlock {
-  double area = 0;
-  double volume = 0;
-  void add(const AreaBlock& other) {
-    area += other.area;
-    volume += other.volume;
-  }
-};
-
-AreaBlock measure_areas(const Scale& scale, std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
-                        std::span<const VertexId> corners, const Vec3& centre, RunControl& control) {
-  const std::size_t face_count = face_begin.size() - 1;
-  return combined(map_blocks<AreaBlock>(face_count, kBlock, control, [&](std::size_t begin, std::size_t end) {
-    AreaBlock block;
-    for (std::size_t f = begin; f < end; ++f) {
-      const auto face = corners.subspan(face_begin[f], face_begin[f + 1] - face_begin[f]);
-      const Vec3 first = scale(positions[face[0].value]);
-      Vec3 twice_area;  // Newell's vector, as a fan of signed triangles
-      for (std::size_t i = 1; i + 1 < face.size(); ++i)
-        twice_area += cross(scale(positions[face[i].value]) - first, scale(positions[face[i + 1].value]) - first);
-      block.area += norm(twice_area) / 2;
-      block.volume += dot(first - centre, twice_area) / 6;
-    }
-    return block;
-  }));
-}
-
 /// What the vertices that faces use come to.
 struct VertexBlock {
   std::uint64_t vertices = 0, components = 0;
@@ -528,14 +501,6 @@ EdgeCounts count_edges(const Adjacency& adjacency) {
 
 }  // namespace
 
-Quality measure_quality(std::span<const Vec3> positions, std::span<const VertexId> corners, RunControl& control) {
-  const std::size_t count = corners.size() / 3;
-  const std::vector<std::uint32_t> face_begin = triangle_begins(count, control);
-  const Adjacency adjacency(positions.size(), face_begin, corners);
-  const Scale scale(positions, control);
-  return quality_of(measure_triangles(scale, positions, adjacency, count, {}, control), scale);
-}
-
 IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl& control) {
   const Scale scale(mesh.positions.items(), control);
   IdVector<FaceId, FaceQuality> quality(mesh.faces.size());
@@ -553,7 +518,8 @@ IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl&
 }
 
 MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
-                               std::span<const VertexId> corners, const Adjacency& adjacency, RunControl& control) {
+                               std::span<const VertexId> corners, const Adjacency& adjacency,
+                               std::span<const VertexId> triangles, RunControl& control) {
   const Scale scale(positions, control);
   MeshStatistics out;
   out.faces = face_begin.size() - 1;
@@ -572,16 +538,14 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
   // Volume is measured from the middle of the box: far from the origin it would drown in rounding.
   Vec3 centre;
   if (!out.bounding_box.is_empty()) centre = 0.5 * (scale(out.bounding_box.min) + scale(out.bounding_box.max));
-  AreaBlock sums;
-  if (adjacency.are_triangles()) {
-    const QualityBlock total = measure_triangles(scale, positions, adjacency, out.faces, centre, control);
-    out.quality = quality_of(total, scale);
-    sums = {total.area.sum, total.volume};
-  } else {
-    sums = measure_areas(scale, positions, face_begin, corners, centre, control);
-  }
-  out.area = scale.undo(sums.area, 2);
-  if (out.closed && edges.inconsistent == 0) out.volume = scale.undo(sums.volume, 3);
+  const std::size_t count = triangles.size() / 3;
+  std::optional<Adjacency> of_triangles;
+  if (!adjacency.are_triangles()) of_triangles.emplace(positions.size(), triangle_begins(count, control), triangles);
+  const QualityBlock total =
+      measure_triangles(scale, positions, of_triangles ? *of_triangles : adjacency, count, centre, control);
+  out.quality = quality_of(total, scale);
+  out.area = scale.undo(total.area.sum, 2);
+  if (out.closed && edges.inconsistent == 0) out.volume = scale.undo(total.volume, 3);
   return out;
 }
 
@@ -589,7 +553,7 @@ MeshStatistics measure_surface(const TriangleMesh& mesh, RunControl& control) {
   const std::vector<std::uint32_t> face_begin = triangle_begins(mesh.faces.size(), control);
   const std::span<const VertexId> corners = corners_of(mesh.faces.items());
   const Adjacency adjacency(mesh.positions.size(), face_begin, corners);
-  return measure_surface(mesh.positions.items(), face_begin, corners, adjacency, control);
+  return measure_surface(mesh.positions.items(), face_begin, corners, adjacency, corners, control);
 }
 
 }  // namespace remesh

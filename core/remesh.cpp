@@ -147,6 +147,7 @@ class Run {
         return false;
       }
     }
+    report_.volume_bound = report_.verified.volume_bound;
     prepared_.release();
     warn_of_curves();
     for (std::size_t p = 0; p < meshes_.size(); ++p) report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
@@ -357,7 +358,7 @@ class Run {
     const Adjacency edges(positions.size(), begins, corners);
     IdVector<FaceId, FaceId> source;
     // Each has its parts that wait for nothing but themselves.
-    do_all([&] { report_.output = measure_surface(positions, begins, corners, edges, control_); },
+    do_all([&] { report_.output = measure_surface(positions, begins, corners, edges, corners, control_); },
            [&] {
              report_.volume_obstacles = find_volume_obstacles(
                  positions, begins, corners, edges, report_.verified.intersections, report_.plane_tolerance, control_);

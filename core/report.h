@@ -174,7 +174,8 @@ struct Verdict {
   bool conforming = false;
   bool delaunay = false;
   std::optional<bool> quality;
-  double deviation = 0;  ///< largest distance found between input and output
+  double deviation = 0;     ///< largest distance found between input and output
+  double volume_bound = 0;  ///< of the change of volume, where both are closed: what deviations and rounding explain
   /// Patches on which a test failed, ascending; empty if only a property of the whole failed.
   std::vector<PatchId> failed_patches;
   /// Pairs of output faces that intersect, sorted; of very many just some.
@@ -195,7 +196,7 @@ struct Report {
   double plane_tolerance = 0;  ///< as used, model units
   bool plane_tolerance_is_automatic = true;
   double rounding_step = 0;  ///< read from the coordinates; 0 if they are full doubles
-  double volume_bound = 0;   ///< largest change of volume that the patches' deviations explain
+  double volume_bound = 0;   ///< of the change of volume: the verdict's; of an analysis, PatchSummaries'
   MeshStatistics input;
   MeshStatistics output;
   std::vector<PatchSummary> patches;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cfloat>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -174,6 +175,8 @@ Verdict verify(const Claim& claim, RunControl& control) {
   std::vector<std::uint8_t> is_positive;
   const ShapeSums shapes = check_shapes(model, input_edges, seams, boundary, is_positive, findings, control);
   verdict.deviation = shapes.deviation / model.scale;
+  // Of a model near the largest double it stays a number, as its volume does.
+  verdict.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(model.scale)), DBL_MAX);
   control.progress(0.9);
 
   DelaunayCheck(model, output_edges, is_positive).run(findings, control);

@@ -56,6 +56,8 @@ struct Claim {
 ///              input and output lie within plane_tolerance of each other, both ways, patch by patch; every patch keeps
 ///              its boundary loops (each output loop is the input loop less vertices within tolerance of the chord that
 ///              replaces them); Euler number, closedness, area and volume are kept within what the deviations explain.
+///              `volume_bound` is that for the volume: of each patch its area, input's or output's, with what lies
+///              between the loops, times the largest difference of their heights; and rounding.
 ///  conforming: every output edge has the faces, and the directions, that the input's edges under it have; no zero-area
 ///              or inverted triangle but for the input's own, no repeated face, no new non-manifold edge, no
 ///              T-junction; faces intersect (geometry/patch_intersections.h) only where their patches do in the input,

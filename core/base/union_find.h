@@ -17,7 +17,7 @@ namespace remesh {
 /// call both functions at once; what is found then is good as soon as all joins are over.
 class UnionFind {
  public:
-  explicit UnionFind(std::size_t n) : parent_(n) {
+  explicit UnionFind(std::size_t n = 0) : parent_(n) {
     constexpr std::size_t kBlock = std::size_t{1} << 16;
     const auto set = [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) parent_[i] = static_cast<std::uint32_t>(i);

@@ -37,6 +37,14 @@ struct EdgePieces {
   }
 };
 
+/// A boundary edge in pieces of that length at most; of ten lengths ten, whatever the last digits say.
+double count_pieces(double length, double most) { return std::max(1.0, std::ceil(length / most * (1 - 1e-12))); }
+
+/// Area of the largest triangle that sizes allow.
+double largest_area(const Goals& goals, const SizeField& sizes) {
+  return std::min(goals.max_area, ideal_area(sizes.largest()));
+}
+
 double tangent_of(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
 
 /// What is asked of all patches.
@@ -78,7 +86,6 @@ class PatchPrediction {
   Prediction run(std::vector<EdgePieces>& many_pieces, RunControl& control) const {
     const Triangulation2d& mesh = patch_.mesh;
     const double scale = patch_.frame.scale;
-    const double largest = std::min(goals_.max_area, ideal_area(sizes_.largest()));
     double pieces = 0, area = 0, by_angle = 0, by_size = 0;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
       control.check();
@@ -87,8 +94,7 @@ class PatchPrediction {
       for (std::uint32_t k = 0; k < 3; ++k) {
         const Vec2 side = p[(k + 1) % 3] - p[k];
         length[k] = std::sqrt(dot(side, side)) * scale;
-        if (mesh.is_constrained(h + k) && goals_.split_boundaries)
-          pieces += std::max(1.0, std::ceil(length[k] / sizes_.largest() * (1 - 1e-12)));
+        if (mesh.is_constrained(h + k) && goals_.split_boundaries) pieces += count_pieces(length[k], sizes_.largest());
       }
       const double triangle = cross(p[1] - p[0], p[2] - p[0]) / 2 * scale * scale;
       area += triangle;
@@ -105,8 +111,8 @@ class PatchPrediction {
       by_size += faces_for_size(p, triangle);
     }
     Prediction result;
-    result.least = std::max({static_cast<double>(mesh.triangle_count()), pieces - 2, area / largest});
-    result.expected = std::max({result.least, by_angle, by_size});
+    result.expected = std::max({static_cast<double>(mesh.triangle_count()), pieces - 2,
+                                area / largest_area(goals_, sizes_), by_angle, by_size});
     return result;
   }
 
@@ -172,7 +178,81 @@ class PatchPrediction {
   const SizeField& sizes_;
 };
 
+/// A floor that is asked for is no matter for a size that is so many times as long; one for rounding is none for the
+/// area inside beside pieces of so many of its lengths, and never one for the pieces.
+constexpr double kSizesOverFloor = 64;
+constexpr double kSizesOverRounding = 8;
+
+/// Of one patch.
+class LeastFaces {
+ public:
+  LeastFaces(const SegmentTable& segments, const Goals& goals, const SizeField& sizes)
+      : segments_(segments),
+        longest_(sizes.largest()),
+        largest_area_(largest_area(goals, sizes)),
+        // As long as the edges of the largest triangle, if these are all alike.
+        edge_(std::sqrt(largest_area_ * 4 / std::numbers::sqrt3)),
+        can_be_filled_(goals.min_edge_length * kSizesOverFloor <= edge_) {}
+
+  double of(const PatchMesh& patch, PatchId p) const {
+    double pieces = 0;
+    bool is_filled = can_be_filled_;
+    for (const std::uint32_t i : segments_.sides_of_patch(p)) {
+      const BoundarySegment& s = segments_[segments_.all_sides()[i].segment];
+      pieces += least_pieces(s);
+      is_filled = is_filled && is_no_hindrance(s);
+    }
+    const auto triangles = static_cast<double>(patch.mesh.triangle_count());
+    return std::max({triangles, pieces - 2, is_filled ? area_of(patch) / largest_area_ : 0});
+  }
+
+ private:
+  double least_pieces(const BoundarySegment& s) const {
+    if (s.is_locked) return 1;
+    const double pieces = count_pieces(s.length, longest_);
+    if (s.is_floor_asked) return s.floor * kSizesOverFloor <= longest_ ? pieces : 1;
+    // That rounding leaves no room for a cut shows when all are made, if so many can be made.
+    return s.floor <= longest_ || pieces > static_cast<double>(kMostFaces) ? pieces : 1;
+  }
+
+  /// Are triangles beside it sure to be split until none is too large? Else any in its patch may stay.
+  bool is_no_hindrance(const BoundarySegment& s) const {
+    if (s.is_locked) return false;
+    return !s.is_floor_raised || s.floor * (s.is_floor_asked ? kSizesOverFloor : kSizesOverRounding) <= edge_;
+  }
+
+  static double area_of(const PatchMesh& patch) {
+    const Triangulation2d& mesh = patch.mesh;
+    double twice = 0;
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
+      const Vec2 a = patch.uv[mesh.from(h)];
+      twice += cross(patch.uv[mesh.from(h + 1)] - a, patch.uv[mesh.from(h + 2)] - a);
+    }
+    return twice / 2 * patch.frame.scale * patch.frame.scale;
+  }
+
+  const SegmentTable& segments_;
+  double longest_, largest_area_, edge_;
+  bool can_be_filled_;
+};
+
 }  // namespace
+
+double least_faces(const std::vector<PatchMesh>& meshes, const SegmentTable& segments, const Goals& goals,
+                   const SizeField& sizes, RunControl& control) {
+  const LeastFaces least(segments, goals, sizes);
+  double sum = 0;
+  for (const double block : map_blocks<double>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
+         double faces = 0;
+         for (; p < end; ++p) {
+           control.check();
+           faces += least.of(meshes[p], PatchId(p));
+         }
+         return faces;
+       }))
+    sum += block;
+  return sum;
+}
 
 Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, const SizeField& sizes,
                    RunControl& control) {
@@ -186,7 +266,6 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
     Block block;
     for (std::size_t p = begin; p < end; ++p) {
       const Prediction one = PatchPrediction(meshes[p], asked).run(block.pieces, control);
-      block.sum.least += one.least;
       block.sum.expected += one.expected;
       block.sum.of_patch.push_back(static_cast<float>(std::min(one.expected, kMostOfPatch)));
     }
@@ -196,7 +275,6 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
   total.of_patch.reserve(meshes.size());
   std::vector<EdgePieces> needed;
   for (const Block& block : blocks) {
-    total.least += block.sum.least;
     total.expected += block.sum.expected;
     total.of_patch.insert(total.of_patch.end(), block.sum.of_patch.begin(), block.sum.of_patch.end());
     needed.insert(needed.end(), block.pieces.begin(), block.pieces.end());

@@ -1,19 +1,18 @@
 /// How many faces a refinement will make, before it is done.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/base/run_control.h"
 #include "core/refinement/goals.h"
+#include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
 #include "core/stages/patch_meshing.h"
 
 namespace remesh {
 
 struct Prediction {
-  /// No result that meets the size goals has fewer: patch areas over the largest triangle that is allowed, and the
-  /// pieces into which boundaries must be cut, one triangle each.
-  double least = 0;
   /// What to expect: by sizes within some 30 %, by angles alone within a factor of two or so, along narrow strips too
   /// (fans of needles have no cheap tight estimate).
   double expected = 0;
@@ -21,9 +20,22 @@ struct Prediction {
   std::vector<float> of_patch;
 };
 
+/// What has more faces cannot be made: half-edges are numbered in 31 bits.
+inline constexpr std::uint64_t kMostFaces = std::uint64_t{1} << 29;
+
 /// Input:  triangulated patches over the vertices that stay.
 /// Cost:   O(n), with sizes that vary O(n log n).
 Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, const SizeField& sizes,
                    RunControl& control);
+
+/// So many faces every result has: of each patch its triangles as they are, or where more, what its area takes of the
+/// largest triangles that are allowed, and what the pieces of its boundary take. Where sizes may have to give way they
+/// count for nothing: at segments that stay as they are, and near floors not far below the sizes. What is not foreseen
+/// is that a refined patch fails the check, as may happen where the input intersects or touches itself, and stays as it
+/// was.
+/// Input:  the patches' segments, as they are limited; cuts need not be planned.
+/// Cost:   O(n).
+double least_faces(const std::vector<PatchMesh>& meshes, const SegmentTable& segments, const Goals& goals,
+                   const SizeField& sizes, RunControl& control);
 
 }  // namespace remesh

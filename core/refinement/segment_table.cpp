@@ -6,11 +6,11 @@
 #include <cmath>
 #include <numbers>
 #include <tuple>
+#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
 #include "core/base/parallel.h"
-#include "core/base/union_find.h"
 #include "core/refinement/local_features.h"
 #include "core/refinement/strips.h"
 
@@ -156,13 +156,12 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   });
 
   // Clusters: ends of segments that meet under a small angle in some patch. End 2s is `from` of segment s, 2s + 1 `to`.
-  UnionFind clusters(2 * segments_.size());
+  clusters_ = UnionFind(2 * segments_.size());
   std::vector<double> sharpest(2 * segments_.size(), std::numbers::pi / 2);
-  std::vector<Corner> corners;
-  std::vector<double> feature(segments_.size());
+  feature_.resize(segments_.size());
   std::vector<double> roundings(segments_.size());
   for_each_segment([&](SegmentId s, const BoundarySegment& segment) {
-    double &nearest = feature[s.value], &rounding = roundings[s.value];
+    double &nearest = feature_[s.value], &rounding = roundings[s.value];
     nearest = segment.length;
     rounding = 0x1p-52 * std::max(magnitude(surface.positions[segment.from]), magnitude(surface.positions[segment.to]));
     for (std::uint32_t i = begin_[s.value]; i < begin_[s.value + 1]; ++i) {
@@ -181,26 +180,26 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     const std::uint32_t here = end_at_start(sides_[i]);
     // The next side comes in at the vertex: it ends where this one starts.
     const std::uint32_t there = end_at_start(sides_[seen[i].next]) ^ 1u;
-    clusters.join(here, there);
-    corners.push_back({here, there, seen[i].angle});
+    clusters_.join(here, there);
+    corners_.push_back({here, there, seen[i].angle});
     sharpest[here] = std::min(sharpest[here], seen[i].angle);
     sharpest[there] = std::min(sharpest[there], seen[i].angle);
   }
   std::vector<double> shortest(2 * segments_.size(), HUGE_VAL);
   std::vector<std::uint32_t> members(2 * segments_.size(), 0);
   for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
-    const std::uint32_t root = clusters.find(e);
+    const std::uint32_t root = clusters_.find(e);
     shortest[root] = std::min(shortest[root], segments_[SegmentId(e / 2)].length);
     ++members[root];
   }
   for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
-    const std::uint32_t root = clusters.find(e);
+    const std::uint32_t root = clusters_.find(e);
     if (members[root] > 1) segments_[SegmentId(e / 2)].shell_base[e % 2] = shortest[root] / 3;
   }
 
   for_each_segment([&](SegmentId s, BoundarySegment& segment) {
     const double noise = kRoundings * roundings[s.value];
-    double size = feature[s.value];
+    double size = feature_[s.value];
     if (!(size > noise)) segment.is_locked = true;
     // What is narrower than the shortest edge allowed cannot be cut across.
     segment.is_lock_asked = !segment.is_locked && size < goals.min_edge_length;
@@ -212,10 +211,19 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     const double of_features = std::max(kFloorShare * size, noise / std::sin(angle));
     segment.floor = std::max(shortest_piece, of_features);
     segment.is_floor_asked = shortest_piece > of_features;
+    segment.is_floor_raised = segment.floor > kFloorShare * size;
   });
-  const std::vector<EvenParts> parts = parts_along_strips(meshes, *this, feature, goals, sizes, control);
-  for_each_segment([&](SegmentId s, BoundarySegment& segment) { segment.parts = parts[s.value]; });
-  corner_shells_ = CornerShells(*this, std::move(corners), goals, sizes, control);
+}
+
+void SegmentTable::plan_cuts(const std::vector<PatchMesh>& meshes, const SizeField& sizes, const Goals& goals,
+                             RunControl& control) {
+  const std::vector<EvenParts> parts =
+      parts_along_strips(meshes, *this, std::exchange(feature_, {}), goals, sizes, control);
+  for_blocks(segments_.size(), kSegments, control, [&](std::size_t s, std::size_t end) {
+    for (; s < end; ++s) segments_[SegmentId(s)].parts = parts[s];
+  });
+  corner_shells_ = CornerShells(*this, std::exchange(corners_, {}), goals, sizes, control);
+  UnionFind clusters = std::exchange(clusters_, UnionFind());
   // What they make next to a corner is cut in halves. (Where all is of one size that would take up to a tenth more.)
   if (sizes.is_uniform()) return;
   std::vector<double> first(2 * segments_.size(), HUGE_VAL);

@@ -10,6 +10,7 @@
 #include "core/base/grouping.h"
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
+#include "core/base/union_find.h"
 #include "core/mesh/surface.h"
 #include "core/refinement/corner_shells.h"
 #include "core/refinement/goals.h"
@@ -40,11 +41,12 @@ struct BoundarySegment {
   /// angle are cut alike; 0 where no other segment is near. The base is a third of the shortest of these segments, or,
   /// where sizes vary, the first of their CornerShells.
   std::array<double, 2> shell_base{0, 0};
-  EvenParts parts;              ///< where there are no shells
-  double floor = 0;             ///< no piece becomes shorter
-  bool is_floor_asked = false;  ///< it is as high for min_edge_length alone
-  bool is_locked = false;       ///< it stays as it is
-  bool is_lock_asked = false;   ///< for min_edge_length alone
+  EvenParts parts;               ///< where there are no shells
+  double floor = 0;              ///< no piece becomes shorter
+  bool is_floor_asked = false;   ///< it is as high for min_edge_length alone
+  bool is_floor_raised = false;  ///< above what features and sizes ask for: for min_edge_length, or for rounding
+  bool is_locked = false;        ///< it stays as it is
+  bool is_lock_asked = false;    ///< for min_edge_length alone
 };
 
 /// One side of one patch along a segment.
@@ -66,6 +68,11 @@ class SegmentTable {
   /// Source:  REFINEMENT, rules 1 to 3.
   SegmentTable(const Surface& surface, const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
                const SizeField& sizes, const Goals& goals, RunControl& control);
+
+  /// Next, and once: where segments are cut along strips and at sharp corners. The only part that takes as long, and as
+  /// much memory, as the cuts are many: what is hopeless can be refused before it.
+  /// Input:   as above.
+  void plan_cuts(const std::vector<PatchMesh>& meshes, const SizeField& sizes, const Goals& goals, RunControl& control);
 
   std::size_t size() const { return segments_.size(); }
   const BoundarySegment& operator[](SegmentId s) const { return segments_[s]; }
@@ -99,6 +106,9 @@ class SegmentTable {
 
   const Surface& surface_;
   double min_edge_length_;
+  std::vector<double> feature_;  ///< of each segment, the distance to the nearest; until `plan_cuts`
+  std::vector<Corner> corners_;  ///< until `plan_cuts`
+  UnionFind clusters_;           ///< ends that meet under small angles; until `plan_cuts`
   IdVector<SegmentId, BoundarySegment> segments_;
   std::vector<SegmentSide> sides_;
   std::vector<std::uint32_t> begin_;

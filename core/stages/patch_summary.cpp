@@ -125,7 +125,7 @@ PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjace
   });
   for (const PatchSummary& s : result.patches) {
     result.triangles += s.output_faces;
-    result.volume_bound = within_double(result.volume_bound + s.area * s.deviation);
+    result.volume_bound = within_double(result.volume_bound + 2 * s.area * s.deviation);
   }
   return result;
 }

@@ -14,7 +14,9 @@ namespace remesh {
 struct PatchSummaries {
   std::vector<PatchSummary> patches;
   std::uint64_t triangles = 0;  ///< that the patches' loops and points ask for (Euler); what they get, if none fails
-  double volume_bound = 0;      ///< model units cubed: area times deviation, over all patches
+  /// Model units cubed, over all patches: their area times the distance between the planes, one below and one above the
+  /// patch's own, between which it lies.
+  double volume_bound = 0;
 };
 
 /// The areas of the patches, in squares of the local unit.

@@ -8,12 +8,12 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/large_first.h"
 #include "core/base/parallel.h"
 #include "core/refinement/patch_refiner.h"
-#include "core/refinement/segment_table.h"
 #include "core/stages/chords.h"
 #include "core/stages/projection.h"
 
@@ -54,8 +54,8 @@ constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 class Rounds {
  public:
   Rounds(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
-         const Goals& goals, const SizeField& sizes, const Prediction& prediction, std::vector<PatchMesh>& meshes,
-         RunControl& control)
+         const Goals& goals, const SizeField& sizes, SegmentTable segments, const Prediction& prediction,
+         std::vector<PatchMesh>& meshes, std::uint64_t most_made, RunControl& control)
       : surface_(surface),
         patches_(patches),
         is_frozen_(is_frozen),
@@ -64,21 +64,23 @@ class Rounds {
         criteria_(goals, sizes),
         prediction_(prediction),
         meshes_(meshes),
+        most_made_(most_made),
         control_(control),
         progress_(control, prediction.expected),
-        segments_(surface, meshes, is_frozen, sizes, goals, control) {}
+        segments_(std::move(segments)) {}
 
-  Refinement run() {
+  std::optional<Refinement> run() {
     chords_.resize(meshes_.size());
     begin();
     for (int passes = 0;;) {
       settle();
+      if (is_too_much_made()) return std::nullopt;
       if (!impossible_.empty()) {
         for (const SegmentId s : impossible_) segments_.lock(s);
         begin();
         continue;
       }
-      thin_out();
+      if (thin_out() && take_up_again()) continue;
       finish();
       exchange_refined();
       const std::vector<Chord> chords = find_chords(meshes_, surface_.vertex_count() + result_.first_inner, control_);
@@ -103,6 +105,10 @@ class Rounds {
  private:
   /// A chord that gets a point ends many others, and what is refined around it may make a few anew.
   static constexpr int kMostChordPasses = 16;
+  /// Most is done then: what the last time brings is a few per cent.
+  static constexpr int kMostTakenUp = 8;
+  /// In parts of the budget: for less it is not worth a round over all patches.
+  static constexpr std::uint64_t kRoomForMore = 128;
   /// Small enough blocks: patches may have thousands of triangles each.
   static constexpr std::size_t kPatches = 16;
   static constexpr std::size_t kSegments = 1024;
@@ -127,16 +133,33 @@ class Rounds {
 
   /// Rounds, until no patch has anything to do.
   void settle() {
-    while (!dirty_.empty() && impossible_.empty()) {
+    note_made();
+    while (!dirty_.empty() && impossible_.empty() && !is_too_much_made()) {
       ++result_.rounds;
       refine_dirty();
+      if (is_too_much_made()) return;
       exchange_cuts();
+      note_made();
     }
   }
 
-  /// Once: points that chords get have to stay. And where the budget has ended refinement, there are not too many.
-  void thin_out() {
-    if (std::exchange(is_thinned_out_, true) || !criteria_.has_sizes || is_any_unfinished_) return;
+  /// The triangles that there are, and those that the messages will make.
+  std::uint64_t count_faces() const {
+    std::uint64_t faces = 0;
+    for (std::size_t p = 0; p < meshes_.size(); ++p)
+      faces += refiners_[p] ? refiners_[p]->triangle_count() : meshes_[p].mesh.triangle_count();
+    for (const Message& m : messages_) faces += m.count;
+    return faces;
+  }
+
+  void note_made() {
+    if (most_made_ != kNoLimit) made_ = count_faces();
+  }
+  bool is_too_much_made() const { return made_ > most_made_; }
+
+  /// Not after the first chords: points that they get have to stay. Output: whether it was done.
+  bool thin_out() {
+    if (std::exchange(is_thinned_out_, true) || !criteria_.has_sizes) return false;
     const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
       return refiners_[p] ? refiners_[p]->triangle_count() : 0;
     });
@@ -146,6 +169,23 @@ class Rounds {
       refiners_[p]->thin_out(control_, progress_);
       refiners_[p]->end_turn();
     });
+    return true;
+  }
+
+  /// Where the budget has ended refinement, thinning out may have made room again: then the patches that have something
+  /// to do go on. Not for ever: what is refined and what is thinned out may be the same.
+  bool take_up_again() {
+    if (goals_.max_faces == kNoLimit || times_taken_up_ == kMostTakenUp) return false;
+    for (std::uint32_t p = 0; p < refiners_.size(); ++p)
+      if (refiners_[p] && !refiners_[p]->is_done()) dirty_.push_back(p);
+    if (dirty_.empty()) return false;
+    if (count_faces() > goals_.max_faces - goals_.max_faces / kRoomForMore) {
+      dirty_.clear();
+      return false;
+    }
+    ++times_taken_up_;
+    is_thinned_out_ = false;
+    return true;
   }
 
   void begin() {
@@ -156,6 +196,7 @@ class Rounds {
     impossible_.clear();
     is_any_split_ = true;
     is_thinned_out_ = false;
+    times_taken_up_ = 0;
     refiners_.clear();
     refiners_.resize(n);
     messages_.clear();
@@ -218,13 +259,14 @@ class Rounds {
     });
     for_each_in(by_work, [&](std::uint32_t i) {
       control_.check();
+      if (is_too_much_made()) return;
       const std::uint32_t p = dirty_[i];
       std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
       Workplace& at = workplaces_.local();
       const std::uint32_t before = refiner ? refiner->triangle_count() : meshes_[p].mesh.triangle_count();
       if (!refiner)
-        refiner = std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_, quota_[i], at,
-                                                 control_);
+        refiner = std::make_unique<PatchRefiner>(meshes_[p], PatchId(p), segments_, criteria_, cuts_,
+                                                 std::min(quota_[i], most_made_), at, control_);
       else
         refiner->begin_turn(at);
       // One that begins with points of its own numbers its edges anew: its chords are told in the next pass.
@@ -236,10 +278,26 @@ class Rounds {
       if (!refiner->impossible().is_valid()) {
         const std::uint64_t made = refiner->triangle_count() - std::min(refiner->triangle_count(), before);
         progress_.add(std::int64_t{refiner->triangle_count()} - before);
-        refiner->run(quota_[i] - std::min<std::uint64_t>(quota_[i], made), progress_);
+        run_turn(*refiner, quota_[i] - std::min(quota_[i], made), made);
       }
       refiner->end_turn();
     });
+  }
+
+  /// So many triangles are asked for at once where all that are made are counted.
+  static constexpr std::uint64_t kSlice = 1 << 16;
+
+  /// During turns it is only added to what is made, and each of them adds the same whenever it runs: so whether it gets
+  /// too much is the same, too, though which turns come to their end then is not. `begun_with`: triangles that are new
+  /// in this turn already.
+  void run_turn(PatchRefiner& refiner, std::uint64_t quota, std::uint64_t begun_with) {
+    if (most_made_ == kNoLimit) return refiner.run(quota, progress_);
+    made_ += begun_with;
+    for (std::uint64_t given = 0; given < quota && !is_too_much_made(); given += kSlice) {
+      refiner.run(std::min(kSlice, quota - given), progress_);
+      if (refiner.is_done() || refiner.impossible().is_valid()) return;
+      made_ += kSlice;
+    }
   }
 
   /// In parallel: the large ones one by one, the others in blocks.
@@ -262,12 +320,8 @@ class Rounds {
   void choose_quotas() {
     quota_.assign(dirty_.size(), kNoLimit);
     if (goals_.max_faces == kNoLimit) return;
-    std::uint64_t faces = 0;
+    std::uint64_t faces = count_faces();
     double waiting = 0;
-    for (std::size_t p = 0; p < meshes_.size(); ++p)
-      faces += refiners_[p] ? refiners_[p]->triangle_count() : meshes_[p].mesh.triangle_count();
-    // What the messages will make.
-    for (const Message& m : messages_) faces += m.count;
     const auto share = [&](std::uint32_t p) {
       return refiners_[p] ? std::max(1.0, static_cast<double>(refiners_[p]->waiting())) : prediction_.of_patch[p];
     };
@@ -305,7 +359,6 @@ class Rounds {
     }
     std::sort(impossible_.begin(), impossible_.end());
     impossible_.erase(std::unique(impossible_.begin(), impossible_.end()), impossible_.end());
-    is_any_unfinished_ = !unfinished.empty();
     if (is_budget_spent()) unfinished.clear();
     sort_all(fresh.begin(), fresh.end());
     messages_.clear();
@@ -422,6 +475,7 @@ class Rounds {
   const Criteria criteria_;
   const Prediction& prediction_;
   std::vector<PatchMesh>& meshes_;
+  const std::uint64_t most_made_;
   RunControl& control_;
   RefinementProgress progress_;
   SegmentTable segments_;
@@ -429,27 +483,30 @@ class Rounds {
   std::vector<std::unique_ptr<PatchRefiner>> refiners_;
   /// Loops inside a turn take no other patch's meanwhile (core/base/parallel.h).
   tbb::enumerable_thread_specific<Workplace> workplaces_;
-  std::vector<std::uint32_t> dirty_;  ///< patches, ascending
-  std::vector<std::uint64_t> quota_;  ///< one per dirty patch
-  std::uint64_t left_ = kNoLimit;     ///< of the budget, when they were shared out
-  std::vector<Message> messages_;     ///< sorted
+  std::vector<std::uint32_t> dirty_;     ///< patches, ascending
+  std::vector<std::uint64_t> quota_;     ///< one per dirty patch
+  std::atomic<std::uint64_t> made_ = 0;  ///< triangles at the barrier, and what turns have made since or more
+  std::uint64_t left_ = kNoLimit;        ///< of the budget, when they were shared out
+  std::vector<Message> messages_;        ///< sorted
   std::vector<SegmentId> impossible_;
   std::vector<PatchId> at_work_;                    ///< those that have a refiner, when `finish` came
   std::vector<PatchMesh> refined_;                  ///< of those, what has been made of them; or what they were
   std::vector<std::vector<std::uint32_t>> chords_;  ///< of each patch: half-edges, as `finish` has them
-  bool is_any_unfinished_ = false;                  ///< of the patches of the last round
-  bool is_thinned_out_ = false;                     ///< since all patches began
-  bool is_waiting_for_chords_ = false;              ///< patches stay at work after `finish`
-  std::atomic<bool> is_any_split_ = true;           ///< of the chords that were there last
+  bool is_thinned_out_ = false;                     ///< since all patches began, or were taken up again
+  int times_taken_up_ = 0;
+  bool is_waiting_for_chords_ = false;     ///< patches stay at work after `finish`
+  std::atomic<bool> is_any_split_ = true;  ///< of the chords that were there last
   Refinement result_;
 };
 
 }  // namespace
 
-Refinement refine(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
-                  const Goals& goals, const SizeField& sizes, const Prediction& prediction,
-                  std::vector<PatchMesh>& meshes, RunControl& control) {
-  return Rounds(surface, patches, is_frozen, goals, sizes, prediction, meshes, control).run();
+std::optional<Refinement> refine(const Surface& surface, const PatchSet& patches,
+                                 const std::vector<std::uint8_t>& is_frozen, const Goals& goals, const SizeField& sizes,
+                                 SegmentTable segments, const Prediction& prediction, std::vector<PatchMesh>& meshes,
+                                 std::uint64_t most_made, RunControl& control) {
+  return Rounds(surface, patches, is_frozen, goals, sizes, std::move(segments), prediction, meshes, most_made, control)
+      .run();
 }
 
 void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "core/base/run_control.h"
 #include "core/mesh/surface.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/prediction.h"
+#include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
 #include "core/report.h"
 #include "core/stages/patch_meshing.h"
@@ -25,16 +27,20 @@ struct Refinement {
 
 /// Rounds: every patch that has something to do refines alone, in parallel; between rounds the cuts that patches made
 /// in their boundaries go to all patches there. Until no patch has anything to do.
-/// Input:   triangulated patches; `is_frozen`, one per patch: nothing is put into these, nor on their boundaries;
-///          what is predicted, for the progress and for sharing out a budget at first.
-/// Output:  the patches with more vertices: those from surface.vertex_count() on are in `new_positions`.
+/// Between rounds there may be far more triangles than in the end, where sizes vary thrice as many: thinning out comes
+/// last. So a budget that is not spent may still have changed the result, and first of all it should be tried without.
+/// Input:   triangulated patches; `is_frozen`, one per patch: nothing is put into these, nor on their boundaries; the
+///          segments of these patches, with their cuts planned; what is predicted, for the progress and for sharing out
+///          a budget at first; `most_made`: when it is clear that there will ever be more triangles, it ends.
+/// Output:  the patches with more vertices: those from surface.vertex_count() on are in `new_positions`. Nothing, and
+///          the patches as they were, where there would be more than `most_made`.
 /// Holds:   an edge between patches has the same vertices for all of them; the same result for any number of threads.
-/// Errors:  kOutputTooLarge - goals.max_faces is less than any surface with these sizes has.
 /// Cost:    O(n log n) in the result's triangles, in practice.
 /// Source:  REFINEMENT, rules 1 to 10.
-Refinement refine(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
-                  const Goals& goals, const SizeField& sizes, const Prediction& prediction,
-                  std::vector<PatchMesh>& meshes, RunControl& control);
+std::optional<Refinement> refine(const Surface& surface, const PatchSet& patches,
+                                 const std::vector<std::uint8_t>& is_frozen, const Goals& goals, const SizeField& sizes,
+                                 SegmentTable segments, const Prediction& prediction, std::vector<PatchMesh>& meshes,
+                                 std::uint64_t most_made, RunControl& control);
 
 /// The chord rule, where neither flips nor refinement help: each chord of the patches as they are now gets a point.
 /// Input:   the patches and what refinement says of them, or nothing yet.

@@ -9,6 +9,7 @@
 #include <random>
 #include <set>
 
+#include "core/stages/polygon_split.h"
 #include "tests/support/shapes.h"
 
 namespace remesh {
@@ -24,7 +25,19 @@ Quality quality_of(const std::vector<Vec3>& positions, const std::vector<std::ve
 MeshStatistics statistics_of(const PolygonMesh& mesh) {
   RunControl control;
   const Adjacency edges(mesh.vertex_count(), mesh.face_begin, mesh.corners);
-  return measure_surface(mesh.positions.items(), mesh.face_begin, mesh.corners, edges, control);
+  std::vector<VertexId> triangles;
+  for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+    const auto face = mesh.face(FaceId(f));
+    if (face.size() == 3) {
+      triangles.insert(triangles.end(), face.begin(), face.end());
+      continue;
+    }
+    std::vector<Vec3> points;
+    for (const VertexId v : face) points.push_back(mesh.positions[v]);
+    for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles)
+      triangles.insert(triangles.end(), {face[a], face[b], face[c]});
+  }
+  return measure_surface(mesh.positions.items(), mesh.face_begin, mesh.corners, edges, triangles, control);
 }
 
 std::uint64_t total(const Histogram& histogram) {
@@ -297,6 +310,19 @@ TEST(MeasureSurface, unused_vertices_count_nowhere) {
   EXPECT_EQ(s.vertices, 4u);
   EXPECT_EQ(s.euler, 1);
   EXPECT_EQ(s.bounding_box.max, (Vec3{1, 1, 0}));
+}
+
+TEST(MeasureSurface, a_polygon_without_a_plane_has_the_area_and_the_volume_of_its_triangles) {
+  // A box with one corner pulled up by a half: its top is taken for the two triangles of one diagonal or the other.
+  PolygonMesh mesh = shapes::box({1, 1, 1});
+  for (Vec3& p : mesh.positions)
+    if (p == Vec3{1, 1, 1}) p.z = 1.5;
+  const MeshStatistics s = statistics_of(mesh);
+  const double through_it = 1 + 0.5 / 3, beside_it = 1 + 0.5 / 6;
+  EXPECT_NEAR(std::min(std::fabs(*s.volume - through_it), std::fabs(*s.volume - beside_it)), 0, 1e-15);
+  const double half = std::sqrt(1.25) / 2, raised = std::sqrt(1.5) / 2;
+  const double top = std::fabs(*s.volume - through_it) < 1e-9 ? 2 * half : 0.5 + raised;
+  EXPECT_NEAR(s.area, 3 + 2 * 1.25 + top, 1e-14);
 }
 
 TEST(MeasureSurface, concave_polygons_have_their_own_area) {

@@ -2,10 +2,12 @@
 // where they are not.
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
 
 #include <chrono>
 #include <cstdint>
 #include <initializer_list>
+#include <utility>
 
 #include "core/base/error.h"
 #include "core/remesh.h"
@@ -72,6 +74,61 @@ TEST(refinement_budget, a_budget_of_twice_what_is_needed_changes_little_where_on
   EXPECT_NEAR(static_cast<double>(refined(mesh, options).mesh.faces.size()) / static_cast<double>(all), 1, 0.01);
 }
 
+/// Behind the slot sizes grow, and at 33 degrees there are three times as many triangles before they are thinned out.
+PolygonMesh slotted_block() {
+  return shapes::prism({{0, 0}, {4, 0}, {4, 1.95}, {1, 1.95}, {1, 2.05}, {4, 2.05}, {4, 4}, {0, 4}}, 2);
+}
+
+TEST(refinement_budget, what_is_made_in_between_and_thinned_out_is_no_reason_to_leave_anything_undone) {
+  Options options = with_angle(33);
+  options.proximity = 2;
+  const Result all = refined(slotted_block(), options);
+  for (const double share : {1.0, 1.7, 2.0, 2.6, 100.0}) {
+    options.max_output_faces = static_cast<std::uint64_t>(share * static_cast<double>(all.mesh.faces.size()));
+    const Result result = refined(slotted_block(), options);
+    EXPECT_EQ(result.mesh.positions, all.mesh.positions) << share;
+    EXPECT_EQ(result.mesh.faces, all.mesh.faces) << share;
+    EXPECT_EQ(listed(result.report, UnrefinedReason::kBudget), 0u) << share;
+  }
+}
+
+TEST(refinement_budget, predictions_that_are_too_high_are_no_reason_to_leave_anything_undone) {
+  Options options = with_length(0.05);
+  options.split_boundaries = false;
+  const Result all = refined(shapes::box({1, 1, 1}), options);
+  options.max_output_faces = all.mesh.faces.size();
+  ASSERT_GT(all.report.predicted_faces, 100 * *options.max_output_faces);
+  const Result result = refined(shapes::box({1, 1, 1}), options);
+  EXPECT_EQ(result.mesh.positions, all.mesh.positions);
+  EXPECT_EQ(result.mesh.faces, all.mesh.faces);
+}
+
+TEST(refinement_budget, what_thinning_out_leaves_room_for_is_used) {
+  Options options = with_angle(33);
+  options.proximity = 2;
+  const std::uint64_t all = refined(slotted_block(), options).mesh.faces.size();
+  options.max_output_faces = all - all / 8;
+  const Result result = refined(slotted_block(), options);
+  EXPECT_TRUE(result.report.verified.all_true());
+  EXPECT_LE(result.mesh.faces.size(), *options.max_output_faces);
+  EXPECT_GT(result.mesh.faces.size(), *options.max_output_faces * 97 / 100);
+  // An eighth less faces, and the budget is named for few.
+  EXPECT_LT(listed(result.report, UnrefinedReason::kBudget), all / 45);
+}
+
+TEST(refinement_budget, what_is_made_without_a_budget_ends_alike_for_any_number_of_threads) {
+  Options options = with_angle(33);
+  options.proximity = 2;
+  options.max_output_faces = 12'000;
+  const tbb::global_control four(tbb::global_control::max_allowed_parallelism, 4);
+  RunControl control;
+  const Result alone = remesh_surface(slotted_block(), options, RunSettings{1, false}, control);
+  const Result together = remesh_surface(slotted_block(), options, RunSettings{4, false}, control);
+  EXPECT_LE(alone.mesh.faces.size(), 12'000u);
+  EXPECT_EQ(alone.mesh.positions, together.mesh.positions);
+  EXPECT_EQ(alone.mesh.faces, together.mesh.faces);
+}
+
 TEST(refinement_budget, a_budget_is_spent_to_the_end_where_patches_are_many_and_small) {
   PolygonMesh mesh;
   for (int i = 0; i < 40; ++i) {
@@ -96,6 +153,26 @@ TEST(refinement_budget, a_budget_is_nearly_used_up_though_cuts_for_sizes_alone_t
   Options options = with_angle(0);
   options.proximity = 1;
   expect_budgets_nearly_used_up(sticks, options, {0.15, 0.3, 0.6});
+}
+
+TEST(refinement_budget, a_limit_of_what_comes_out_without_one_is_never_refused_whatever_keeps_sizes_from_being_met) {
+  Options locked = with_length(0.05), narrow = with_length(0.5), few;
+  locked.split_boundaries = false;
+  narrow.min_edge_length = 0.2;
+  few.max_area = 1e-3;
+  few.min_edge_length = 0.2;
+  const PolygonMesh needle = shapes::triangle(10, 4, 4);
+  for (const auto& [mesh, asked] : {std::pair(shapes::box({1, 1, 1}), locked), std::pair(shapes::box({1, 1, 1}), few),
+                                    std::pair(needle, locked), std::pair(needle, narrow), std::pair(needle, few)}) {
+    const std::uint64_t all = refined(mesh, asked).mesh.faces.size();
+    Options options = asked;
+    options.max_output_faces = all;
+    try {
+      EXPECT_LE(refined(mesh, options).mesh.faces.size(), all);
+    } catch (const Error& error) {
+      ADD_FAILURE() << all << " faces: " << error.what();
+    }
+  }
 }
 
 TEST(refinement_budget, a_result_that_must_be_larger_than_allowed_is_refused_at_once) {

@@ -96,6 +96,33 @@ void expect_sound(const Result& result) {
 /// A part with several kinds of patches: a plate with a hole on legs.
 PolygonMesh bracket() { return shapes::blocks({"####", "#..#", "####", "#..#"}, 3); }
 
+TEST(remesh_surface, the_volume_changes_by_no_more_than_the_bound_that_is_reported) {
+  // All of the top but its rim lies higher: the patch's plane is between the two, and what is taken away is nearly all
+  // that lies above the rim.
+  const double raised = 1e-3;
+  PolygonMesh mesh = shapes::box({1, 1, 1}, 20);
+  for (Vec3& p : mesh.positions)
+    if (p.z == 1 && std::min(p.x, p.y) > 0 && std::max(p.x, p.y) < 1) p.z += raised;
+  Options options = unrefined();
+  options.plane_tolerance = 1.5 * raised;
+  const Report report = remeshed(mesh, options).report;
+  ASSERT_EQ(report.patches.size(), 6u);
+  const double change = *report.output.volume - *report.input.volume;
+  EXPECT_LT(change, -0.9 * raised);
+  EXPECT_LE(std::fabs(change), report.volume_bound);
+  EXPECT_LT(report.volume_bound, 1.01 * raised);
+}
+
+TEST(remesh_surface, a_polygon_without_a_plane_changes_no_measure_by_becoming_triangles) {
+  PolygonMesh mesh = shapes::box({1, 1, 1});
+  for (Vec3& p : mesh.positions)
+    if (p == Vec3{1, 1, 1}) p.z = 1.5;
+  const Report report = remeshed(mesh, unrefined()).report;
+  EXPECT_NEAR(report.output.area, report.input.area, 1e-14);
+  EXPECT_LE(std::fabs(*report.output.volume - *report.input.volume), report.volume_bound);
+  EXPECT_LT(report.volume_bound, 1e-12);
+}
+
 TEST(remesh_surface, a_thin_frame_turned_and_rounded_is_one_patch) {
   // Its planes are a thousand wide and its faces ten: one face's plane is wrong at the far end by a hundred steps.
   for (const double width : {3.0, 10.0, 100.0}) {

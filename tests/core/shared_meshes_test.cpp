@@ -33,6 +33,9 @@ const fs::path kMeshes = test::shared_meshes_folder();
 
 using Facts = test::MeshFacts;
 
+/// Not text that this reads, and numbers that no grammar allows.
+const std::set<std::string> kUnreadable{"syntax/box_UTF16BE.obj", "syntax/number_formats.obj"};
+
 /// What the collection's table says of each file.
 std::map<std::string, Facts> read_facts() {
   std::map<std::string, Facts> all;
@@ -139,14 +142,12 @@ TEST_F(SharedMeshes, every_obj_with_faces_comes_back_verified_and_as_closed_as_i
 
 TEST_F(SharedMeshes, every_file_comes_back_verified_within_ten_seconds_with_every_patch_or_the_reason) {
   const auto facts = read_facts();
-  // Not text that this reads, and numbers that no grammar allows.
-  const std::set<std::string> unreadable{"syntax/box_UTF16BE.obj", "syntax/number_formats.obj"};
   int tested = 0;
   for (const std::string& name : all_files()) {
     SCOPED_TRACE(name);
     ASSERT_TRUE(facts.count(name));
     const Facts& fact = facts.at(name);
-    if (fact.at("faces") == "0" || unreadable.count(name)) continue;
+    if (fact.at("faces") == "0" || kUnreadable.count(name)) continue;
     try {
       const PolygonMesh mesh = read_any(name);
       RunControl control;
@@ -179,6 +180,31 @@ TEST_F(SharedMeshes, every_file_comes_back_verified_within_ten_seconds_with_ever
     }
   }
   EXPECT_GE(tested, 50);
+}
+
+TEST_F(SharedMeshes, volumes_change_by_no_more_than_the_bound_that_is_reported) {
+  const auto facts = read_facts();
+  int tested = 0;
+  for (const std::string& name : all_files()) {
+    SCOPED_TRACE(name);
+    ASSERT_TRUE(facts.count(name));
+    if (facts.at(name).at("closed") != "yes" || facts.at(name).at("faces") == "0" || kUnreadable.count(name)) continue;
+    const PolygonMesh mesh = read_any(name);
+    Box3 box;
+    for (const Vec3& p : mesh.positions) box.add(p);
+    // The tolerance that is chosen, and shares of the diagonal.
+    for (const double share : {0.0, 1e-5, 1e-4, 1e-3, 1e-2}) {
+      SCOPED_TRACE(share);
+      Options options = unrefined();
+      if (share > 0) options.plane_tolerance = share * box.diagonal();
+      RunControl control;
+      const Report report = remesh_surface(mesh, options, RunSettings{2, false}, control).report;
+      if (!report.input.volume || !report.output.volume) continue;
+      EXPECT_LE(std::fabs(*report.output.volume - *report.input.volume), report.volume_bound);
+      ++tested;
+    }
+  }
+  EXPECT_GE(tested, 100);
 }
 
 /// Whether a place is within the tolerance of some triangle of a mesh; a tree finds those near by.

@@ -74,10 +74,16 @@ class Figure {
   }
 
  private:
+  SegmentTable segments_of(const SizeField& sizes, const Goals& goals) {
+    SegmentTable segments(part_.surface, meshes_, frozen_, sizes, goals, control_);
+    segments.plan_cuts(meshes_, sizes, goals, control_);
+    return segments;
+  }
+
   /// What the patch does by itself in the first round.
   PatchMesh refine_alone(const Goals& goals) {
     const SizeField sizes(goals.max_edge_length);
-    const SegmentTable segments(part_.surface, meshes_, frozen_, sizes, goals, control_);
+    const SegmentTable segments = segments_of(sizes, goals);
     const IdVector<SegmentId, std::vector<double>> no_cuts(segments.size());
     constexpr std::uint64_t kNoQuota = std::numeric_limits<std::uint64_t>::max();
     const Criteria criteria(goals, sizes);
@@ -92,7 +98,9 @@ class Figure {
     std::vector<PatchMesh> meshes = meshes_;
     const SizeField sizes(goals.max_edge_length);
     const Prediction prediction = predict(meshes, goals, sizes, control_);
-    rounds = refine(part_.surface, part_.patches, frozen_, goals, sizes, prediction, meshes, control_).rounds;
+    rounds = refine(part_.surface, part_.patches, frozen_, goals, sizes, segments_of(sizes, goals), prediction, meshes,
+                    std::numeric_limits<std::uint64_t>::max(), control_)
+                 ->rounds;
     return meshes[patch_.value];
   }
 

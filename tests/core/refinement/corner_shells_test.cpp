@@ -22,6 +22,13 @@
 namespace remesh {
 namespace {
 
+SegmentTable planned(const StageChain& chain, const SizeField& sizes, const Goals& goals, RunControl& control) {
+  SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(chain.meshes.size(), 0), sizes, goals,
+                     control);
+  table.plan_cuts(chain.meshes, sizes, goals, control);
+  return table;
+}
+
 /// Distances from the corner at the origin, of a side's cuts.
 std::vector<double> distances(const StageChain& chain, const SegmentTable& table, const SizeField& sizes,
                               const Vec3& end) {
@@ -44,7 +51,7 @@ TEST(corner_shells, the_sides_of_a_corner_are_cut_by_turns_in_pieces_that_grow) 
   StageChain chain(shapes::triangle(degrees, 1, 1));
   const SizeField sizes(size);
   const Goals goals = goals_of(with_angle(bound), 1);
-  const SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(1, 0), sizes, goals, chain.control);
+  const SegmentTable table = planned(chain, sizes, goals, chain.control);
   std::vector<double> a = distances(chain, table, sizes, {1, 0, 0}),
                       b = distances(chain, table, sizes, {std::cos(angle), std::sin(angle), 0});
   ASSERT_GT(std::min(a.size(), b.size()), 10u);
@@ -81,8 +88,7 @@ TEST(corner_shells, where_sizes_vary_a_side_that_ends_within_one_is_all_of_the_c
     const GapSearch gaps(chain.surface, chain.adjacency, chain.patches, 1e-12, chain.control);
     const SizeField sizes(chain.surface, &gaps, {}, goals, 1e-12, chain.control);
     ASSERT_FALSE(sizes.is_uniform());
-    const SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(chain.meshes.size(), 0), sizes,
-                             goals, chain.control);
+    const SegmentTable table = planned(chain, sizes, goals, chain.control);
     const Vec3 end{shorter * std::cos(angle), shorter * std::sin(angle), 0};
     EXPECT_TRUE(distances(chain, table, sizes, end).empty()) << shorter;
     const std::vector<double> cuts = distances(chain, table, sizes, {1, 0, 0});
@@ -106,7 +112,7 @@ TEST(corner_shells, without_a_size_or_a_bound_on_angles_there_are_none) {
     Options options = with_angle(bound);
     const Goals goals = goals_of(options, 1);
     const SizeField sizes(size);
-    const SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(1, 0), sizes, goals, chain.control);
+    const SegmentTable table = planned(chain, sizes, goals, chain.control);
     const std::vector<double> cuts = distances(chain, table, sizes, {1, 0, 0});
     ASSERT_EQ(cuts.size(), std::isfinite(size) ? 9u : 0u);
     for (std::size_t i = 0; i < cuts.size(); ++i) EXPECT_NEAR(cuts[i], 0.1 * static_cast<double>(i + 1), 1e-12);
@@ -127,9 +133,7 @@ TEST(corner_shells, a_stop_is_obeyed_soon_on_the_way_along_many_sides) {
     asked = Clock::now();
     control.cancel();
   });
-  EXPECT_THROW(SegmentTable(chain.surface, chain.meshes, std::vector<std::uint8_t>(chain.meshes.size(), 0), sizes,
-                            goals, control),
-               Error);
+  EXPECT_THROW(planned(chain, sizes, goals, control), Error);
   const Clock::time_point ended = Clock::now();
   watcher.join();
   // The promise is 100 ms; the margin is for slow builds and busy machines. Without a stop it is some seconds.

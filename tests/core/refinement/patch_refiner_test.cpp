@@ -30,6 +30,7 @@ struct Subject {
         table(chain.surface, chain.meshes, std::vector<std::uint8_t>(chain.meshes.size(), 0), sizes, goals,
               chain.control),
         cuts(table.size()) {
+    table.plan_cuts(chain.meshes, sizes, goals, chain.control);
     for (std::uint32_t s = 0; s < table.size(); ++s) cuts[SegmentId(s)] = table.size_cuts(SegmentId(s), sizes);
   }
 

@@ -29,7 +29,9 @@ struct Subject {
       : chain(mesh), sizes(size), frozen(chain.meshes.size(), 0), table(make(goals)) {}
 
   SegmentTable make(const Goals& goals) {
-    return SegmentTable(chain.surface, chain.meshes, frozen, sizes, goals, chain.control);
+    SegmentTable table(chain.surface, chain.meshes, frozen, sizes, goals, chain.control);
+    table.plan_cuts(chain.meshes, sizes, goals, chain.control);
+    return table;
   }
   SegmentId between(const Vec3& a, const Vec3& b) const {
     for (std::uint32_t s = 0; s < table.size(); ++s) {
@@ -274,7 +276,8 @@ TEST(segment_table, sizes_that_grow_are_followed_along_a_segment) {
   const Goals graded = goals_of(options, 1);
   StageChain chain(mesh);
   const SizeField sizes(chain.surface, nullptr, segment_ends(chain.meshes), graded, 1e-6, chain.control);
-  const SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(1, 0), sizes, graded, chain.control);
+  SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(1, 0), sizes, graded, chain.control);
+  table.plan_cuts(chain.meshes, sizes, graded, chain.control);
   std::size_t cuts_in_all = 0;
   for (std::uint32_t s = 0; s < table.size(); ++s) {
     std::vector<double> cuts = table.size_cuts(SegmentId(s), sizes);

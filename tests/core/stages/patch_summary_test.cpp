@@ -80,7 +80,7 @@ TEST(patch_summary, the_deviation_is_the_largest_distance_from_the_plane_and_bou
   const PatchSummaries s = summarised(StageChain(mesh, 0.5));
   ASSERT_EQ(s.patches.size(), 1u);
   EXPECT_NEAR(s.patches[0].deviation, 0.125, 1e-12);
-  EXPECT_NEAR(s.volume_bound, s.patches[0].area * 0.125, 1e-12);
+  EXPECT_NEAR(s.volume_bound, 2 * s.patches[0].area * 0.125, 1e-12);
 }
 
 TEST(patch_summary, a_patch_that_climbed_the_ladder_is_reduced_and_says_why) {
