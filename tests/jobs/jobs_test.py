@@ -118,7 +118,9 @@ def test_the_contract_of_a_job_that_runs(store):
         for daemon in (second, first, second):
             expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}").status, 204, "DELETE")
         expect_equal([event for event in stream][-1][2]["state"], "cancelled", "the stream's last word")
-        expect_equal(result_of(first.port, job).code(), "cancelled", "the result of a cancelled job")
+        cancelled = result_of(first.port, job)
+        expect_equal((cancelled.status, cancelled.code()), (409, "cancelled"), "the result of a cancelled job")
+        expect_equal(cancelled.json()["request_id"], job, "its request_id")
         # Its worker is free soon.
         quick = [accepted(submit(first.port)) for _ in range(4)]
         for other in quick:
@@ -141,6 +143,7 @@ def test_refusals(store):
         bad = accepted(submit(daemon.port, mesh=b"v 0 0 0\nf 1 2 9\n"))
         failed = wait_for_state(daemon.port, bad, "failed")
         expect_equal(failed["problem"]["code"], "index_out_of_range", "the problem is told")
+        expect_equal(failed["problem"]["request_id"], bad, "its request_id")
         expect_equal(failed["attempts"], 1, "errors of the input never retry")
         for part in ("result", "report"):
             answer = ask(daemon.port, "GET", f"/v1/jobs/{bad}/{part}")
