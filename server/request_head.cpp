@@ -139,8 +139,12 @@ std::optional<std::size_t> find_head_end(std::string_view bytes, std::size_t& ch
   return std::nullopt;
 }
 
-RequestHead parse_head(std::string_view bytes, const HeadLimits& limits) {
-  RequestHead head;
+std::string_view method_of(std::string_view bytes) {
+  const std::string_view method = bytes.substr(0, bytes.find(' '));
+  return method.size() < bytes.size() && is_token(method) ? method : std::string_view();
+}
+
+void parse_head(std::string_view bytes, const HeadLimits& limits, RequestHead& head) {
   parse_request_line(take_line(bytes), head);
   while (!bytes.empty()) {
     const std::string_view line = take_line(bytes);
@@ -152,7 +156,6 @@ RequestHead parse_head(std::string_view bytes, const HeadLimits& limits) {
   }
   const std::size_t hosts = count(head, "host");
   if (hosts > 1 || (hosts == 0 && head.minor_version >= 1)) malformed("there must be exactly one Host field");
-  return head;
 }
 
 bool wants_to_be_kept(const RequestHead& head) {

@@ -14,7 +14,11 @@ int status_of(const std::function<void()>& action) {
   return 0;
 }
 
-RequestHead parsed(const std::string& text) { return parse_head(text, {}); }
+RequestHead parsed(const std::string& text) {
+  RequestHead head;
+  parse_head(text, {}, head);
+  return head;
+}
 
 int status_of_head(const std::string& text) {
   return status_of([&] {
