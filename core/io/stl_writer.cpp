@@ -14,8 +14,9 @@ constexpr std::size_t kHeader = 80;
 
 using Floats = std::array<float, 3>;
 
-[[noreturn]] void refuse(const std::string& reason) {
-  throw Error(Code::kNotAcceptable, Stage::kWrite, reason + ", the only numbers that STL has; ask for another format")
+[[noreturn]] void refuse(const std::string& reason, const std::string& other_way = "") {
+  throw Error(Code::kNotAcceptable, Stage::kWrite,
+              reason + ", the only numbers that STL has; ask for another format" + other_way)
       .for_option("format");
 }
 
@@ -29,7 +30,7 @@ Floats to_floats(const Vec3& v) {
 /// A triangle whose corners come to lie in one place is no triangle any more: not the mesh that was verified.
 void check_corners(const std::array<Floats, 3>& corners) {
   if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
-    refuse("two corners of a triangle are one place in floats");
+    refuse("two corners of a triangle are one place in floats", ", or for longer edges by min_edge_length");
 }
 
 /// Unit normal; zero, as is the custom, where there is none.
