@@ -6,6 +6,7 @@ Leases are short here (--job-lease), all else is as it is served. Exit code 77: 
 """
 
 import contextlib
+import gzip
 import json
 import os
 import pathlib
@@ -85,6 +86,8 @@ def test_jobs_are_submitted_anywhere_and_answered_everywhere(store):
                 expect_equal(result.headers["remesh-summary"], direct.headers["remesh-summary"], "the summary")
                 expect(result_of(fleet[0].port, job, "?format=stl").body == as_stl.body, "the same as STL")
                 report = ask(fleet[number % 3].port, "GET", f"/v1/jobs/{job}/report").json()
+                packed = ask(fleet[number % 3].port, "GET", f"/v1/jobs/{job}/report", None, {"Accept-Encoding": "gzip"})
+                expect_equal(json.loads(gzip.decompress(packed.body)), report, "the report, compressed")
                 expect(report["verified"]["surface"], "verified")
                 expect_equal(accepted(submit(fleet[(number + 1) % 3].port, SHORT, Idempotency_Key=f"client {number}")), job,
                              "the same key is the same job, done or not")
