@@ -52,7 +52,8 @@ Problem to_problem(const Error& error) {
   problem.byte = error.byte;
   problem.element = error.element;
   problem.limit = error.limit;
-  problem.option = error.option;
+  // The name that was sent may be empty: there is no such option, either.
+  if (!error.option.empty() || error.code == Code::kUnknownOption) problem.option = error.option;
   if (error.code == Code::kInternal)
     problem.detail = "something went wrong here; the log says more under this request id";
   return problem;
@@ -106,7 +107,7 @@ Response to_response(const Problem& problem, std::string_view request_id) {
   if_known("line", problem.line);
   if_known("byte", problem.byte);
   if_known("element", problem.element);
-  if (!problem.option.empty()) json.member("option", problem.option);
+  if (problem.option) json.member("option", *problem.option);
   if_known("limit", problem.limit);
   json.end_object();
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <nlohmann/json.hpp>
@@ -62,6 +63,12 @@ struct Number {
   std::uint64_t magnitude;
   std::string_view token;
 
+  /// To JSON Schema 2.0 and 1e0 are integers, too, and so they are here.
+  Number as_integer() const {
+    constexpr double kLargest = 0x1p53;  // beyond, a double stands for several integers
+    if (is_integer || value != std::floor(value) || std::fabs(value) > kLargest) return *this;
+    return {value, true, value < 0, static_cast<std::uint64_t>(std::fabs(value)), {}};
+  }
   std::string text() const {
     return is_integer ? (is_negative ? "-" : "") + number_text(magnitude) : std::string(token);
   }
@@ -362,12 +369,10 @@ void Handler::open_face() {
   stack_.push_back(Place::kFace);
 }
 
-void Handler::add_corner(const Number& number) {
+void Handler::add_corner(const Number& read) {
   tick();
-  if (!number.is_integer) {
-    const bool is_only_large = number.token.find_first_not_of("-0123456789") == std::string_view::npos;
-    if (!is_only_large) fail_value();
-  }
+  if (read.value != std::floor(read.value)) fail_value();
+  const Number number = read.as_integer();
   if (!number.is_integer || number.is_negative || number.magnitude > kMaxIndex) {
     fail_at(Code::kIndexOutOfRange, face_count(),
             "face " + number_text(face_count()) + " names vertex " + shortened(number.text()));
@@ -389,8 +394,9 @@ void Handler::close_face() {
   mesh_.face_begin.push_back(static_cast<std::uint32_t>(mesh_.corners.size()));
 }
 
-void Handler::add_face_group(const Number& number) {
+void Handler::add_face_group(const Number& read) {
   tick();
+  const Number number = read.as_integer();
   if (!number.is_integer) fail_value();
   LabelSet& groups = mesh_.labels.group;
   if (groups.of_face.size() >= limits_.max_faces) fail_shape("face_groups has more entries than a mesh may have faces");

@@ -99,7 +99,7 @@ struct Problem {
   std::string code = "internal";
   std::string detail;
   std::optional<std::uint64_t> line, byte, element, limit;
-  std::string option;
+  std::optional<std::string> option;
 };
 
 /// The one table from core codes to HTTP.

@@ -26,7 +26,12 @@ inline std::string number_text(std::uint64_t value) {
 inline std::string shortened(std::string_view text, std::size_t longest = 64) {
   return text.size() <= longest ? std::string(text) : std::string(text.substr(0, longest)) + "...";
 }
-inline std::string in_quotes(std::string_view text) { return '"' + shortened(text) + '"'; }
+/// With quotes around it. A NUL, at which what() of an exception would end, is shown as JSON escapes it.
+inline std::string in_quotes(std::string_view text) {
+  std::string quoted = '"' + shortened(text) + '"';
+  for (std::size_t at = 0; (at = quoted.find('\0', at)) != std::string::npos;) quoted.replace(at, 1, "\\u0000");
+  return quoted;
+}
 
 /// Lower case as ASCII, whatever the locale.
 inline std::string ascii_lower(std::string_view text) {

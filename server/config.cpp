@@ -129,7 +129,8 @@ const std::vector<Setting>& settings() {
        [](Config& c, const auto& text) { c.workers = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.workers); }},
       {"--max-running",
-       "requests that compute at once; while all are long, small ones pass (default: the workers' number)",
+       "requests that compute at once; while all take long, small ones pass, up to as many more (default: the workers' "
+       "number)",
        [](Config& c, const auto& text) { c.max_running = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.max_running); }},
       {"--queue-size", "requests that may wait for a worker (default: 4 a worker, at least 16)",

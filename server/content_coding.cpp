@@ -16,6 +16,8 @@ constexpr int kFastest = 1;
 constexpr int kGzipWindow = 15 + 16;  // the largest window, in gzip's format
 constexpr int kMemory = 8;
 constexpr std::size_t kStep = 1 << 20;
+/// Smaller answers fit in a packet or two as they are.
+constexpr std::size_t kLeastCompressed = 1024;
 
 class Deflater {
  public:
@@ -74,6 +76,19 @@ std::string gzip(std::string_view bytes, RunControl& control) {
     deflater.add(part, bytes.empty(), out);
   } while (!bytes.empty());
   return out;
+}
+
+void compress(api::Response& response, std::string_view accept_encoding, RunControl& control) {
+  response.headers.emplace_back("Vary", "Accept-Encoding");
+  if (response.body.size() < kLeastCompressed || !accepts_gzip(accept_encoding)) return;
+  response.body = gzip(response.body, control);
+  response.headers.emplace_back("Content-Encoding", "gzip");
+}
+
+Response compressed(Response response, const RequestHead& request) {
+  RunControl control;
+  compress(response, request.header("accept-encoding"), control);
+  return response;
 }
 
 }  // namespace remesh::server

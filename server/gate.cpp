@@ -15,8 +15,9 @@ constexpr std::size_t kReadSize = 256 << 10;
 /// What a body of unknown length reserves first.
 constexpr std::size_t kReserveStep = 1 << 20;
 
-/// The bytes of a head; none when the client left without a word.
-std::string receive_head(Connection& connection, const GateLimits& limits) {
+/// The bytes of a head; none when the client left without a word. `method` is told as soon as it shows: a refusal of
+/// what follows has no body where that is HEAD (RFC 9110, section 9.3.2).
+std::string receive_head(Connection& connection, const GateLimits& limits, std::string& method) {
   const Clock::time_point deadline = Clock::now() + limits.head_timeout;
   std::array<char, 8 << 10> buffer;
   std::string bytes;
@@ -34,6 +35,7 @@ std::string receive_head(Connection& connection, const GateLimits& limits) {
       throw HttpError(400, "malformed_request", "the request head ends early");
     }
     bytes.append(buffer.data(), got);
+    if (method.empty()) method = method_of(bytes);
     if (const auto end = find_head_end(bytes, checked, limits.head)) {
       connection.put_back(std::string_view(bytes).substr(*end));
       bytes.resize(*end);
@@ -103,9 +105,10 @@ bool is_continue_expected(const RequestHead& head) {
 }  // namespace
 
 std::optional<Framing> read_head(Connection& connection, const GateLimits& limits, RequestHead& head) {
-  const std::string bytes = receive_head(connection, limits);
+  head = {};
+  const std::string bytes = receive_head(connection, limits, head.method);
   if (bytes.empty()) return std::nullopt;
-  head = parse_head(bytes, limits.head);
+  parse_head(bytes, limits.head, head);
   return framing(head);
 }
 

@@ -12,8 +12,10 @@ namespace {
 
 [[noreturn]] void malformed(const std::string& detail) { throw HttpError(400, "malformed_request", detail); }
 
+bool is_alphanumeric(char c) { return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+
 bool is_token_char(char c) {
-  if ((c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z')) return true;
+  if (is_alphanumeric(c)) return true;
   return c != '\0' && std::string_view("!#$%&'*+-.^_`|~").find(c) != std::string_view::npos;
 }
 
@@ -42,20 +44,21 @@ Fields parse_query(std::string_view text) {
 }
 
 void parse_target(std::string_view target, RequestHead& head) {
-  // The absolute form is for proxies, but a server must take it (RFC 9112, section 3.2.2).
+  // The absolute form is for proxies, but a server must take it (RFC 9112, section 3.2.2). Its path may be empty.
+  bool is_absolute = false;
   for (const std::string_view scheme : {std::string_view("http://"), std::string_view("https://")}) {
     if (api::ascii_lower(target.substr(0, scheme.size())) != scheme) continue;
-    const std::size_t path = target.find_first_of("/?", scheme.size());
-    target = path == std::string_view::npos ? std::string_view("/") : target.substr(path);
+    is_absolute = true;
+    target.remove_prefix(std::min(target.find_first_of("/?", scheme.size()), target.size()));
     break;
   }
   const std::size_t question = target.find('?');
   const std::string_view path = target.substr(0, question);
+  const bool is_asterisk = head.method == "OPTIONS" && path == "*";
+  if (!path.starts_with('/') && !is_asterisk && !(is_absolute && path.empty()))
+    malformed("the request target must be a path");
   if (question != std::string_view::npos) head.query = parse_query(target.substr(question + 1));
   head.path = path.empty() ? "/" : percent_decode(path);
-  if (head.path.front() != '/' && !(head.method == "OPTIONS" && head.path == "*")) {
-    malformed("the request target must be a path");
-  }
 }
 
 void parse_request_line(std::string_view line, RequestHead& head) {
@@ -80,6 +83,13 @@ void parse_field(std::string_view line, RequestHead& head) {
   if (colon == std::string_view::npos || !is_token(line.substr(0, colon)))
     malformed("a header field without a valid name");
   head.headers.emplace_back(api::ascii_lower(line.substr(0, colon)), std::string(trimmed(line.substr(colon + 1))));
+}
+
+/// Whether a Host field could be one: a name or an address, and a port (RFC 9110, section 7.2). It may be empty.
+bool is_host(std::string_view text) {
+  constexpr std::string_view kSigns = "-._~%!$&'()*+,;=:[]";
+  return std::all_of(text.begin(), text.end(),
+                     [&](char c) { return is_alphanumeric(c) || kSigns.find(c) != std::string_view::npos; });
 }
 
 std::size_t count(const RequestHead& head, std::string_view name) {
@@ -139,8 +149,12 @@ std::optional<std::size_t> find_head_end(std::string_view bytes, std::size_t& ch
   return std::nullopt;
 }
 
-RequestHead parse_head(std::string_view bytes, const HeadLimits& limits) {
-  RequestHead head;
+std::string_view method_of(std::string_view bytes) {
+  const std::string_view method = bytes.substr(0, bytes.find(' '));
+  return method.size() < bytes.size() && is_token(method) ? method : std::string_view();
+}
+
+void parse_head(std::string_view bytes, const HeadLimits& limits, RequestHead& head) {
   parse_request_line(take_line(bytes), head);
   while (!bytes.empty()) {
     const std::string_view line = take_line(bytes);
@@ -152,7 +166,7 @@ RequestHead parse_head(std::string_view bytes, const HeadLimits& limits) {
   }
   const std::size_t hosts = count(head, "host");
   if (hosts > 1 || (hosts == 0 && head.minor_version >= 1)) malformed("there must be exactly one Host field");
-  return head;
+  if (!is_host(head.header("host"))) malformed("the Host field is no host");
 }
 
 bool wants_to_be_kept(const RequestHead& head) {

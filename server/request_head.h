@@ -24,10 +24,15 @@ struct HeadLimits {
 /// Cost:    O(new bytes).
 std::optional<std::size_t> find_head_end(std::string_view bytes, std::size_t& checked, const HeadLimits& limits);
 
+/// The method at the start of a head, also of one that has not come whole; empty before its blank has.
+std::string_view method_of(std::string_view bytes);
+
 /// Parses a whole head, the empty line included.
-/// Errors:  400 - not HTTP/1.0 or 1.1, folded or malformed fields, no or several Host, a bad percent escape; 431 - too
+/// Output:  `head`, which was empty, as far as parsing came where it fails: a refusal carries the request's id, if that
+/// was read. Errors:  400 - not HTTP/1.0 or 1.1, folded or malformed fields, no or several Host, a bad percent escape;
+/// 431 - too
 ///          many fields.
-RequestHead parse_head(std::string_view bytes, const HeadLimits& limits);
+void parse_head(std::string_view bytes, const HeadLimits& limits, RequestHead& head);
 
 /// How a body is delimited (RFC 9112, section 6.3).
 struct Framing {

@@ -4,6 +4,7 @@
 #include <thread>
 #include <utility>
 
+#include "server/content_coding.h"
 #include "server/web_page.h"
 
 namespace remesh::server {
@@ -48,9 +49,11 @@ std::vector<Route> Service::routes() {
   if (config_.jobs.role == jobs::Role::kWork) return list;
   for (Route& route : web_routes(web_files())) list.push_back(std::move(route));
   for (Route& route : job_routes_.routes()) list.push_back(std::move(route));
-  list.push_back({"GET", "/openapi.json", [this](const Call&) { return wrap(operations_.openapi()); }});
-  list.push_back(
-      {"GET", "/v1/capabilities", [this](const Call&) { return wrap(operations_.capabilities(work_limits_.api)); }});
+  list.push_back({"GET", "/openapi.json",
+                  [this](const Call& call) { return compressed(wrap(operations_.openapi()), call.request); }});
+  list.push_back({"GET", "/v1/capabilities", [this](const Call& call) {
+                    return compressed(wrap(operations_.capabilities(work_limits_.api)), call.request);
+                  }});
   list.push_back(
       {"POST", "/v1/remesh",
        [this](const Call& call) {
@@ -68,7 +71,7 @@ std::vector<Route> Service::routes() {
 std::vector<Route> Service::ops_routes() {
   return {{"GET", "/livez", [](const Call&) { return plain(200, "alive\n"); }, nullptr, /*is_open=*/true},
           {"GET", "/readyz", [this](const Call&) { return readiness(); }, nullptr, /*is_open=*/true},
-          {"GET", "/metrics", [this](const Call&) { return show_metrics(); }}};
+          {"GET", "/metrics", [this](const Call& call) { return compressed(show_metrics(), call.request); }}};
 }
 
 Service::Service(const Config& config, Operations operations)

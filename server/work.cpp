@@ -15,8 +15,6 @@ namespace {
 
 /// How long a stopped job may take to notice; then it is answered for, and finishes unheard.
 constexpr std::chrono::seconds kStopPatience{2};
-/// Smaller answers fit in a packet or two as they are.
-constexpr std::size_t kLeastCompressed = 1024;
 /// Bodies up to this are small meshes: some ten thousand faces.
 constexpr std::size_t kSmallBody = 1 << 20;
 
@@ -88,11 +86,7 @@ class Job {
   /// What every result gets: compression where the client takes it, and a digest of what is sent.
   void finish(api::Response& response) const {
     if (response.status != 200) return;
-    response.headers.emplace_back("Vary", "Accept-Encoding");
-    if (response.body.size() >= kLeastCompressed && accepts_gzip(accept_encoding_)) {
-      response.body = gzip(response.body, running_->control);
-      response.headers.emplace_back("Content-Encoding", "gzip");
-    }
+    compress(response, accept_encoding_, running_->control);
     response.headers.emplace_back("Repr-Digest", repr_digest(response.body));
   }
 

@@ -23,9 +23,8 @@ namespace remesh::server {
 enum class JobSize { kSmall, kLarge };
 
 /// First come, first served, with two exceptions so that huge meshes cannot starve small ones:
-/// - While every place is held by a job that is large or has run for more than `kLong`, small jobs pass, one at a time,
-/// on
-///   places beyond `max_running`, of which there are as many again.
+/// - While every place is held by a job that is large or has run for more than `kLong`, a small job passes, on a place
+///   beyond `max_running`; and another one once that has run for so long, too. There are as many such places again.
 /// - The last quarter of the queue is for small jobs.
 class WorkerPool {
  public:

@@ -22,10 +22,12 @@ constexpr std::chrono::seconds kPatience{120};
 constexpr std::chrono::milliseconds kFirstPoll{100};
 constexpr std::chrono::milliseconds kSlowestPoll{1000};
 
-RemoteError no_url(const std::string& text) { return {0, "server_unreachable", text + " is no http or https URL"}; }
+Error no_url(const std::string& text) {
+  return Error(Code::kInvalidOption, Stage::kRead, text + " is no http or https URL").for_option("server");
+}
 
 /// Where a URL ends that a client takes, and a path begins: "http://host:80", "/path".
-/// Errors: RemoteError - another scheme, no host.
+/// Errors: kInvalidOption - another scheme, no host.
 std::pair<std::string, std::string> split_url(std::string url) {
   if (url.find("://") == std::string::npos) url.insert(0, "http://");
   const std::size_t host = url.find("://") + 3;

@@ -43,6 +43,7 @@ struct RemoteAnswer {
 /// One remeshing by a server. `run` is called once; `progress_line` from any thread meanwhile.
 class Remote {
  public:
+  /// Errors: remesh::Error kInvalidOption - `server` is no URL.
   explicit Remote(RemoteJob job);
   ~Remote();
 

@@ -31,9 +31,8 @@ ReadResult read_stl(std::string_view content, const ReadLimits& limits, RunContr
 
 /// Writes binary STL. Coordinates are rounded to floats, the only numbers that it has: this is the one format that does
 /// not give back what went in. Labels are lost, and the header takes no more of `comments` than their first line.
-/// Errors:  kNotAcceptable - a coordinate beyond the largest float; kOutputTooLarge - more triangles than 32 bits
-/// count;
-///          kCancelled, kTimeout - through `control`.
+/// Errors:  kNotAcceptable - a coordinate beyond the largest float, or a triangle two of whose corners are one place in
+///          floats; kOutputTooLarge - more triangles than 32 bits count; kCancelled, kTimeout - through `control`.
 /// Cost:    O(output).
 std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control);
 

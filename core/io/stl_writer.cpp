@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -10,12 +12,25 @@ namespace {
 
 constexpr std::size_t kHeader = 80;
 
-float to_float(double coordinate) {
-  const auto rounded = static_cast<float>(coordinate);
-  if (std::isfinite(rounded)) return rounded;
+using Floats = std::array<float, 3>;
+
+[[noreturn]] void refuse(const std::string& reason, const std::string& other_way = "") {
   throw Error(Code::kNotAcceptable, Stage::kWrite,
-              "a coordinate is beyond the largest float, the only numbers that STL has; ask for another format")
+              reason + ", the only numbers that STL has; ask for another format" + other_way)
       .for_option("format");
+}
+
+Floats to_floats(const Vec3& v) {
+  const Floats rounded{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+  if (!std::all_of(rounded.begin(), rounded.end(), [](float f) { return std::isfinite(f); }))
+    refuse("a coordinate is beyond the largest float");
+  return rounded;
+}
+
+/// A triangle whose corners come to lie in one place is no triangle any more: not the mesh that was verified.
+void check_corners(const std::array<Floats, 3>& corners) {
+  if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
+    refuse("two corners of a triangle are one place in floats", ", or for longer edges by min_edge_length");
 }
 
 /// Unit normal; zero, as is the custom, where there is none.
@@ -42,11 +57,11 @@ std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& 
   WriteProgress progress(mesh.faces.size(), control);
   for (const Triangle& face : mesh.faces) {
     progress.tick();
-    const Vec3 corners[3] = {mesh.positions[face[0]], mesh.positions[face[1]], mesh.positions[face[2]]};
-    const Vec3 normal = normal_of(corners[0], corners[1], corners[2]);
-    for (const Vec3& v : {normal, corners[0], corners[1], corners[2]}) {
-      for (int axis = 0; axis < 3; ++axis) append_little_endian(out, to_float(v[axis]));
-    }
+    const Vec3 &a = mesh.positions[face[0]], &b = mesh.positions[face[1]], &c = mesh.positions[face[2]];
+    const std::array<Floats, 3> corners{to_floats(a), to_floats(b), to_floats(c)};
+    check_corners(corners);
+    for (const Floats& v : {to_floats(normal_of(a, b, c)), corners[0], corners[1], corners[2]})
+      for (const float coordinate : v) append_little_endian(out, coordinate);
     append_little_endian(out, std::uint16_t{0});
   }
   return out;

@@ -39,7 +39,7 @@ class Mending {
       drop_degenerate();
     if (surface_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "no face of the mesh has an area");
     drop_unused_vertices();
-    for (Diagnostic* d : {&nonplanar_, &zero_area_})
+    for (Diagnostic* d : {&repeated_, &nonplanar_, &zero_area_})
       if (d->count > 0) diagnostics.push_back(std::move(*d));
     return true;
   }
@@ -120,6 +120,7 @@ class Mending {
         emit_triangle({loop_[0], loop_[i], loop_[i + 1]}, source, label, true);
       return;
     }
+    if (loop_.size() < surface_.face(f).size()) repeated_.add(source.value);
     if (loop_.size() == 3) {
       emit(loop_, source, label, false);
       return;
@@ -242,6 +243,11 @@ class Mending {
   std::vector<std::uint8_t> is_degenerate_;
   std::vector<VertexId> loop_, sorted_loop_;
   std::vector<Vec3> points_;
+  Diagnostic repeated_{
+      DiagnosticCode::kDuplicateVertex,
+      0,
+      {},
+      "faces had a corner twice in a row, as read or by welding, and have it once; elements are faces"};
   Diagnostic nonplanar_{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons without a plane were triangulated"};
   Diagnostic zero_area_{
       DiagnosticCode::kZeroAreaFace, 0, {}, "faces without area: dropped, but for those whose patch is kept"};

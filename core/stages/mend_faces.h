@@ -18,8 +18,9 @@ namespace remesh {
 ///          its own.
 /// Output:  a surface that holds all that Surface promises. A polygon comes as triangles in its place if it is not
 ///          planar within the tolerance, crosses itself in its plane, touches itself, or is to stay as it is; no cut is
-///          an edge of another face (see PolygonCuts), which may take new vertices. Counts nonplanar_polygon and
-///          zero_area_face.
+///          an edge of another face (see PolygonCuts), which may take new vertices. A corner that repeats the one
+///          before it is dropped. Counts nonplanar_polygon, zero_area_face, and as duplicate_vertex the other faces
+///          that lost a corner so.
 /// Holds:   closed stays closed: a zero-area face is dropped by handing the vertices on its longest edges to the faces
 ///          beyond them, so that each of its edges meets its counterpart. It is kept where such a face is `as_it_is`,
 ///          and with Mend::kNo for `degenerate`, if it has three corners left.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "api/text.h"
+#include "server/content_coding.h"
 #include "server/digest.h"
 #include "server/jobs/job_json.h"
 #include "server/jobs/job_request.h"
@@ -209,7 +210,7 @@ Response JobRoutes::list(const Call& call) const {
   if (owner.empty()) {
     throw HttpError(403, "forbidden", "jobs are listed for an API key only, and this server asks for none");
   }
-  return json_response(jobs_json(ask([&] { return store.list(owner, kMostListed); })));
+  return compressed(json_response(jobs_json(ask([&] { return store.list(owner, kMostListed); }))), call.request);
 }
 
 Response JobRoutes::show(const Call& call) const {
@@ -252,7 +253,7 @@ Response JobRoutes::report(const Call& call) const {
   if (std::optional<Response> problem = answer_without_result(job)) return std::move(*problem);
   std::optional<std::string> report = ask([&] { return jobs().store().read_blob(job.id, BlobKind::kReport); });
   if (!report) throw HttpError(410, "result_expired", "the result was kept for its time, and is gone");
-  return json_response(std::move(*report));
+  return compressed(json_response(std::move(*report)), call.request);
 }
 
 Response JobRoutes::follow(const Call& call) const {

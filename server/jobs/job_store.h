@@ -91,7 +91,7 @@ struct JobRecord {
   std::int64_t created_ms = 0;
   std::optional<std::int64_t> started_ms, finished_ms, expires_ms;
   int problem_status = 0;
-  std::string problem;
+  std::string problem;  ///< of a job without a result: problem+json, its request_id the job's id
 };
 
 struct Progress {

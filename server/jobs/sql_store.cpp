@@ -35,12 +35,14 @@ std::int64_t signed_bytes(std::uint64_t bytes) {
   return static_cast<std::int64_t>(std::min<std::uint64_t>(bytes, std::numeric_limits<std::int64_t>::max()));
 }
 
+/// A problem whose request_id is the id of the job, as of every problem that a job ends with: the statements that end
+/// jobs, many at once, put it in place of `{job}`.
 std::string problem_text(int status, const char* code, const char* detail) {
   api::Problem problem;
   problem.status = status;
   problem.code = code;
   problem.detail = detail;
-  return api::to_response(problem, "").body;
+  return api::to_response(problem, "{job}").body;
 }
 
 constexpr const char* kRecord =
@@ -377,8 +379,8 @@ bool SqlStore::cancel(const std::string& id) {
     Transaction transaction(database);
     const Rows rows = database.run(
         "UPDATE remeshd_job SET state = 'cancelled', token = token + 1, version = version + 1, lease_ms = NULL, "
-        "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 409, problem = $2 "
-        "WHERE id = $3 AND state IN ('queued', 'running') RETURNING id",
+        "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 409, "
+        "problem = replace($2, '{job}', id) WHERE id = $3 AND state IN ('queued', 'running') RETURNING id",
         {std::int64_t{rules_.result_ttl.count()}, std::string_view(problem), std::string_view(id)});
     if (rows.empty()) return false;
     files = delete_blobs(database, id, "kind = 'input'");
@@ -429,7 +431,7 @@ void SqlStore::end_abandoned(Database& database, Upkeep& done) {
       "finished_ms = CASE WHEN attempts >= $1 THEN remeshd_now() END, "
       "expires_ms = CASE WHEN attempts >= $1 THEN remeshd_now() + $2 END, "
       "problem_status = CASE WHEN attempts >= $1 THEN 500 ELSE 0 END, "
-      "problem = CASE WHEN attempts >= $1 THEN $3 ELSE '' END, "
+      "problem = CASE WHEN attempts >= $1 THEN replace($3, '{job}', id) ELSE '' END, "
       "token = token + 1, version = version + 1, lease_ms = NULL, started_ms = NULL, stage = 'queued', fraction = 0 "
       "WHERE id IN (SELECT id FROM remeshd_job WHERE state = 'running' AND lease_ms < remeshd_now() LIMIT $4" +
       std::string(driver_->skip_locked()) + ") RETURNING state";
@@ -446,8 +448,9 @@ void SqlStore::end_waiting(Database& database, Upkeep& done) {
   static const std::string problem = problem_text(504, "timeout", "no worker came free for this job in time");
   const std::string sql =
       "UPDATE remeshd_job SET state = 'failed', commits = commits + 1, token = token + 1, version = version + 1, "
-      "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 504, problem = $2 "
-      "WHERE id IN (SELECT id FROM remeshd_job WHERE state = 'queued' AND created_ms < remeshd_now() - $3 LIMIT $4" +
+      "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 504, "
+      "problem = replace($2, '{job}', id) WHERE id IN (SELECT id FROM remeshd_job WHERE state = 'queued' AND "
+      "created_ms < remeshd_now() - $3 LIMIT $4" +
       std::string(driver_->skip_locked()) + ") RETURNING id";
   done.timed_out +=
       static_cast<int>(database

@@ -119,11 +119,19 @@ TEST(Openapi, its_parameters_are_the_table_of_options) {
       EXPECT_THAT(parameter["description"].get<std::string>(),
                   AllOf(HasSubstr("Excludes"), HasSubstr("`" + option["excludes"].get<std::string>() + "`")));
     }
-    EXPECT_TRUE(document["components"]["schemas"]["Options"]["properties"].contains(name));
+    ASSERT_TRUE(document["components"]["schemas"]["Options"]["properties"].contains(name));
+    const json& member = document["components"]["schemas"]["Options"]["properties"][name];
+    for (const char* bound : {"minimum", "exclusiveMinimum", "maximum"})
+      EXPECT_EQ(member.value(bound, json()), schema.value(bound, json())) << bound;
+    if (option.contains("unset") && (option["type"] == "number" || option["type"] == "integer")) {
+      EXPECT_EQ(member["pattern"], "^" + option["unset"].get<std::string>() + "$");
+    }
     for (const char* path : {"/v1/remesh", "/v1/analyze"}) {
       const json& parameters = document["paths"][path]["post"]["parameters"];
-      EXPECT_NE(std::find(parameters.begin(), parameters.end(), json{{"$ref", "#/components/parameters/" + name}}),
-                parameters.end());
+      const bool is_listed = std::find(parameters.begin(), parameters.end(),
+                                       json{{"$ref", "#/components/parameters/" + name}}) != parameters.end();
+      // An analysis is JSON always.
+      EXPECT_EQ(is_listed, name != "format" || path == std::string("/v1/remesh")) << path;
     }
   }
 }

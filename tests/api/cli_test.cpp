@@ -224,6 +224,7 @@ TEST_F(Cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "-o", "o.json", "--report", "o.json"}, "cannot both go to o.json"},
       {{"square.obj", "--batch", ".", "--report", "o.csv"}, "--batch takes the place of the input square.obj"},
       {{"--batch", "."}, "--batch needs --report"},
+      {{"square.obj", "-o", "o.obj", "--server", "ftp://host"}, "ftp://host is no http or https URL"},
       {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz is no format's"}};
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = run(arguments);

@@ -67,6 +67,11 @@ TEST(ErrorMap, what_does_not_apply_is_left_out) {
     EXPECT_FALSE(problem.contains(member)) << member;
 }
 
+TEST(ErrorMap, an_unknown_option_is_named_even_where_its_name_is_empty) {
+  const Error error = Error(Code::kUnknownOption, Stage::kRead, "there is no option \"\"").for_option("");
+  EXPECT_EQ(nlohmann::json::parse(to_response(to_problem(error), "an-id").body)["option"], "");
+}
+
 TEST(ErrorMap, an_internal_error_tells_nothing_of_itself) {
   const Response response = to_response(to_problem(Error(Code::kInternal, Stage::kWeld, "secret at 0x1234")), "an-id");
   EXPECT_EQ(response.body.find("secret"), std::string::npos);

@@ -103,6 +103,16 @@ TEST(JsonReader, face_groups_become_group_labels) {
   EXPECT_THAT(mesh.labels.group.of_face.items(), ElementsAre(0u, 1u, 0u));
 }
 
+TEST(JsonReader, whole_numbers_are_integers_however_they_are_written) {
+  const PolygonMesh got =
+      read(mesh(kVertices, "[[0.0,1e0,20e-1],[-0.0,1,2]]", R"(,"face_groups":[-7,-7.0])")).result.mesh;
+  EXPECT_THAT(got.corners, ElementsAre(VertexId(0), VertexId(1), VertexId(2), VertexId(0), VertexId(1), VertexId(2)));
+  EXPECT_THAT(got.labels.group.names, ElementsAre("-7"));
+  EXPECT_EQ(error_of(mesh(kVertices, "[[0,1,2.5]]")).code, Code::kInvalidMesh);
+  for (const char* index : {"3.0", "-1.0", "1e9", "1e300"})
+    EXPECT_EQ(error_of(mesh(kVertices, "[[0,1," + std::string(index) + "]]")).code, Code::kIndexOutOfRange) << index;
+}
+
 TEST(JsonReader, keys_that_are_not_understood_are_skipped_and_counted) {
   const Read got = read(mesh(kVertices, kFaces, R"(,"uv":[[0,1],{"a":[true,null,"x"]}],"name":"part","n":3)"));
   ASSERT_EQ(got.result.diagnostics.size(), 1u);
@@ -161,7 +171,7 @@ TEST(JsonReader, a_wrong_shape_names_its_element) {
       {mesh("[[0,0,[0]]]", kFaces), 0},
       {mesh(kVertices, "[[0,1,2],[0,1]]"), 1},
       {mesh(kVertices, "[[]]"), 0},
-      {mesh(kVertices, "[[0,1,2.0]]"), 0},
+      {mesh(kVertices, "[[0,1,2.5]]"), 0},
       {mesh(kVertices, "[[0,1,true]]"), 0},
       {mesh(kVertices, "[0,1,2]"), 0},
       {mesh(kVertices, kFaces, ",\"face_groups\":[1,2]"), {}},

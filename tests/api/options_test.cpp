@@ -199,6 +199,12 @@ TEST(Options, an_unknown_option_of_any_length_is_refused_with_a_short_message) {
   EXPECT_LT(std::string_view(error.what()).size(), 300u);
 }
 
+TEST(Options, a_nul_in_a_value_does_not_cut_off_the_message) {
+  using namespace std::string_view_literals;
+  const Error error = error_of([] { read("repair", "a\0b"sv, ValueKind::kString); });
+  EXPECT_NE(std::string_view(error.what()).find("not \"a\\u0000b\""), std::string_view::npos) << error.what();
+}
+
 TEST(Options, a_doubled_option_is_refused) {
   OptionReader reader;
   reader.add("refine", "false");

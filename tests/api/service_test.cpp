@@ -356,6 +356,24 @@ TEST(RunRemesh, bad_input_has_its_code) {
   EXPECT_EQ(code_of(request_of(kRing, "", {{"weld_tolerance", "-1"}})), Code::kInvalidOption);
 }
 
+TEST(RunRemesh, a_mesh_that_floats_make_flat_is_no_stl_and_everything_else) {
+  for (const std::string mesh :
+       {"v 0 0 0\nv 1e-50 0 0\nv 0 1e-50 0\nf 1 2 3\n", "v 1e8 0 0\nv 100000001 0 0\nv 1e8 1 0\nf 1 2 3\n"}) {
+    EXPECT_EQ(code_of(request_of(mesh, "", {{"format", "stl"}})), Code::kNotAcceptable) << mesh;
+    EXPECT_EQ(remesh(request_of(mesh, "", {{"format", "ply"}})).status, 200) << mesh;
+  }
+}
+
+TEST(RunRemesh, a_repeated_corner_is_dropped_and_told_with_its_face) {
+  const std::string mesh = "v 0 0 0\nv 2 0 0\nv 2 2 0\nf 1 1 2 3\n";
+  const json report = json::parse(remesh(request_of(mesh, "", {{"format", "json"}})).body)["report"];
+  const json& found = report["diagnostics"];
+  const auto repeated =
+      std::find_if(found.begin(), found.end(), [](const json& d) { return d["code"] == "duplicate_vertex"; });
+  ASSERT_NE(repeated, found.end());
+  EXPECT_EQ((*repeated)["elements"], json::array({0}));
+}
+
 TEST(RunRemesh, options_are_refused_before_the_mesh_is_read) {
   EXPECT_EQ(code_of(request_of("no mesh at all", "", {{"weld_tolerance", "-1"}})), Code::kInvalidOption);
 }

@@ -186,6 +186,23 @@ def check_parameters(contract):
             yield f"{parameter['name']}={text}"
 
 
+def check_options(contract, daemon):
+    """What the schema of a body lets in, the daemon takes, and what it does not let in, is refused."""
+    body = Draft202012Validator(contract.document["components"]["schemas"]["MeshWithOptions"], resolver=contract.resolver)
+    square = {"vertices": [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], "faces": [[0, 1, 2, 3]]}
+    cases = [{"mesh": {**square, "faces": [[0, 1.0, second, 3]]}} for second in (2.0, 2.5, "2", -1)]
+    for option in contract.document["components"]["schemas"]["Options"]["properties"]:
+        values = [None, True, {}, -1, 0, 1, 1.5, 2.0, 100, "1", "x", "auto", "none", [], ["x"], [1, 0]]
+        if option in ("repair", "barriers", "reference_axis"):  # of their words the schema knows the type only
+            values = [value for value in values if not isinstance(value, (str, list))]
+        cases += [{"mesh": square, "options": {option: value}} for value in values]
+    for case in cases:
+        answer = ask(daemon.port, "POST", "/v1/remesh", json.dumps(case).encode(), {"Content-Type": "application/json"})
+        code = json.loads(answer.body).get("code")
+        if body.is_valid(case) == (code in ("invalid_option", "invalid_mesh", "index_out_of_range")):
+            contract.fail(f"{json.dumps(case)} is {'' if body.is_valid(case) else 'not '}valid, but {answer.body[:200]}")
+
+
 def check_plain(contract, daemon):
     port = daemon.port
     for operation, path in (("getCapabilities", "/v1/capabilities"), ("getOpenapi", "/openapi.json"),
@@ -426,6 +443,7 @@ def main():
         for schema in document["components"]["schemas"].values():
             Draft202012Validator.check_schema(schema)
         check_plain(contract, daemon)
+        check_options(contract, daemon)
         contract.check("submitJob", ask(daemon.port, "POST", "/v1/jobs", SQUARE), 501)
     with tempfile.TemporaryDirectory() as folder:
         with Daemon(program, "--store", "sqlite", "--state-dir", folder, key=KEY) as daemon:

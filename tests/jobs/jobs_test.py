@@ -6,6 +6,7 @@ Leases are short here (--job-lease), all else is as it is served. Exit code 77: 
 """
 
 import contextlib
+import gzip
 import json
 import os
 import pathlib
@@ -85,6 +86,8 @@ def test_jobs_are_submitted_anywhere_and_answered_everywhere(store):
                 expect_equal(result.headers["remesh-summary"], direct.headers["remesh-summary"], "the summary")
                 expect(result_of(fleet[0].port, job, "?format=stl").body == as_stl.body, "the same as STL")
                 report = ask(fleet[number % 3].port, "GET", f"/v1/jobs/{job}/report").json()
+                packed = ask(fleet[number % 3].port, "GET", f"/v1/jobs/{job}/report", None, {"Accept-Encoding": "gzip"})
+                expect_equal(json.loads(gzip.decompress(packed.body)), report, "the report, compressed")
                 expect(report["verified"]["surface"], "verified")
                 expect_equal(accepted(submit(fleet[(number + 1) % 3].port, SHORT, Idempotency_Key=f"client {number}")), job,
                              "the same key is the same job, done or not")
@@ -118,7 +121,9 @@ def test_the_contract_of_a_job_that_runs(store):
         for daemon in (second, first, second):
             expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}").status, 204, "DELETE")
         expect_equal([event for event in stream][-1][2]["state"], "cancelled", "the stream's last word")
-        expect_equal(result_of(first.port, job).code(), "cancelled", "the result of a cancelled job")
+        cancelled = result_of(first.port, job)
+        expect_equal((cancelled.status, cancelled.code()), (409, "cancelled"), "the result of a cancelled job")
+        expect_equal(cancelled.json()["request_id"], job, "its request_id")
         # Its worker is free soon.
         quick = [accepted(submit(first.port)) for _ in range(4)]
         for other in quick:
@@ -141,6 +146,7 @@ def test_refusals(store):
         bad = accepted(submit(daemon.port, mesh=b"v 0 0 0\nf 1 2 9\n"))
         failed = wait_for_state(daemon.port, bad, "failed")
         expect_equal(failed["problem"]["code"], "index_out_of_range", "the problem is told")
+        expect_equal(failed["problem"]["request_id"], bad, "its request_id")
         expect_equal(failed["attempts"], 1, "errors of the input never retry")
         for part in ("result", "report"):
             answer = ask(daemon.port, "GET", f"/v1/jobs/{bad}/{part}")

@@ -85,6 +85,9 @@ class StoreTest : public ::testing::TestWithParam<Blobs> {
     return claim.value_or(Claim{});
   }
   static JobState state(JobStore& store, const std::string& id) { return store.find(id).value().state; }
+  static bool is_named_in_problem(const JobRecord& job) {
+    return job.problem.find("\"request_id\":\"" + job.id + "\"") != std::string::npos;
+  }
   static JobOutcome success(const std::string& mesh = "mesh") { return {JobState::kSucceeded, mesh, "{}", 0, ""}; }
   static void wait(milliseconds time) { std::this_thread::sleep_for(time); }
 
@@ -269,6 +272,7 @@ TEST_P(StoreTest, a_job_that_every_worker_dies_of_fails_and_its_input_is_kept) {
   EXPECT_EQ(job.state, JobState::kFailed);
   EXPECT_EQ(job.attempts, 3);
   EXPECT_NE(job.problem.find("worker_crashed"), std::string::npos);
+  EXPECT_TRUE(is_named_in_problem(job));
   EXPECT_EQ(store->read_blob(id, BlobKind::kInput), "poison");
   EXPECT_FALSE(store->claim("worker", kAnyMemory));
 }
@@ -315,6 +319,7 @@ TEST_P(StoreTest, cancelling_ends_a_job_that_waits_or_runs_and_is_the_same_twice
     EXPECT_TRUE(store->cancel(id));
     EXPECT_FALSE(store->cancel(id));
     EXPECT_EQ(state(*store, id), JobState::kCancelled);
+    EXPECT_TRUE(is_named_in_problem(*store->find(id)));
   }
   EXPECT_FALSE(store->holds(held));
   EXPECT_FALSE(store->commit(held, success()));
@@ -421,6 +426,7 @@ TEST_P(StoreTest, a_job_that_waits_too_long_fails) {
   wait(milliseconds(100));
   EXPECT_EQ(store->upkeep().timed_out, 1);
   EXPECT_EQ(store->find(id)->problem_status, 504);
+  EXPECT_TRUE(is_named_in_problem(*store->find(id)));
 }
 
 TEST_P(StoreTest, statistics_say_what_waits_and_how_long) {

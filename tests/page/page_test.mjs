@@ -499,3 +499,17 @@ test("the page is small, comes from one place, and may load nothing else", async
   }
   assert.ok(total < 1_000_000, `${total} bytes`);
 });
+
+onPage("a face that had a corner twice in a row is found as a face", async ({ page, drop, waitForText, tab, text }) => {
+  const mesh = ["v 0 0 0", "v 1 0 0", "v 1 1 0", "v 0 1 0", "f 1 2 3", "f 1 3 3 4"].join("\n");
+  await drop(folder.write("repeated.obj", mesh));
+  await waitForText("#before-count", /^2 faces$/);
+  await page.click("#analyze");
+  await waitForText("#status", /^Analyzed in/);
+  await tab("findings");
+  const groups = await page.$$(".groups button");
+  await groups.at(-1).click();
+  assert.match(await text(".targets"), /had a corner twice in a row/);
+  await page.click(".targets button");
+  assert.equal(await text("#before-numbers h3"), "Face 1");
+});

@@ -140,6 +140,32 @@ TEST_F(HttpServerTest, head_answers_as_get_without_the_body) {
   EXPECT_EQ(request("HEAD", "/v1").body, "");
 }
 
+TEST_F(HttpServerTest, head_gets_no_body_whatever_is_wrong_with_it) {
+  const std::string host = " HTTP/1.1\r\nHost: x\r\n";
+  const std::string long_field = "A: " + std::string(40'000, 'b') + "\r\n\r\n";
+  for (const auto& [text, status] : std::vector<std::pair<std::string, int>>{
+           {"HEAD /%zz" + host + "\r\n", 400},
+           {"HEAD *" + host + "\r\n", 400},
+           {"HEAD / HTTP/1.1\r\n\r\n", 400},
+           {"HEAD / HTTP/2.0\r\nHost: x\r\n\r\n", 400},
+           {"HEAD /" + host + "A: \x01\r\n\r\n", 400},
+           {"HEAD /" + host + "Content-Length: x\r\n\r\n", 400},
+           {"HEAD /" + std::string(40'000, 'b') + host + "\r\n", 414},
+           {"HEAD /" + host + long_field, 431},
+       }) {
+    const Answer answer = ask(server_.port(), text);
+    EXPECT_EQ(answer.status, status) << text;
+    EXPECT_EQ(answer.header("Content-Type"), "application/problem+json") << text;
+    EXPECT_EQ(answer.body, "") << text;
+  }
+}
+
+TEST_F(HttpServerTest, a_refusal_carries_the_id_that_was_read_before_it) {
+  const Answer answer = ask(server_.port(), "GET / HTTP/1.1\r\nX-Request-Id: a-name-of-my-own\r\n\r\n");
+  EXPECT_EQ(answer.status, 400);
+  EXPECT_EQ(answer.header("X-Request-Id"), "a-name-of-my-own");
+}
+
 TEST_F(HttpServerTest, only_a_route_that_says_so_takes_a_body) {
   EXPECT_EQ(post(server_.port(), "/v1/remesh", std::string(77, 'x')).status, 200);
   EXPECT_EQ(post(server_.port(), "/v1/remesh", std::string(78, 'x')).status, 413);

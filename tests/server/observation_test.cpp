@@ -128,5 +128,20 @@ TEST_F(ObservationTest, results_carry_the_digest_of_what_is_sent) {
   EXPECT_EQ(unzip(zipped.body), post(port_, large, "good").body);
 }
 
+TEST_F(ObservationTest, documents_and_metrics_are_compressed_where_the_client_takes_that) {
+  openapi_ = "{\"paths\":{" + std::string(2000, ' ') + "}}";
+  start();
+  EXPECT_EQ(get(port_, "/v1/capabilities").header("Vary"), "Accept-Encoding");
+  for (const std::string path : {"/openapi.json", "/metrics"}) {
+    const Answer plain = get(port_, path);
+    EXPECT_EQ(plain.header("Content-Encoding"), "") << path;
+    EXPECT_EQ(plain.header("Vary"), "Accept-Encoding") << path;
+    const Answer zipped = ask(port_, "GET " + path + " HTTP/1.1\r\nHost: x\r\nAccept-Encoding: gzip\r\n\r\n");
+    ASSERT_EQ(zipped.header("Content-Encoding"), "gzip") << path;
+    EXPECT_LT(zipped.body.size(), plain.body.size()) << path;
+    EXPECT_EQ(unzip(zipped.body).substr(0, 40), plain.body.substr(0, 40)) << path;
+  }
+}
+
 }  // namespace
 }  // namespace remesh::server

@@ -14,7 +14,11 @@ int status_of(const std::function<void()>& action) {
   return 0;
 }
 
-RequestHead parsed(const std::string& text) { return parse_head(text, {}); }
+RequestHead parsed(const std::string& text) {
+  RequestHead head;
+  parse_head(text, {}, head);
+  return head;
+}
 
 int status_of_head(const std::string& text) {
   return status_of([&] {
@@ -60,6 +64,14 @@ TEST(RequestHead, a_connection_is_kept_unless_the_client_says_close_and_before_1
 TEST(RequestHead, the_absolute_form_of_a_target_is_understood) {
   EXPECT_EQ(parsed("GET http://h:1/livez?x=1 HTTP/1.1\r\nHost: h\r\n\r\n").path, "/livez");
   EXPECT_EQ(parsed("GET http://h HTTP/1.1\r\nHost: h\r\n\r\n").path, "/");
+  EXPECT_EQ(parsed("GET HTTPS://h?x=1 HTTP/1.1\r\nHost: h\r\n\r\n").path, "/");
+  EXPECT_EQ(parsed("GET http://h?x=1 HTTP/1.1\r\nHost: h\r\n\r\n").query, (Fields{{"x", "1"}}));
+}
+
+TEST(RequestHead, a_host_is_a_name_or_an_address_with_or_without_a_port_or_empty) {
+  for (const char* host : {"", "localhost:8080", "mesh_1.example.org", "[::1]:80", "127.0.0.1", "%C3%A4.example"}) {
+    EXPECT_EQ(status_of_head("GET / HTTP/1.1\r\nHost: " + std::string(host) + "\r\n\r\n"), 0) << host;
+  }
 }
 
 TEST(RequestHead, the_end_is_found_however_the_bytes_are_cut) {
@@ -92,6 +104,12 @@ TEST(RequestHead, what_two_programs_could_read_differently_is_malformed) {
            std::string("GET HTTP/1.1\r\nHost: x\r\n\r\n"),                       //
            std::string("G@T / HTTP/1.1\r\nHost: x\r\n\r\n"),                     //
            std::string("GET nopath HTTP/1.1\r\nHost: x\r\n\r\n"),                //
+           std::string("GET %2flivez HTTP/1.1\r\nHost: x\r\n\r\n"),              // a path only once it is decoded
+           std::string("GET ?a=b HTTP/1.1\r\nHost: x\r\n\r\n"),                  //
+           std::string("OPTIONS %2a HTTP/1.1\r\nHost: x\r\n\r\n"),               //
+           std::string("GET / HTTP/1.1\r\nHost: a b\r\n\r\n"),                   // no host
+           std::string("GET / HTTP/1.1\r\nHost: a/b\r\n\r\n"),                   //
+           std::string("GET / HTTP/1.0\r\nHost: user@a\r\n\r\n"),                //
            std::string("\r\nGET / HTTP/1.1\r\nHost: x\r\n\r\n"),                 //
            start + "Host: x\r\nContent-Length: 3\r\nContent-Length: 3\r\n\r\n",  //
            start + "Host: x\r\nContent-Length: 3, 3\r\n\r\n",                    //

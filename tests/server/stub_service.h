@@ -75,7 +75,7 @@ class StubService : public ::testing::Test {
     operations.capabilities = [](const api::Limits& limits) {
       return api::Response{200, "application/json", std::to_string(limits.max_body), {}};
     };
-    operations.openapi = [] { return api::Response{200, "application/json", "{}", {}}; };
+    operations.openapi = [this] { return api::Response{200, "application/json", openapi_, {}}; };
     service_ = std::make_unique<Service>(config_, std::move(operations));
     service_->start();
     port_ = service_->port();
@@ -102,6 +102,7 @@ class StubService : public ::testing::Test {
 
   Config config_;
   Stub stub_;
+  std::string openapi_ = "{}";  ///< the contract that it serves
   std::unique_ptr<Service> service_;
   int port_ = 0;
 };

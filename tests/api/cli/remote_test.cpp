@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "api/cli/failure.h"
 #include "core/base/error.h"
 #include "core/io/gzip.h"
 
@@ -258,7 +259,12 @@ TEST(Remote, what_is_no_url_is_refused_at_once) {
   for (const char* url : {"ftp://somewhere", "http://", "://"}) {
     RemoteJob job;
     job.server = url;
-    EXPECT_EQ(refusal_of(job).code, "server_unreachable") << url;
+    try {
+      const Remote remote(job);
+      FAIL() << url;
+    } catch (const Error& error) {
+      EXPECT_EQ(exit_code(error), kMisused) << url;
+    }
   }
 }
 

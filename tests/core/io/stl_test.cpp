@@ -200,6 +200,16 @@ std::string write(const TriangleMesh& mesh) {
   return write_stl(mesh, {"a summary"}, control);
 }
 
+Code refusal(const Vec3& a, const Vec3& b, const Vec3& c) {
+  try {
+    write(triangle(a, b, c));
+  } catch (const Error& error) {
+    EXPECT_EQ(error.option, "format");
+    return error.code;
+  }
+  return Code::kInternal;
+}
+
 TEST(stl_writer, coordinates_are_the_nearest_floats_and_normals_have_length_one) {
   const TriangleMesh mesh = triangle({0.1, 0, 0}, {3, 0, 0}, {0, 3e-30, 0});
   const std::string file = write(mesh);
@@ -218,7 +228,16 @@ TEST(stl_writer, coordinates_are_the_nearest_floats_and_normals_have_length_one)
 
 TEST(stl_writer, what_no_float_can_hold_is_an_error_and_no_infinity) {
   EXPECT_EQ(write(triangle({FLT_MAX, 0, 0}, {1, 0, 0}, {0, 1, 0})).size(), 134u);
-  EXPECT_THROW(write(triangle({1e39, 0, 0}, {1, 0, 0}, {0, 1, 0})), Error);
+  EXPECT_EQ(refusal({1e39, 0, 0}, {1, 0, 0}, {0, 1, 0}), Code::kNotAcceptable);
+}
+
+TEST(stl_writer, a_triangle_whose_corners_floats_do_not_tell_apart_is_an_error_and_not_flat) {
+  EXPECT_EQ(refusal({0, 0, 0}, {1e-50, 0, 0}, {0, 1e-50, 0}), Code::kNotAcceptable);
+  EXPECT_EQ(refusal({1e8, 0, 0}, {1e8 + 1, 0, 0}, {1e8, 8, 0}), Code::kNotAcceptable);
+  EXPECT_EQ(refusal({1e8, 8, 0}, {1e8, 0, 0}, {1e8 + 1, 0, 0}), Code::kNotAcceptable);
+  EXPECT_EQ(refusal({1e8 + 1, 0, 0}, {1e8, 8, 0}, {1e8, 0, 0}), Code::kNotAcceptable);
+  EXPECT_EQ(write(triangle({1e8, 0, 0}, {1e8 + 8, 0, 0}, {1e8, 8, 0})).size(), 134u);
+  EXPECT_EQ(write(triangle({0, 0, 0}, {1e-40, 0, 0}, {0, 1e-40, 0})).size(), 134u);
 }
 
 }  // namespace

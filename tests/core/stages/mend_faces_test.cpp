@@ -115,14 +115,16 @@ TEST(mend_faces, a_bow_tie_comes_as_triangles) {
   expect_holds(surface);
 }
 
-TEST(mend_faces, repeated_corners_are_one) {
+TEST(mend_faces, repeated_corners_are_one_and_their_faces_counted) {
   std::vector<Diagnostic> diagnostics;
-  const PolygonMesh mesh =
-      shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 1, 2, 3, 3, 0}, {0, 0, 1}});
+  const PolygonMesh mesh = shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {2, 0, 0}},
+                                              {{1, 4, 2}, {0, 1, 1, 2, 3, 3, 0}, {0, 0, 1}});
   const Surface surface = mended(mesh, 1e-6, diagnostics);
-  EXPECT_EQ(surface.face_count(), 1u);
-  EXPECT_EQ(surface.face(FaceId(0)).size(), 4u);
+  EXPECT_EQ(surface.face_count(), 2u);
+  EXPECT_EQ(surface.face(FaceId(1)).size(), 4u);
   EXPECT_EQ(count_of(diagnostics, DiagnosticCode::kZeroAreaFace), 1u);
+  ASSERT_EQ(count_of(diagnostics, DiagnosticCode::kDuplicateVertex), 1u);
+  EXPECT_EQ(diagnostics.front().elements, (std::vector<std::uint64_t>{1}));
 }
 
 TEST(mend_faces, a_triangle_with_a_vertex_on_its_longest_edge_hands_it_over) {

@@ -20,7 +20,7 @@ export interface Finding {
   targets: Target[];
 }
 
-/** Diagnostics whose elements are vertices, not faces. */
+/** Diagnostics whose elements are vertices, not faces; but for those whose message says otherwise. */
 const kOfVertices = ["duplicate_vertex", "t_junction", "non_manifold_vertex", "unused_vertex"];
 /** Those that only tell. */
 const kHarmless = ["attribute_dropped", "trailing_bytes", "unused_vertex", "duplicate_vertex", "curved_surface"];
@@ -75,9 +75,9 @@ export function findingsOf(report: Report): Finding[] {
     });
   }
   for (const { code, count, elements, message } of report.diagnostics) {
+    const areVertices = kOfVertices.includes(code) && !message.endsWith("elements are faces");
     const targets = elements.map(
-      (element): Target =>
-        kOfVertices.includes(code) ? { kind: "vertex", vertex: element } : { kind: "face", face: element },
+      (element): Target => (areVertices ? { kind: "vertex", vertex: element } : { kind: "face", face: element }),
     );
     const text = `${sentence(message).replace(/; elements are [^;]*$/, "")}.`;
     found.push({ title: label(code), text, count, isWorse: !kHarmless.includes(code), side: "before", targets });
