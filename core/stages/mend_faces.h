@@ -12,10 +12,9 @@
 namespace remesh {
 
 /// Mends the faces of a welded surface.
-/// Input:   the plane tolerance, in local units; `as_it_is`, per input face or empty: 1 forbids to make a polygon of
-/// that
-///          face or to hand it a vertex. Later stages ask for it where a polygon turned out to have no triangulation of
-///          its own.
+/// Input:   the plane tolerance, in local units; `as_it_is`, per input face or empty: 1 forbids to make a polygon of it
+///          or to hand it a vertex. Later stages ask for it where a polygon turned out to have no triangulation of its
+///          own.
 /// Output:  a surface that holds all that Surface promises. A polygon comes as triangles in its place if it is not
 ///          planar within the tolerance, crosses itself in its plane, touches itself, or is to stay as it is; no cut is
 ///          an edge of another face (see PolygonCuts), which may take new vertices. A corner that repeats the one
