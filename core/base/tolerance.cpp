@@ -302,7 +302,11 @@ std::optional<Rounding> rounding_of_decimals(const Coordinates& coordinates, Dec
 }  // namespace
 
 double Rounding::step() const {
-  return steps.x == steps.y && steps.y == steps.z ? steps.x : std::sqrt(dot(steps, steps) / 3);
+  if (steps.x == steps.y && steps.y == steps.z) return steps.x;
+  // Near 1, where squares neither over- nor underflow.
+  const int exponent = std::ilogb(std::max({steps.x, steps.y, steps.z}));
+  const Vec3 scaled{std::ldexp(steps.x, -exponent), std::ldexp(steps.y, -exponent), std::ldexp(steps.z, -exponent)};
+  return std::ldexp(std::sqrt(dot(scaled, scaled) / 3), exponent);
 }
 
 Rounding rounding_of(std::span<const Vec3> positions, RunControl& control) {

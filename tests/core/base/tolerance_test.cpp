@@ -200,8 +200,12 @@ TEST(rounding_step, scaling_by_powers_of_two_scales_it) {
   std::vector<std::vector<Vec3>> families = {printed("%.6f", 10), printed("%.3f", 10), printed("%g", 10),
                                              printed("%.9g", 10), printed("%.0f", 10), printed("%.17g", 10)};
   families.push_back(with(families.back(), [](double x) { return static_cast<double>(static_cast<float>(x)); }));
+  // A step of its own for each coordinate.
+  families.push_back(families.back());
+  for (Vec3& p : families.back()) p = {p.x, 16 * p.y, 1024 * p.z};
+  // Squares of the largest and the smallest are no doubles.
   for (std::size_t i = 0; i < families.size(); ++i)
-    for (const int k : {-60, -40, -7, -1, 1, 3, 40, 60}) {
+    for (const int k : {-600, -60, -40, -7, -1, 1, 3, 40, 60, 600}) {
       const double scale = std::ldexp(1.0, k);
       EXPECT_EQ(rounding_step(with(families[i], [&](double x) { return scale * x; })),
                 scale * rounding_step(families[i]))
