@@ -28,10 +28,9 @@ std::optional<std::size_t> find_head_end(std::string_view bytes, std::size_t& ch
 std::string_view method_of(std::string_view bytes);
 
 /// Parses a whole head, the empty line included.
-/// Output:  `head`, which was empty, as far as parsing came where it fails: a refusal carries the request's id, if that
-/// was read. Errors:  400 - not HTTP/1.0 or 1.1, folded or malformed fields, no or several Host, a bad percent escape;
-/// 431 - too
-///          many fields.
+/// Output:  `head`, which was empty; where parsing fails, as far as it came: a refusal carries the request's id then.
+/// Errors:  400 - not HTTP/1.0 or 1.1, folded or malformed fields, no or several Host or one that is no host, a bad
+///          percent escape; 431 - too many fields.
 void parse_head(std::string_view bytes, const HeadLimits& limits, RequestHead& head);
 
 /// How a body is delimited (RFC 9112, section 6.3).

@@ -74,6 +74,11 @@ inline double squared_farthest(const FloatBox& b, const FloatBox& from) {
   return sum;
 }
 
+/// For trees in which nothing is noted.
+struct NoTag {
+  void join(NoTag) {}
+};
+
 /// The boxes stand in slots 0 .. n-1, neighbours in space near each other. Node j of level l has the slots
 /// [n j / 2^l, n (j+1) / 2^l): arithmetic, so that a node is its box and its tag and nothing else.
 /// Tag:    what is noted; `Tag::join(other)` makes it true of both.

@@ -49,8 +49,10 @@ class GapSearch {
   double nearest(const Vec3& place, PatchId patch, double limit) const;
 
   /// How near other patches are that some place of these pieces of the patch may face, and that share no vertex with
-  /// it; infinity if none is below `limit`. Never more than any gap there, and near what is beside them less. Input:
-  /// triangles in the patch, local units. Cost:   as `at`, and a few distances between triangles for each piece.
+  /// it: no more than the gaps there, and less where what is near is only beside them. Triangles that touch a piece, or
+  /// that the surface hides from it by the shortest way, are left out. Infinity if none is below `limit`.
+  /// Input:  triangles in the patch, in local units; the limit and the answer are in model units.
+  /// Cost:   as `at`, and a few distances between triangles for each piece.
   double beside(std::span<const std::array<Vec3, 3>> pieces, PatchId patch, double limit) const;
 
   /// The smallest gap of the whole surface; empty if there is none. Between patches that share no vertex it is exact,

@@ -49,9 +49,6 @@ class PatchContacts {
  private:
   /// Borders longer than this have a tree.
   static constexpr std::size_t kLongBorder = 32;
-  struct NoTag {
-    void join(NoTag) {}
-  };
 
   void find_vertex_patches(RunControl& control);
   void find_borders(RunControl& control);

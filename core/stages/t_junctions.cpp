@@ -21,9 +21,6 @@ namespace {
 constexpr std::size_t kBlock = 256;
 
 /// Nothing is noted on the boxes.
-struct NoTag {
-  void join(NoTag) {}
-};
 using VertexTree = BoxTree<NoTag>;
 
 /// A vertex on an open edge: its place in the edge's order, and how far off.

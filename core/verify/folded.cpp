@@ -10,9 +10,6 @@
 namespace remesh::verification {
 namespace {
 
-struct NoTag {
-  void join(NoTag) {}
-};
 using Boxes = BoxTree<NoTag>;
 
 Corners3 corners_of(const Model& model, std::uint32_t output_face) {
