@@ -16,6 +16,7 @@
 #include "core/refinement/patch_contacts.h"
 #include "core/refinement/steepness.h"
 #include "core/stages/polygon_split.h"
+#include "core/stages/projection.h"
 
 namespace remesh {
 namespace {
@@ -149,6 +150,7 @@ class GapSearch::Index {
         touching_squared_(std::pow(plane_tolerance / surface.unit, 2)) {
     find_triangles(patches, meshes, control);
     find_planes(patches, control);
+    find_axes(adjacency, patches, meshes, control);
     find_solids(adjacency, patches, control);
     find_boxes(control);
   }
@@ -164,7 +166,7 @@ class GapSearch::Index {
   }
   std::optional<double> smallest(RunControl& control) const;
 
-  const Vec3& normal_of(PatchId p) const { return slabs_[p].plane.normal; }
+  const Axes& axes_of(PatchId p) const { return axes_[p]; }
   std::size_t patch_count() const { return triangle_begin_.size() - 1; }
   std::span<const Triangle> triangles_of(PatchId p) const {
     return std::span(triangles_)
@@ -175,6 +177,8 @@ class GapSearch::Index {
   void find_triangles(const PatchSet& patches, std::span<const PatchMesh> meshes, RunControl& control);
   void add_faces(std::span<const FaceId> faces, RunControl& control);
   void find_planes(const PatchSet& patches, RunControl& control);
+  void find_axes(const Adjacency& adjacency, const PatchSet& patches, std::span<const PatchMesh> meshes,
+                 RunControl& control);
   void find_solids(const Adjacency& adjacency, const PatchSet& patches, RunControl& control);
   void find_boxes(RunControl& control);
   Layer layer_of(std::span<const std::uint32_t> triangles) const;
@@ -212,6 +216,7 @@ class GapSearch::Index {
   std::vector<Triangle> triangles_;            ///< patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< by patch
   IdVector<PatchId, Slab> slabs_;
+  IdVector<PatchId, Axes> axes_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;
   IdVector<PatchId, std::uint32_t> solids_;  ///< the closed, consistently wound component of the patch; or kOpen
   IdVector<PatchId, VertexId> hubs_;         ///< the vertex of the patch where the most patches meet
@@ -259,6 +264,29 @@ void GapSearch::Index::find_planes(const PatchSet& patches, RunControl& control)
         for (const VertexId v : t)
           slab.half_thickness = std::max(slab.half_thickness, std::fabs(slab.plane.distance(surface_.local[v])));
       slab.half_thickness += kRounding;
+    }
+  });
+}
+
+void GapSearch::Index::find_axes(const Adjacency& adjacency, const PatchSet& patches, std::span<const PatchMesh> meshes,
+                                 RunControl& control) {
+  axes_.resize(patch_count());
+  for_blocks(patch_count(), 1024, control, [&](std::size_t begin, std::size_t end) {
+    std::vector<Edge3> border;
+    for (std::size_t i = begin; i < end; ++i) {
+      const PatchId p(i);
+      if (!meshes.empty() && meshes[i].mesh.triangle_count() > 0) {
+        axes_[p] = Axes(meshes[i].frame);
+        continue;
+      }
+      const Vec3& normal = slabs_[p].plane.normal;
+      if (normal == Vec3{}) continue;
+      border.clear();
+      for (const FaceId f : patches.faces_of(p))
+        for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h)
+          if (is_patch_boundary(adjacency, patches, h))
+            border.push_back({surface_.local[adjacency.from(h)], surface_.local[adjacency.to(h)]});
+      axes_[p] = Axes(make_frame(normal, {}, {}, border, ReferenceAxis::kDominantEdge, {}, 1));
     }
   });
 }
@@ -463,7 +491,7 @@ double GapSearch::beside(std::span<const Corners3> pieces, PatchId patch, double
 }
 std::optional<double> GapSearch::smallest(RunControl& control) const { return index_->smallest(control); }
 std::size_t GapSearch::patch_count() const { return index_->patch_count(); }
-const Vec3& GapSearch::normal_of(PatchId patch) const { return index_->normal_of(patch); }
+const Axes& GapSearch::axes_of(PatchId patch) const { return index_->axes_of(patch); }
 std::span<const Triangle> GapSearch::triangles_of(PatchId patch) const { return index_->triangles_of(patch); }
 
 }  // namespace remesh

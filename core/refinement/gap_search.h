@@ -6,6 +6,7 @@
 #include <span>
 
 #include "core/base/run_control.h"
+#include "core/geometry/frame.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
@@ -62,10 +63,11 @@ class GapSearch {
   /// Holds:  the same for any number of threads.
   std::optional<double> smallest(RunControl& control) const;
 
-  /// The triangles that are searched: the same surface for whoever walks over it.
+  /// The triangles that are searched: the same surface for whoever walks over it. The axes are those of the mesh's
+  /// frame; without one, they lie along the patch's longest edge.
   std::size_t patch_count() const;
   std::span<const Triangle> triangles_of(PatchId patch) const;
-  const Vec3& normal_of(PatchId patch) const;  ///< of its plane, of length 1
+  const Axes& axes_of(PatchId patch) const;
 
  private:
   class Index;

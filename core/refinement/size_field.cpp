@@ -36,12 +36,12 @@ constexpr double kSteepest = 0x1p40;
 /// Of whichever field: any slot of a field is a place to begin, and no answer depends on where that is.
 thread_local std::size_t last_found = 0;
 
-/// A convex piece of a triangle: what a box leaves of it.
+/// A convex piece of a triangle: what a box leaves of it that has no end along z.
 class Piece {
  public:
   Piece(const Corners3& triangle, const Box3& box) {
     for (const Vec3& p : triangle) corners_[size_++] = p;
-    for (int axis = 0; axis < 3; ++axis) {
+    for (int axis = 0; axis < 2; ++axis) {
       clip(axis, 1, box.min[axis]);
       clip(axis, -1, -box.max[axis]);
     }
@@ -69,8 +69,8 @@ class Piece {
     size_ = count;
   }
 
-  /// Three and one more for each of the box's sides; rounding may make a few more along a side, which say nothing new.
-  static constexpr std::size_t kMostCorners = 12;
+  /// Three and one more for each of four sides; rounding may make a few more along a side, which say nothing new.
+  static constexpr std::size_t kMostCorners = 10;
 
   std::array<Vec3, kMostCorners> corners_;
   std::size_t size_ = 0;
@@ -97,8 +97,9 @@ class SizeField::Sampler {
   const std::vector<Sample>& samples() const { return samples_; }
 
  private:
-  /// What lies of a patch in a box. Boxes rather than triangles are cut, since triangles may be needles, many of them
-  /// side by side within one gap.
+  /// What lies of a patch in a box along its own axes, so that cells do not depend on how the part lies, and of any
+  /// depth. Boxes rather than triangles are cut, since triangles may be needles, many of them side by side within one
+  /// gap.
   struct Cell {
     PatchId patch;
     Box3 box;
@@ -115,8 +116,9 @@ class SizeField::Sampler {
   template <class CellAt>
   std::vector<Cell> look_at_all(const GapSearch& gaps, std::size_t n, const CellAt& cell_at);
 
-  Corners3 corners(const Triangle& t) const {
-    return {surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]]};
+  /// Along the axes.
+  Corners3 corners(const Triangle& t, const Axes& axes) const {
+    return {axes.along(surface_.local[t[0]]), axes.along(surface_.local[t[1]]), axes.along(surface_.local[t[2]])};
   }
   Samples::Entry entry(const FloatBox& box, double size) const {
     return {box, {FloatBox::rounded_down(std::max(size, floor_))}};
@@ -135,18 +137,20 @@ class SizeField::Sampler {
 
 void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const {
   const auto triangles = gaps.triangles_of(cell.patch);
-  std::vector<Vec3> outline;     // of all pieces
-  std::vector<Corners3> pieces;  // cut into triangles
+  const Axes& axes = gaps.axes_of(cell.patch);
+  std::vector<Vec3> outline;     // of all pieces, along the axes
+  std::vector<Corners3> pieces;  // cut into triangles, in space
   Box3 box;
   for (const std::uint32_t t : cell.triangles) {
     control_.check();
-    const Piece piece(corners(triangles[t]), cell.box);
+    const Piece piece(corners(triangles[t], axes), cell.box);
     const auto around = piece.corners();
     for (const Vec3& p : around) {
       outline.push_back(p);
       box.add(p);
     }
-    for (std::size_t i = 2; i < around.size(); ++i) pieces.push_back({around[0], around[i - 1], around[i]});
+    for (std::size_t i = 2; i < around.size(); ++i)
+      pieces.push_back({axes.in_space(around[0]), axes.in_space(around[i - 1]), axes.in_space(around[i])});
   }
   if (outline.empty()) return;
   // The place of the patch that is nearest to the middle of the box stands for all.
@@ -154,7 +158,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   Vec3 middle;
   double nearest = HUGE_VAL;
   for (const std::uint32_t t : cell.triangles) {
-    const Vec3 p = nearest_on_triangle(centre, corners(triangles[t]));
+    const Vec3 p = nearest_on_triangle(centre, corners(triangles[t], axes));
     if (norm_squared(p - centre) >= nearest) continue;
     nearest = norm_squared(p - centre);
     middle = p;
@@ -165,7 +169,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
 
   // Beyond that, no place of the cell has a gap that asks for less than the largest size.
   const double limit = (proximity_ * largest_ + reach) * surface_.unit;
-  const Vec3 place = surface_.centre + surface_.unit * middle;
+  const Vec3 place = surface_.centre + surface_.unit * axes.in_space(middle);
   const double gap = gaps.at(place, cell.patch, limit) / surface_.unit;
   const auto is_too_large_for = [&](double distance, double share) {
     return distance < HUGE_VAL && reach > share * std::max(distance, std::max(proximity_, 1.0) * floor_);
@@ -183,24 +187,25 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   }
   const double size = std::max((gap * (1 + 2 * kNoise) + tolerance_) / proximity_, floor_);
   if (size >= largest_ || size == HUGE_VAL) return;
-  FloatBox whole;
-  whole.add(box.min);
-  whole.add(box.max);
-  Layer layer(gaps.normal_of(cell.patch));
-  for (const Vec3& p : outline) layer.add(p);
-  out.samples.push_back({entry(whole, size), layer});
+  FloatBox in_space, along_axes;
+  for (const Vec3& p : outline) {
+    in_space.add(axes.in_space(p));
+    along_axes.add(p);
+  }
+  out.samples.push_back({entry(in_space, size), {cell.patch, along_axes}});
 }
 
 /// `box` is about what the cell really holds.
 void SizeField::Sampler::cut(const GapSearch& gaps, const Cell& cell, const Box3& box, std::vector<Cell>& cells) const {
   const auto triangles = gaps.triangles_of(cell.patch);
+  const Axes& axes = gaps.axes_of(cell.patch);
   const Vec3 size = box.max - box.min;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+  const int axis = size.x >= size.y ? 0 : 1;
   const double middle = 0.5 * (box.min[axis] + box.max[axis]);
   Cell low{cell.patch, box, {}}, high{cell.patch, box, {}};
   low.box.max[axis] = high.box.min[axis] = middle;
   for (const std::uint32_t t : cell.triangles) {
-    const auto [a, b, c] = corners(triangles[t]);
+    const auto [a, b, c] = corners(triangles[t], axes);
     if (std::max({a[axis], b[axis], c[axis]}) > middle) high.triangles.push_back(t);
     if (std::min({a[axis], b[axis], c[axis]}) <= middle) low.triangles.push_back(t);
   }
@@ -231,7 +236,8 @@ std::vector<SizeField::Sampler::Cell> SizeField::Sampler::look_at_all(const GapS
 
 void SizeField::Sampler::sample_gaps(const GapSearch& gaps) {
   const auto whole_patch = [&](std::size_t p) {
-    Cell cell{PatchId(p), box_, std::vector<std::uint32_t>(gaps.triangles_of(PatchId(p)).size())};
+    const Vec3 all{HUGE_VAL, HUGE_VAL, HUGE_VAL};
+    Cell cell{PatchId(p), {-all, all}, std::vector<std::uint32_t>(gaps.triangles_of(PatchId(p)).size())};
     std::iota(cell.triangles.begin(), cell.triangles.end(), 0u);
     return cell;
   };
@@ -252,7 +258,7 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
     box.add(a);
     box.add(b);
     // No segment is longer than itself, whatever rounding says.
-    samples_.push_back({entry(box, length * (1 + 2 * kNoise)), Layer(), {a, b}});
+    samples_.push_back({entry(box, length * (1 + 2 * kNoise)), {}, {a, b}});
   }
 }
 
@@ -264,10 +270,13 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
       unit_(surface.unit),
       is_of_segments_(gaps == nullptr) {
   Sampler sampler(surface, goals, plane_tolerance, control);
-  if (gaps != nullptr)
+  if (gaps != nullptr) {
+    axes_.reserve(gaps->patch_count());
+    for (std::size_t p = 0; p < gaps->patch_count(); ++p) axes_.push_back(gaps->axes_of(PatchId(p)));
     sampler.sample_gaps(*gaps);
-  else if (goals.gradation > 0)
+  } else if (goals.gradation > 0) {
     sampler.sample_segments(segments);
+  }
   set_samples(sampler.samples(), control);
   drop_dominated(control);
 }
@@ -284,25 +293,37 @@ void SizeField::set_samples(std::span<const Sample> samples, RunControl& control
   if (is_of_segments_)
     in_order(segments_, &Sample::segment);
   else
-    in_order(layers_, &Sample::layer);
+    in_order(cells_, &Sample::cell);
 }
 
 /// To a place. Not less than that to the box, whatever rounding says.
 inline double SizeField::distance(std::size_t slot, const Vec3& p) const {
   const double to_box = std::sqrt(squared_distance(samples_[slot].box, p));
-  if (!is_of_segments_) return std::max(layers_[slot].distance(p), to_box);
+  if (!is_of_segments_) {
+    const Cell& cell = cells_[slot];
+    return std::max(std::sqrt(squared_distance(cell.box, axes_[cell.patch].along(p))), to_box);
+  }
   const auto& [a, b] = segments_[slot];
   return std::max(norm(nearest_on_segment(p, a, b) - p), to_box);
 }
 
-/// From the place of another sample that is farthest, at most.
+/// From the place of another sample that is farthest.
 double SizeField::farthest(std::size_t slot, std::size_t from) const {
-  if (!is_of_segments_) return layers_[slot].farthest(samples_[from].box);
-  const auto& [a, b] = segments_[from];
-  return std::max(distance(slot, a), distance(slot, b));
+  double farthest = 0;
+  if (is_of_segments_) {
+    for (const Vec3& p : segments_[from]) farthest = std::max(farthest, distance(slot, p));
+    return farthest;
+  }
+  const auto& [patch, box] = cells_[from];
+  for (int corner = 0; corner < 8; ++corner) {
+    Vec3 p;
+    for (int axis = 0; axis < 3; ++axis) p[axis] = ((corner >> axis) & 1) != 0 ? box.max[axis] : box.min[axis];
+    farthest = std::max(farthest, distance(slot, axes_[patch].in_space(p)));
+  }
+  return farthest;
 }
 
-/// Does another sample ask for less at each place of this one's box? Then, by the triangle's inequality, everywhere.
+/// Does another sample ask for less at each place of this one? Then, by the triangle's inequality, everywhere.
 bool SizeField::is_dominated(std::size_t slot) const {
   const Samples::Entry& sample = samples_[slot];
   const double size = sample.tag.value;
@@ -334,7 +355,7 @@ void SizeField::drop_dominated(RunControl& control) {
   std::vector<Sample> samples;
   samples.reserve(kept.size());
   for (const std::uint32_t i : kept)
-    samples.push_back(is_of_segments_ ? Sample{samples_[i], Layer(), segments_[i]} : Sample{samples_[i], layers_[i]});
+    samples.push_back(is_of_segments_ ? Sample{samples_[i], {}, segments_[i]} : Sample{samples_[i], cells_[i], {}});
   set_samples(samples, control);
 }
 

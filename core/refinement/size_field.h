@@ -7,19 +7,19 @@
 #include <span>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/mesh/surface.h"
 #include "core/refinement/box_tree.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goals.h"
-#include "core/refinement/steepness.h"
 
 namespace remesh {
 
 /// The least, over samples, of the sample's size plus the slope times the distance from it, or a little less. A sample
-/// is a segment, or what lies both in a box and in a layer about its patch's plane: in space, so sizes also grade from
-/// patch to patch.
+/// is a segment, or a box along the axes of its patch: in space, so sizes also grade from patch to patch, and turn with
+/// the part.
 /// Holds:  at(x) <= goals.max_edge_length; |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1 (two edges of
 ///         lengths h and gradation h that meet: their sizes are read one h apart); it reads the input, never the
 ///         growing mesh; scales with it by powers of two, exactly; the same for any number of threads.
@@ -73,9 +73,14 @@ class SizeField {
   };
   using Samples = BoxTree<Size>;
   using Segment = std::array<Vec3, 2>;
+  /// What is in a box along the axes of a patch: a box along those of space is mostly air where it is askew.
+  struct Cell {
+    PatchId patch;
+    FloatBox box;
+  };
   struct Sample {
     Samples::Entry entry;
-    Layer layer;        ///< where the box is askew to the patch, most of it is air
+    Cell cell;
     Segment segment{};  ///< in a field of segments, instead
   };
   class Sampler;
@@ -95,7 +100,8 @@ class SizeField {
   double unit_ = 1;
   bool is_of_segments_ = false;
   Samples samples_;
-  std::vector<Layer> layers_;      ///< by slot, in a field of gaps
+  IdVector<PatchId, Axes> axes_;
+  std::vector<Cell> cells_;        ///< by slot, in a field of gaps
   std::vector<Segment> segments_;  ///< by slot, in a field of segments
 };
 

@@ -272,6 +272,29 @@ TEST(size_field, however_a_surface_lies_sizes_grow_from_its_segments_alike) {
   }
 }
 
+TEST(size_field, however_a_part_lies_sizes_from_its_gaps_are_the_same) {
+  // One gap of one width, which cells fill without a hole, and one that opens and ends, so where cells are cut shows.
+  const PolygonMesh wall = shapes::box({3, 2.3, 0.13});
+  const PolygonMesh wedge = shapes::joined(
+      shapes::sheet(3, 2.3, 1, 1),
+      shapes::moved(shapes::rotated(shapes::sheet(1.9, 1.7, 1, 1), {0.2, -1, 0}, 25), {0.4, 0.3, 0.0625}));
+  for (const PolygonMesh& part : {wall, wedge}) {
+    const Scene straight(part, goals(1, 1.5));
+    for (const double degrees : {90.0, 17.0, 120.0}) {
+      const Vec3 axis{1, 2, 3};
+      const Scene askew(shapes::rotated(part, axis, degrees), goals(1, 1.5));
+      EXPECT_EQ(straight.sizes.sample_count(), askew.sizes.sample_count());
+      Random random(9);
+      for (int i = 0; i < 1000; ++i) {
+        const Vec3 x = straight.place(random).point;
+        const PolygonMesh there =
+            shapes::rotated(shapes::moved(shapes::polygon({{0, 0}, {1, 0}, {0, 1}}), x), axis, degrees);
+        EXPECT_NEAR(askew.sizes.at(there.positions[VertexId(0)]), straight.sizes.at(x), 8 * kSingle);
+      }
+    }
+  }
+}
+
 TEST(size_field, a_length_is_allowed_if_it_is_at_most_the_size) {
   const Scene scene(thick_and_thin(), goals(1, 1.5));
   Random random(6);
