@@ -21,7 +21,8 @@ constexpr double kMostParts = 0x1p40;
 /// A strip's sides: by how much its width may change along it, and how far beyond one the other may begin, in widths.
 constexpr double kMostWidening = 1.25;
 constexpr double kMostShear = 0.5;
-/// Strips side by side are alike if their sides want parts in numbers that differ by no more.
+/// Strips side by side are alike if their sides want parts in numbers that differ by no more. Sides that want three and
+/// four parts are well as they are: the ends of one are between those of the other.
 constexpr double kAlike = 1.05;
 /// In sizes: the height of a row of equilateral triangles, a little less, so that the slanting edges are not too long.
 constexpr double kRow = 0.85;
@@ -193,7 +194,7 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
            pair != pairs.end() && (*pair)[0] == s; ++pair) {
         const SegmentId next = (*pair)[1];
         const double of_next = wanted[next.value];
-        if (is_seen[next.value] != 0 || std::fabs(of_next - of_seed) > (kAlike - 1) * of_seed + 1) continue;
+        if (is_seen[next.value] != 0 || std::fabs(of_next - of_seed) > (kAlike - 1) * of_seed) continue;
         const std::optional<bool> is_odd = is_odd_across(table, *pair, std::max(of_seed, of_next), goals, sizes);
         if (!is_odd) continue;
         is_seen[next.value] = 1;

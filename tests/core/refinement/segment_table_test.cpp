@@ -425,6 +425,23 @@ TEST(strips, sizes_below_half_of_the_parts_divide_evenly) {
   }
 }
 
+TEST(strips, sides_that_want_three_and_four_parts_have_them) {
+  // Facets 1 wide, and a size of 2: sides of 5.8 and 6.2 need three and four parts, and their ends are apart by
+  // themselves. Sides of 5.2 and 5.8 both need three, and take turns.
+  const auto cuts_of = [](double low, double high) {
+    const double in = (high - low) / 2;
+    const Subject subject(shapes::polygon({{0, 0}, {high, 0}, {high - in, 1}, {in, 1}}), goals(), 2);
+    const SegmentId longer = subject.between({0, 0, 0}, {high, 0, 0});
+    const SegmentId shorter = subject.between({in, 1, 0}, {high - in, 1, 0});
+    return std::pair(subject.table.size_cuts(shorter, subject.sizes), subject.table.size_cuts(longer, subject.sizes));
+  };
+  const auto [three, four] = cuts_of(5.8, 6.2);
+  EXPECT_EQ(three.size(), 2u);
+  EXPECT_EQ(four.size(), 3u);
+  const auto [even, between] = cuts_of(5.2, 5.8);
+  EXPECT_EQ(even.size() + between.size(), 2u + 3u);
+}
+
 TEST(strips, the_shortest_edge_goes_before_them) {
   const Subject subject(shapes::cylinder(16, 1, 10), goals(0.4));
   for (const SegmentId s : long_sides(subject, 16, 10)) EXPECT_GE(shortest_piece(all_cuts(subject.table, s), 10), 0.4);
