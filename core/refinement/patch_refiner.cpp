@@ -24,8 +24,6 @@ constexpr int kHeights = 5;
 constexpr double kHeightStep = 1.0 / 8;
 /// Edges that are to fill an area are aimed at this share of the largest that is allowed.
 constexpr double kTargetShare = 0.85;
-/// Edges may be longer than their size by rounding.
-constexpr double kSizeMargin = 1 + 1e-10;
 /// Two distances along segments are the same shell.
 constexpr double kSameShell = 1e-9;
 
@@ -36,11 +34,13 @@ double squared_length(Vec2 a) { return dot(a, a); }
 Criteria::Criteria(const Goals& goals, const SizeField& field)
     : has_sizes(!field.is_uniform() || std::isfinite(field.largest()) || std::isfinite(goals.max_area)),
       max_area(goals.max_area),
+      min_angle_deg(goals.min_angle_deg),
       min_edge_length(goals.min_edge_length),
       split_boundaries(goals.split_boundaries),
       sizes(field) {
   // The equilateral triangle of the largest area; a little less, since not all are equilateral.
   even_size = std::min(field.largest(), 0.95 * std::sqrt(4 / std::numbers::sqrt3 * goals.max_area));
+  area_edge = std::sqrt(4 / std::numbers::sqrt3 * goals.max_area);
   const double bound = goals.min_angle_deg > 0 ? (goals.min_angle_deg + kAngleMargin) * std::numbers::pi / 180 : 0;
   // Without a bound, sizes alone may still not make slivers.
   constexpr double kUsualBound = 20 * std::numbers::pi / 180;
@@ -97,7 +97,7 @@ PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
     return is_too_long(mesh_.point(mesh_.from(edge)), mesh_.point(mesh_.to(edge)));
   };
   shape.is_too_large = is_too_large_anywhere(shape.longest_squared, shape.twice_area) ||
-                       (!criteria_.sizes.is_uniform() && (is_long(h) || is_long(h + 1) || is_long(h + 2)));
+                       (do_sizes_vary() && (is_long(h) || is_long(h + 1) || is_long(h + 2)));
   return shape;
 }
 
@@ -109,7 +109,7 @@ bool PatchRefiner::is_sharp(double squares, double shortest_squared, double twic
 
 /// Is a triangle larger than any may be?
 bool PatchRefiner::is_too_large_anywhere(double longest_squared, double twice_area) const {
-  if (!criteria_.has_sizes) return false;
+  if (!criteria_.has_sizes || held_) return false;
   const double scale = patch_.frame.scale;
   if (twice_area / 2 * scale * scale > criteria_.max_area) return true;
   return std::sqrt(longest_squared) * scale > criteria_.sizes.largest() * kSizeMargin;
@@ -117,14 +117,25 @@ bool PatchRefiner::is_too_large_anywhere(double longest_squared, double twice_ar
 
 bool PatchRefiner::is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const {
   if (is_too_large_anywhere(longest_squared, twice_area)) return true;
-  if (criteria_.sizes.is_uniform()) return false;
+  if (!do_sizes_vary()) return false;
   return is_too_long(a, b) || is_too_long(b, c) || is_too_long(c, a);
 }
 
 /// An edge is measured by the size in its middle, as the pieces of segments are.
-bool PatchRefiner::is_too_long(Vec2 a, Vec2 b) const {
-  const double length = norm(b - a) * patch_.frame.scale;
-  return !criteria_.sizes.allows(length / kSizeMargin, to_space(0.5 * (a + b)));
+bool PatchRefiner::is_too_long(Vec2 a, Vec2 b) const { return !allows(norm(b - a) / kSizeMargin, 0.5 * (a + b)); }
+
+/// The longest edge at a place, both in the plane.
+double PatchRefiner::size_at(Vec2 p) const {
+  const double size = criteria_.sizes.at(to_space(p)), scale = patch_.frame.scale;
+  return held_ ? std::max(std::min(size, criteria_.area_edge) / scale, held_->at(p)) : size / scale;
+}
+
+/// Is an edge of that length short enough wherever it is within that radius of the place? All in the plane.
+bool PatchRefiner::allows(double length, Vec2 p, double radius) const {
+  const double scale = patch_.frame.scale;
+  const bool is_small = !held_ || length * scale <= criteria_.area_edge;
+  return (is_small && criteria_.sizes.allows(length * scale, to_space(p), radius * scale)) ||
+         (held_ && held_->allow(length, p, radius));
 }
 
 bool PatchRefiner::is_at_input_angle(std::uint32_t shortest) const {
@@ -248,9 +259,12 @@ Vec2 PatchRefiner::steiner_point(const Shape& shape) const {
   height = std::min(height, limit);
   const Vec2 middle = a + 0.5 * base;
   const Vec2 across{-base.y / length, base.x / length};
-  double size = std::min(criteria_.sizes.largest(), 1.5 * std::sqrt(criteria_.max_area));
-  if (!criteria_.sizes.is_uniform()) size = std::min(size, criteria_.sizes.at(to_space(middle + height * across)));
-  const double wanted = kTargetShare * size / patch_.frame.scale;
+  double size = std::min(criteria_.sizes.largest(), 1.5 * std::sqrt(criteria_.max_area)) / patch_.frame.scale;
+  if (held_)
+    size = size_at(middle + height * across);
+  else if (!criteria_.sizes.is_uniform())
+    size = std::min(size, size_at(middle + height * across));
+  const double wanted = kTargetShare * size;
   if (std::isfinite(wanted)) {
     const double fitting = wanted * wanted - shape.shortest_squared / 4;
     height = std::min(height, std::sqrt(std::max(fitting, 0.5 * shape.shortest_squared)));
@@ -312,10 +326,10 @@ PatchRefiner::Outcome PatchRefiner::outcome(Vec2 p, int most) const {
     const DelaunayMesh::RimEdge& e = rim[i];
     const Spanned s = spanned(p, mesh_.point(e.from), mesh_.point(e.to));
     next = i + 1 < rim.size() ? std::nullopt : first;
-    found.more_bad += is_sharp(s.squares, s.shortest_squared, s.twice_area) ||
-                      is_too_large_anywhere(s.longest_squared, s.twice_area) ||
-                      (!criteria_.sizes.is_uniform() &&
-                       (is_long_spoke(e.from, here) || is_long_spoke(e.to, next) || is_long_edge(e)));
+    found.more_bad +=
+        is_sharp(s.squares, s.shortest_squared, s.twice_area) ||
+        is_too_large_anywhere(s.longest_squared, s.twice_area) ||
+        (do_sizes_vary() && (is_long_spoke(e.from, here) || is_long_spoke(e.to, next) || is_long_edge(e)));
     found.least_shape = std::min(found.least_shape, s.twice_area / s.squares);
     if (i == 0) first = here;
     here = next;
@@ -581,7 +595,7 @@ std::optional<PatchRefiner::State> PatchRefiner::held_large(std::uint32_t t) con
     return why_uncut(std::array{mesh_.side(h)}, why_near(floor_on(segment_of(side))));
   };
   const std::uint32_t longest = longest_edge(t);
-  if (mesh_.is_constrained(longest) && (is_too_long_side(longest) || std::isfinite(criteria_.max_area)))
+  if (mesh_.is_constrained(longest) && (is_too_long_side(longest) || (!held_ && std::isfinite(criteria_.max_area))))
     return held_by(longest);
   std::optional<State> why;
   for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h) {
@@ -691,6 +705,11 @@ PatchRefiner::Refined PatchRefiner::finish() const {
       case State::kLocked: result.reason.push_back(UnrefinedReason::kBoundaryLocked); break;
       case State::kUnknown: result.reason.push_back(UnrefinedReason::kBudget); break;
       case State::kGood:
+        // Larger than asked for, for a side's sake.
+        result.reason.push_back(!held_                  ? UnrefinedReason::kSizeFloor
+                                : is_held_for_min_edge_ ? UnrefinedReason::kMinEdgeLength
+                                                        : UnrefinedReason::kBoundaryLocked);
+        break;
       case State::kSizeFloor: result.reason.push_back(UnrefinedReason::kSizeFloor); break;
     }
   }

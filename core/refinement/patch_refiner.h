@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <memory>
 #include <memory_resource>
 #include <optional>
 #include <span>
@@ -14,6 +15,7 @@
 #include "core/refinement/delaunay_mesh.h"
 #include "core/refinement/floor.h"
 #include "core/refinement/goals.h"
+#include "core/refinement/held_sizes.h"
 #include "core/refinement/refinement_progress.h"
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
@@ -45,6 +47,8 @@ struct Criteria {
   bool has_sizes;     ///< or any triangle is small enough
   double max_area;    ///< model units
   double even_size;   ///< edge of the triangles that fill wide areas; infinity: none
+  double area_edge;   ///< no triangle with edges of that length at most has more than the largest area
+  double min_angle_deg;
   double min_edge_length;
   bool split_boundaries;
   const SizeField& sizes;
@@ -112,6 +116,8 @@ class PatchRefiner {
 
  private:
   static constexpr std::uint32_t kNone = DelaunayMesh::kNone;
+  /// Edges may be longer than their size by rounding.
+  static constexpr double kSizeMargin = 1 + 1e-10;
 
   enum class State : std::uint8_t { kUnknown, kGood, kInputAngle, kAcrossInputAngle, kSizeFloor, kMinEdge, kLocked };
 
@@ -142,6 +148,7 @@ class PatchRefiner {
   void add_to_chain(std::uint32_t side);
   void collect_corners(PatchId id);
   void collect_sides(PatchId id);
+  void collect_held_sides(PatchId id, RunControl& control);
   bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
                     RunControl& control);
   /// The triangle from a point to an edge.
@@ -160,6 +167,9 @@ class PatchRefiner {
   bool is_too_large_anywhere(double longest_squared, double twice_area) const;
   bool is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const;
   bool is_too_long(Vec2 a, Vec2 b) const;
+  bool do_sizes_vary() const { return held_ != nullptr || !criteria_.sizes.is_uniform(); }
+  double size_at(Vec2 p) const;
+  bool allows(double length, Vec2 p, double radius = 0) const;
   State excuse(std::uint32_t shortest) const;
   void classify(std::uint32_t t);
   void classify_changed();
@@ -238,7 +248,9 @@ class PatchRefiner {
   const SegmentTable& segments_;
   const Criteria& criteria_;
   const std::uint32_t corner_count_;
-  Workplace* at_;  ///< during a turn
+  std::unique_ptr<const HeldSizes> held_;  ///< null: no side is longer than it may be, and stays
+  bool is_held_for_min_edge_ = false;      ///< all these sides are, for the shortest edge alone
+  Workplace* at_;                          ///< during a turn
   SmallBlocks memory_;
   DelaunayMesh mesh_{at_->mesh, &memory_};
   std::pmr::vector<SegmentId> segment_{&memory_};  ///< of each vertex that cuts one

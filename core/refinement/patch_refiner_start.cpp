@@ -101,6 +101,7 @@ PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTabl
   value_.assign(corner_count_, std::numeric_limits<double>::infinity());
   collect_corners(id);
   collect_sides(id);
+  collect_held_sides(id, control);
   if (!start_evenly(id, cuts, quota, control)) {
     segment_.resize(corner_count_);
     value_.resize(corner_count_);
@@ -208,6 +209,24 @@ void PatchRefiner::collect_sides(PatchId id) {
   }
 }
 
+/// Sides that are longer than sizes allow, and stay.
+void PatchRefiner::collect_held_sides(PatchId id, RunControl& control) {
+  if (!criteria_.has_sizes) return;
+  std::vector<HeldSide> held;
+  is_held_for_min_edge_ = true;
+  for (const std::uint32_t i : segments_.sides_of_patch(id)) {
+    const SegmentSide& side = segments_.all_sides()[i];
+    const BoundarySegment& segment = segments_[side.segment];
+    if (!segment.is_locked) continue;
+    const Vec2 a = patch_.uv[patch_.mesh.from(side.half_edge)], b = patch_.uv[patch_.mesh.to(side.half_edge)];
+    const double size = std::min(criteria_.sizes.at(to_space(0.5 * (a + b))), criteria_.area_edge) / patch_.frame.scale;
+    if (!(norm(b - a) > size * kSizeMargin)) continue;
+    held.push_back({a, b, size});
+    is_held_for_min_edge_ = is_held_for_min_edge_ && segment.is_lock_asked;
+  }
+  if (!held.empty()) held_ = std::make_unique<const HeldSizes>(held, criteria_.min_angle_deg, control);
+}
+
 /// Where there are sizes, the patch is triangulated anew from its cut boundary and lattices of points inside. Returns
 /// false where that would change nothing, or rounding forbids it; vertices and sides are as they may be then.
 bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
@@ -267,7 +286,11 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
 
   // Lattices do not ask how short their edges are: half the size they may be.
   PlaneSizes plane_sizes;
-  if (sizes.is_uniform()) {
+  if (held_) {
+    plane_sizes = {[&](Vec2 p) { return size_at(p); },
+                   [&](double length, Vec2 p, double radius) { return allows(length, p, radius); }, false,
+                   SizeField::kNoise};
+  } else if (sizes.is_uniform()) {
     const double size = criteria_.even_size / scale;
     plane_sizes = {[size](Vec2) { return size; }, [size](double length, Vec2, double) { return length <= size; }};
   } else {

@@ -34,6 +34,7 @@ double squared_length(Vec2 a) { return dot(a, a); }
 
 /// May an edge at that place be so long, in the plane?
 bool PatchRefiner::is_allowed(double length, Vec2 p) const {
+  if (held_) return allows(length, p);
   const double in_space = length * patch_.frame.scale;
   return in_space <= criteria_.even_size &&
          (criteria_.sizes.is_uniform() || criteria_.sizes.allows(in_space, to_space(p)));
@@ -209,7 +210,7 @@ void PatchRefiner::thin_out(RunControl& control, RefinementProgress& progress) {
     waiting.push_back(v);
   };
   waiting.clear();
-  const std::uint32_t first = criteria_.sizes.is_uniform() ? first_refined_ : 0;
+  const std::uint32_t first = do_sizes_vary() ? 0 : first_refined_;
   for (std::uint32_t v = mesh_.vertex_slots(); v-- > first;)
     if (mesh_.is_live_vertex(v)) wait(v);
   for (std::uint32_t steps = 1; !waiting.empty(); ++steps) {

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <tuple>
 #include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
+#include "core/refinement/held_sizes.h"
 #include "core/refinement/strips.h"
 #include "core/stages/projection.h"
 
@@ -86,6 +88,7 @@ class PatchPrediction {
   Prediction run(std::vector<EdgePieces>& many_pieces, RunControl& control) const {
     const Triangulation2d& mesh = patch_.mesh;
     const double scale = patch_.frame.scale;
+    const std::unique_ptr<const HeldSizes> held = held_sizes(control);
     double pieces = 0, area = 0, by_angle = 0, by_size = 0;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
       control.check();
@@ -108,11 +111,11 @@ class PatchPrediction {
         is_filled = is_filled || length[k] > std::min({length[0], length[1], length[2]});
       }
       by_angle += is_filled ? 1 : faces_for_angle(length, triangle);
-      by_size += faces_for_size(p, triangle);
+      by_size += faces_for_size(p, triangle, held.get());
     }
     Prediction result;
     result.expected = std::max({static_cast<double>(mesh.triangle_count()), pieces - 2,
-                                area / largest_area(goals_, sizes_), by_angle, by_size});
+                                held ? 0 : area / largest_area(goals_, sizes_), by_angle, by_size});
     return result;
   }
 
@@ -154,9 +157,32 @@ class PatchPrediction {
     return sharpness <= 1 ? 1 : 1 + 2 * std::log2(sharpness);
   }
 
-  double faces_for_size(const Vec2 (&p)[3], double area) const {
-    const double edge = std::min(sizes_.largest(), std::sqrt(goals_.max_area * 4 / std::numbers::sqrt3));
-    if (sizes_.is_uniform()) return std::isfinite(edge) ? kFacesPerIdeal * area / ideal_area(edge) : 0;
+  double longest_edge() const {
+    return std::min(sizes_.largest(), std::sqrt(goals_.max_area * 4 / std::numbers::sqrt3));
+  }
+  double size_at(Vec2 p) const {
+    return sizes_.is_uniform() ? longest_edge() : std::min(longest_edge(), sizes_.at(to_space(patch_.frame, p)));
+  }
+
+  /// Null if all sides may be cut, or none needs to be.
+  std::unique_ptr<const HeldSizes> held_sizes(RunControl& control) const {
+    if (goals_.split_boundaries || (sizes_.is_uniform() && !std::isfinite(longest_edge()))) return nullptr;
+    const Triangulation2d& mesh = patch_.mesh;
+    std::vector<HeldSide> sides;
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
+      if (!mesh.is_constrained(h)) continue;
+      const Vec2 a = patch_.uv[mesh.from(h)], b = patch_.uv[mesh.to(h)];
+      const double size = size_at(0.5 * (a + b)) / patch_.frame.scale;
+      if (norm(b - a) > size) sides.push_back({a, b, size});
+    }
+    if (sides.empty()) return nullptr;
+    return std::make_unique<const HeldSizes>(sides, goals_.min_angle_deg, control);
+  }
+
+  double faces_for_size(const Vec2 (&p)[3], double area, const HeldSizes* held) const {
+    const double edge = longest_edge();
+    if (sizes_.is_uniform() && held == nullptr)
+      return std::isfinite(edge) ? kFacesPerIdeal * area / ideal_area(edge) : 0;
     // Sizes are read in the middles of small triangles of it.
     constexpr int kParts = 6;
     const double part = area / (kParts * kParts);
@@ -166,7 +192,8 @@ class PatchPrediction {
         for (int up = 0; up < (i + j + 1 < kParts ? 2 : 1); ++up) {
           const double u = (i + (1.0 + up) / 3) / kParts, v = (j + (1.0 + up) / 3) / kParts;
           const Vec2 at = p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
-          const double size = std::min(edge, sizes_.at(to_space(patch_.frame, at)));
+          double size = size_at(at);
+          if (held != nullptr) size = std::max(size, held->at(at) * patch_.frame.scale);
           if (std::isfinite(size)) faces += kFacesPerIdeal * part / ideal_area(size);
         }
     return faces;

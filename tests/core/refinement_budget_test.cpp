@@ -92,17 +92,6 @@ TEST(refinement_budget, what_is_made_in_between_and_thinned_out_is_no_reason_to_
   }
 }
 
-TEST(refinement_budget, predictions_that_are_too_high_are_no_reason_to_leave_anything_undone) {
-  Options options = with_length(0.05);
-  options.split_boundaries = false;
-  const Result all = refined(shapes::box({1, 1, 1}), options);
-  options.max_output_faces = all.mesh.faces.size();
-  ASSERT_GT(all.report.predicted_faces, 100 * *options.max_output_faces);
-  const Result result = refined(shapes::box({1, 1, 1}), options);
-  EXPECT_EQ(result.mesh.positions, all.mesh.positions);
-  EXPECT_EQ(result.mesh.faces, all.mesh.faces);
-}
-
 TEST(refinement_budget, what_thinning_out_leaves_room_for_is_used) {
   Options options = with_angle(33);
   options.proximity = 2;

@@ -488,6 +488,28 @@ TEST(refinement, boundaries_that_must_not_be_split_get_no_vertex) {
   }
 }
 
+TEST(refinement, away_from_boundaries_that_must_not_be_split_bounds_are_met) {
+  // Sides 10 to 50 times as long as the size; however the part lies.
+  for (const double length : {0.1, 0.04, 0.02}) {
+    std::vector<double> faces;
+    for (const double degrees : {0.0, 33.0}) {
+      const PolygonMesh box = shapes::rotated(shapes::box({1, 1, 1}), {1, 2, 3}, degrees);
+      Options options = with_length(length);
+      options.split_boundaries = false;
+      const Result result = refined(box, options);
+      expect_promises(box, options, result);
+      EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kBoundaryLocked));
+      // What is farther from the sides than a third of their length: a ninth of a square.
+      const double ideal = std::sqrt(3) / 4 * length * length;
+      EXPECT_GT(static_cast<double>(result.mesh.faces.size() - listed(result.report)), 6.0 / 9 / ideal);
+      faces.push_back(static_cast<double>(result.mesh.faces.size()));
+      EXPECT_LT(faces.back() / 2, static_cast<double>(result.report.predicted_faces));
+      EXPECT_GT(faces.back() * 2, static_cast<double>(result.report.predicted_faces));
+    }
+    EXPECT_NEAR(faces[1] / faces[0], 1, 0.1);
+  }
+}
+
 TEST(refinement, over_boundaries_that_must_not_be_split_triangles_do_not_get_flatter) {
   // A frame as wide as the size, its sides eight times as long.
   Options options = with_length(1);

@@ -1,0 +1,60 @@
+#include "core/refinement/held_sizes.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "core/refinement/distances.h"
+
+namespace remesh {
+namespace {
+
+constexpr double kLeastDegrees = 20;
+/// Of the slope of the best graded triangles. With 1 half of a square stays coarse that could be as fine as asked; with
+/// 2.5 there are angles of half a degree, with this of 6.
+constexpr double kSteeper = 1.5;
+
+Vec3 in_space(Vec2 p) { return {p.x, p.y, 0}; }
+
+/// Triangles on one another's sides, all with two angles of the bound, have sides 1/(2 cos) times as long at each step,
+/// and the height of tan/2 times their base: that is how fast sizes can shrink.
+double steepest_slope(double min_angle_deg) {
+  const double angle = std::max(min_angle_deg, kLeastDegrees) * std::numbers::pi / 180;
+  return kSteeper * (1 - 1 / (2 * std::cos(angle))) * 2 / std::tan(angle);
+}
+
+}  // namespace
+
+HeldSizes::HeldSizes(std::span<const HeldSide> sides, double min_angle_deg, RunControl& control)
+    : steepest_(steepest_slope(min_angle_deg)) {
+  std::vector<BoxTree<Shrinking>::Entry> entries;
+  entries.reserve(sides.size());
+  for (const HeldSide& side : sides) {
+    FloatBox box;
+    box.add(in_space(side.from));
+    box.add(in_space(side.to));
+    const double length = norm(side.to - side.from);
+    // What is little too long needs little room to shrink: all sizes are reached at the same part of the length.
+    entries.push_back({box, {length, steepest_ * std::max(0.0, 1 - side.size / length)}});
+  }
+  tree_ = BoxTree<Shrinking>(entries, control);
+  sides_.resize(sides.size());
+  for (std::size_t slot = 0; slot < sides.size(); ++slot) sides_[slot] = sides[tree_.number(slot)];
+}
+
+double HeldSizes::at(Vec2 place) const {
+  const Vec3 p = in_space(place);
+  double least = 0;  // of the sizes' negatives
+  tree_.search(
+      least,
+      [&](const BoxTree<Shrinking>::Entry& e) {
+        return e.tag.slope * std::sqrt(squared_distance(e.box, p)) - e.tag.size;
+      },
+      [&](std::size_t slot) {
+        const auto& [size, slope] = tree_[slot].tag;
+        const Vec3 nearest = nearest_on_segment(p, in_space(sides_[slot].from), in_space(sides_[slot].to));
+        least = std::min(least, slope * norm(nearest - p) - size);
+      });
+  return -least;
+}
+
+}  // namespace remesh
