@@ -110,8 +110,14 @@ class SizeField::Sampler {
     std::vector<Cell> cells;
   };
 
+  /// A triangle of a patch, and the box about what of it is in a cell.
+  struct Part {
+    std::uint32_t triangle;
+    Box3 box;
+  };
+
   void look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const;
-  void cut(const GapSearch& gaps, const Cell& cell, const Box3& box, std::vector<Cell>& cells) const;
+  static void cut(PatchId patch, std::span<const Part> parts, const Box3& box, std::vector<Cell>& cells);
   /// Looks at n cells, `cell_at(i)`, in parallel; the output in their order.
   template <class CellAt>
   std::vector<Cell> look_at_all(const GapSearch& gaps, std::size_t n, const CellAt& cell_at);
@@ -140,15 +146,20 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   const Axes& axes = gaps.axes_of(cell.patch);
   std::vector<Vec3> outline;     // of all pieces, along the axes
   std::vector<Corners3> pieces;  // cut into triangles, in space
+  std::vector<Part> parts;
   Box3 box;
   for (const std::uint32_t t : cell.triangles) {
     control_.check();
     const Piece piece(corners(triangles[t], axes), cell.box);
     const auto around = piece.corners();
+    if (around.empty()) continue;
+    Part part{t, {}};
     for (const Vec3& p : around) {
       outline.push_back(p);
-      box.add(p);
+      part.box.add(p);
     }
+    box.add(part.box);
+    parts.push_back(part);
     for (std::size_t i = 2; i < around.size(); ++i)
       pieces.push_back({axes.in_space(around[0]), axes.in_space(around[i - 1]), axes.in_space(around[i])});
   }
@@ -157,8 +168,8 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   const Vec3 centre = 0.5 * (box.min + box.max);
   Vec3 middle;
   double nearest = HUGE_VAL;
-  for (const std::uint32_t t : cell.triangles) {
-    const Vec3 p = nearest_on_triangle(centre, corners(triangles[t], axes));
+  for (const Part& part : parts) {
+    const Vec3 p = nearest_on_triangle(centre, corners(triangles[part.triangle], axes));
     if (norm_squared(p - centre) >= nearest) continue;
     nearest = norm_squared(p - centre);
     middle = p;
@@ -182,7 +193,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
     return reach > coarse_ && is_too_large_for(gaps.nearest(place, cell.patch, limit) / surface_.unit, kReach);
   };
   if (may_cut && (is_too_large_for(gap, kReach) || is_too_large_beside())) {
-    cut(gaps, cell, box, out.cells);
+    cut(cell.patch, parts, box, out.cells);
     return;
   }
   const double size = std::max((gap * (1 + 2 * kNoise) + tolerance_) / proximity_, floor_);
@@ -195,19 +206,16 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   out.samples.push_back({entry(in_space, size), {cell.patch, along_axes}});
 }
 
-/// `box` is about what the cell really holds.
-void SizeField::Sampler::cut(const GapSearch& gaps, const Cell& cell, const Box3& box, std::vector<Cell>& cells) const {
-  const auto triangles = gaps.triangles_of(cell.patch);
-  const Axes& axes = gaps.axes_of(cell.patch);
+/// `box` is about all parts.
+void SizeField::Sampler::cut(PatchId patch, std::span<const Part> parts, const Box3& box, std::vector<Cell>& cells) {
   const Vec3 size = box.max - box.min;
   const int axis = size.x >= size.y ? 0 : 1;
   const double middle = 0.5 * (box.min[axis] + box.max[axis]);
-  Cell low{cell.patch, box, {}}, high{cell.patch, box, {}};
+  Cell low{patch, box, {}}, high{patch, box, {}};
   low.box.max[axis] = high.box.min[axis] = middle;
-  for (const std::uint32_t t : cell.triangles) {
-    const auto [a, b, c] = corners(triangles[t], axes);
-    if (std::max({a[axis], b[axis], c[axis]}) > middle) high.triangles.push_back(t);
-    if (std::min({a[axis], b[axis], c[axis]}) <= middle) low.triangles.push_back(t);
+  for (const Part& part : parts) {
+    if (part.box.max[axis] > middle) high.triangles.push_back(part.triangle);
+    if (part.box.min[axis] <= middle) low.triangles.push_back(part.triangle);
   }
   cells.push_back(std::move(low));
   cells.push_back(std::move(high));
