@@ -668,15 +668,22 @@ void PatchRefiner::treat(const Task& task) {
 void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
   quota_ = quota;
   Task task;
-  std::uint32_t steps = 0, told = triangle_count();
+  std::uint32_t told = triangle_count();
+  std::size_t work = 0;
   const auto tell = [&] {
     const std::uint32_t now = triangle_count();
     progress.add(std::int64_t{now} - std::exchange(told, now));
   };
   const auto announce = [&](const Task& soon) { mesh_.prefetch(soon.half_edge, {soon.a, soon.b, soon.c}); };
   while (quota_ > 0 && !impossible_.is_valid() && waiting_.pop(task, announce)) {
-    if (++steps % 1024 == 0) tell();
+    // Among many points on one circle, one step may go through as many triangles.
+    constexpr std::size_t kOften = 1024, kTrianglesOfStep = 8;
+    if (work >= kOften) {
+      tell();
+      work = 0;
+    }
     treat(task);
+    work += 1 + mesh_.cavity().size() / kTrianglesOfStep;
   }
   tell();
 }
