@@ -155,9 +155,9 @@ class GapSearch::Index {
     find_boxes(control);
   }
 
-  double distance(const Vec3& place, PatchId patch, double limit, What what) const {
+  double distance(const Vec3& place, PatchId patch, double limit, What what, const Triangle* on) const {
     const double below = limit / surface_.unit;
-    const double found = squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below, what);
+    const double found = squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below, what, on);
     return std::sqrt(found) * surface_.unit;
   }
   double beside(std::span<const Corners3> pieces, PatchId patch, double limit) const {
@@ -184,7 +184,7 @@ class GapSearch::Index {
   Layer layer_of(std::span<const std::uint32_t> triangles) const;
   void look_at_corners(SharedLeast& least, RunControl& control) const;
   void look_between_triangles(SharedLeast& least, RunControl& control) const;
-  double squared_gap(const Vec3& p, PatchId patch, double below, What what) const;
+  double squared_gap(const Vec3& p, PatchId patch, double below, What what, const Triangle* on = nullptr) const;
   double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below) const;
 
   /// Does the way leave one patch inwards and come to the other from outside, or the other way round, and both bound
@@ -343,7 +343,7 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
 }
 
 /// In local units; infinity if it is not below that square.
-double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what) const {
+double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what, const Triangle* on) const {
   const bool is_all = what == What::kAll;
   double best = below;
   HiddenPatches is_hidden(contacts_, p, patch);
@@ -372,7 +372,8 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
         if (d >= best || d <= touching_squared_ || !(is_all || slabs_[patch].is_steep(q - p)) ||
             is_blocked(q - p, patch, other) || is_hidden(other, slabs_[other], d))
           return;
-        if (!contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) best = d;
+        if (contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) return;
+        if (on == nullptr || !do_intersect(*on, triangle(slot), surface_.local.items())) best = d;
       });
   return best < below ? best : HUGE_VAL;
 }
@@ -480,11 +481,11 @@ GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const P
     : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, meshes)) {}
 GapSearch::~GapSearch() = default;
 
-double GapSearch::at(const Vec3& place, PatchId patch, double limit) const {
-  return index_->distance(place, patch, limit, What::kFaced);
+double GapSearch::at(const Vec3& place, PatchId patch, double limit, const Triangle* on) const {
+  return index_->distance(place, patch, limit, What::kFaced, on);
 }
-double GapSearch::nearest(const Vec3& place, PatchId patch, double limit) const {
-  return index_->distance(place, patch, limit, What::kAll);
+double GapSearch::nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on) const {
+  return index_->distance(place, patch, limit, What::kAll, on);
 }
 double GapSearch::beside(std::span<const Corners3> pieces, PatchId patch, double limit) const {
   return index_->beside(pieces, patch, limit);

@@ -43,11 +43,13 @@ class GapSearch {
   ~GapSearch();
 
   /// The gap at a place of that patch, model units; infinity if it is not less than `limit`.
+  /// Input:  a triangle of the patch: those that cross it, or touch it but where they are joined to it, do not count:
+  ///         gaps to these have no smallest one.
   /// Cost:   O(log n) and what is faced about as far as the answer: in a sphere a whole circle, n^(1/2) triangles.
-  double at(const Vec3& place, PatchId patch, double limit) const;
+  double at(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr) const;
 
   /// The same, but for all that would count if it were faced: what another place near this one may face.
-  double nearest(const Vec3& place, PatchId patch, double limit) const;
+  double nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr) const;
 
   /// How near other patches are that some place of these pieces of the patch may face, and that share no vertex with
   /// it: no more than the gaps there, and less where what is near is only beside them. Triangles that touch a piece, or

@@ -167,12 +167,14 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   // The place of the patch that is nearest to the middle of the box stands for all.
   const Vec3 centre = 0.5 * (box.min + box.max);
   Vec3 middle;
+  const Triangle* on = nullptr;
   double nearest = HUGE_VAL;
   for (const Part& part : parts) {
     const Vec3 p = nearest_on_triangle(centre, corners(triangles[part.triangle], axes));
     if (norm_squared(p - centre) >= nearest) continue;
     nearest = norm_squared(p - centre);
     middle = p;
+    on = &triangles[part.triangle];
   }
   double squared_reach = 0;
   for (const Vec3& p : outline) squared_reach = std::max(squared_reach, norm_squared(p - middle));
@@ -181,7 +183,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   // Beyond that, no place of the cell has a gap that asks for less than the largest size.
   const double limit = (proximity_ * largest_ + reach) * surface_.unit;
   const Vec3 place = surface_.centre + surface_.unit * axes.in_space(middle);
-  const double gap = gaps.at(place, cell.patch, limit) / surface_.unit;
+  const double gap = gaps.at(place, cell.patch, limit, on) / surface_.unit;
   const auto is_too_large_for = [&](double distance, double share) {
     return distance < HUGE_VAL && reach > share * std::max(distance, std::max(proximity_, 1.0) * floor_);
   };
@@ -190,7 +192,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
     constexpr double kMoreThanMatters = 1.1;
     const double near = std::min(limit, kMoreThanMatters / kReachBeside * reach * surface_.unit);
     if (is_too_large_for(gaps.beside(pieces, cell.patch, near) / surface_.unit, kReachBeside)) return true;
-    return reach > coarse_ && is_too_large_for(gaps.nearest(place, cell.patch, limit) / surface_.unit, kReach);
+    return reach > coarse_ && is_too_large_for(gaps.nearest(place, cell.patch, limit, on) / surface_.unit, kReach);
   };
   if (may_cut && (is_too_large_for(gap, kReach) || is_too_large_beside())) {
     cut(cell.patch, parts, box, out.cells);

@@ -295,6 +295,22 @@ TEST(size_field, however_a_part_lies_sizes_from_its_gaps_are_the_same) {
   }
 }
 
+TEST(size_field, what_crosses_a_facet_has_no_gap_to_it_but_what_is_above_it_has) {
+  // Two sheets that cross at 30 degrees, far from the middle of either; then a third one over the first.
+  const PolygonMesh crossing =
+      shapes::joined(shapes::sheet(4, 4, 1, 1),
+                     shapes::moved(shapes::rotated(shapes::sheet(4, 4, 1, 1), {0.2, -1, 0}, 30), {0.1, 0.3, -0.4}));
+  const Scene alone(crossing, goals(1, 1.5));
+  Random random(9);
+  double least = kFar;
+  for (int i = 0; i < 1000; ++i) least = std::min(least, alone.sizes.at(alone.place(random).point));
+  // Of each sheet one triangle ends before the other sheet.
+  EXPECT_GT(least, 0.1);
+  const Scene covered(shapes::joined(crossing, shapes::moved(shapes::sheet(0.5, 0.5, 1, 1), {3.2, 0.4, 0.125})),
+                      goals(1, 1.5));
+  EXPECT_NEAR(covered.sizes.at({3.4, 0.6, 0}), 0.125, kSingle);
+}
+
 TEST(size_field, a_length_is_allowed_if_it_is_at_most_the_size) {
   const Scene scene(thick_and_thin(), goals(1, 1.5));
   Random random(6);
