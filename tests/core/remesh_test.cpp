@@ -305,6 +305,16 @@ TEST(remesh_surface, scaling_by_powers_of_two_gives_the_same_faces) {
   }
 }
 
+TEST(remesh_surface, near_the_largest_doubles_the_tolerance_comes_from_the_digits_as_anywhere) {
+  const PolygonMesh mesh = shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 5), {1, 2, 3}, 40), 1e-6);
+  const Result expected = remeshed(mesh);
+  const double scale = 0x1p1000;
+  const Result result = remeshed(shapes::scaled(mesh, scale));
+  EXPECT_EQ(result.mesh.faces.items(), expected.mesh.faces.items());
+  EXPECT_EQ(result.report.plane_tolerance, scale * expected.report.plane_tolerance);
+  EXPECT_EQ(result.report.rounding_step, scale * expected.report.rounding_step);
+}
+
 TEST(remesh_surface, renumbering_changes_no_triangle) {
   for (const PolygonMesh& mesh :
        {shapes::ring(4), bracket(), shapes::sphere(3), shapes::two_squares_touching_at_a_vertex(2),
