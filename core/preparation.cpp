@@ -52,18 +52,16 @@ class Preparation {
     const Rounding rounding = rounding_of(surface().positions.items(), control_);
     report_.rounding_step = rounding.step();
     report_.plane_tolerance_is_automatic = !options_.plane_tolerance.has_value();
-    if (options_.plane_tolerance) {
-      report_.plane_tolerance = *options_.plane_tolerance;
-      return;
-    }
-    const AutomaticTolerance automatic = automatic_tolerance(rounding.step(), diagonal);
+    const AutomaticTolerance of_step = automatic_tolerance(rounding.step(), diagonal);
     const double unit = surface().unit;
-    report_.plane_tolerance = automatic.value;
-    if (automatic.if_noisy != automatic.value && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
-                                                                  automatic.value / unit, automatic.if_noisy / unit))
-      report_.plane_tolerance = automatic.if_noisy;
-    if (rounding.is_decimal && report_.plane_tolerance == kToleranceSteps * rounding.step())
-      prepared_.printed_steps = rounding.steps;
+    double automatic = of_step.value;
+    if (of_step.if_noisy != of_step.value && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
+                                                              of_step.value / unit, of_step.if_noisy / unit))
+      automatic = of_step.if_noisy;
+    report_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
+    // Who asks for more than the digits explain wants to flatten what bends by more, too.
+    const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.step();
+    if (are_digits_noise && report_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.steps;
   }
 
   void mend() {

@@ -24,7 +24,7 @@ class Prepared {
  public:
   Surface surface;
   std::vector<FaceId> without_area;  ///< that were left so
-  Vec3 printed_steps = {};  ///< model units; of the decimals that the tolerance comes from, per axis; 0: of none
+  Vec3 printed_steps = {};           ///< model units, per axis; of decimals that explain the tolerance; 0: none do
 
   /// Of the surface; made when they are asked for and not there.
   const Adjacency& adjacency();

@@ -111,9 +111,14 @@ struct Diagnostic {
   std::vector<std::uint64_t> elements;
   std::string message;
 
+  /// Elements may come in any order: the first in the input's are kept, in that order.
   void add(std::uint64_t element) {
     ++count;
-    if (elements.size() < kMaxElements) elements.push_back(element);
+    if (elements.size() == kMaxElements) {
+      if (element >= elements.back()) return;
+      elements.pop_back();
+    }
+    elements.insert(std::upper_bound(elements.begin(), elements.end(), element), element);
   }
   /// Counts once for both, which are listed next to each other.
   void add_pair(std::uint64_t first, std::uint64_t second) {

@@ -79,7 +79,8 @@ Decimal shortest(double x, Decimals decimals) {
 }
 
 /// The coordinates that say something, looked at by blocks in parallel: those nearer to 0 than any tolerance are a 0
-/// that arithmetic has missed, as in 6.1e-17 for the cosine of a right angle.
+/// that arithmetic has missed, as in 6.1e-17 for the cosine of a right angle. They are scaled by a power of two to be
+/// near 1: decimals of a number near the largest double are none themselves.
 class Coordinates {
  public:
   Coordinates(std::span<const Vec3> positions, RunControl& control) : positions_(positions), control_(control) {
@@ -90,14 +91,22 @@ class Coordinates {
            return of_block;
          }))
       box.add(part);
-    negligible_ = kToleranceFloor * box.diagonal();
     if (box.is_empty()) return;
+    const auto most_of = [](const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); };
+    // A power that has a reciprocal, too.
+    constexpr int kMost = 1000;
+    if (const double most = std::max(most_of(box.min), most_of(box.max)); most > 0)
+      unit_ = std::ldexp(1.0, std::clamp(std::ilogb(most), -kMost, kMost));
+    box = {(1 / unit_) * box.min, (1 / unit_) * box.max};
+    negligible_ = kToleranceFloor * box.diagonal();
     for (int axis = 0; axis < 3; ++axis) {
       const double most = std::max(std::fabs(box.min[axis]), std::fabs(box.max[axis]));
       largest_[axis] = most > negligible_ ? most : 0;
     }
   }
 
+  /// What 1 stands for.
+  double unit() const { return unit_; }
   /// Per axis.
   const Vec3& largest() const { return largest_; }
   double largest_of_all() const { return std::max({largest_.x, largest_.y, largest_.z}); }
@@ -119,12 +128,14 @@ class Coordinates {
     const auto blocks =
         map_blocks<Found>(positions_.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
           Found found = none;
-          for (const Vec3& p : positions_.subspan(begin, is_over ? 0 : end - begin))
+          for (const Vec3& position : positions_.subspan(begin, is_over ? 0 : end - begin)) {
+            const Vec3 p = (1 / unit_) * position;
             for (int axis = 0; axis < 3; ++axis)
               if (std::fabs(p[axis]) > negligible_ && !add(found, p[axis], axis)) {
                 is_over = true;
                 return found;
               }
+          }
           return found;
         });
     Found all = none;
@@ -136,6 +147,7 @@ class Coordinates {
  private:
   std::span<const Vec3> positions_;
   RunControl& control_;
+  double unit_ = 1;
   double negligible_ = 0;
   Vec3 largest_;
 };
@@ -299,6 +311,20 @@ std::optional<Rounding> rounding_of_decimals(const Coordinates& coordinates, Dec
   return Rounding{larger_of(steps, float_steps(coordinates)), false};
 }
 
+Rounding rounding_of(const Coordinates& coordinates) {
+  if (coordinates.are_all([](double x) { return odd_part(x).units < kFloatUnits; })) {
+    const double common = common_quantum(coordinates, 0);
+    const Vec3 floats = float_steps(coordinates);
+    return {larger_of({common, common, common}, floats), common >= std::max({floats.x, floats.y, floats.z})};
+  }
+  const double least = last_place(coordinates.largest_of_all(), 53);
+  const Vec3 as_doubles{least, least, least};
+  for (const Decimals decimals : {kUsual, kAny})
+    if (const auto rounding = rounding_of_decimals(coordinates, decimals))
+      return {larger_of(rounding->steps, as_doubles), rounding->is_decimal};
+  return {as_doubles, false};
+}
+
 }  // namespace
 
 double Rounding::step() const {
@@ -312,17 +338,9 @@ double Rounding::step() const {
 Rounding rounding_of(std::span<const Vec3> positions, RunControl& control) {
   const Coordinates coordinates(positions, control);
   if (coordinates.largest_of_all() == 0) return {};
-  if (coordinates.are_all([](double x) { return odd_part(x).units < kFloatUnits; })) {
-    const double common = common_quantum(coordinates, 0);
-    const Vec3 floats = float_steps(coordinates);
-    return {larger_of({common, common, common}, floats), common >= std::max({floats.x, floats.y, floats.z})};
-  }
-  const double least = last_place(coordinates.largest_of_all(), 53);
-  const Vec3 as_doubles{least, least, least};
-  for (const Decimals decimals : {kUsual, kAny})
-    if (const auto rounding = rounding_of_decimals(coordinates, decimals))
-      return {larger_of(rounding->steps, as_doubles), rounding->is_decimal};
-  return {as_doubles, false};
+  Rounding rounding = rounding_of(coordinates);
+  rounding.steps = coordinates.unit() * rounding.steps;
+  return rounding;
 }
 
 AutomaticTolerance automatic_tolerance(double step, double diagonal) {

@@ -24,6 +24,8 @@ namespace {
 
 /// Neighbours must be this many tolerances high to bear witness of noise.
 constexpr double kWitness = 8;
+/// Where more faces than this meet at an edge, none of them bears witness.
+constexpr std::size_t kMostAround = 8;
 /// A face is looked at by at most this many growths that end up without it; then only by those that have their plane.
 constexpr std::uint8_t kMostTrials = 8;
 
@@ -431,24 +433,37 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
     return most;
   };
   const auto is_noise = [&](double distance) { return distance > floor && distance <= tolerance; };
-  const auto has_noise = [&](std::uint32_t i) {
-    const FaceId f(i);
-    if (!is_witness(f)) return false;
-    if (surface.face(f).size() > 3 && is_noise(bend(f, f))) return true;
-    for (std::uint32_t h = surface.face_begin[i]; h < surface.face_begin[i + 1]; ++h) {
-      const std::uint32_t twin = adjacency.twin(h);
-      if (twin == Adjacency::kNone || twin < h) continue;
-      const FaceId g = adjacency.face_of(twin);
-      if (is_witness(g) && dot(geometry[f].normal, geometry[g].normal) > 0 && is_noise(bend(g, f))) return true;
-    }
+  const auto is_noisy_polygon = [&](FaceId f) {
+    return surface.face(f).size() > 3 && is_witness(f) && is_noise(bend(f, f));
+  };
+  const auto is_noisy_pair = [&](std::uint32_t h, std::uint32_t k) {
+    const FaceId f = adjacency.face_of(h), g = adjacency.face_of(k);
+    if (f == g || !is_witness(f) || !is_witness(g)) return false;
+    // Whichever way they look: they are on either side of the edge, not one on the other.
+    const double cosine = dot(geometry[f].normal, geometry[g].normal);
+    if (!((adjacency.from(h) == adjacency.from(k) ? -cosine : cosine) > 0)) return false;
+    // A corner's rounding moves it from the other face's plane by as much; of a large face off the plane of a small
+    // one it explains more.
+    return is_noise(std::min(bend(f, g), bend(g, f)));
+  };
+  const auto is_noisy_edge = [&](EdgeId e) {
+    const auto around = adjacency.half_edges(e);
+    if (around.size() > kMostAround) return false;
+    for (std::size_t i = 1; i < around.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        if (is_noisy_pair(around[i], around[j])) return true;
     return false;
   };
   std::atomic<bool> is_found = false;
-  for_all(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(surface.face_count()), kBlock),
-          [&](const auto& range) {
-            for (std::uint32_t i = range.begin(); i < range.end() && !is_found; ++i)
-              if (has_noise(i)) is_found = true;
-          });
+  const auto find_in = [&](std::size_t count, const auto& is_noisy) {
+    for_all(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(count), kBlock), [&](const auto& range) {
+      for (std::uint32_t i = range.begin(); i < range.end() && !is_found; ++i)
+        if (is_noisy(i)) is_found = true;
+    });
+  };
+  find_in(adjacency.edge_count(), [&](std::uint32_t i) { return is_noisy_edge(EdgeId(i)); });
+  if (!adjacency.are_triangles())
+    find_in(surface.face_count(), [&](std::uint32_t i) { return is_noisy_polygon(FaceId(i)); });
   return is_found;
 }
 

@@ -69,6 +69,8 @@ void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const 
 
 /// Whether well-shaped neighbours bend by more than `floor` and at most `tolerance` (local units) anywhere: the mark of
 /// coordinates that were rounded. Polygons that leave their own plane by as much are a mark, too.
+/// Holds:  says the same of faces wound as they should be and of others, of each once and of each several times, and in
+///         any order: mending comes later.
 bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, double floor,
                       double tolerance);
 

@@ -24,9 +24,50 @@ void fan(std::span<const Vec3> points, PolygonSplit& result) {
   for (std::uint32_t i = 1; i + 1 < n; ++i) result.triangles.push_back({apex, (apex + i) % n, (apex + i + 1) % n});
 }
 
-}  // namespace
+/// Where a cyclic sequence begins that is lexicographically least, of n items.
+/// Cost: O(n).
+/// Source: Shiloach, Fast canonization of circular strings, Journal of Algorithms 2 (1981).
+template <class At>
+std::size_t least_rotation(std::size_t n, const At& at) {
+  std::size_t i = 0, j = 1, equal = 0;
+  while (i < n && j < n && equal < n) {
+    const Vec3 &a = at((i + equal) % n), &b = at((j + equal) % n);
+    if (a == b) {
+      ++equal;
+      continue;
+    }
+    (b < a ? i : j) += equal + 1;
+    if (i == j) ++j;
+    equal = 0;
+  }
+  return std::min(i, j);
+}
 
-PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
+/// A polygon's corners in an order that depends on its points alone, not on where it begins or which way it runs.
+struct CanonicalLoop {
+  std::vector<std::uint32_t> corners;
+  bool is_reversed = false;
+};
+
+CanonicalLoop canonical_loop(std::span<const Vec3> points) {
+  const std::size_t n = points.size();
+  const auto last = static_cast<std::uint32_t>(n - 1);
+  const std::size_t first = least_rotation(n, [&](std::size_t i) -> const Vec3& { return points[i]; });
+  const std::size_t first_back = least_rotation(n, [&](std::size_t i) -> const Vec3& { return points[last - i]; });
+  CanonicalLoop loop;
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 &ahead = points[(first + i) % n], &back = points[last - (first_back + i) % n];
+    if (ahead == back) continue;
+    loop.is_reversed = back < ahead;
+    break;
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    loop.corners.push_back(loop.is_reversed ? last - static_cast<std::uint32_t>((first_back + i) % n)
+                                            : static_cast<std::uint32_t>((first + i) % n));
+  return loop;
+}
+
+PolygonSplit split_canonical(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
   const auto n = static_cast<std::uint32_t>(points.size());
   PolygonSplit result;
   const Vec3 normal = normalized(newell_normal(points));
@@ -89,6 +130,23 @@ PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance,
     for (std::uint32_t h = 0; h < inside.mesh.half_edge_count(); h += 3)
       result.triangles.push_back({corner_of_point[inside.mesh.from(h)], corner_of_point[inside.mesh.from(h + 1)],
                                   corner_of_point[inside.mesh.from(h + 2)]});
+  }
+  return result;
+}
+
+}  // namespace
+
+PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
+  const CanonicalLoop loop = canonical_loop(points);
+  std::vector<Vec3> canonical;
+  canonical.reserve(points.size());
+  for (const std::uint32_t i : loop.corners) canonical.push_back(points[i]);
+  PolygonSplit result = split_canonical(canonical, plane_tolerance, control);
+  for (auto& [a, b, c] : result.triangles) {
+    a = loop.corners[a];
+    b = loop.corners[b];
+    c = loop.corners[c];
+    if (loop.is_reversed) std::swap(b, c);
   }
   return result;
 }

@@ -27,6 +27,7 @@ struct PolygonSplit {
 /// the plane of its Newell normal; one that crosses itself there by a fan from its lexicographically smallest corner,
 /// since no triangulation of it is right.
 /// Input:  4 or more points, no two consecutive ones equal; the tolerance in the points' units.
+/// Holds:  the polygon gets the same triangles wherever it begins and whichever way it runs, ties included.
 PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance, RunControl& control);
 
 }  // namespace remesh

@@ -101,6 +101,20 @@ TEST(remesh_surface, every_mending_together_gives_the_box_again) {
   }
 }
 
+TEST(remesh_surface, a_box_of_few_digits_is_flat_after_its_mending) {
+  const PolygonMesh box = shapes::rounded(shapes::rotated(shapes::box({2, 2.5, 3}), {1, 2, 3}, 40), 1e-4);
+  const double tolerance = remeshed(box).report.plane_tolerance;
+  PolygonMesh flipped = box;
+  for (std::size_t f = 0; f < box.face_count(); f += 2) std::swap(flipped.corners[3 * f], flipped.corners[3 * f + 1]);
+  for (const PolygonMesh& mesh :
+       {box, flipped, shapes::joined(box, box), shapes::joined(box, shapes::turned_over(box))}) {
+    const Result result = remeshed(mesh);
+    EXPECT_EQ(result.report.plane_tolerance, tolerance);
+    EXPECT_EQ(result.report.patches.size(), 6u);
+    EXPECT_EQ(result.mesh.faces.size(), 12u);
+  }
+}
+
 TEST(remesh_surface, whatever_is_left_unmended_comes_back_verified) {
   for (int seed = 0; seed < 32; ++seed) {
     PolygonMesh mesh = shapes::joined(cube_with_t_junctions(),

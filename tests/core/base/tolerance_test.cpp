@@ -203,9 +203,9 @@ TEST(rounding_step, scaling_by_powers_of_two_scales_it) {
   // A step of its own for each coordinate.
   families.push_back(families.back());
   for (Vec3& p : families.back()) p = {p.x, 16 * p.y, 1024 * p.z};
-  // Squares of the largest and the smallest are no doubles.
+  // Squares of the largest and the smallest are no doubles, nor are the largest times ten to the number of decimals.
   for (std::size_t i = 0; i < families.size(); ++i)
-    for (const int k : {-600, -60, -40, -7, -1, 1, 3, 40, 60, 600}) {
+    for (const int k : {-600, -60, -40, -7, -1, 1, 3, 40, 60, 600, 1000}) {
       const double scale = std::ldexp(1.0, k);
       EXPECT_EQ(rounding_step(with(families[i], [&](double x) { return scale * x; })),
                 scale * rounding_step(families[i]))

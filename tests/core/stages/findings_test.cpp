@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
+#include <set>
 
 #include "core/mesh/pinched_vertices.h"
 #include "core/stages/weld.h"
@@ -30,7 +32,7 @@ TEST(find_defects, open_edges_are_counted_with_their_faces) {
   const auto found = defects_of(shapes::sheet(1, 1, 1, 1));
   ASSERT_EQ(found.size(), 1u);
   EXPECT_EQ(found.at(DiagnosticCode::kOpenBoundary).count, 4u);
-  EXPECT_EQ(found.at(DiagnosticCode::kOpenBoundary).elements, (std::vector<std::uint64_t>{0, 1, 0, 1}));
+  EXPECT_EQ(found.at(DiagnosticCode::kOpenBoundary).elements, (std::vector<std::uint64_t>{0, 0, 1, 1}));
 }
 
 TEST(find_defects, edges_of_three_faces_are_counted) {
@@ -63,6 +65,21 @@ TEST(find_defects, the_first_hundred_elements_are_listed_and_all_are_counted) {
   const auto found = defects_of(shapes::sheet(1, 1, 100, 1));
   EXPECT_EQ(found.at(DiagnosticCode::kOpenBoundary).count, 202u);
   EXPECT_EQ(found.at(DiagnosticCode::kOpenBoundary).elements.size(), Diagnostic::kMaxElements);
+}
+
+TEST(find_defects, those_listed_are_the_first_of_the_input_whatever_the_order_of_edges) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const PolygonMesh mesh = shapes::renumbered(shapes::sheet(1, 1, 100, 2), seed);
+    std::map<std::set<VertexId>, std::vector<std::uint64_t>> faces_of_edge;
+    for (std::uint32_t h = 0; h < mesh.corners.size(); ++h)
+      faces_of_edge[{mesh.corners[h], mesh.corners[h % 3 == 2 ? h - 2 : h + 1]}].push_back(h / 3);
+    std::vector<std::uint64_t> open;
+    for (const auto& [edge, faces] : faces_of_edge)
+      if (faces.size() == 1) open.push_back(faces[0]);
+    std::sort(open.begin(), open.end());
+    open.resize(Diagnostic::kMaxElements);
+    EXPECT_EQ(defects_of(mesh).at(DiagnosticCode::kOpenBoundary).elements, open) << seed;
+  }
 }
 
 TEST(triangulated, polygons_come_as_triangles_of_their_area) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/stages/projection.h"
 #include "tests/support/polygons.h"
@@ -50,6 +51,46 @@ TEST(polygon_split, the_diagonal_of_a_convex_quadrilateral_is_the_delaunay_one) 
       EXPECT_EQ(high, 2) << first;
     }
   }
+}
+
+/// By their points.
+std::set<std::set<Vec3>> triangles_of(const std::vector<Vec3>& points) {
+  std::set<std::set<Vec3>> triangles;
+  for (const auto& [a, b, c] : split(points).triangles) triangles.insert({points[a], points[b], points[c]});
+  return triangles;
+}
+
+TEST(polygon_split, the_triangles_depend_neither_on_where_a_polygon_begins_nor_on_which_way_it_runs) {
+  std::vector<std::vector<Vec3>> polygons = {
+      lifted({{0, 0}, {1, 0}, {1, 1}, {0, 1}}),
+      {{1.2, 0, 0}, {0.8, 1, 0}, {1.2, 1, 1}, {0.8, 0, 1}},
+      // A hexagon of cocircular points, bent; one that crosses itself; one with a bridge to a hole.
+      {{-1, 0, 0.1}, {-0.5, 1, 0}, {0.5, 1, 0.1}, {1, 0, 0}, {0.5, -1, 0.1}, {-0.5, -1, 0}},
+      lifted({{3, 1}, {3, 0}, {0, 2}, {0, 0}, {1, 5}}),
+      lifted({{0, 0}, {8, 0}, {8, 8}, {0, 8}, {0, 0}, {2, 2}, {2, 6}, {6, 6}, {6, 2}, {2, 2}})};
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const polygons::Loop loop = polygons::grown(seed, 20, 12).outer;
+    const polygons::Placement place = polygons::random_placement(seed, 10);
+    std::vector<Vec3> points;
+    for (const Vec2 p : loop) points.push_back(place(p));
+    if (points.size() > 3) polygons.push_back(points);
+  }
+  for (const std::vector<Vec3>& polygon : polygons) {
+    const auto expected = triangles_of(polygon);
+    std::vector<Vec3> points = polygon;
+    for (std::size_t first = 0; first < points.size(); ++first) {
+      std::rotate(points.begin(), points.begin() + 1, points.end());
+      EXPECT_EQ(triangles_of(points), expected) << first;
+      EXPECT_EQ(triangles_of({points.rbegin(), points.rend()}), expected) << first;
+    }
+  }
+}
+
+TEST(polygon_split, triangles_run_the_way_of_their_polygon) {
+  const std::vector<Vec3> points = {{1.2, 0, 0}, {0.8, 1, 0}, {1.2, 1, 1}, {0.8, 0, 1}};
+  for (const auto& polygon : {points, std::vector<Vec3>(points.rbegin(), points.rend())})
+    for (const auto& [a, b, c] : split(polygon).triangles)
+      EXPECT_GT(dot(cross(polygon[b] - polygon[a], polygon[c] - polygon[a]), newell_normal(polygon)), 0);
 }
 
 TEST(polygon_split, random_simple_polygons_are_cut_into_n_minus_2_triangles_of_their_area) {

@@ -68,7 +68,7 @@ TEST(split_t_junctions, vertices_on_an_open_edge_come_into_its_face_in_order) {
   ASSERT_EQ(result.diagnostics.size(), 1u);
   EXPECT_EQ(result.diagnostics[0].code, DiagnosticCode::kTJunction);
   EXPECT_EQ(result.diagnostics[0].count, 3u);
-  EXPECT_EQ(result.diagnostics[0].elements, (std::vector<std::uint64_t>{5, 4, 3}));
+  EXPECT_EQ(result.diagnostics[0].elements, (std::vector<std::uint64_t>{3, 4, 5}));
 }
 
 TEST(split_t_junctions, only_vertices_within_the_tolerance_do) {
