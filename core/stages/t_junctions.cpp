@@ -26,8 +26,12 @@ constexpr std::size_t kBlock = 256;
 constexpr std::size_t kMostLooksPerCorner = 4;
 constexpr std::size_t kFewLooks = 4096;
 
-/// Nothing is noted on the boxes.
-using VertexTree = BoxTree<NoTag>;
+/// Noted on the boxes of the tree: the same in full precision. The tolerance is far less than single precision tells.
+struct ExactBox {
+  Box3 box;
+  void join(const ExactBox& other) { box.add(other.box); }
+};
+using VertexTree = BoxTree<ExactBox>;
 
 /// A vertex on an open edge: its place in the edge's order, and how far off.
 struct Junction {
@@ -78,7 +82,7 @@ class Order {
 };
 
 /// Does the segment come within `margin` of the box? Never no by rounding alone if it does by more than that.
-bool is_near(const Vec3& a, const Vec3& b, double margin, const FloatBox& box) {
+bool is_near(const Vec3& a, const Vec3& b, double margin, const Box3& box) {
   double from = 0, to = 1;
   for (int axis = 0; axis < 3; ++axis) {
     const double low = box.min[axis] - margin, high = box.max[axis] + margin, way = b[axis] - a[axis];
@@ -92,6 +96,15 @@ bool is_near(const Vec3& a, const Vec3& b, double margin, const FloatBox& box) {
   }
   constexpr double kRounding = 1e-12;
   return from <= to + kRounding;
+}
+
+/// Is all of the box within `distance` of the place? Monotone in the box, rounding included.
+bool is_within(const Vec3& place, double distance, const Box3& box) {
+  if (std::fabs(box.min.x - place.x) > distance) return false;  // as nearly always
+  Vec3 farthest;
+  for (int axis = 0; axis < 3; ++axis)
+    farthest[axis] = std::max(std::fabs(box.min[axis] - place[axis]), std::fabs(box.max[axis] - place[axis]));
+  return norm(farthest) <= distance;
 }
 
 struct Found {
@@ -110,7 +123,10 @@ class Search {
     find_boundary();
     if (open_.empty()) return result;
     std::vector<VertexTree::Entry> entries(vertices_.size());
-    for (std::size_t i = 0; i < vertices_.size(); ++i) entries[i].box.add(surface_.local[vertices_[i]]);
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      entries[i].box.add(surface_.local[vertices_[i]]);
+      entries[i].tag.box.add(surface_.local[vertices_[i]]);
+    }
     const VertexTree tree(entries, control_);
     const std::size_t most_looks = kFewLooks + kMostLooksPerCorner * surface_.corners.size();
     std::atomic<std::size_t> looks{0};
@@ -177,7 +193,10 @@ class Search {
     const double length = norm(ab);
     if (!(length > 2 * tolerance_)) return 0;
     const auto bound = [&](const VertexTree::Entry& entry) {
-      return is_near(a, b, tolerance_, entry.box) ? 0 : HUGE_VAL;
+      const Box3& box = entry.tag.box;
+      const bool is_of_interest =
+          is_near(a, b, tolerance_, box) && !is_within(a, tolerance_, box) && !is_within(b, tolerance_, box);
+      return is_of_interest ? 0 : HUGE_VAL;
     };
     const Order order(ab);
     const double all = 1;

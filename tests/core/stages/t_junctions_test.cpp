@@ -323,5 +323,9 @@ TEST(split_t_junctions, those_found_are_those_of_all_pairs) {
   EXPECT_GT(total, 1000u);
 }
 
+TEST(split_t_junctions, very_many_vertices_near_the_ends_of_as_many_edges_do_not_take_quadratic_time) {
+  EXPECT_FALSE(split(nearing_sheets(60'000, 1e-12), 1e-9).is_changed);
+}
+
 }  // namespace
 }  // namespace remesh
