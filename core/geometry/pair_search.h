@@ -14,6 +14,28 @@
 
 namespace remesh {
 
+using FacePairs = std::vector<std::pair<FaceId, FaceId>>;
+
+/// Adds to `result` what body(begin, end, room) gives for blocks of 0 .. n-1, block after block, until there are more
+/// than `max_pairs`. A body may stop as soon as it has more than `room`.
+/// Holds:   the same result for any number of threads.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+template <class Body>
+void gather_pairs(std::size_t n, std::size_t block, std::size_t max_pairs, SelfIntersections& result,
+                  RunControl& control, const Body& body) {
+  // Tasks between two looks at how many pairs there are: few enough that a surface lying on itself many times does not
+  // take quadratic time to say so.
+  constexpr std::size_t kBlocksInRound = 64;
+  for (std::size_t begin = 0; begin < n && result.is_complete; begin += block * kBlocksInRound) {
+    const std::size_t room = max_pairs - result.pairs.size();
+    const auto found = map_blocks<FacePairs>(
+        std::min(n - begin, block * kBlocksInRound), block, control,
+        [&](std::size_t first, std::size_t last) { return body(begin + first, begin + last, room); });
+    for (const FacePairs& pairs : found) result.pairs.insert(result.pairs.end(), pairs.begin(), pairs.end());
+    result.is_complete = result.pairs.size() <= max_pairs;
+  }
+}
+
 /// Adds to `result` the pairs of a tree's slots whose boxes, made wider by `margin`, meet and for which
 /// is_pair(slot, other) holds, until there are more than `max_pairs`.
 /// Input:   face_of(slot): what is written down; is_of_no_interest(slot, node): no slot of the node makes a pair.

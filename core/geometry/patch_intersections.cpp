@@ -20,6 +20,9 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;
 
+/// Between two points of cancellation.
+constexpr std::uint32_t kTestsBetweenChecks = 4096;
+
 /// Patches of at most so many faces are looked at inside, and held against each other as a whole: they are near their
 /// rim.
 constexpr std::uint32_t kFewFaces = 16;
@@ -370,26 +373,19 @@ class Meetings {
 
   /// Adds the pairs, until there are more than `max_pairs`.
   void find_pairs(std::size_t max_pairs, SelfIntersections& found) const {
-    // Meetings in a task, and tasks between two looks at how many pairs there are.
-    constexpr std::size_t kMeetings = 64, kTasks = 64;
-    for (std::size_t begin = 0; begin < size() && found.is_complete; begin += kMeetings * kTasks) {
-      const std::size_t n = std::min(size() - begin, kMeetings * kTasks), room = max_pairs - found.pairs.size();
-      const auto blocks = map_blocks<Pairs>(n, kMeetings, control_, [&](std::size_t first, std::size_t last) {
-        Pairs pairs;
-        for (std::size_t m = begin + first; m < begin + last && pairs.size() <= room; ++m)
-          if (!is_large(meeting(m))) hold_against_each_other(meeting(m), room, pairs);
-        return pairs;
-      });
-      for (const Pairs& pairs : blocks) found.pairs.insert(found.pairs.end(), pairs.begin(), pairs.end());
-      found.is_complete = found.pairs.size() <= max_pairs;
-    }
+    constexpr std::size_t kMeetings = 64;
+    gather_pairs(size(), kMeetings, max_pairs, found, control_,
+                 [&](std::size_t begin, std::size_t end, std::size_t room) {
+                   FacePairs pairs;
+                   for (std::size_t m = begin; m < end && pairs.size() <= room; ++m)
+                     if (!is_large(meeting(m))) hold_against_each_other(meeting(m), room, pairs);
+                   return pairs;
+                 });
     for (std::size_t m = 0; m < size() && found.is_complete; ++m)
       if (is_large(meeting(m))) search(meeting(m), max_pairs, found);
   }
 
  private:
-  using Pairs = std::vector<std::pair<FaceId, FaceId>>;
-
   std::pair<PatchId, PatchId> patches_of(std::uint32_t part) const {
     return std::minmax({parts_[part].of, parts_[part].near});
   }
@@ -404,39 +400,52 @@ class Meetings {
         std::partition_point(meeting.begin(), meeting.end(), [&](std::uint32_t i) { return parts_[i].of == one; }) -
         meeting.begin());
   }
+  /// Are there many parts of both patches? Of few a tree tells less than it costs.
   bool is_large(std::span<const std::uint32_t> meeting) const {
-    constexpr std::size_t kMostTests = 1 << 14;
-    const std::size_t one = first_of_other(meeting);
-    return one * (meeting.size() - one) > kMostTests;
+    constexpr std::size_t kMostTests = 1 << 14, kFewParts = 16;
+    const std::size_t one = first_of_other(meeting), other = meeting.size() - one;
+    return one > kFewParts && other > kFewParts && one * other > kMostTests;
   }
   bool do_faces_intersect(std::uint32_t a, std::uint32_t b) const {
     return do_intersect(excerpt_.face(parts_[a].face), excerpt_.face(parts_[b].face), positions_);
   }
 
-  void hold_against_each_other(std::span<const std::uint32_t> meeting, std::size_t room, Pairs& pairs) const {
+  void hold_against_each_other(std::span<const std::uint32_t> meeting, std::size_t room, FacePairs& pairs) const {
     const std::size_t other = first_of_other(meeting);
+    std::uint32_t tests = 0;
     for (const std::uint32_t a : meeting.first(other))
       for (const std::uint32_t b : meeting.subspan(other)) {
+        if (++tests % kTestsBetweenChecks == 0) control_.check();
         if (!do_meet(parts_[a].box, parts_[b].box) || !do_faces_intersect(a, b)) continue;
         pairs.push_back(std::minmax(FaceId(parts_[a].face), FaceId(parts_[b].face)));
         if (pairs.size() > room) return;
       }
   }
 
+  /// The parts of the one patch are looked up among those of the other, which are more.
   void search(std::span<const std::uint32_t> meeting, std::size_t max_pairs, SelfIntersections& found) const {
+    constexpr std::size_t kPartsPerTask = 256;
+    const std::size_t other = first_of_other(meeting);
+    std::span<const std::uint32_t> few = meeting.first(other), many = meeting.subspan(other);
+    if (few.size() > many.size()) std::swap(few, many);
     std::vector<Box3> boxes;
-    boxes.reserve(meeting.size());
-    for (const std::uint32_t i : meeting) boxes.push_back(parts_[i].box);
+    boxes.reserve(many.size());
+    for (const std::uint32_t i : many) boxes.push_back(parts_[i].box);
     const TriangleTree tree = cull_.tree_of(boxes);
-    const auto part = [&](std::size_t slot) { return meeting[tree.face(slot).value]; };
-    remesh::find_pairs(
-        tree, 0, [&](std::size_t slot) { return FaceId(parts_[part(slot)].face); },
-        [](std::size_t, std::size_t) { return false; },
-        [&](std::size_t slot, std::size_t other) {
-          const std::uint32_t a = part(slot), b = part(other);
-          return parts_[a].of != parts_[b].of && do_faces_intersect(a, b);
-        },
-        max_pairs, found, control_);
+    gather_pairs(few.size(), kPartsPerTask, max_pairs, found, control_,
+                 [&](std::size_t begin, std::size_t end, std::size_t room) {
+                   FacePairs pairs;
+                   std::uint32_t tests = 0;
+                   for (std::size_t i = begin; i < end && pairs.size() <= room; ++i)
+                     tree.visit_meeting(parts_[few[i]].box, 0, [&](std::size_t slot) {
+                       if (++tests % kTestsBetweenChecks == 0) control_.check();
+                       const std::uint32_t b = many[tree.face(slot).value];
+                       if (do_faces_intersect(few[i], b))
+                         pairs.push_back(std::minmax(FaceId(parts_[few[i]].face), FaceId(parts_[b].face)));
+                       return pairs.size() <= room;
+                     });
+                   return pairs;
+                 });
   }
 
   const Cull& cull_;

@@ -112,6 +112,19 @@ TEST(patch_intersections, many_patches_may_meet_in_one_place) {
   }
 }
 
+TEST(patch_intersections, a_fan_of_needles_may_cross_a_large_patch_or_a_few_faces) {
+  // Needles from a far place to a line, as across a cap that a long wall goes through.
+  for (const int cells : {1, 100}) {
+    Patched patched(
+        shapes::joined(shapes::sheet(4, 4, cells, cells),
+                       shapes::moved(shapes::rotated(shapes::sheet(4, 2, 3000, 1), {1, 0, 0}, 50), {0.1, 1.7, -0.7})));
+    ASSERT_EQ(patched.normals.size(), 2u);
+    const SelfIntersections expected = patched.find_all();
+    EXPECT_GT(expected.pairs.size(), 1000u);
+    EXPECT_EQ(patched.find().pairs, expected.pairs) << cells;
+  }
+}
+
 TEST(patch_intersections, more_than_are_wanted_are_not_all_told) {
   for (const auto& [count, cells] : {std::pair(2, 90), std::pair(12, 7)}) {
     const Patched patched(crossing_sheets(count, cells));
