@@ -38,6 +38,10 @@ constexpr std::size_t kFewPatches = 16;
 constexpr std::size_t kMostPartsPerFace = 4;
 constexpr std::size_t kManyParts = 1 << 16;
 
+/// Nor beyond so many looks whether a face is near a patch, as where the facets of a cone stand on a fan of needles:
+/// all boxes meet all others in one point.
+constexpr std::size_t kMostLooksPerFace = 256;
+
 /// Heights are sums of three products: their rounding, of the largest coordinate.
 constexpr double kHeightMargin = 0x1p-49;
 
@@ -101,19 +105,23 @@ class Cull {
     if (large.empty()) all.clear();
     const TriangleTree tree_of_all = tree_of(boxes_of_patches(all)), tree_of_large = tree_of(boxes_of_patches(large));
     const std::size_t most_parts = kManyParts + kMostPartsPerFace * surface_.face_count();
-    std::atomic<std::size_t> parts{0};
+    const std::size_t most_looks = kManyParts + kMostLooksPerFace * surface_.face_count();
+    std::atomic<std::size_t> parts{0}, looks{0};
+    const auto are_too_many = [&](std::size_t parts_so_far, std::size_t looks_so_far) {
+      return parts_so_far > most_parts || looks_so_far > most_looks;
+    };
     auto found = map_blocks<Near>(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       Near near;
-      if (parts.load(std::memory_order_relaxed) > most_parts) return near;
+      if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) return near;
       std::vector<PatchId> near_run;
-      while (begin < end && near.parts.size() <= most_parts) {
+      while (begin < end && !are_too_many(near.parts.size(), near.looks)) {
         const std::size_t run_end = end_of_run(begin, std::min(end, begin + kRun));
         const bool is_few = has_few(surface_.patch[begin]);
         const std::vector<PatchId>& patches = is_few ? large : all;
         const TriangleTree& tree = is_few ? tree_of_large : tree_of_all;
         const bool is_inside = is_looked_at_inside(begin);
-        find_near(begin, run_end, patches, tree, near_run);
-        for (; begin < run_end; ++begin) {
+        near.looks += find_near(begin, run_end, patches, tree, near_run);
+        for (; begin < run_end && !are_too_many(near.parts.size(), near.looks); ++begin) {
           if (is_inside) near.faces.push_back(static_cast<std::uint32_t>(begin));
           if (near_run.size() > kFewPatches)
             look_at(begin, patches, tree, near);
@@ -122,10 +130,11 @@ class Cull {
         }
       }
       parts.fetch_add(near.parts.size(), std::memory_order_relaxed);
+      looks.fetch_add(near.looks, std::memory_order_relaxed);
       return near;
     });
     // Where it is more, it is so whatever the order in which blocks are counted.
-    if (parts.load(std::memory_order_relaxed) > most_parts) {
+    if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) {
       near_.faces.resize(surface_.face_count());
       std::iota(near_.faces.begin(), near_.faces.end(), 0u);
       return;
@@ -162,6 +171,7 @@ class Cull {
   struct Near {
     std::vector<std::uint32_t> faces;
     std::vector<Part> parts;
+    std::size_t looks = 0;  ///< at patches
   };
 
   bool has_few(PatchId p) const { return count_[p.value].load(std::memory_order_relaxed) <= kFewFaces; }
@@ -181,20 +191,23 @@ class Cull {
   }
 
   /// Finds the other patches that some of these faces of one patch may be near. Asked for a run at once: of most runs
-  /// there are none. Where there are many, not all of them are found.
-  void find_near(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches, const TriangleTree& tree,
-                 std::vector<PatchId>& near) const {
+  /// there are none. Where there are many, not all of them are found. Returns how many were looked at.
+  std::size_t find_near(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches,
+                        const TriangleTree& tree, std::vector<PatchId>& near) const {
     near.clear();
     Box3 box;
     if (end - begin == kRun)
       box = boxes_of_runs_[begin / kRun];
     else
       for (std::size_t f = begin; f < end; ++f) box.add(box_of(f));
+    std::size_t looks = 0;
     tree.visit_meeting(box, 0, [&](std::size_t slot) {
       const PatchId p = patches[tree.face(slot).value];
       if (p != surface_.patch[begin] && is_at_height(box, p)) near.push_back(p);
+      ++looks;
       return near.size() <= kFewPatches;
     });
+    return looks;
   }
 
   /// Does a box reach the heights over a patch's plane at which the patch is? Boxes of turned patches are wide, and
@@ -258,12 +271,14 @@ class Cull {
     tree.visit_meeting(box_of(f), 0, [&](std::size_t slot) {
       const PatchId p = patches[tree.face(slot).value];
       if (p != surface_.patch[f]) add_part(f, p, near);
+      ++near.looks;
       return true;
     });
   }
   /// The same for a few other patches.
   void look_at(std::size_t f, const std::vector<PatchId>& patches, Near& near) const {
     const Box3 box = box_of(f);
+    near.looks += patches.size();
     for (const PatchId p : patches)
       if (do_meet(box, box_of_patch(p))) add_part(f, p, near);
   }
