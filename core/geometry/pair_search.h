@@ -1,58 +1,121 @@
-/// Pairs of faces whose boxes meet, in parallel and in bounded memory.
+/// Pairs of faces that meet, found by their boxes, in parallel and in bounded memory.
 #pragma once
 
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/run_control.h"
+#include "core/geometry/oriented_boxes.h"
 #include "core/geometry/self_intersections.h"
 #include "core/geometry/triangle_tree.h"
 
 namespace remesh {
 
-/// Adds to `result` the pairs of a tree's slots whose boxes, made wider by `margin`, meet and for which
-/// is_pair(slot, other) holds, until there are more than `max_pairs`.
+using FacePairs = std::vector<std::pair<FaceId, FaceId>>;
+
+/// Adds to `result` what body(begin, end, room) gives for blocks of 0 .. n-1, block after block, until there are more
+/// than `max_pairs`. A body may stop as soon as it has more than `room`.
+/// Holds:   the same result for any number of threads.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+template <class Body>
+void gather_pairs(std::size_t n, std::size_t block, std::size_t max_pairs, SelfIntersections& result,
+                  RunControl& control, const Body& body) {
+  // Tasks between two looks at how many pairs there are: few enough that a surface lying on itself many times does not
+  // take quadratic time to say so.
+  constexpr std::size_t kBlocksInRound = 64;
+  for (std::size_t begin = 0; begin < n && result.is_complete; begin += block * kBlocksInRound) {
+    const std::size_t room = max_pairs - result.pairs.size();
+    const auto found = map_blocks<FacePairs>(
+        std::min(n - begin, block * kBlocksInRound), block, control,
+        [&](std::size_t first, std::size_t last) { return body(begin + first, begin + last, room); });
+    for (const FacePairs& pairs : found) result.pairs.insert(result.pairs.end(), pairs.begin(), pairs.end());
+    result.is_complete = result.pairs.size() <= max_pairs;
+  }
+}
+
+/// The triangles of a tree, and by how much its boxes are made wider.
+struct SearchedTriangles {
+  const TriangleTree& tree;
+  std::span<const Vec3> positions;
+  std::span<const Triangle> faces;
+  double margin = 0;
+  enum { kByTriangles, kByBoxes } by = kByTriangles;  ///< kByBoxes: some stand for their boxes, wherever they are in it
+};
+
+/// Adds to `result` the pairs of a tree's slots whose triangles meet, within the margin, and for which
+/// is_pair(slot, other) holds, until there are more than `max_pairs`. Of pairs that are further apart only some are
+/// asked for.
 /// Input:   face_of(slot): what is written down; is_of_no_interest(slot, node): no slot of the node makes a pair.
 /// Holds:   of two slots the earlier one finds the pair; the same result for any number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:    for each slot O(log n) and those whose boxes meet its own, but where these are many more than pairs, as
+///          among needles askew to the axes, those whose OrientedBoxes do.
 template <class FaceOf, class IsOfNoInterest, class IsPair>
-void find_pairs(const TriangleTree& tree, double margin, const FaceOf& face_of, const IsOfNoInterest& is_of_no_interest,
+void find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of, const IsOfNoInterest& is_of_no_interest,
                 const IsPair& is_pair, std::size_t max_pairs, SelfIntersections& result, RunControl& control) {
-  using Pairs = std::vector<std::pair<FaceId, FaceId>>;
-  // Slots in a task, and tasks between two looks at how many pairs there are: few enough that a surface lying on itself
-  // many times does not take quadratic time to say so.
+  const TriangleTree& tree = triangles.tree;
   constexpr std::size_t kBlock = 256;
-  constexpr std::size_t kBlocksInRound = 64;
   constexpr std::uint32_t kTestsBetweenChecks = 4096;
-  for (std::size_t begin = 0; begin < tree.size() && result.is_complete; begin += kBlock * kBlocksInRound) {
-    const std::size_t n = std::min(tree.size() - begin, kBlock * kBlocksInRound);
-    const std::size_t room = max_pairs - result.pairs.size();
-    const auto found = map_blocks<Pairs>(n, kBlock, control, [&](std::size_t first, std::size_t last) {
-      Pairs pairs;
+  // A slot with more tests in vain than `most_in_vain` is left for later, and what it has found is not kept.
+  std::vector<std::uint32_t> slots;
+  std::vector<std::uint8_t> is_for_later(tree.size(), 0);
+  std::optional<OrientedBoxes> oriented;
+  std::size_t most_in_vain = 0;
+  const auto search = [&](std::size_t slot, std::size_t room, std::uint32_t& tests, FacePairs& pairs) {
+    Box3 box = tree.box(slot);
+    for (int axis = 0; axis < 3; ++axis) {
+      box.min[axis] -= triangles.margin;
+      box.max[axis] += triangles.margin;
+    }
+    std::optional<OrientedBoxes::Query> query;
+    if (oriented) query = oriented->query(triangles.faces[tree.face(slot).value]);
+    const std::size_t before = pairs.size();
+    std::size_t in_vain = 0;
+    tree.visit_meeting(
+        box, slot + 1,
+        [&](std::size_t node) { return is_of_no_interest(slot, node) || (query && oriented->are_apart(*query, node)); },
+        [&](std::size_t other) {
+          if (++tests % kTestsBetweenChecks == 0) control.check();
+          if (!is_pair(slot, other)) return ++in_vain <= most_in_vain;
+          pairs.push_back(std::minmax(face_of(slot), face_of(other)));
+          return pairs.size() <= room;
+        });
+    if (in_vain <= most_in_vain) return;
+    pairs.resize(before);
+    is_for_later[slot] = 1;
+  };
+  const auto search_all = [&](std::size_t n, std::size_t most, const auto& slot_at) {
+    most_in_vain = most;
+    gather_pairs(n, kBlock, max_pairs, result, control, [&](std::size_t begin, std::size_t end, std::size_t room) {
+      FacePairs pairs;
       std::uint32_t tests = 0;
-      for (std::size_t slot = begin + first; slot < begin + last && pairs.size() <= room; ++slot) {
-        Box3 box = tree.box(slot);
-        for (int axis = 0; axis < 3; ++axis) {
-          box.min[axis] -= margin;
-          box.max[axis] += margin;
-        }
-        tree.visit_meeting(
-            box, slot + 1, [&](std::size_t node) { return is_of_no_interest(slot, node); },
-            [&](std::size_t other) {
-              if (++tests % kTestsBetweenChecks == 0) control.check();
-              if (is_pair(slot, other)) pairs.push_back(std::minmax(face_of(slot), face_of(other)));
-              return pairs.size() <= room;
-            });
-      }
+      for (std::size_t i = begin; i < end && pairs.size() <= room; ++i) search(slot_at(i), room, tests, pairs);
       return pairs;
     });
-    for (const Pairs& pairs : found) result.pairs.insert(result.pairs.end(), pairs.begin(), pairs.end());
-    result.is_complete = result.pairs.size() <= max_pairs;
-  }
+    slots = select_ids<std::uint32_t>(tree.size(), kItemsPerBlock, control,
+                                      [&](std::size_t slot) { return is_for_later[slot] != 0; });
+    std::fill(is_for_later.begin(), is_for_later.end(), std::uint8_t{0});
+  };
+  // Well-shaped faces have some twenty neighbours. A few slots may have more, all of them together some times n.
+  constexpr std::size_t kFewInVain = 64, kInVainPerSlot = 4;
+  search_all(tree.size(), kFewInVain, [](std::size_t i) { return i; });
+  const auto search_later = [&](std::size_t most) {
+    const std::vector<std::uint32_t> later = std::move(slots);
+    search_all(later.size(), most, [&](std::size_t i) { return later[i]; });
+  };
+  if (slots.empty() || !result.is_complete) return;
+  const std::size_t share = kInVainPerSlot * tree.size() / slots.size();
+  if (share > 4 * kFewInVain) search_later(share);
+  if (slots.empty() || !result.is_complete) return;
+  if (triangles.by == SearchedTriangles::kByTriangles)
+    oriented.emplace(tree, triangles.positions, triangles.faces, triangles.margin, control);
+  search_later(tree.size());
 }
 
 }  // namespace remesh

@@ -20,6 +20,9 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;
 
+/// Between two points of cancellation.
+constexpr std::uint32_t kTestsBetweenChecks = 4096;
+
 /// Patches of at most so many faces are looked at inside, and held against each other as a whole: they are near their
 /// rim.
 constexpr std::uint32_t kFewFaces = 16;
@@ -34,6 +37,10 @@ constexpr std::size_t kFewPatches = 16;
 /// faces, nothing is gained by looking at patches, and they would take all memory.
 constexpr std::size_t kMostPartsPerFace = 4;
 constexpr std::size_t kManyParts = 1 << 16;
+
+/// Nor beyond so many looks whether a face is near a patch, as where the facets of a cone stand on a fan of needles:
+/// all boxes meet all others in one point.
+constexpr std::size_t kMostLooksPerFace = 256;
 
 /// Heights are sums of three products: their rounding, of the largest coordinate.
 constexpr double kHeightMargin = 0x1p-49;
@@ -98,19 +105,23 @@ class Cull {
     if (large.empty()) all.clear();
     const TriangleTree tree_of_all = tree_of(boxes_of_patches(all)), tree_of_large = tree_of(boxes_of_patches(large));
     const std::size_t most_parts = kManyParts + kMostPartsPerFace * surface_.face_count();
-    std::atomic<std::size_t> parts{0};
+    const std::size_t most_looks = kManyParts + kMostLooksPerFace * surface_.face_count();
+    std::atomic<std::size_t> parts{0}, looks{0};
+    const auto are_too_many = [&](std::size_t parts_so_far, std::size_t looks_so_far) {
+      return parts_so_far > most_parts || looks_so_far > most_looks;
+    };
     auto found = map_blocks<Near>(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       Near near;
-      if (parts.load(std::memory_order_relaxed) > most_parts) return near;
+      if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) return near;
       std::vector<PatchId> near_run;
-      while (begin < end && near.parts.size() <= most_parts) {
+      while (begin < end && !are_too_many(near.parts.size(), near.looks)) {
         const std::size_t run_end = end_of_run(begin, std::min(end, begin + kRun));
         const bool is_few = has_few(surface_.patch[begin]);
         const std::vector<PatchId>& patches = is_few ? large : all;
         const TriangleTree& tree = is_few ? tree_of_large : tree_of_all;
         const bool is_inside = is_looked_at_inside(begin);
-        find_near(begin, run_end, patches, tree, near_run);
-        for (; begin < run_end; ++begin) {
+        near.looks += find_near(begin, run_end, patches, tree, near_run);
+        for (; begin < run_end && !are_too_many(near.parts.size(), near.looks); ++begin) {
           if (is_inside) near.faces.push_back(static_cast<std::uint32_t>(begin));
           if (near_run.size() > kFewPatches)
             look_at(begin, patches, tree, near);
@@ -119,10 +130,11 @@ class Cull {
         }
       }
       parts.fetch_add(near.parts.size(), std::memory_order_relaxed);
+      looks.fetch_add(near.looks, std::memory_order_relaxed);
       return near;
     });
     // Where it is more, it is so whatever the order in which blocks are counted.
-    if (parts.load(std::memory_order_relaxed) > most_parts) {
+    if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) {
       near_.faces.resize(surface_.face_count());
       std::iota(near_.faces.begin(), near_.faces.end(), 0u);
       return;
@@ -159,6 +171,7 @@ class Cull {
   struct Near {
     std::vector<std::uint32_t> faces;
     std::vector<Part> parts;
+    std::size_t looks = 0;  ///< at patches
   };
 
   bool has_few(PatchId p) const { return count_[p.value].load(std::memory_order_relaxed) <= kFewFaces; }
@@ -178,20 +191,23 @@ class Cull {
   }
 
   /// Finds the other patches that some of these faces of one patch may be near. Asked for a run at once: of most runs
-  /// there are none. Where there are many, not all of them are found.
-  void find_near(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches, const TriangleTree& tree,
-                 std::vector<PatchId>& near) const {
+  /// there are none. Where there are many, not all of them are found. Returns how many were looked at.
+  std::size_t find_near(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches,
+                        const TriangleTree& tree, std::vector<PatchId>& near) const {
     near.clear();
     Box3 box;
     if (end - begin == kRun)
       box = boxes_of_runs_[begin / kRun];
     else
       for (std::size_t f = begin; f < end; ++f) box.add(box_of(f));
+    std::size_t looks = 0;
     tree.visit_meeting(box, 0, [&](std::size_t slot) {
       const PatchId p = patches[tree.face(slot).value];
       if (p != surface_.patch[begin] && is_at_height(box, p)) near.push_back(p);
+      ++looks;
       return near.size() <= kFewPatches;
     });
+    return looks;
   }
 
   /// Does a box reach the heights over a patch's plane at which the patch is? Boxes of turned patches are wide, and
@@ -255,12 +271,14 @@ class Cull {
     tree.visit_meeting(box_of(f), 0, [&](std::size_t slot) {
       const PatchId p = patches[tree.face(slot).value];
       if (p != surface_.patch[f]) add_part(f, p, near);
+      ++near.looks;
       return true;
     });
   }
   /// The same for a few other patches.
   void look_at(std::size_t f, const std::vector<PatchId>& patches, Near& near) const {
     const Box3 box = box_of(f);
+    near.looks += patches.size();
     for (const PatchId p : patches)
       if (do_meet(box, box_of_patch(p))) add_part(f, p, near);
   }
@@ -370,26 +388,19 @@ class Meetings {
 
   /// Adds the pairs, until there are more than `max_pairs`.
   void find_pairs(std::size_t max_pairs, SelfIntersections& found) const {
-    // Meetings in a task, and tasks between two looks at how many pairs there are.
-    constexpr std::size_t kMeetings = 64, kTasks = 64;
-    for (std::size_t begin = 0; begin < size() && found.is_complete; begin += kMeetings * kTasks) {
-      const std::size_t n = std::min(size() - begin, kMeetings * kTasks), room = max_pairs - found.pairs.size();
-      const auto blocks = map_blocks<Pairs>(n, kMeetings, control_, [&](std::size_t first, std::size_t last) {
-        Pairs pairs;
-        for (std::size_t m = begin + first; m < begin + last && pairs.size() <= room; ++m)
-          if (!is_large(meeting(m))) hold_against_each_other(meeting(m), room, pairs);
-        return pairs;
-      });
-      for (const Pairs& pairs : blocks) found.pairs.insert(found.pairs.end(), pairs.begin(), pairs.end());
-      found.is_complete = found.pairs.size() <= max_pairs;
-    }
+    constexpr std::size_t kMeetings = 64;
+    gather_pairs(size(), kMeetings, max_pairs, found, control_,
+                 [&](std::size_t begin, std::size_t end, std::size_t room) {
+                   FacePairs pairs;
+                   for (std::size_t m = begin; m < end && pairs.size() <= room; ++m)
+                     if (!is_large(meeting(m))) hold_against_each_other(meeting(m), room, pairs);
+                   return pairs;
+                 });
     for (std::size_t m = 0; m < size() && found.is_complete; ++m)
       if (is_large(meeting(m))) search(meeting(m), max_pairs, found);
   }
 
  private:
-  using Pairs = std::vector<std::pair<FaceId, FaceId>>;
-
   std::pair<PatchId, PatchId> patches_of(std::uint32_t part) const {
     return std::minmax({parts_[part].of, parts_[part].near});
   }
@@ -404,39 +415,52 @@ class Meetings {
         std::partition_point(meeting.begin(), meeting.end(), [&](std::uint32_t i) { return parts_[i].of == one; }) -
         meeting.begin());
   }
+  /// Are there many parts of both patches? Of few a tree tells less than it costs.
   bool is_large(std::span<const std::uint32_t> meeting) const {
-    constexpr std::size_t kMostTests = 1 << 14;
-    const std::size_t one = first_of_other(meeting);
-    return one * (meeting.size() - one) > kMostTests;
+    constexpr std::size_t kMostTests = 1 << 14, kFewParts = 16;
+    const std::size_t one = first_of_other(meeting), other = meeting.size() - one;
+    return one > kFewParts && other > kFewParts && one * other > kMostTests;
   }
   bool do_faces_intersect(std::uint32_t a, std::uint32_t b) const {
     return do_intersect(excerpt_.face(parts_[a].face), excerpt_.face(parts_[b].face), positions_);
   }
 
-  void hold_against_each_other(std::span<const std::uint32_t> meeting, std::size_t room, Pairs& pairs) const {
+  void hold_against_each_other(std::span<const std::uint32_t> meeting, std::size_t room, FacePairs& pairs) const {
     const std::size_t other = first_of_other(meeting);
+    std::uint32_t tests = 0;
     for (const std::uint32_t a : meeting.first(other))
       for (const std::uint32_t b : meeting.subspan(other)) {
+        if (++tests % kTestsBetweenChecks == 0) control_.check();
         if (!do_meet(parts_[a].box, parts_[b].box) || !do_faces_intersect(a, b)) continue;
         pairs.push_back(std::minmax(FaceId(parts_[a].face), FaceId(parts_[b].face)));
         if (pairs.size() > room) return;
       }
   }
 
+  /// The parts of the one patch are looked up among those of the other, which are more.
   void search(std::span<const std::uint32_t> meeting, std::size_t max_pairs, SelfIntersections& found) const {
+    constexpr std::size_t kPartsPerTask = 256;
+    const std::size_t other = first_of_other(meeting);
+    std::span<const std::uint32_t> few = meeting.first(other), many = meeting.subspan(other);
+    if (few.size() > many.size()) std::swap(few, many);
     std::vector<Box3> boxes;
-    boxes.reserve(meeting.size());
-    for (const std::uint32_t i : meeting) boxes.push_back(parts_[i].box);
+    boxes.reserve(many.size());
+    for (const std::uint32_t i : many) boxes.push_back(parts_[i].box);
     const TriangleTree tree = cull_.tree_of(boxes);
-    const auto part = [&](std::size_t slot) { return meeting[tree.face(slot).value]; };
-    remesh::find_pairs(
-        tree, 0, [&](std::size_t slot) { return FaceId(parts_[part(slot)].face); },
-        [](std::size_t, std::size_t) { return false; },
-        [&](std::size_t slot, std::size_t other) {
-          const std::uint32_t a = part(slot), b = part(other);
-          return parts_[a].of != parts_[b].of && do_faces_intersect(a, b);
-        },
-        max_pairs, found, control_);
+    gather_pairs(few.size(), kPartsPerTask, max_pairs, found, control_,
+                 [&](std::size_t begin, std::size_t end, std::size_t room) {
+                   FacePairs pairs;
+                   std::uint32_t tests = 0;
+                   for (std::size_t i = begin; i < end && pairs.size() <= room; ++i)
+                     tree.visit_meeting(parts_[few[i]].box, 0, [&](std::size_t slot) {
+                       if (++tests % kTestsBetweenChecks == 0) control_.check();
+                       const std::uint32_t b = many[tree.face(slot).value];
+                       if (do_faces_intersect(few[i], b))
+                         pairs.push_back(std::minmax(FaceId(parts_[few[i]].face), FaceId(parts_[b].face)));
+                       return pairs.size() <= room;
+                     });
+                   return pairs;
+                 });
   }
 
   const Cull& cull_;

@@ -32,7 +32,8 @@ struct PatchedFaces {
 /// Holds:   nothing is missed between patches: a face is left out only if no face of another patch reaches into its
 ///          box and, in height over that other patch's plane, to where that patch is. Simple patches of few faces are
 ///          looked at inside, too.
-/// Cost:    O(n) and, for the faces near other patches, as self_intersections.
+/// Cost:    O(n) and, for the faces near other patches, as self_intersections; for all faces, where to find those that
+///          are near takes more than 256 looks at patches for each on the average.
 SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t max_pairs, RunControl& control);
 
 }  // namespace remesh

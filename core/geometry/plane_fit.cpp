@@ -18,7 +18,7 @@ void PointMoments::merge(const PointMoments& other) {
   for (std::size_t i = 0; i < products.size(); ++i) products[i] += other.products[i];
 }
 
-PlaneFit fit_plane(const PointMoments& moments) {
+PrincipalAxes principal_axes(const PointMoments& moments) {
   const Vec3 m = moments.mean();
   const auto& s = moments.products;
   const double n = moments.count;
@@ -52,10 +52,18 @@ PlaneFit fit_plane(const PointMoments& moments) {
       }
     }
   }
-  int least = 0;
-  for (int i = 1; i < 3; ++i)
-    if (a[i][i] < a[least][least]) least = i;
-  return {normalized({v[0][least], v[1][least], v[2][least]}), std::sqrt(std::max(0.0, a[least][least]))};
+  PrincipalAxes result;
+  for (int i = 0; i < 3; ++i) {
+    result.axes[i] = {v[0][i], v[1][i], v[2][i]};
+    result.squares[i] = a[i][i];
+  }
+  return result;
+}
+
+PlaneFit fit_plane(const PointMoments& moments) {
+  const auto [axes, squares] = principal_axes(moments);
+  const auto least = static_cast<std::size_t>(std::min_element(squares.begin(), squares.end()) - squares.begin());
+  return {normalized(axes[least]), std::sqrt(std::max(0.0, squares[least]))};
 }
 
 }  // namespace remesh

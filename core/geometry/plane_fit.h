@@ -19,13 +19,21 @@ struct PointMoments {
   Vec3 mean() const { return (1 / count) * sum; }
 };
 
+/// The axes of the points' covariance: orthonormal but for rounding, and the mean squares along them.
+struct PrincipalAxes {
+  std::array<Vec3, 3> axes;
+  std::array<double, 3> squares;
+};
+/// Source: Jacobi's rotations.
+PrincipalAxes principal_axes(const PointMoments& moments);
+
 /// The unit normal of the least-squares plane, either way round, and the points' root mean square distance from it.
 /// Points within about 1 of the origin: below some 1e-8 of their spread the distance is rounding.
 struct PlaneFit {
   Vec3 normal;
   double rms = 0;
 };
-/// Source: the eigenvector of the covariance's least eigenvalue, by Jacobi's rotations.
+/// Source: the eigenvector of the covariance's least eigenvalue.
 PlaneFit fit_plane(const PointMoments& moments);
 
 }  // namespace remesh

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 #include "core/geometry/pair_search.h"
 #include "core/geometry/predicates_3d.h"
@@ -19,6 +20,9 @@ constexpr std::uint32_t kMostAtVertex = 64;
 
 /// Directions are rounded; their boxes are made wider by this.
 constexpr double kDirectionMargin = 1e-12;
+
+/// By its box; not a triangle that holds it.
+constexpr std::array kWholeSphere{Vec3{-1, -1, -1}, Vec3{1, 1, 1}, Vec3{1, 1, 1}};
 
 /// The hubs that all faces of a node have; invalid where there are fewer than three.
 using Hubs = std::array<VertexId, 3>;
@@ -93,13 +97,20 @@ class Search {
   }
 
   void find_everywhere() {
-    const TriangleTree tree(positions_, faces_, control_);
+    static_assert(kNoPiece == TriangleTree::kNoGroup);
+    const TriangleTree tree(positions_, faces_, control_, pieces_);
     std::vector<Hubs> hubs;
     if (!is_hub_.empty()) hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(tree.face(slot)); }, common);
+    // The piece of all faces of a node.
+    std::vector<std::uint32_t> pieces;
+    if (std::any_of(pieces_.begin(), pieces_.end(), [](std::uint32_t piece) { return piece != kNoPiece; }))
+      pieces = tree.joined<std::uint32_t>([&](std::size_t slot) { return pieces_[tree.face(slot).value]; },
+                                          [](std::uint32_t a, std::uint32_t b) { return a == b ? a : kNoPiece; });
     const auto face_of = [&](std::size_t slot) { return tree.face(slot); };
     find_pairs(
-        tree, 0, face_of,
+        {tree, positions_, faces_}, face_of,
         [&](std::size_t slot, std::size_t node) {
+          if (!pieces.empty() && pieces[node] != kNoPiece && pieces[node] == pieces_[face_of(slot).value]) return true;
           const Triangle& face = faces_[face_of(slot).value];
           return !hubs.empty() && std::any_of(hubs[node].begin(), hubs[node].end(),
                                               [&](VertexId v) { return v.is_valid() && has(face, v); });
@@ -116,16 +127,21 @@ class Search {
     const VertexId hub = at_hub_[begin].first;
     std::vector<Vec3> corners;
     std::vector<Triangle> arcs;
+    bool are_wide = false;
     for (std::size_t i = begin; i < end; ++i) {
       if (i % kFacesBetweenChecks == 0) control_.check();
-      for (const Vec3& corner : around_arc(hub, faces_[at_hub_[i].second.value])) corners.push_back(corner);
+      const auto arc = around_arc(hub, faces_[at_hub_[i].second.value]);
+      are_wide = are_wide || !arc;
+      for (const Vec3& corner : arc.value_or(kWholeSphere)) corners.push_back(corner);
       const std::size_t n = corners.size();
       arcs.push_back({VertexId(n - 3), VertexId(n - 2), VertexId(n - 1)});
     }
     const TriangleTree tree(corners, arcs, control_);
     const auto face_of = [&](std::size_t slot) { return at_hub_[begin + tree.face(slot).value].second; };
     find_pairs(
-        tree, kDirectionMargin, face_of, [](std::size_t, std::size_t) { return false; },
+        {tree, corners, arcs, kDirectionMargin,
+         are_wide ? SearchedTriangles::kByBoxes : SearchedTriangles::kByTriangles},
+        face_of, [](std::size_t, std::size_t) { return false; },
         [&](std::size_t slot, std::size_t other) {
           const FaceId f = face_of(slot), g = face_of(other);
           return shared_hub(f, g) == hub && do_count(f, g);
@@ -133,8 +149,9 @@ class Search {
         max_pairs_, result_, control_);
   }
 
-  /// A triangle of directions that holds the arc: its two ends and where the tangents there cross.
-  std::array<Vec3, 3> around_arc(VertexId hub, const Triangle& face) const {
+  /// A triangle of directions that holds the arc: its two ends and where the tangents there cross; none if that is far
+  /// away.
+  std::optional<std::array<Vec3, 3>> around_arc(VertexId hub, const Triangle& face) const {
     std::array<Vec3, 2> ends;
     std::size_t n = 0;
     for (const VertexId v : face)
@@ -142,9 +159,9 @@ class Search {
     if (n == 1) ends[1] = ends[0];
     const Vec3 middle = 0.5 * (ends[0] + ends[1]);
     const double cosine_squared = norm_squared(middle);
-    constexpr double kWide = 0.01;  // beyond some 168 degrees, the whole sphere
-    if (cosine_squared < kWide) return {Vec3{-1, -1, -1}, Vec3{1, 1, 1}, Vec3{1, 1, 1}};
-    return {ends[0], ends[1], (1 / cosine_squared) * middle};
+    constexpr double kWide = 0.01;  // beyond some 168 degrees
+    if (cosine_squared < kWide) return std::nullopt;
+    return std::array{ends[0], ends[1], (1 / cosine_squared) * middle};
   }
 
   std::vector<Vec3> positions_;

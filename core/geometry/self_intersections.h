@@ -30,7 +30,8 @@ inline constexpr std::uint32_t kNoPiece = 0xffffffffu;
 ///          2^-499 of the largest. Faces without area are the sets of their points.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n) for the tree, then for each face O(log n) and what has a box that meets its own: a handful on a
-///          surface of well-shaped faces, but all of them where needles lie side by side askew to the axes. Around
+///          surface of well-shaped faces. Where that is more than 64 faces that it does not meet for many, as where
+///          needles lie side by side askew to the axes, boxes along the faces (OrientedBoxes) tell them apart. Around
 ///          a vertex with many faces, these are held against each other by their directions from it instead, so a fan
 ///          of k needles costs O(k log k). Runs on the caller's TBB arena. Memory for at most 65 times max_pairs.
 SelfIntersections self_intersections(std::span<const Vec3> positions, std::span<const Triangle> faces,

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/ids.h"
@@ -20,12 +22,26 @@ namespace remesh {
 /// Cost:    O(n log n) to build, in parallel; a query O(log n + what it finds) for triangles of like size.
 class TriangleTree {
  public:
+  /// Input:   `groups`, if not empty, has one entry a face: in nodes of up to 2^13 faces those of one group stand in
+  ///          slots next to each other, those of kNoGroup wherever they are in space. So few of the nodes below have
+  ///          faces of a group and others.
   /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
-  TriangleTree(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control);
+  TriangleTree(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control,
+               std::span<const std::uint32_t> groups = {});
+  static constexpr std::uint32_t kNoGroup = 0xffffffffu;
 
   std::size_t size() const { return face_.size(); }
   FaceId face(std::size_t slot) const { return face_[slot]; }
   const Box3& box(std::size_t slot) const { return slot_box_[slot]; }
+
+  /// Nodes are numbered level after level, those of a level from left to right.
+  std::size_t node_count() const { return node_box_.size(); }
+  /// The slots of a node: from the first, up to before the second.
+  std::pair<std::size_t, std::size_t> slots(std::size_t node) const {
+    const int level = static_cast<int>(std::bit_width(node + 1)) - 1;
+    const std::size_t j = node - node_index(level, 0);
+    return {node_begin(level, j), node_begin(level, j + 1)};
+  }
 
   /// Calls visit(slot) for the slots from `first` on whose boxes meet `box` (touching included), in ascending order,
   /// as long as visit returns true.
@@ -39,7 +55,7 @@ class TriangleTree {
   void visit_meeting(const Box3& box, std::size_t first, const IsOfNoInterest& is_of_no_interest,
                      const Visit& visit) const;
 
-  /// A value for each node: those of its slots, joined. Nodes are numbered as visit_meeting names them.
+  /// A value for each node: those of its slots, joined.
   template <class Value, class OfSlot, class Join>
   std::vector<Value> joined(const OfSlot& of_slot, const Join& join) const;
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <span>
 #include <tuple>
@@ -20,8 +21,17 @@ namespace {
 
 constexpr std::size_t kBlock = 256;
 
-/// Nothing is noted on the boxes.
-using VertexTree = BoxTree<NoTag>;
+/// So many looks at vertices near open edges, a corner of the surface: of ordinary surfaces it is one or two. Where
+/// edges and vertices lie along one line by the thousand, splitting them would take quadratic time and memory.
+constexpr std::size_t kMostLooksPerCorner = 4;
+constexpr std::size_t kFewLooks = 4096;
+
+/// Noted on the boxes of the tree: the same in full precision. The tolerance is far less than single precision tells.
+struct ExactBox {
+  Box3 box;
+  void join(const ExactBox& other) { box.add(other.box); }
+};
+using VertexTree = BoxTree<ExactBox>;
 
 /// A vertex on an open edge: its place in the edge's order, and how far off.
 struct Junction {
@@ -72,7 +82,7 @@ class Order {
 };
 
 /// Does the segment come within `margin` of the box? Never no by rounding alone if it does by more than that.
-bool is_near(const Vec3& a, const Vec3& b, double margin, const FloatBox& box) {
+bool is_near(const Vec3& a, const Vec3& b, double margin, const Box3& box) {
   double from = 0, to = 1;
   for (int axis = 0; axis < 3; ++axis) {
     const double low = box.min[axis] - margin, high = box.max[axis] + margin, way = b[axis] - a[axis];
@@ -88,40 +98,71 @@ bool is_near(const Vec3& a, const Vec3& b, double margin, const FloatBox& box) {
   return from <= to + kRounding;
 }
 
+/// Is all of the box within `distance` of the place? Monotone in the box, rounding included.
+bool is_within(const Vec3& place, double distance, const Box3& box) {
+  if (std::fabs(box.min.x - place.x) > distance) return false;  // as nearly always
+  Vec3 farthest;
+  for (int axis = 0; axis < 3; ++axis)
+    farthest[axis] = std::max(std::fabs(box.min[axis] - place[axis]), std::fabs(box.max[axis] - place[axis]));
+  return norm(farthest) <= distance;
+}
+
+struct Found {
+  std::vector<Junction> junctions;  ///< by half-edge, in order along it; every vertex once a face
+  bool is_complete = true;          ///< false: there are more
+};
+
 class Search {
  public:
   Search(const Surface& surface, const Adjacency& edges, double tolerance, const std::vector<std::uint8_t>& as_it_is,
          RunControl& control)
       : surface_(surface), edges_(edges), tolerance_(tolerance), as_it_is_(as_it_is), control_(control) {}
 
-  /// Output: by half-edge, in order along it; every vertex once a face.
-  std::vector<Junction> run() {
+  Found run() {
+    Found result;
     find_boundary();
-    if (open_.empty()) return {};
+    if (open_.empty()) return result;
     std::vector<VertexTree::Entry> entries(vertices_.size());
-    for (std::size_t i = 0; i < vertices_.size(); ++i) entries[i].box.add(surface_.local[vertices_[i]]);
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      entries[i].box.add(surface_.local[vertices_[i]]);
+      entries[i].tag.box.add(surface_.local[vertices_[i]]);
+    }
     const VertexTree tree(entries, control_);
+    const std::size_t most_looks = kFewLooks + kMostLooksPerCorner * surface_.corners.size();
+    std::atomic<std::size_t> looks{0};
     const auto found =
         map_blocks<std::vector<Junction>>(open_.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
           std::vector<Junction> junctions;
-          for (std::size_t i = begin; i < end; ++i) find_on(open_[i], tree, junctions);
+          for (std::size_t i = begin; i < end && looks.load(std::memory_order_relaxed) <= most_looks; ++i)
+            looks.fetch_add(find_on(open_[i], tree, [&](const Junction& j) { junctions.push_back(j); }),
+                            std::memory_order_relaxed);
           return junctions;
         });
-    std::vector<Junction> all;
-    for (const auto& junctions : found) all.insert(all.end(), junctions.begin(), junctions.end());
-    // On the nearest edge only, if a face has several such.
+    // Where it is more, it is so whatever the order in which edges are looked at.
+    result.is_complete = looks.load(std::memory_order_relaxed) <= most_looks;
+    std::vector<Junction>& all = result.junctions;
+    if (result.is_complete)
+      for (const auto& junctions : found) all.insert(all.end(), junctions.begin(), junctions.end());
+    else
+      all = find_first(tree, most_looks);
     const auto key = [](const Junction& j) { return std::tuple(j.face, j.vertex, j.distance, j.half_edge); };
-    std::sort(all.begin(), all.end(), [&](const Junction& a, const Junction& b) { return key(a) < key(b); });
+    sort_all(all.begin(), all.end(), [&](const Junction& a, const Junction& b) {
+      control_.check();
+      return key(a) < key(b);
+    });
+    drop_own_vertices(all);
+    // On the nearest edge only, if a face has several such.
     all.erase(
         std::unique(all.begin(), all.end(),
                     [](const Junction& a, const Junction& b) { return a.face == b.face && a.vertex == b.vertex; }),
         all.end());
-    std::sort(all.begin(), all.end(), [&](const Junction& a, const Junction& b) {
+    sort_all(all.begin(), all.end(), [&](const Junction& a, const Junction& b) {
+      control_.check();
       return a.half_edge != b.half_edge          ? a.half_edge < b.half_edge
              : Order::is_clear(a.place, b.place) ? a.place < b.place
                                                  : Order(way(a.half_edge)).is_before(surface_, a.vertex, b.vertex);
     });
-    return all;
+    return result;
   }
 
  private:
@@ -143,29 +184,63 @@ class Search {
 
   Vec3 way(std::uint32_t h) const { return surface_.local[edges_.to(h)] - surface_.local[edges_.from(h)]; }
 
-  void find_on(std::uint32_t h, const VertexTree& tree, std::vector<Junction>& junctions) const {
+  /// Calls visit(junction) for the vertices on an edge, those of its own face included. Returns how many were looked
+  /// at.
+  template <class Visit>
+  std::size_t find_on(std::uint32_t h, const VertexTree& tree, const Visit& visit) const {
     const Vec3 a = surface_.local[edges_.from(h)], b = surface_.local[edges_.to(h)];
     const Vec3 ab = way(h);
     const double length = norm(ab);
-    if (!(length > 2 * tolerance_)) return;
+    if (!(length > 2 * tolerance_)) return 0;
     const auto bound = [&](const VertexTree::Entry& entry) {
-      return is_near(a, b, tolerance_, entry.box) ? 0 : HUGE_VAL;
+      const Box3& box = entry.tag.box;
+      const bool is_of_interest =
+          is_near(a, b, tolerance_, box) && !is_within(a, tolerance_, box) && !is_within(b, tolerance_, box);
+      return is_of_interest ? 0 : HUGE_VAL;
     };
     const Order order(ab);
     const double all = 1;
-    std::uint32_t tests = 0;
+    std::size_t looks = 0;
     tree.search(all, bound, [&](std::size_t slot) {
-      if (++tests % 4096 == 0) control_.check();
+      if (++looks % 4096 == 0) control_.check();
       const VertexId v = vertices_[tree.number(slot)];
       const Vec3 p = surface_.local[v];
       const double along = dot(p - a, ab) / (length * length);
       const double distance = norm(p - (a + along * ab));
       if (!(distance <= tolerance_) || !(norm(p - a) > tolerance_) || !(norm(p - b) > tolerance_)) return;
       if (!(along > 0 && along < 1)) return;
-      const auto loop = surface_.face(edges_.face_of(h));
-      if (std::find(loop.begin(), loop.end(), v) != loop.end()) return;
-      junctions.push_back({edges_.face_of(h), v, distance, h, order.place(p)});
+      visit({edges_.face_of(h), v, distance, h, order.place(p)});
     });
+    return looks;
+  }
+
+  /// Those found until there were more looks than are allowed: the same ones whatever threads have looked at.
+  std::vector<Junction> find_first(const VertexTree& tree, std::size_t most_looks) const {
+    std::vector<Junction> junctions;
+    std::size_t looks = 0;
+    for (std::size_t i = 0; i < open_.size() && looks <= most_looks; ++i) {
+      control_.check();
+      looks += find_on(open_[i], tree, [&](const Junction& j) { junctions.push_back(j); });
+    }
+    return junctions;
+  }
+
+  /// Those that lie on an edge of a face that has them. Input:  sorted by face.
+  void drop_own_vertices(std::vector<Junction>& junctions) const {
+    std::vector<VertexId> corners;
+    FaceId last;
+    std::size_t looks = 0;
+    const auto is_own = [&](const Junction& j) {
+      if (++looks % 4096 == 0) control_.check();
+      if (j.face != last) {
+        last = j.face;
+        const auto loop = surface_.face(j.face);
+        corners.assign(loop.begin(), loop.end());
+        std::sort(corners.begin(), corners.end());
+      }
+      return std::binary_search(corners.begin(), corners.end(), j.vertex);
+    };
+    junctions.erase(std::remove_if(junctions.begin(), junctions.end(), is_own), junctions.end());
   }
 
   const Surface& surface_;
@@ -216,10 +291,11 @@ struct Split {
   FaceList faces;
   std::vector<std::uint32_t> junction_of;  ///< of each corner, kNone for those that the face had
 
-  Split(const Surface& surface, const std::vector<Junction>& junctions) {
+  Split(const Surface& surface, const std::vector<Junction>& junctions, RunControl& control) {
     std::vector<VertexId> loop;
     std::uint32_t next = 0;
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+      if (f % 4096 == 0) control.check();
       loop.clear();
       for (std::uint32_t h = surface.face_begin[f]; h < surface.face_begin[f + 1]; ++h) {
         loop.push_back(surface.corners[h]);
@@ -268,9 +344,11 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
     else
       sides.join(sides.of(edges.face_of(h)), sides.of(edges.face_of(other)), runs_one_way(around));
   }
-  std::sort(new_edges.begin(), new_edges.end());
+  sort_all(new_edges.begin(), new_edges.end());
   std::vector<std::uint32_t> twisting;
+  std::uint32_t looks = 0;
   for (const auto& [minus_length, e] : new_edges) {
+    if (looks++ % 4096 == 0) control.check();
     const auto around = edges.half_edges(e);
     const Sides::Side a = sides.of(edges.face_of(around[0])), b = sides.of(edges.face_of(around[1]));
     const bool is_opposite = runs_one_way(around);
@@ -304,7 +382,14 @@ Diagnostic told(const Surface& surface, const std::vector<Junction>& junctions, 
 bool split_t_junctions(Surface& surface, const Adjacency& edges, double tolerance,
                        const std::vector<std::uint8_t>& as_it_is, Mend mend, std::vector<Diagnostic>& diagnostics,
                        RunControl& control) {
-  std::vector<Junction> junctions = Search(surface, edges, tolerance, as_it_is, control).run();
+  Found found = Search(surface, edges, tolerance, as_it_is, control).run();
+  std::vector<Junction>& junctions = found.junctions;
+  if (!found.is_complete) {
+    diagnostics.push_back(told(surface, junctions,
+                               "vertices lie on an open edge of a face without them, so many that none was split; "
+                               "elements are vertices; there are more"));
+    return false;
+  }
   if (junctions.empty()) return false;
   const FaceGeometries geometry = face_geometry(surface, control);
   junctions.erase(std::remove_if(junctions.begin(), junctions.end(),
@@ -316,7 +401,7 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
         told(surface, junctions, "vertices lie on an open edge of a face without them; elements are vertices"));
     return false;
   }
-  Split split(surface, junctions);
+  Split split(surface, junctions, control);
   std::vector<Junction> left;
   // What one vertex spoils another may mend or spoil anew; where that goes on and on, all are left.
   constexpr int kMostPasses = 16;
@@ -336,7 +421,7 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
       next += is_twisting;
     }
     junctions = std::move(rest);
-    split = Split(surface, junctions);
+    split = Split(surface, junctions, control);
   }
   if (!left.empty())
     diagnostics.push_back(told(surface, left,

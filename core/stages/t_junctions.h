@@ -20,6 +20,8 @@ namespace remesh {
 ///          that they might be turned over by it.
 /// Output:  the surface so mended, with Mend::kYes. Counts t_junction, those split and those left;
 ///          elements are the vertices.
+///          Where more vertices are near open edges than 4 a corner of the surface and 4096, as where edges lie along
+///          each other by the hundred with the same vertices on them, none is split, and that is told.
 /// Holds:   no point of the surface moves by more than the tolerance; no face is handed a vertex twice. Edges that run
 ///          along each other get the vertices on them in the same order, however near these are to each other. What has
 ///          two sides keeps them: a vertex that would twist the surface is left where it is.

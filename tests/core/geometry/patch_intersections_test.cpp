@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 #include "core/mesh/triangle_corners.h"
@@ -109,6 +110,54 @@ TEST(patch_intersections, many_patches_may_meet_in_one_place) {
     const SelfIntersections expected = patched.find_all();
     ASSERT_GT(expected.pairs.size(), static_cast<std::size_t>(count * cells));
     EXPECT_EQ(patched.find().pairs, expected.pairs) << count << " sheets";
+  }
+}
+
+/// A cone whose base is a fan: n facets, one patch each, and one patch of n needles; `lift` raises the base.
+Patched cone_on_a_fan(int n, double lift) {
+  std::vector<Vec3> points{{0, 0, 1}, {0, 0, lift}};
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int i = 0; i < n; ++i) points.push_back({std::cos(2 * M_PI * i / n), std::sin(2 * M_PI * i / n), 0});
+  for (int i = 0; i < n; ++i) points.push_back(points[2 + i] + Vec3{0, 0, lift});
+  for (std::uint32_t i = 0; i < static_cast<std::uint32_t>(n); ++i) {
+    const std::uint32_t next = (i + 1) % n, base = lift == 0 ? 2 : 2 + n;
+    faces.push_back({0, 2 + i, 2 + next});
+    faces.push_back({1, base + next, base + i});
+  }
+  Patched patched(shapes::from_lists(points, faces));
+  patched.normals.assign(n + 1, {0, 0, -1});
+  for (int i = 0; i < n; ++i) {
+    const Vec3 middle = points[2 + i] + points[2 + (i + 1) % n];
+    patched.patch[2 * i] = PatchId(1 + i);
+    patched.patch[2 * i + 1] = PatchId(0);
+    patched.normals[1 + i] = normalized(normalized(middle) + Vec3{0, 0, std::cos(M_PI / n)});
+  }
+  patched.simple.assign(n + 1, 1);
+  return patched;
+}
+
+TEST(patch_intersections, a_cone_on_a_fan_of_needles_gives_the_pairs_of_all_faces) {
+  EXPECT_TRUE(cone_on_a_fan(3000, 0).find().pairs.empty());
+  const Patched crossing = cone_on_a_fan(3000, 0.1);
+  const SelfIntersections expected = crossing.find_all();
+  EXPECT_GT(expected.pairs.size(), 1000u);
+  EXPECT_EQ(crossing.find().pairs, expected.pairs);
+}
+
+TEST(patch_intersections, a_cone_on_a_fan_of_needles_does_not_take_quadratic_time) {
+  EXPECT_TRUE(cone_on_a_fan(50'000, 0).find().pairs.empty());
+}
+
+TEST(patch_intersections, a_fan_of_needles_may_cross_a_large_patch_or_a_few_faces) {
+  // Needles from a far place to a line, as across a cap that a long wall goes through.
+  for (const int cells : {1, 100}) {
+    Patched patched(
+        shapes::joined(shapes::sheet(4, 4, cells, cells),
+                       shapes::moved(shapes::rotated(shapes::sheet(4, 2, 3000, 1), {1, 0, 0}, 50), {0.1, 1.7, -0.7})));
+    ASSERT_EQ(patched.normals.size(), 2u);
+    const SelfIntersections expected = patched.find_all();
+    EXPECT_GT(expected.pairs.size(), 1000u);
+    EXPECT_EQ(patched.find().pairs, expected.pairs) << cells;
   }
 }
 

@@ -13,6 +13,7 @@
 #include <string>
 #include <vector>
 
+#include "core/geometry/triangle_intersection.h"
 #include "core/io/obj.h"
 #include "core/verify/exact.h"
 #include "tests/support/cgal_intersection.h"
@@ -139,6 +140,94 @@ TEST(self_intersections, several_vertices_of_very_many_faces_count_each_pair_onc
     for (std::uint32_t g = f + 1; g < mesh.faces.size(); ++g)
       if (oracle(mesh.faces[FaceId(f)], mesh.faces[FaceId(g)])) expected.emplace_back(FaceId(f), FaceId(g));
   EXPECT_EQ(find(mesh).pairs, expected);
+}
+
+Pairs all_pairs(const TriangleMesh& mesh) {
+  const std::vector<Vec3> positions(mesh.positions.begin(), mesh.positions.end());
+  Pairs pairs;
+  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f)
+    for (std::uint32_t g = f + 1; g < mesh.faces.size(); ++g)
+      if (do_intersect(mesh.faces[FaceId(f)], mesh.faces[FaceId(g)], positions))
+        pairs.emplace_back(FaceId(f), FaceId(g));
+  return pairs;
+}
+
+Vec3 on_circle(double turns, double z) { return {std::cos(2 * M_PI * turns), std::sin(2 * M_PI * turns), z}; }
+
+/// Needles whose boxes all meet: they lie side by side, askew to the axes.
+TriangleMesh needles(int n) {
+  TriangleMesh mesh;
+  for (int i = 0; i < n; ++i) {
+    const double t = 1.0 * i / n;
+    const auto a = mesh.positions.push_back({t, -t, 0}), b = mesh.positions.push_back({1 + t, 1 - t, 1});
+    mesh.faces.push_back({a, b, mesh.positions.push_back({1 + t + 0.1 / n, 1 - t, 1})});
+  }
+  return mesh;
+}
+
+/// Two cones of n needles each on one circle.
+TriangleMesh double_cone(int n) {
+  TriangleMesh mesh;
+  const auto top = mesh.positions.push_back({0, 0, 1}), bottom = mesh.positions.push_back({0, 0, -1});
+  for (int i = 0; i < n; ++i) mesh.positions.push_back(on_circle(1.0 * i / n, 0));
+  for (int i = 0; i < n; ++i) {
+    const VertexId a(2 + i), b(2 + (i + 1) % n);
+    mesh.faces.push_back({top, a, b});
+    mesh.faces.push_back({bottom, b, a});
+  }
+  return mesh;
+}
+
+/// The surface that a straight line sweeps between two circles turned against each other: all needles cross over near
+/// the waist.
+TriangleMesh waisted_tube(int n) {
+  TriangleMesh mesh;
+  for (int i = 0; i < n; ++i) mesh.positions.push_back(on_circle(1.0 * i / n, -1));
+  for (int i = 0; i < n; ++i) mesh.positions.push_back(on_circle(1.0 * i / n + 0.4, 1));
+  for (int i = 0; i < n; ++i) {
+    const int next = (i + 1) % n;
+    mesh.faces.push_back({VertexId(i), VertexId(next), VertexId(n + i)});
+    mesh.faces.push_back({VertexId(next), VertexId(n + next), VertexId(n + i)});
+  }
+  return mesh;
+}
+
+/// Turned at random, some corners moved, and some large triangles across.
+TriangleMesh disturbed(const TriangleMesh& mesh, std::uint64_t seed) {
+  Random random(seed);
+  TriangleMesh result = mesh;
+  PolygonMesh points;
+  points.positions = mesh.positions;
+  result.positions = shapes::rotated(points, {random.unit(), 1, random.unit()}, 360 * random.unit()).positions;
+  for (Vec3& p : result.positions)
+    if (random.chance(0.02)) p += 0.05 * Vec3{random.unit(), random.unit(), random.unit()};
+  for (int i = 0; i < 20; ++i) {
+    Triangle face;
+    for (VertexId& v : face)
+      v = result.positions.push_back({random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+    result.faces.push_back(face);
+  }
+  return result;
+}
+
+TEST(self_intersections, among_needles_whose_boxes_all_meet_the_pairs_are_those_of_all_faces) {
+  for (int seed = 0; seed < 4; ++seed)
+    for (const TriangleMesh& shape : {needles(300), double_cone(150), waisted_tube(150)}) {
+      const TriangleMesh mesh = disturbed(shape, seed);
+      const Pairs expected = all_pairs(mesh);
+      EXPECT_GT(expected.size(), 20u);
+      EXPECT_EQ(find(mesh).pairs, expected);
+      const SelfIntersections some = find(mesh, {}, expected.size() - 1);
+      EXPECT_FALSE(some.is_complete);
+      EXPECT_EQ(some.pairs.size(), expected.size() - 1);
+    }
+}
+
+TEST(self_intersections, needles_whose_boxes_all_meet_do_not_take_quadratic_time) {
+  constexpr int kMany = 30'000;  // 4.5e8 pairs of boxes and more
+  EXPECT_TRUE(find(needles(kMany)).pairs.empty());
+  EXPECT_TRUE(find(double_cone(kMany)).pairs.empty());
+  EXPECT_TRUE(find(waisted_tube(kMany)).pairs.empty());
 }
 
 TEST(self_intersections, a_fan_of_a_hundred_thousand_needles_does_not_take_quadratic_time) {

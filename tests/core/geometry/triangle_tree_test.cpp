@@ -79,5 +79,34 @@ TEST(triangle_tree, boxes_that_touch_meet) {
   }
 }
 
+TEST(triangle_tree, faces_of_one_group_stand_next_to_each_other) {
+  const SphereTree sphere(1024);
+  // Everywhere on the sphere faces of three groups and of none.
+  std::vector<std::uint32_t> groups;
+  for (std::uint32_t f = 0; f < 1024; ++f) groups.push_back(f % 4 < 3 ? f % 4 : TriangleTree::kNoGroup);
+  RunControl control;
+  const TriangleTree tree(sphere.mesh.positions.items(), std::span(sphere.mesh.faces.items()).first(1024), control,
+                          groups);
+  std::vector<std::vector<std::size_t>> slots(3);
+  std::vector<FaceId> faces;
+  for (std::size_t slot = 0; slot < tree.size(); ++slot) {
+    faces.push_back(tree.face(slot));
+    const std::uint32_t group = groups[tree.face(slot).value];
+    if (group != TriangleTree::kNoGroup) slots[group].push_back(slot);
+  }
+  std::sort(faces.begin(), faces.end());
+  for (std::uint32_t f = 0; f < 1024; ++f) ASSERT_EQ(faces[f], FaceId(f));
+  std::size_t mixed = 0;
+  for (std::size_t node = 0; node < tree.node_count(); ++node) {
+    const auto [first, last] = tree.slots(node);
+    for (std::size_t slot = first + 1; slot < last; ++slot)
+      if (groups[tree.face(slot).value] != groups[tree.face(first).value]) {
+        ++mixed;
+        break;
+      }
+  }
+  EXPECT_LT(mixed, 60u);  // of five hundred
+}
+
 }  // namespace
 }  // namespace remesh

@@ -1,10 +1,13 @@
 #include "core/stages/t_junctions.h"
 
 #include <gtest/gtest.h>
+#include <tbb/global_control.h>
+#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <set>
 
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -224,6 +227,104 @@ TEST(split_t_junctions, very_many_long_edges_side_by_side_do_not_take_quadratic_
     mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
   }
   EXPECT_FALSE(split(mesh, 1e-6).is_changed);
+}
+
+/// `n` large triangles whose edges run along one line, and as many small ones with a corner on it.
+PolygonMesh bundle(int n) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<std::uint32_t>> faces;
+  const auto add = [&](const Vec3& a, const Vec3& b, const Vec3& c) {
+    const auto first = static_cast<std::uint32_t>(points.size());
+    points.insert(points.end(), {a, b, c});
+    faces.push_back({first, first + 1, first + 2});
+  };
+  for (int i = 0; i < n; ++i) {
+    const double angle = 2 * M_PI * i / n, end = 1e-3 * i / n;
+    add({-1 - end, 0, 0}, {2 + end, 0, 0}, {0.5, std::cos(angle), std::sin(angle)});
+    const double at = (i + 1.0) / (n + 1);
+    add({at, 0, 0}, {at, -0.1, 0.001}, {at + 0.3 / n, -0.1, 0});
+  }
+  return shapes::from_lists(points, faces);
+}
+
+TEST(split_t_junctions, where_there_are_far_too_many_none_is_split_and_that_is_told) {
+  const tbb::global_control more_threads_than_cores(tbb::global_control::max_allowed_parallelism, 8);
+  EXPECT_TRUE(split(bundle(20), 1e-9).is_changed);
+  const PolygonMesh mesh = bundle(1000);
+  const auto diagnostics = tbb::task_arena(1).execute([&] {
+    const SplitResult result = split(mesh, 1e-9);
+    EXPECT_FALSE(result.is_changed);
+    return result.diagnostics;
+  });
+  ASSERT_EQ(diagnostics.size(), 1u);
+  EXPECT_EQ(diagnostics[0].code, DiagnosticCode::kTJunction);
+  EXPECT_GT(diagnostics[0].count, mesh.corners.size());
+  EXPECT_LT(diagnostics[0].count, 8 * mesh.corners.size());
+  EXPECT_NE(diagnostics[0].message.find("so many"), std::string::npos);
+  for (const Mend mend : {Mend::kYes, Mend::kNo}) {
+    const SplitResult result = tbb::task_arena(8).execute([&] { return split(mesh, 1e-9, mend); });
+    ASSERT_EQ(result.diagnostics.size(), 1u);
+    EXPECT_EQ(result.diagnostics[0].count, diagnostics[0].count);
+    EXPECT_EQ(result.diagnostics[0].elements, diagnostics[0].elements);
+  }
+}
+
+TEST(split_t_junctions, edges_along_each_other_with_all_vertices_on_them_do_not_take_quadratic_time) {
+  EXPECT_FALSE(split(bundle(50'000), 1e-9).is_changed);  // 5e9 junctions
+}
+
+/// Squares above each other, each nearer to the first one than the one before by the same factor.
+PolygonMesh nearing_sheets(int n, double last) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (int i = 0; i < n; ++i) {
+    const double z = std::pow(last, static_cast<double>(i) / n);
+    const auto first = static_cast<std::uint32_t>(points.size());
+    points.insert(points.end(), {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}});
+    faces.push_back({first, first + 1, first + 2, first + 3});
+  }
+  return shapes::from_lists(points, faces);
+}
+
+/// Pairs of a face and a vertex on one of its edges, found by looking at all.
+std::size_t junctions_of_all_pairs(const PolygonMesh& mesh, double tolerance) {
+  std::set<std::pair<std::size_t, std::uint32_t>> found;
+  for (std::size_t f = 0; f + 1 < mesh.face_begin.size(); ++f)
+    for (std::uint32_t h = mesh.face_begin[f]; h < mesh.face_begin[f + 1]; ++h) {
+      const std::uint32_t next = h + 1 == mesh.face_begin[f + 1] ? mesh.face_begin[f] : h + 1;
+      const Vec3 a = mesh.positions[mesh.corners[h]], b = mesh.positions[mesh.corners[next]];
+      for (const VertexId v : mesh.corners) {
+        const Vec3 p = mesh.positions[v];
+        const double along = dot(p - a, b - a) / norm_squared(b - a);
+        const auto loop =
+            std::span(mesh.corners).subspan(mesh.face_begin[f], mesh.face_begin[f + 1] - mesh.face_begin[f]);
+        if (along > 0 && along < 1 && norm(p - (a + along * (b - a))) <= tolerance && norm(p - a) > tolerance &&
+            norm(p - b) > tolerance && std::find(loop.begin(), loop.end(), v) == loop.end())
+          found.insert({f, v.value});
+      }
+    }
+  return found.size();
+}
+
+TEST(split_t_junctions, those_found_are_those_of_all_pairs) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> any(-1, 1);
+  std::size_t total = 0;
+  for (int i = 0; i < 60; ++i) {
+    PolygonMesh mesh = i % 3 == 0 ? bundle(10) : i % 3 == 1 ? nearing_sheets(30, 1e-6) : comb(12);
+    const double tolerance = std::pow(10, -3 - i % 4);
+    for (Vec3& p : mesh.positions) p += 2 * tolerance * Vec3{any(random), any(random), any(random)};
+    if (i % 2 == 0) mesh = shapes::rotated(mesh, {any(random), 1, any(random)}, 180 * any(random));
+    const SplitResult result = split(mesh, tolerance, Mend::kNo);
+    const std::size_t count = result.diagnostics.empty() ? 0 : result.diagnostics[0].count;
+    EXPECT_EQ(count, junctions_of_all_pairs(mesh, tolerance)) << i;
+    total += count;
+  }
+  EXPECT_GT(total, 1000u);
+}
+
+TEST(split_t_junctions, very_many_vertices_near_the_ends_of_as_many_edges_do_not_take_quadratic_time) {
+  EXPECT_FALSE(split(nearing_sheets(60'000, 1e-12), 1e-9).is_changed);
 }
 
 }  // namespace
