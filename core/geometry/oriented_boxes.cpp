@@ -21,8 +21,6 @@ constexpr int kRounds = 2;
 /// Between two points of cancellation.
 constexpr std::size_t kSlotsBetweenChecks = 1 << 16;
 
-using Axes = std::array<Vec3, 3>;
-
 /// Leaves of `points` the corners of their convex hull, counter-clockwise, as well as rounding tells.
 void reduce_to_hull(std::vector<Vec2>& points) {
   std::sort(points.begin(), points.end());
@@ -41,7 +39,7 @@ void reduce_to_hull(std::vector<Vec2>& points) {
 
 /// Turns the other two axes about this one so that the rectangle along them is the least that holds the points, by area
 /// and perimeter (a triangle's three have all the same area): a side of it lies on a side of the convex hull.
-void turn_about(std::size_t axis, std::span<const Vec3> points, std::vector<Vec2>& flat, Axes& axes) {
+void turn_about(std::size_t axis, std::span<const Vec3> points, std::vector<Vec2>& flat, std::array<Vec3, 3>& axes) {
   const Vec3 u = axes[(axis + 1) % 3], v = axes[(axis + 2) % 3];
   flat.clear();
   for (const Vec3& p : points) flat.push_back({dot(u, p), dot(v, p)});

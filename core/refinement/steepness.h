@@ -50,19 +50,6 @@ struct Layer {
     if (x + kRounding > double{most}) most = -FloatBox::rounded_down(-x - kRounding);
   }
 
-  /// From a place, and from the place of a box that is farthest; 0 if nothing is told.
-  double distance(const Vec3& p) const { return least <= most ? excess(least, most, product(p)) : 0; }
-  double farthest(const FloatBox& box) const {
-    if (!(least <= most)) return 0;
-    double low = 0, high = 0;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double x = double{across[axis]} * box.min[axis], y = double{across[axis]} * box.max[axis];
-      low += std::min(x, y);
-      high += std::max(x, y);
-    }
-    return std::max(excess(least, most, low), excess(least, most, high));
-  }
-
   /// More than a product is wrong by.
   static constexpr double kRounding = 0x1p-48;
 };
