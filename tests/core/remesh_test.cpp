@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <functional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -662,47 +661,6 @@ TEST(analyze_surface, it_tells_of_the_input_and_remeshes_nothing) {
   EXPECT_EQ(report.input.area, result.report.input.area);
   EXPECT_EQ(report.output.faces, 0u);
   EXPECT_FALSE(report.verified.surface);
-}
-
-struct BadOption {
-  const char* name;
-  Code code;
-  std::function<void(Options&)> set;
-};
-
-TEST(check_options, each_option_at_fault_is_named) {
-  const std::vector<BadOption> bad = {
-      {"min_angle_deg", Code::kInvalidOption, [](Options& o) { o.min_angle_deg = 33.5; }},
-      {"min_angle_deg", Code::kInvalidOption, [](Options& o) { o.min_angle_deg = NAN; }},
-      {"max_radius_edge_ratio", Code::kInvalidOption,
-       [](Options& o) { o.min_angle_deg = o.max_radius_edge_ratio = 1; }},
-      {"max_edge_length", Code::kInvalidOption, [](Options& o) { o.max_edge_length = 0; }},
-      {"max_edge_fraction", Code::kInvalidOption, [](Options& o) { o.max_edge_length = o.max_edge_fraction = 1; }},
-      {"max_area", Code::kInvalidOption, [](Options& o) { o.max_area = -1; }},
-      {"min_edge_length", Code::kInvalidOption, [](Options& o) { o.min_edge_length = HUGE_VAL; }},
-      {"min_edge_length", Code::kInvalidOption,
-       [](Options& o) {
-         o.min_edge_length = 2;
-         o.max_edge_length = 1;
-       }},
-      {"proximity", Code::kInvalidOption, [](Options& o) { o.proximity = -1; }},
-      {"gradation", Code::kInvalidOption, [](Options& o) { o.gradation = 1; }},
-      {"weld_tolerance", Code::kInvalidOption, [](Options& o) { o.weld_tolerance = -1; }},
-      {"plane_tolerance", Code::kInvalidOption, [](Options& o) { o.plane_tolerance = 0; }},
-      {"plane_tolerance", Code::kInvalidOption, [](Options& o) { o.plane_tolerance = NAN; }},
-      {"normal_tolerance", Code::kInvalidOption, [](Options& o) { o.normal_tolerance = -1; }},
-      {"normal_tolerance", Code::kInvalidOption, [](Options& o) { o.normal_tolerance = 1; }},
-      {"reference_axis", Code::kInvalidOption, [](Options& o) { o.reference_axis = ReferenceAxis::kGiven; }},
-  };
-  for (const BadOption& b : bad) {
-    Options options;
-    b.set(options);
-    const Error error = error_of([&] { check_options(options); });
-    EXPECT_EQ(code_name(error.code), code_name(b.code)) << b.name;
-    EXPECT_EQ(error.option, b.name);
-    EXPECT_EQ(error_of([&] { remeshed(shapes::box({1, 1, 1}), options); }).option, b.name);
-  }
-  EXPECT_NO_THROW(check_options(Options{}));
 }
 
 }  // namespace
