@@ -31,4 +31,7 @@ Goals goals_of(const Options& options, double diagonal) {
   return goals;
 }
 
+double equilateral_area(double edge) { return std::numbers::sqrt3 / 4 * edge * edge; }
+double equilateral_edge(double area) { return std::sqrt(4 / std::numbers::sqrt3 * area); }
+
 }  // namespace remesh

@@ -26,4 +26,8 @@ struct Goals {
 /// Input:  `diagonal` of the input's bounding box, for max_edge_fraction. Without `refine` there is no goal at all.
 Goals goals_of(const Options& options, double diagonal);
 
+/// Edge and area of an equilateral triangle: of all with edges up to `edge` the largest. Infinity for infinity.
+double equilateral_area(double edge);
+double equilateral_edge(double area);
+
 }  // namespace remesh

@@ -38,9 +38,9 @@ Criteria::Criteria(const Goals& goals, const SizeField& field)
       min_edge_length(goals.min_edge_length),
       split_boundaries(goals.split_boundaries),
       sizes(field) {
-  // The equilateral triangle of the largest area; a little less, since not all are equilateral.
-  even_size = std::min(field.largest(), 0.95 * std::sqrt(4 / std::numbers::sqrt3 * goals.max_area));
-  area_edge = std::sqrt(4 / std::numbers::sqrt3 * goals.max_area);
+  // A little less for the filling, since not all triangles are equilateral.
+  area_edge = equilateral_edge(goals.max_area);
+  even_size = std::min(field.largest(), 0.95 * area_edge);
   const double bound = goals.min_angle_deg > 0 ? (goals.min_angle_deg + kAngleMargin) * std::numbers::pi / 180 : 0;
   // Without a bound, sizes alone may still not make slivers.
   constexpr double kUsualBound = 20 * std::numbers::pi / 180;

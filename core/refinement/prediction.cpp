@@ -26,9 +26,6 @@ constexpr double kMostOfPatch = 0x1p62;
 /// Edges in fewer pieces are no news to the patches beside them.
 constexpr double kFewPieces = 3;
 
-/// Area of the equilateral triangle with that edge.
-double ideal_area(double edge) { return std::numbers::sqrt3 / 4 * edge * edge; }
-
 /// How many pieces a patch needs of an edge between two vertices.
 struct EdgePieces {
   VertexId from, to;  ///< the smaller id first
@@ -44,7 +41,7 @@ double count_pieces(double length, double most) { return std::max(1.0, std::ceil
 
 /// Area of the largest triangle that sizes allow.
 double largest_area(const Goals& goals, const SizeField& sizes) {
-  return std::min(goals.max_area, ideal_area(sizes.largest()));
+  return std::min(goals.max_area, equilateral_area(sizes.largest()));
 }
 
 double tangent_of(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
@@ -158,7 +155,7 @@ class PatchPrediction {
   }
 
   double longest_edge() const {
-    return std::min(sizes_.largest(), std::sqrt(goals_.max_area * 4 / std::numbers::sqrt3));
+    return std::min(sizes_.largest(), equilateral_edge(goals_.max_area));
   }
   double size_at(Vec2 p) const {
     return sizes_.is_uniform() ? longest_edge() : std::min(longest_edge(), sizes_.at(to_space(patch_.frame, p)));
@@ -182,7 +179,7 @@ class PatchPrediction {
   double faces_for_size(const Vec2 (&p)[3], double area, const HeldSizes* held) const {
     const double edge = longest_edge();
     if (sizes_.is_uniform() && held == nullptr)
-      return std::isfinite(edge) ? kFacesPerIdeal * area / ideal_area(edge) : 0;
+      return std::isfinite(edge) ? kFacesPerIdeal * area / equilateral_area(edge) : 0;
     // Sizes are read in the middles of small triangles of it.
     constexpr int kParts = 6;
     const double part = area / (kParts * kParts);
@@ -194,7 +191,7 @@ class PatchPrediction {
           const Vec2 at = p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
           double size = size_at(at);
           if (held != nullptr) size = std::max(size, held->at(at) * patch_.frame.scale);
-          if (std::isfinite(size)) faces += kFacesPerIdeal * part / ideal_area(size);
+          if (std::isfinite(size)) faces += kFacesPerIdeal * part / equilateral_area(size);
         }
     return faces;
   }
@@ -218,7 +215,7 @@ class LeastFaces {
         longest_(sizes.largest()),
         largest_area_(largest_area(goals, sizes)),
         // As long as the edges of the largest triangle, if these are all alike.
-        edge_(std::sqrt(largest_area_ * 4 / std::numbers::sqrt3)),
+        edge_(equilateral_edge(largest_area_)),
         can_be_filled_(goals.min_edge_length * kSizesOverFloor <= edge_) {}
 
   double of(const PatchMesh& patch, PatchId p) const {
