@@ -43,13 +43,13 @@ std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& f
 }
 
 /// Calls add(f, g) for each polygon f that has an edge of another face g for a diagonal: however it is split, they
-/// touch.
+/// touch. Ends with false when add says that it is enough.
 template <class Add>
-void for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& faces, RunControl& control,
+bool for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& faces, RunControl& control,
                                  const Add& add) {
-  if (!faces.are_split()) return;
+  if (!faces.are_split()) return true;
   const std::vector<Diagonal> diagonals = diagonals_of(surface, faces);
-  if (diagonals.empty()) return;
+  if (diagonals.empty()) return true;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
     if (f % kItemsPerBlock == 0) control.check();
     const auto loop = surface.face(FaceId(f));
@@ -57,9 +57,10 @@ void for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& fac
       const auto [low, high] = std::minmax({loop[i], loop[i + 1 == loop.size() ? 0 : i + 1]});
       auto d = std::lower_bound(diagonals.begin(), diagonals.end(), Diagonal{low, high, FaceId(0)});
       for (; d != diagonals.end() && d->low == low && d->high == high; ++d)
-        if (d->face != FaceId(f)) add(d->face, FaceId(f));
+        if (d->face != FaceId(f) && !add(d->face, FaceId(f))) return false;
     }
   }
+  return true;
 }
 
 }  // namespace
@@ -136,12 +137,15 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
     if (f != g)
       pairs.push_back({f, g, do_overlap(faces.triangle(t.value), faces.triangle(u.value), positions, plane_tolerance)});
   }
-  for_each_edge_on_a_diagonal(surface, faces, control, [&](FaceId f, FaceId g) {
-    if (pairs.size() < 2 * kMostIntersections) pairs.push_back({std::min(f, g), std::max(f, g), false});
+  const bool are_all_on_diagonals = for_each_edge_on_a_diagonal(surface, faces, control, [&](FaceId f, FaceId g) {
+    if (pairs.size() >= 2 * kMostIntersections) return false;
+    pairs.push_back({std::min(f, g), std::max(f, g), false});
+    return true;
   });
+  const bool is_complete = found.is_complete && are_all_on_diagonals;
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.is_before(b); });
 
-  const std::string at_least = found.is_complete ? "" : "; there are more";
+  const std::string at_least = is_complete ? "" : "; there are more";
   Diagnostic crossing{DiagnosticCode::kSelfIntersection,
                       0,
                       {},
@@ -151,7 +155,7 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
                      {},
                      "pairs of faces lie on each other in one plane; elements are faces" + at_least};
   FoundIntersections result;
-  result.is_complete = found.is_complete;
+  result.is_complete = is_complete;
   for (std::size_t i = 0; i < pairs.size();) {
     bool is_overlap = false;
     std::size_t next = i;

@@ -14,8 +14,10 @@ PolygonCuts::PolygonCuts(Surface& surface)
 
 std::vector<PolygonCuts::Corners> PolygonCuts::cut(std::span<const VertexId> loop, const PolygonSplit& split) {
   auto triangles = split.triangles;
-  if (loop.size() == 4 && split.kind != PolygonKind::kPlanar &&
-      is_taken(loop[0], loop[2]) != is_taken(loop[1], loop[3])) {
+  // One that crosses itself is cut as badly by either diagonal.
+  const bool has_choice =
+      split.kind == PolygonKind::kSelfCrossing || (split.kind == PolygonKind::kNotPlanar && split.has_two_ways);
+  if (loop.size() == 4 && has_choice && is_taken(loop[0], loop[2]) != is_taken(loop[1], loop[3])) {
     if (is_taken(loop[0], loop[2]))
       triangles = {{0, 1, 3}, {1, 2, 3}};
     else

@@ -27,7 +27,7 @@ class PolygonCuts {
   /// The triangles of a polygon that is not to stay whole.
   /// Input:  its loop, no two consecutive corners equal, and how it splits.
   /// Output: triangles over the loop's vertices. Where a cut is taken, a quadrilateral without a plane takes the other
-  ///         one; else the cut gets a new vertex on it, in its middle if that place is free.
+  ///         one, if that lies inside; else the cut gets a new vertex on it, in its middle if that place is free.
   /// Cost:   O(k log n) for k corners.
   std::vector<Corners> cut(std::span<const VertexId> loop, const PolygonSplit& split);
 

@@ -89,6 +89,7 @@ PolygonSplit split_canonical(std::span<const Vec3> points, double plane_toleranc
   for (std::uint32_t i = 0; i < n; ++i) uv[i] = to_plane(frame, points[i]);
   if (n == 4 && is_convex(uv)) {
     result.kind = is_flat ? PolygonKind::kPlanar : PolygonKind::kNotPlanar;
+    result.has_two_ways = true;
     if (in_circle_perturbed(uv[0], uv[1], uv[2], uv[3]) > 0)
       result.triangles = {{0, 1, 3}, {1, 2, 3}};
     else

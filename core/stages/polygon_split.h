@@ -19,6 +19,7 @@ enum class PolygonKind {
 
 struct PolygonSplit {
   PolygonKind kind = PolygonKind::kPlanar;
+  bool has_two_ways = false;  ///< a convex quadrilateral: its other diagonal cuts it as well
   /// Corner numbers of each triangle.
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numbers>
 #include <set>
 #include <string>
 
@@ -247,6 +248,28 @@ TEST(remesh_surface, a_face_that_hangs_on_a_polygons_diagonal_touches_it) {
   for (const PatchSummary& p : result.report.patches) EXPECT_EQ(p.status, PatchStatus::kRemeshed);
 }
 
+TEST(remesh_surface, where_not_all_touching_diagonals_are_counted_the_report_says_so) {
+  // Quadrilaterals around one diagonal, and triangles on it: more pairs than are kept.
+  constexpr int kQuads = 450, kTriangles = 450;
+  std::vector<Vec3> points{{0, 0, -1}, {0, 0, 1}};
+  std::vector<std::vector<std::uint32_t>> faces;
+  const auto add = [&](int i, double radius) {
+    const double angle = std::numbers::pi * i / (kQuads + kTriangles);
+    points.push_back({radius * std::cos(angle), radius * std::sin(angle), 0});
+    return static_cast<std::uint32_t>(points.size() - 1);
+  };
+  for (int i = 0; i < kQuads; ++i) {
+    const std::uint32_t right = add(i, 2), left = add(i, -2);
+    faces.push_back({0, right, 1, left});
+  }
+  for (int i = 0; i < kTriangles; ++i) faces.push_back({0, add(kQuads + i, 2), 1});
+  const Result result = remeshed(shapes::from_lists(points, faces));
+  const Diagnostic* found = find(result.report, DiagnosticCode::kSelfIntersection);
+  ASSERT_NE(found, nullptr);
+  EXPECT_LT(found->count, kQuads * kTriangles);
+  EXPECT_NE(found->message.find("there are more"), std::string::npos);
+}
+
 TEST(remesh_surface, two_sheets_on_each_other_overlap) {
   const PolygonMesh flat = shapes::sheet(2, 2, 3, 3);
   const Result result = remeshed(shapes::joined(flat, shapes::moved(flat, {0.3, 0.2, 0})));
@@ -281,6 +304,22 @@ TEST(remesh_surface, flattening_makes_no_faces_cross_that_did_not) {
   alone.face_begin.pop_back();
   alone.corners.resize(alone.face_begin.back());
   EXPECT_EQ(remeshed(alone, options).report.patches.size(), 1u);
+}
+
+TEST(remesh_surface, a_bent_dart_is_not_cut_outside_of_itself) {
+  // Its one diagonal inside is an edge of another face; by the other one it would fold over.
+  for (std::uint32_t first = 0; first < 4; ++first) {
+    std::vector<std::uint32_t> dart;
+    for (std::uint32_t i = 0; i < 4; ++i) dart.push_back((first + i) % 4);
+    const std::vector<Vec3> points{{0, 0, 0}, {4, 0, 0}, {1, 1, 0.3}, {0, 4, 0}, {0.5, 0.5, 5}};
+    const PolygonMesh mesh = shapes::from_lists(points, {dart, {0, 2, 4}});
+    const PolygonMesh alone = shapes::from_lists(points, {dart});
+    const double fin = norm(cross(points[2], points[4])) / 2;
+    const Result result = remeshed(mesh), expected = remeshed(alone);
+    EXPECT_TRUE(result.report.verified.all_true());
+    EXPECT_NEAR(result.report.output.area, expected.report.output.area + fin, 1e-12);
+    EXPECT_EQ(result.report.output.intersecting_pairs, result.report.input.intersecting_pairs);
+  }
 }
 
 TEST(remesh_surface, two_nearly_coplanar_patches_over_one_bent_border_do_not_share_a_diagonal) {
