@@ -178,7 +178,7 @@ Response JobRoutes::submit(const Call& call) const {
   job.memory = request.body.size() * MemoryBudget::kWorkPerBodyByte;
   if (job.memory > context_.memory.limit()) throw never_fits(context_.memory.limit());
   job.id = new_request_id();
-  job.owner = context_.keys.owner(request);
+  job.owner = request.owner;
   job.body = request.body;
   const Submission submission = ask([&] { return jobs().store().submit(job); });
   if (submission.kind == Submission::Kind::kKeyReused)
@@ -200,13 +200,13 @@ JobRecord JobRoutes::find_own(const Call& call) const {
   JobStore& store = jobs().store();
   if (!is_job_id(call.parameter)) throw not_found();
   std::optional<JobRecord> job = ask([&] { return store.find(call.parameter); });
-  if (!job || job->owner != context_.keys.owner(call.request)) throw not_found();
+  if (!job || job->owner != call.request.owner) throw not_found();
   return std::move(*job);
 }
 
 Response JobRoutes::list(const Call& call) const {
   JobStore& store = jobs().store();
-  const std::string owner = context_.keys.owner(call.request);
+  const std::string& owner = call.request.owner;
   if (owner.empty()) {
     throw HttpError(403, "forbidden", "jobs are listed for an API key only, and this server asks for none");
   }

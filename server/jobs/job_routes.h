@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "server/api_keys.h"
 #include "server/jobs/job_service.h"
 #include "server/route.h"
 #include "server/work.h"
@@ -16,7 +15,6 @@ namespace remesh::server::jobs {
 /// What the routes stand on; all of it outlives them.
 struct JobContext {
   JobService* jobs = nullptr;  ///< none: all of it is answered with 501
-  const ApiKeys& keys;
   const WorkLimits& limits;
   MemoryBudget& memory;
   RequestRegistry& registry;
