@@ -57,11 +57,15 @@ class MemoryBudget {
   std::uint64_t reserved() const { return reserved_; }
   /// What could be reserved now.
   std::uint64_t available() const;
-  /// What the process really takes, from time to time: where that is more than is reserved, it counts.
+  /// What the process really takes, from time to time: where that is more than is reserved, it counts. Not where nobody
+  /// has reserved anything: what the process takes idle would shut out for ever what `never_fits` lets through.
   void note_resident(std::uint64_t bytes) { resident_ = bytes; }
 
  private:
   friend class MemoryShare;
+
+  /// Of the `reserved` bytes `own` ones are those of whoever asks.
+  std::uint64_t used_by_others(std::uint64_t reserved, std::uint64_t own) const;
 
   const std::uint64_t limit_;
   std::atomic<std::uint64_t> reserved_{0};

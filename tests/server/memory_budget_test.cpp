@@ -54,11 +54,25 @@ TEST(MemoryBudget, all_is_given_back) {
 
 TEST(MemoryBudget, what_is_really_in_use_counts_where_it_is_more) {
   MemoryBudget budget(1000 * kFactor);
+  const auto other = budget.open_share();
+  other->hold_body(1, 1);
   const auto share = budget.open_share();
   budget.note_resident(900 * kFactor);
   EXPECT_EQ(status_of(*share, 101, 101), 503);
   budget.note_resident(0);
   EXPECT_EQ(status_of(*share, 101, 101), 200);
+}
+
+TEST(MemoryBudget, an_idle_process_takes_whatever_it_does_not_refuse_for_ever) {
+  MemoryBudget budget(1000 * kFactor);
+  budget.note_resident(900 * kFactor);
+  EXPECT_EQ(budget.available(), 1000 * kFactor);
+  const auto share = budget.open_share();
+  EXPECT_EQ(status_of(*share, 0, 1000), 200);
+  EXPECT_EQ(status_of(*share, 500, 1000), 200);
+  EXPECT_EQ(status_of(*share, 1000, 1000), 200);
+  EXPECT_EQ(budget.available(), 0u);
+  EXPECT_EQ(status_of(*budget.open_share(), 1, 1), 503);
 }
 
 TEST(MemoryWatch, beyond_the_budget_the_request_that_grew_most_is_ended) {
