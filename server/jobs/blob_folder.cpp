@@ -16,6 +16,8 @@ namespace {
 
 [[noreturn]] void fail(const std::string& path) { throw StoreError(path + ": " + std::strerror(errno)); }
 
+[[noreturn]] void lose(const std::string& path) { throw BlobLost(path + ": " + std::strerror(errno)); }
+
 class Descriptor {
  public:
   Descriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0600)) {
@@ -79,6 +81,8 @@ std::string BlobFolder::write(const std::string& id, std::string_view kind, std:
 
 std::string BlobFolder::read(const std::string& name) const {
   const std::string path = path_ + "/" + name;
+  // A file may be lost; without the folder all are, but only until that is back in its place.
+  if (::access(path.c_str(), F_OK) != 0 && errno == ENOENT && ::access(path_.c_str(), F_OK) == 0) lose(path);
   const Descriptor file(path, O_RDONLY);
   struct stat status {};
   if (::fstat(*file, &status) != 0) fail(path);
@@ -87,7 +91,9 @@ std::string BlobFolder::read(const std::string& name) const {
   while (done < bytes.size()) {
     const ssize_t got = ::read(*file, bytes.data() + done, bytes.size() - done);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) fail(path);
+    if (got == 0) throw BlobLost(path + ": it ends early");
+    if (got < 0 && errno == EIO) lose(path);
+    if (got < 0) fail(path);
     done += static_cast<std::size_t>(got);
   }
   return bytes;

@@ -18,7 +18,7 @@ class BlobFolder {
   /// Writes a new file. Output: its name, never given twice.
   /// Holds:  when this returns, the file is on the disk, whole, under that name. Errors: StoreError.
   std::string write(const std::string& id, std::string_view kind, std::string_view bytes) const;
-  /// Errors: StoreError - there is none, or it cannot be read.
+  /// Errors: BlobLost - there is no such file, or the disk does not give it back; StoreError - it cannot be read now.
   std::string read(const std::string& name) const;
   /// What cannot be removed stays.
   void remove(const std::string& name) const noexcept;

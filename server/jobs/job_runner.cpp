@@ -241,6 +241,8 @@ std::optional<JobOutcome> JobRunner::work_on(Held& held) {
   } catch (const StoreError&) {
     give_back(held, JobStore::Attempt::kDoesNotCount, "store");
     return std::nullopt;
+  } catch (const BlobLost&) {
+    return outcome_of_failure(held, std::current_exception());
   }
   RunningRequest& running = *held.running.get();
   try {

@@ -32,6 +32,12 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What was kept of a job is gone or damaged, and nothing brings it back: an error of that job, not of the store.
+class BlobLost : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// What whoever asks the store holds jobs to; to be the same on all daemons that share one.
 struct StoreRules {
   std::chrono::milliseconds lease{60'000};           ///< after its last renewal a job counts as abandoned
@@ -125,7 +131,7 @@ class JobStore {
   virtual Submission submit(const NewJob& job) = 0;
   /// The next job that takes no more than `max_memory`; jobs of all owners in turn, each owner's in order.
   virtual std::optional<Claim> claim(std::string_view worker, std::uint64_t max_memory) = 0;
-  /// Output: nothing where it is gone.
+  /// Output: nothing where its time is over. Errors: BlobLost, too.
   virtual std::optional<std::string> read_blob(const std::string& id, BlobKind kind) = 0;
   /// Renews the lease and tells progress. Output: false - the job is no longer this claim's.
   virtual bool renew(const Claim& claim, const Progress& progress) = 0;

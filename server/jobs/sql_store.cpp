@@ -180,14 +180,13 @@ void SqlStore::write_blob(Database& database, const std::string& id, BlobKind ki
   } while (!bytes.empty());
 }
 
-std::optional<std::string> SqlStore::read_blob(const std::string& id, BlobKind kind) {
-  return with_database("read", Access::kRead, [&](Database& database) -> std::optional<std::string> {
+std::optional<SqlStore::Blob> SqlStore::find_blob(const std::string& id, BlobKind kind) {
+  return with_database("read", Access::kRead, [&](Database& database) -> std::optional<Blob> {
     const std::string_view name = kind_name(kind);
     const Rows blob = database.run("SELECT max(part), max(file) FROM remeshd_blob WHERE job = $1 AND kind = $2",
                                    {std::string_view(id), name});
     if (!blob.at(0)[0]) return std::nullopt;
-    if (blob[0][1] && !folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
-    if (blob[0][1]) return folder_->read(*blob[0][1]);
+    if (blob[0][1]) return Blob{"", blob[0][1]};
     std::string bytes;
     for (std::int64_t part = 0; part <= integer(blob[0][0]); part += DatabaseDriver::kPartsOfPiece) {
       const Rows piece = database.run(
@@ -196,8 +195,22 @@ std::optional<std::string> SqlStore::read_blob(const std::string& id, BlobKind k
       if (piece.empty()) return std::nullopt;  // it expired meanwhile
       for (const Row& row : piece) bytes += row[0].value();
     }
-    return bytes;
+    return Blob{std::move(bytes), std::nullopt};
   });
+}
+
+std::optional<std::string> SqlStore::read_blob(const std::string& id, BlobKind kind) {
+  std::optional<Blob> blob = find_blob(id, kind);
+  if (!blob) return std::nullopt;
+  if (!blob->file) return std::move(blob->bytes);
+  // Beside the database: what is wrong with a file says nothing about whether the store is well.
+  if (!folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
+  try {
+    return folder_->read(*blob->file);
+  } catch (const BlobLost&) {
+    if (!find_blob(id, kind)) return std::nullopt;  // it expired meanwhile
+    throw;
+  }
 }
 
 std::vector<std::string> SqlStore::delete_blobs(Database& database, const std::string& id, const char* which) {

@@ -56,6 +56,13 @@ class SqlStore : public JobStore {
   std::unique_ptr<Database> take_connection();
   void return_connection(std::unique_ptr<Database> database);
 
+  /// Bytes, or the file that has them.
+  struct Blob {
+    std::string bytes;
+    std::optional<std::string> file;
+  };
+  /// Output: as `read_blob`.
+  std::optional<Blob> find_blob(const std::string& id, BlobKind kind);
   std::optional<Submission> find_repeated(Database& database, const NewJob& job);
   std::int64_t next_turn(Database& database, const std::string& owner);
   void write_blob(Database& database, const std::string& id, BlobKind kind, std::string_view bytes);

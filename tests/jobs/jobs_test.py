@@ -169,6 +169,21 @@ def test_results_expire(store):
             expect_equal((answer.status, answer.code()), (410, "result_expired"), part)
 
 
+def test_a_lost_file_is_the_loss_of_its_job_alone(store):
+    with tempfile.TemporaryDirectory() as folder, daemons(store, 1, "--blob-dir", folder) as (daemon,):
+        lost, kept = (accepted(submit(daemon.port)) for _ in range(2))
+        for job in (lost, kept):
+            wait_for_state(daemon.port, job, "succeeded")
+        for file in pathlib.Path(folder).glob(f"*/{lost}.*"):
+            file.unlink()
+        for part in ("result", "report"):
+            answer = ask(daemon.port, "GET", f"/v1/jobs/{lost}/{part}")
+            expect_equal((answer.status, answer.code()), (500, "internal"), f"the lost {part}")
+        expect(any(lost in line["error"] for line in daemon.logged("request failed")), "the log names the file")
+        expect_equal(ask(daemon.port, "GET", "/readyz").status, 200, "/readyz")
+        expect_equal(result_of(daemon.port, kept).status, 200, "another's result")
+
+
 def test_jobs_belong_to_the_key_that_made_them(store):
     with tempfile.NamedTemporaryFile("w") as keys:
         mine, yours = {"X-API-Key": "key-of-the-first-0123"}, {"X-API-Key": "key-of-the-second-012"}

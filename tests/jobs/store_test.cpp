@@ -155,6 +155,23 @@ TEST_P(StoreTest, bytes_of_every_value_and_every_length_come_back_as_they_were) 
   }
 }
 
+TEST_P(StoreTest, a_file_that_is_lost_is_the_loss_of_its_job_alone) {
+  if (GetParam() == Blobs::kInStore) GTEST_SKIP() << "there are no files";
+  const auto store = open();
+  const std::string id = submit(*store), other = submit(*store, "another body");
+  EXPECT_TRUE(store->is_well());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "blobs")) {
+    if (entry.path().filename().string().rfind(id, 0) == 0) std::filesystem::remove(entry.path());
+  }
+  EXPECT_THROW(store->read_blob(id, BlobKind::kInput), BlobLost);
+  EXPECT_TRUE(store->is_well());
+  EXPECT_EQ(store->read_blob(other, BlobKind::kInput), "another body");
+  // Without the folder nothing is known to be lost.
+  std::filesystem::rename(folder_ / "blobs", folder_ / "away");
+  EXPECT_THROW(store->read_blob(id, BlobKind::kInput), StoreError);
+  EXPECT_TRUE(store->is_well());
+}
+
 TEST_P(StoreTest, another_process_sees_what_was_committed) {
   const std::string id = submit(*open(), "kept");
   const auto store = open();
