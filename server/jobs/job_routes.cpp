@@ -6,7 +6,6 @@
 
 #include "api/text.h"
 #include "server/content_coding.h"
-#include "server/digest.h"
 #include "server/jobs/job_json.h"
 #include "server/jobs/job_request.h"
 #include "server/log.h"
@@ -48,7 +47,7 @@ api::Request kept_part(const Request& request) {
   return kept;
 }
 
-std::optional<Idempotency> idempotency(const Request& request, const std::string& packed) {
+std::optional<Idempotency> idempotency(const Request& request, const api::Request& kept) {
   const std::string_view key = request.header("idempotency-key");
   const bool is_sent = std::any_of(request.headers.begin(), request.headers.end(),
                                    [](const auto& header) { return header.first == "idempotency-key"; });
@@ -57,7 +56,7 @@ std::optional<Idempotency> idempotency(const Request& request, const std::string
   if (key.empty() || key.size() > 255 || !is_plain) {
     throw HttpError(400, "malformed_request", "an Idempotency-Key has 1 to 255 visible ASCII characters");
   }
-  return Idempotency{std::string(key), hex(sha256(packed + "\n" + hex(sha256(request.body))))};
+  return Idempotency{std::string(key), request_digest(kept)};
 }
 
 /// The state of a job from which there is no result. Throws; a job that has failed is answered as its request would
@@ -171,8 +170,8 @@ Response JobRoutes::submit(const Call& call) const {
   api::Request kept = kept_part(request);
   NewJob job;
   job.request = pack_request(kept);
-  job.idempotency = idempotency(request, job.request);
   kept.body = request.body;
+  job.idempotency = idempotency(request, kept);
   api::check_remesh(kept, context_.limits.api);
 
   job.memory = request.body.size() * MemoryBudget::kWorkPerBodyByte;

@@ -158,6 +158,26 @@ def test_refusals(store):
         expect_equal(ask(daemon.port, "GET", "/v1/jobs").status, 403, "no listing without a key")
 
 
+def form(boundary, mesh=SQUARE, name="part.obj"):
+    """A form with a mesh as `curl -F` sends it, and its media type."""
+    head = f'--{boundary}\r\nContent-Disposition: form-data; name="mesh"; filename="{name}"\r\nContent-Type: model/obj\r\n\r\n'
+    return head.encode() + mesh + f"\r\n--{boundary}--\r\n".encode(), f"multipart/form-data; boundary={boundary}"
+
+
+def test_a_form_sent_again_is_the_same_request_whatever_its_boundary(store):
+    with daemons(store, 1) as (daemon,):
+        def send(*arguments, **fields):
+            body, media_type = form(*arguments, **fields)
+            return submit(daemon.port, mesh=body, Content_Type=media_type, Idempotency_Key="of a form")
+
+        job = accepted(send("first-0123"))
+        expect_equal(accepted(send("second-4567")), job, "the same parts between other boundaries")
+        for other in (send("third-89", mesh=SQUARE + b"\n"), send("third-89", name="other.obj")):
+            expect_equal((other.status, other.code()), (422, "idempotency_key_reused"), "another form")
+        broken = submit(daemon.port, mesh=b"no form", Content_Type="multipart/form-data; boundary=x", Idempotency_Key="y")
+        expect_equal((broken.status, broken.code()), (400, "malformed_multipart"), "what is no form")
+
+
 def test_results_expire(store):
     with daemons(store, 1, "--result-ttl", "1s") as (daemon,):
         job = accepted(submit(daemon.port))
