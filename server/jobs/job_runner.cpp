@@ -21,6 +21,13 @@ constexpr std::chrono::milliseconds kMostBetweenLooks{1000};
 /// How long stopped work may take to notice.
 constexpr std::chrono::seconds kStopPatience{3};
 
+/// The end of a job that found no room as often as it may try. What it is told stays: not to come again.
+HttpError given_up(const std::string& code, int attempts) {
+  return HttpError(
+      500, code,
+      "the job was ended for want of memory or threads; attempt " + std::to_string(attempts) + " was the last");
+}
+
 }  // namespace
 
 /// A job that this process works on.
@@ -269,24 +276,25 @@ std::optional<JobOutcome> JobRunner::outcome_of_failure(Held& held, const std::e
   const bool may_retry = held.claim.attempts < settings_.max_attempts;
   try {
     std::rethrow_exception(failure);
-  } catch (const std::bad_alloc&) {
-    if (may_retry) return give_back(held, JobStore::Attempt::kCounts, "out_of_memory"), std::nullopt;
   } catch (const Error& error) {
     const Eviction eviction = held.running->eviction;
     if (error.code == Code::kCancelled && eviction == Eviction::kNone) {
       give_back(held, JobStore::Attempt::kDoesNotCount, "shutdown");
       return std::nullopt;
     }
-    if (error.code == Code::kCancelled && eviction == Eviction::kAmongOthers) {
-      if (may_retry) return give_back(held, JobStore::Attempt::kCounts, "out_of_memory"), std::nullopt;
+    if (error.code == Code::kCancelled && eviction == Eviction::kAmongOthers)
       told = std::make_exception_ptr(out_of_memory());
-    }
     if (error.code == Code::kCancelled && eviction == Eviction::kAlone)
       told = std::make_exception_ptr(never_fits(memory_.limit()));
   } catch (...) {
-    // A defect; it would come again.
+    // Want of memory or threads, which may be over the next time; or a defect, which would come again.
   }
   Response problem = error_response(told, held.claim.id);
+  if (problem.status == 503) {
+    if (may_retry) return give_back(held, JobStore::Attempt::kCounts, problem.problem_code.c_str()), std::nullopt;
+    problem =
+        error_response(std::make_exception_ptr(given_up(problem.problem_code, held.claim.attempts)), held.claim.id);
+  }
   return JobOutcome{JobState::kFailed, "", "", problem.status, std::move(problem.body)};
 }
 
