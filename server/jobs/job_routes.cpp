@@ -85,11 +85,13 @@ std::string event_of(const JobRecord& job) {
 }
 
 /// The events of one job as they come: whenever its record has another version, the whole of it. So a client that comes
-/// back with the last version that it has seen misses nothing that counts.
+/// back with the last version that it has seen misses nothing that counts. It need not hold up a server that is about
+/// to stop: there the stream ends, and goes on with another.
 class EventStream {
  public:
-  EventStream(JobStore& store, JobRecord first, std::int64_t seen, Connection& connection)
-      : store_(store), job_(std::move(first)), seen_(seen), connection_(connection) {}
+  EventStream(JobStore& store, JobRecord first, std::int64_t seen, Connection& connection,
+              const std::atomic<bool>& draining)
+      : store_(store), job_(std::move(first)), seen_(seen), connection_(connection), draining_(draining) {}
 
   /// Output: empty at the end.
   std::string next() {
@@ -101,6 +103,7 @@ class EventStream {
         silent_until_ = Clock::now() + kSilence;
         return event_of(job_);
       }
+      if (draining_) return {};
       if (Clock::now() >= silent_until_) {
         silent_until_ = Clock::now() + kSilence;
         return ": still here\n\n";
@@ -121,6 +124,7 @@ class EventStream {
   JobRecord job_;
   std::int64_t seen_;
   Connection& connection_;
+  const std::atomic<bool>& draining_;
   bool is_over_ = false;
   Clock::time_point silent_until_ = Clock::now() + kSilence;
 };
@@ -267,8 +271,8 @@ Response JobRoutes::follow(const Call& call) const {
   }
   response.content_type = "text/event-stream";
   response.headers.emplace_back("Cache-Control", "no-store");
-  response.next_piece = [stream = std::make_shared<EventStream>(jobs().store(), std::move(job), seen,
-                                                                call.connection)] { return stream->next(); };
+  response.next_piece = [stream = std::make_shared<EventStream>(jobs().store(), std::move(job), seen, call.connection,
+                                                                context_.draining)] { return stream->next(); };
   return response;
 }
 

@@ -264,6 +264,21 @@ def test_a_stopping_daemon_gives_its_job_back(store):
         first.start()
 
 
+def test_who_watches_a_job_does_not_hold_up_a_stop(store):
+    with daemons(store, 1, "--role", "serve") as (daemon,):
+        job = accepted(submit(daemon.port))
+        stream = events(daemon.port, job)
+        version, kind, _ = next(stream)
+        expect_equal(kind, "progress", "the first event")
+        start = time.monotonic()
+        expect_equal(daemon.stop(), 0, "its exit code")
+        expect(time.monotonic() - start < 2 * PATIENCE, "it stops at once")
+        expect_equal(list(stream), [], "the stream ends, without an end of the job")
+        daemon.start()
+        expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}").status, 204, "cancel")
+        expect_equal([event[1] for event in events(daemon.port, job, last_event_id=version)], ["end"], "it goes on")
+
+
 def test_a_worker_that_was_stopped_is_refused(store):
     with daemons(store, 2) as fleet:
         direct = ask(fleet[0].port, "POST", f"/v1/remesh?{SECOND}", SQUARE)
