@@ -58,8 +58,8 @@ void count(const Exchange& exchange, Outcome outcome, Metrics& metrics) {
   const std::string_view method = exchange.request.method.empty() ? "none" : std::string_view(exchange.request.method);
   metrics.count_request(exchange.route, method, status,
                         std::chrono::duration<double>(Clock::now() - exchange.start).count());
-  if (std::find(kRejections.begin(), kRejections.end(), exchange.status) != kRejections.end())
-    metrics.count_rejection(exchange.problem_code);
+  const bool is_refusal = std::find(kRejections.begin(), kRejections.end(), exchange.status) != kRejections.end();
+  if (is_refusal && !exchange.is_told) metrics.count_rejection(exchange.problem_code);
   if (exchange.done) metrics.count_work(*exchange.done);
 }
 

@@ -45,6 +45,7 @@ struct Exchange {
   std::string_view route = "none";  ///< the path of the route, with names for what varies
   int status = 0;                   ///< 0 while there is none
   std::string problem_code;         ///< of an error
+  bool is_told = false;             ///< see Response
   std::optional<api::WorkDone> done;
 };
 

@@ -76,6 +76,8 @@ std::optional<Response> answer_without_result(const JobRecord& job) {
   response.status = job.problem_status;
   response.content_type = "application/problem+json";
   response.body = job.problem;
+  response.problem_code = problem_code(job.problem);
+  response.is_told = true;
   return response;
 }
 

@@ -178,6 +178,17 @@ def test_a_form_sent_again_is_the_same_request_whatever_its_boundary(store):
         expect_equal((broken.status, broken.code()), (400, "malformed_multipart"), "what is no form")
 
 
+def test_the_result_of_a_failed_job_is_no_refusal(store):
+    with daemons(store, 1, "--max-faces", "1") as (daemon,):
+        job = accepted(submit(daemon.port))
+        wait_for_state(daemon.port, job, "failed")
+        for part in ("result", "report"):
+            answer = ask(daemon.port, "GET", f"/v1/jobs/{job}/{part}")
+            expect_equal((answer.status, answer.code()), (413, "mesh_too_large"), f"the {part}")
+            wait_for(lambda: daemon.logged("request", path=f"/v1/jobs/{job}/{part}", code="mesh_too_large"))  # pylint: disable=cell-var-from-loop
+        expect_equal(daemon.metric("remeshd_http_rejected_total{"), 0, "no limit has turned a request away")
+
+
 def test_results_expire(store):
     with daemons(store, 1, "--result-ttl", "1s") as (daemon,):
         job = accepted(submit(daemon.port))
