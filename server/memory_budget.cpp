@@ -29,12 +29,18 @@ void MemoryShare::hold_body(std::uint64_t held, std::uint64_t expected) {
   do {
     if (budget_.used_by_others(reserved, bytes_) + at_most > budget_.limit_) throw out_of_memory();
   } while (!budget_.reserved_.compare_exchange_weak(reserved, reserved - bytes_ + wanted));
-  bytes_ = wanted;
+  note(wanted);
 }
 
 void MemoryShare::resize(std::uint64_t bytes) {
   budget_.reserved_ += bytes;
   budget_.reserved_ -= bytes_;
+  note(bytes);
+}
+
+void MemoryShare::note(std::uint64_t bytes) {
+  if (bytes_ == 0 && bytes > 0) ++budget_.holders_;
+  if (bytes_ > 0 && bytes == 0) --budget_.holders_;
   bytes_ = bytes;
 }
 

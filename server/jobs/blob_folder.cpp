@@ -79,14 +79,19 @@ std::string BlobFolder::write(const std::string& id, std::string_view kind, std:
   return name;
 }
 
+std::uint64_t BlobFolder::size(const std::string& name) const {
+  const std::string path = path_ + "/" + name;
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0) return static_cast<std::uint64_t>(status.st_size);
+  // A file may be lost; without the folder all are, but only until that is back in its place.
+  if (errno == ENOENT && ::access(path_.c_str(), F_OK) == 0) lose(path);
+  fail(path);
+}
+
 std::string BlobFolder::read(const std::string& name) const {
   const std::string path = path_ + "/" + name;
-  // A file may be lost; without the folder all are, but only until that is back in its place.
-  if (::access(path.c_str(), F_OK) != 0 && errno == ENOENT && ::access(path_.c_str(), F_OK) == 0) lose(path);
+  std::string bytes(size(name), '\0');
   const Descriptor file(path, O_RDONLY);
-  struct stat status {};
-  if (::fstat(*file, &status) != 0) fail(path);
-  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t got = ::read(*file, bytes.data() + done, bytes.size() - done);

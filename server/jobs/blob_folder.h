@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -20,6 +21,8 @@ class BlobFolder {
   std::string write(const std::string& id, std::string_view kind, std::string_view bytes) const;
   /// Errors: BlobLost - there is no such file, or the disk does not give it back; StoreError - it cannot be read now.
   std::string read(const std::string& name) const;
+  /// In bytes. Errors: as `read`.
+  std::uint64_t size(const std::string& name) const;
   /// What cannot be removed stays.
   void remove(const std::string& name) const noexcept;
 

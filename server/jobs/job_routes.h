@@ -44,6 +44,11 @@ class JobRoutes {
   Response list(const Call& call) const;
   Response show(const Call& call) const;
   Response cancel(const Call& call) const;
+  /// A blob's bytes, or its size. Errors: HttpError 410 - its time is over; 503.
+  std::string read(const std::string& id, BlobKind kind) const;
+  std::uint64_t size_of(const std::string& id, BlobKind kind) const;
+  /// Makes an answer from blobs in the pool. `memory`: what that takes, held meanwhile.
+  Response answer_from(const Operation& write, std::uint64_t memory, const Call& call) const;
   Response result(const Call& call) const;
   Response report(const Call& call) const;
   Response follow(const Call& call) const;

@@ -133,6 +133,8 @@ class JobStore {
   virtual std::optional<Claim> claim(std::string_view worker, std::uint64_t max_memory) = 0;
   /// Output: nothing where its time is over. Errors: BlobLost, too.
   virtual std::optional<std::string> read_blob(const std::string& id, BlobKind kind) = 0;
+  /// Its bytes. Output, errors: as `read_blob`.
+  virtual std::optional<std::uint64_t> blob_size(const std::string& id, BlobKind kind) = 0;
   /// Renews the lease and tells progress. Output: false - the job is no longer this claim's.
   virtual bool renew(const Claim& claim, const Progress& progress) = 0;
   /// Whether the job is still this claim's.

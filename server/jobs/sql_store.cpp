@@ -199,18 +199,38 @@ std::optional<SqlStore::Blob> SqlStore::find_blob(const std::string& id, BlobKin
   });
 }
 
+/// Beside the database: what is wrong with a file says nothing about whether the store is well.
+template <typename Question>
+auto SqlStore::ask_folder(const std::string& id, BlobKind kind, Question question) {
+  using Answer = std::optional<decltype(question(*folder_))>;
+  if (!folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
+  try {
+    return Answer(question(*folder_));
+  } catch (const BlobLost&) {
+    if (find_blob(id, kind)) throw;
+    return Answer();  // it expired meanwhile
+  }
+}
+
 std::optional<std::string> SqlStore::read_blob(const std::string& id, BlobKind kind) {
   std::optional<Blob> blob = find_blob(id, kind);
   if (!blob) return std::nullopt;
   if (!blob->file) return std::move(blob->bytes);
-  // Beside the database: what is wrong with a file says nothing about whether the store is well.
-  if (!folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
-  try {
-    return folder_->read(*blob->file);
-  } catch (const BlobLost&) {
-    if (!find_blob(id, kind)) return std::nullopt;  // it expired meanwhile
-    throw;
-  }
+  return ask_folder(id, kind, [&](const BlobFolder& folder) { return folder.read(*blob->file); });
+}
+
+std::optional<std::uint64_t> SqlStore::blob_size(const std::string& id, BlobKind kind) {
+  const Row blob = with_database("size", Access::kRead, [&](Database& database) {
+    return database
+        .run(
+            "SELECT max(part), max(file), coalesce(sum(length(data)), 0) FROM remeshd_blob WHERE job = $1 AND kind = "
+            "$2",
+            {std::string_view(id), std::string_view(kind_name(kind))})
+        .at(0);
+  });
+  if (!blob[0]) return std::nullopt;
+  if (!blob[1]) return static_cast<std::uint64_t>(integer(blob[2]));
+  return ask_folder(id, kind, [&](const BlobFolder& folder) { return folder.size(*blob[1]); });
 }
 
 std::vector<std::string> SqlStore::delete_blobs(Database& database, const std::string& id, const char* which) {

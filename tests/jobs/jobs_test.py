@@ -7,6 +7,7 @@ Leases are short here (--job-lease), all else is as it is served. Exit code 77: 
 
 import contextlib
 import gzip
+import http.client
 import json
 import os
 import pathlib
@@ -187,6 +188,27 @@ def test_the_result_of_a_failed_job_is_no_refusal(store):
             expect_equal((answer.status, answer.code()), (413, "mesh_too_large"), f"the {part}")
             wait_for(lambda: daemon.logged("request", path=f"/v1/jobs/{job}/{part}", code="mesh_too_large"))  # pylint: disable=cell-var-from-loop
         expect_equal(daemon.metric("remeshd_http_rejected_total{"), 0, "no limit has turned a request away")
+
+
+def test_results_are_within_the_memory_budget(store):
+    with daemons(store, 1) as (daemon,):
+        job = accepted(submit(daemon.port, FIFTH))
+        wait_for_state(daemon.port, job, "succeeded", seconds=30 * PATIENCE)
+        wait_for(lambda: daemon.metric("remeshd_memory_reserved_bytes") == 0)
+        # Much more than a connection takes: the rest waits for whoever reads.
+        slow = http.client.HTTPConnection("127.0.0.1", daemon.port, timeout=30)
+        with contextlib.closing(slow):
+            slow.request("GET", f"/v1/jobs/{job}/result")
+            answer = slow.getresponse()
+            size = int(answer.headers["Content-Length"])
+            expect(size > 8_000_000, f"{size} bytes are many")
+            expect(daemon.metric("remeshd_memory_reserved_bytes") >= size, "the answer is counted until it is sent")
+            answer.close()
+        wait_for(lambda: daemon.metric("remeshd_memory_reserved_bytes") == 0)
+        expect_equal(ask(daemon.port, "GET", f"/v1/jobs/{job}/report").status, 200, "the report")
+        wait_for(lambda: daemon.logged("request", path=f"/v1/jobs/{job}/report"))
+        line, = daemon.logged("request", path=f"/v1/jobs/{job}/report")
+        expect("work_ms" in line, "it is read and compressed by the pool")
 
 
 def test_results_expire(store):

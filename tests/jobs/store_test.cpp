@@ -152,6 +152,8 @@ TEST_P(StoreTest, bytes_of_every_value_and_every_length_come_back_as_they_were) 
     for (char& c : body) c = static_cast<char>(random());
     const std::string id = submit(*store, body);
     EXPECT_TRUE(store->read_blob(id, BlobKind::kInput) == body) << length;
+    EXPECT_EQ(store->blob_size(id, BlobKind::kInput), length);
+    EXPECT_EQ(store->blob_size(id, BlobKind::kMesh), std::nullopt);
   }
 }
 
@@ -164,6 +166,7 @@ TEST_P(StoreTest, a_file_that_is_lost_is_the_loss_of_its_job_alone) {
     if (entry.path().filename().string().rfind(id, 0) == 0) std::filesystem::remove(entry.path());
   }
   EXPECT_THROW(store->read_blob(id, BlobKind::kInput), BlobLost);
+  EXPECT_THROW(store->blob_size(id, BlobKind::kInput), BlobLost);
   EXPECT_TRUE(store->is_well());
   EXPECT_EQ(store->read_blob(other, BlobKind::kInput), "another body");
   // Without the folder nothing is known to be lost.

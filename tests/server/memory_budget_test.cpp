@@ -98,6 +98,31 @@ TEST(MemoryWatch, beyond_the_budget_the_request_that_grew_most_is_ended) {
   EXPECT_FALSE(old->control.is_stopped()) << "the first one's memory may still be on its way back";
 }
 
+TEST(MemoryWatch, a_request_is_alone_only_where_nobody_else_holds_memory) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  MemoryBudget budget(1000);
+  RequestRegistry registry;
+  MemoryWatch watch(budget, registry, std::chrono::hours(1));
+  const auto own = budget.open_share(1);
+  own->hold_body(1, 1);
+  auto other = budget.open_share(1);
+  other->hold_body(700, 700);
+  EXPECT_EQ(budget.holders(), 2u);
+  {
+    const auto request = registry.add("");
+    request->is_computing = true;
+    watch.look(1001);
+    EXPECT_EQ(request->eviction, RunningRequest::Eviction::kAmongOthers) << "an answer, say, that is being sent";
+  }
+  other.reset();
+  EXPECT_EQ(budget.holders(), 1u);
+  MemoryWatch next(budget, registry, std::chrono::hours(1));
+  const auto request = registry.add("");
+  request->is_computing = true;
+  next.look(1001);
+  EXPECT_EQ(request->eviction, RunningRequest::Eviction::kAlone);
+}
+
 using MemoryTest = StubService;
 
 TEST_F(MemoryTest, a_body_that_cannot_fit_is_refused_before_it_is_sent) {
