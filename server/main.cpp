@@ -1,6 +1,7 @@
 /// Configuration, service, signals; the rest is in the library.
 #include <malloc.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <tbb/global_control.h>
 
 #include <csignal>
@@ -68,6 +69,7 @@ int serve(const Config& config) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing
+  ::umask(S_IRWXG | S_IRWXO);     // what is written is customers' meshes
   raise_descriptor_limit();
   log::set_up(config.log_format, config.log_level);
 

@@ -211,6 +211,20 @@ def test_results_are_within_the_memory_budget(store):
         expect("work_ms" in line, "it is read and compressed by the pool")
 
 
+def test_what_is_written_is_closed_to_others(store):
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as files:
+        for path in (folder, files):
+            os.chmod(path, 0o755)
+        with contextlib.ExitStack() as stack:
+            other = store if store.postgres else stack.enter_context(Store("sqlite", folder))
+            daemon, = stack.enter_context(daemons(other, 1, "--blob-dir", files))
+            wait_for_state(daemon.port, accepted(submit(daemon.port)), "succeeded")
+            written = [path for parent in (folder, files) for path in pathlib.Path(parent).rglob("*")]
+            expect(written, "there is something")
+            for path in written:
+                expect_equal(path.stat().st_mode & 0o077, 0, str(path))
+
+
 def test_results_expire(store):
     with daemons(store, 1, "--result-ttl", "1s") as (daemon,):
         job = accepted(submit(daemon.port))

@@ -1,12 +1,14 @@
 /// What every job store promises. Which one is meant says the environment: REMESHD_TEST_STORE is `sqlite` or the URL of
 /// a PostgreSQL that the tests may use as they like. Each test runs twice: with blobs in the store, and in a folder.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <random>
 #include <set>
@@ -125,6 +127,21 @@ TEST_P(StoreTest, daemons_that_start_at_once_on_a_new_store_all_open_it) {
       });
     for (std::thread& daemon : daemons) daemon.join();
     ASSERT_EQ(opened, 6) << "round " << round;
+  }
+}
+
+TEST_P(StoreTest, the_file_is_closed_to_others_in_an_open_folder_too) {
+  if (!is_sqlite()) GTEST_SKIP() << "PostgreSQL has its own";
+  const ::mode_t before = ::umask(022);
+  const std::string path = (folder_ / "jobs.sqlite").string();
+  { std::ofstream old(path); }  // as a version before has left it
+  const auto store = open();
+  submit(*store);
+  ::umask(before);
+  for (const char* part : {"", "-wal", "-shm"}) {
+    struct stat status {};
+    ASSERT_EQ(::stat((path + part).c_str(), &status), 0) << part;
+    EXPECT_EQ(status.st_mode & 0777u, 0600u) << part;
   }
 }
 
