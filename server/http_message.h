@@ -51,6 +51,7 @@ struct Request : RequestHead {
 struct Response : api::Response {
   std::function<std::string()> next_piece;
   std::string problem_code;  ///< of an error
+  std::string job;           ///< the id of the one that the request has made
   bool is_told = false;      ///< the error is a job's, which was asked for: this request itself did well
 };
 

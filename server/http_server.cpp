@@ -416,6 +416,7 @@ class HttpServer::Listener : public httplib::Server {
   void give(Exchange& exchange, Response answer, httplib::Response& out) const {
     exchange.status = answer.status;
     exchange.problem_code = std::move(answer.problem_code);
+    exchange.job = std::move(answer.job);
     exchange.is_told = answer.is_told;
     exchange.done = std::move(answer.done);
     out.status = answer.status;

@@ -200,6 +200,7 @@ Response JobRoutes::submit(const Call& call) const {
   if (!record) throw HttpError(410, "result_expired", "the job of this Idempotency-Key is gone");
   Response response = json_response(job_json(*record));
   response.status = 202;
+  response.job = submission.id;
   response.headers.emplace_back("Location", job_path(submission.id));
   response.headers.emplace_back("Retry-After", kPollSeconds);
   if (wants_job(request)) response.headers.emplace_back("Preference-Applied", "respond-async");

@@ -83,7 +83,8 @@ struct JobOutcome {
   std::string mesh;    ///< of a success
   std::string report;  ///< of a success
   int problem_status = 0;
-  std::string problem;  ///< of a failure: problem+json
+  std::string problem;            ///< of a failure: problem+json
+  std::string problem_code = {};  ///< the code in it, for whoever counts
 };
 
 struct JobRecord {

@@ -225,6 +225,19 @@ def test_what_is_written_is_closed_to_others(store):
                 expect_equal(path.stat().st_mode & 0o077, 0, str(path))
 
 
+def test_a_job_can_be_followed_in_the_log(store):
+    with daemons(store, 1) as (daemon,):
+        good, bad = accepted(submit(daemon.port)), accepted(submit(daemon.port, mesh=b"v 0 0 0\nf 1 2 9\n"))
+        for job, code in ((good, None), (bad, "index_out_of_range")):
+            wait_for(lambda: daemon.logged("request", path="/v1/jobs", job=job))  # pylint: disable=cell-var-from-loop
+            line, = wait_for(lambda: daemon.logged("job committed", job=job))  # pylint: disable=cell-var-from-loop
+            expect_equal(line.get("code"), code, "its code")
+            if job == good:
+                expect(line["input_faces"] == 2 and line["output_faces"] > 2 and line["refinement"] >= 0, f"its work: {line}")
+        wait_for(lambda: daemon.metric('remeshd_jobs_total{code="index_out_of_range",outcome="failed"}') == 1)
+        expect_equal(daemon.metric('remeshd_jobs_total{outcome="succeeded"}'), 1, "the good one")
+
+
 def test_results_expire(store):
     with daemons(store, 1, "--result-ttl", "1s") as (daemon,):
         job = accepted(submit(daemon.port))
