@@ -241,7 +241,9 @@ std::string Metrics::text(const Gauges& gauges) const {
   if (gauges.has_jobs) {
     now.gauge("remeshd_jobs_queued", "Jobs that wait for a worker, in the whole store.",
               static_cast<double>(gauges.jobs_queued));
-    now.gauge("remeshd_job_oldest_queued_seconds", "How long the oldest of them has waited.",
+    now.gauge("remeshd_jobs_running", "Jobs that workers have, in the whole store.",
+              static_cast<double>(gauges.jobs_running));
+    now.gauge("remeshd_job_oldest_queued_seconds", "How long the oldest of those that wait has waited.",
               gauges.job_oldest_queued_s);
   }
   now.gauge("process_start_time_seconds", "Start of the process since the epoch.", families_->start_seconds);

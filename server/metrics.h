@@ -22,6 +22,7 @@ struct Gauges {
   bool is_ready = false;
   bool has_jobs = false;  ///< whether the next ones are known
   std::int64_t jobs_queued = 0;
+  std::int64_t jobs_running = 0;
   double job_oldest_queued_s = 0;
 };
 

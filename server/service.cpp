@@ -183,6 +183,7 @@ Response Service::show_metrics() const {
     const jobs::QueueStatistics statistics = jobs_->statistics();
     gauges.has_jobs = true;
     gauges.jobs_queued = statistics.queued;
+    gauges.jobs_running = statistics.running;
     gauges.job_oldest_queued_s = statistics.oldest_queued_s;
   }
   Response response;

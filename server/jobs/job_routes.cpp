@@ -26,7 +26,9 @@ constexpr std::chrono::seconds kSilence{15};
 
 HttpError not_found() { return HttpError(404, "not_found", "there is no job of this id"); }
 
-HttpError expired() { return HttpError(410, "result_expired", "the result was kept for its time, and is gone"); }
+HttpError expired() {
+  return HttpError(410, "result_expired", "the result was kept for its time or until it was deleted, and is gone");
+}
 
 /// Runs what asks the store. Errors: 503 in place of StoreError.
 template <typename Question>
@@ -149,7 +151,7 @@ std::vector<Route> JobRoutes::routes() {
   return {{"POST", "/v1/jobs", [this](const Call& call) { return submit(call); }, admission},
           {"GET", "/v1/jobs", [this](const Call& call) { return list(call); }},
           {"GET", path, [this](const Call& call) { return show(call); }},
-          {"DELETE", path, [this](const Call& call) { return cancel(call); }},
+          {"DELETE", path, [this](const Call& call) { return remove(call); }},
           {"GET", path + "/result", [this](const Call& call) { return result(call); }},
           {"GET", path + "/report", [this](const Call& call) { return report(call); }},
           {"GET", path + "/events", [this](const Call& call) { return follow(call); }}};
@@ -232,9 +234,9 @@ Response JobRoutes::show(const Call& call) const {
   return response;
 }
 
-Response JobRoutes::cancel(const Call& call) const {
+Response JobRoutes::remove(const Call& call) const {
   const JobRecord job = find_own(call);
-  ask([&] { return jobs().cancel(job.id); });
+  ask([&] { jobs().remove(job.id); });
   Response response;
   response.status = 204;
   return response;

@@ -43,7 +43,7 @@ class JobRoutes {
   JobRecord find_own(const Call& call) const;
   Response list(const Call& call) const;
   Response show(const Call& call) const;
-  Response cancel(const Call& call) const;
+  Response remove(const Call& call) const;
   /// A blob's bytes, or its size. Errors: HttpError 410 - its time is over; 503.
   std::string read(const std::string& id, BlobKind kind) const;
   std::uint64_t size_of(const std::string& id, BlobKind kind) const;

@@ -70,13 +70,13 @@ QueueStatistics JobService::statistics() const {
 
 void JobService::wake() { runner_.wake(); }
 
-bool JobService::cancel(const std::string& id) {
-  const bool was_cancelled = store_->cancel(id);
-  if (was_cancelled) {
+void JobService::remove(const std::string& id) {
+  if (store_->cancel(id)) {
     metrics_.count_job(state_name(JobState::kCancelled));
     runner_.drop(id);
+  } else if (store_->discard(id)) {
+    metrics_.count_job(state_name(JobState::kExpired));
   }
-  return was_cancelled;
 }
 
 void JobService::look_after() {

@@ -152,6 +152,8 @@ class JobStore {
   virtual std::vector<JobRecord> list(const std::string& owner, int limit) = 0;
   /// Output: true where that ended it; false where it had ended.
   virtual bool cancel(const std::string& id) = 0;
+  /// Ends the time of what is kept of a job that has ended. Output: true where that was a result, which is now expired.
+  virtual bool discard(const std::string& id) = 0;
 
   /// What time brings: leases run out, waiting ends, results expire. Any daemon may do it, and any number.
   virtual Upkeep upkeep() = 0;

@@ -424,6 +424,24 @@ bool SqlStore::cancel(const std::string& id) {
   return was_cancelled;
 }
 
+bool SqlStore::discard(const std::string& id) {
+  std::vector<std::string> files;
+  const bool was_result = with_database("discard", Access::kWrite, [&](Database& database) {
+    Transaction transaction(database);
+    const Rows rows = database.run(
+        "UPDATE remeshd_job SET state = 'expired', version = version + 1, expires_ms = remeshd_now() + $1 "
+        "WHERE id = $2 AND state = 'succeeded' RETURNING id",
+        {std::int64_t{rules_.history.count()}, std::string_view(id)});
+    // Of others, too: the input of a job that no worker lived through is kept.
+    files = delete_blobs(database, id,
+                         "EXISTS (SELECT 1 FROM remeshd_job WHERE id = $1 AND state NOT IN ('queued', 'running'))");
+    transaction.commit();
+    return !rows.empty();
+  });
+  remove_files(files);
+  return was_result;
+}
+
 QueueStatistics SqlStore::statistics() {
   return with_database("statistics", Access::kRead, [&](Database& database) {
     const Rows rows = database.run(

@@ -37,6 +37,7 @@ class SqlStore : public JobStore {
   std::optional<JobRecord> find(const std::string& id) override;
   std::vector<JobRecord> list(const std::string& owner, int limit) override;
   bool cancel(const std::string& id) override;
+  bool discard(const std::string& id) override;
   Upkeep upkeep() override;
   QueueStatistics statistics() override;
   void probe() override;

@@ -238,6 +238,22 @@ def test_a_job_can_be_followed_in_the_log(store):
         expect_equal(daemon.metric('remeshd_jobs_total{outcome="succeeded"}'), 1, "the good one")
 
 
+def test_a_job_that_has_ended_can_be_deleted(store):
+    with daemons(store, 1) as (daemon,):
+        done, bad = accepted(submit(daemon.port)), accepted(submit(daemon.port, mesh=b"v 0 0 0\nf 1 2 9\n"))
+        wait_for_state(daemon.port, done, "succeeded")
+        wait_for_state(daemon.port, bad, "failed")
+        for _ in range(2):
+            for job in (done, bad):
+                expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}").status, 204, "DELETE")
+        expect_equal(state_of(daemon.port, done)["state"], "expired", "the state of one that had a result")
+        for part in ("result", "report"):
+            answer = ask(daemon.port, "GET", f"/v1/jobs/{done}/{part}")
+            expect_equal((answer.status, answer.code()), (410, "result_expired"), part)
+        expect_equal(state_of(daemon.port, bad)["problem"]["code"], "index_out_of_range", "a failure stays as it is")
+        expect_equal(store.query(f"SELECT count(*) FROM remeshd_blob WHERE job IN ('{done}', '{bad}')"), [["0"]], "what is kept")
+
+
 def test_results_expire(store):
     with daemons(store, 1, "--result-ttl", "1s") as (daemon,):
         job = accepted(submit(daemon.port))
@@ -505,7 +521,8 @@ def test_roles(store):
             wait_for_state(serving.port, job, "succeeded")
             expect_equal(ask(working.port, "POST", "/v1/remesh", SQUARE).status, 404, "a worker only works")
             expect_equal(ask(working.port, "GET", "/readyz").status, 200, "but is watched")
-            for name in ("remeshd_jobs_queued ", "remeshd_job_oldest_queued_seconds ", 'remeshd_jobs_total{outcome="succeeded"} ',
+            for name in ("remeshd_jobs_queued ", "remeshd_jobs_running ", "remeshd_job_oldest_queued_seconds ",
+                         'remeshd_jobs_total{outcome="succeeded"} ',
                          'remeshd_job_retries_total{reason="worker_crashed"}', 'remeshd_store_latency_seconds_count{op="commit"} '):
                 wait_for(lambda: f"\n{name}" in ask(working.port, "GET", "/metrics").body.decode())  # pylint: disable=cell-var-from-loop
 

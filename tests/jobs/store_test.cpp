@@ -373,6 +373,38 @@ TEST_P(StoreTest, a_job_that_has_ended_is_not_cancelled) {
   EXPECT_EQ(state(*store, id), JobState::kSucceeded);
 }
 
+TEST_P(StoreTest, discarding_removes_what_is_kept_of_a_job_that_has_ended_and_of_no_other) {
+  const auto store = open();
+  const std::string done = submit(*store);
+  EXPECT_TRUE(store->commit(claim(*store), success()));
+  const std::string waits = submit(*store);
+  EXPECT_TRUE(store->discard(done));
+  EXPECT_FALSE(store->discard(done)) << "it is gone";
+  EXPECT_FALSE(store->discard(waits));
+  const JobRecord record = store->find(done).value();
+  EXPECT_EQ(record.state, JobState::kExpired);
+  EXPECT_TRUE(record.finished_ms.has_value());
+  EXPECT_EQ(store->read_blob(done, BlobKind::kMesh), std::nullopt);
+  EXPECT_EQ(store->read_blob(done, BlobKind::kReport), std::nullopt);
+  EXPECT_EQ(state(*store, waits), JobState::kQueued);
+  EXPECT_EQ(store->read_blob(waits, BlobKind::kInput), "body");
+  EXPECT_EQ(files(), GetParam() == Blobs::kInFolder ? 1u : 0u);
+}
+
+TEST_P(StoreTest, the_input_that_a_crashed_job_leaves_can_be_discarded) {
+  StoreRules rules = rules_with_lease(milliseconds(30));
+  rules.max_attempts = 1;
+  const auto store = open(rules);
+  const std::string id = submit(*store);
+  claim(*store);
+  wait(milliseconds(60));
+  EXPECT_EQ(store->upkeep().crashed, 1);
+  EXPECT_EQ(store->read_blob(id, BlobKind::kInput), "body");
+  EXPECT_FALSE(store->discard(id)) << "there was no result";
+  EXPECT_EQ(store->read_blob(id, BlobKind::kInput), std::nullopt);
+  EXPECT_EQ(state(*store, id), JobState::kFailed);
+}
+
 TEST_P(StoreTest, a_key_makes_one_job_of_many_requests_of_one_owner) {
   const auto store = open();
   const Submission first = submit_with_key(*store, "key", "digest");
