@@ -244,6 +244,7 @@ void complete(Config& config, Command command) {
                                 " is reachable from other machines: set --api-key-file or REMESHD_API_KEY, or "
                                 "--allow-anonymous if anyone there may use this server");
   }
+  if (command == Command::kCheckConfig) jobs::check_folders(config.jobs);  // the start makes them
 }
 
 /// Below this, a second thread makes a request no shorter, and takes the time of others. Measured on boxes: 2,000 faces

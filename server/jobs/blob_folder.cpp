@@ -54,6 +54,7 @@ BlobFolder::BlobFolder(std::string path) : path_(std::move(path)) {
   std::error_code failure;
   std::filesystem::create_directories(path_, failure);
   if (!std::filesystem::is_directory(path_, failure)) throw StoreError(path_ + ": no folder can be made there");
+  if (::access(path_.c_str(), W_OK | X_OK) != 0) fail(path_);
 }
 
 std::string BlobFolder::write(const std::string& id, std::string_view kind, std::string_view bytes) const {

@@ -13,7 +13,7 @@ namespace remesh::server::jobs {
 
 class BlobFolder {
  public:
-  /// Makes the folder where there is none. Errors: StoreError.
+  /// Makes the folder where there is none. Errors: StoreError - that cannot be done, or it cannot be written.
   explicit BlobFolder(std::string path);
 
   /// Writes a new file. Output: its name, never given twice.

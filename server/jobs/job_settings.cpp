@@ -19,11 +19,30 @@ bool can_be_made(const std::string& folder) {
   return std::filesystem::is_directory(folder, failure) && ::access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
+/// Whether `can_be_made` would say so.
+bool could_be_made(std::filesystem::path folder) {
+  std::error_code failure;
+  while (!std::filesystem::exists(folder, failure) && folder.has_relative_path()) folder = folder.parent_path();
+  if (folder.empty()) folder = ".";
+  return std::filesystem::is_directory(folder, failure) && ::access(folder.c_str(), W_OK | X_OK) == 0;
+}
+
+std::invalid_argument no_folder(const std::string& folder) {
+  return std::invalid_argument("the folder " + folder + " cannot be written");
+}
+
 }  // namespace
+
+void check_folders(const JobSettings& settings) {
+  if (settings.store == "none") return;
+  const bool has_file = settings.store == "sqlite" && settings.state_dir != "auto";
+  if (has_file && !could_be_made(settings.state_dir)) throw no_folder(settings.state_dir);
+  if (!settings.blob_dir.empty() && !could_be_made(settings.blob_dir)) throw no_folder(settings.blob_dir);
+}
 
 std::string find_state_dir(const std::string& state_dir) {
   if (state_dir != "auto") {
-    if (!can_be_made(state_dir)) throw std::invalid_argument("the folder " + state_dir + " cannot be written");
+    if (!can_be_made(state_dir)) throw no_folder(state_dir);
     return state_dir;
   }
   std::vector<std::string> folders;

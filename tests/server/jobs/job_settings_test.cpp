@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "server/config.h"
@@ -41,6 +42,25 @@ TEST_F(StateDir, the_first_folder_that_can_be_written_is_taken_and_closed_to_oth
 TEST_F(StateDir, a_folder_that_was_named_must_be_had) {
   EXPECT_EQ(find_state_dir(folder_ / "deep" / "er"), folder_ / "deep" / "er");
   EXPECT_THROW(find_state_dir("/dev/null/nothing"), std::invalid_argument);
+}
+
+TEST_F(StateDir, a_check_of_the_settings_looks_at_the_folders_and_makes_none) {
+  const auto check = [](std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), {"remeshd", "--check-config"});
+    std::ostringstream out, err;
+    return read_command_line(static_cast<int>(arguments.size()), arguments.data(), out, err).exit_code;
+  };
+  std::filesystem::create_directories(folder_);
+  const std::string good = folder_ / "deep" / "er", bad = "/dev/null/nothing";
+  EXPECT_EQ(check({"--state-dir", good.c_str(), "--blob-dir", good.c_str()}), 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "deep"));
+  EXPECT_EQ(check({"--state-dir", bad.c_str()}), 2);
+  EXPECT_EQ(check({"--state-dir", good.c_str(), "--blob-dir", bad.c_str()}), 2);
+  EXPECT_EQ(check({"--store", "none", "--state-dir", bad.c_str()}), 0) << "nothing is kept";
+  EXPECT_EQ(check({}), 0) << "without a folder of its own choice it starts, and keeps no jobs";
+  std::ofstream(folder_ / "file");
+  const std::string file = folder_ / "file";
+  EXPECT_EQ(check({"--state-dir", file.c_str()}), 2);
 }
 
 TEST(StoreUrl, is_shown_without_its_password) {
