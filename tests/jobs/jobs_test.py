@@ -254,6 +254,18 @@ def test_a_job_that_has_ended_can_be_deleted(store):
         expect_equal(store.query(f"SELECT count(*) FROM remeshd_blob WHERE job IN ('{done}', '{bad}')"), [["0"]], "what is kept")
 
 
+def test_what_is_in_force_is_logged_at_the_start(store):
+    daemon = Daemon(PROGRAM, [*store.flags, "--queue-size", "7", "--memory-budget", "512MiB"], {"REMESHD_MAX_BODDY": "1MiB"})
+    try:
+        daemon.start()
+        line, = wait_for(lambda: daemon.logged("listening"))
+        expect_equal([line[name] for name in ("queue_size", "memory_budget", "keys", "role")], [7, "512MiB", 0, "both"], "settings")
+        expect(line["store"].startswith("postgres") if store.postgres else line["state_dir"] == store.folder, f"the store: {line}")
+        wait_for(lambda: daemon.logged("no setting has this variable", variable="REMESHD_MAX_BODDY"))
+    finally:
+        daemon.kill()
+
+
 def test_results_expire(store):
     with daemons(store, 1, "--result-ttl", "1s") as (daemon,):
         job = accepted(submit(daemon.port))

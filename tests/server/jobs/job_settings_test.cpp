@@ -68,6 +68,10 @@ TEST(StoreUrl, is_shown_without_its_password) {
   EXPECT_EQ(without_password("postgres://me@host:5432/db"), "postgres://me@host:5432/db");
   EXPECT_EQ(without_password("postgres://host:5432/db"), "postgres://host:5432/db");
   EXPECT_EQ(without_password("sqlite"), "sqlite");
+  EXPECT_EQ(without_password("postgres://host/db?password=secret&sslpassword=other&a=b"),
+            "postgres://host/db?password=***&sslpassword=***&a=b");
+  EXPECT_EQ(without_password("host=h password=secret dbname=d"), "host=h password=*** dbname=d");
+  EXPECT_EQ(without_password(R"(password = 'a \' secret' host=h)"), "password = *** host=h");
 }
 
 TEST(JobFlags, are_read_and_wrong_ones_refused) {
