@@ -1,5 +1,7 @@
 #include "server/config.h"
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cstdlib>
@@ -9,6 +11,7 @@
 #include <vector>
 
 #include "api/machine_limits.h"
+#include "api/text.h"
 #include "server/api_keys.h"
 #include "server/jobs/database.h"
 
@@ -167,7 +170,7 @@ const std::vector<Setting>& settings() {
        [](const Config& c) { return c.jobs.blob_dir.empty() ? "none" : c.jobs.blob_dir; }},
       {"--role", "what this daemon does: serve (answer, and take no jobs from the store), work (only that), or both",
        [](Config& c, const auto& text) { c.jobs.role = parse_choice(kRoles, text); },
-       [](const Config& c) { return choice_name(kRoles, c.jobs.role); }},
+       [](const Config& c) { return role_name(c.jobs.role); }},
       {"--max-queued-jobs", "jobs that may wait, in the whole store",
        [](Config& c, const auto& text) {
          c.jobs.max_queued = static_cast<std::int64_t>(between(1, 1'000'000'000, parse_count(text)));
@@ -244,6 +247,7 @@ void complete(Config& config, Command command) {
                                 " is reachable from other machines: set --api-key-file or REMESHD_API_KEY, or "
                                 "--allow-anonymous if anyone there may use this server");
   }
+  if (command == Command::kCheckConfig) jobs::check_folders(config.jobs);  // the start makes them
 }
 
 /// Below this, a second thread makes a request no shorter, and takes the time of others. Measured on boxes: 2,000 faces
@@ -320,6 +324,22 @@ Invocation read_command_line(int argc, const char* const* argv, std::ostream& ou
     invocation.exit_code = 2;
   }
   return invocation;
+}
+
+std::string role_name(jobs::Role role) { return choice_name(kRoles, role); }
+
+std::vector<std::string> unknown_variables() {
+  std::vector<std::string> unknown;
+  for (char** entry = environ; *entry != nullptr; ++entry) {
+    const std::string name(api::cut(*entry, '=').first);
+    // Kubernetes gives such names to all that run beside a service called remeshd.
+    const bool is_of_service = name.starts_with("REMESHD_SERVICE_") || name.starts_with("REMESHD_PORT");
+    if (!name.starts_with("REMESHD_") || is_of_service || name == "REMESHD_API_KEY") continue;
+    const bool is_known = std::any_of(settings().begin(), settings().end(),
+                                      [&](const Setting& setting) { return setting.variable() == name; });
+    if (!is_known) unknown.push_back(name);
+  }
+  return unknown;
 }
 
 std::string print_config(const Config& config) {

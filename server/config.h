@@ -6,6 +6,7 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <vector>
 
 #include "api/service.h"
 #include "server/cors.h"
@@ -60,6 +61,12 @@ struct Invocation {
 
 /// Reads command line and environment; `--help`, `--version` and complaints go to `out` and `err`.
 Invocation read_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& err);
+
+/// The names that `role` has on the command line.
+std::string role_name(jobs::Role role);
+
+/// Variables of the environment that look like settings and are none: misspelt, most likely.
+std::vector<std::string> unknown_variables();
 
 /// All settings, one `flag=value` a line.
 std::string print_config(const Config& config);

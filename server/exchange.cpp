@@ -24,12 +24,6 @@ void add_times(const Exchange& exchange, std::vector<log::Field>& fields) {
   if (timing.work) fields.push_back({"work_ms", *timing.work});
 }
 
-void add_work(const api::WorkDone& done, std::vector<log::Field>& fields) {
-  fields.push_back({"input_faces", static_cast<std::int64_t>(done.input_faces)});
-  fields.push_back({"output_faces", static_cast<std::int64_t>(done.output_faces)});
-  for (const auto& [stage, ms] : done.stages_ms) fields.push_back({stage, ms});
-}
-
 void log_access(const Exchange& exchange, Outcome outcome) {
   const Request& request = exchange.request;
   const bool is_probe = request.path == "/livez" || request.path == "/readyz" || request.path == "/metrics";
@@ -43,6 +37,7 @@ void log_access(const Exchange& exchange, Outcome outcome) {
                                  {"bytes_out", static_cast<std::int64_t>(exchange.connection.bytes_written())},
                                  {"peer", exchange.connection.peer_address()},
                                  {"outcome", std::string(outcome == Outcome::kAnswered ? "answered" : "client_gone")}};
+  if (!exchange.job.empty()) fields.push_back({"job", exchange.job});
   if (!exchange.problem_code.empty()) fields.push_back({"code", exchange.problem_code});
   if (const auto trace = parse_traceparent(request.header("traceparent"))) {
     fields.push_back({"trace_id", trace->trace_id});
@@ -58,12 +53,18 @@ void count(const Exchange& exchange, Outcome outcome, Metrics& metrics) {
   const std::string_view method = exchange.request.method.empty() ? "none" : std::string_view(exchange.request.method);
   metrics.count_request(exchange.route, method, status,
                         std::chrono::duration<double>(Clock::now() - exchange.start).count());
-  if (std::find(kRejections.begin(), kRejections.end(), exchange.status) != kRejections.end())
-    metrics.count_rejection(exchange.problem_code);
+  const bool is_refusal = std::find(kRejections.begin(), kRejections.end(), exchange.status) != kRejections.end();
+  if (is_refusal && !exchange.is_told) metrics.count_rejection(exchange.problem_code);
   if (exchange.done) metrics.count_work(*exchange.done);
 }
 
 }  // namespace
+
+void add_work(const api::WorkDone& done, std::vector<log::Field>& fields) {
+  fields.push_back({"input_faces", static_cast<std::int64_t>(done.input_faces)});
+  fields.push_back({"output_faces", static_cast<std::int64_t>(done.output_faces)});
+  for (const auto& [stage, ms] : done.stages_ms) fields.push_back({stage, ms});
+}
 
 void account_for(const Exchange& exchange, Outcome outcome, Metrics* metrics) {
   if (metrics != nullptr) count(exchange, outcome, *metrics);

@@ -7,11 +7,13 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/service.h"
 #include "server/connection.h"
 #include "server/gate.h"
 #include "server/http_message.h"
+#include "server/log.h"
 #include "server/metrics.h"
 
 namespace remesh::server {
@@ -45,8 +47,13 @@ struct Exchange {
   std::string_view route = "none";  ///< the path of the route, with names for what varies
   int status = 0;                   ///< 0 while there is none
   std::string problem_code;         ///< of an error
+  std::string job;                  ///< see Response
+  bool is_told = false;             ///< see Response
   std::optional<api::WorkDone> done;
 };
+
+/// What work came to, as fields of a line of the log.
+void add_work(const api::WorkDone& done, std::vector<log::Field>& fields);
 
 enum class Outcome { kAnswered, kClientGone };
 

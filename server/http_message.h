@@ -39,8 +39,9 @@ struct Timing {
 };
 
 struct Request : RequestHead {
-  std::string id;  ///< the X-Request-Id of the answer: what the client sent if that is usable, else given
-  Body body;       ///< out of its chunks
+  std::string id;     ///< the X-Request-Id of the answer: what the client sent if that is usable, else given
+  std::string owner;  ///< whose key it shows (ApiKeys::owner); empty where there are no keys
+  Body body;          ///< out of its chunks
   Timing timing;
   std::shared_ptr<MemoryShare> memory;  ///< what it holds, until its answer is sent; may be none
 };
@@ -50,6 +51,8 @@ struct Request : RequestHead {
 struct Response : api::Response {
   std::function<std::string()> next_piece;
   std::string problem_code;  ///< of an error
+  std::string job;           ///< the id of the one that the request has made
+  bool is_told = false;      ///< the error is a job's, which was asked for: this request itself did well
 };
 
 /// JSON that is true now: nobody may keep it.

@@ -394,6 +394,7 @@ class HttpServer::Listener : public httplib::Server {
       throw HttpError(401, "unauthorized", "an API key is needed: send it as Authorization: Bearer KEY")
           .with_header("WWW-Authenticate", "Bearer");
     }
+    if (settings_.keys != nullptr) exchange.request.owner = settings_.keys->owner(exchange.request);
     const Admission admission = route.admit ? route.admit(exchange.request) : Admission{};
     exchange.request.memory = admission.memory;
     take_body(exchange, admission.max_body);
@@ -415,6 +416,8 @@ class HttpServer::Listener : public httplib::Server {
   void give(Exchange& exchange, Response answer, httplib::Response& out) const {
     exchange.status = answer.status;
     exchange.problem_code = std::move(answer.problem_code);
+    exchange.job = std::move(answer.job);
+    exchange.is_told = answer.is_told;
     exchange.done = std::move(answer.done);
     out.status = answer.status;
     out.set_header("Date", http_date());

@@ -1,6 +1,7 @@
 /// Configuration, service, signals; the rest is in the library.
 #include <malloc.h>
 #include <sys/resource.h>
+#include <sys/stat.h>
 #include <tbb/global_control.h>
 
 #include <csignal>
@@ -60,6 +61,20 @@ int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::millisec
   return number > 0 ? number : 0;
 }
 
+/// What is in force, as far as it is asked for when something goes wrong.
+void add_settings(const Config& config, const Service& service, std::vector<log::Field>& fields) {
+  fields.push_back({"workers", std::int64_t{config.workers}});
+  fields.push_back({"max_running", std::int64_t{config.max_running}});
+  fields.push_back({"queue_size", static_cast<std::int64_t>(config.queue_size)});
+  fields.push_back({"memory_budget", format_bytes(config.memory_budget)});
+  fields.push_back({"keys", static_cast<std::int64_t>(service.key_count())});
+  fields.push_back({"role", role_name(config.jobs.role)});
+  fields.push_back({"store", service.keeps_jobs() ? jobs::without_password(config.jobs.store) : "none"});
+  if (!service.keeps_jobs()) return;
+  if (config.jobs.store == "sqlite") fields.push_back({"state_dir", jobs::find_state_dir(config.jobs.state_dir)});
+  if (!config.jobs.blob_dir.empty()) fields.push_back({"blob_dir", config.jobs.blob_dir});
+}
+
 int serve(const Config& config) {
   // Blocked before any thread exists, the log's one included, so that all inherit it and only this one waits for them;
   // that also makes the process stoppable as number 1 of a container, where unhandled signals are ignored.
@@ -68,6 +83,7 @@ int serve(const Config& config) {
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
   std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing
+  ::umask(S_IRWXG | S_IRWXO);     // what is written is customers' meshes
   raise_descriptor_limit();
   log::set_up(config.log_format, config.log_level);
 
@@ -76,8 +92,10 @@ int serve(const Config& config) {
   std::vector<log::Field> fields{{"address", Address{config.bind.host, service.port()}.text()}};
   if (config.ops_bind) fields.push_back({"ops_address", Address{config.ops_bind->host, service.ops_port()}.text()});
   fields.push_back({"version", std::string(REMESHD_VERSION)});
-  fields.push_back({"workers", std::int64_t{config.workers}});
+  add_settings(config, service, fields);
   log::write(log::Level::kInfo, "listening", fields);
+  for (const std::string& name : unknown_variables())
+    log::write(log::Level::kWarning, "no setting has this variable", {{"variable", name}});
 
   while (wait_for_signal(signals, std::nullopt) == SIGHUP) reload_keys(service);
   log::write(log::Level::kInfo, "draining", {{"at_most", format_duration(config.drain_time)}});

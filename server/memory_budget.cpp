@@ -13,10 +13,12 @@ HttpError out_of_memory() {
   return HttpError(503, "out_of_memory", "not enough memory for this request now: try again shortly");
 }
 
-std::uint64_t MemoryBudget::available() const {
-  const std::uint64_t used = std::max<std::uint64_t>(reserved_, resident_);
-  return limit_ - std::min(limit_, used);
+std::uint64_t MemoryBudget::used_by_others(std::uint64_t reserved, std::uint64_t own) const {
+  if (reserved <= own) return 0;
+  return std::max<std::uint64_t>(reserved, resident_) - own;
 }
+
+std::uint64_t MemoryBudget::available() const { return limit_ - std::min(limit_, used_by_others(reserved_, 0)); }
 
 void MemoryShare::hold_body(std::uint64_t held, std::uint64_t expected) {
   const std::uint64_t most = std::max(held, expected);
@@ -25,15 +27,20 @@ void MemoryShare::hold_body(std::uint64_t held, std::uint64_t expected) {
   const std::uint64_t at_most = std::max(bytes_, most * per_byte_);
   std::uint64_t reserved = budget_.reserved_;
   do {
-    const std::uint64_t others = std::max<std::uint64_t>(reserved, budget_.resident_) - std::min(reserved, bytes_);
-    if (others + at_most > budget_.limit_) throw out_of_memory();
+    if (budget_.used_by_others(reserved, bytes_) + at_most > budget_.limit_) throw out_of_memory();
   } while (!budget_.reserved_.compare_exchange_weak(reserved, reserved - bytes_ + wanted));
-  bytes_ = wanted;
+  note(wanted);
 }
 
 void MemoryShare::resize(std::uint64_t bytes) {
   budget_.reserved_ += bytes;
   budget_.reserved_ -= bytes_;
+  note(bytes);
+}
+
+void MemoryShare::note(std::uint64_t bytes) {
+  if (bytes_ == 0 && bytes > 0) ++budget_.holders_;
+  if (bytes_ > 0 && bytes == 0) --budget_.holders_;
   bytes_ = bytes;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <atomic>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -33,6 +34,8 @@ class MemoryShare {
 
  private:
   void resize(std::uint64_t bytes);
+  /// `bytes` are reserved already.
+  void note(std::uint64_t bytes);
 
   MemoryBudget& budget_;
   const std::uint64_t per_byte_;
@@ -55,17 +58,24 @@ class MemoryBudget {
 
   std::uint64_t limit() const { return limit_; }
   std::uint64_t reserved() const { return reserved_; }
+  /// How many shares hold some of it.
+  std::size_t holders() const { return holders_; }
   /// What could be reserved now.
   std::uint64_t available() const;
-  /// What the process really takes, from time to time: where that is more than is reserved, it counts.
+  /// What the process really takes, from time to time: where that is more than is reserved, it counts. Not where nobody
+  /// has reserved anything: what the process takes idle would shut out for ever what `never_fits` lets through.
   void note_resident(std::uint64_t bytes) { resident_ = bytes; }
 
  private:
   friend class MemoryShare;
 
+  /// Of the `reserved` bytes `own` ones are those of whoever asks.
+  std::uint64_t used_by_others(std::uint64_t reserved, std::uint64_t own) const;
+
   const std::uint64_t limit_;
   std::atomic<std::uint64_t> reserved_{0};
   std::atomic<std::uint64_t> resident_{0};
+  std::atomic<std::size_t> holders_{0};
 };
 
 /// The answer to a request that would need more than there can ever be. Throw it.

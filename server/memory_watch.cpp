@@ -40,7 +40,8 @@ void MemoryWatch::look(std::uint64_t resident) {
                                            [](const auto& a, const auto& b) { return a->growth < b->growth; });
     log::write(log::Level::kWarning, "over the memory budget, ending the largest request",
                {{"id", largest->id}, {"resident", static_cast<std::int64_t>(resident)}});
-    largest->evict(/*was_alone=*/computing.size() == 1);
+    // Others that hold memory may wait, be sent or be kept: with them gone there may be room.
+    largest->evict(/*was_alone=*/computing.size() == 1 && budget_.holders() <= 1);
     patience_until_ = Clock::now() + kPatience;
   }
 }

@@ -130,8 +130,10 @@ struct Metrics::Families {
                                   .Register(registry);
   Family<Counter>& patches =
       prometheus::BuildCounter().Name("remeshd_patches_total").Help("Patches of results.").Register(registry);
-  Family<Counter>& jobs =
-      prometheus::BuildCounter().Name("remeshd_jobs_total").Help("Jobs that have ended.").Register(registry);
+  Family<Counter>& jobs = prometheus::BuildCounter()
+                              .Name("remeshd_jobs_total")
+                              .Help("Jobs that have ended, the failed ones by the code of their problem.")
+                              .Register(registry);
   Family<Counter>& job_retries = prometheus::BuildCounter()
                                      .Name("remeshd_job_retries_total")
                                      .Help("Jobs that went back to the queue.")
@@ -210,8 +212,10 @@ void Metrics::count_work(const api::WorkDone& done) {
   if (done.output_faces > 0) families_->output_faces.Observe(static_cast<double>(done.output_faces));
 }
 
-void Metrics::count_job(std::string_view outcome, int times) {
-  families_->jobs.Add({{"outcome", std::string(outcome)}}).Increment(times);
+void Metrics::count_job(std::string_view outcome, std::string_view code, int times) {
+  std::map<std::string, std::string> labels{{"outcome", std::string(outcome)}};
+  if (!code.empty()) labels.emplace("code", code);
+  families_->jobs.Add(labels).Increment(times);
 }
 
 void Metrics::count_job_retry(std::string_view reason, int times) {
@@ -237,7 +241,9 @@ std::string Metrics::text(const Gauges& gauges) const {
   if (gauges.has_jobs) {
     now.gauge("remeshd_jobs_queued", "Jobs that wait for a worker, in the whole store.",
               static_cast<double>(gauges.jobs_queued));
-    now.gauge("remeshd_job_oldest_queued_seconds", "How long the oldest of them has waited.",
+    now.gauge("remeshd_jobs_running", "Jobs that workers have, in the whole store.",
+              static_cast<double>(gauges.jobs_running));
+    now.gauge("remeshd_job_oldest_queued_seconds", "How long the oldest of those that wait has waited.",
               gauges.job_oldest_queued_s);
   }
   now.gauge("process_start_time_seconds", "Start of the process since the epoch.", families_->start_seconds);

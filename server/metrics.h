@@ -22,6 +22,7 @@ struct Gauges {
   bool is_ready = false;
   bool has_jobs = false;  ///< whether the next ones are known
   std::int64_t jobs_queued = 0;
+  std::int64_t jobs_running = 0;
   double job_oldest_queued_s = 0;
 };
 
@@ -37,8 +38,8 @@ class Metrics {
   /// One was turned away by a limit, for the reason that its problem has as `code`.
   void count_rejection(const std::string& reason);
   void count_work(const api::WorkDone& done);
-  /// A job has ended as its state says; `times`: so many of them.
-  void count_job(std::string_view outcome, int times = 1);
+  /// A job has ended as its state says, of a failure with that code; `times`: so many of them.
+  void count_job(std::string_view outcome, std::string_view code = {}, int times = 1);
   /// One goes back to the queue.
   void count_job_retry(std::string_view reason, int times = 1);
   void count_store(std::string_view op, double seconds, bool failed);

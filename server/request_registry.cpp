@@ -20,19 +20,19 @@ std::string progress_json(const RunningRequest& request) {
          numbers.data();
 }
 
-RequestRegistry::Entry RequestRegistry::add(const std::string& id) {
+RequestRegistry::Entry RequestRegistry::add(const std::string& id, const std::string& owner) {
   // Made outside the lock: its event is a system call.
-  for (auto request = std::make_shared<RunningRequest>(id);;
-       request = std::make_shared<RunningRequest>(new_request_id())) {
+  for (auto request = std::make_shared<RunningRequest>(id, owner);;
+       request = std::make_shared<RunningRequest>(new_request_id(), owner)) {
     const std::lock_guard lock(mutex_);
     if (running_.emplace(request->id, request).second) return Entry(*this, std::move(request));
   }
 }
 
-std::shared_ptr<RunningRequest> RequestRegistry::find(const std::string& id) const {
+std::shared_ptr<RunningRequest> RequestRegistry::find(const std::string& id, const std::string& owner) const {
   const std::lock_guard lock(mutex_);
   const auto found = running_.find(id);
-  return found == running_.end() ? nullptr : found->second;
+  return found == running_.end() || found->second->owner != owner ? nullptr : found->second;
 }
 
 std::vector<std::shared_ptr<RunningRequest>> RequestRegistry::computing() const {

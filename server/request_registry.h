@@ -17,7 +17,8 @@ namespace remesh::server {
 
 /// One request from its entry to its answer.
 struct RunningRequest {
-  explicit RunningRequest(std::string request_id) : id(std::move(request_id)) {}
+  explicit RunningRequest(std::string request_id, std::string its_owner = {})
+      : id(std::move(request_id)), owner(std::move(its_owner)) {}
 
   /// Asks it to stop and wakes whoever waits for it.
   void cancel() {
@@ -32,6 +33,7 @@ struct RunningRequest {
   double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
   const std::string id;
+  const std::string owner;  ///< of whose key; empty where there are no keys
   const Clock::time_point start = Clock::now();
   RunControl control;
   Event changed;  ///< the work has ended, or was cancelled
@@ -66,8 +68,9 @@ class RequestRegistry {
   };
 
   /// Enters a request under that id, or under a new one when the id is running already.
-  Entry add(const std::string& id);
-  std::shared_ptr<RunningRequest> find(const std::string& id) const;
+  Entry add(const std::string& id, const std::string& owner = {});
+  /// Output: nothing, too, where it is somebody else's, so that ids cannot be tried.
+  std::shared_ptr<RunningRequest> find(const std::string& id, const std::string& owner = {}) const;
   std::vector<std::shared_ptr<RunningRequest>> computing() const;
   void cancel_all();
 

@@ -33,8 +33,8 @@ std::string sse(std::string_view event, const std::string& data) {
   return "event: " + std::string(event) + "\ndata: " + data + "\n\n";
 }
 
-std::shared_ptr<RunningRequest> find_or_404(const RequestRegistry& registry, const std::string& id) {
-  if (auto found = registry.find(id)) return found;
+std::shared_ptr<RunningRequest> find_own(const RequestRegistry& registry, const Call& call) {
+  if (auto found = registry.find(call.parameter, call.request.owner)) return found;
   throw HttpError(404, "not_found", "no running request has this id");
 }
 
@@ -82,7 +82,7 @@ Service::Service(const Config& config, Operations operations)
       memory_(config.memory_budget),
       memory_watch_(memory_, registry_),
       jobs_(make_jobs()),
-      job_routes_({jobs_.get(), keys_, work_limits_, memory_, registry_, pool_, draining_}),
+      job_routes_({jobs_.get(), work_limits_, memory_, registry_, pool_, draining_}),
       pool_(config.max_running, config.queue_size, config.workers),
       http_(routes(), http_settings()) {
   if (!config.ops_bind) return;
@@ -183,6 +183,7 @@ Response Service::show_metrics() const {
     const jobs::QueueStatistics statistics = jobs_->statistics();
     gauges.has_jobs = true;
     gauges.jobs_queued = statistics.queued;
+    gauges.jobs_running = statistics.running;
     gauges.job_oldest_queued_s = statistics.oldest_queued_s;
   }
   Response response;
@@ -197,12 +198,10 @@ Response Service::readiness() const {
   return plain(200, "ready\n");
 }
 
-Response Service::show_request(const Call& call) {
-  return json_response(progress_json(*find_or_404(registry_, call.parameter)));
-}
+Response Service::show_request(const Call& call) { return json_response(progress_json(*find_own(registry_, call))); }
 
 Response Service::cancel_request(const Call& call) {
-  find_or_404(registry_, call.parameter)->cancel();
+  find_own(registry_, call)->cancel();
   Response response;
   response.status = 204;
   return response;
@@ -212,8 +211,8 @@ Response Service::follow_request(const Call& call) {
   Response response;
   response.content_type = "text/event-stream";
   response.headers.emplace_back("Cache-Control", "no-store");
-  response.next_piece = [running = find_or_404(registry_, call.parameter), &connection = call.connection,
-                         next = Clock::now(), is_over = false]() mutable -> std::string {
+  response.next_piece = [running = find_own(registry_, call), &connection = call.connection, next = Clock::now(),
+                         is_over = false]() mutable -> std::string {
     if (is_over || connection.wait(nullptr, next) == Connection::Wake::kClientGone) return {};
     next = Clock::now() + kProgressPeriod;
     is_over = running->has_ended;

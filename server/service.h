@@ -40,6 +40,8 @@ class Service {
   /// Binds and accepts. Errors: std::runtime_error - an address cannot be had.
   void start();
   int port() const { return http_.port(); }
+  std::size_t key_count() const { return keys_.count(); }
+  bool keeps_jobs() const { return jobs_ != nullptr; }
   int ops_port() const { return ops_ ? ops_->port() : 0; }
 
   /// Reads the API keys again. Errors: std::invalid_argument - see ApiKeys; the old ones stay.

@@ -156,7 +156,7 @@ HttpError overloaded() {
 
 api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
                           const Operation& operation, Request& request, Connection& connection) {
-  const RequestRegistry::Entry running = registry.add(request.id);
+  const RequestRegistry::Entry running = registry.add(request.id, request.owner);
   request.id = running->id;
   const JobSize size = size_of_job(request.body.size());
   const auto job = std::make_shared<Job>(request, limits, operation, running.get());

@@ -57,8 +57,7 @@ std::string random_key() {
   return key;
 }
 
-RemoteError problem_of(int status, const std::string& body) {
-  const json problem = json::parse(body, nullptr, /*allow_exceptions=*/false);
+RemoteError problem_of(int status, const json& problem) {
   if (!problem.is_object())
     return {status, "http_" + std::to_string(status), "the server answers " + std::to_string(status)};
   RemoteError error(status, problem.value("code", "http_" + std::to_string(status)),
@@ -66,6 +65,10 @@ RemoteError problem_of(int status, const std::string& body) {
   if (problem.contains("line")) error.line = problem["line"].get<std::uint64_t>();
   if (problem.contains("byte")) error.byte = problem["byte"].get<std::uint64_t>();
   return error;
+}
+
+RemoteError problem_of(const httplib::Response& answer) {
+  return problem_of(answer.status, json::parse(answer.body, nullptr, /*allow_exceptions=*/false));
 }
 
 }  // namespace
@@ -82,16 +85,21 @@ class Remote::Client {
 
   RemoteAnswer run(const RunControl& control) {
     const std::string path = submit(control);
+    std::optional<RemoteError> failure;
+    RemoteAnswer answer;
     try {
-      wait_until_ended(path, control);
-      RemoteAnswer answer;
-      answer.mesh = fetch(path + "/result", control);
-      if (job_.wants_report) answer.report = fetch(path + "/report", control) + "\n";
-      return answer;
+      failure = wait_until_ended(path, control);
+      if (!failure) answer.mesh = fetch(path + "/result", control);
+      if (!failure && job_.wants_report) answer.report = fetch(path + "/report", control) + "\n";
+    } catch (const RemoteError& error) {
+      throw with_job(error, path);  // it goes on at the server, or has its result there
     } catch (const Error&) {
       cancel(path);  // told to stop: the server need not go on
       throw;
     }
+    // What the mesh has done is told of the mesh; what the server has done can be asked about by the job.
+    if (failure) throw failure->status < 500 ? *failure : with_job(*failure, path);
+    return answer;
   }
 
   std::string progress_line() const {
@@ -109,7 +117,7 @@ class Remote::Client {
       const httplib::Result result = question();
       if (result && result->status != 503 && result->status != 502 && result->status != 429) return *result;
       if (Clock::now() > deadline) {
-        if (result) throw problem_of(result->status, result->body);
+        if (result) throw problem_of(*result);
         throw RemoteError(0, "server_unreachable", job_.server + ": " + httplib::to_string(result.error()));
       }
       tell(result ? "waiting for room" : "waiting for the server", 0);
@@ -137,7 +145,7 @@ class Remote::Client {
     };
     try {
       const httplib::Response answer = insist(post, control);
-      if (answer.status != 202) throw problem_of(answer.status, answer.body);
+      if (answer.status != 202) throw problem_of(answer);
       return path_of_job(answer);
     } catch (const Error&) {
       // Told to stop before there was an answer, which may have been on its way: the key tells which job that was.
@@ -153,11 +161,24 @@ class Remote::Client {
 
   void cancel(const std::string& path) { http_.Delete(url_.second + path, headers_); }
 
-  void wait_until_ended(const std::string& path, const RunControl& control) {
+  RemoteError with_job(const RemoteError& error, const std::string& path) const {
+    RemoteError told(error.status, error.code,
+                     std::string(error.what()) + "; the job is " + url_.first + url_.second + path);
+    told.line = error.line;
+    told.byte = error.byte;
+    return told;
+  }
+
+  /// Output: the problem that the job has ended with, if it has one.
+  std::optional<RemoteError> wait_until_ended(const std::string& path, const RunControl& control) {
     for (std::chrono::milliseconds pause = kFirstPoll;; pause = std::min(pause * 3 / 2, kSlowestPoll)) {
       const json state = json::parse(fetch(path, control));
       const std::string name = state.at("state").get<std::string>();
-      if (name != "queued" && name != "running") return;  // of a failure, the result tells what it is
+      if (name != "queued" && name != "running") {
+        const json problem = state.value("problem", json());
+        if (!problem.is_object()) return std::nullopt;
+        return problem_of(problem.value("status", 500), problem);
+      }
       tell(name == "running" && state.at("stage").is_string() ? state.at("stage").get<std::string>() : name,
            state.value("fraction", 0.0));
       std::this_thread::sleep_for(pause);
@@ -166,7 +187,7 @@ class Remote::Client {
 
   std::string fetch(const std::string& path, const RunControl& control) {
     httplib::Response answer = insist([&] { return http_.Get(url_.second + path, headers_); }, control);
-    if (answer.status != 200) throw problem_of(answer.status, answer.body);
+    if (answer.status != 200) throw problem_of(answer);
     return std::move(answer.body);
   }
 

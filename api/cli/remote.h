@@ -49,7 +49,8 @@ class Remote {
 
   /// Submits the job, waits for it and fetches the result. Where nobody answers it asks again, for two minutes, without
   /// making a second job of it.
-  /// Errors: RemoteError; remesh::Error kCancelled - `control` says to stop: the job is cancelled at the server.
+  /// Errors: RemoteError, which names the job where it is not the mesh's fault; remesh::Error kCancelled - `control`
+  /// says to stop: the job is cancelled at the server.
   RemoteAnswer run(const RunControl& control);
   /// For a progress bar.
   std::string progress_line() const;

@@ -16,6 +16,8 @@ namespace {
 
 [[noreturn]] void fail(const std::string& path) { throw StoreError(path + ": " + std::strerror(errno)); }
 
+[[noreturn]] void lose(const std::string& path) { throw BlobLost(path + ": " + std::strerror(errno)); }
+
 class Descriptor {
  public:
   Descriptor(const std::string& path, int flags) : fd_(::open(path.c_str(), flags | O_CLOEXEC, 0600)) {
@@ -52,6 +54,7 @@ BlobFolder::BlobFolder(std::string path) : path_(std::move(path)) {
   std::error_code failure;
   std::filesystem::create_directories(path_, failure);
   if (!std::filesystem::is_directory(path_, failure)) throw StoreError(path_ + ": no folder can be made there");
+  if (::access(path_.c_str(), W_OK | X_OK) != 0) fail(path_);
 }
 
 std::string BlobFolder::write(const std::string& id, std::string_view kind, std::string_view bytes) const {
@@ -77,17 +80,26 @@ std::string BlobFolder::write(const std::string& id, std::string_view kind, std:
   return name;
 }
 
+std::uint64_t BlobFolder::size(const std::string& name) const {
+  const std::string path = path_ + "/" + name;
+  struct stat status {};
+  if (::stat(path.c_str(), &status) == 0) return static_cast<std::uint64_t>(status.st_size);
+  // A file may be lost; without the folder all are, but only until that is back in its place.
+  if (errno == ENOENT && ::access(path_.c_str(), F_OK) == 0) lose(path);
+  fail(path);
+}
+
 std::string BlobFolder::read(const std::string& name) const {
   const std::string path = path_ + "/" + name;
+  std::string bytes(size(name), '\0');
   const Descriptor file(path, O_RDONLY);
-  struct stat status {};
-  if (::fstat(*file, &status) != 0) fail(path);
-  std::string bytes(static_cast<std::size_t>(status.st_size), '\0');
   std::size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t got = ::read(*file, bytes.data() + done, bytes.size() - done);
     if (got < 0 && errno == EINTR) continue;
-    if (got <= 0) fail(path);
+    if (got == 0) throw BlobLost(path + ": it ends early");
+    if (got < 0 && errno == EIO) lose(path);
+    if (got < 0) fail(path);
     done += static_cast<std::size_t>(got);
   }
   return bytes;

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <ctime>
+#include <nlohmann/json.hpp>
 
 #include "api/json_writer.h"
 #include "api/text.h"
@@ -68,6 +69,11 @@ std::string jobs_json(const std::vector<JobRecord>& jobs) {
   json.end_array();
   json.end_object();
   return json.take();
+}
+
+std::string problem_code(const std::string& problem) {
+  const auto json = nlohmann::json::parse(problem, nullptr, /*allow_exceptions=*/false);
+  return json.is_object() ? json.value("code", "") : "";
 }
 
 std::string job_path(const std::string& id) { return "/v1/jobs/" + id; }

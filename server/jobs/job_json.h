@@ -13,6 +13,9 @@ std::string job_json(const JobRecord& job);
 /// `{"jobs": [...]}`
 std::string jobs_json(const std::vector<JobRecord>& jobs);
 
+/// The `code` of a problem; empty where it has none.
+std::string problem_code(const std::string& problem);
+
 /// "/v1/jobs/0123..."
 std::string job_path(const std::string& id);
 

@@ -4,8 +4,38 @@
 #include <stdexcept>
 
 #include "api/json_writer.h"
+#include "api/multipart.h"
+#include "api/negotiation.h"
+#include "api/text.h"
+#include "server/digest.h"
 
 namespace remesh::server::jobs {
+namespace {
+
+constexpr const char* kForm = "multipart/form-data";
+
+/// Whether the parts of a form can be seen. One that is packed as a whole differs with its boundary.
+bool is_plain_form(const api::Request& request) {
+  const std::string coding = api::ascii_lower(trim(request.content_encoding));
+  return api::media_type_of(request.content_type) == kForm && (coding.empty() || coding == "identity");
+}
+
+std::string describe_parts(const api::Request& request) {
+  api::JsonWriter json;
+  json.begin_array();
+  for (const api::FormPart& part : api::parse_multipart(request.body, request.content_type)) {
+    json.begin_object();
+    json.member("name", part.name);
+    json.member("file_name", part.file_name);
+    json.member("content_type", part.content_type);
+    json.member("content", hex(sha256(part.content)));
+    json.end_object();
+  }
+  json.end_array();
+  return json.take();
+}
+
+}  // namespace
 
 std::string pack_request(const api::Request& request) {
   api::JsonWriter json;
@@ -37,6 +67,13 @@ api::Request unpack_request(std::string_view text) {
   request.file_name = json.value("file_name", "");
   for (const auto& option : json.at("query")) request.query.emplace_back(option.at(0), option.at(1));
   return request;
+}
+
+std::string request_digest(const api::Request& request) {
+  if (!is_plain_form(request)) return hex(sha256(pack_request(request) + "\n" + hex(sha256(request.body))));
+  api::Request form = request;
+  form.content_type = kForm;
+  return hex(sha256(pack_request(form) + "\n" + describe_parts(request)));
 }
 
 }  // namespace remesh::server::jobs

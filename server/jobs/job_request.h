@@ -13,4 +13,9 @@ std::string pack_request(const api::Request& request);
 /// The request again, without its body. Errors: std::runtime_error - the text is no such JSON.
 api::Request unpack_request(std::string_view text);
 
+/// What makes a request the same as another, whole: the digest of its bytes, but of a form that of its parts, since
+/// clients draw the boundary between them anew each time.
+/// Errors: remesh::Error kMalformedMultipart - a form that is none.
+std::string request_digest(const api::Request& request);
+
 }  // namespace remesh::server::jobs

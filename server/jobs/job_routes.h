@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "server/api_keys.h"
 #include "server/jobs/job_service.h"
 #include "server/route.h"
 #include "server/work.h"
@@ -16,7 +15,6 @@ namespace remesh::server::jobs {
 /// What the routes stand on; all of it outlives them.
 struct JobContext {
   JobService* jobs = nullptr;  ///< none: all of it is answered with 501
-  const ApiKeys& keys;
   const WorkLimits& limits;
   MemoryBudget& memory;
   RequestRegistry& registry;
@@ -45,7 +43,12 @@ class JobRoutes {
   JobRecord find_own(const Call& call) const;
   Response list(const Call& call) const;
   Response show(const Call& call) const;
-  Response cancel(const Call& call) const;
+  Response remove(const Call& call) const;
+  /// A blob's bytes, or its size. Errors: HttpError 410 - its time is over; 503.
+  std::string read(const std::string& id, BlobKind kind) const;
+  std::uint64_t size_of(const std::string& id, BlobKind kind) const;
+  /// Makes an answer from blobs in the pool. `memory`: what that takes, held meanwhile.
+  Response answer_from(const Operation& write, std::uint64_t memory, const Call& call) const;
   Response result(const Call& call) const;
   Response report(const Call& call) const;
   Response follow(const Call& call) const;

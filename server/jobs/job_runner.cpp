@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <exception>
 #include <utility>
+#include <vector>
 
 #include "server/error_response.h"
 #include "server/exchange.h"
@@ -21,6 +22,13 @@ constexpr std::chrono::milliseconds kMostBetweenLooks{1000};
 /// How long stopped work may take to notice.
 constexpr std::chrono::seconds kStopPatience{3};
 
+/// The end of a job that found no room as often as it may try. What it is told stays: not to come again.
+HttpError given_up(const std::string& code, int attempts) {
+  return HttpError(
+      500, code,
+      "the job was ended for want of memory or threads; attempt " + std::to_string(attempts) + " was the last");
+}
+
 }  // namespace
 
 /// A job that this process works on.
@@ -36,7 +44,9 @@ struct JobRunner::Held {
   std::atomic<bool> is_lost{false};
   std::atomic<bool> is_committing{false};
   std::atomic<Clock::time_point> started{Clock::time_point::max()};
-  Clock::time_point ended{};  ///< of computing; for whoever commits
+  // For whoever commits.
+  Clock::time_point ended{};  ///< of computing
+  std::optional<api::WorkDone> done;
   // Of the renewing thread alone.
   Clock::time_point renewed;
   Progress told;
@@ -241,6 +251,8 @@ std::optional<JobOutcome> JobRunner::work_on(Held& held) {
   } catch (const StoreError&) {
     give_back(held, JobStore::Attempt::kDoesNotCount, "store");
     return std::nullopt;
+  } catch (const BlobLost&) {
+    return outcome_of_failure(held, std::current_exception());
   }
   RunningRequest& running = *held.running.get();
   try {
@@ -252,6 +264,7 @@ std::optional<JobOutcome> JobRunner::work_on(Held& held) {
     api::KeptRemesh kept = operation_(request, settings_.limits, running.control);
     running.is_computing = false;
     metrics_.count_work(kept.done);
+    held.done = std::move(kept.done);
     held.memory->hold_answer(kept.mesh.size() + kept.report.size());
     return JobOutcome{JobState::kSucceeded, std::move(kept.mesh), std::move(kept.report), 0, ""};
   } catch (...) {
@@ -267,25 +280,27 @@ std::optional<JobOutcome> JobRunner::outcome_of_failure(Held& held, const std::e
   const bool may_retry = held.claim.attempts < settings_.max_attempts;
   try {
     std::rethrow_exception(failure);
-  } catch (const std::bad_alloc&) {
-    if (may_retry) return give_back(held, JobStore::Attempt::kCounts, "out_of_memory"), std::nullopt;
   } catch (const Error& error) {
     const Eviction eviction = held.running->eviction;
     if (error.code == Code::kCancelled && eviction == Eviction::kNone) {
       give_back(held, JobStore::Attempt::kDoesNotCount, "shutdown");
       return std::nullopt;
     }
-    if (error.code == Code::kCancelled && eviction == Eviction::kAmongOthers) {
-      if (may_retry) return give_back(held, JobStore::Attempt::kCounts, "out_of_memory"), std::nullopt;
+    if (error.code == Code::kCancelled && eviction == Eviction::kAmongOthers)
       told = std::make_exception_ptr(out_of_memory());
-    }
     if (error.code == Code::kCancelled && eviction == Eviction::kAlone)
       told = std::make_exception_ptr(never_fits(memory_.limit()));
   } catch (...) {
-    // A defect; it would come again.
+    // Want of memory or threads, which may be over the next time; or a defect, which would come again.
   }
   Response problem = error_response(told, held.claim.id);
-  return JobOutcome{JobState::kFailed, "", "", problem.status, std::move(problem.body)};
+  if (problem.status == 503) {
+    if (may_retry) return give_back(held, JobStore::Attempt::kCounts, problem.problem_code.c_str()), std::nullopt;
+    problem =
+        error_response(std::make_exception_ptr(given_up(problem.problem_code, held.claim.attempts)), held.claim.id);
+  }
+  return JobOutcome{
+      JobState::kFailed, "", "", problem.status, std::move(problem.body), std::move(problem.problem_code)};
 }
 
 void JobRunner::commit_until_stopped() {
@@ -312,12 +327,8 @@ void JobRunner::commit(Held& held, const JobOutcome& outcome) {
     try {
       held.is_committing = true;
       const bool is_done = store_.commit(held.claim, outcome);
-      log::write(log::Level::kInfo, is_done ? "job committed" : "job refused",
-                 {{"job", held.claim.id},
-                  {"token", held.claim.token},
-                  {"state", std::string(state_name(outcome.state))},
-                  {"work_ms", milliseconds_between(held.started.load(), held.ended)}});
-      if (is_done) metrics_.count_job(state_name(outcome.state));
+      log_end(held, outcome, is_done ? "job committed" : "job refused");
+      if (is_done) metrics_.count_job(state_name(outcome.state), outcome.problem_code);
       return;
     } catch (const StoreError& error) {
       // The work is done: it is kept until the store is back, or the process ends.
@@ -328,6 +339,16 @@ void JobRunner::commit(Held& held, const JobOutcome& outcome) {
       std::this_thread::sleep_for(kPause);
     }
   }
+}
+
+void JobRunner::log_end(const Held& held, const JobOutcome& outcome, std::string_view event) {
+  std::vector<log::Field> fields{{"job", held.claim.id},
+                                 {"token", held.claim.token},
+                                 {"state", std::string(state_name(outcome.state))},
+                                 {"work_ms", milliseconds_between(held.started.load(), held.ended)}};
+  if (!outcome.problem_code.empty()) fields.push_back({"code", outcome.problem_code});
+  if (held.done) add_work(*held.done, fields);
+  log::write(log::Level::kInfo, event, fields);
 }
 
 void JobRunner::give_back(Held& held, JobStore::Attempt attempt, const char* reason) {

@@ -12,6 +12,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 
@@ -71,6 +72,7 @@ class JobRunner {
   std::optional<JobOutcome> outcome_of_failure(Held& held, const std::exception_ptr& failure);
   void commit_until_stopped();
   void commit(Held& held, const JobOutcome& outcome);
+  static void log_end(const Held& held, const JobOutcome& outcome, std::string_view event);
   void give_back(Held& held, JobStore::Attempt attempt, const char* reason);
   void release(const std::shared_ptr<Held>& held);
   std::list<std::shared_ptr<Held>> held() const;

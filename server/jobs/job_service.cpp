@@ -70,13 +70,13 @@ QueueStatistics JobService::statistics() const {
 
 void JobService::wake() { runner_.wake(); }
 
-bool JobService::cancel(const std::string& id) {
-  const bool was_cancelled = store_->cancel(id);
-  if (was_cancelled) {
+void JobService::remove(const std::string& id) {
+  if (store_->cancel(id)) {
     metrics_.count_job(state_name(JobState::kCancelled));
     runner_.drop(id);
+  } else if (store_->discard(id)) {
+    metrics_.count_job(state_name(JobState::kExpired));
   }
-  return was_cancelled;
 }
 
 void JobService::look_after() {
@@ -90,8 +90,9 @@ void JobService::look_after() {
       next_upkeep_ = now + std::min(kMostBetweenUpkeeps, settings_.rules.lease / 8);
       const Upkeep done = store_->upkeep();
       metrics_.count_job_retry("worker_crashed", done.retried);
-      metrics_.count_job("failed", done.crashed + done.timed_out);
-      metrics_.count_job("expired", done.expired);
+      metrics_.count_job("failed", "worker_crashed", done.crashed);
+      metrics_.count_job("failed", "timeout", done.timed_out);
+      metrics_.count_job("expired", "", done.expired);
       if (done.retried + done.crashed > 0) {
         log::write(log::Level::kWarning, "workers died of their jobs, or with them",
                    {{"retried", std::int64_t{done.retried}}, {"failed", std::int64_t{done.crashed}}});

@@ -36,8 +36,8 @@ class JobService {
   QueueStatistics statistics() const;
   /// A job was submitted here: no need to wait for the store to say so.
   void wake();
-  /// Cancels a job, in the store and here. Output: see JobStore.
-  bool cancel(const std::string& id);
+  /// Cancels a job, in the store and here; of one that has ended it removes what is kept.
+  void remove(const std::string& id);
 
  private:
   void look_after();

@@ -30,6 +30,10 @@ struct JobSettings {
 /// Errors: std::invalid_argument - a folder that was named cannot be.
 std::string find_state_dir(const std::string& state_dir);
 
+/// Whether the start would find its folders. Makes none: whoever checks need not be who starts.
+/// Errors: std::invalid_argument - one that was named cannot be written.
+void check_folders(const JobSettings& settings);
+
 /// The store's address without its password.
 std::string without_password(const std::string& store);
 

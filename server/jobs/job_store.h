@@ -32,6 +32,12 @@ class StoreError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What was kept of a job is gone or damaged, and nothing brings it back: an error of that job, not of the store.
+class BlobLost : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
 /// What whoever asks the store holds jobs to; to be the same on all daemons that share one.
 struct StoreRules {
   std::chrono::milliseconds lease{60'000};           ///< after its last renewal a job counts as abandoned
@@ -77,7 +83,8 @@ struct JobOutcome {
   std::string mesh;    ///< of a success
   std::string report;  ///< of a success
   int problem_status = 0;
-  std::string problem;  ///< of a failure: problem+json
+  std::string problem;            ///< of a failure: problem+json
+  std::string problem_code = {};  ///< the code in it, for whoever counts
 };
 
 struct JobRecord {
@@ -125,8 +132,10 @@ class JobStore {
   virtual Submission submit(const NewJob& job) = 0;
   /// The next job that takes no more than `max_memory`; jobs of all owners in turn, each owner's in order.
   virtual std::optional<Claim> claim(std::string_view worker, std::uint64_t max_memory) = 0;
-  /// Output: nothing where it is gone.
+  /// Output: nothing where its time is over. Errors: BlobLost, too.
   virtual std::optional<std::string> read_blob(const std::string& id, BlobKind kind) = 0;
+  /// Its bytes. Output, errors: as `read_blob`.
+  virtual std::optional<std::uint64_t> blob_size(const std::string& id, BlobKind kind) = 0;
   /// Renews the lease and tells progress. Output: false - the job is no longer this claim's.
   virtual bool renew(const Claim& claim, const Progress& progress) = 0;
   /// Whether the job is still this claim's.
@@ -143,6 +152,8 @@ class JobStore {
   virtual std::vector<JobRecord> list(const std::string& owner, int limit) = 0;
   /// Output: true where that ended it; false where it had ended.
   virtual bool cancel(const std::string& id) = 0;
+  /// Ends the time of what is kept of a job that has ended. Output: true where that was a result, which is now expired.
+  virtual bool discard(const std::string& id) = 0;
 
   /// What time brings: leases run out, waiting ends, results expire. Any daemon may do it, and any number.
   virtual Upkeep upkeep() = 0;

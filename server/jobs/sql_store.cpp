@@ -180,14 +180,13 @@ void SqlStore::write_blob(Database& database, const std::string& id, BlobKind ki
   } while (!bytes.empty());
 }
 
-std::optional<std::string> SqlStore::read_blob(const std::string& id, BlobKind kind) {
-  return with_database("read", Access::kRead, [&](Database& database) -> std::optional<std::string> {
+std::optional<SqlStore::Blob> SqlStore::find_blob(const std::string& id, BlobKind kind) {
+  return with_database("read", Access::kRead, [&](Database& database) -> std::optional<Blob> {
     const std::string_view name = kind_name(kind);
     const Rows blob = database.run("SELECT max(part), max(file) FROM remeshd_blob WHERE job = $1 AND kind = $2",
                                    {std::string_view(id), name});
     if (!blob.at(0)[0]) return std::nullopt;
-    if (blob[0][1] && !folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
-    if (blob[0][1]) return folder_->read(*blob[0][1]);
+    if (blob[0][1]) return Blob{"", blob[0][1]};
     std::string bytes;
     for (std::int64_t part = 0; part <= integer(blob[0][0]); part += DatabaseDriver::kPartsOfPiece) {
       const Rows piece = database.run(
@@ -196,8 +195,42 @@ std::optional<std::string> SqlStore::read_blob(const std::string& id, BlobKind k
       if (piece.empty()) return std::nullopt;  // it expired meanwhile
       for (const Row& row : piece) bytes += row[0].value();
     }
-    return bytes;
+    return Blob{std::move(bytes), std::nullopt};
   });
+}
+
+/// Beside the database: what is wrong with a file says nothing about whether the store is well.
+template <typename Question>
+auto SqlStore::ask_folder(const std::string& id, BlobKind kind, Question question) {
+  using Answer = std::optional<decltype(question(*folder_))>;
+  if (!folder_) throw StoreError("the store keeps blobs in a folder: --blob-dir is missing");
+  try {
+    return Answer(question(*folder_));
+  } catch (const BlobLost&) {
+    if (find_blob(id, kind)) throw;
+    return Answer();  // it expired meanwhile
+  }
+}
+
+std::optional<std::string> SqlStore::read_blob(const std::string& id, BlobKind kind) {
+  std::optional<Blob> blob = find_blob(id, kind);
+  if (!blob) return std::nullopt;
+  if (!blob->file) return std::move(blob->bytes);
+  return ask_folder(id, kind, [&](const BlobFolder& folder) { return folder.read(*blob->file); });
+}
+
+std::optional<std::uint64_t> SqlStore::blob_size(const std::string& id, BlobKind kind) {
+  const Row blob = with_database("size", Access::kRead, [&](Database& database) {
+    return database
+        .run(
+            "SELECT max(part), max(file), coalesce(sum(length(data)), 0) FROM remeshd_blob WHERE job = $1 AND kind = "
+            "$2",
+            {std::string_view(id), std::string_view(kind_name(kind))})
+        .at(0);
+  });
+  if (!blob[0]) return std::nullopt;
+  if (!blob[1]) return static_cast<std::uint64_t>(integer(blob[2]));
+  return ask_folder(id, kind, [&](const BlobFolder& folder) { return folder.size(*blob[1]); });
 }
 
 std::vector<std::string> SqlStore::delete_blobs(Database& database, const std::string& id, const char* which) {
@@ -389,6 +422,24 @@ bool SqlStore::cancel(const std::string& id) {
   });
   remove_files(files);
   return was_cancelled;
+}
+
+bool SqlStore::discard(const std::string& id) {
+  std::vector<std::string> files;
+  const bool was_result = with_database("discard", Access::kWrite, [&](Database& database) {
+    Transaction transaction(database);
+    const Rows rows = database.run(
+        "UPDATE remeshd_job SET state = 'expired', version = version + 1, expires_ms = remeshd_now() + $1 "
+        "WHERE id = $2 AND state = 'succeeded' RETURNING id",
+        {std::int64_t{rules_.history.count()}, std::string_view(id)});
+    // Of others, too: the input of a job that no worker lived through is kept.
+    files = delete_blobs(database, id,
+                         "EXISTS (SELECT 1 FROM remeshd_job WHERE id = $1 AND state NOT IN ('queued', 'running'))");
+    transaction.commit();
+    return !rows.empty();
+  });
+  remove_files(files);
+  return was_result;
 }
 
 QueueStatistics SqlStore::statistics() {

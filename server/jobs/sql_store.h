@@ -29,6 +29,7 @@ class SqlStore : public JobStore {
   Submission submit(const NewJob& job) override;
   std::optional<Claim> claim(std::string_view worker, std::uint64_t max_memory) override;
   std::optional<std::string> read_blob(const std::string& id, BlobKind kind) override;
+  std::optional<std::uint64_t> blob_size(const std::string& id, BlobKind kind) override;
   bool renew(const Claim& claim, const Progress& progress) override;
   bool holds(const Claim& claim) override;
   bool commit(const Claim& claim, const JobOutcome& outcome) override;
@@ -36,6 +37,7 @@ class SqlStore : public JobStore {
   std::optional<JobRecord> find(const std::string& id) override;
   std::vector<JobRecord> list(const std::string& owner, int limit) override;
   bool cancel(const std::string& id) override;
+  bool discard(const std::string& id) override;
   Upkeep upkeep() override;
   QueueStatistics statistics() override;
   void probe() override;
@@ -56,6 +58,16 @@ class SqlStore : public JobStore {
   std::unique_ptr<Database> take_connection();
   void return_connection(std::unique_ptr<Database> database);
 
+  /// Bytes, or the file that has them.
+  struct Blob {
+    std::string bytes;
+    std::optional<std::string> file;
+  };
+  /// Output: as `read_blob`.
+  std::optional<Blob> find_blob(const std::string& id, BlobKind kind);
+  /// What the folder says of a blob's file. Output: nothing where its time is over. Errors: BlobLost, StoreError.
+  template <typename Question>
+  auto ask_folder(const std::string& id, BlobKind kind, Question question);
   std::optional<Submission> find_repeated(Database& database, const NewJob& job);
   std::int64_t next_turn(Database& database, const std::string& owner);
   void write_blob(Database& database, const std::string& id, BlobKind kind, std::string_view bytes);

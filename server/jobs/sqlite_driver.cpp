@@ -69,6 +69,7 @@ class SqliteDatabase final : public Database {
       ::sqlite3_close(handle_);
       throw;
     }
+    close_to_others(path);
   }
   ~SqliteDatabase() override { ::sqlite3_close(handle_); }
 
@@ -102,6 +103,12 @@ class SqliteDatabase final : public Database {
   void announce() override {}
 
  private:
+  /// The meshes in it are their owners', whatever folder it lies in. By name: to open it and close that again would end
+  /// the locks that SQLite has on it.
+  static void close_to_others(const std::string& path) {
+    for (const char* part : {"", "-wal", "-shm"}) ::chmod((path + part).c_str(), S_IRUSR | S_IWUSR);
+  }
+
   void set_up(FileClock& clock) {
     check(::sqlite3_busy_handler(handle_, nap, nullptr));
     check(::sqlite3_create_function(handle_, "remeshd_now", 0, SQLITE_UTF8 | SQLITE_INNOCUOUS, &clock, give_now,

@@ -7,6 +7,7 @@ Leases are short here (--job-lease), all else is as it is served. Exit code 77: 
 
 import contextlib
 import gzip
+import http.client
 import json
 import os
 import pathlib
@@ -158,6 +159,113 @@ def test_refusals(store):
         expect_equal(ask(daemon.port, "GET", "/v1/jobs").status, 403, "no listing without a key")
 
 
+def form(boundary, mesh=SQUARE, name="part.obj"):
+    """A form with a mesh as `curl -F` sends it, and its media type."""
+    head = f'--{boundary}\r\nContent-Disposition: form-data; name="mesh"; filename="{name}"\r\nContent-Type: model/obj\r\n\r\n'
+    return head.encode() + mesh + f"\r\n--{boundary}--\r\n".encode(), f"multipart/form-data; boundary={boundary}"
+
+
+def test_a_form_sent_again_is_the_same_request_whatever_its_boundary(store):
+    with daemons(store, 1) as (daemon,):
+        def send(*arguments, **fields):
+            body, media_type = form(*arguments, **fields)
+            return submit(daemon.port, mesh=body, Content_Type=media_type, Idempotency_Key="of a form")
+
+        job = accepted(send("first-0123"))
+        expect_equal(accepted(send("second-4567")), job, "the same parts between other boundaries")
+        for other in (send("third-89", mesh=SQUARE + b"\n"), send("third-89", name="other.obj")):
+            expect_equal((other.status, other.code()), (422, "idempotency_key_reused"), "another form")
+        broken = submit(daemon.port, mesh=b"no form", Content_Type="multipart/form-data; boundary=x", Idempotency_Key="y")
+        expect_equal((broken.status, broken.code()), (400, "malformed_multipart"), "what is no form")
+
+
+def test_the_result_of_a_failed_job_is_no_refusal(store):
+    with daemons(store, 1, "--max-faces", "1") as (daemon,):
+        job = accepted(submit(daemon.port))
+        wait_for_state(daemon.port, job, "failed")
+        for part in ("result", "report"):
+            answer = ask(daemon.port, "GET", f"/v1/jobs/{job}/{part}")
+            expect_equal((answer.status, answer.code()), (413, "mesh_too_large"), f"the {part}")
+            wait_for(lambda: daemon.logged("request", path=f"/v1/jobs/{job}/{part}", code="mesh_too_large"))  # pylint: disable=cell-var-from-loop
+        expect_equal(daemon.metric("remeshd_http_rejected_total{"), 0, "no limit has turned a request away")
+
+
+def test_results_are_within_the_memory_budget(store):
+    with daemons(store, 1) as (daemon,):
+        job = accepted(submit(daemon.port, FIFTH))
+        wait_for_state(daemon.port, job, "succeeded", seconds=30 * PATIENCE)
+        wait_for(lambda: daemon.metric("remeshd_memory_reserved_bytes") == 0)
+        # Much more than a connection takes: the rest waits for whoever reads.
+        slow = http.client.HTTPConnection("127.0.0.1", daemon.port, timeout=30)
+        with contextlib.closing(slow):
+            slow.request("GET", f"/v1/jobs/{job}/result")
+            answer = slow.getresponse()
+            size = int(answer.headers["Content-Length"])
+            expect(size > 8_000_000, f"{size} bytes are many")
+            expect(daemon.metric("remeshd_memory_reserved_bytes") >= size, "the answer is counted until it is sent")
+            answer.close()
+        wait_for(lambda: daemon.metric("remeshd_memory_reserved_bytes") == 0)
+        expect_equal(ask(daemon.port, "GET", f"/v1/jobs/{job}/report").status, 200, "the report")
+        wait_for(lambda: daemon.logged("request", path=f"/v1/jobs/{job}/report"))
+        line, = daemon.logged("request", path=f"/v1/jobs/{job}/report")
+        expect("work_ms" in line, "it is read and compressed by the pool")
+
+
+def test_what_is_written_is_closed_to_others(store):
+    with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as files:
+        for path in (folder, files):
+            os.chmod(path, 0o755)
+        with contextlib.ExitStack() as stack:
+            other = store if store.postgres else stack.enter_context(Store("sqlite", folder))
+            daemon, = stack.enter_context(daemons(other, 1, "--blob-dir", files))
+            wait_for_state(daemon.port, accepted(submit(daemon.port)), "succeeded")
+            written = [path for parent in (folder, files) for path in pathlib.Path(parent).rglob("*")]
+            expect(written, "there is something")
+            for path in written:
+                expect_equal(path.stat().st_mode & 0o077, 0, str(path))
+
+
+def test_a_job_can_be_followed_in_the_log(store):
+    with daemons(store, 1) as (daemon,):
+        good, bad = accepted(submit(daemon.port)), accepted(submit(daemon.port, mesh=b"v 0 0 0\nf 1 2 9\n"))
+        for job, code in ((good, None), (bad, "index_out_of_range")):
+            wait_for(lambda: daemon.logged("request", path="/v1/jobs", job=job))  # pylint: disable=cell-var-from-loop
+            line, = wait_for(lambda: daemon.logged("job committed", job=job))  # pylint: disable=cell-var-from-loop
+            expect_equal(line.get("code"), code, "its code")
+            if job == good:
+                expect(line["input_faces"] == 2 and line["output_faces"] > 2 and line["refinement"] >= 0, f"its work: {line}")
+        wait_for(lambda: daemon.metric('remeshd_jobs_total{code="index_out_of_range",outcome="failed"}') == 1)
+        expect_equal(daemon.metric('remeshd_jobs_total{outcome="succeeded"}'), 1, "the good one")
+
+
+def test_a_job_that_has_ended_can_be_deleted(store):
+    with daemons(store, 1) as (daemon,):
+        done, bad = accepted(submit(daemon.port)), accepted(submit(daemon.port, mesh=b"v 0 0 0\nf 1 2 9\n"))
+        wait_for_state(daemon.port, done, "succeeded")
+        wait_for_state(daemon.port, bad, "failed")
+        for _ in range(2):
+            for job in (done, bad):
+                expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}").status, 204, "DELETE")
+        expect_equal(state_of(daemon.port, done)["state"], "expired", "the state of one that had a result")
+        for part in ("result", "report"):
+            answer = ask(daemon.port, "GET", f"/v1/jobs/{done}/{part}")
+            expect_equal((answer.status, answer.code()), (410, "result_expired"), part)
+        expect_equal(state_of(daemon.port, bad)["problem"]["code"], "index_out_of_range", "a failure stays as it is")
+        expect_equal(store.query(f"SELECT count(*) FROM remeshd_blob WHERE job IN ('{done}', '{bad}')"), [["0"]], "what is kept")
+
+
+def test_what_is_in_force_is_logged_at_the_start(store):
+    daemon = Daemon(PROGRAM, [*store.flags, "--queue-size", "7", "--memory-budget", "512MiB"], {"REMESHD_MAX_BODDY": "1MiB"})
+    try:
+        daemon.start()
+        line, = wait_for(lambda: daemon.logged("listening"))
+        expect_equal([line[name] for name in ("queue_size", "memory_budget", "keys", "role")], [7, "512MiB", 0, "both"], "settings")
+        expect(line["store"].startswith("postgres") if store.postgres else line["state_dir"] == store.folder, f"the store: {line}")
+        wait_for(lambda: daemon.logged("no setting has this variable", variable="REMESHD_MAX_BODDY"))
+    finally:
+        daemon.kill()
+
+
 def test_results_expire(store):
     with daemons(store, 1, "--result-ttl", "1s") as (daemon,):
         job = accepted(submit(daemon.port))
@@ -167,6 +275,21 @@ def test_results_expire(store):
         for part in ("result", "report"):
             answer = ask(daemon.port, "GET", f"/v1/jobs/{job}/{part}")
             expect_equal((answer.status, answer.code()), (410, "result_expired"), part)
+
+
+def test_a_lost_file_is_the_loss_of_its_job_alone(store):
+    with tempfile.TemporaryDirectory() as folder, daemons(store, 1, "--blob-dir", folder) as (daemon,):
+        lost, kept = (accepted(submit(daemon.port)) for _ in range(2))
+        for job in (lost, kept):
+            wait_for_state(daemon.port, job, "succeeded")
+        for file in pathlib.Path(folder).glob(f"*/{lost}.*"):
+            file.unlink()
+        for part in ("result", "report"):
+            answer = ask(daemon.port, "GET", f"/v1/jobs/{lost}/{part}")
+            expect_equal((answer.status, answer.code()), (500, "internal"), f"the lost {part}")
+        expect(any(lost in line["error"] for line in daemon.logged("request failed")), "the log names the file")
+        expect_equal(ask(daemon.port, "GET", "/readyz").status, 200, "/readyz")
+        expect_equal(result_of(daemon.port, kept).status, 200, "another's result")
 
 
 def test_jobs_belong_to_the_key_that_made_them(store):
@@ -227,6 +350,21 @@ def test_a_stopping_daemon_gives_its_job_back(store):
         # With time enough it is finished.
         expect_equal(ask(other.port, "DELETE", f"/v1/jobs/{job}").status, 204, "cancel")
         first.start()
+
+
+def test_who_watches_a_job_does_not_hold_up_a_stop(store):
+    with daemons(store, 1, "--role", "serve") as (daemon,):
+        job = accepted(submit(daemon.port))
+        stream = events(daemon.port, job)
+        version, kind, _ = next(stream)
+        expect_equal(kind, "progress", "the first event")
+        start = time.monotonic()
+        expect_equal(daemon.stop(), 0, "its exit code")
+        expect(time.monotonic() - start < 2 * PATIENCE, "it stops at once")
+        expect_equal(list(stream), [], "the stream ends, without an end of the job")
+        daemon.start()
+        expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}").status, 204, "cancel")
+        expect_equal([event[1] for event in events(daemon.port, job, last_event_id=version)], ["end"], "it goes on")
 
 
 def test_a_worker_that_was_stopped_is_refused(store):
@@ -395,7 +533,8 @@ def test_roles(store):
             wait_for_state(serving.port, job, "succeeded")
             expect_equal(ask(working.port, "POST", "/v1/remesh", SQUARE).status, 404, "a worker only works")
             expect_equal(ask(working.port, "GET", "/readyz").status, 200, "but is watched")
-            for name in ("remeshd_jobs_queued ", "remeshd_job_oldest_queued_seconds ", 'remeshd_jobs_total{outcome="succeeded"} ',
+            for name in ("remeshd_jobs_queued ", "remeshd_jobs_running ", "remeshd_job_oldest_queued_seconds ",
+                         'remeshd_jobs_total{outcome="succeeded"} ',
                          'remeshd_job_retries_total{reason="worker_crashed"}', 'remeshd_store_latency_seconds_count{op="commit"} '):
                 wait_for(lambda: f"\n{name}" in ask(working.port, "GET", "/metrics").body.decode())  # pylint: disable=cell-var-from-loop
 

@@ -1,12 +1,14 @@
 /// What every job store promises. Which one is meant says the environment: REMESHD_TEST_STORE is `sqlite` or the URL of
 /// a PostgreSQL that the tests may use as they like. Each test runs twice: with blobs in the store, and in a folder.
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <algorithm>
 #include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <random>
 #include <set>
@@ -128,6 +130,21 @@ TEST_P(StoreTest, daemons_that_start_at_once_on_a_new_store_all_open_it) {
   }
 }
 
+TEST_P(StoreTest, the_file_is_closed_to_others_in_an_open_folder_too) {
+  if (!is_sqlite()) GTEST_SKIP() << "PostgreSQL has its own";
+  const ::mode_t before = ::umask(022);
+  const std::string path = (folder_ / "jobs.sqlite").string();
+  { std::ofstream old(path); }  // as a version before has left it
+  const auto store = open();
+  submit(*store);
+  ::umask(before);
+  for (const char* part : {"", "-wal", "-shm"}) {
+    struct stat status {};
+    ASSERT_EQ(::stat((path + part).c_str(), &status), 0) << part;
+    EXPECT_EQ(status.st_mode & 0777u, 0600u) << part;
+  }
+}
+
 TEST_P(StoreTest, a_job_that_was_submitted_is_claimed_with_all_that_came_with_it) {
   const auto store = open();
   const std::string id = submit(*store, "v 0 0 0", "owner", 7);
@@ -152,7 +169,27 @@ TEST_P(StoreTest, bytes_of_every_value_and_every_length_come_back_as_they_were) 
     for (char& c : body) c = static_cast<char>(random());
     const std::string id = submit(*store, body);
     EXPECT_TRUE(store->read_blob(id, BlobKind::kInput) == body) << length;
+    EXPECT_EQ(store->blob_size(id, BlobKind::kInput), length);
+    EXPECT_EQ(store->blob_size(id, BlobKind::kMesh), std::nullopt);
   }
+}
+
+TEST_P(StoreTest, a_file_that_is_lost_is_the_loss_of_its_job_alone) {
+  if (GetParam() == Blobs::kInStore) GTEST_SKIP() << "there are no files";
+  const auto store = open();
+  const std::string id = submit(*store), other = submit(*store, "another body");
+  EXPECT_TRUE(store->is_well());
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_ / "blobs")) {
+    if (entry.path().filename().string().rfind(id, 0) == 0) std::filesystem::remove(entry.path());
+  }
+  EXPECT_THROW(store->read_blob(id, BlobKind::kInput), BlobLost);
+  EXPECT_THROW(store->blob_size(id, BlobKind::kInput), BlobLost);
+  EXPECT_TRUE(store->is_well());
+  EXPECT_EQ(store->read_blob(other, BlobKind::kInput), "another body");
+  // Without the folder nothing is known to be lost.
+  std::filesystem::rename(folder_ / "blobs", folder_ / "away");
+  EXPECT_THROW(store->read_blob(id, BlobKind::kInput), StoreError);
+  EXPECT_TRUE(store->is_well());
 }
 
 TEST_P(StoreTest, another_process_sees_what_was_committed) {
@@ -334,6 +371,38 @@ TEST_P(StoreTest, a_job_that_has_ended_is_not_cancelled) {
   store->commit(claim(*store), success());
   EXPECT_FALSE(store->cancel(id));
   EXPECT_EQ(state(*store, id), JobState::kSucceeded);
+}
+
+TEST_P(StoreTest, discarding_removes_what_is_kept_of_a_job_that_has_ended_and_of_no_other) {
+  const auto store = open();
+  const std::string done = submit(*store);
+  EXPECT_TRUE(store->commit(claim(*store), success()));
+  const std::string waits = submit(*store);
+  EXPECT_TRUE(store->discard(done));
+  EXPECT_FALSE(store->discard(done)) << "it is gone";
+  EXPECT_FALSE(store->discard(waits));
+  const JobRecord record = store->find(done).value();
+  EXPECT_EQ(record.state, JobState::kExpired);
+  EXPECT_TRUE(record.finished_ms.has_value());
+  EXPECT_EQ(store->read_blob(done, BlobKind::kMesh), std::nullopt);
+  EXPECT_EQ(store->read_blob(done, BlobKind::kReport), std::nullopt);
+  EXPECT_EQ(state(*store, waits), JobState::kQueued);
+  EXPECT_EQ(store->read_blob(waits, BlobKind::kInput), "body");
+  EXPECT_EQ(files(), GetParam() == Blobs::kInFolder ? 1u : 0u);
+}
+
+TEST_P(StoreTest, the_input_that_a_crashed_job_leaves_can_be_discarded) {
+  StoreRules rules = rules_with_lease(milliseconds(30));
+  rules.max_attempts = 1;
+  const auto store = open(rules);
+  const std::string id = submit(*store);
+  claim(*store);
+  wait(milliseconds(60));
+  EXPECT_EQ(store->upkeep().crashed, 1);
+  EXPECT_EQ(store->read_blob(id, BlobKind::kInput), "body");
+  EXPECT_FALSE(store->discard(id)) << "there was no result";
+  EXPECT_EQ(store->read_blob(id, BlobKind::kInput), std::nullopt);
+  EXPECT_EQ(state(*store, id), JobState::kFailed);
 }
 
 TEST_P(StoreTest, a_key_makes_one_job_of_many_requests_of_one_owner) {

@@ -163,6 +163,25 @@ TEST_F(AccessTest, without_the_key_no_byte_of_a_body_is_read) {
   EXPECT_EQ(client.answer().status, 401);
 }
 
+TEST_F(AccessTest, a_running_request_belongs_to_the_key_that_sent_it) {
+  const KeyFile file(kKey + "\n" + kOtherKey + "\n");
+  config_.api_key_file = file.path();
+  start();
+  const std::string mine = "X-API-Key: " + kKey + "\r\n";
+  const auto client = start_blocking(kIdField + mine);
+  const auto ask_as = [&](const std::string& key, const std::string& method, const std::string& rest) {
+    return ask(port_, method + " /v1/requests/" + kId + rest + " HTTP/1.1\r\nHost: x\r\nX-API-Key: " + key + "\r\n\r\n")
+        .status;
+  };
+  EXPECT_EQ(ask_as(kOtherKey, "GET", ""), 404);
+  EXPECT_EQ(ask_as(kOtherKey, "DELETE", ""), 404);
+  EXPECT_EQ(ask_as(kOtherKey, "GET", "/events"), 404);
+  EXPECT_EQ(stub_.stopped, 0);
+  EXPECT_EQ(ask_as(kKey, "GET", ""), 200);
+  EXPECT_EQ(ask_as(kKey, "DELETE", ""), 204);
+  EXPECT_EQ(code_of(client->answer()), "cancelled");
+}
+
 TEST_F(AccessTest, the_operations_port_asks_for_no_key) {
   config_.api_key = kKey;
   config_.ops_bind = Address{"127.0.0.1", 0};

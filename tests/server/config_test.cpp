@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <sstream>
 #include <vector>
@@ -96,6 +97,19 @@ TEST(Config, listening_beyond_loopback_needs_consent) {
   EXPECT_EQ(read({"health", "--bind", "0.0.0.0:8080"}).invocation.command, Command::kHealth);
   const ScopedVariable variable("REMESHD_ALLOW_ANONYMOUS", "true");
   EXPECT_EQ(read({"--bind", "0.0.0.0:8080"}).invocation.command, Command::kServe);
+}
+
+TEST(Config, variables_that_no_setting_has_are_found) {
+  const auto is_unknown = [](const std::string& name) {
+    const std::vector<std::string> names = unknown_variables();
+    return std::find(names.begin(), names.end(), name) != names.end();
+  };
+  const ScopedVariable misspelt("REMESHD_MAX_BODDY", "1MiB"), known("REMESHD_MAX_BODY", "1MiB"),
+      key("REMESHD_API_KEY", "0123456789abcdef"), service("REMESHD_SERVICE_HOST", "10.0.0.1"),
+      port("REMESHD_PORT_8080_TCP", "tcp://10.0.0.1:8080");
+  EXPECT_TRUE(is_unknown("REMESHD_MAX_BODDY"));
+  for (const char* name : {"REMESHD_MAX_BODY", "REMESHD_API_KEY", "REMESHD_SERVICE_HOST", "REMESHD_PORT_8080_TCP"})
+    EXPECT_FALSE(is_unknown(name)) << name;
 }
 
 TEST(Config, help_names_every_setting_and_version_prints) {

@@ -54,11 +54,25 @@ TEST(MemoryBudget, all_is_given_back) {
 
 TEST(MemoryBudget, what_is_really_in_use_counts_where_it_is_more) {
   MemoryBudget budget(1000 * kFactor);
+  const auto other = budget.open_share();
+  other->hold_body(1, 1);
   const auto share = budget.open_share();
   budget.note_resident(900 * kFactor);
   EXPECT_EQ(status_of(*share, 101, 101), 503);
   budget.note_resident(0);
   EXPECT_EQ(status_of(*share, 101, 101), 200);
+}
+
+TEST(MemoryBudget, an_idle_process_takes_whatever_it_does_not_refuse_for_ever) {
+  MemoryBudget budget(1000 * kFactor);
+  budget.note_resident(900 * kFactor);
+  EXPECT_EQ(budget.available(), 1000 * kFactor);
+  const auto share = budget.open_share();
+  EXPECT_EQ(status_of(*share, 0, 1000), 200);
+  EXPECT_EQ(status_of(*share, 500, 1000), 200);
+  EXPECT_EQ(status_of(*share, 1000, 1000), 200);
+  EXPECT_EQ(budget.available(), 0u);
+  EXPECT_EQ(status_of(*budget.open_share(), 1, 1), 503);
 }
 
 TEST(MemoryWatch, beyond_the_budget_the_request_that_grew_most_is_ended) {
@@ -82,6 +96,31 @@ TEST(MemoryWatch, beyond_the_budget_the_request_that_grew_most_is_ended) {
   EXPECT_FALSE(old->control.is_stopped());
   watch.look(1100);
   EXPECT_FALSE(old->control.is_stopped()) << "the first one's memory may still be on its way back";
+}
+
+TEST(MemoryWatch, a_request_is_alone_only_where_nobody_else_holds_memory) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  MemoryBudget budget(1000);
+  RequestRegistry registry;
+  MemoryWatch watch(budget, registry, std::chrono::hours(1));
+  const auto own = budget.open_share(1);
+  own->hold_body(1, 1);
+  auto other = budget.open_share(1);
+  other->hold_body(700, 700);
+  EXPECT_EQ(budget.holders(), 2u);
+  {
+    const auto request = registry.add("");
+    request->is_computing = true;
+    watch.look(1001);
+    EXPECT_EQ(request->eviction, RunningRequest::Eviction::kAmongOthers) << "an answer, say, that is being sent";
+  }
+  other.reset();
+  EXPECT_EQ(budget.holders(), 1u);
+  MemoryWatch next(budget, registry, std::chrono::hours(1));
+  const auto request = registry.add("");
+  request->is_computing = true;
+  next.look(1001);
+  EXPECT_EQ(request->eviction, RunningRequest::Eviction::kAlone);
 }
 
 using MemoryTest = StubService;

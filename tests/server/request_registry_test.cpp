@@ -31,6 +31,14 @@ TEST(RequestRegistry, an_id_in_use_is_replaced) {
   EXPECT_EQ(registry.find("abcdefgh-12345678"), first.get());
 }
 
+TEST(RequestRegistry, a_request_is_found_by_its_owner_alone) {
+  RequestRegistry registry;
+  const auto entry = registry.add("abcdefgh-12345678", "one");
+  EXPECT_EQ(registry.find("abcdefgh-12345678", "one"), entry.get());
+  EXPECT_EQ(registry.find("abcdefgh-12345678", "another"), nullptr);
+  EXPECT_EQ(registry.find("abcdefgh-12345678"), nullptr);
+}
+
 TEST(RequestRegistry, cancelling_reaches_the_work_and_wakes_who_waits_for_it) {
   RequestRegistry registry;
   const auto entry = registry.add(new_request_id());

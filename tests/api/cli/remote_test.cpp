@@ -234,6 +234,33 @@ TEST(Remote, a_stop_cancels_the_job_at_the_server) {
   EXPECT_THAT(server.asked(), ElementsAre("POST /v1/jobs", "GET /v1/jobs/7", "DELETE /v1/jobs/7"));
 }
 
+TEST(Remote, a_job_that_has_failed_is_not_asked_for_its_result) {
+  std::string problem = R"({"status": 503, "code": "out_of_memory", "detail": "not enough memory"})";
+  const StubServer server(job_that_succeeds([&](const Seen& seen, httplib::Response& response) {
+    if (!seen.target.ends_with("/jobs/7")) return false;
+    reply(response, 200, R"({"state": "failed", "problem": )" + problem + "}");
+    return true;
+  }));
+  const RemoteError error = refusal_of(job_for(server));
+  EXPECT_EQ(error.status, 503);
+  EXPECT_EQ(error.code, "out_of_memory");
+  EXPECT_EQ(error.what(), "not enough memory; the job is " + server.url() + "/v1/jobs/7");
+  EXPECT_THAT(server.asked(), ElementsAre("POST /v1/jobs", "GET /v1/jobs/7"));
+  problem = R"({"status": 422, "code": "invalid_mesh", "detail": "no faces", "line": 12})";
+  const RemoteError bad = refusal_of(job_for(server));
+  EXPECT_STREQ(bad.what(), "no faces");
+  EXPECT_EQ(bad.line, 12u);
+}
+
+TEST(Remote, a_job_whose_result_is_not_given_is_named) {
+  const StubServer server(job_that_succeeds([](const Seen& seen, httplib::Response& response) {
+    if (!seen.target.ends_with("/result")) return false;
+    reply(response, 500, R"({"code": "internal", "detail": "something went wrong"})");
+    return true;
+  }));
+  EXPECT_EQ(refusal_of(job_for(server)).what(), "something went wrong; the job is " + server.url() + "/v1/jobs/7");
+}
+
 TEST(Remote, a_stop_while_the_answer_to_the_submission_is_on_its_way_cancels_that_job) {
   // At first the answer comes after the stop; then it never comes, and is asked for again under the same key.
   for (const int status : {202, 503}) {

@@ -4,8 +4,10 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cerrno>
 #include <filesystem>
 #include <new>
+#include <system_error>
 
 #include "server/jobs/job_request.h"
 #include "server/jobs/sql_store.h"
@@ -48,6 +50,7 @@ class Runner : public ::testing::Test {
     ++calls_;
     if (request.body == "throw") throw std::runtime_error("a secret of the server");
     if (request.body == "no memory") throw std::bad_alloc();
+    if (request.body == "no threads") throw std::system_error(EAGAIN, std::generic_category());
     if (request.body == "bad") throw Error(Code::kEmptyMesh, Stage::kRead, "there is no face").at_line(3);
     while (request.body == "block" && !released_) {
       std::this_thread::sleep_for(milliseconds(2));
@@ -119,7 +122,16 @@ TEST_F(Runner, want_of_memory_is_tried_again_but_not_for_ever) {
   const JobRecord job = outcome_of("no memory");
   EXPECT_EQ(job.state, JobState::kFailed);
   EXPECT_EQ(job.attempts, 3);
-  EXPECT_EQ(job.problem_status, 503);
+  EXPECT_EQ(job.problem_status, 500) << "nothing that passes by itself";
+  EXPECT_NE(job.problem.find("\"code\":\"out_of_memory\""), std::string::npos);
+  EXPECT_NE(job.problem.find("attempt 3 was the last"), std::string::npos);
+}
+
+TEST_F(Runner, want_of_descriptors_or_threads_is_tried_again_too) {
+  const JobRecord job = outcome_of("no threads");
+  EXPECT_EQ(job.attempts, 3);
+  EXPECT_EQ(job.problem_status, 500);
+  EXPECT_NE(job.problem.find("\"code\":\"overloaded\""), std::string::npos);
 }
 
 TEST_F(Runner, a_job_has_its_time_and_no_more) {

@@ -5,6 +5,7 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <sstream>
 
 #include "server/config.h"
@@ -43,11 +44,34 @@ TEST_F(StateDir, a_folder_that_was_named_must_be_had) {
   EXPECT_THROW(find_state_dir("/dev/null/nothing"), std::invalid_argument);
 }
 
+TEST_F(StateDir, a_check_of_the_settings_looks_at_the_folders_and_makes_none) {
+  const auto check = [](std::vector<const char*> arguments) {
+    arguments.insert(arguments.begin(), {"remeshd", "--check-config"});
+    std::ostringstream out, err;
+    return read_command_line(static_cast<int>(arguments.size()), arguments.data(), out, err).exit_code;
+  };
+  std::filesystem::create_directories(folder_);
+  const std::string good = folder_ / "deep" / "er", bad = "/dev/null/nothing";
+  EXPECT_EQ(check({"--state-dir", good.c_str(), "--blob-dir", good.c_str()}), 0);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "deep"));
+  EXPECT_EQ(check({"--state-dir", bad.c_str()}), 2);
+  EXPECT_EQ(check({"--state-dir", good.c_str(), "--blob-dir", bad.c_str()}), 2);
+  EXPECT_EQ(check({"--store", "none", "--state-dir", bad.c_str()}), 0) << "nothing is kept";
+  EXPECT_EQ(check({}), 0) << "without a folder of its own choice it starts, and keeps no jobs";
+  std::ofstream(folder_ / "file");
+  const std::string file = folder_ / "file";
+  EXPECT_EQ(check({"--state-dir", file.c_str()}), 2);
+}
+
 TEST(StoreUrl, is_shown_without_its_password) {
   EXPECT_EQ(without_password("postgres://me:secret@host:5432/db"), "postgres://me:***@host:5432/db");
   EXPECT_EQ(without_password("postgres://me@host:5432/db"), "postgres://me@host:5432/db");
   EXPECT_EQ(without_password("postgres://host:5432/db"), "postgres://host:5432/db");
   EXPECT_EQ(without_password("sqlite"), "sqlite");
+  EXPECT_EQ(without_password("postgres://host/db?password=secret&sslpassword=other&a=b"),
+            "postgres://host/db?password=***&sslpassword=***&a=b");
+  EXPECT_EQ(without_password("host=h password=secret dbname=d"), "host=h password=*** dbname=d");
+  EXPECT_EQ(without_password(R"(password = 'a \' secret' host=h)"), "password = *** host=h");
 }
 
 TEST(JobFlags, are_read_and_wrong_ones_refused) {
