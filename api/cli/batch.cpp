@@ -18,6 +18,7 @@
 #include "api/job.h"
 #include "api/negotiation.h"
 #include "api/text.h"
+#include "core/base/error.h"
 #include "core/io/formats.h"
 
 namespace remesh::cli {
@@ -33,13 +34,21 @@ struct File {
   std::string row;     ///< of the table, once it is done
 };
 
-/// The readable files below a folder, by name.
-std::vector<File> find_files(const std::string& folder) {
+bool is_same_folder(const fs::path& a, const fs::path& b) {
+  std::error_code missing;
+  return fs::equivalent(a, b, missing);
+}
+
+/// The readable files below a folder, by name; without those of the output folder, where it is inside.
+std::vector<File> find_files(const std::string& folder, const std::string& output_folder) {
   std::vector<File> files;
   std::error_code error;
   fs::recursive_directory_iterator entries(folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && entries != fs::recursive_directory_iterator(); entries.increment(error)) {
     std::error_code gone;
+    if (entries->is_directory(gone) && is_same_folder(entries->path(), output_folder)) {
+      entries.disable_recursion_pending();
+    }
     if (!entries->is_regular_file(gone)) continue;
     const auto format = format_from_file_name(entries->path().string());
     if (!format || !api::can_read(*format)) continue;
@@ -63,6 +72,22 @@ void name_outputs(std::vector<File>& files, const std::string& folder, std::opti
     if (!taken.insert(path.string()).second) path = with_both;
     taken.insert(path.string());
     file.output = path.string();
+  }
+}
+
+/// Refuses to write over what is read.
+void check_outputs(const std::vector<File>& files, const BatchJob& job) {
+  const auto refuse = [](const std::string& why) {
+    throw Error(Code::kInvalidOption, Stage::kRead, "--output " + why).for_option("output");
+  };
+  if (is_same_folder(job.folder, job.output_folder)) {
+    refuse(job.output_folder + " is the folder that --batch reads; the meshes would be written over");
+  }
+  std::error_code missing;
+  std::set<fs::path> inputs;
+  for (const File& file : files) inputs.insert(fs::weakly_canonical(fs::path(job.folder) / file.name, missing));
+  for (const File& file : files) {
+    if (inputs.contains(fs::weakly_canonical(file.output, missing))) refuse("has " + file.output + ", a mesh to read");
   }
 }
 
@@ -107,7 +132,8 @@ std::string row_of(const File& file, const Failure& failure, double seconds) {
 
 class BatchRun {
  public:
-  BatchRun(const BatchJob& job, RunControl& control) : job_(job), control_(control), files_(find_files(job.folder)) {
+  BatchRun(const BatchJob& job, RunControl& control)
+      : job_(job), control_(control), files_(find_files(job.folder, job.output_folder)) {
     // Files go first, then the threads within one.
     const auto files = static_cast<int>(std::min<std::size_t>(files_.size(), 1u << 20));
     threads_ = std::max(1, std::min(job.limits.workers, files));
@@ -115,6 +141,7 @@ class BatchRun {
     limits_.workers = std::max(1, job.limits.workers / threads_);
     if (!job.output_folder.empty()) {
       name_outputs(files_, job.output_folder, options().options().format);
+      check_outputs(files_, job);
     }
     // The largest first, so that none of them is left alone at the end.
     for (File& file : files_) queue_.push_back(&file);

@@ -26,8 +26,10 @@ struct BatchOutcome {
 /// faces_out, patches, kept, min_angle_deg, max_angle_deg, verified, warnings, seconds, message. A file that fails is a
 /// line like any other. Shows its progress on standard error, if that is a terminal.
 /// Output files have the name of the input, its ending that of their format; two that would be one keep both endings.
-/// Holds:   but for the seconds, the same bytes for any number of workers.
-/// Errors:  FileError - the folder cannot be read, the table not be written.
+/// An output folder inside the folder is not searched.
+/// Holds:   but for the seconds, the same bytes for any number of workers; no mesh that is read is written over.
+/// Errors:  FileError - the folder cannot be read, the table not be written; remesh::Error kInvalidOption - the output
+///          folder is the folder itself, or an output one of its meshes.
 BatchOutcome run_batch(const BatchJob& job, RunControl& control);
 
 }  // namespace remesh::cli

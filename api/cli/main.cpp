@@ -208,6 +208,7 @@ int remesh_folder(const Arguments& arguments, RunControl& control) {
   const BatchJob job{arguments.batch, arguments.report, arguments.output, arguments.options,
                      limits_for(arguments.workers)};
   const BatchOutcome outcome = run_batch(job, control);
+  if (outcome.files == 0) std::cerr << "remesh: no mesh found below " << arguments.batch << "\n";
   if (outcome.failed == 0) return kDone;
   std::cerr << "remesh: " << outcome.failed << " of " << outcome.files << " files failed; "
             << name_of_output(arguments.report) << " says why\n";

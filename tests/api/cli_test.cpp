@@ -198,6 +198,17 @@ TEST_F(Cli, a_batch_writes_its_meshes_where_it_is_told_none_over_another) {
   EXPECT_THAT(read("done/deep/c.obj"), StartsWith("# remeshd "));
 }
 
+TEST_F(Cli, a_batch_onto_itself_is_misuse_and_one_without_a_mesh_says_so) {
+  const Outcome onto_itself = run({"--batch", ".", "--report", "-", "-o", "./"});
+  EXPECT_EQ(onto_itself.status, 2);
+  EXPECT_THAT(onto_itself.err, HasSubstr("the folder that --batch reads"));
+  EXPECT_EQ(read("square.obj"), kSquare);
+  write("empty/readme.txt", "no mesh");
+  const Outcome empty = run({"--batch", "empty", "--report", "-"});
+  EXPECT_EQ(empty.status, 0);
+  EXPECT_EQ(empty.err, "remesh: no mesh found below empty\n");
+}
+
 TEST_F(Cli, options_have_hyphens) {
   const Outcome outcome = run({"square.obj", "-o", "out.obj", "--keep-boundary-vertices", "true",
                                "--plane-tolerance=1e-5", "--reference-axis", "-1,0,0", "--report", "-"});
