@@ -18,7 +18,7 @@ namespace remesh {
 ///          surface (texture coordinates, normals, lines, ...) is counted in a diagnostic, NUL and
 ///          Ctrl-Z bytes that pad the text in trailing_bytes.
 /// Holds:   no file is opened, whatever `mtllib` names; names are in the order in which faces first bear them.
-/// Errors:  kInvalidMesh, kIndexOutOfRange, kNonfiniteCoordinate - with the line; kMeshTooLarge - past `limits`, or
+/// Errors:  kInvalidMesh, kIndexOutOfRange, kNonfiniteCoordinate - with the line, and the element where it is one; kMeshTooLarge - past `limits`, or
 ///          a face of more than 4 million corners; kEmptyMesh - no face; kCancelled, kTimeout - through `control`.
 /// Cost:    O(text); plain records on the caller's TBB arena, see obj_readers.h.
 ReadResult read_obj(std::string_view text, const ReadLimits& limits, RunControl& control);
