@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -33,6 +34,13 @@ struct File {
   std::string output;  ///< path; empty: not to be written
   std::string row;     ///< of the table, once it is done
 };
+
+/// With those that it is in. Errors: FileError.
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw FileError(folder.string() + ": " + error.message());
+}
 
 bool is_same_folder(const fs::path& a, const fs::path& b) {
   std::error_code missing;
@@ -143,12 +151,16 @@ class BatchRun {
       name_outputs(files_, job.output_folder, options().options().format);
       check_outputs(files_, job);
     }
+    check_writable(job.report);
+    if (!job.output_folder.empty() && !files_.empty()) make_folder(job.output_folder);
     // The largest first, so that none of them is left alone at the end.
     for (File& file : files_) queue_.push_back(&file);
     std::stable_sort(queue_.begin(), queue_.end(), [](const File* a, const File* b) { return a->size > b->size; });
   }
 
   BatchOutcome run() {
+    draft_.emplace(job_.report);
+    draft_->append(kColumns);
     {
       const ProgressBar progress([this] { return progress_line(); });
       std::vector<std::thread> threads;
@@ -177,6 +189,8 @@ class BatchRun {
         file.row = row_of(file, failure_of(std::current_exception(), file.name), seconds());
         ++failed_;
       }
+      const std::lock_guard lock(draft_mutex_);
+      draft_->append(file.row);
       ++done_;
     }
   }
@@ -191,9 +205,7 @@ class BatchRun {
     job.release_mesh = [&] { content.release(); };
     api::RemeshAnswer answer = api::run_remesh_job(std::move(job), limits_, control_);
     if (!file.output.empty()) {
-      std::error_code error;
-      fs::create_directories(fs::path(file.output).parent_path(), error);
-      if (error) throw FileError(file.output + ": " + error.message());
+      make_folder(fs::path(file.output).parent_path());
       write_file(file.output, answer.body);
     }
     return std::move(answer.report);
@@ -218,6 +230,8 @@ class BatchRun {
   std::vector<File*> queue_;
   api::Limits limits_;
   int threads_ = 1;
+  std::mutex draft_mutex_;
+  std::optional<Draft> draft_;  // the table so far, in the order in which files end
   std::atomic<std::size_t> taken_{0}, done_{0}, failed_{0};
 };
 

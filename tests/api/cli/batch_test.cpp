@@ -157,6 +157,19 @@ TEST_F(Batch, an_output_that_cannot_be_written_fails_its_file_and_no_other) {
   EXPECT_THAT(table(), ElementsAre(kColumns, HasSubstr("a.obj,failed,file_error,"), StartsWith("b.obj,ok,")));
 }
 
+TEST_F(Batch, where_nothing_can_be_written_nothing_is_remeshed) {
+  folder_.write("parts/a.obj", kSquare);
+  folder_.write("file", "");
+  BatchJob no_table = job();
+  no_table.output_folder = folder_.path("done");
+  no_table.report = folder_.path("none/table.csv");
+  EXPECT_THROW(run(no_table), FileError);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("done")));
+  BatchJob no_folder = job();
+  no_folder.output_folder = folder_.path("file");
+  EXPECT_THROW(run(no_folder), FileError);
+}
+
 TEST_F(Batch, a_stop_ends_every_file_and_the_table_says_so) {
   folder_.write("parts/a.obj", kSquare);
   folder_.write("parts/b.obj", kSquare);
