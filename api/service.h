@@ -46,7 +46,6 @@ struct Request {
   std::string content_encoding;  ///< as sent, may be empty
   std::string accept;            ///< as sent, may be empty
   Fields query;
-  std::string file_name;                         ///< of the upload, if it had one; not trusted
   std::function<void()> release_body = nullptr;  ///< called once the body is read and not needed any more
 };
 
@@ -104,8 +103,6 @@ struct Problem {
 
 /// The one table from core codes to HTTP.
 Problem to_problem(const Error& error);
-/// The title of a status, as in RFC 9110: "Not Found".
-std::string_view status_title(int status);
 /// application/problem+json with type, title, status, detail, code, request_id and what else is set.
 Response to_response(const Problem& problem, std::string_view request_id);
 
