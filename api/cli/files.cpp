@@ -44,8 +44,8 @@ class Descriptor {
 };
 
 /// Fills `bytes` with what an open file has from a place on, by all threads: to copy a large file takes one of them as
-/// long as two take to make a mesh of it. Output: how much there is, up to the first gap; less than wanted where the
-/// file has become shorter.
+/// long as two take to make a mesh of it.
+/// Output: how much there is, up to the first gap; less than wanted where the file has become shorter.
 std::size_t read_blocks(int fd, off_t from, std::span<char> bytes, const std::string& path, const RunControl& control) {
   constexpr std::size_t kBlock = std::size_t{1} << 21;
   std::vector<std::size_t> got((bytes.size() + kBlock - 1) / kBlock, 0);

@@ -40,7 +40,8 @@ class FileContent {
 FileContent read_file(const std::string& path, const RunControl& control);
 
 /// Writes the whole file or none of it: into a new file beside it first, which then takes its place. What is no
-/// ordinary file, such as /dev/null or a pipe, is written as it is. Errors: FileError; nothing is left behind.
+/// ordinary file, such as /dev/null or a pipe, is written as it is.
+/// Errors: FileError; nothing is left behind.
 void write_file(const std::string& path, std::string_view content);
 
 /// Looks whether write_file could write there, before much work is done for it.

@@ -16,7 +16,8 @@ class BlobFolder {
   explicit BlobFolder(std::string path);
 
   /// Writes a new file. Output: its name, never given twice.
-  /// Holds:  when this returns, the file is on the disk, whole, under that name. Errors: StoreError.
+  /// Holds:  when this returns, the file is on the disk, whole, under that name.
+  /// Errors: StoreError.
   std::string write(const std::string& id, std::string_view kind, std::string_view bytes) const;
   /// Errors: StoreError - there is none, or it cannot be read.
   std::string read(const std::string& name) const;
