@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <limits>
+#include <stdexcept>
 #include <utility>
 #include <vector>
 
@@ -44,6 +45,31 @@ RequestOptions bounded(RequestOptions options, const Limits& limits) {
   return options;
 }
 
+/// What a reader's message leaves open: that the format was a guess, and the usual reason for a text of one line.
+std::string remark(Format format, bool is_named, std::string_view mesh) {
+  std::string text;
+  if (!is_named) {
+    text = format == Format::kObj ? "; it was read as obj, since it looks like nothing else"
+                                  : "; it was read as " + std::string(format_name(format)) + ", by its content";
+  }
+  const bool is_one_line = !mesh.empty() && mesh.find_first_of(std::string_view("\n\r\0", 3)) == std::string_view::npos;
+  if (is_one_line && format != Format::kJson)
+    text += "; it is one line: if its line ends were lost on the way, curl keeps them with --data-binary";
+  return text;
+}
+
+/// A mesh in any format but JSON. Errors: as read_mesh, those of something that is no mesh with a remark.
+ReadResult read_with_remarks(Format format, const Job& job, const ReadLimits& limits, RunControl& control) {
+  try {
+    return read_mesh(format, job.mesh, limits, control);
+  } catch (Error& error) {
+    if (error.code != Code::kInvalidMesh && error.code != Code::kEmptyMesh) throw;
+    static_cast<std::runtime_error&>(error) =
+        std::runtime_error(error.what() + remark(format, job.input_format.has_value(), job.mesh));
+    throw;
+  }
+}
+
 Input read_input(Job& job, const Limits& limits, RunControl& control) {
   const Clock::time_point start = Clock::now();
   control.enter(Stage::kRead);
@@ -60,7 +86,7 @@ Input read_input(Job& job, const Limits& limits, RunControl& control) {
     input.read = read_json(job.mesh, read_limits, control, job.options);
     job.options.check();
   } else {
-    input.read = read_mesh(input.format, job.mesh, read_limits, control);
+    input.read = read_with_remarks(input.format, job, read_limits, control);
   }
   job.mesh = {};
   if (job.release_mesh) job.release_mesh();

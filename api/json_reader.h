@@ -12,13 +12,11 @@ namespace remesh::api {
 /// Reads a bare mesh, {"vertices": [[x,y,z],...], "faces": [[i,j,k,...],...], "face_groups": [g,...]}, or a mesh beside
 /// its options, {"mesh": {...}, "options": {...}}; keys in any order.
 /// Output:  polygons as listed; `face_groups` become group labels, named by the number. Options go to `options`. Keys
-/// that
-///          are not understood are skipped and counted as `attribute_dropped`.
+///          that are not understood are skipped and counted as `attribute_dropped`.
 /// Holds:   no document tree is built; memory is bounded by `limits` and the text's length.
 /// Errors:  kMalformedJson - with the line: not JSON, nested too deep, a known key given twice; kInvalidMesh - JSON,
-/// but
-///          not of this shape; kIndexOutOfRange, kNonfiniteCoordinate - with the face or vertex, from 0; kEmptyMesh -
-///          no face; kMeshTooLarge - past `limits`; of an option, what OptionReader::add says.
+///          but not of this shape; kIndexOutOfRange, kNonfiniteCoordinate - with the face or vertex, from 0; kEmptyMesh
+///          - no face; kMeshTooLarge - past `limits`; of an option, what OptionReader::add says.
 /// Cost:    O(length); twice of what ends with an error.
 ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options);
 

@@ -21,7 +21,8 @@ std::uint64_t resident_memory();
 /// From now on, memory beyond so many bytes is refused (std::bad_alloc): else the system would end this process, or
 /// others, when there is none left. All that can be written to counts, touched or not: the stacks of threads as well,
 /// and a thread that finds no room for its own ends the process. Does nothing where more than that is reserved already,
-/// as sanitizers do. Output: whether it is so now.
+/// as sanitizers do.
+/// Output: whether it is so now.
 bool limit_own_memory(std::uint64_t bytes);
 
 }  // namespace remesh::api

@@ -54,10 +54,12 @@ std::optional<double> weight_for(const std::vector<MediaRange>& ranges, Format f
   return range == nullptr ? std::nullopt : std::optional(range->weight);
 }
 
-std::string written_formats() {
+/// The names of those that `is_one` says.
+template <class Predicate>
+std::string names_of_formats(Predicate is_one) {
   std::string names;
   for (const Format format : kFormats) {
-    names.append(names.empty() ? "" : ", ").append(format_name(format));
+    if (is_one(format)) names.append(names.empty() ? "" : ", ").append(format_name(format));
   }
   return names;
 }
@@ -75,6 +77,11 @@ std::optional<Format> format_of_content_type(std::string_view content_type) {
 }
 
 Format choose_input_format(std::optional<Format> named, std::string_view content) {
+  if (const auto foreign = named ? std::nullopt : foreign_format(content)) {
+    throw Error(Code::kUnsupportedMediaType, Stage::kRead,
+                "this looks like " + std::string(*foreign) + "; what is read: " + names_of_formats(can_read) +
+                    ", also packed by gzip");
+  }
   const Format format = named ? *named : sniff_format(content);
   if (can_read(format)) return format;
   throw Error(Code::kUnsupportedMediaType, Stage::kRead,
@@ -106,7 +113,7 @@ Format choose_output_format(std::optional<Format> option, std::string_view accep
   if (best) return *best;
   throw Error(Code::kNotAcceptable, Stage::kRead,
               "nothing that Accept asks for (" + shortened(accept, 200) +
-                  ") can be written; what can be: " + written_formats());
+                  ") can be written; what can be: " + names_of_formats([](Format) { return true; }));
 }
 
 }  // namespace remesh::api

@@ -18,7 +18,7 @@ std::string media_type_of(std::string_view content_type);
 std::optional<Format> format_of_content_type(std::string_view content_type);
 
 /// The format of a body: by `named` if there is one, else by what the content looks like.
-/// Errors: kUnsupportedMediaType - a format that is not read.
+/// Errors: kUnsupportedMediaType - a format that is not read, or content that is known to be none of ours.
 Format choose_input_format(std::optional<Format> named, std::string_view content);
 
 /// The format of the answer: by the option, else by Accept (RFC 9110; `*/*` counts as absent), else as the input.

@@ -28,10 +28,6 @@ constexpr std::array<Word<Repair>, 5> kRepairWords{{{"duplicates", &Repair::dupl
 constexpr std::array<Word<Barriers>, 3> kBarrierWords{
     {{"object", &Barriers::object}, {"group", &Barriers::group}, {"material", &Barriers::material}}};
 
-constexpr double kLargestMinAngleDeg = 33;
-// 1 / (2 sin 33 degrees), cut after three decimals.
-constexpr double kSmallestRadiusEdgeRatio = 0.918;
-
 const std::array<OptionSpec, 19> kTable{{
     {.name = "refine",
      .type = OptionType::kBoolean,
@@ -44,7 +40,7 @@ const std::array<OptionSpec, 19> kTable{{
      .help = "no angle below this, except where the input's own sharp corners forbid it; 0: no bound",
      .unset = "auto",
      .minimum = 0,
-     .maximum = kLargestMinAngleDeg,
+     .maximum = Options::kMostMinAngleDeg,
      .excludes = "max_radius_edge_ratio",
      .example = "30"},
     {.name = "max_radius_edge_ratio",
@@ -52,7 +48,7 @@ const std::array<OptionSpec, 19> kTable{{
      .field = &Options::max_radius_edge_ratio,
      .help = "the same bound as circumradius over shortest edge, 1/(2 sin angle)",
      .unset = "none",
-     .minimum = kSmallestRadiusEdgeRatio,
+     .minimum = Options::kLeastRadiusEdgeRatio,
      .excludes = "min_angle_deg",
      .example = "1.2"},
     {.name = "max_edge_length",
@@ -135,7 +131,7 @@ const std::array<OptionSpec, 19> kTable{{
      .field = &Options::normal_tolerance,
      .help = "how far unit normals in a patch may differ per component, at least",
      .minimum = 0,
-     .maximum = 0.5,
+     .maximum = Options::kMostNormalTolerance,
      .example = "1e-5"},
     {.name = "weld_tolerance",
      .type = OptionType::kNumber,

@@ -15,11 +15,11 @@
 namespace remesh::api {
 namespace {
 
-/// What a request asks for, and the name that the upload came with.
+/// What a request asks for.
 struct ParsedRequest {
   Job job;
-  std::string file_name;
-  std::string decoded;  ///< the body, where it came compressed; the job looks into it
+  std::string file_name;  ///< of a form's upload, if it had one; not trusted
+  std::string decoded;    ///< the body, where it came compressed; the job looks into it
 };
 
 /// Whether the whole body is compressed. Errors: kUnsupportedMediaType - a coding that is not gzip.
@@ -90,7 +90,6 @@ void parse_request(const Request& request, const Limits& limits, RunControl& con
   } else {
     parsed.job.mesh = body;
     parsed.job.input_format = format_of_content_type(request.content_type);
-    parsed.file_name = request.file_name;
   }
 }
 

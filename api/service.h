@@ -46,7 +46,6 @@ struct Request {
   std::string content_encoding;  ///< as sent, may be empty
   std::string accept;            ///< as sent, may be empty
   Fields query;
-  std::string file_name;                         ///< of the upload, if it had one; not trusted
   std::function<void()> release_body = nullptr;  ///< called once the body is read and not needed any more
 };
 
@@ -84,7 +83,8 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
 /// Errors: as run_remesh.
 void check_remesh(const Request& request, const Limits& limits);
 /// Writes what was kept, in the format that `wanted` asks for by the option `format`, else by Accept, else in the one
-/// that the job asked for. Output: as run_remesh. `report` is asked for where the format has it.
+/// that the job asked for.
+/// Output: as run_remesh. `report` is asked for where the format has it.
 /// Errors: kUnknownOption, kInvalidOption, kNotAcceptable.
 Response write_kept(std::string_view mesh, const std::function<std::string()>& report, const Request& wanted,
                     RunControl& control);
@@ -104,8 +104,6 @@ struct Problem {
 
 /// The one table from core codes to HTTP.
 Problem to_problem(const Error& error);
-/// The title of a status, as in RFC 9110: "Not Found".
-std::string_view status_title(int status);
 /// application/problem+json with type, title, status, detail, code, request_id and what else is set.
 Response to_response(const Problem& problem, std::string_view request_id);
 

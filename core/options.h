@@ -32,8 +32,12 @@ struct Barriers {
 
 /// Lengths are in model units, angles in degrees. An empty optional means: the default of the contract.
 struct Options {
+  static constexpr double kMostMinAngleDeg = 33;
+  static constexpr double kLeastRadiusEdgeRatio = 0.918;  ///< 1 / (2 sin 33 degrees), cut after three decimals
+  static constexpr double kMostNormalTolerance = 0.5;
+
   bool refine = true;
-  std::optional<double> min_angle_deg;          ///< 0 to 33
+  std::optional<double> min_angle_deg;          ///< 0 to kMostMinAngleDeg
   std::optional<double> max_radius_edge_ratio;  ///< instead of min_angle_deg
   std::optional<double> max_edge_length;        ///< > 0
   std::optional<double> max_edge_fraction;      ///< instead of max_edge_length; of the bounding box's diagonal
@@ -45,7 +49,7 @@ struct Options {
   bool split_boundaries = true;
   bool keep_boundary_vertices = false;
   std::optional<double> plane_tolerance;  ///< > 0; empty: from the input's rounding noise
-  double normal_tolerance = 1e-6;         ///< per component of the unit normal
+  double normal_tolerance = 1e-6;         ///< per component of the unit normal, 0 to kMostNormalTolerance
   double weld_tolerance = 0;              ///< 0: only equal coordinates are one vertex
   Repair repair;
   Barriers barriers;
@@ -55,6 +59,9 @@ struct Options {
 
 /// Errors: Code::kInvalidOption - a value out of its range, or two options that exclude each other (`option` is set).
 void check_options(const Options& options);
+
+/// The same for what only the input tells: lengths given as a part of its bounding box's diagonal.
+void check_options(const Options& options, double diagonal);
 
 /// How a run is carried out; nothing here changes a byte of the result.
 struct RunSettings {

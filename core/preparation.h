@@ -62,7 +62,8 @@ struct MendingLimits {
 
 /// Welds, measures, chooses the plane tolerance and mends, in this order.
 /// Output:  the surface; the report's input, tolerances and diagnostics, added to those of the reader that it has.
-/// Errors:  kEmptyMesh - no face, or none with an area; kInvalidMesh - see mend_faces.
+/// Errors:  kEmptyMesh - no face, or none with an area; kInvalidMesh - see weld and mend_faces; kCancelled, kTimeout -
+///          through `control`.
 /// Cost:    O(n log n).
 Prepared prepare(const PolygonMesh& input, const Options& options, const MendingLimits& limits, Report& report,
                  Stopwatch& watch, RunControl& control);

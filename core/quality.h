@@ -20,6 +20,11 @@ struct FaceQuality {
   double radius_edge_ratio = 0;
   double aspect_ratio = 0;
 };
+
+/// The quality of every triangle, by Verdict's definitions.
+/// Holds:   every number is finite; the same bits for any number of threads.
+/// Errors:  kCancelled, kTimeout - through `control`.
+/// Cost:    O(vertices + faces).
 IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl& control);
 
 /// Counts, areas and topology of a polygon surface. Vertices that no face uses are not counted in `vertices` here.

@@ -89,7 +89,9 @@ class Run {
     report_.diagnostics = diagnostics_of_reader_;
     prepared_ = remesh::prepare(input_, options_, limits_, report_, watch_, control_);
     regions_ = {};
-    refiner_.emplace(goals_of(options_, report_.input.bounding_box.diagonal()), control_);
+    const double diagonal = report_.input.bounding_box.diagonal();
+    check_options(options_, diagonal);
+    refiner_.emplace(goals_of(options_, diagonal), control_);
   }
 
   Ladder make_ladder() {

@@ -30,13 +30,19 @@ int thread_count(const PolygonMesh& input, const Options& options, const RunSett
 /// Input:   a mesh that holds what PolygonMesh promises; `diagnostics` of its reader, passed on into the report.
 /// Output:  vertices with their input coordinates, bit for bit; triangles by patch; the report with a verdict all true.
 /// Holds:   the promises 1 to 7 of the design; the same bytes for any number of workers.
-/// Errors:  kEmptyMesh - no face; kInvalidOption - see check_options; kCancelled, kTimeout - asked to
-///          stop through `control`; kVerificationFailed - even the last rung of the ladder failed the check.
+/// Errors:  kEmptyMesh, kInvalidMesh - see prepare; kInvalidOption - see check_options; kOutputTooLarge - more
+///          faces than allowed are certain, or there; kCancelled, kTimeout - asked to stop through `control`;
+///          kVerificationFailed - even the last rung of the ladder failed the check.
 /// Cost:    O(n log n) in the input's corners.
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                       RunControl& control, std::vector<Diagnostic> diagnostics = {});
 
 /// The report of `input` alone: statistics, patches, diagnostics, prediction; remeshes nothing, verifies nothing.
+/// Input:   as for remesh_surface.
+/// Holds:   the same report for any number of workers, but for the times.
+/// Errors:  kEmptyMesh, kInvalidMesh - see prepare; kInvalidOption - see check_options; kCancelled, kTimeout - asked to
+///          stop through `control`.
+/// Cost:    O(n log n) in the input's corners.
 Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                        RunControl& control, std::vector<Diagnostic> diagnostics = {});
 

@@ -1,5 +1,7 @@
-/// The independent check of the promises. It shares no decision with the stages: it has its own edges, its own exact
-/// arithmetic and its own distances, and takes from the pipeline only what is claimed.
+/// The independent check of the promises. It shares no decision with the stages: it has its own edges and its own exact
+/// arithmetic, and takes from the pipeline only what is claimed. Two tools are common: the search for intersections
+/// (patch_intersections) and, for faces that lie folded over their patch, boxes and distances (BoxTree,
+/// nearest_on_triangle).
 #pragma once
 
 #include <cstdint>

@@ -15,7 +15,7 @@ class ChunkedDecoder {
   /// Decodes what arrived and appends it to `body`; after the end, bytes are left alone.
   /// Output:  how many of the bytes belonged to this body.
   /// Errors:  HttpError 400 - a malformed chunk or trailer; 413 - the body passes the cap, as soon as a chunk's size
-  /// says so.
+  ///          says so.
   std::size_t decode(std::string_view bytes, std::string& body);
 
   bool is_done() const { return state_ == State::kDone; }

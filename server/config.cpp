@@ -114,7 +114,7 @@ const std::vector<Setting>& settings() {
   static const std::vector<Setting> table{
       {"--bind", "address and port to listen on", [](Config& c, const auto& text) { c.bind = parse_address(text); },
        [](const Config& c) { return c.bind.text(); }},
-      {"--ops-bind", "address and port of a second listener for /livez and /readyz (none: off)",
+      {"--ops-bind", "address and port of a second listener for /livez, /readyz and /metrics (none: off)",
        [](Config& c, const auto& text) {
          c.ops_bind = text == "none" ? std::nullopt : std::optional(parse_address(text));
        },

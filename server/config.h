@@ -19,7 +19,7 @@ namespace remesh::server {
 
 struct Config {
   Address bind{"127.0.0.1", 8080};
-  std::optional<Address> ops_bind;  ///< liveness and readiness on a port of their own
+  std::optional<Address> ops_bind;  ///< liveness, readiness and metrics on a port of their own
   std::string api_key_file;         ///< empty: none
   std::string api_key;              ///< from the environment only: a flag would show in the list of processes
   bool allow_anonymous = false;     ///< to listen beyond loopback, as long as there are no keys to ask for

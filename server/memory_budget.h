@@ -24,8 +24,8 @@ class MemoryShare {
 
   /// Reserves what a body of `held` bytes will take, the work on it included, if there is also room for one of
   /// `expected` bytes now. That much is not reserved yet: a client that announces a lot and sends little shuts out
-  /// nobody. Errors: HttpError 413 `mesh_too_large` - more than the whole budget; 503 `out_of_memory` - more than is
-  /// free now.
+  /// nobody.
+  /// Errors: HttpError 413 `mesh_too_large` - more than the whole budget; 503 `out_of_memory` - more than is free now.
   void hold_body(std::uint64_t held, std::uint64_t expected);
   /// Once the work is done, its answer alone is held.
   void hold_answer(std::uint64_t bytes) { resize(bytes); }

@@ -40,8 +40,7 @@ struct Framing {
 };
 
 /// Errors:  400 - length repeated, malformed or beside a transfer coding, coding in HTTP/1.0; 411 - a POST, PUT or
-/// PATCH
-///          without either; 501 - another coding than chunked.
+///          PATCH without either; 501 - another coding than chunked.
 Framing framing(const RequestHead& head);
 
 /// Whether the client leaves the connection open for another request (RFC 9112, section 9.3): HTTP/1.1 unless it says

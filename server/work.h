@@ -21,8 +21,9 @@ struct WorkLimits {
 };
 
 /// Runs `operation` on the request in the pool. While it runs, the request can be found in the registry; it stops when
-/// the client goes away, when its time is over and when it is cancelled. Output:  what the operation answers.
-/// `request.id` becomes the id it ran under, `request.timing` what it took; its body is consumed.
+/// the client goes away, when its time is over and when it is cancelled.
+/// Output:  what the operation answers. `request.id` becomes the id it ran under, `request.timing` what it took; its
+///          body is consumed.
 /// Errors:  what the operation throws; remesh::Error kTimeout, kCancelled; HttpError 503 - the queue is full, no thread
 ///          came free in time, or it was ended for its memory (413 where it was alone).
 api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,

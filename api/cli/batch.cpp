@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <exception>
 #include <filesystem>
+#include <mutex>
 #include <optional>
 #include <set>
 #include <system_error>
@@ -18,6 +19,7 @@
 #include "api/job.h"
 #include "api/negotiation.h"
 #include "api/text.h"
+#include "core/base/error.h"
 #include "core/io/formats.h"
 
 namespace remesh::cli {
@@ -33,13 +35,28 @@ struct File {
   std::string row;     ///< of the table, once it is done
 };
 
-/// The readable files below a folder, by name.
-std::vector<File> find_files(const std::string& folder) {
+/// With those that it is in. Errors: FileError.
+void make_folder(const fs::path& folder) {
+  std::error_code error;
+  fs::create_directories(folder, error);
+  if (error) throw FileError(folder.string() + ": " + error.message());
+}
+
+bool is_same_folder(const fs::path& a, const fs::path& b) {
+  std::error_code missing;
+  return fs::equivalent(a, b, missing);
+}
+
+/// The readable files below a folder, by name; without those of the output folder, where it is inside.
+std::vector<File> find_files(const std::string& folder, const std::string& output_folder) {
   std::vector<File> files;
   std::error_code error;
   fs::recursive_directory_iterator entries(folder, fs::directory_options::skip_permission_denied, error);
   for (; !error && entries != fs::recursive_directory_iterator(); entries.increment(error)) {
     std::error_code gone;
+    if (entries->is_directory(gone) && is_same_folder(entries->path(), output_folder)) {
+      entries.disable_recursion_pending();
+    }
     if (!entries->is_regular_file(gone)) continue;
     const auto format = format_from_file_name(entries->path().string());
     if (!format || !api::can_read(*format)) continue;
@@ -63,6 +80,22 @@ void name_outputs(std::vector<File>& files, const std::string& folder, std::opti
     if (!taken.insert(path.string()).second) path = with_both;
     taken.insert(path.string());
     file.output = path.string();
+  }
+}
+
+/// Refuses to write over what is read.
+void check_outputs(const std::vector<File>& files, const BatchJob& job) {
+  const auto refuse = [](const std::string& why) {
+    throw Error(Code::kInvalidOption, Stage::kRead, "--output " + why).for_option("output");
+  };
+  if (is_same_folder(job.folder, job.output_folder)) {
+    refuse(job.output_folder + " is the folder that --batch reads; the meshes would be written over");
+  }
+  std::error_code missing;
+  std::set<fs::path> inputs;
+  for (const File& file : files) inputs.insert(fs::weakly_canonical(fs::path(job.folder) / file.name, missing));
+  for (const File& file : files) {
+    if (inputs.contains(fs::weakly_canonical(file.output, missing))) refuse("has " + file.output + ", a mesh to read");
   }
 }
 
@@ -107,7 +140,8 @@ std::string row_of(const File& file, const Failure& failure, double seconds) {
 
 class BatchRun {
  public:
-  BatchRun(const BatchJob& job, RunControl& control) : job_(job), control_(control), files_(find_files(job.folder)) {
+  BatchRun(const BatchJob& job, RunControl& control)
+      : job_(job), control_(control), files_(find_files(job.folder, job.output_folder)) {
     // Files go first, then the threads within one.
     const auto files = static_cast<int>(std::min<std::size_t>(files_.size(), 1u << 20));
     threads_ = std::max(1, std::min(job.limits.workers, files));
@@ -115,13 +149,18 @@ class BatchRun {
     limits_.workers = std::max(1, job.limits.workers / threads_);
     if (!job.output_folder.empty()) {
       name_outputs(files_, job.output_folder, options().options().format);
+      check_outputs(files_, job);
     }
+    check_writable(job.report);
+    if (!job.output_folder.empty() && !files_.empty()) make_folder(job.output_folder);
     // The largest first, so that none of them is left alone at the end.
     for (File& file : files_) queue_.push_back(&file);
     std::stable_sort(queue_.begin(), queue_.end(), [](const File* a, const File* b) { return a->size > b->size; });
   }
 
   BatchOutcome run() {
+    draft_.emplace(job_.report);
+    draft_->append(kColumns);
     {
       const ProgressBar progress([this] { return progress_line(); });
       std::vector<std::thread> threads;
@@ -150,6 +189,8 @@ class BatchRun {
         file.row = row_of(file, failure_of(std::current_exception(), file.name), seconds());
         ++failed_;
       }
+      const std::lock_guard lock(draft_mutex_);
+      draft_->append(file.row);
       ++done_;
     }
   }
@@ -164,9 +205,7 @@ class BatchRun {
     job.release_mesh = [&] { content.release(); };
     api::RemeshAnswer answer = api::run_remesh_job(std::move(job), limits_, control_);
     if (!file.output.empty()) {
-      std::error_code error;
-      fs::create_directories(fs::path(file.output).parent_path(), error);
-      if (error) throw FileError(file.output + ": " + error.message());
+      make_folder(fs::path(file.output).parent_path());
       write_file(file.output, answer.body);
     }
     return std::move(answer.report);
@@ -191,6 +230,8 @@ class BatchRun {
   std::vector<File*> queue_;
   api::Limits limits_;
   int threads_ = 1;
+  std::mutex draft_mutex_;
+  std::optional<Draft> draft_;  // the table so far, in the order in which files end
   std::atomic<std::size_t> taken_{0}, done_{0}, failed_{0};
 };
 

@@ -44,8 +44,8 @@ class Descriptor {
 };
 
 /// Fills `bytes` with what an open file has from a place on, by all threads: to copy a large file takes one of them as
-/// long as two take to make a mesh of it. Output: how much there is, up to the first gap; less than wanted where the
-/// file has become shorter.
+/// long as two take to make a mesh of it.
+/// Output: how much there is, up to the first gap; less than wanted where the file has become shorter.
 std::size_t read_blocks(int fd, off_t from, std::span<char> bytes, const std::string& path, const RunControl& control) {
   constexpr std::size_t kBlock = std::size_t{1} << 21;
   std::vector<std::size_t> got((bytes.size() + kBlock - 1) / kBlock, 0);
@@ -82,6 +82,13 @@ mode_t default_mode() {
   const mode_t mask = ::umask(0);
   ::umask(mask);
   return 0666 & ~mask;
+}
+
+/// What write_file replaces: a link stays a link, and what it points to is replaced.
+std::filesystem::path replaced_by_writing(const std::string& path, bool exists) {
+  std::error_code no_link;
+  const std::filesystem::path target = exists ? std::filesystem::canonical(path, no_link) : std::filesystem::path(path);
+  return no_link ? std::filesystem::path(path) : target;
 }
 
 void replace_file(const std::string& target, std::string_view content, mode_t mode) {
@@ -152,10 +159,35 @@ void write_file(const std::string& path, std::string_view content) {
     if (file.get() < 0 || !write_all(file.get(), content) || !file.close()) fail(path);
     return;
   }
-  // A link stays a link: what it points to is replaced.
-  std::error_code no_link;
-  const std::filesystem::path target = exists ? std::filesystem::canonical(path, no_link) : std::filesystem::path(path);
-  replace_file(no_link ? path : target.string(), content, exists ? status.st_mode & 07777 : default_mode());
+  replace_file(replaced_by_writing(path, exists).string(), content, exists ? status.st_mode & 07777 : default_mode());
+}
+
+void check_writable(const std::string& path) {
+  if (path == "-") return;
+  struct stat status {};
+  const bool exists = ::stat(path.c_str(), &status) == 0;
+  if (exists && S_ISDIR(status.st_mode)) throw FileError(path + ": " + std::strerror(EISDIR));
+  if (exists && !S_ISREG(status.st_mode)) {
+    if (::access(path.c_str(), W_OK) != 0) fail(path);
+    return;
+  }
+  // A new file takes its place. "/." is no folder where that is a file.
+  const std::filesystem::path folder = replaced_by_writing(path, exists).parent_path() / ".";
+  if (::access(folder.c_str(), W_OK | X_OK) != 0) fail(path);
+}
+
+Draft::Draft(const std::string& path) {
+  struct stat status {};
+  if (path == "-" || (::stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode))) return;
+  fd_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+}
+
+Draft::~Draft() {
+  if (fd_ >= 0) ::close(fd_);
+}
+
+void Draft::append(std::string_view text) {
+  if (fd_ >= 0) (void)write_all(fd_, text);
 }
 
 }  // namespace remesh::cli

@@ -40,7 +40,28 @@ class FileContent {
 FileContent read_file(const std::string& path, const RunControl& control);
 
 /// Writes the whole file or none of it: into a new file beside it first, which then takes its place. What is no
-/// ordinary file, such as /dev/null or a pipe, is written as it is. Errors: FileError; nothing is left behind.
+/// ordinary file, such as /dev/null or a pipe, is written as it is.
+/// Errors: FileError; nothing is left behind.
 void write_file(const std::string& path, std::string_view content);
+
+/// Looks whether write_file could write there, before much work is done for it.
+/// Errors: FileError - the folder is missing or may not be written to; it is a folder itself.
+void check_writable(const std::string& path);
+
+/// A file that grows while its content comes about, so that it has some if this process ends early. Only an ordinary
+/// one: anything else stays as it is. Who has all of the content writes the file by write_file, which also tells
+/// errors.
+class Draft {
+ public:
+  explicit Draft(const std::string& path);
+  ~Draft();
+  Draft(const Draft&) = delete;
+  Draft& operator=(const Draft&) = delete;
+
+  void append(std::string_view text);
+
+ private:
+  int fd_ = -1;
+};
 
 }  // namespace remesh::cli

@@ -14,7 +14,6 @@
 #include <map>
 #include <string>
 #include <string_view>
-#include <thread>
 #include <vector>
 
 #include "api/cli/batch.h"
@@ -96,7 +95,7 @@ void check_paths(const Arguments& arguments) {
 
 /// Fills `arguments`. Errors: CLI::ParseError, also for --help and --version; UsageError.
 void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
-  arguments.workers = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  arguments.workers = api::usable_cores();
   app.set_version_flag("--version", std::string("remesh ") + version());
   app.add_option("input", arguments.input, "the mesh to read; - for standard input");
   app.add_option("-o,--output", arguments.output,
@@ -122,6 +121,9 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   app.parse(argc, argv);
   if (const auto extras = app.remaining(); !extras.empty()) throw UsageError(unknown_argument(extras.front()));
   check_paths(arguments);
+  if (!arguments.server.empty() && app.count("--workers") > 0) {
+    throw UsageError("--workers counts here, not at the --server");
+  }
   for (const api::OptionSpec& spec : api::option_table()) {
     if (flags[spec.name]->count() > 0) arguments.options.emplace_back(spec.name, values[spec.name]);
   }
@@ -208,6 +210,7 @@ int remesh_folder(const Arguments& arguments, RunControl& control) {
   const BatchJob job{arguments.batch, arguments.report, arguments.output, arguments.options,
                      limits_for(arguments.workers)};
   const BatchOutcome outcome = run_batch(job, control);
+  if (outcome.files == 0) std::cerr << "remesh: no mesh found below " << arguments.batch << "\n";
   if (outcome.failed == 0) return kDone;
   std::cerr << "remesh: " << outcome.failed << " of " << outcome.files << " files failed; "
             << name_of_output(arguments.report) << " says why\n";
@@ -233,6 +236,8 @@ int run(const Arguments& arguments) {
     for (const auto& [name, value] : arguments.options) job.options.add(name, value);
     job.options.check();
     if (!arguments.batch.empty()) return remesh_folder(arguments, control);
+    check_writable(arguments.output);
+    if (!arguments.report.empty()) check_writable(arguments.report);
     if (!arguments.server.empty()) {
       remesh_one_remotely(arguments, control);
     } else {

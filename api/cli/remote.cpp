@@ -58,10 +58,11 @@ std::string random_key() {
 }
 
 RemoteError problem_of(int status, const json& problem) {
-  if (!problem.is_object())
-    return {status, "http_" + std::to_string(status), "the server answers " + std::to_string(status)};
-  RemoteError error(status, problem.value("code", "http_" + std::to_string(status)),
-                    problem.value("detail", "the server answers " + std::to_string(status)));
+  const std::string code = "http_" + std::to_string(status);
+  const std::string remark = status == 401 ? "; the key is taken from REMESH_API_KEY" : "";
+  const std::string detail = "the server answers " + std::to_string(status);
+  if (!problem.is_object()) return {status, code, detail + remark};
+  RemoteError error(status, problem.value("code", code), problem.value("detail", detail) + remark);
   if (problem.contains("line")) error.line = problem["line"].get<std::uint64_t>();
   if (problem.contains("byte")) error.byte = problem["byte"].get<std::uint64_t>();
   return error;

@@ -82,8 +82,9 @@ std::vector<To, LeftUnset<To>> concatenate(const std::vector<std::vector<From>>&
 }
 
 /// Calls `make(i)` for i from 0 to n - 1 in parallel, and `take(i, result)` on each result in that order, one at a
-/// time. No more than a few results are there at once. Output: false if some `take` said false: then there are no more
-/// calls of it, and soon none of `make`. A point of cancellation before each.
+/// time. No more than a few results are there at once.
+/// Output: false if some `take` said false: then there are no more calls of it, and soon none of `make`. A point of
+///         cancellation before each.
 template <class Result, class Make, class Take>
 bool map_in_order(std::size_t n, RunControl& control, const Make& make, const Take& take) {
   if (n == 1) {

@@ -86,7 +86,7 @@ class Error : public std::runtime_error {
   Stage stage;
   std::optional<std::uint64_t> line;     ///< from 1, in the text that was read
   std::optional<std::uint64_t> byte;     ///< from 0, in the binary data that was read
-  std::optional<std::uint64_t> element;  ///< face or vertex, counted as the input's format counts
+  std::optional<std::uint64_t> element;  ///< face or vertex of the input, from 0
   std::optional<std::uint64_t> limit;    ///< the bound that was passed
   std::string option;                    ///< the option at fault, by its name in the contract
 };

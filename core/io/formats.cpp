@@ -1,6 +1,7 @@
 #include "core/io/formats.h"
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 
 #include "core/io/off.h"
@@ -31,6 +32,29 @@ bool equals_ignoring_case(std::string_view text, std::string_view lower_case) {
   return std::equal(text.begin(), text.end(), lower_case.begin(), lower_case.end(),
                     [](char c, char lower) { return to_lower(c) == lower; });
 }
+
+/// How files begin that are often taken for meshes that we read, in lower case.
+struct Mark {
+  std::string_view begin;
+  std::string_view name;
+};
+constexpr std::array<Mark, 13> kForeignMarks{{
+    {"pk\x03\x04", "a ZIP archive, as 3MF is"},
+    {"gltf", "binary glTF"},
+    {"iso-10303-21", "STEP"},
+    {"# vtk datafile", "legacy VTK"},
+    {"kaydara fbx binary", "FBX"},
+    {"\xfd"
+     "7zxz",
+     "packed by xz"},
+    {"\x28\xb5\x2f\xfd", "packed by zstd"},
+    {"bzh", "packed by bzip2"},
+    {"7z\xbc\xaf", "a 7z archive"},
+    {"%pdf-", "PDF"},
+    {"<!doctype html", "an HTML page"},
+    {"<html", "an HTML page"},
+    {"<?xml", "XML that is not VTU"},
+}};
 
 /// An OBJ's first record could be named so, too.
 bool has_stl_keyword(std::string_view text) {
@@ -102,6 +126,16 @@ Format sniff_format(std::string_view content) {
   if (is_binary_stl(content)) return Format::kStl;
   if (equals_ignoring_case(word, "solid") && has_stl_keyword(text)) return Format::kStl;
   return Format::kObj;
+}
+
+std::optional<std::string_view> foreign_format(std::string_view content) {
+  if (has_length_of_binary_stl(content)) return std::nullopt;
+  const std::string_view text = content.starts_with("\xef\xbb\xbf") ? content.substr(3) : content;
+  if (sniff_format(content) == Format::kVtu) return std::nullopt;
+  const auto mark = std::find_if(kForeignMarks.begin(), kForeignMarks.end(), [&](const Mark& m) {
+    return equals_ignoring_case(text.substr(0, m.begin.size()), m.begin);
+  });
+  return mark == kForeignMarks.end() ? std::nullopt : std::optional(mark->name);
 }
 
 }  // namespace remesh

@@ -36,6 +36,10 @@ std::string_view media_type(Format format);
 /// Cost:  O(length).
 Format sniff_format(std::string_view content);
 
+/// What the content is, if its first bytes are the mark of a file that is none of our formats: "a ZIP archive, ...".
+/// Input: the whole content, as for sniff_format.
+std::optional<std::string_view> foreign_format(std::string_view content);
+
 /// Bounds on what a reader may build; passing one ends the read with Code::kMeshTooLarge.
 struct ReadLimits {
   std::uint64_t max_vertices = 10'000'000;

@@ -14,7 +14,8 @@ namespace remesh {
 ReadResult read_mesh(Format format, std::string_view content, const ReadLimits& limits, RunControl& control);
 
 /// Writes any format but JSON; see write_obj, ... `comments` go where the format has them. `face_patch` goes where it
-/// has cell data or groups. Errors:  kNotAcceptable - JSON; else those of the writer.
+/// has cell data or groups.
+/// Errors:  kNotAcceptable - JSON; else those of the writer.
 std::string write_mesh(Format format, const TriangleMesh& mesh, const IdVector<FaceId, PatchId>& face_patch,
                        const std::vector<std::string>& comments, RunControl& control);
 

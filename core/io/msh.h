@@ -11,8 +11,9 @@ namespace remesh {
 
 /// Writes `.msh` as text of version 2.2, the one that most programs read. Each patch is an elementary entity. Each
 /// label of the first kind that the mesh has (group, object, material) is a physical group of that name; without labels
-/// each patch is one, `patch_0`, ... `comments` in a section `$Comments`. Holds:  every number is the shortest text
-/// that reads back to the same double; no name can end its line. Errors: kCancelled, kTimeout - through `control`.
+/// each patch is one, `patch_0`, ... `comments` in a section `$Comments`.
+/// Holds:  every number is the shortest text that reads back to the same double; no name can end its line.
+/// Errors: kCancelled, kTimeout - through `control`.
 /// Cost:   O(output).
 std::string write_msh(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>& face_patch,
                       const std::vector<std::string>& comments, RunControl& control);

@@ -18,14 +18,15 @@ namespace remesh {
 ///          surface (texture coordinates, normals, lines, ...) is counted in a diagnostic, NUL and
 ///          Ctrl-Z bytes that pad the text in trailing_bytes.
 /// Holds:   no file is opened, whatever `mtllib` names; names are in the order in which faces first bear them.
-/// Errors:  kInvalidMesh, kIndexOutOfRange, kNonfiniteCoordinate - with the line; kMeshTooLarge - past `limits`, or
-///          a face of more than 4 million corners; kEmptyMesh - no face; kCancelled, kTimeout - through `control`.
+/// Errors:  kInvalidMesh, kIndexOutOfRange, kNonfiniteCoordinate - with the line, and the element if it is of one;
+///          kMeshTooLarge - past `limits`, or a face of more than 4 million corners; kEmptyMesh - no face; kCancelled,
+///          kTimeout - through `control`.
 /// Cost:    O(text); plain records on the caller's TBB arena, see obj_readers.h.
 ReadResult read_obj(std::string_view text, const ReadLimits& limits, RunControl& control);
 
 /// Writes OBJ text: `comments` as `#` lines, the `mtllib` records, vertices, faces in their order; `o`, `g` and
-/// `usemtl` stand where the label changes. Holds:  every number is the shortest text that reads back to the same
-/// double; read_obj gives back mesh and labels; a
+/// `usemtl` stand where the label changes.
+/// Holds:  every number is the shortest text that reads back to the same double; read_obj gives back mesh and labels; a
 ///         comment or name cannot make a record, whatever is in it.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(output).

@@ -87,7 +87,7 @@ class ObjReader final : private std::streambuf {
       } else if (axis == 2) {
         findings_.missing_z.add(id);
       } else {
-        throw error(Code::kInvalidMesh, "a vertex with fewer than two coordinates");
+        throw vertex_error(Code::kInvalidMesh, "a vertex with fewer than two coordinates");
       }
     }
     if (!next_value(arguments).empty()) findings_.extra_values.add(id);
@@ -98,8 +98,8 @@ class ObjReader final : private std::streambuf {
     const Real real = parse_real(token);
     switch (real.fault) {
       case RealFault::kNone: break;
-      case RealFault::kNotANumber: throw error(Code::kInvalidMesh, "a coordinate that is not a number");
-      case RealFault::kNotFinite: throw error(Code::kNonfiniteCoordinate, "a coordinate that is not finite");
+      case RealFault::kNotANumber: throw vertex_error(Code::kInvalidMesh, "a coordinate that is not a number");
+      case RealFault::kNotFinite: throw vertex_error(Code::kNonfiniteCoordinate, "a coordinate that is not finite");
     }
     return real.value;
   }
@@ -116,7 +116,7 @@ class ObjReader final : private std::streambuf {
       delivery_ += checked_vertex(token);
     }
     delivery_ += '\n';
-    if (corners < 3) throw error(Code::kInvalidMesh, "a face with fewer than three corners");
+    if (corners < 3) throw face_error(Code::kInvalidMesh, "a face with fewer than three corners");
   }
 
   /// The vertex part of a corner (`i`, `i/j`, `i//k`, `i/j/k`, the numbers after a slash missing or not).
@@ -139,7 +139,7 @@ class ObjReader final : private std::streambuf {
     const auto [stop, status] = std::from_chars(at, end, value);
     if (status == std::errc::invalid_argument) throw malformed_corner();
     if (status == std::errc::result_out_of_range) {
-      throw error(Code::kIndexOutOfRange, "a face with an index of more than 32 bits");
+      throw face_error(Code::kIndexOutOfRange, "a face with an index of more than 32 bits");
     }
     at = stop;
     return value;
@@ -148,13 +148,13 @@ class ObjReader final : private std::streambuf {
   /// A positive index may be ahead of its vertex: it is compared with their number at the end of the text.
   void check_vertex_index(int index) {
     const std::uint64_t vertices = mesh_.vertex_count();
-    if (index == 0) throw error(Code::kIndexOutOfRange, "a face with the index 0; the first vertex is 1");
+    if (index == 0) throw face_error(Code::kIndexOutOfRange, "a face with the index 0; the first vertex is 1");
     if (index < 0 && static_cast<std::uint64_t>(-std::int64_t{index}) > vertices) {
-      throw error(Code::kIndexOutOfRange, out_of_range_message(index, vertices) + " before it");
+      throw face_error(Code::kIndexOutOfRange, out_of_range_message(index, vertices) + " before it");
     }
     if (index > 0 && static_cast<std::uint64_t>(index) > vertices &&
         (references_ahead_.empty() || index > references_ahead_.back().index)) {
-      references_ahead_.push_back({index, records_.line()});
+      references_ahead_.push_back({index, records_.line(), mesh_.face_count()});
     }
   }
 
@@ -183,7 +183,8 @@ class ObjReader final : private std::streambuf {
     for (const auto& reference : references_ahead_) {
       if (static_cast<std::uint64_t>(reference.index) > mesh_.vertex_count()) {
         throw read_error(Place::line(reference.line), Code::kIndexOutOfRange,
-                         out_of_range_message(reference.index, mesh_.vertex_count()));
+                         out_of_range_message(reference.index, mesh_.vertex_count()))
+            .at_element(reference.face);
       }
     }
     if (mesh_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kRead, "the text has no face");
@@ -226,14 +227,21 @@ class ObjReader final : private std::streambuf {
 
   Place here() const { return Place::line(records_.line()); }
   Error error(Code code, const std::string& message) const { return read_error(here(), code, message); }
+  Error vertex_error(Code code, const std::string& message) const {
+    return error(code, message).at_element(mesh_.vertex_count());
+  }
+  Error face_error(Code code, const std::string& message) const {
+    return error(code, message).at_element(mesh_.face_count());
+  }
   Error too_large(const std::string& what, std::uint64_t limit) const { return too_large_error(here(), what, limit); }
   Error malformed_corner() const {
-    return error(Code::kInvalidMesh, "a face corner that is none of i, i/j, i//k, i/j/k");
+    return face_error(Code::kInvalidMesh, "a face corner that is none of i, i/j, i//k, i/j/k");
   }
 
   struct ReferenceAhead {
     int index;
     std::uint64_t line;
+    std::uint64_t face;
   };
 
   std::size_t text_size_;

@@ -20,7 +20,8 @@ constexpr bool is_obj_keyword_character(char c) { return is_letter(c) || is_digi
 ///          the end. The text outlives the walk.
 /// Holds:   comments and blank lines are skipped; a keyword is one of letters, digits and `_`, a letter first.
 /// Errors:  kInvalidMesh, with the line - UTF-16 or UTF-32; a control character outside comments; a line that starts
-/// otherwise. Cost:    O(text), one look at each byte; joined lines are copied, all others are views into the text.
+///          otherwise.
+/// Cost:    O(text), one look at each byte; joined lines are copied, all others are views into the text.
 class ObjRecords {
  public:
   explicit ObjRecords(std::string_view text);

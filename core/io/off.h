@@ -24,14 +24,12 @@ std::optional<OffKind> off_kind(std::string_view word);
 
 /// Reads OFF, as text or binary.
 /// Input:   text: the word, the counts of vertices, faces and (not used) edges, behind it or on the next line; then a
-/// line
-///          for each vertex and each face. Blank lines and comments (`#`) anywhere. Binary: `OFF BINARY`, then numbers
-///          of 4 bytes, big end first.
+///          line for each vertex and each face. Blank lines and comments (`#`) anywhere. Binary: `OFF BINARY`, then
+///          numbers of 4 bytes, big end first.
 /// Output:  polygons as listed. What vertices carry beyond x, y, z and faces beyond their corners is counted as
 ///          attribute_dropped, zeros that pad the text as trailing_bytes.
 /// Errors:  with the line or byte: kInvalidMesh - not OFF, coordinates that are not 3, a line that is none, data that
-/// ends
-///          early or goes on; kIndexOutOfRange, kNonfiniteCoordinate - also with the element; kMeshTooLarge - past
+///          ends early or goes on; kIndexOutOfRange, kNonfiniteCoordinate - also with the element; kMeshTooLarge - past
 ///          `limits`. kEmptyMesh - no face; kCancelled, kTimeout - through `control`.
 /// Cost:    O(content); nothing is reserved that the content has no room for.
 ReadResult read_off(std::string_view content, const ReadLimits& limits, RunControl& control);

@@ -17,8 +17,7 @@ bool is_binary_stl(std::string_view content);
 
 /// Reads STL of either kind.
 /// Input:   binary: 80 bytes of header, a count, 50 bytes a triangle. Text: keywords in upper or lower case; what
-/// stands
-///          behind a keyword that takes no value is skipped, as are the normals.
+///          stands behind a keyword that takes no value is skipped, as are the normals.
 /// Output:  triangles as listed. STL repeats a vertex for each triangle: those with equal coordinates are one, numbered
 ///          by first appearance. Each solid of a text becomes an object of that name, also where several have one name.
 ///          Floats are kept exactly, numbers of text are read as doubles. Attribute bytes (colours) are counted as

@@ -35,7 +35,8 @@ struct ProgressShare {
 };
 
 /// Appends what `append(text, i)` appends for each i from 0 to n - 1, in that order; blocks of it are made on the
-/// caller's TBB arena. Errors: kCancelled, kTimeout - through `control`.
+/// caller's TBB arena.
+/// Errors: kCancelled, kTimeout - through `control`.
 template <class Append>
 void append_elements(std::string& out, std::size_t n, ProgressShare share, RunControl& control, const Append& append) {
   constexpr std::size_t kBlock = 4096;

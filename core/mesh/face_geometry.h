@@ -28,6 +28,11 @@ inline Vec3 face_centre(const Surface& surface, FaceId f) {
   return origin + (1.0 / static_cast<double>(loop.size())) * sum;
 }
 
+/// Measures every face.
+/// Output:  one for each face; of a polygon, by the sum of the cross products around it.
+/// Holds:   the same bits for any number of threads.
+/// Errors:  kCancelled, kTimeout - through `control`.
+/// Cost:    O(corners).
 FaceGeometries face_geometry(const Surface& surface, RunControl& control);
 
 }  // namespace remesh

@@ -30,9 +30,10 @@ struct FaceList {
   }
 };
 
-/// Polygons over welded vertices, degenerate faces dropped, non-planar polygons triangulated.
-/// Holds: positions are pairwise different; every vertex is used; no face has a repeated consecutive corner or zero
-/// area. What is as it was in the mesh that it was made from is still that one's, which outlives it.
+/// Polygons over welded vertices.
+/// Holds:   positions are pairwise different. What is as it was in the mesh that it was made from is still that one's,
+///          which outlives it. From mend_faces on: every vertex is used, polygons are planar, no face has a repeated
+///          consecutive corner, and none zero area but those that mend_faces keeps.
 struct Surface {
   CopyOnWrite<VertexId, Vec3> positions;
   /// The positions less the box's centre, over `unit`, a power of two: within [-1, 1]. The stages compute in these, so

@@ -106,7 +106,8 @@ class BoxTree {
   std::uint32_t number(std::size_t slot) const { return number_[slot]; }
 
   /// Lets note(tag, numbers) add to each tag, of entries and of nodes, what is to be learnt only from all that is in
-  /// it. Cost:   O(n log n) of what is noted, in parallel.
+  /// it.
+  /// Cost:   O(n log n) of what is noted, in parallel.
   template <class Note>
   void note(const Note& note, RunControl& control);
 

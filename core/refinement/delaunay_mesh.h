@@ -16,8 +16,7 @@ namespace remesh {
 /// edge of the rim is constrained. A constrained half-edge has a side instead of a twin: a number that its owner uses
 /// for whatever belongs to it (both sides of a slit have their own), and that knows its half-edge again.
 /// Holds:  after each operation the triangulation is the one constrained Delaunay triangulation of its points,
-/// cocircular
-///         ones decided as in `in_circle_perturbed`; no triangle is degenerate or turned over.
+///         cocircular ones decided as in `in_circle_perturbed`; no triangle is degenerate or turned over.
 class DelaunayMesh {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;

@@ -19,7 +19,7 @@ struct Goals {
   bool split_boundaries = true;
 
   /// The largest min_angle_deg of the contract.
-  static constexpr double kMostDegrees = 33;
+  static constexpr double kMostDegrees = Options::kMostMinAngleDeg;
 };
 
 /// The goals that options ask for, with the contract's defaults (25 degrees; gradation 1.5 with proximity).

@@ -80,7 +80,9 @@ class PatchRefiner {
   void take_over(SegmentId segment, std::span<const double> cuts);
 
   /// Puts a point into the middle of each of these edges inside the patch that is still there when its turn comes and
-  /// has room for one. Input: half-edges as in what `finish` would give now. Output: whether there was room for any.
+  /// has room for one.
+  /// Input:  half-edges as in what `finish` would give now.
+  /// Output: whether there was room for any.
   bool split_edges(std::span<const std::uint32_t> half_edges, RunControl& control);
 
   /// Works until nothing is left to do or `quota` more triangles (in all patches) would be made.

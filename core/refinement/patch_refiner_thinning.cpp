@@ -171,7 +171,8 @@ bool PatchRefiner::find_hole(std::uint32_t v, std::size_t k) {
 }
 
 /// Puts one point in the place of v and its neighbour w, if there is one that does for both. `at_->hole`: the ring
-/// around them. Output: the vertex, or kNone.
+/// around them.
+/// Output: the vertex, or kNone.
 std::uint32_t PatchRefiner::merge(std::uint32_t v, std::uint32_t w, double flattest) {
   const Floor floor = std::min(Floor(value_[v]), Floor(value_[w]));
   const std::optional<Vec2> p = place_within(at_->hole, floor, flattest);

@@ -30,8 +30,9 @@ struct Slab {
 
 /// The space between two parallel planes, about something flat that lies askew to the axes. A curved surface is thin
 /// across: a box about a piece of width s is s deep, a layer s^2. So steepness, which depends on the way across, is
-/// told for many triangles at once. Input:  places with coordinates in [-1, 1], given with `add`. Holds:  in single
-/// precision, rounded outwards: what is added is inside.
+/// told for many triangles at once.
+/// Input:  places with coordinates in [-1, 1], given with `add`.
+/// Holds:  in single precision, rounded outwards: what is added is inside.
 struct Layer {
   std::array<float, 3> across{0, 0, 0};  ///< a unit vector, to 2^-20; or null, then nothing is told
   float least = HUGE_VALF;               ///< of the products of `across` with what is inside

@@ -17,6 +17,13 @@ struct Assembled {
   std::vector<Vec2, LeftUnset<Vec2>> corner_uv;  ///< three per face
 };
 
+/// Joins the triangles of all patches over the vertices that they share.
+/// Input:   `surface_vertices`: the number of those that the patches' vertices are among, with those that refinement
+///          made; a mesh for each patch.
+/// Output:  the triangles as they stand in the meshes, patch by patch; vertices that none uses are left out.
+/// Holds:   the same for any number of threads.
+/// Errors:  kCancelled, kTimeout - through `control`.
+/// Cost:    O(vertices + triangles).
 Assembled assembly(std::size_t surface_vertices, const std::vector<PatchMesh>& meshes, RunControl& control);
 
 }  // namespace remesh

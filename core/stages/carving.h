@@ -14,7 +14,9 @@ namespace remesh {
 /// Input:   a triangulation in which all `loop_edges` are constrained; each is directed, with the inside on its left.
 ///          An edge given in both directions has the inside on both sides (a slit).
 /// Output:  kDone; or kInconsistentLoops - a region is inside by one edge and outside by another; nothing is removed
-/// then. Cost:    O(n). Source:  the 2018 report leaves this out; see ERRATA of sections 4 and 5.
+///          then.
+/// Cost:    O(n).
+/// Source:  the 2018 report leaves this out; see ERRATA of sections 4 and 5.
 Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunControl& control);
 
 }  // namespace remesh

@@ -14,12 +14,12 @@ namespace remesh {
 /// Flips edges until every edge that is not constrained is locally Delaunay.
 /// Output:  the one constrained Delaunay triangulation of the points: ties of cocircular points are broken by
 ///          in_circle_perturbed.
-/// Cost:    near-linear for what the sweep makes of scattered points; a queue holds only edges that may have changed.
+/// Cost:    near-linear for what the sweep makes of scattered points; a stack holds only edges that may have changed.
 /// Source:  C. Lawson, 1977; the 2018 report, section 6, with exact predicates in place of the threshold.
 void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, RunControl& control);
 
-/// The same, begun from the half-edges in `queue` alone; it is empty afterwards.
-void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, std::vector<std::uint32_t>& queue,
+/// The same, begun from the half-edges in `stack` alone; it is empty afterwards.
+void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, std::vector<std::uint32_t>& stack,
                     RunControl& control);
 
 }  // namespace remesh

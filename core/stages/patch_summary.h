@@ -19,7 +19,11 @@ struct PatchSummaries {
   double volume_bound = 0;
 };
 
-/// The areas of the patches, in squares of the local unit.
+/// The areas of the patches: the sums of their faces'.
+/// Output:  one for each patch, in squares of the local unit.
+/// Holds:   the same bits for any number of threads.
+/// Errors:  kCancelled, kTimeout - through `control`.
+/// Cost:    O(faces).
 std::vector<double> patch_areas(const PatchSet& patches, const FaceGeometries& geometry, RunControl& control);
 
 /// Summarises the patches as they stand; `areas` as above; `output_faces` is what Euler's formula gives.

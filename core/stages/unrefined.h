@@ -16,8 +16,13 @@ struct UnrefinedFaces {
   std::vector<UnrefinedReason> reasons;
 };
 
-/// Measures the triangles in space, on the output's doubles. Output: those with an angle below the goal, or an edge or
-/// an area above it by more than rounding. `reason`: what the refinement says of each face.
+/// Measures the triangles in space, on the output's doubles.
+/// Input:   `reason`: what the refinement says of each face.
+/// Output:  those with an angle below the goal, or an edge or an area above it by more than rounding, each with its
+///          reason.
+/// Holds:   the same for any number of threads.
+/// Errors:  kCancelled, kTimeout - through `control`.
+/// Cost:    O(faces).
 UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const Triangle> faces,
                               std::span<const UnrefinedReason> reason, const Goals& goals, RunControl& control);
 

@@ -20,8 +20,8 @@ class StraightLines {
   StraightLines(const Model& model, const BoundaryGraph& seams, RunControl& control);
 
   /// Calls is_wanted(corner) for the corners in which a line of the patch through a and another one through b end,
-  /// until it says yes; returns whether it did. Cost:   O(min(lines at a, lines at b) log n). Summed over the edges of
-  /// a triangulated patch that is O(n log n):
+  /// until it says yes; returns whether it did.
+  /// Cost:   O(min(lines at a, lines at b) log n). Summed over the edges of a triangulated patch that is O(n log n):
   ///         its edges can be given to their ends such that no vertex has more than three, whatever its degree.
   template <class IsWanted>
   bool any_meeting(VertexId a, VertexId b, PatchId patch, const IsWanted& is_wanted) const {

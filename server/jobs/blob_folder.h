@@ -17,7 +17,8 @@ class BlobFolder {
   explicit BlobFolder(std::string path);
 
   /// Writes a new file. Output: its name, never given twice.
-  /// Holds:  when this returns, the file is on the disk, whole, under that name. Errors: StoreError.
+  /// Holds:  when this returns, the file is on the disk, whole, under that name.
+  /// Errors: StoreError.
   std::string write(const std::string& id, std::string_view kind, std::string_view bytes) const;
   /// Errors: BlobLost - there is no such file, or the disk does not give it back; StoreError - it cannot be read now.
   std::string read(const std::string& name) const;

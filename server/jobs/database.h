@@ -86,7 +86,8 @@ class DatabaseDriver {
   /// After the schema is there, once a start.
   virtual void prepare(Database& database) = 0;
   /// Writes a piece of a blob as rows from `part` on, at most `kPartsOfPiece` of them, in the size that suits the
-  /// engine. Input: at most `kPiece` bytes.
+  /// engine.
+  /// Input:  at most `kPiece` bytes.
   static constexpr std::int64_t kPartsOfPiece = 131;
   static constexpr std::size_t kPiece = kPartsOfPiece * 8000;
   virtual void insert_piece(Database& database, std::string_view job, std::string_view kind, std::int64_t part,

@@ -43,7 +43,6 @@ std::string pack_request(const api::Request& request) {
   json.member("content_type", request.content_type);
   json.member("content_encoding", request.content_encoding);
   json.member("accept", request.accept);
-  json.member("file_name", request.file_name);
   json.key("query");
   json.begin_array();
   for (const auto& [name, value] : request.query) {
@@ -64,7 +63,6 @@ api::Request unpack_request(std::string_view text) {
   request.content_type = json.value("content_type", "");
   request.content_encoding = json.value("content_encoding", "");
   request.accept = json.value("accept", "");
-  request.file_name = json.value("file_name", "");
   for (const auto& option : json.at("query")) request.query.emplace_back(option.at(0), option.at(1));
   return request;
 }

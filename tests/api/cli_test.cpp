@@ -25,6 +25,16 @@ using testing::StartsWith;
 
 constexpr std::string_view kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 
+/// A fan of triangles.
+std::string what_takes_a_while() {
+  std::string big;
+  for (int i = 0; i < 400000; ++i) {
+    const std::string n = std::to_string(i);
+    big += "v " + n + " 0 0\nv " + n + " 1 0\nv " + n + " 0 " + n + "\nf -1 -2 -3\n";
+  }
+  return big;
+}
+
 class Cli : public testing::Test {
  protected:
   struct Outcome {
@@ -198,6 +208,17 @@ TEST_F(Cli, a_batch_writes_its_meshes_where_it_is_told_none_over_another) {
   EXPECT_THAT(read("done/deep/c.obj"), StartsWith("# remeshd "));
 }
 
+TEST_F(Cli, a_batch_onto_itself_is_misuse_and_one_without_a_mesh_says_so) {
+  const Outcome onto_itself = run({"--batch", ".", "--report", "-", "-o", "./"});
+  EXPECT_EQ(onto_itself.status, 2);
+  EXPECT_THAT(onto_itself.err, HasSubstr("the folder that --batch reads"));
+  EXPECT_EQ(read("square.obj"), kSquare);
+  write("empty/readme.txt", "no mesh");
+  const Outcome empty = run({"--batch", "empty", "--report", "-"});
+  EXPECT_EQ(empty.status, 0);
+  EXPECT_EQ(empty.err, "remesh: no mesh found below empty\n");
+}
+
 TEST_F(Cli, options_have_hyphens) {
   const Outcome outcome = run({"square.obj", "-o", "out.obj", "--keep-boundary-vertices", "true",
                                "--plane-tolerance=1e-5", "--reference-axis", "-1,0,0", "--report", "-"});
@@ -225,6 +246,7 @@ TEST_F(Cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "--batch", ".", "--report", "o.csv"}, "--batch takes the place of the input square.obj"},
       {{"--batch", "."}, "--batch needs --report"},
       {{"square.obj", "-o", "o.obj", "--server", "ftp://host"}, "ftp://host is no http or https URL"},
+      {{"square.obj", "-o", "o.obj", "--server", "http://host", "--workers", "1"}, "--workers counts here"},
       {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz is no format's"}};
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = run(arguments);
@@ -303,13 +325,7 @@ TEST_F(Cli, help_lists_every_option_with_its_default) {
 }
 
 TEST_F(Cli, an_interrupt_ends_the_run_and_leaves_no_file) {
-  // A fan of triangles that takes long enough to be interrupted.
-  std::string big;
-  for (int i = 0; i < 400000; ++i) {
-    const std::string n = std::to_string(i);
-    big += "v " + n + " 0 0\nv " + n + " 1 0\nv " + n + " 0 " + n + "\nf -1 -2 -3\n";
-  }
-  write("big.obj", big);
+  write("big.obj", what_takes_a_while());
   const pid_t child = start({"big.obj", "-o", "out.obj"}, "");
   wait_until_it_handles_interrupts(child);
   ASSERT_EQ(::kill(child, SIGINT), 0);
@@ -317,6 +333,31 @@ TEST_F(Cli, an_interrupt_ends_the_run_and_leaves_no_file) {
   EXPECT_EQ(outcome.status, 1) << outcome.err;
   EXPECT_THAT(outcome.err, HasSubstr("cancelled"));
   EXPECT_EQ(file_count(), 2u);
+}
+
+TEST_F(Cli, a_batch_that_is_killed_leaves_the_lines_of_what_was_done) {
+  write("parts/big.obj", what_takes_a_while());
+  write("parts/small.obj", kSquare);
+  const pid_t child = start({"--batch", "parts", "--report", "out.csv", "--workers", "2"}, "");
+  for (int tries = 0; tries < 10000 && read("out.csv").find("small.obj,ok,") == std::string::npos; ++tries)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  ::kill(child, SIGKILL);
+  EXPECT_EQ(finish(child).status, -1) << "it had ended before";
+  EXPECT_THAT(read("out.csv"), StartsWith("file,status,"));
+  EXPECT_THAT(read("out.csv"), HasSubstr("\nsmall.obj,ok,"));
+}
+
+TEST_F(Cli, a_place_that_cannot_be_written_to_is_told_before_the_work) {
+  for (const std::vector<std::string>& places : {std::vector<std::string>{"-o", "none/out.obj"},
+                                                 {"-o", "out.obj", "--report", "none/report.json"},
+                                                 {"-o", "none/out.obj", "--server", "http://127.0.0.1:1"}}) {
+    std::vector<std::string> arguments{"no_such_mesh.obj"};
+    arguments.insert(arguments.end(), places.begin(), places.end());
+    const Outcome outcome = run(arguments);
+    EXPECT_EQ(outcome.status, 1);
+    EXPECT_THAT(outcome.err, StartsWith("remesh: none/"));
+  }
+  EXPECT_EQ(file_count(), 1u);
 }
 
 TEST_F(Cli, an_interrupt_ends_the_wait_for_input) {

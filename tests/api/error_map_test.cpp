@@ -33,7 +33,6 @@ TEST(ErrorMap, every_code_has_the_status_of_the_contract) {
   for (int c = 0; c <= static_cast<int>(Code::kInternal); ++c) {
     const Problem problem = to_problem(Error(static_cast<Code>(c), Stage::kRead, "x"));
     table[problem.code] = problem.status;
-    EXPECT_NE(status_title(problem.status), "Unknown") << problem.code;
   }
   EXPECT_EQ(table, contract);
 }

@@ -5,6 +5,8 @@
 
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
 
 #include "core/io/gzip.h"
 #include "tests/support/errors.h"
@@ -15,7 +17,9 @@ namespace {
 using nlohmann::json;
 using test::error_of;
 using testing::ElementsAre;
+using testing::EndsWith;
 using testing::HasSubstr;
+using testing::Not;
 using testing::StartsWith;
 
 constexpr std::string_view kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
@@ -63,6 +67,31 @@ TEST(RemeshJob, reading_and_writing_are_among_the_times) {
 TEST(RemeshJob, a_compressed_mesh_is_the_mesh) {
   RunControl control;
   EXPECT_EQ(remesh(job_of(gzip(kSquare, control))).body, remesh(job_of(kSquare)).body);
+}
+
+std::string refusal_of(std::string_view mesh, std::optional<Format> named = {}) {
+  Job job = job_of(mesh);
+  job.input_format = named;
+  return error_of([&] { remesh(std::move(job)); }).what();
+}
+
+TEST(RemeshJob, what_is_no_mesh_is_told_as_what_it_was_read_unless_that_was_said) {
+  EXPECT_THAT(refusal_of("some\ntext\n"), EndsWith("; it was read as obj, since it looks like nothing else"));
+  EXPECT_THAT(refusal_of("ply\nformat text\n"), EndsWith("; it was read as ply, by its content"));
+  EXPECT_THAT(refusal_of(std::string_view("a\0b", 3)), EndsWith("; it was read as stl, by its content"));
+  EXPECT_EQ(refusal_of("some\ntext\n", Format::kObj), "the text has no face");
+  EXPECT_EQ(refusal_of("v 0 0 0\nf 1 2 9\n"), "a face refers to vertex 2, of 1") << "it is OBJ";
+}
+
+TEST(RemeshJob, a_mesh_whose_line_ends_were_lost_on_the_way_is_told_so) {
+  std::string one_line(kSquare);
+  std::erase(one_line, '\n');
+  for (const std::string& text : {one_line, "# a comment" + one_line}) {
+    EXPECT_THAT(refusal_of(text), HasSubstr("--data-binary"));
+    EXPECT_THAT(refusal_of(text, Format::kObj), HasSubstr("--data-binary"));
+  }
+  for (const std::string_view text : {"", "v 0 0 0\n", "v 0 0 0\rv 1 0 0"})
+    EXPECT_THAT(refusal_of(text), Not(HasSubstr("--data-binary"))) << text;
 }
 
 TEST(RemeshJob, the_bound_of_faces_is_the_servers_unless_a_lower_one_is_asked_for) {

@@ -43,7 +43,7 @@ TEST(check_options, each_option_at_fault_is_named) {
       {"plane_tolerance", Code::kInvalidOption, [](Options& o) { o.plane_tolerance = 0; }},
       {"plane_tolerance", Code::kInvalidOption, [](Options& o) { o.plane_tolerance = NAN; }},
       {"normal_tolerance", Code::kInvalidOption, [](Options& o) { o.normal_tolerance = -1; }},
-      {"normal_tolerance", Code::kInvalidOption, [](Options& o) { o.normal_tolerance = 1; }},
+      {"normal_tolerance", Code::kInvalidOption, [](Options& o) { o.normal_tolerance = 0.51; }},
       {"reference_axis", Code::kInvalidOption, [](Options& o) { o.reference_axis = ReferenceAxis::kGiven; }},
   };
   for (const BadOption& b : bad) {
@@ -59,6 +59,25 @@ TEST(check_options, each_option_at_fault_is_named) {
               b.name);
   }
   EXPECT_NO_THROW(check_options(Options{}));
+}
+
+TEST(check_options, a_shortest_edge_above_the_longest_is_refused_also_where_that_is_a_part_of_the_diagonal) {
+  Options options;
+  options.max_edge_fraction = 0.01;
+  const double diagonal = std::sqrt(3), longest = 0.01 * diagonal;
+  for (const bool refine : {true, false}) {
+    options.refine = refine;
+    options.min_edge_length = longest;
+    EXPECT_NO_THROW(check_options(options, diagonal));
+    options.min_edge_length = 10;
+    EXPECT_NO_THROW(check_options(options)) << "there are inputs for which it is not above";
+    const Error error = error_of([&] {
+      RunControl control;
+      remesh_surface(shapes::box({1, 1, 1}), options, RunSettings{}, control);
+    });
+    EXPECT_EQ(error.code, Code::kInvalidOption);
+    EXPECT_EQ(error.option, "min_edge_length");
+  }
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Holds docker/ against Kubernetes' own schemas, against itself, and against the daemon, without a cluster:
-//   node check.mjs FOLDER SETTINGS
-// FOLDER is docker/, SETTINGS a file with what `remeshd --print-config` says. Prints what is wrong.
+//   node check.mjs FOLDER SETTINGS METRICS
+// FOLDER is docker/, SETTINGS a file with what `remeshd --print-config` says, METRICS one with the names of what it counts,
+// one a line. Prints what is wrong.
 import fs from "node:fs";
 import path from "node:path";
 import * as core from "kubernetes-models/v1";
@@ -11,7 +12,9 @@ import * as policy from "kubernetes-models/policy/v1";
 import YAML from "yaml";
 
 const groups = {"v1": core, "apps/v1": apps, "autoscaling/v2": autoscaling, "networking.k8s.io/v1": networking, "policy/v1": policy};
-const [folder, settingsFile] = process.argv.slice(2);
+const [folder, settingsFile, metricsFile] = process.argv.slice(2);
+const readme = fs.readFileSync(path.join(folder, "README.md"), "utf8");
+const metrics = new Set(fs.readFileSync(metricsFile, "utf8").split("\n"));
 const settings = new Set(fs.readFileSync(settingsFile, "utf8").split("\n").map(
   (line) => "REMESHD_" + line.split("=")[0].replaceAll("-", "_").toUpperCase()));
 settings.add("REMESHD_API_KEY");
@@ -94,7 +97,17 @@ for (const file of ["hpa.yaml", "hpa-queue.yaml"]) {
   expect(target.kind === deployment.kind && target.name === deployment.metadata.name, `${file} scales ${target.name}`);
 }
 const metric = resources["hpa-queue.yaml"].spec.metrics[0].external.metric.name;
-expect(metric === "remeshd_jobs_queued", `hpa-queue.yaml: the daemon has no metric ${metric}`);
+expect(metrics.has(metric), `hpa-queue.yaml: the daemon has no metric ${metric}`);
+const watchedMetrics = [...readme.matchAll(/^\|.*?\|/gm)].flatMap(([cell]) => cell.match(/remeshd_[a-z_]+/g) ?? []);
+expect(watchedMetrics.length > 0, "README.md: no metric to watch");
+for (const name of watchedMetrics) expect(metrics.has(name), `README.md: the daemon has no metric ${name}`);
+// What a cluster pulls is what the steps push.
+const [image] = kustomization.images;
+expect(container.image === image.name, `kustomization.yaml renames ${image.name}, the pods have ${container.image}`);
+for (const step of ["docker build .* -t", "docker push"]) {
+  const line = new RegExp(`^${step} ${image.newName}:${image.newTag}( \\.)?$`, "m");
+  expect(line.test(readme), `README.md: no "${step} ${image.newName}:${image.newTag}"`);
+}
 for (const probe of ["livenessProbe", "readinessProbe"]) {
   const {path: asked, port} = container[probe].httpGet;
   expect(["/livez", "/readyz"].includes(asked) && ports.has(port), `deployment.yaml: ${probe} asks ${asked} at ${port}`);

@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The README's curl does what the README says, against a real daemon.
+# The README's curl does what the README says, against a real daemon, and so does its command line.
 . "$(dirname "$0")/daemon.sh"
 
 # the curls of the README, in their order: refined, not refined, ...
@@ -40,3 +40,17 @@ for query in '' '?refine=false'; do
     fail "angles below 25 degrees: $summary"
 done
 stop_daemon
+
+# The same for the command line: a mesh, a folder.
+mapfile -t commands < <(grep '^build/release/remesh ' "$root/README.md")
+[ "${#commands[@]}" -ge 2 ] || fail "the README has no command lines"
+rm -f out.obj
+mkdir parts
+cp tests/data/bracket.obj parts
+for command in "${commands[@]}"; do
+  eval "\"\$remesh\" ${command#* }" || fail "$command"
+done
+[ "$(count_faces out.obj)" -gt "$coarse_faces" ] || fail "the command line made no out.obj"
+grep -q '"min_angle_deg":30' report.json || fail "the report has other options: $(head -c 300 report.json)"
+grep -q '^bracket.obj,ok,' parts.csv || fail "the batch says: $(cat parts.csv)"
+[ -s remeshed/bracket.stl ] || fail "the batch made no remeshed/bracket.stl"

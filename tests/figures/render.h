@@ -21,7 +21,9 @@ enum class Paint { kLight, kPatches, kSizes };
 
 /// Draws the faces that look at the viewer, seen from the front right above in parallel projection, the far ones first:
 /// shaded by a light from above, or coloured by patch or by size (small ones warm, large ones cold) and shaded a
-/// little. Input: faces that do not pass through each other. Cost:  O(n^2) box tests in the visible faces.
+/// little.
+/// Input:  faces that do not pass through each other.
+/// Cost:   O(n^2) box tests in the visible faces.
 void draw(const Shape& shape, Paint paint, double mesh_line_width, Panel& panel);
 
 }  // namespace remesh::figures

@@ -181,7 +181,8 @@ bool eventually(Condition condition) {
 }
 
 /// What `attempt` takes at its best: tried a few times until it is within `bound`, since what else the machine does is
-/// not what is measured. Input: `attempt` gives its time.
+/// not what is measured.
+/// Input:  `attempt` gives its time.
 template <typename Attempt>
 std::chrono::steady_clock::duration best_time(std::chrono::steady_clock::duration bound, Attempt attempt) {
   auto best = attempt();

@@ -3,12 +3,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <filesystem>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "api/cli/files.h"
 #include "core/io/gzip.h"
+#include "tests/support/errors.h"
 #include "tests/support/temporary_folder.h"
 
 namespace remesh::cli {
@@ -120,6 +123,30 @@ TEST_F(Batch, an_empty_folder_is_a_table_without_rows_and_a_missing_one_an_error
   EXPECT_THROW(run(missing), FileError);
 }
 
+TEST_F(Batch, no_mesh_is_written_over_whatever_the_output_folder_is_called) {
+  folder_.write("parts/a.obj", kSquare);
+  folder_.write("parts/parts/a.obj", kSquare);
+  std::filesystem::create_directory_symlink(folder_.path("parts"), folder_.path("link"));
+  // The last one has parts/parts/a.obj written to parts/a.obj.
+  for (const auto& [from, to] : std::vector<std::pair<std::string, std::string>>{
+           {"parts", "parts"}, {"parts", "link"}, {"parts", "parts/../parts/"}, {"parts", ""}}) {
+    BatchJob onto_itself = job();
+    onto_itself.folder = folder_.path(from);
+    onto_itself.output_folder = folder_.path(to);
+    EXPECT_EQ(test::error_of([&] { run(onto_itself); }).option, "output") << to;
+    EXPECT_EQ(folder_.read("parts/a.obj"), kSquare);
+    EXPECT_EQ(folder_.read("parts/parts/a.obj"), kSquare);
+  }
+}
+
+TEST_F(Batch, an_output_folder_inside_the_folder_is_not_read) {
+  folder_.write("parts/a.obj", kSquare);
+  BatchJob inside = job();
+  inside.output_folder = folder_.path("parts/done");
+  for (int time = 0; time < 3; ++time) EXPECT_EQ(run(inside).files, 1u);
+  EXPECT_EQ(folder_.read("parts/done/done/a.obj"), "");
+}
+
 TEST_F(Batch, an_output_that_cannot_be_written_fails_its_file_and_no_other) {
   folder_.write("parts/a.obj", kSquare);
   folder_.write("parts/b.obj", kSquare);
@@ -128,6 +155,19 @@ TEST_F(Batch, an_output_that_cannot_be_written_fails_its_file_and_no_other) {
   with_output.output_folder = folder_.path("done");
   EXPECT_EQ(run(with_output).failed, 1u);
   EXPECT_THAT(table(), ElementsAre(kColumns, HasSubstr("a.obj,failed,file_error,"), StartsWith("b.obj,ok,")));
+}
+
+TEST_F(Batch, where_nothing_can_be_written_nothing_is_remeshed) {
+  folder_.write("parts/a.obj", kSquare);
+  folder_.write("file", "");
+  BatchJob no_table = job();
+  no_table.output_folder = folder_.path("done");
+  no_table.report = folder_.path("none/table.csv");
+  EXPECT_THROW(run(no_table), FileError);
+  EXPECT_FALSE(std::filesystem::exists(folder_.path("done")));
+  BatchJob no_folder = job();
+  no_folder.output_folder = folder_.path("file");
+  EXPECT_THROW(run(no_folder), FileError);
 }
 
 TEST_F(Batch, a_stop_ends_every_file_and_the_table_says_so) {

@@ -133,5 +133,36 @@ TEST_F(Files, a_write_that_fails_says_why_and_leaves_nothing) {
   EXPECT_EQ(folder_.entry_count(), 1u);
 }
 
+TEST_F(Files, whether_a_file_could_be_written_is_told_without_writing_it) {
+  folder_.write("old", "old");
+  folder_.write("folder/file", "");
+  const auto check = [&](const std::string& path) { return complaint([&] { check_writable(path); }); };
+  for (const std::string& path : {folder_.path("new"), folder_.path("old"), std::string("-"), std::string("/dev/null"),
+                                  std::string("in_the_working_folder")}) {
+    EXPECT_EQ(check(path), "");
+  }
+  EXPECT_EQ(check(folder_.path("none/new")), folder_.path("none/new") + ": No such file or directory");
+  EXPECT_EQ(check(folder_.path("old/new")), folder_.path("old/new") + ": Not a directory");
+  EXPECT_EQ(check(folder_.path("folder")), folder_.path("folder") + ": Is a directory");
+  EXPECT_EQ(folder_.entry_count(), 2u);
+  EXPECT_EQ(folder_.read("old"), "old");
+}
+
+TEST_F(Files, a_draft_has_what_was_appended_at_once_and_takes_the_place_of_what_was_there) {
+  folder_.write("table", "an older and longer one");
+  Draft draft(folder_.path("table"));
+  draft.append("one,");
+  EXPECT_EQ(folder_.read("table"), "one,");
+  draft.append("two");
+  EXPECT_EQ(folder_.read("table"), "one,two");
+}
+
+TEST_F(Files, a_draft_leaves_alone_what_is_no_ordinary_file) {
+  ASSERT_EQ(::mkfifo(folder_.path("pipe").c_str(), 0600), 0);
+  for (const std::string& path : {folder_.path("pipe"), std::string("-"), folder_.path("none/table")})
+    Draft(path).append("nothing");
+  EXPECT_EQ(folder_.entry_count(), 1u);
+}
+
 }  // namespace
 }  // namespace remesh::cli

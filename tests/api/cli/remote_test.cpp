@@ -115,6 +115,13 @@ RemoteError refusal_of(RemoteJob job) {
   return RemoteError(0, "", "");
 }
 
+TEST(Remote, a_refusal_for_want_of_a_key_says_where_it_is_taken_from) {
+  for (const char* body : {R"({"code": "unauthorized", "detail": "a key is needed"})", "not JSON"}) {
+    const StubServer server([&](const Seen&, httplib::Response& response) { reply(response, 401, body); });
+    EXPECT_THAT(refusal_of(job_for(server)).what(), HasSubstr("REMESH_API_KEY"));
+  }
+}
+
 TEST(Remote, a_job_is_sent_watched_and_fetched_where_the_url_says) {
   const StubServer server(job_that_succeeds(nothing_before));
   RemoteJob job = job_for(server);

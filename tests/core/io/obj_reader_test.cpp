@@ -195,6 +195,16 @@ TEST(obj_reader, an_index_without_its_vertex_names_the_first_line_of_such) {
   expect_error(v + "f 1/99999999999 2 3\n", Code::kIndexOutOfRange, 4);
 }
 
+TEST(obj_reader, an_error_names_its_face_or_vertex_from_0) {
+  const std::string v = kTriangle, face = "f 1 2 3\n";
+  const std::string two_faces = v + face + face;
+  for (const char* bad : {"f 1 2 9\n", "f 1 2 0\n", "f 1 2 -9\n", "f 1 2 99999999999\n", "f 1 2\n", "f 1 2 x\n"}) {
+    EXPECT_EQ(error_of(two_faces + bad + face).element, 2u) << bad;
+  }
+  EXPECT_EQ(error_of(face + "f 1 2 9\n" + v).element, 1u);
+  for (const char* bad : {"v 1\n", "v 1 x 0\n", "v nan 0 0\n"}) EXPECT_EQ(error_of(v + bad + face).element, 3u) << bad;
+}
+
 TEST(obj_reader, malformed_faces_name_their_line) {
   const std::string v = kTriangle;
   for (const char* face :
