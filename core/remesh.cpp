@@ -152,6 +152,7 @@ class Run {
     report_.volume_bound = report_.verified.volume_bound;
     prepared_.release();
     warn_of_curves();
+    warn_of_many_intersections();
     for (std::size_t p = 0; p < meshes_.size(); ++p) report_.patches[p].output_faces = meshes_[p].mesh.triangle_count();
     return true;
   }
@@ -345,6 +346,20 @@ class Run {
     warning.message = "most facets are patches of their own, as of a curved surface: refinement makes many faces there";
     report_.diagnostics.push_back(std::move(warning));
   }
+
+  /// Then the verdict is not about all of them.
+  void warn_of_many_intersections() {
+    if (report_.verified.are_all_intersections_known) return;
+    const auto is_of_them = [](const Diagnostic& d) {
+      return d.code == DiagnosticCode::kSelfIntersection || d.code == DiagnosticCode::kOverlappingFaces;
+    };
+    auto& all = report_.diagnostics;
+    auto found = std::find_if(all.begin(), all.end(), is_of_them);
+    if (found == all.end())
+      found = all.insert(all.end(), {DiagnosticCode::kSelfIntersection, 0, {}, "faces may intersect"});
+    found->message += "; too many to test that the result has no others";
+  }
+
   /// A dozen polygons are a polyhedron.
   static constexpr std::size_t kFewFacets = 50;
 

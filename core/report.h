@@ -185,6 +185,8 @@ struct Verdict {
   std::vector<PatchId> failed_patches;
   /// Pairs of output faces that intersect, sorted; of very many just some.
   std::vector<std::pair<FaceId, FaceId>> intersections;
+  /// False: input or output has too many of these to see for all of them whether their patches intersect in the input.
+  bool are_all_intersections_known = true;
   /// The first failures in words, for logs and tests.
   std::vector<std::string> failures;
 

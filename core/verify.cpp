@@ -109,13 +109,11 @@ void check_whole(const Model& model, const EdgeCounts& input, std::int64_t input
 /// At most so many intersecting pairs are looked for.
 constexpr std::size_t kMostPairs = 100'000;
 
-/// Output: the pairs of output faces that intersect.
-std::vector<std::pair<FaceId, FaceId>> check_intersections(const Claim& claim,
-                                                           const std::vector<std::uint8_t>& is_positive,
-                                                           Findings& findings, RunControl& control) {
+/// Writes the pairs of output faces that intersect to the verdict.
+void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is_positive, Findings& findings,
+                         Verdict& verdict, RunControl& control) {
   // What is nowhere intersects nothing, and has failed already.
-  if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); }))
-    return {};
+  if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); })) return;
   std::vector<Vec3> normals;
   normals.reserve(claim.frames.size());
   for (const Frame& frame : claim.frames) normals.push_back(frame.normal);
@@ -134,7 +132,8 @@ std::vector<std::pair<FaceId, FaceId>> check_intersections(const Claim& claim,
       findings.add(p, Fault::kNewIntersection, f.value);
       findings.add(q, Fault::kNewIntersection, g.value);
     }
-  return std::move(found.pairs);
+  verdict.are_all_intersections_known = known.is_complete && found.is_complete;
+  verdict.intersections = std::move(found.pairs);
 }
 
 }  // namespace
@@ -180,7 +179,7 @@ Verdict verify(const Claim& claim, RunControl& control) {
   control.progress(0.9);
 
   DelaunayCheck(model, output_edges, is_positive).run(findings, control);
-  verdict.intersections = check_intersections(claim, is_positive, findings, control);
+  check_intersections(claim, is_positive, findings, verdict, control);
   if (claim.refinement != nullptr) check_goals(*claim.refinement, model, output_edges, seams.output, findings, control);
   check_whole(model, input_edges.counts(), boundary.input_vertices, output_edges.counts(), shapes, findings, control);
   findings.write_to(verdict);

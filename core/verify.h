@@ -63,7 +63,8 @@ struct Claim {
 ///  conforming: every output edge has the faces, and the directions, that the input's edges under it have; no zero-area
 ///              or inverted triangle but for the input's own, no repeated face, no new non-manifold edge, no
 ///              T-junction; faces intersect (geometry/patch_intersections.h) only where their patches do in the input,
-///              which is not asked if that has too many intersections to list.
+///              which is not asked if that has too many intersections to list, and only of some if the output has:
+///              `are_all_intersections_known` tells.
 ///  delaunay:   the stored plane coordinates are the projections of the vertices; every edge inside a patch is locally
 ///              Delaunay in them by exact arithmetic - or the edge that would replace it exists elsewhere in the output
 ///              (the chord rule).

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "core/base/blocks.h"
@@ -16,8 +18,11 @@ namespace {
 /// A volume counts as negative from here, of the piece's area times its extent: a doubled sheet has none but rounding.
 constexpr double kNoVolume = 1e-12;
 
-/// Triangles that all rays together may look at.
-constexpr std::size_t kMostTests = 50'000'000;
+/// Triangles that all rays together may look at where they go on to the end.
+constexpr std::size_t kMostTests = 10'000'000;
+
+/// Between two points of cancellation.
+constexpr std::size_t kTestsBetweenChecks = 4096;
 
 class Pieces {
  public:
@@ -33,12 +38,10 @@ class Pieces {
     for (std::uint32_t p = 0; p < pieces_.size(); ++p)
       if (pieces_[p].is_closed && pieces_[p].volume < 0) negative.push_back(p);
     if (negative.empty()) return result;
-    measure();
-    const auto is_flat = [&](std::uint32_t p) {
-      const Piece& piece = pieces_[p];
-      return piece.volume >= -kNoVolume * piece.area * piece.box.diagonal();
-    };
-    negative.erase(std::remove_if(negative.begin(), negative.end(), is_flat), negative.end());
+    measure([](const Piece& piece) { return piece.is_closed && piece.volume < 0; });
+    negative.erase(
+        std::remove_if(negative.begin(), negative.end(), [&](std::uint32_t p) { return is_flat(pieces_[p]); }),
+        negative.end());
     const auto closed = std::count_if(pieces_.begin(), pieces_.end(), [](const Piece& p) { return p.is_closed; });
     if (closed > 1 && !negative.empty()) drop_cavities(negative);
     if (negative.empty()) return result;
@@ -122,12 +125,17 @@ class Pieces {
     return dot(positions_[face(f)[0].value] - from, twice_area_of(face(f))) / 6;
   }
 
-  /// What is asked of negative pieces only.
-  void measure() {
+  static bool is_flat(const Piece& piece) {
+    return std::fabs(piece.volume) <= kNoVolume * piece.area * piece.box.diagonal();
+  }
+
+  /// What is asked of few pieces only.
+  template <class IsAsked>
+  void measure(const IsAsked& is_asked) {
     for (std::uint32_t f = 0; f < face_count(); ++f) {
-      if (f % 4096 == 0) control_.check();
+      if (f % kTestsBetweenChecks == 0) control_.check();
       Piece& piece = pieces_[piece_of_[f]];
-      if (!piece.is_closed || piece.volume >= 0) continue;
+      if (!is_asked(piece)) continue;
       piece.area += norm(twice_area_of(face(f))) / 2;
       for (const VertexId v : face(f)) {
         piece.box.add(positions_[v.value]);
@@ -148,34 +156,115 @@ class Pieces {
         piece_of.push_back(piece_of_[f]);
       }
     }
-    const TriangleTree tree(positions_, triangles, control_);
+    const Triangles all{TriangleTree(positions_, triangles, control_), triangles, piece_of};
     std::size_t tests = 0;
+    std::vector<std::uint8_t> is_in_odd;
     const auto is_cavity = [&](std::uint32_t piece) {
-      const Vec3 p = pieces_[piece].least;
-      std::vector<std::pair<std::uint32_t, int>> hits;
-      tree.visit_meeting({p, Vec3{HUGE_VAL, p.y, p.z}}, 0, [&](std::size_t slot) {
-        if (tests % 4096 == 0) control_.check();
-        const std::uint32_t t = tree.face(slot).value;
-        if (piece_of[t] != piece)
-          if (const int sign = crossing(triangles[t], p); sign != 0) hits.push_back({piece_of[t], sign});
-        return ++tests < kMostTests;
-      });
-      std::sort(hits.begin(), hits.end());
-      std::size_t depth = 0;
-      for (std::size_t i = 0; i < hits.size();) {
-        const std::uint32_t other = hits[i].first;
-        int turns = 0;
-        for (; i < hits.size() && hits[i].first == other; ++i) turns += hits[i].second;
-        depth += turns != 0;
+      if (tests < kMostTests) {
+        const bool is_within = is_in_odd_number(piece, all, tests);
+        if (tests < kMostTests) return is_within;
       }
-      return tests < kMostTests && depth % 2 == 1;
+      // Very many lie in one line.
+      if (is_in_odd.empty()) is_in_odd = nearest_first(all);
+      return is_in_odd[piece] != 0;
     };
     negative.erase(std::remove_if(negative.begin(), negative.end(), is_cavity), negative.end());
   }
 
-  /// How the ray from p along x passes a triangle: 1 in the direction of its normal, -1 against it, 0 not. As if p were
-  /// moved by an infinitesimal, so that a ray through an edge passes just one of the faces there.
-  int crossing(const Triangle& triangle, const Vec3& p) const {
+  /// Those of the closed pieces.
+  struct Triangles {
+    TriangleTree tree;
+    std::span<const Triangle> corners;
+    std::span<const std::uint32_t> piece;
+  };
+
+  /// Does a piece lie within an odd number of others? By all that lies on one side of it; stops at kMostTests.
+  bool is_in_odd_number(std::uint32_t piece, const Triangles& all, std::size_t& tests) const {
+    const Vec3 p = pieces_[piece].least;
+    std::vector<std::pair<std::uint32_t, int>> hits;
+    all.tree.visit_meeting({p, Vec3{HUGE_VAL, p.y, p.z}}, 0, [&](std::size_t slot) {
+      if (tests % kTestsBetweenChecks == 0) control_.check();
+      const std::uint32_t t = all.tree.face(slot).value;
+      if (all.piece[t] != piece)
+        if (const auto [turns, is_beyond] = crossing(all.corners[t], p); turns != 0 && is_beyond)
+          hits.push_back({all.piece[t], turns});
+      return ++tests < kMostTests;
+    });
+    std::sort(hits.begin(), hits.end());
+    std::size_t depth = 0;
+    for (std::size_t i = 0; i < hits.size();) {
+      const std::uint32_t other = hits[i].first;
+      int turns = 0;
+      for (; i < hits.size() && hits[i].first == other; ++i) turns += hits[i].second;
+      depth += turns != 0;
+    }
+    return depth % 2 == 1;
+  }
+
+  /// The same for all pieces, by the nearest other one in the direction of -x from each: it lies in that one, or in all
+  /// that this one lies in. That one's own smallest vertex comes first.
+  std::vector<std::uint8_t> nearest_first(const Triangles& all) {
+    measure([](const Piece& piece) { return piece.is_closed && piece.volume >= 0; });
+    std::vector<std::uint32_t> order(pieces_.size()), rank(pieces_.size());
+    std::iota(order.begin(), order.end(), 0u);
+    // Of two pieces at one vertex the outer one comes first.
+    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return std::tuple(pieces_[a].least, -std::fabs(pieces_[a].volume), a) <
+             std::tuple(pieces_[b].least, -std::fabs(pieces_[b].volume), b);
+    });
+    for (std::uint32_t i = 0; i < order.size(); ++i) rank[order[i]] = i;
+    double end = HUGE_VAL;
+    for (const Piece& piece : pieces_) end = std::min(end, piece.least.x);
+    std::vector<std::uint8_t> is_in_odd(pieces_.size(), 0);
+    std::size_t tests = 0;
+    for (const std::uint32_t piece : order) {
+      if (!pieces_[piece].is_closed) continue;
+      const Vec3 p = pieces_[piece].least;
+      std::uint32_t nearest = Id<FaceTag>::kInvalid;
+      double greatest_x = -HUGE_VAL;
+      bool is_within = false;
+      // In ever larger steps: what is far is looked at only where nothing is near.
+      double reach = pieces_[piece].box.diagonal() / static_cast<double>(all.corners.size());
+      for (bool is_last = false; !is_last && nearest == Id<FaceTag>::kInvalid; reach *= 4) {
+        is_last = !(p.x - reach > end) || !(reach > 0);
+        all.tree.visit_meeting({Vec3{is_last ? end : p.x - reach, p.y, p.z}, p}, 0, [&](std::size_t slot) {
+          if (++tests % kTestsBetweenChecks == 0) control_.check();
+          const std::uint32_t t = all.tree.face(slot).value, other = all.piece[t];
+          if (rank[other] >= rank[piece] || is_flat(pieces_[other])) return true;
+          const auto [turns, is_beyond] = crossing(all.corners[t], p);
+          if (turns == 0 || is_beyond) return true;
+          const double x = where_passed(all.corners[t], p);
+          if (!is_last && x < p.x - reach) return true;  // there may be a nearer one outside the box
+          if (nearest == Id<FaceTag>::kInvalid || x > greatest_x) {
+            nearest = other;
+            greatest_x = x;
+            is_within = (turns < 0) == (pieces_[other].volume > 0);
+          }
+          return true;
+        });
+      }
+      if (nearest != Id<FaceTag>::kInvalid) is_in_odd[piece] = (is_in_odd[nearest] != 0) != is_within;
+    }
+    return is_in_odd;
+  }
+
+  /// The place along x where the line through p along x passes a triangle's plane, as far as rounding tells.
+  double where_passed(const Triangle& triangle, const Vec3& p) const {
+    const Vec3 &a = positions_[triangle[0].value], &b = positions_[triangle[1].value],
+               &c = positions_[triangle[2].value];
+    const Vec3 normal = cross(b - a, c - a);
+    const double x = a.x - (normal.y * (p.y - a.y) + normal.z * (p.z - a.z)) / normal.x;
+    const auto [low, high] = std::minmax({a.x, b.x, c.x});
+    return std::clamp(x, low, std::max(low, std::min(high, p.x)));
+  }
+
+  struct Crossing {
+    int turns = 0;           ///< 1 in the direction of the triangle's normal, -1 against it, 0 not
+    bool is_beyond = false;  ///< on the way from p along x; else against it
+  };
+  /// How the line through p along x passes a triangle in the direction of x. As if p were moved by an infinitesimal, so
+  /// that a line through an edge passes just one of the faces there.
+  Crossing crossing(const Triangle& triangle, const Vec3& p) const {
     int turns = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 &from = positions_[triangle[i].value], &to = positions_[triangle[(i + 1) % 3].value];
@@ -185,10 +274,10 @@ class Pieces {
       if (is_up && side > 0) ++turns;
       if (is_down && side < 0) --turns;
     }
-    if (turns == 0) return 0;
+    if (turns == 0) return {};
     const int side =
         orient3d(positions_[triangle[0].value], positions_[triangle[1].value], positions_[triangle[2].value], p);
-    return side * turns < 0 ? turns : 0;
+    return {turns, side * turns < 0};
   }
 
   std::span<const Vec3> positions_;

@@ -23,8 +23,9 @@ struct InsideOut {
 /// Input:  coordinates within [-2^250, 2^250]. Polygons count as fans, whose signed parts give the right sums.
 /// Holds:  exact in what lies within what, where pieces do not cross. A piece is judged by its lexicographically
 ///         smallest vertex, moved by an infinitesimal if it touches another one.
-/// Cost:   O(n); for negative pieces, if there are others, a tree and for each what lies in one direction from it. A
-///         surface of very many such pieces in one line is judged in part as if they were not nested.
+/// Cost:   O(n); for negative pieces, if there are others, a tree and for each what lies in one direction from it.
+///         Where that is more than 1e7 triangles in all, as in a nest of very many, the rest is judged by the nearest
+///         piece in the other direction alone; which one is nearest is told to rounding, then.
 InsideOut find_inside_out(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
                           std::span<const VertexId> corners, const Adjacency& edges, RunControl& control);
 

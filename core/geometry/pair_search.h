@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <utility>
@@ -46,6 +47,8 @@ struct SearchedTriangles {
   std::span<const Triangle> faces;
   double margin = 0;
   enum { kByTriangles, kByBoxes } by = kByTriangles;  ///< kByBoxes: some stand for their boxes, wherever they are in it
+  /// Told which slots meet too many by their boxes; true: from then on fewer nodes are of interest to some of them.
+  std::function<bool(std::span<const std::uint32_t> slots)> lose_interest = {};
 };
 
 /// Adds to `result` the pairs of a tree's slots whose triangles meet, within the margin, and for which
@@ -112,6 +115,8 @@ void find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of, const
   if (slots.empty() || !result.is_complete) return;
   const std::size_t share = kInVainPerSlot * tree.size() / slots.size();
   if (share > 4 * kFewInVain) search_later(share);
+  if (slots.empty() || !result.is_complete) return;
+  if (triangles.lose_interest && triangles.lose_interest(slots)) search_later(kFewInVain);
   if (slots.empty() || !result.is_complete) return;
   if (triangles.by == SearchedTriangles::kByTriangles)
     oriented.emplace(tree, triangles.positions, triangles.faces, triangles.margin, control);

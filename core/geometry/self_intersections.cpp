@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <optional>
+#include <tuple>
 
+#include "core/geometry/axial_bounds.h"
+#include "core/geometry/half_planes.h"
 #include "core/geometry/pair_search.h"
 #include "core/geometry/predicates_3d.h"
 #include "core/geometry/triangle_intersection.h"
@@ -15,6 +18,8 @@ namespace {
 /// Between two points of cancellation.
 constexpr std::size_t kFacesBetweenChecks = 4096;
 
+constexpr std::size_t kFacesPerTask = 256;
+
 /// A vertex with more faces than this is a hub: the pairs around it are found by their directions from it.
 constexpr std::uint32_t kMostAtVertex = 64;
 
@@ -24,17 +29,69 @@ constexpr double kDirectionMargin = 1e-12;
 /// By its box; not a triangle that holds it.
 constexpr std::array kWholeSphere{Vec3{-1, -1, -1}, Vec3{1, 1, 1}, Vec3{1, 1, 1}};
 
-/// The hubs that all faces of a node have; invalid where there are fewer than three.
+/// Hubs that a face has, that two share, or that all faces of a node have: different ones, ascending, and invalid ids
+/// behind them where there are fewer than three.
 using Hubs = std::array<VertexId, 3>;
 
 bool has(const Triangle& face, VertexId v) { return std::find(face.begin(), face.end(), v) != face.end(); }
 
-Hubs common(const Hubs& a, const Hubs& b) {
-  Hubs both;
-  std::copy_if(a.begin(), a.end(), both.begin(),
-               [&](VertexId v) { return v.is_valid() && std::find(b.begin(), b.end(), v) != b.end(); });
-  return both;
+template <class IsOne>
+Hubs select(const Hubs& hubs, const IsOne& is_one) {
+  Hubs selected;
+  std::copy_if(hubs.begin(), hubs.end(), selected.begin(), [&](VertexId v) { return v.is_valid() && is_one(v); });
+  return selected;
 }
+
+Hubs common(const Hubs& a, const Hubs& b) {
+  return select(a, [&](VertexId v) { return std::find(b.begin(), b.end(), v) != b.end(); });
+}
+
+/// Two hubs, ascending.
+using HubEdge = std::pair<VertexId, VertexId>;
+constexpr HubEdge kNoEdge{};
+
+/// For searches in which boxes tell too little: of slots with hubs, what lies at other angles about an edge between
+/// hubs is of no interest.
+class AxialSearch {
+ public:
+  /// Input:   edge_of(slot): one at the slot's face, or kNoEdge; triangles of the tree by their places in it.
+  /// Output:  whether there is such an edge at any of the slots.
+  template <class EdgeOf>
+  bool prepare(const TriangleTree& tree, std::span<const Vec3> positions, std::span<const Triangle> faces,
+               std::span<const std::uint32_t> slots, const EdgeOf& edge_of, RunControl& control) {
+    std::vector<std::pair<HubEdge, std::uint32_t>> at_edge;
+    for (const std::uint32_t slot : slots)
+      if (const HubEdge edge = edge_of(slot); edge != kNoEdge) at_edge.push_back({edge, slot});
+    std::sort(at_edge.begin(), at_edge.end());
+    of_slot_.resize(tree.size());
+    for (std::size_t begin = 0, end = 0; begin < at_edge.size(); begin = end) {
+      const HubEdge edge = at_edge[begin].first;
+      while (end < at_edge.size() && at_edge[end].first == edge) ++end;
+      // To look at all of few takes less than the bounds of all nodes.
+      if ((end - begin) * (end - begin) < tree.size()) continue;
+      bounds_.emplace_back(tree, positions, faces, edge.first, edge.second, control);
+      for (std::size_t i = begin; i < end; ++i) {
+        const std::uint32_t slot = at_edge[i].second;
+        of_slot_[slot] = {static_cast<std::uint32_t>(bounds_.size()),
+                          bounds_.back().arc_of(faces[tree.face(slot).value])};
+      }
+    }
+    return !bounds_.empty();
+  }
+
+  bool are_apart(std::size_t slot, std::size_t node) const {
+    if (bounds_.empty() || of_slot_[slot].bounds == 0) return false;
+    return bounds_[of_slot_[slot].bounds - 1].are_apart(of_slot_[slot].arc, node);
+  }
+
+ private:
+  struct Seen {
+    std::uint32_t bounds = 0;  ///< their place in `bounds_` and 1; 0: none
+    AxialBounds::Arc arc;
+  };
+  std::vector<AxialBounds> bounds_;
+  std::vector<Seen> of_slot_;
+};
 
 class Search {
  public:
@@ -49,6 +106,7 @@ class Search {
   SelfIntersections run() {
     find_hubs();
     find_everywhere();
+    find_at_edges();
     for (std::size_t begin = 0; begin < at_hub_.size() && result_.is_complete;) {
       std::size_t end = begin + 1;
       while (end < at_hub_.size() && at_hub_[end].first == at_hub_[begin].first) ++end;
@@ -61,6 +119,13 @@ class Search {
   }
 
  private:
+  /// An edge between hubs, and how many faces it has.
+  struct AtEdge {
+    HubEdge edge = kNoEdge;
+    std::uint32_t faces = 0;
+    bool is_own = false;  ///< of the face that is asked about
+  };
+
   void find_hubs() {
     std::vector<std::uint32_t> faces_at(positions_.size(), 0);
     for (const Triangle& face : faces_)
@@ -68,27 +133,64 @@ class Search {
     if (std::none_of(faces_at.begin(), faces_at.end(), [](std::uint32_t n) { return n > kMostAtVertex; })) return;
     is_hub_.resize(positions_.size());
     for (std::size_t v = 0; v < faces_at.size(); ++v) is_hub_[v] = faces_at[v] > kMostAtVertex;
-    for (std::uint32_t f = 0; f < faces_.size(); ++f)
-      for (const VertexId v : hubs_of(FaceId(f)))
+    for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+      const Hubs hubs = hubs_of(FaceId(f));
+      for (const VertexId v : hubs)
         if (v.is_valid()) at_hub_.push_back({v, FaceId(f)});
+      for_each_edge(hubs, [&](HubEdge edge) { at_edge_.push_back({edge, FaceId(f)}); });
+    }
     std::sort(at_hub_.begin(), at_hub_.end());
-    at_hub_.erase(std::unique(at_hub_.begin(), at_hub_.end()), at_hub_.end());
+    std::sort(at_edge_.begin(), at_edge_.end());
+    edge_at_.resize(at_edge_.empty() ? 0 : positions_.size());
+    for_each_hub_edge([&](std::size_t begin, std::size_t end) {
+      const auto& [edge, face] = at_edge_[begin];
+      for (const VertexId v : {edge.first, edge.second})
+        if (edge_at_[v.value].faces < end - begin) edge_at_[v.value] = {edge, static_cast<std::uint32_t>(end - begin)};
+    });
   }
 
   Hubs hubs_of(FaceId f) const {
-    Hubs hubs;
-    std::copy_if(faces_[f.value].begin(), faces_[f.value].end(), hubs.begin(),
-                 [&](VertexId v) { return is_hub_[v.value] != 0; });
-    return hubs;
+    Hubs hubs = faces_[f.value];
+    std::sort(hubs.begin(), hubs.end());
+    const auto end = std::unique(hubs.begin(), hubs.end());
+    std::fill(end, hubs.end(), VertexId());
+    return select(hubs, [&](VertexId v) { return is_hub_[v.value] != 0; });
   }
 
-  /// The hub at which two faces are held against each other; none if they are to be, wherever their boxes meet.
-  VertexId shared_hub(FaceId f, FaceId g) const {
-    VertexId first;
-    if (is_hub_.empty()) return first;
-    for (const VertexId v : faces_[f.value])
-      if (is_hub_[v.value] && has(faces_[g.value], v)) first = std::min(first, v);
-    return first;
+  template <class Visit>
+  static void for_each_edge(const Hubs& hubs, const Visit& visit) {
+    for (const auto& [i, j] : {std::pair(0, 1), std::pair(0, 2), std::pair(1, 2)})
+      if (hubs[j].is_valid()) visit(HubEdge(hubs[i], hubs[j]));
+  }
+
+  /// Calls visit(begin, end) for the faces of each edge in `at_edge_`.
+  template <class Visit>
+  void for_each_hub_edge(const Visit& visit) const {
+    for (std::size_t begin = 0, end = 0; begin < at_edge_.size(); begin = end) {
+      while (end < at_edge_.size() && at_edge_[end].first == at_edge_[begin].first) ++end;
+      visit(begin, end);
+    }
+  }
+
+  /// Of the edges between hubs where a face is, that with the most faces; if it has none itself, of those at its hubs.
+  HubEdge widest_edge(FaceId f) const {
+    AtEdge widest;
+    if (edge_at_.empty()) return widest.edge;
+    const Hubs hubs = hubs_of(f);
+    for (const VertexId v : hubs) {
+      if (!v.is_valid()) continue;
+      const AtEdge& at = edge_at_[v.value];
+      const bool is_own = at.faces > 0 && has(faces_[f.value], at.edge.first) && has(faces_[f.value], at.edge.second);
+      if (std::tuple(is_own, at.faces) > std::tuple(widest.is_own, widest.faces)) widest = {at.edge, at.faces, is_own};
+    }
+    return widest.edge;
+  }
+
+  /// The hubs that decide where two faces are held against each other: if there is none, wherever their boxes meet; at
+  /// the one; or at the edge between the first two.
+  Hubs shared_hubs(FaceId f, FaceId g) const {
+    if (is_hub_.empty()) return {};
+    return select(hubs_of(f), [&](VertexId v) { return has(faces_[g.value], v); });
   }
 
   bool do_count(FaceId f, FaceId g) const {
@@ -107,30 +209,86 @@ class Search {
       pieces = tree.joined<std::uint32_t>([&](std::size_t slot) { return pieces_[tree.face(slot).value]; },
                                           [](std::uint32_t a, std::uint32_t b) { return a == b ? a : kNoPiece; });
     const auto face_of = [&](std::size_t slot) { return tree.face(slot); };
+    AxialSearch axial;
     find_pairs(
-        {tree, positions_, faces_}, face_of,
+        {.tree = tree,
+         .positions = positions_,
+         .faces = faces_,
+         .lose_interest =
+             [&](std::span<const std::uint32_t> slots) {
+               const auto edge_of = [&](std::size_t slot) { return widest_edge(face_of(slot)); };
+               return axial.prepare(tree, positions_, faces_, slots, edge_of, control_);
+             }},
+        face_of,
         [&](std::size_t slot, std::size_t node) {
           if (!pieces.empty() && pieces[node] != kNoPiece && pieces[node] == pieces_[face_of(slot).value]) return true;
+          if (axial.are_apart(slot, node)) return true;
           const Triangle& face = faces_[face_of(slot).value];
           return !hubs.empty() && std::any_of(hubs[node].begin(), hubs[node].end(),
                                               [&](VertexId v) { return v.is_valid() && has(face, v); });
         },
         [&](std::size_t slot, std::size_t other) {
           const FaceId f = face_of(slot), g = face_of(other);
-          return !shared_hub(f, g).is_valid() && do_count(f, g);
+          return !shared_hubs(f, g)[0].is_valid() && do_count(f, g);
         },
         max_pairs_, result_, control_);
   }
 
-  /// Seen from a hub its faces are arcs, and two of them meet elsewhere, too, only if these arcs do.
+  /// Faces that share two hubs meet elsewhere, too, only if they are in one half-plane about the edge between these.
+  void find_at_edges() {
+    struct Grouped {
+      HubEdge edge;
+      FaceId face;
+      std::size_t group_end;
+    };
+    std::vector<Grouped> faces;
+    std::vector<Page> pages;
+    for_each_hub_edge([&](std::size_t begin, std::size_t end) {
+      const auto [from, to] = at_edge_[begin].first;
+      pages.clear();
+      for (std::size_t i = begin; i < end; ++i) {
+        if (i % kFacesBetweenChecks == 0) control_.check();
+        // One without a third corner is the edge, and meets the others in what they share.
+        for (const VertexId v : faces_[at_edge_[i].second.value])
+          if (v != from && v != to) pages.push_back({v, at_edge_[i].second});
+      }
+      std::size_t first = 0;
+      for (const std::size_t last :
+           group_by_half_plane(positions_[from.value], positions_[to.value], positions_, pages, control_)) {
+        const std::size_t group_end = faces.size() + last - first;
+        if (last - first > 1)
+          for (std::size_t i = first; i < last; ++i) faces.push_back({{from, to}, pages[i].face, group_end});
+        first = last;
+      }
+    });
+    gather_pairs(faces.size(), kFacesPerTask, max_pairs_, result_, control_,
+                 [&](std::size_t begin, std::size_t end, std::size_t room) {
+                   FacePairs pairs;
+                   std::uint32_t tests = 0;
+                   for (std::size_t i = begin; i < end; ++i)
+                     for (std::size_t j = i + 1; j < faces[i].group_end; ++j) {
+                       if (++tests % kFacesBetweenChecks == 0) control_.check();
+                       const FaceId f = faces[i].face, g = faces[j].face;
+                       const Hubs shared = shared_hubs(f, g);
+                       if (HubEdge(shared[0], shared[1]) != faces[i].edge || !do_count(f, g)) continue;
+                       pairs.push_back({f, g});
+                       if (pairs.size() > room) return pairs;
+                     }
+                   return pairs;
+                 });
+  }
+
+  /// Seen from a hub its faces are arcs, and two of them that share nothing else meet elsewhere, too, only if these
+  /// arcs do.
   void find_at_hub(std::size_t begin, std::size_t end) {
     const VertexId hub = at_hub_[begin].first;
     std::vector<Vec3> corners;
-    std::vector<Triangle> arcs;
+    std::vector<Triangle> arcs, faces;
     bool are_wide = false;
     for (std::size_t i = begin; i < end; ++i) {
       if (i % kFacesBetweenChecks == 0) control_.check();
-      const auto arc = around_arc(hub, faces_[at_hub_[i].second.value]);
+      faces.push_back(faces_[at_hub_[i].second.value]);
+      const auto arc = around_arc(hub, faces.back());
       are_wide = are_wide || !arc;
       for (const Vec3& corner : arc.value_or(kWholeSphere)) corners.push_back(corner);
       const std::size_t n = corners.size();
@@ -138,13 +296,30 @@ class Search {
     }
     const TriangleTree tree(corners, arcs, control_);
     const auto face_of = [&](std::size_t slot) { return at_hub_[begin + tree.face(slot).value].second; };
+    const auto hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(face_of(slot)); }, common);
+    AxialSearch axial;
     find_pairs(
-        {tree, corners, arcs, kDirectionMargin,
-         are_wide ? SearchedTriangles::kByBoxes : SearchedTriangles::kByTriangles},
-        face_of, [](std::size_t, std::size_t) { return false; },
+        {.tree = tree,
+         .positions = corners,
+         .faces = arcs,
+         .margin = kDirectionMargin,
+         .by = are_wide ? SearchedTriangles::kByBoxes : SearchedTriangles::kByTriangles,
+         .lose_interest =
+             [&](std::span<const std::uint32_t> slots) {
+               const auto edge_of = [&](std::size_t slot) { return widest_edge(face_of(slot)); };
+               return axial.prepare(tree, positions_, faces, slots, edge_of, control_);
+             }},
+        face_of,
+        [&](std::size_t slot, std::size_t node) {
+          if (axial.are_apart(slot, node)) return true;
+          const Triangle& face = faces[tree.face(slot).value];
+          return std::count_if(hubs[node].begin(), hubs[node].end(),
+                               [&](VertexId v) { return v.is_valid() && has(face, v); }) > 1;
+        },
         [&](std::size_t slot, std::size_t other) {
           const FaceId f = face_of(slot), g = face_of(other);
-          return shared_hub(f, g) == hub && do_count(f, g);
+          const Hubs shared = shared_hubs(f, g);
+          return shared[0] == hub && !shared[1].is_valid() && do_count(f, g);
         },
         max_pairs_, result_, control_);
   }
@@ -171,6 +346,8 @@ class Search {
   RunControl& control_;
   std::vector<std::uint8_t> is_hub_;                 ///< per vertex; empty if none is
   std::vector<std::pair<VertexId, FaceId>> at_hub_;  ///< sorted
+  std::vector<std::pair<HubEdge, FaceId>> at_edge_;  ///< sorted
+  std::vector<AtEdge> edge_at_;                      ///< per vertex: the edge between hubs with the most faces
   SelfIntersections result_;
 };
 

@@ -239,6 +239,26 @@ TEST(remesh_surface, faces_that_cross_are_found_and_located) {
   for (const PatchSummary& p : result.report.patches) EXPECT_EQ(p.status, PatchStatus::kRemeshed);
 }
 
+TEST(remesh_surface, where_faces_that_cross_are_too_many_to_be_compared_the_report_says_so) {
+  // Sheets through one line, each through all others.
+  const auto sheets = [](int count) {
+    PolygonMesh mesh;
+    for (int i = 0; i < count; ++i) {
+      const PolygonMesh sheet =
+          shapes::rotated(shapes::moved(shapes::sheet(2, 2, 1, 1), {-1, -1, 0}), {1, 0, 0}, 0.5 * i);
+      mesh = i == 0 ? sheet : shapes::joined(mesh, sheet);
+    }
+    return mesh;
+  };
+  for (const int count : {20, 330}) {
+    const Result result = remeshed(sheets(count));
+    EXPECT_TRUE(result.report.verified.all_true());
+    const Diagnostic* found = find(result.report, DiagnosticCode::kSelfIntersection);
+    ASSERT_NE(found, nullptr);
+    EXPECT_EQ(found->message.find("too many to test") != std::string::npos, count == 330) << found->message;
+  }
+}
+
 TEST(remesh_surface, a_face_that_hangs_on_a_polygons_diagonal_touches_it) {
   const PolygonMesh mesh =
       shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}, {0, 0, -1}}, {{0, 1, 2, 3}, {0, 2, 4}});

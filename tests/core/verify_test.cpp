@@ -56,6 +56,24 @@ TEST(Verify, faces_may_intersect_only_where_their_patches_do_in_the_input) {
   EXPECT_TRUE(is_verified(e));
 }
 
+TEST(Verify, it_tells_where_intersections_are_too_many_to_be_all_known) {
+  Example few = example(shapes::double_sheet(1), shapes::double_sheet(1));
+  EXPECT_TRUE(few.verify().are_all_intersections_known);
+  few.are_these_all = false;
+  EXPECT_TRUE(few.verify().conforming);
+  EXPECT_FALSE(few.verify().are_all_intersections_known);
+  // Sheets a little askew, each through all others.
+  PolygonMesh sheets;
+  for (int i = 0; i < 330; ++i) {
+    const PolygonMesh sheet =
+        shapes::rotated(shapes::moved(shapes::sheet(2, 2, 1, 1), {-1, -1, 0}), {1, 0, 0}, 0.5 * i);
+    sheets = i == 0 ? sheet : shapes::joined(sheets, sheet);
+  }
+  const Verdict many = example(sheets, sheets).verify();
+  EXPECT_EQ(many.intersections.size(), 100'000u);
+  EXPECT_FALSE(many.are_all_intersections_known);
+}
+
 TEST(Verify, rounding_noise_of_a_rotation_is_within_tolerance) {
   const auto turned = [](const PolygonMesh& mesh) { return shapes::rotated(mesh, {1, 2, 3}, 40); };
   const Example e = example(turned(shapes::box({3, 2, 1}, 6)), turned(shapes::box({3, 2, 1}, 1)));

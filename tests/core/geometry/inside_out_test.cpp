@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 #include "tests/support/shapes.h"
 
 namespace remesh {
@@ -41,6 +44,48 @@ TEST(find_inside_out, a_negative_volume_counts_where_it_is_no_cavity) {
   EXPECT_EQ(found_in(all({cube(5, false), cube(4, true), cube(3, false), cube(2, true)})), Found{});
   EXPECT_EQ(found_in(all({cube(1, false), cube(1, true, {3, 0, 0}), cube(1, true, {-3, 0, 0})})),
             (Found{FaceId(kCube), FaceId(2 * kCube)}));
+}
+
+/// Cubes in one another, the outermost first, that look outwards and inwards in turn: solids and their cavities. One
+/// looks the wrong way.
+PolygonMesh nest(int count, int wrong) {
+  PolygonMesh mesh;
+  const PolygonMesh shape = shapes::quad_box({2, 2, 2}, 1);
+  mesh.face_begin = {0};
+  for (int i = 0; i < count; ++i) {
+    const double size = count - i;
+    const auto first = static_cast<std::uint32_t>(mesh.vertex_count());
+    for (const Vec3& p : shape.positions) mesh.positions.push_back(size * (p - Vec3{1, 1, 1}));
+    for (std::uint32_t f = 0; f < shape.face_count(); ++f) {
+      std::vector<VertexId> loop;
+      for (const VertexId v : shape.face(FaceId(f))) loop.push_back(VertexId(first + v.value));
+      if ((i % 2 == 1) != (i == wrong)) std::reverse(loop.begin(), loop.end());
+      mesh.corners.insert(mesh.corners.end(), loop.begin(), loop.end());
+      mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+    }
+  }
+  return mesh;
+}
+
+TEST(find_inside_out, a_nest_of_any_number_of_pieces_is_judged_right) {
+  EXPECT_EQ(found_in(nest(20, 4)), std::vector<FaceId>{FaceId(4 * 6)});
+  // More than all rays together may look at.
+  constexpr int kMany = 6'000;
+  EXPECT_EQ(found_in(nest(kMany, -1)), std::vector<FaceId>{});
+  EXPECT_EQ(found_in(nest(kMany, kMany - 2)), std::vector<FaceId>{FaceId((kMany - 2) * 6)});
+  EXPECT_EQ(found_in(nest(kMany, 0)), std::vector<FaceId>{FaceId(0)});
+  const PolygonMesh turned = shapes::rotated(nest(kMany, kMany - 400), {1, 2, 3}, 40);
+  EXPECT_EQ(found_in(turned), std::vector<FaceId>{FaceId((kMany - 400) * 6)});
+  // Side by side in the innermost one.
+  for (const int count : {kMany, kMany - 1}) {
+    PolygonMesh mesh = nest(count, -1);
+    std::vector<FaceId> inwards;
+    for (int i = 0; i < 10; ++i) {
+      inwards.push_back(FaceId(mesh.face_count()));
+      mesh = shapes::joined(mesh, cube(0.1, true, {0.15 * i - 0.7, 0, 0}));
+    }
+    EXPECT_EQ(found_in(mesh), count % 2 == 0 ? inwards : std::vector<FaceId>{});
+  }
 }
 
 TEST(find_inside_out, it_does_not_matter_how_all_is_turned) {

@@ -192,6 +192,51 @@ TriangleMesh waisted_tube(int n) {
   return mesh;
 }
 
+/// A book of n pages, or of n times two triangles a page: around the edge from the origin to (0, 0, 1).
+TriangleMesh book(int n, bool are_squares) {
+  TriangleMesh mesh;
+  const auto from = mesh.positions.push_back({0, 0, 0}), to = mesh.positions.push_back({0, 0, 1});
+  for (int i = 0; i < n; ++i) {
+    const auto a = mesh.positions.push_back(on_circle(1.0 * i / n, are_squares ? 0 : 0.5));
+    if (!are_squares) {
+      mesh.faces.push_back({from, to, a});
+      continue;
+    }
+    // Cut by turns from corner to corner, so that triangles with one end of the edge lie side by side with others.
+    const auto b = mesh.positions.push_back(on_circle(1.0 * i / n, 1));
+    mesh.faces.push_back({from, a, i % 2 ? b : to});
+    mesh.faces.push_back({i % 2 ? from : a, b, to});
+  }
+  return mesh;
+}
+
+/// n closed wedges around the edge from the origin to (0, 0, 1).
+TriangleMesh wedges(int n) {
+  TriangleMesh mesh = book(2 * n, true);
+  for (int i = 0; i < n; ++i) {
+    const VertexId a(2 + 4 * i), b(3 + 4 * i), c(4 + 4 * i), d(5 + 4 * i);
+    for (const Triangle& face : {Triangle{VertexId(0), c, a}, {VertexId(1), b, d}, {a, c, d}, {a, d, b}})
+      mesh.faces.push_back(face);
+  }
+  return mesh;
+}
+
+/// Pages in n half-planes, two in each; all on two sides of one triangle.
+TriangleMesh two_books_of_double_pages(int n) {
+  TriangleMesh mesh;
+  const auto a = mesh.positions.push_back({0, 0, 0}), b = mesh.positions.push_back({0, 0, 8}),
+             c = mesh.positions.push_back({64, 0, 8});
+  for (int i = 0; i < n; ++i) {
+    // Whole numbers: half-planes are the same exactly.
+    const double x = 1 + i, y = n - i;
+    for (const double far : {1, 2}) {
+      mesh.faces.push_back({a, b, mesh.positions.push_back({-far * x, far * y, 4})});
+      mesh.faces.push_back({b, mesh.positions.push_back({32, -far * x, 8 + far * y}), c});
+    }
+  }
+  return mesh;
+}
+
 /// Turned at random, some corners moved, and some large triangles across.
 TriangleMesh disturbed(const TriangleMesh& mesh, std::uint64_t seed) {
   Random random(seed);
@@ -212,7 +257,8 @@ TriangleMesh disturbed(const TriangleMesh& mesh, std::uint64_t seed) {
 
 TEST(self_intersections, among_needles_whose_boxes_all_meet_the_pairs_are_those_of_all_faces) {
   for (int seed = 0; seed < 4; ++seed)
-    for (const TriangleMesh& shape : {needles(300), double_cone(150), waisted_tube(150)}) {
+    for (const TriangleMesh& shape :
+         {needles(300), double_cone(150), waisted_tube(150), book(300, false), book(150, true), wedges(50)}) {
       const TriangleMesh mesh = disturbed(shape, seed);
       const Pairs expected = all_pairs(mesh);
       EXPECT_GT(expected.size(), 20u);
@@ -232,6 +278,70 @@ TEST(self_intersections, needles_whose_boxes_all_meet_do_not_take_quadratic_time
 
 TEST(self_intersections, a_fan_of_a_hundred_thousand_needles_does_not_take_quadratic_time) {
   EXPECT_EQ(find(fan(100'000, 1'000'000)).pairs.size(), 1u);  // 5e9 pairs share the vertex; one needle is too wide
+}
+
+/// Faces at both ends, at one or at none of some edges between the points of a grid; of many of them some lie in one
+/// half-plane, or on the line.
+TriangleMesh library(std::uint64_t seed, int edges, int faces) {
+  Random random(seed);
+  TriangleMesh mesh;
+  constexpr int kSide = 5, kPoints = kSide * kSide * kSide;
+  for (int i = 0; i < kPoints; ++i)
+    mesh.positions.push_back({1.0 * (i % kSide), 1.0 * (i / kSide % kSide), 1.0 * (i / kSide / kSide)});
+  const auto point = [&] { return VertexId(random.below(kPoints)); };
+  std::vector<std::pair<VertexId, VertexId>> spines;
+  for (int i = 0; i < edges; ++i) spines.push_back({i == 0 || random.chance(0.5) ? point() : spines[0].first, point()});
+  for (int i = 0; i < faces; ++i) {
+    const auto [a, b] = spines[random.below(edges)];
+    Triangle face{a, b, point()};
+    if (random.chance(0.4)) face[random.below(2)] = point();
+    std::rotate(face.begin(), face.begin() + random.below(3), face.end());
+    mesh.faces.push_back(face);
+  }
+  return mesh;
+}
+
+TEST(self_intersections, around_edges_of_very_many_faces_the_pairs_are_those_of_all_faces) {
+  for (int seed = 0; seed < 12; ++seed) {
+    const TriangleMesh mesh = library(seed, 1 + seed % 4, unless_sanitized(700, 300));
+    const Pairs all = all_pairs(mesh);
+    EXPECT_GT(all.size(), 1000u);
+    EXPECT_EQ(find(mesh).pairs, all) << seed;
+    Random random(seed);
+    std::vector<std::uint32_t> pieces;
+    for (std::size_t f = 0; f < mesh.faces.size(); ++f)
+      pieces.push_back(random.chance(0.2) ? kNoPiece : static_cast<std::uint32_t>(random.below(5)));
+    Pairs expected;
+    std::copy_if(all.begin(), all.end(), std::back_inserter(expected), [&](const auto& pair) {
+      const std::uint32_t p = pieces[pair.first.value];
+      return p != pieces[pair.second.value] || p == kNoPiece;
+    });
+    EXPECT_EQ(find(mesh, pieces).pairs, expected) << seed;
+  }
+}
+
+TEST(self_intersections, in_each_half_plane_around_an_edge_the_pages_lie_on_each_other) {
+  const Pairs pairs = find(two_books_of_double_pages(500)).pairs;
+  EXPECT_EQ(pairs, all_pairs(two_books_of_double_pages(500)));
+  EXPECT_GE(pairs.size(), 1000u);
+  for (const std::size_t limit : {std::size_t{0}, std::size_t{10}, std::size_t{999}}) {
+    const SelfIntersections some = find(two_books_of_double_pages(500), {}, limit);
+    EXPECT_FALSE(some.is_complete);
+    EXPECT_EQ(some.pairs.size(), limit);
+    EXPECT_TRUE(std::includes(pairs.begin(), pairs.end(), some.pairs.begin(), some.pairs.end()));
+  }
+}
+
+TEST(self_intersections, very_many_faces_around_an_edge_do_not_take_quadratic_time) {
+  constexpr int kMany = 50'000;  // 1e9 pairs and more
+  EXPECT_TRUE(find(book(kMany, false)).pairs.empty());
+  EXPECT_TRUE(find(book(kMany, true)).pairs.empty());
+  EXPECT_TRUE(find(wedges(kMany / 4)).pairs.empty());
+  TriangleMesh askew = book(kMany, false);
+  Random random(7);
+  for (std::size_t v = 2; v < askew.positions.size(); ++v)
+    askew.positions[VertexId(v)] = random.uniform(0.3, 2) * askew.positions[VertexId(v)] + Vec3{0, 0, random.unit()};
+  EXPECT_TRUE(find(askew).pairs.empty());
 }
 
 TEST(self_intersections, past_the_limit_just_so_many_pairs_are_given) {
@@ -256,6 +366,16 @@ TEST(self_intersections, any_number_of_threads_gives_the_same_pairs) {
     for (const int threads : {2, 8})
       EXPECT_EQ(tbb::task_arena(threads).execute([&] { return find(mesh, {}, limit).pairs; }), expected);
   }
+}
+
+TEST(self_intersections, around_edges_any_number_of_threads_gives_the_same_pairs) {
+  const tbb::global_control more_threads_than_cores(tbb::global_control::max_allowed_parallelism, 8);
+  for (const TriangleMesh& mesh : {two_books_of_double_pages(5000), disturbed(wedges(500), 1)})
+    for (const std::size_t limit : {kNoLimit, std::size_t{100}}) {
+      const Pairs expected = tbb::task_arena(1).execute([&] { return find(mesh, {}, limit).pairs; });
+      ASSERT_GE(expected.size(), 100u);
+      EXPECT_EQ(tbb::task_arena(8).execute([&] { return find(mesh, {}, limit).pairs; }), expected);
+    }
 }
 
 TEST(self_intersections, many_copies_of_one_face_do_not_take_quadratic_time_once_past_the_limit) {
