@@ -27,6 +27,11 @@ inline constexpr double kToleranceUnquestioned = 1e-6;
 /// A face thinner than this many plane tolerances has no normal worth asking, and may be turned over in its plane.
 inline constexpr double kThinFace = 2;
 
+/// Neighbours that turn by no more against each other (1 less their normals' cosine: 1.4 milliradians) are never said
+/// to bend beyond the digits they are printed with: many parts were computed with fewer. Smaller, and planar sides of
+/// real parts fall apart; larger, and more facets of fine cylinders merge in pairs.
+inline constexpr double kUnquestionedBend = 1e-6;
+
 /// A step of the ladder tightens a patch's tolerance by this.
 inline constexpr double kLadderFactor = 0.1;
 

@@ -15,6 +15,7 @@
 #include "core/base/parallel.h"
 #include "core/base/tolerance.h"
 #include "core/base/union_find.h"
+#include "core/geometry/plane_fit.h"
 #include "core/stages/coplanarity.h"
 #include "core/stages/region_merging.h"
 #include "core/stages/region_seeds.h"
@@ -28,6 +29,9 @@ constexpr double kWitness = 8;
 constexpr std::size_t kMostAround = 8;
 /// A face is looked at by at most this many growths that end up without it; then only by those that have their plane.
 constexpr std::uint8_t kMostTrials = 8;
+
+/// Growing and merging fewer faces costs less than fitting a plane to their corners.
+constexpr std::size_t kFewFaces = 32;
 
 constexpr std::size_t kBlock = 4096;
 
@@ -248,9 +252,43 @@ class Growth {
     if (rule_.is_single(seed)) return std::nullopt;
     const Fit fit = fit_of(seed, island);
     if (!(fit.area > 0)) return std::nullopt;
-    const Plane plane = fit.plane();
-    const std::optional<Extent> extent = extent_if_all_fit(island, plane, kBand * rule_.tolerance(seed));
+    const double band = kBand * rule_.tolerance(seed);
+    Plane plane = fit.plane();
+    std::optional<Extent> extent = extent_if_all_fit(island, plane, band);
+    if (!extent && island.size() >= kFewFaces && move_to_corners(plane, island, band))
+      extent = extent_if_all_fit(island, plane, band);
     return extent ? std::optional(InPlane{plane, *extent}) : std::nullopt;
+  }
+
+  /// Makes a plane the one nearest to all corners, and moves that to their middle: few of them may be far on one side.
+  /// Output: whether they might lie in a band about it.
+  bool move_to_corners(Plane& plane, std::span<const std::uint32_t> faces, double band) const {
+    struct Moments : PointMoments {
+      void add(const PointMoments& other) { merge(other); }
+      using PointMoments::add;
+    };
+    const auto moments = sum_over<Moments>(faces, [&](FaceId f, Moments& sum) {
+      for (const VertexId v : surface_.face(f)) sum.add(surface_.local[v]);
+    });
+    const PlaneFit fit = fit_plane(moments);
+    if (fit.rms > band + kFitRounding) return false;
+    const bool is_turned = dot(fit.normal, plane.normal) < 0;
+    plane = {moments.mean(), is_turned ? -fit.normal : fit.normal};
+    struct Range {
+      double low = HUGE_VAL, high = -HUGE_VAL;
+      void add(const Range& other) {
+        low = std::min(low, other.low);
+        high = std::max(high, other.high);
+      }
+    };
+    const auto range = sum_over<Range>(faces, [&](FaceId f, Range& sum) {
+      for (const VertexId v : surface_.face(f)) {
+        const double distance = plane.distance(surface_.local[v]);
+        sum.add({distance, distance});
+      }
+    });
+    plane.origin += (range.low + range.high) / 2 * plane.normal;
+    return range.high - range.low <= 2 * band;
   }
 
   template <class Accept>

@@ -57,9 +57,9 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor);
 /// region; where they do not fit, regions grow from the largest face over such edges, layer by layer.
 /// Holds:  every corner of every face of a region is within half the tolerance of the region's plane, and no face looks
 ///         the other way; a face too thin for its normal to mean anything (height under two tolerances) is held by its
-///         corners alone. Triangles that bend by more than the digits they are printed with explain are not joined over
-///         their common edge, even if a plane is as near: of four corners more is known than of many. Regions are
-///         edge-connected. No creep: all faces are held against the one final plane.
+///         corners alone. Triangles that bend by more than the digits they are printed with explain, and by more than
+///         kUnquestionedBend, are not joined over their common edge, even if a plane is as near: of four corners more
+///         is known than of many. Regions are edge-connected. No creep: all faces are held against the one final plane.
 ///         Neither the order of faces and vertices nor scaling by powers of two changes the regions.
 /// Cost:   O(n log n); on the caller's TBB arena, by islands: faces that hang together over edges whose two faces one
 ///         plane may fit.

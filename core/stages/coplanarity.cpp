@@ -32,7 +32,7 @@ bool Coplanarity::is_bend(std::uint32_t h) const {
   if (rule_.printed_steps == Vec3{}) return false;
   const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(adjacency_.twin(h));
   if (surface_.face(f).size() != 3 || surface_.face(g).size() != 3 || is_thin(f) || is_thin(g)) return false;
-  if (1 - dot(geometry_[f].normal, geometry_[g].normal) <= rule_.normal_tolerance) return false;
+  if (is_unquestioned(dot(geometry_[f].normal, geometry_[g].normal))) return false;
   const VertexId from = adjacency_.from(h), to = adjacency_.to(h);
   const Vec3 a = surface_.local[from];
   const auto apex = [&](FaceId face) {

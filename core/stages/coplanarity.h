@@ -15,6 +15,9 @@ namespace remesh {
 /// band, are never further apart than the tolerance. While the plane is still being fitted all of it is allowed.
 inline constexpr double kBand = 0.5;
 
+/// What may be rounding of a fitted plane's root mean square distance, in local units.
+inline constexpr double kFitRounding = 1e-7;
+
 /// Lengths are in local units.
 class Coplanarity {
  public:
@@ -34,8 +37,9 @@ class Coplanarity {
            (are_flat(f, g) || (!are_apart(f, g) && !is_bend(h)));
   }
 
-  /// Whether the two triangles at an edge bend by more than printing can do: then no four corners that are printed as
-  /// theirs lie in one plane. (To first order the volume of the four changes by the faces' areas along each axis.)
+  /// Whether the two triangles at an edge bend by more than kUnquestionedBend and than printing can do: then no four
+  /// corners that are printed as theirs lie in one plane. (To first order the volume of the four changes by the faces'
+  /// areas along each axis.)
   bool is_bend(std::uint32_t h) const;
 
   double height(FaceId f) const { return geometry_[f].height; }
@@ -48,6 +52,20 @@ class Coplanarity {
     return farthest;
   }
 
+  /// Does a face look along a plane's normal, as far as the tolerance explains what it turns against it?
+  bool has_normal(FaceId f, const Vec3& normal, double tol) const {
+    if (is_thin(f)) return true;
+    const double cosine = dot(geometry_[f].normal, normal);
+    return cosine > 0 && 1 - cosine * cosine <= squared_sine(f, tol);
+  }
+  /// By how much at least the unit normal that a face looks along may change and the face still does.
+  double normal_to_spare(FaceId f, const Vec3& normal, double tol) const {
+    if (is_thin(f)) return HUGE_VAL;
+    constexpr double kRounding = 1e-15;  // of the square of a sine
+    const double cosine = dot(geometry_[f].normal, normal);
+    return std::sqrt(std::min(1.0, squared_sine(f, tol))) - std::sqrt(std::max(0.0, 1 - cosine * cosine) + kRounding);
+  }
+
   /// Is a face in a plane, to a tolerance?
   bool fits(FaceId f, const Plane& plane, double tol) const {
     double deviation = 0;
@@ -56,10 +74,7 @@ class Coplanarity {
   /// The same, and raises `deviation` to the distance of its farthest corner, if it is.
   bool fits(FaceId f, const Plane& plane, double tol, double& deviation) const {
     // The normal first: it is one test, where a large polygon with many neighbours has many corners.
-    if (!is_thin(f)) {
-      const double cosine = dot(geometry_[f].normal, plane.normal);
-      if (!(cosine > 0 && 1 - cosine * cosine <= squared_sine(f, tol))) return false;
-    }
+    if (!has_normal(f, plane.normal, tol)) return false;
     double farthest = deviation;
     for (const VertexId v : surface_.face(f)) {
       const double distance = std::fabs(plane.distance(surface_.local[v]));
@@ -81,10 +96,16 @@ class Coplanarity {
     return 3 * sine * sine;
   }
 
+  /// Whether neighbours whose normals have this cosine turn so little that no bend is looked for; the floor, per
+  /// component of the normal, is granted in any case.
+  bool is_unquestioned(double cosine) const {
+    return 1 - cosine <= std::max(kUnquestionedBend, 1.5 * rule_.normal_tolerance * rule_.normal_tolerance);
+  }
+
   /// Whether two neighbours look the same way, as most do: then they are neither apart nor is there a bend.
   bool are_flat(FaceId f, FaceId g) const {
     const double cosine = dot(geometry_[f].normal, geometry_[g].normal);
-    return cosine > kNearlyFlat && 1 - cosine <= rule_.normal_tolerance;
+    return cosine > kNearlyFlat && is_unquestioned(cosine);
   }
 
   /// Whether two neighbours turn so far against each other that no plane fits both.

@@ -221,6 +221,29 @@ TEST(coplanar_regions, two_triangles_bend_where_their_digits_cannot_explain_it) 
   }
 }
 
+TEST(coplanar_regions, digits_are_not_asked_where_neighbours_turn_by_a_milliradian_or_as_allowed) {
+  // As above, with a corner lifted by more than the digits explain. The triangles turn by the lift times sqrt(2).
+  const auto count = [](double step, double normal_tolerance) {
+    const StageChain chain(
+        shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 2.5 * step}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}),
+        kToleranceSteps * step);
+    const double local = chain.tolerance / kToleranceSteps;
+    const IdVector<FaceId, std::uint8_t> rung(chain.surface.face_count(), 0);
+    Regions regions;
+    coplanar_regions(chain.surface, chain.adjacency, chain.geometry,
+                     {chain.tolerance, normal_tolerance, &chain.surface.face_label, &rung, Vec3{local, local, local}},
+                     regions, chain.control);
+    return regions.planes.size();
+  };
+  for (const double normal_tolerance : {0.0, 1e-9, 1e-6, 1e-4}) {
+    EXPECT_EQ(count(3e-4, normal_tolerance), 1u) << normal_tolerance;
+    EXPECT_EQ(count(5e-4, normal_tolerance), 2u) << normal_tolerance;
+  }
+  // By 0.0018: sqrt(3) times the tolerance is allowed, not its root.
+  EXPECT_EQ(count(5e-4, 0.9e-3), 2u);
+  EXPECT_EQ(count(5e-4, 1.1e-3), 1u);
+}
+
 TEST(coplanar_regions, on_the_last_rung_every_face_is_alone) {
   // Quads, each with a corner a little off the plane of the others.
   PolygonMesh mesh = shapes::quad_box({1, 1, 1}, 3);
