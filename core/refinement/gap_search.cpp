@@ -10,9 +10,9 @@
 
 #include "core/base/blocks.h"
 #include "core/base/union_find.h"
+#include "core/geometry/box_tree.h"
+#include "core/geometry/distances.h"
 #include "core/geometry/triangle_intersection.h"
-#include "core/refinement/box_tree.h"
-#include "core/refinement/distances.h"
 #include "core/refinement/patch_contacts.h"
 #include "core/refinement/steepness.h"
 #include "core/stages/polygon_split.h"

@@ -6,6 +6,7 @@
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
+#include "core/geometry/plane.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/face_geometry.h"
 #include "core/mesh/surface.h"
@@ -16,14 +17,6 @@ struct RegionTag {
   static constexpr char kPrefix = 'r';
 };
 using RegionId = Id<RegionTag>;
-
-/// A plane in local units.
-struct Plane {
-  Vec3 origin;
-  Vec3 normal;
-
-  double distance(const Vec3& p) const { return dot(p - origin, normal); }
-};
 
 /// Regions so far. Faces without a region are still to be grouped; so are all where nothing is said of any.
 struct Regions {

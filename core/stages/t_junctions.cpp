@@ -11,9 +11,9 @@
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
 #include "core/base/tolerance.h"
+#include "core/geometry/box_tree.h"
 #include "core/geometry/expansion.h"
 #include "core/mesh/face_geometry.h"
-#include "core/refinement/box_tree.h"
 #include "core/stages/mend_faces.h"
 
 namespace remesh {
