@@ -35,7 +35,7 @@ class Preparation {
 
  private:
   Surface& surface() { return prepared_.surface; }
-  const Adjacency& adjacency() { return prepared_.adjacency(); }
+  const Adjacency& adjacency() { return prepared_.adjacency(control_); }
 
   void measure() {
     const auto& positions = surface().positions.items();
@@ -118,9 +118,9 @@ class Preparation {
 
 }  // namespace
 
-const Adjacency& Prepared::adjacency() {
+const Adjacency& Prepared::adjacency(RunControl& control) {
   if (!adjacency_)
-    adjacency_ = std::make_unique<Adjacency>(surface.vertex_count(), surface.face_begin, surface.corners);
+    adjacency_ = std::make_unique<Adjacency>(surface.vertex_count(), surface.face_begin, surface.corners, control);
   return *adjacency_;
 }
 
@@ -130,7 +130,7 @@ const FaceGeometries& Prepared::geometry(RunControl& control) {
 }
 
 const std::vector<VertexId>& Prepared::pinched(RunControl& control) {
-  if (!pinched_) pinched_ = pinched_vertices(surface, adjacency(), control);
+  if (!pinched_) pinched_ = pinched_vertices(surface, adjacency(control), control);
   return *pinched_;
 }
 

@@ -552,7 +552,7 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
 MeshStatistics measure_surface(const TriangleMesh& mesh, RunControl& control) {
   const std::vector<std::uint32_t> face_begin = triangle_begins(mesh.faces.size(), control);
   const std::span<const VertexId> corners = corners_of(mesh.faces.items());
-  const Adjacency adjacency(mesh.positions.size(), face_begin, corners);
+  const Adjacency adjacency(mesh.positions.size(), face_begin, corners, control);
   return measure_surface(mesh.positions.items(), face_begin, corners, adjacency, corners, control);
 }
 

@@ -146,7 +146,7 @@ class Mending {
 
   /// Zero-area faces that share edges lie on one line. Each such cluster hands its vertices to the faces around it.
   void drop_degenerate() {
-    const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners);
+    const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners, control_);
     UnionFind cluster(surface_.face_count());
     for (std::size_t e = 0; e < edges.edge_count(); ++e) {
       std::uint32_t first = Adjacency::kNone;

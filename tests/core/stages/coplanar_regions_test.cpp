@@ -279,7 +279,7 @@ TEST(is_noise_present, neither_winding_nor_copies_nor_order_hide_it) {
   const auto is_noisy = [&](const PolygonMesh& mesh) {
     std::vector<Diagnostic> diagnostics;
     const Surface surface = weld(mesh, {}, diagnostics, control);
-    const Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners);
+    const Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners, control);
     return is_noise_present(surface, adjacency, face_geometry(surface, control), 1e-9, 1e-3);
   };
   for (const bool is_rounded : {false, true}) {
