@@ -56,7 +56,7 @@ class Preparation {
     const double unit = surface().unit;
     double automatic = of_step.value;
     if (of_step.if_noisy != of_step.value && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
-                                                              of_step.value / unit, of_step.if_noisy / unit))
+                                                              of_step.value / unit, of_step.if_noisy / unit, control_))
       automatic = of_step.if_noisy;
     report_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
     // Who asks for more than the digits explain wants to flatten what bends by more, too.

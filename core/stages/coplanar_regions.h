@@ -64,7 +64,8 @@ void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const 
 /// coordinates that were rounded. Polygons that leave their own plane by as much are a mark, too.
 /// Holds:  says the same of faces wound as they should be and of others, of each once and of each several times, and in
 ///         any order: mending comes later.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
 bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, double floor,
-                      double tolerance);
+                      double tolerance, RunControl& control);
 
 }  // namespace remesh
