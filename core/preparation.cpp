@@ -35,7 +35,7 @@ class Preparation {
 
  private:
   Surface& surface() { return prepared_.surface; }
-  const Adjacency& adjacency() { return prepared_.adjacency(); }
+  const Adjacency& adjacency() { return prepared_.adjacency(control_); }
 
   void measure() {
     const auto& positions = surface().positions.items();
@@ -56,7 +56,7 @@ class Preparation {
     const double unit = surface().unit;
     double automatic = of_step.value;
     if (of_step.if_noisy != of_step.value && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
-                                                              of_step.value / unit, of_step.if_noisy / unit))
+                                                              of_step.value / unit, of_step.if_noisy / unit, control_))
       automatic = of_step.if_noisy;
     report_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
     // Who asks for more than the digits explain wants to flatten what bends by more, too.
@@ -118,9 +118,9 @@ class Preparation {
 
 }  // namespace
 
-const Adjacency& Prepared::adjacency() {
+const Adjacency& Prepared::adjacency(RunControl& control) {
   if (!adjacency_)
-    adjacency_ = std::make_unique<Adjacency>(surface.vertex_count(), surface.face_begin, surface.corners);
+    adjacency_ = std::make_unique<Adjacency>(surface.vertex_count(), surface.face_begin, surface.corners, control);
   return *adjacency_;
 }
 
@@ -130,7 +130,7 @@ const FaceGeometries& Prepared::geometry(RunControl& control) {
 }
 
 const std::vector<VertexId>& Prepared::pinched(RunControl& control) {
-  if (!pinched_) pinched_ = pinched_vertices(surface, adjacency(), control);
+  if (!pinched_) pinched_ = pinched_vertices(surface, adjacency(control), control);
   return *pinched_;
 }
 

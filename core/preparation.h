@@ -27,7 +27,7 @@ class Prepared {
   Vec3 printed_steps = {};           ///< model units, per axis; of decimals that explain the tolerance; 0: none do
 
   /// Of the surface; made when they are asked for and not there.
-  const Adjacency& adjacency();
+  const Adjacency& adjacency(RunControl& control);
   const FaceGeometries& geometry(RunControl& control);
   const std::vector<VertexId>& pinched(RunControl& control);  ///< see pinched_vertices
   /// The surface has changed, or nobody is likely to ask for them again: together they are as large as the surface.

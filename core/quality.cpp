@@ -540,7 +540,8 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
   if (!out.bounding_box.is_empty()) centre = 0.5 * (scale(out.bounding_box.min) + scale(out.bounding_box.max));
   const std::size_t count = triangles.size() / 3;
   std::optional<Adjacency> of_triangles;
-  if (!adjacency.are_triangles()) of_triangles.emplace(positions.size(), triangle_begins(count, control), triangles);
+  if (!adjacency.are_triangles())
+    of_triangles.emplace(positions.size(), triangle_begins(count, control), triangles, control);
   const QualityBlock total =
       measure_triangles(scale, positions, of_triangles ? *of_triangles : adjacency, count, centre, control);
   out.quality = quality_of(total, scale);
@@ -552,7 +553,7 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
 MeshStatistics measure_surface(const TriangleMesh& mesh, RunControl& control) {
   const std::vector<std::uint32_t> face_begin = triangle_begins(mesh.faces.size(), control);
   const std::span<const VertexId> corners = corners_of(mesh.faces.items());
-  const Adjacency adjacency(mesh.positions.size(), face_begin, corners);
+  const Adjacency adjacency(mesh.positions.size(), face_begin, corners, control);
   return measure_surface(mesh.positions.items(), face_begin, corners, adjacency, corners, control);
 }
 

@@ -81,7 +81,7 @@ class Run {
 
  private:
   const Surface& surface() const { return prepared_.surface; }
-  const Adjacency& adjacency() { return prepared_.adjacency(); }
+  const Adjacency& adjacency() { return prepared_.adjacency(control_); }
   const FaceGeometries& geometry() { return prepared_.geometry(control_); }
   PatchedSurface patched() { return {surface(), adjacency(), patches_, report_.plane_tolerance}; }
 
@@ -220,7 +220,7 @@ class Run {
     for (const auto& [f, g] : input_intersections_.pairs)
       pairs.push_back({FaceId(faces.first_of(f)), FaceId(faces.first_of(g))});
     const auto begins = triangle_begins(faces.corners().size() / 3, control_);
-    const Adjacency edges(surface().vertex_count(), begins, faces.corners());
+    const Adjacency edges(surface().vertex_count(), begins, faces.corners(), control_);
     report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), begins, faces.corners(), edges, pairs,
                                                      report_.plane_tolerance, control_);
   }
@@ -372,7 +372,7 @@ class Run {
     const std::span<const Vec3> positions = result.mesh.positions.items();
     const std::span<const VertexId> corners = corners_of(result.mesh.faces.items());
     const auto begins = triangle_begins(result.mesh.faces.size(), control_);
-    const Adjacency edges(positions.size(), begins, corners);
+    const Adjacency edges(positions.size(), begins, corners, control_);
     IdVector<FaceId, FaceId> source;
     // Each has its parts that wait for nothing but themselves.
     do_all([&] { report_.output = measure_surface(positions, begins, corners, edges, corners, control_); },

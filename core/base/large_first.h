@@ -6,6 +6,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/blocks.h"
+#include "core/base/parallel.h"
+#include "core/base/run_control.h"
+
 namespace remesh {
 
 struct LargeFirst {
@@ -39,6 +43,21 @@ LargeFirst large_first(std::size_t n, std::size_t limit, const Work& work) {
   result.order.insert(result.order.end(), small.begin(), small.end());
   result.large = large.size();
   return result;
+}
+
+/// Calls `body(i)` for 0 .. n-1 in parallel: each of those with more than `limit` work(i) is a task, the others go in
+/// groups. A point of cancellation before each task.
+template <class Work, class Body>
+void for_large_first(std::size_t n, std::size_t limit, const Work& work, RunControl& control, const Body& body) {
+  const LargeFirst by_work = large_first(n, limit, work);
+  for_all(std::size_t{0}, by_work.large, [&](std::size_t i) {
+    control.check();
+    body(by_work.order[i]);
+  });
+  constexpr std::size_t kGroup = 64;
+  for_blocks(n - by_work.large, kGroup, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) body(by_work.order[by_work.large + i]);
+  });
 }
 
 }  // namespace remesh

@@ -12,12 +12,12 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/geometry/slot_tree.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh {
 
-/// The triangles stand in slots 0 .. n-1, neighbours in space near each other. Node j of level l has the slots
-/// [n j / 2^l, n (j+1) / 2^l): arithmetic, so that a node is its box and nothing else.
+/// The triangles stand in the slots of a SlotTree; a node is its box and nothing else.
 /// Holds:   the slots and boxes depend on the surface alone, not on threads.
 /// Cost:    O(n log n) to build, in parallel; a query O(log n + what it finds) for triangles of like size.
 class TriangleTree {
@@ -39,8 +39,8 @@ class TriangleTree {
   /// The slots of a node: from the first, up to before the second.
   std::pair<std::size_t, std::size_t> slots(std::size_t node) const {
     const int level = static_cast<int>(std::bit_width(node + 1)) - 1;
-    const std::size_t j = node - node_index(level, 0);
-    return {node_begin(level, j), node_begin(level, j + 1)};
+    const std::size_t j = node - SlotTree::number(level, 0);
+    return {slots_.begin(level, j), slots_.begin(level, j + 1)};
   }
 
   /// Calls visit(slot) for the slots from `first` on whose boxes meet `box` (touching included), in ascending order,
@@ -60,17 +60,10 @@ class TriangleTree {
   std::vector<Value> joined(const OfSlot& of_slot, const Join& join) const;
 
  private:
-  /// A leaf has at most this many slots.
-  static constexpr std::size_t kLeafSize = 4;
-  static constexpr int kMaxLevels = 40;  ///< more than ids have bits
-
-  static std::size_t node_index(int level, std::size_t j) { return (std::size_t{1} << level) - 1 + j; }
-  std::size_t node_begin(int level, std::size_t j) const { return (size() * j) >> level; }
-
-  int leaf_level_ = 0;
   template <class T>
   using Unset = std::vector<T, LeftUnset<T>>;
 
+  SlotTree slots_;
   Unset<FaceId> face_;    ///< by slot
   Unset<Box3> slot_box_;  ///< by slot
   Unset<Box3> node_box_;  ///< level after level
@@ -90,19 +83,19 @@ void TriangleTree::visit_meeting(const Box3& box, std::size_t first, const IsOfN
     std::size_t j;
   };
   // Depth first: at most one waiting sibling a level.
-  std::array<Node, kMaxLevels> stack;
+  std::array<Node, SlotTree::kMaxLevels> stack;
   std::size_t depth = 0;
   stack[depth++] = {0, 0};
   while (depth > 0) {
     const Node node = stack[--depth];
-    const std::size_t end = node_begin(node.level, node.j + 1), index = node_index(node.level, node.j);
+    const std::size_t end = slots_.begin(node.level, node.j + 1), index = SlotTree::number(node.level, node.j);
     if (end <= first || !do_meet(node_box_[index], box) || is_of_no_interest(index)) continue;
-    if (node.level < leaf_level_) {
+    if (node.level < slots_.leaf_level()) {
       stack[depth++] = {node.level + 1, 2 * node.j + 1};
       stack[depth++] = {node.level + 1, 2 * node.j};
       continue;
     }
-    for (std::size_t slot = std::max(first, node_begin(node.level, node.j)); slot < end; ++slot)
+    for (std::size_t slot = std::max(first, slots_.begin(node.level, node.j)); slot < end; ++slot)
       if (do_meet(slot_box_[slot], box) && !visit(slot)) return;
   }
 }
@@ -110,15 +103,15 @@ void TriangleTree::visit_meeting(const Box3& box, std::size_t first, const IsOfN
 template <class Value, class OfSlot, class Join>
 std::vector<Value> TriangleTree::joined(const OfSlot& of_slot, const Join& join) const {
   std::vector<Value> values(node_box_.size());
-  for (int level = leaf_level_; level >= 0; --level)
+  for (int level = slots_.leaf_level(); level >= 0; --level)
     for (std::size_t j = 0; j < std::size_t{1} << level; ++j) {
-      Value& value = values[node_index(level, j)];
-      if (level < leaf_level_) {
-        value = join(values[node_index(level + 1, 2 * j)], values[node_index(level + 1, 2 * j + 1)]);
+      Value& value = values[SlotTree::number(level, j)];
+      if (level < slots_.leaf_level()) {
+        value = join(values[SlotTree::number(level + 1, 2 * j)], values[SlotTree::number(level + 1, 2 * j + 1)]);
         continue;
       }
-      std::size_t slot = node_begin(level, j);
-      const std::size_t end = node_begin(level, j + 1);
+      std::size_t slot = slots_.begin(level, j);
+      const std::size_t end = slots_.begin(level, j + 1);
       if (slot < end) value = of_slot(slot);
       while (++slot < end) value = join(value, of_slot(slot));
     }

@@ -20,6 +20,19 @@ namespace {
 /// Vertices whose edges are put in order in one go.
 constexpr std::size_t kVertices = 1024;
 
+/// A hub has millions of edges: work on them looks for a stop after so many.
+constexpr std::size_t kBetweenChecks = 1 << 16;
+
+/// put_in_order, however many they are.
+void sort_keys(std::span<const std::uint64_t> keys, std::span<std::uint64_t> sorted, RunControl& control) {
+  if (keys.size() <= kBetweenChecks) return put_in_order(keys, sorted);
+  std::copy(keys.begin(), keys.end(), sorted.begin());
+  sort_all(sorted.begin(), sorted.end(), [&](std::uint64_t a, std::uint64_t b) {
+    control.check();
+    return a < b;
+  });
+}
+
 /// Whether the keys, of the half-edges from a vertex to larger ones and of those to it, in order, are those of as many
 /// edges of two half-edges each.
 bool are_pairs(std::span<const std::uint64_t> forward, std::span<const std::uint64_t> backward) {
@@ -32,11 +45,10 @@ bool are_pairs(std::span<const std::uint64_t> forward, std::span<const std::uint
 }  // namespace
 
 Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin,
-                     std::span<const VertexId> corners)
+                     std::span<const VertexId> corners, RunControl& control)
     : face_begin_(face_begin), corners_(corners) {
-  RunControl never_stopped;
   std::atomic<bool> are_triangles = true;
-  for_blocks(face_begin.size(), kItemsPerBlock, never_stopped, [&](std::size_t begin, std::size_t end) {
+  for_blocks(face_begin.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     bool are_here = true;
     for (std::size_t f = begin; f < end; ++f) are_here &= face_begin[f] == 3 * f;
     if (!are_here) are_triangles = false;
@@ -44,38 +56,45 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
   are_triangles_ = are_triangles;
   if (!are_triangles_) {
     face_of_.resize(corners.size());
-    for (std::size_t f = 0; f + 1 < face_begin.size(); ++f)
-      for (std::uint32_t h = face_begin[f]; h < face_begin[f + 1]; ++h) face_of_[h] = FaceId(f);
+    for_blocks(face_begin.size() - 1, kItemsPerBlock, control, [&](std::size_t f, std::size_t end) {
+      for (; f < end; ++f)
+        for (std::uint32_t h = face_begin[f]; h < face_begin[f + 1]; ++h) face_of_[h] = FaceId(f);
+    });
   }
 
   // First by parts of so many smaller vertices, then each part for itself.
   const std::size_t parts = (vertex_count + kVertices - 1) / kVertices;
   Grouping by_part = group_by(
-      corners.size(), parts, [&](std::uint32_t h) { return smaller(h).value / kVertices; }, never_stopped);
+      corners.size(), parts, [&](std::uint32_t h) { return smaller(h).value / kVertices; }, control);
   half_edges_ = std::move(by_part.items);
   twin_.resize(corners.size());
   constexpr std::size_t kManyItems = std::size_t{1} << 18;
-  for_blocks(corners.size(), kManyItems, never_stopped,
+  for_blocks(corners.size(), kManyItems, control,
              [&](std::size_t begin, std::size_t end) { take_pages(std::span(twin_).subspan(begin, end - begin)); });
   std::vector<std::uint32_t> edges_before(parts + 1, 0);
-  for_all(std::size_t{0}, parts, [&](std::size_t part) {
+  for_blocks(parts, 1, control, [&](std::size_t part, std::size_t) {
     const std::uint32_t begin = by_part.begin[part], end = by_part.begin[part + 1];
-    edges_before[part + 1] = sort_part(part * kVertices, std::span(half_edges_).subspan(begin, end - begin));
+    edges_before[part + 1] = sort_part(part * kVertices, std::span(half_edges_).subspan(begin, end - begin), control);
   });
   // How many edges are before each part is known now.
   std::partial_sum(edges_before.begin(), edges_before.end(), edges_before.begin());
   edge_begin_.resize(edges_before.back() + 1);
   edge_begin_.back() = static_cast<std::uint32_t>(corners.size());
-  for (const auto& of_part :
-       map_blocks<std::vector<EdgeId>>(parts, 1, never_stopped, [&](std::size_t part, std::size_t) {
-         return number_edges(edges_before[part], by_part.begin[part], by_part.begin[part + 1]);
+  for (const auto& of_part : map_blocks<std::vector<EdgeId>>(parts, 1, control, [&](std::size_t part, std::size_t) {
+         return number_edges(edges_before[part], by_part.begin[part], by_part.begin[part + 1], control);
        }))
     odd_edges_.insert(odd_edges_.end(), of_part.begin(), of_part.end());
 }
 
+Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin,
+                     std::span<const VertexId> corners) {
+  RunControl never_stopped;
+  *this = Adjacency(vertex_count, face_begin, corners, never_stopped);
+}
+
 /// Puts half-edges, ascending, whose smaller vertices are the kVertices from `first` on in the order of their edges,
 /// and finds their twins. Returns how many edges they are.
-std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> half_edges) {
+std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> half_edges, RunControl& control) {
   // A counting sort by the smaller vertex and by direction, then a small sort by the larger vertex within each bucket.
   std::array<std::uint32_t, 2 * kVertices + 1> place{};
   using Keys = std::vector<std::uint64_t, LeftUnset<std::uint64_t>>;
@@ -83,6 +102,7 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> h
   std::vector<std::uint16_t, LeftUnset<std::uint16_t>> bucket(half_edges.size());
   static_assert(2 * kVertices <= 1 << 16);
   for (std::size_t i = 0; i < half_edges.size(); ++i) {
+    if (i % kBetweenChecks == 0) control.check();
     const std::uint32_t h = half_edges[i];
     const VertexId a = from(h), b = to(h);
     gathered[i] = std::uint64_t{std::max(a, b).value} << 32 | h;
@@ -90,14 +110,18 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> h
     ++place[bucket[i] + 1u];
   }
   std::partial_sum(place.begin(), place.end(), place.begin());
-  for (std::size_t i = 0; i < gathered.size(); ++i) keys[place[bucket[i]]++] = gathered[i];
+  for (std::size_t i = 0; i < gathered.size(); ++i) {
+    if (i % kBetweenChecks == 0) control.check();
+    keys[place[bucket[i]]++] = gathered[i];
+  }
   std::uint32_t edges = 0;
   const std::span<std::uint64_t> all(keys), sorted(gathered);
   for (std::size_t v = 0, begin = 0; begin < half_edges.size(); ++v) {
+    control.check();
     const std::size_t middle = place[2 * v], end = place[2 * v + 1];
     const auto forward = sorted.subspan(begin, middle - begin), backward = sorted.subspan(middle, end - middle);
-    put_in_order(all.subspan(begin, forward.size()), forward);
-    put_in_order(all.subspan(middle, backward.size()), backward);
+    sort_keys(all.subspan(begin, forward.size()), forward, control);
+    sort_keys(all.subspan(middle, backward.size()), backward, control);
     if (are_pairs(forward, backward)) {  // as most often
       for (std::size_t i = 0; i < forward.size(); ++i) {
         const auto g = static_cast<std::uint32_t>(forward[i]), h = static_cast<std::uint32_t>(backward[i]);
@@ -109,7 +133,7 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> h
       edges += static_cast<std::uint32_t>(forward.size());
     } else {
       const auto both = sorted.subspan(begin, end - begin);
-      std::sort(both.begin(), both.end());
+      sort_keys(all.subspan(begin, end - begin), both, control);
       for (std::size_t i = 0, next; i < both.size(); i = next, ++edges) {
         for (next = i + 1; next < both.size() && both[next] >> 32 == both[i] >> 32;) ++next;
         join_edge(both.subspan(i, next - i), &half_edges[begin + i]);
@@ -132,12 +156,14 @@ void Adjacency::join_edge(std::span<const std::uint64_t> edge, std::uint32_t* ha
 }
 
 /// Of the half-edges from `begin` to `end`, whose first edge is `edge`. Returns those without twins.
-std::vector<EdgeId> Adjacency::number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end) {
+std::vector<EdgeId> Adjacency::number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end,
+                                            RunControl& control) {
   const auto is_same = [&](std::uint32_t g, std::uint32_t h) {
     return smaller(g) == smaller(h) && larger(g) == larger(h);
   };
   std::vector<EdgeId> odd;
   for (std::uint32_t next = begin; begin < end; begin = next, ++edge) {
+    if (edge % kBetweenChecks == 0) control.check();
     edge_begin_[edge] = begin;
     next = begin + 2;
     if (twin_[half_edges_[begin]] != kNone) continue;  // as most have: the two are all

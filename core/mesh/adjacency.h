@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/run_control.h"
 
 namespace remesh {
 
@@ -21,7 +22,11 @@ using EdgeId = Id<EdgeTag>;
 class Adjacency {
  public:
   /// Output: edges ordered by (smaller vertex, larger vertex); the half-edges of an edge ascending.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   O(n) for vertices of bounded degree, O(n log n) at worst; on the caller's TBB arena.
+  Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin, std::span<const VertexId> corners,
+            RunControl& control);
+  /// The same, but it cannot be stopped.
   Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin, std::span<const VertexId> corners);
 
   bool are_triangles() const { return are_triangles_; }
@@ -56,9 +61,9 @@ class Adjacency {
  private:
   VertexId smaller(std::uint32_t half_edge) const { return std::min(from(half_edge), to(half_edge)); }
   VertexId larger(std::uint32_t half_edge) const { return std::max(from(half_edge), to(half_edge)); }
-  std::uint32_t sort_part(std::size_t first, std::span<std::uint32_t> half_edges);
+  std::uint32_t sort_part(std::size_t first, std::span<std::uint32_t> half_edges, RunControl& control);
   void join_edge(std::span<const std::uint64_t> edge, std::uint32_t* half_edges);
-  std::vector<EdgeId> number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end);
+  std::vector<EdgeId> number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end, RunControl& control);
 
   std::span<const std::uint32_t> face_begin_;
   std::span<const VertexId> corners_;

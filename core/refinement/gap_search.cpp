@@ -10,9 +10,9 @@
 
 #include "core/base/blocks.h"
 #include "core/base/union_find.h"
+#include "core/geometry/box_tree.h"
+#include "core/geometry/distances.h"
 #include "core/geometry/triangle_intersection.h"
-#include "core/refinement/box_tree.h"
-#include "core/refinement/distances.h"
 #include "core/refinement/patch_contacts.h"
 #include "core/refinement/steepness.h"
 #include "core/stages/polygon_split.h"
@@ -240,18 +240,8 @@ void GapSearch::Index::find_triangles(const PatchSet& patches, std::span<const P
 }
 
 void GapSearch::Index::add_faces(std::span<const FaceId> faces, RunControl& control) {
-  std::vector<Vec3> points;
-  for (const FaceId f : faces) {
-    const auto loop = surface_.face(f);
-    if (loop.size() == 3) {
-      triangles_.push_back({loop[0], loop[1], loop[2]});
-      continue;
-    }
-    points.clear();
-    for (const VertexId v : loop) points.push_back(surface_.local[v]);
-    for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles)
-      triangles_.push_back({loop[a], loop[b], loop[c]});
-  }
+  for (const FaceId f : faces)
+    visit_triangles(surface_, f, control, [&](const Triangle& t) { triangles_.push_back(t); });
 }
 
 void GapSearch::Index::find_planes(const PatchSet& patches, RunControl& control) {

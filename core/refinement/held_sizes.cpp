@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/refinement/distances.h"
+#include "core/geometry/distances.h"
 
 namespace remesh {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
-#include "core/refinement/box_tree.h"
+#include "core/geometry/box_tree.h"
 
 namespace remesh {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "core/refinement/distances.h"
+#include "core/geometry/distances.h"
 
 namespace remesh {
 namespace {

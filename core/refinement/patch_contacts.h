@@ -9,9 +9,9 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/geometry/box_tree.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
-#include "core/refinement/box_tree.h"
 #include "core/stages/patches.h"
 
 namespace remesh {

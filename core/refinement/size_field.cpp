@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
-#include "core/refinement/distances.h"
+#include "core/geometry/distances.h"
 
 namespace remesh {
 namespace {

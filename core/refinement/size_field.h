@@ -10,8 +10,8 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/geometry/box_tree.h"
 #include "core/mesh/surface.h"
-#include "core/refinement/box_tree.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goals.h"
 

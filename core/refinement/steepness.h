@@ -6,8 +6,8 @@
 #include <cmath>
 
 #include "core/base/vec.h"
-#include "core/refinement/box_tree.h"
-#include "core/stages/coplanar_regions.h"
+#include "core/geometry/box_tree.h"
+#include "core/geometry/plane.h"
 
 namespace remesh {
 

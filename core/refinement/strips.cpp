@@ -9,7 +9,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
-#include "core/refinement/distances.h"
+#include "core/geometry/distances.h"
 
 namespace remesh {
 namespace {

@@ -1,7 +1,5 @@
 #include "core/stages/coplanar_regions.h"
 
-#include <tbb/blocked_range.h>
-
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -459,7 +457,7 @@ void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const 
 }
 
 bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, double floor,
-                      double tolerance) {
+                      double tolerance, RunControl& control) {
   const auto is_witness = [&](FaceId f) { return geometry[f].height >= kWitness * tolerance; };
   const auto bend = [&](FaceId of, FaceId against) {
     const Plane plane{face_centre(surface, against), geometry[against].normal};
@@ -494,14 +492,16 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
   };
   std::atomic<bool> is_found = false;
   const auto find_in = [&](std::size_t count, const auto& is_noisy) {
-    for_all(tbb::blocked_range<std::uint32_t>(0, static_cast<std::uint32_t>(count), kBlock), [&](const auto& range) {
-      for (std::uint32_t i = range.begin(); i < range.end() && !is_found; ++i)
+    for_blocks(count, kBlock, control, [&](std::size_t i, std::size_t end) {
+      for (; i < end && !is_found; ++i) {
+        control.check();  // large polygons take a while
         if (is_noisy(i)) is_found = true;
+      }
     });
   };
-  find_in(adjacency.edge_count(), [&](std::uint32_t i) { return is_noisy_edge(EdgeId(i)); });
+  find_in(adjacency.edge_count(), [&](std::size_t i) { return is_noisy_edge(EdgeId(i)); });
   if (!adjacency.are_triangles())
-    find_in(surface.face_count(), [&](std::uint32_t i) { return is_noisy_polygon(FaceId(i)); });
+    find_in(surface.face_count(), [&](std::size_t i) { return is_noisy_polygon(FaceId(i)); });
   return is_found;
 }
 

@@ -6,6 +6,7 @@
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
+#include "core/geometry/plane.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/face_geometry.h"
 #include "core/mesh/surface.h"
@@ -16,14 +17,6 @@ struct RegionTag {
   static constexpr char kPrefix = 'r';
 };
 using RegionId = Id<RegionTag>;
-
-/// A plane in local units.
-struct Plane {
-  Vec3 origin;
-  Vec3 normal;
-
-  double distance(const Vec3& p) const { return dot(p - origin, normal); }
-};
 
 /// Regions so far. Faces without a region are still to be grouped; so are all where nothing is said of any.
 struct Regions {
@@ -71,7 +64,8 @@ void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const 
 /// coordinates that were rounded. Polygons that leave their own plane by as much are a mark, too.
 /// Holds:  says the same of faces wound as they should be and of others, of each once and of each several times, and in
 ///         any order: mending comes later.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
 bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, double floor,
-                      double tolerance);
+                      double tolerance, RunControl& control);
 
 }  // namespace remesh

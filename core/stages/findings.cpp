@@ -92,21 +92,12 @@ std::size_t Triangulated::first_of(FaceId f) const {
 Triangulated::Triangulated(const Surface& surface, RunControl& control)
     : surface_(&surface), are_split_(surface.corners.size() != 3 * surface.face_count()) {
   if (!are_split_) return;
-  std::vector<Vec3> points;
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
     if (i % kItemsPerBlock == 0) control.check();
-    const auto loop = surface.face(FaceId(i));
-    const auto add = [&](VertexId a, VertexId b, VertexId c) {
-      corners_.insert(corners_.end(), {a, b, c});
+    visit_triangles(surface, FaceId(i), control, [&](const Triangle& t) {
+      corners_.insert(corners_.end(), t.begin(), t.end());
       face_.push_back(FaceId(i));
-    };
-    if (loop.size() == 3) {
-      add(loop[0], loop[1], loop[2]);
-      continue;
-    }
-    points.clear();
-    for (const VertexId v : loop) points.push_back(surface.local[v]);
-    for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles) add(loop[a], loop[b], loop[c]);
+    });
   }
 }
 

@@ -4,8 +4,10 @@
 #include <array>
 #include <atomic>
 #include <optional>
+#include <span>
 
 #include "core/base/blocks.h"
+#include "core/base/parallel.h"
 #include "core/base/union_find.h"
 #include "core/geometry/predicates.h"
 #include "core/mesh/adjacency.h"
@@ -14,6 +16,9 @@
 
 namespace remesh {
 namespace {
+
+/// Loops of some nanoseconds an item look for a stop after so many.
+constexpr std::uint32_t kBetweenChecks = 1 << 14;
 
 class Mending {
  public:
@@ -146,9 +151,10 @@ class Mending {
 
   /// Zero-area faces that share edges lie on one line. Each such cluster hands its vertices to the faces around it.
   void drop_degenerate() {
-    const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners);
+    const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners, control_);
     UnionFind cluster(surface_.face_count());
     for (std::size_t e = 0; e < edges.edge_count(); ++e) {
+      if (e % kBetweenChecks == 0) control_.check();
       std::uint32_t first = Adjacency::kNone;
       for (const std::uint32_t h : edges.half_edges(EdgeId(e))) {
         const std::uint32_t f = edges.face_of(h).value;
@@ -159,20 +165,26 @@ class Mending {
     }
     // The vertices of each cluster along its line: for collinear points the lexicographic order is the line's order.
     std::vector<std::pair<std::uint32_t, VertexId>> on_line;
-    for (std::uint32_t f = 0; f < surface_.face_count(); ++f)
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      if (f % kBetweenChecks == 0) control_.check();
       if (is_degenerate_[f])
         for (const VertexId v : surface_.face(FaceId(f))) on_line.push_back({cluster.find(f), v});
+    }
     const auto before = [&](const auto& a, const auto& b) {
       if (a.first != b.first) return a.first < b.first;
       const Vec3 &p = surface_.positions[a.second], &q = surface_.positions[b.second];
       return p != q ? p < q : a.second < b.second;
     };
-    std::sort(on_line.begin(), on_line.end(), before);
+    sort_all(on_line.begin(), on_line.end(), [&](const auto& a, const auto& b) {
+      control_.check();
+      return before(a, b);
+    });
     on_line.erase(std::unique(on_line.begin(), on_line.end()), on_line.end());
 
     // A cluster stays where it would hand a vertex to a face that takes none.
     std::vector<std::uint8_t> stays(surface_.face_count(), 0);
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      if (f % kBetweenChecks == 0) control_.check();
       if (!is_as_it_is(surface_.face_source[FaceId(f)])) continue;
       for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
         if (const std::uint32_t line = cluster_beyond(edges, cluster, h); line != Adjacency::kNone) stays[line] = 1;
@@ -184,6 +196,7 @@ class Mending {
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
       if (is_degenerate_[f] && !stays[cluster.find(f)]) continue;
       for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h) {
+        if (h % kBetweenChecks == 0) control_.check();
         out.corners.push_back(surface_.corners[h]);
         const std::uint32_t line = cluster_beyond(edges, cluster, h);
         if (line == Adjacency::kNone || stays[line]) continue;
@@ -213,11 +226,15 @@ class Mending {
 
   void drop_unused_vertices() {
     std::vector<VertexId> renumbered(surface_.vertex_count());
-    for (const VertexId v : surface_.corners) renumbered[v.value] = v;
+    for_blocks(surface_.corners.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (const VertexId v : surface_.corners.items().subspan(begin, end - begin))
+        std::atomic_ref(renumbered[v.value].value).store(v.value, std::memory_order_relaxed);
+    });
     std::vector<Vec3> positions;
     positions.reserve(surface_.vertex_count());
     std::uint32_t kept = 0;
     for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
+      if (v % kBetweenChecks == 0) control_.check();
       if (!renumbered[v].is_valid()) continue;
       renumbered[v] = VertexId(kept);
       positions.push_back(surface_.positions[VertexId(v)]);
@@ -229,7 +246,9 @@ class Mending {
     surface_.local.resize(kept);
     surface_.vertex_source.resize(kept);
     surface_.corners.change([&](std::vector<VertexId>& corners) {
-      for (VertexId& v : corners) v = renumbered[v.value];
+      for_blocks(corners.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+        for (VertexId& v : std::span(corners).subspan(begin, end - begin)) v = renumbered[v.value];
+      });
     });
   }
 

@@ -3,11 +3,18 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/blocks.h"
 #include "core/stages/polygon_split.h"
 #include "core/stages/projection.h"
 
 namespace remesh {
 namespace {
+
+/// More than any distance is wrong by: what boxes are nearer by, so that nothing as near as the best so far is ever
+/// passed over, and the answer does not depend on the order of the search.
+constexpr double kRounding = 0x1p-48;
+
+Vec3 in_space(Vec2 p) { return {p.x, p.y, 0}; }
 
 double distance_to_segment(Vec2 a, Vec2 b, Vec2 p) {
   const Vec2 ab = b - a;
@@ -32,104 +39,48 @@ double distance_to_triangle(const std::array<Vec2, 3>& t, Vec2 p) {
 
 }  // namespace
 
-void PatchLocator::Box2::add(Vec2 p) {
-  min = {std::fmin(min.x, p.x), std::fmin(min.y, p.y)};
-  max = {std::fmax(max.x, p.x), std::fmax(max.y, p.y)};
-}
-
-double PatchLocator::Box2::distance(Vec2 p) const {
-  return std::hypot(std::max({min.x - p.x, p.x - max.x, 0.0}), std::max({min.y - p.y, p.y - max.y, 0.0}));
-}
-
 PatchLocator::PatchLocator(const Surface& surface, std::span<const FaceId> faces, const Frame& frame,
-                           RunControl& control) {
-  for (std::uint32_t i = 0; i < faces.size(); ++i) {
-    const auto loop = surface.face(faces[i]);
-    const auto add_triangle = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
-      Place place{i, {loop[a], loop[b], loop[c]}, {}};
-      for (int k = 0; k < 3; ++k) place.uv[k] = to_plane(frame, surface.positions[place.corners[k]]);
-      add(place);
-    };
-    if (loop.size() == 3) {
-      add_triangle(0, 1, 2);
-      continue;
-    }
-    std::vector<Vec3> points;
-    for (const VertexId v : loop) points.push_back(surface.local[v]);
-    for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles) add_triangle(a, b, c);
-  }
-  std::size_t leaves = 1;
-  while (leaves * kLeafSize < items_.size()) leaves *= 2;
-  first_leaf_ = leaves - 1;
-  boxes_.resize(2 * leaves - 1);
-  build();
+                           RunControl& control)
+    : surface_(surface), frame_(frame) {
+  parts_ = concatenate<Part>(
+      map_blocks<std::vector<Part>>(faces.size(), kItemsPerBlock, control,
+                                    [&](std::size_t begin, std::size_t end) {
+                                      std::vector<Part> parts;
+                                      parts.reserve(end - begin);
+                                      for (std::size_t i = begin; i < end; ++i)
+                                        visit_triangles(surface, faces[i], control, [&](const Triangle& t) {
+                                          parts.push_back({static_cast<std::uint32_t>(i), t});
+                                        });
+                                      return parts;
+                                    }),
+      control);
+  std::vector<BoxTree<NoTag>::Entry> entries(parts_.size());
+  for_blocks(parts_.size(), kItemsPerBlock, control, [&](std::size_t i, std::size_t end) {
+    for (; i < end; ++i)
+      for (const Vec2 p : uv_of(parts_[i])) entries[i].box.add(in_space(p));
+  });
+  tree_ = BoxTree<NoTag>(entries, control);
 }
 
 PatchLocator::Place PatchLocator::nearest(Vec2 p) const {
   double best = HUGE_VAL;
-  const Item* found = &items_.front();
-  std::vector<std::size_t> stack{0};
-  while (!stack.empty()) {
-    const std::size_t node = stack.back();
-    stack.pop_back();
-    if (boxes_[node].distance(p) > best) continue;
-    if (node < first_leaf_) {
-      const std::size_t left = 2 * node + 1, right = left + 1;
-      const bool left_first = boxes_[left].distance(p) <= boxes_[right].distance(p);
-      stack.push_back(left_first ? right : left);
-      stack.push_back(left_first ? left : right);
-      continue;
-    }
-    const auto [from, to] = range(node);
-    for (std::size_t i = from; i < to; ++i) {
-      const Item& item = items_[i];
-      if (item.box.distance(p) > best) continue;
-      const double d = distance_to_triangle(item.place.uv, p);
-      if (d < best || (d == best && item.place.face < found->place.face)) {
+  std::uint32_t found = 0;
+  tree_.search(
+      best, [&](const BoxTree<NoTag>::Entry& e) { return std::sqrt(squared_distance(e.box, in_space(p))) - kRounding; },
+      [&](std::size_t slot) {
+        const std::uint32_t i = tree_.number(slot);
+        const double d = distance_to_triangle(uv_of(parts_[i]), p);
+        if (d > best || (d == best && i > found)) return;
         best = d;
-        found = &item;
-      }
-    }
-  }
-  return found->place;
+        found = i;
+      });
+  return {parts_[found].face, parts_[found].corners, uv_of(parts_[found])};
 }
 
-void PatchLocator::add(const Place& place) {
-  Item item{{}, place};
-  for (const Vec2 p : place.uv) item.box.add(p);
-  items_.push_back(item);
-}
-
-std::pair<std::size_t, std::size_t> PatchLocator::range(std::size_t node) const {
-  std::size_t level_begin = 0, width = 1;
-  while (node >= level_begin + width) {
-    level_begin += width;
-    width *= 2;
-  }
-  const std::size_t k = node - level_begin;
-  return {items_.size() * k / width, items_.size() * (k + 1) / width};
-}
-
-void PatchLocator::build() {
-  const auto centre = [](const Item& i, bool by_y) {
-    return by_y ? i.box.min.y + i.box.max.y : i.box.min.x + i.box.max.x;
-  };
-  for (std::size_t node = 0; node < boxes_.size(); ++node) {
-    const auto [from, to] = range(node);
-    for (std::size_t i = from; i < to; ++i) {
-      boxes_[node].add(items_[i].box.min);
-      boxes_[node].add(items_[i].box.max);
-    }
-    if (node >= first_leaf_) continue;
-    const bool by_y = boxes_[node].max.y - boxes_[node].min.y > boxes_[node].max.x - boxes_[node].min.x;
-    const std::size_t middle = range(2 * node + 1).second;
-    const auto less = [&](const Item& a, const Item& b) {
-      return centre(a, by_y) != centre(b, by_y) ? centre(a, by_y) < centre(b, by_y) : a.place.face < b.place.face;
-    };
-    std::nth_element(items_.begin() + static_cast<std::ptrdiff_t>(from),
-                     items_.begin() + static_cast<std::ptrdiff_t>(middle),
-                     items_.begin() + static_cast<std::ptrdiff_t>(to), less);
-  }
+std::array<Vec2, 3> PatchLocator::uv_of(const Part& part) const {
+  std::array<Vec2, 3> uv;
+  for (int k = 0; k < 3; ++k) uv[k] = to_plane(frame_, surface_.positions[part.corners[k]]);
+  return uv;
 }
 
 }  // namespace remesh

@@ -5,53 +5,52 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/geometry/box_tree.h"
 #include "core/geometry/frame.h"
+#include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
 
 namespace remesh {
 
-/// The faces of one patch in its plane, as triangles under a binary tree of boxes: node k has the children 2k + 1 and
-/// 2k + 2.
+/// Input faces and places to look up that are worth a task of their own.
+inline constexpr std::size_t kLargePatch = 1000;
+/// A size of blocks of look-ups, each of a microsecond.
+inline constexpr std::size_t kLookUps = 4096;
+
+/// The faces of one patch in its plane, as triangles under a tree of boxes.
 class PatchLocator {
  public:
-  /// Cost:   O(n log n).
+  /// Input:  surface and frame, which outlive this.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  /// Cost:   O(n log n), in parallel.
   PatchLocator(const Surface& surface, std::span<const FaceId> faces, const Frame& frame, RunControl& control);
 
   struct Place {
-    std::uint32_t face = 0;           ///< position in `faces`
-    std::array<VertexId, 3> corners;  ///< of the triangle: the face itself, or a part of it
-    std::array<Vec2, 3> uv;           ///< of these
+    std::uint32_t face = 0;  ///< position in `faces`
+    Triangle corners;        ///< of the triangle: the face itself, or a part of it
+    std::array<Vec2, 3> uv;  ///< of these
   };
-  /// The triangle nearest to p; of equally near ones that of the first face.
+  /// The triangle nearest to p; of equally near ones that of the first face, and of its triangles the first.
   /// Cost:   O(log n) where faces do not crowd.
   Place nearest(Vec2 p) const;
 
  private:
-  struct Box2 {
-    Vec2 min{HUGE_VAL, HUGE_VAL}, max{-HUGE_VAL, -HUGE_VAL};
-
-    void add(Vec2 p);
-    double distance(Vec2 p) const;
+  struct Part {
+    std::uint32_t face;
+    Triangle corners;
   };
-  struct Item {
-    Box2 box;
-    Place place;
-  };
-  static constexpr std::size_t kLeafSize = 4;
 
-  void add(const Place& place);
-  /// The items under a node: its share of all, by its place in its level.
-  std::pair<std::size_t, std::size_t> range(std::size_t node) const;
-  void build();
+  std::array<Vec2, 3> uv_of(const Part& part) const;
 
-  std::vector<Item> items_;
-  std::vector<Box2> boxes_;
-  std::size_t first_leaf_ = 0;
+  const Surface& surface_;
+  const Frame& frame_;
+  std::vector<Part, LeftUnset<Part>> parts_;  ///< face after face
+  BoxTree<NoTag> tree_;
 };
 
 }  // namespace remesh

@@ -6,8 +6,11 @@
 #include <span>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/surface.h"
 
 namespace remesh {
 
@@ -30,5 +33,16 @@ struct PolygonSplit {
 /// Input:  4 or more points, no two consecutive ones equal; the tolerance in the points' units.
 /// Holds:  the polygon gets the same triangles wherever it begins and whichever way it runs, ties included.
 PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance, RunControl& control);
+
+/// Calls visit(triangle) with a face, if it is one, else with those that split_polygon makes of it.
+template <class Visit>
+void visit_triangles(const Surface& surface, FaceId f, RunControl& control, const Visit& visit) {
+  const auto loop = surface.face(f);
+  if (loop.size() == 3) return visit(Triangle{loop[0], loop[1], loop[2]});
+  std::vector<Vec3> points;
+  points.reserve(loop.size());
+  for (const VertexId v : loop) points.push_back(surface.local[v]);
+  for (const auto& [a, b, c] : split_polygon(points, 0, control).triangles) visit(Triangle{loop[a], loop[b], loop[c]});
+}
 
 }  // namespace remesh

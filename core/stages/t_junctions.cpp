@@ -11,9 +11,9 @@
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
 #include "core/base/tolerance.h"
+#include "core/geometry/box_tree.h"
 #include "core/geometry/expansion.h"
 #include "core/mesh/face_geometry.h"
-#include "core/refinement/box_tree.h"
 #include "core/stages/mend_faces.h"
 
 namespace remesh {
@@ -317,7 +317,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
                                               const std::vector<Junction>& junctions, double tolerance,
                                               RunControl& control) {
   constexpr double kShort = 4;
-  const Adjacency edges(surface.vertex_count(), split.faces.face_begin, split.faces.corners);
+  const Adjacency edges(surface.vertex_count(), split.faces.face_begin, split.faces.corners, control);
   const auto of_edge = [&](std::uint32_t h) {
     return std::array{split.junction_of[h], split.junction_of[edges.next(h)]};
   };

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "core/refinement/box_tree.h"
-#include "core/refinement/distances.h"
+#include "core/geometry/box_tree.h"
+#include "core/geometry/distances.h"
 
 namespace remesh::verification {
 namespace {

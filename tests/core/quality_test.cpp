@@ -24,7 +24,7 @@ Quality quality_of(const std::vector<Vec3>& positions, const std::vector<std::ve
 
 MeshStatistics statistics_of(const PolygonMesh& mesh) {
   RunControl control;
-  const Adjacency edges(mesh.vertex_count(), mesh.face_begin, mesh.corners);
+  const Adjacency edges(mesh.vertex_count(), mesh.face_begin, mesh.corners, control);
   std::vector<VertexId> triangles;
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
     const auto face = mesh.face(FaceId(f));

@@ -20,7 +20,7 @@ std::map<DiagnosticCode, VolumeObstacle> obstacles_of(const PolygonMesh& mesh) {
   const auto& faces = triangles.faces.items();
   const SelfIntersections found = self_intersections(positions, faces, {}, 1'000'000, control);
   const std::vector<std::uint32_t> begins = triangle_begins(faces.size(), control);
-  const Adjacency edges(positions.size(), begins, corners_of(faces));
+  const Adjacency edges(positions.size(), begins, corners_of(faces), control);
   std::map<DiagnosticCode, VolumeObstacle> by_code;
   for (VolumeObstacle& o :
        find_volume_obstacles(positions, begins, corners_of(faces), edges, found.pairs, 1e-9, control)) {

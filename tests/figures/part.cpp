@@ -19,7 +19,7 @@ Part make_part(const PolygonMesh& mesh, double plane_tolerance, RunControl& cont
   surface.detach();
   const double tolerance = plane_tolerance / surface.unit;
   mend_faces(surface, tolerance, {}, Mend::kYes, diagnostics, control);
-  Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners);
+  Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners, control);
   const IdVector<FaceId, std::uint32_t> zone(surface.face_count(), 0);
   const IdVector<FaceId, std::uint8_t> rung(surface.face_count(), 0);
   Regions regions;

@@ -34,7 +34,7 @@ PolygonMesh with_groups(PolygonMesh mesh, const std::vector<std::uint32_t>& grou
 StageChain::StageChain(const PolygonMesh& mesh, double plane_tolerance, const std::vector<Vec3>& forced)
     : surface(mended(mesh, plane_tolerance)),
       tolerance(plane_tolerance / surface.unit),
-      adjacency(surface.vertex_count(), surface.face_begin, surface.corners),
+      adjacency(surface.vertex_count(), surface.face_begin, surface.corners, control),
       geometry(face_geometry(surface, control)) {
   const IdVector<FaceId, std::uint8_t> rung(surface.face_count(), 0);
   coplanar_regions(surface, adjacency, geometry, {tolerance, 1e-6, &surface.face_label, &rung}, regions, control);

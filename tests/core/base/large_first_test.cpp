@@ -20,5 +20,24 @@ TEST(large_first, nothing_has_an_order_too) {
   EXPECT_EQ(result.large, 0u);
 }
 
+TEST(for_large_first, each_item_has_its_turn_once) {
+  RunControl control;
+  for (const std::size_t n : {0u, 1u, 64u, 1000u}) {
+    std::vector<int> turns(n, 0);
+    for_large_first(
+        n, 500, [](std::size_t i) { return i; }, control, [&](std::size_t i) { ++turns[i]; });
+    EXPECT_EQ(turns, std::vector<int>(n, 1));
+  }
+}
+
+TEST(for_large_first, a_stop_that_was_asked_for_ends_it) {
+  RunControl control;
+  control.cancel();
+  for (const std::size_t limit : {0u, 10u})
+    EXPECT_THROW(for_large_first(
+                     5, limit, [](std::size_t) { return 5; }, control, [](std::size_t) { FAIL(); }),
+                 Error);
+}
+
 }  // namespace
 }  // namespace remesh

@@ -12,7 +12,7 @@ namespace {
 
 std::vector<FaceId> found_in(const PolygonMesh& mesh) {
   RunControl control;
-  const Adjacency edges(mesh.vertex_count(), mesh.face_begin, mesh.corners);
+  const Adjacency edges(mesh.vertex_count(), mesh.face_begin, mesh.corners, control);
   const InsideOut found = find_inside_out(mesh.positions.items(), mesh.face_begin, mesh.corners, edges, control);
   EXPECT_EQ(found.is_inside_out.empty(), found.first_faces.empty());
   for (const FaceId f : found.first_faces) EXPECT_EQ(found.is_inside_out[f.value], 1);

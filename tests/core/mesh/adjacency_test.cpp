@@ -15,7 +15,10 @@ namespace {
 
 using Ends = std::pair<std::uint32_t, std::uint32_t>;
 
-Adjacency adjacency_of(const PolygonMesh& mesh) { return {mesh.vertex_count(), mesh.face_begin, mesh.corners}; }
+Adjacency adjacency_of(const PolygonMesh& mesh) {
+  RunControl control;
+  return {mesh.vertex_count(), mesh.face_begin, mesh.corners, control};
+}
 
 Ends ends(const Adjacency& adjacency, std::uint32_t h) {
   return std::minmax(adjacency.from(h).value, adjacency.to(h).value);
@@ -122,6 +125,24 @@ TEST(adjacency, the_edges_of_a_sound_surface_are_grouped_too_and_those_at_a_faul
   mesh.corners.resize(mesh.corners.size() - 3);  // one that is missing
   mesh.face_begin.pop_back();
   expect_grouped(mesh);
+}
+
+TEST(adjacency, the_edges_at_a_hub_are_grouped) {
+  // A fan so wide that its edges are sorted in parallel, the faces in no order.
+  constexpr std::uint32_t kRim = 150'000;
+  std::vector<std::vector<std::uint32_t>> faces;
+  for (std::uint32_t i = 0; i < kRim; ++i) {
+    const std::uint32_t k = i * 7919ull % kRim;
+    faces.push_back({0, 1 + k, 1 + (k + 1) % kRim});
+  }
+  expect_grouped(connected(kRim + 1, faces));
+}
+
+TEST(adjacency, a_stop_that_was_asked_for_ends_it) {
+  const PolygonMesh mesh = connected(3, {{0, 1, 2}});
+  RunControl control;
+  control.cancel();
+  EXPECT_THROW(Adjacency(mesh.vertex_count(), mesh.face_begin, mesh.corners, control), Error);
 }
 
 TEST(adjacency, a_mesh_without_faces_has_no_edges) {

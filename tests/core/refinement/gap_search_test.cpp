@@ -12,7 +12,7 @@
 #include <set>
 #include <vector>
 
-#include "core/refinement/distances.h"
+#include "core/geometry/distances.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <vector>
 
-#include "core/refinement/distances.h"
+#include "core/geometry/distances.h"
 #include "tests/support/random.h"
 
 namespace remesh {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include "core/refinement/distances.h"
+#include "core/geometry/distances.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 

@@ -18,7 +18,7 @@ std::map<DiagnosticCode, Diagnostic> defects_of(const PolygonMesh& mesh) {
   RunControl control;
   std::vector<Diagnostic> diagnostics;
   const Surface surface = weld(mesh, {}, diagnostics, control);
-  const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners);
+  const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
   diagnostics.clear();
   find_defects(surface, edges, pinched_vertices(surface, edges, control), diagnostics);
   std::map<DiagnosticCode, Diagnostic> found;

@@ -3,9 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <cmath>
 #include <map>
+#include <thread>
 
+#include "core/stages/weld.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
@@ -214,6 +218,37 @@ TEST(mend_faces, vertices_of_dropped_faces_go_with_them) {
   EXPECT_EQ(surface.vertex_count(), 3u);
   EXPECT_EQ(surface.vertex_source[VertexId(0)], VertexId(3));
   EXPECT_EQ(surface.face_source[FaceId(0)], FaceId(1));
+}
+
+TEST(mend_faces, a_stop_is_obeyed_while_faces_without_area_are_dropped) {
+  using Clock = std::chrono::steady_clock;
+  constexpr int kCells = 500;
+  PolygonMesh mesh = shapes::sheet(1, 1, kCells, kCells);
+  mesh.corners.insert(mesh.corners.end(), {VertexId(0), VertexId(1), VertexId(2)});
+  mesh.face_begin.push_back(static_cast<std::uint32_t>(mesh.corners.size()));
+  RunControl control, of_weld;
+  std::vector<Diagnostic> diagnostics;
+  Surface surface = weld(mesh, {}, diagnostics, of_weld);
+  // All faces have been looked at by then.
+  const double looked_at = 1 - 0x1p13 / static_cast<double>(mesh.face_count());
+  std::atomic<bool> is_over = false;
+  Clock::time_point asked;
+  std::thread watcher([&] {
+    while (control.fraction() < looked_at && !is_over) std::this_thread::yield();
+    asked = Clock::now();
+    control.cancel();
+  });
+  bool is_stopped = false;
+  try {
+    mend_faces(surface, 1e-6, {}, Mend::kYes, diagnostics, control);
+  } catch (const Error& error) {
+    is_stopped = error.code == Code::kCancelled;
+  }
+  const Clock::time_point ended = Clock::now();
+  is_over = true;
+  watcher.join();
+  // Not stopped: it was asked for when all was done but for a little.
+  EXPECT_TRUE(is_stopped || ended - asked < std::chrono::milliseconds(20));
 }
 
 }  // namespace

@@ -25,14 +25,15 @@ SplitResult split(const PolygonMesh& mesh, double tolerance, Mend mend = Mend::k
                   const std::vector<std::uint8_t>& as_it_is = {}) {
   RunControl control;
   SplitResult result{shapes::surface(mesh), {}, false};
-  const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners);
+  const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners, control);
   result.is_changed = split_t_junctions(result.surface, edges, tolerance / result.surface.unit, as_it_is, mend,
                                         result.diagnostics, control);
   return result;
 }
 
 std::size_t open_edges(const Surface& surface) {
-  const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners);
+  RunControl control;
+  const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
   std::size_t count = 0;
   for (std::uint32_t e = 0; e < edges.edge_count(); ++e) count += edges.half_edges(EdgeId(e)).size() == 1;
   return count;
@@ -123,7 +124,8 @@ TEST(split_t_junctions, a_face_that_is_as_thin_as_the_tolerance_is_handed_none) 
 
 /// Half-edges that run the same way as another one over the same edge.
 std::size_t edges_used_twice_one_way(const Surface& surface) {
-  const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners);
+  RunControl control;
+  const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
   std::size_t count = 0;
   for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
     const auto around = edges.half_edges(EdgeId(e));

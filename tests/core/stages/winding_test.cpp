@@ -22,7 +22,7 @@ template <class Stage>
 Wound run(const PolygonMesh& mesh, Mend mend, const Stage& stage) {
   RunControl control;
   Wound result{shapes::surface(mesh), {}, false};
-  const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners);
+  const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners, control);
   result.is_changed = stage(result.surface, edges, mend, result.diagnostics, control);
   return result;
 }

@@ -50,7 +50,8 @@ std::vector<std::string> contents(const PolygonMesh& mesh, const std::vector<Pat
 }
 
 std::vector<std::uint32_t> order_of(const PolygonMesh& mesh) {
-  Adjacency edges(mesh.vertex_count(), mesh.face_begin, mesh.corners);
+  RunControl control;
+  Adjacency edges(mesh.vertex_count(), mesh.face_begin, mesh.corners, control);
   const auto order = std::move(edges).take_order();
   return {order.begin(), order.end()};
 }

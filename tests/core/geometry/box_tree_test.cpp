@@ -1,4 +1,4 @@
-#include "core/refinement/box_tree.h"
+#include "core/geometry/box_tree.h"
 
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>

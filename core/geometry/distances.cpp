@@ -1,4 +1,4 @@
-#include "core/refinement/distances.h"
+#include "core/geometry/distances.h"
 
 #include <algorithm>
 

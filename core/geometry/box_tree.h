@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <limits>
 #include <span>
 #include <utility>
 #include <vector>
@@ -16,6 +14,7 @@
 #include "core/base/blocks.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/geometry/slot_tree.h"
 
 namespace remesh {
 
@@ -79,8 +78,7 @@ struct NoTag {
   void join(NoTag) {}
 };
 
-/// The boxes stand in slots 0 .. n-1, neighbours in space near each other. Node j of level l has the slots
-/// [n j / 2^l, n (j+1) / 2^l): arithmetic, so that a node is its box and its tag and nothing else.
+/// The boxes stand in the slots of a SlotTree; a node is its box and its tag and nothing else.
 /// Tag:    what is noted; `Tag::join(other)` makes it true of both.
 /// Holds:  the order of the slots depends on the boxes alone, not on threads.
 /// Cost:   O(n log n) to build, in parallel.
@@ -117,26 +115,15 @@ class BoxTree {
   void search(const double& best, const Bound& bound, const Visit& visit) const;
 
  private:
-  /// A leaf has at most this many slots.
-  static constexpr std::size_t kLeafSize = 4;
-  static constexpr std::size_t kMaxLevels = 40;  ///< more than ids have bits
   static constexpr std::size_t kBlock = 4096;
 
-  static std::size_t node_index(int level, std::size_t j) { return (std::size_t{1} << level) - 1 + j; }
-  std::size_t node_begin(int level, std::size_t j) const { return (size() * j) >> level; }
-
-  struct Place {
-    std::array<float, 3> centre;  ///< of the box, twice
-    std::uint32_t number;
-  };
-  static void split(std::span<Place> places, std::size_t middle, RunControl& control);
   void sort(std::span<const Entry> entries, RunControl& control);
   static void join(Entry& entry, const Entry& other) {
     entry.box.add(other.box);
     entry.tag.join(other.tag);
   }
 
-  int leaf_level_ = 0;
+  SlotTree slots_;
   std::vector<Entry> entries_;         ///< by slot
   std::vector<std::uint32_t> number_;  ///< by slot
   std::vector<Entry> nodes_;           ///< level after level
@@ -144,29 +131,28 @@ class BoxTree {
 
 template <class Tag>
 BoxTree<Tag>::BoxTree(std::span<const Entry> entries, RunControl& control)
-    : entries_(entries.size()), number_(entries.size()) {
+    : slots_(entries.size()), entries_(entries.size()), number_(entries.size()) {
   if (entries.empty()) return;
-  while (size() > kLeafSize << leaf_level_) ++leaf_level_;
   sort(entries, control);
-  nodes_.resize(node_index(leaf_level_ + 1, 0));
-  for (int level = leaf_level_; level >= 0; --level)
-    for_blocks(std::size_t{1} << level, kBlock, control, [&](std::size_t j, std::size_t last) {
-      for (; j < last; ++j) {
-        Entry& node = nodes_[node_index(level, j)];
-        if (level < leaf_level_) {
-          node = nodes_[node_index(level + 1, 2 * j)];
-          join(node, nodes_[node_index(level + 1, 2 * j + 1)]);
-        } else {
-          std::size_t slot = node_begin(level, j);
-          node = entries_[slot];
-          while (++slot < node_begin(level, j + 1)) join(node, entries_[slot]);
-        }
-      }
-    });
+  nodes_.resize(slots_.node_count());
+  const auto joined = [](Entry entry, const Entry& other) {
+    join(entry, other);
+    return entry;
+  };
+  const auto of_slots = [&](std::size_t slot, std::size_t end) {
+    Entry node = entries_[slot];
+    while (++slot < end) join(node, entries_[slot]);
+    return node;
+  };
+  slots_.join(std::span(nodes_), control, of_slots, joined);
 }
 
 template <class Tag>
 void BoxTree<Tag>::sort(std::span<const Entry> entries, RunControl& control) {
+  struct Place {
+    std::array<float, 3> centre;  ///< of the box, twice
+    std::uint32_t number;
+  };
   std::vector<Place> places(size());
   for_blocks(size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -174,16 +160,11 @@ void BoxTree<Tag>::sort(std::span<const Entry> entries, RunControl& control) {
       places[i].number = static_cast<std::uint32_t>(i);
     }
   });
-  for (int level = 0; level < leaf_level_; ++level) {
-    // One task for many small nodes, one node a task where they are large.
-    const std::size_t nodes = std::size_t{1} << level;
-    for_blocks(nodes, std::max<std::size_t>(1, nodes * kBlock / size()), control, [&](std::size_t j, std::size_t last) {
-      for (; j < last; ++j) {
-        const std::size_t begin = node_begin(level, j), end = node_begin(level, j + 1);
-        split(std::span(places).subspan(begin, end - begin), node_begin(level + 1, 2 * j + 1) - begin, control);
-      }
-    });
-  }
+  slots_.sort(std::span(places), control, [&](std::span<Place> of_node, std::size_t middle) {
+    split_widest(
+        of_node, middle, [](const Place& p) -> const auto& { return p.centre; },
+        [](const Place& p) { return p.number; }, control);
+  });
   for_blocks(size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t slot = begin; slot < end; ++slot) {
       number_[slot] = places[slot].number;
@@ -192,39 +173,18 @@ void BoxTree<Tag>::sort(std::span<const Entry> entries, RunControl& control) {
   });
 }
 
-/// Parts the places so that all before `middle` are, along the longest axis, before all from there on.
-template <class Tag>
-void BoxTree<Tag>::split(std::span<Place> places, std::size_t middle, RunControl& control) {
-  control.check();
-  FloatBox centres;
-  for (const Place& p : places) centres.add(FloatBox{p.centre, p.centre});
-  int longest = 0;
-  for (int axis = 1; axis < 3; ++axis)
-    if (centres.max[axis] - centres.min[axis] > centres.max[longest] - centres.min[longest]) longest = axis;
-  std::uint32_t comparisons = 0;
-  std::nth_element(places.begin(), places.begin() + static_cast<std::ptrdiff_t>(middle), places.end(),
-                   [&](const Place& a, const Place& b) {
-                     if (++comparisons % (1u << 16) == 0) control.check();
-                     return std::pair(a.centre[longest], a.number) < std::pair(b.centre[longest], b.number);
-                   });
-}
-
 template <class Tag>
 template <class Note>
 void BoxTree<Tag>::note(const Note& note, RunControl& control) {
   for_blocks(size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t slot = begin; slot < end; ++slot) note(entries_[slot].tag, std::span(number_).subspan(slot, 1));
   });
-  for (int level = 0; level <= leaf_level_ && !nodes_.empty(); ++level) {
-    const std::size_t nodes = std::size_t{1} << level;
-    for_blocks(nodes, std::max<std::size_t>(1, nodes * kBlock / size()), control, [&](std::size_t j, std::size_t last) {
-      for (; j < last; ++j) {
-        control.check();
-        const std::size_t begin = node_begin(level, j), end = node_begin(level, j + 1);
-        note(nodes_[node_index(level, j)].tag, std::span(number_).subspan(begin, end - begin));
-      }
+  for (int level = 0; level <= slots_.leaf_level() && !nodes_.empty(); ++level)
+    slots_.visit_level(level, control, [&](std::size_t j) {
+      control.check();
+      const std::size_t begin = slots_.begin(level, j), end = slots_.begin(level, j + 1);
+      note(nodes_[slots_.number(level, j)].tag, std::span(number_).subspan(begin, end - begin));
     });
-  }
 }
 
 template <class Tag>
@@ -236,9 +196,10 @@ void BoxTree<Tag>::search(const double& best, const Bound& bound, const Visit& v
     std::size_t node;
   };
   // Depth first, the better child first: at most one waiting sibling a level.
-  std::array<Waiting, kMaxLevels> stack;
+  std::array<Waiting, SlotTree::kMaxLevels> stack;
   std::size_t depth = 0;
-  const std::size_t first_leaf = node_index(leaf_level_, 0);
+  const int leaf_level = slots_.leaf_level();
+  const std::size_t first_leaf = SlotTree::number(leaf_level, 0);
   Waiting here{bound(nodes_[0]), 0};
   while (true) {
     if (here.bound < best) {
@@ -251,7 +212,7 @@ void BoxTree<Tag>::search(const double& best, const Bound& bound, const Visit& v
         continue;
       }
       const std::size_t j = here.node - first_leaf;
-      for (std::size_t slot = node_begin(leaf_level_, j); slot < node_begin(leaf_level_, j + 1); ++slot)
+      for (std::size_t slot = slots_.begin(leaf_level, j); slot < slots_.begin(leaf_level, j + 1); ++slot)
         if (bound(entries_[slot]) < best) visit(slot);
     }
     if (depth == 0) return;
