@@ -132,7 +132,7 @@ TEST(adjacency, the_edges_at_a_hub_are_grouped) {
   constexpr std::uint32_t kRim = 150'000;
   std::vector<std::vector<std::uint32_t>> faces;
   for (std::uint32_t i = 0; i < kRim; ++i) {
-    const std::uint32_t k = i * 7919ull % kRim;
+    const auto k = static_cast<std::uint32_t>(std::uint64_t{i} * 7919 % kRim);
     faces.push_back({0, 1 + k, 1 + (k + 1) % kRim});
   }
   expect_grouped(connected(kRim + 1, faces));
