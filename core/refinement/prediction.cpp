@@ -154,9 +154,7 @@ class PatchPrediction {
     return sharpness <= 1 ? 1 : 1 + 2 * std::log2(sharpness);
   }
 
-  double longest_edge() const {
-    return std::min(sizes_.largest(), equilateral_edge(goals_.max_area));
-  }
+  double longest_edge() const { return std::min(sizes_.largest(), equilateral_edge(goals_.max_area)); }
   double size_at(Vec2 p) const {
     return sizes_.is_uniform() ? longest_edge() : std::min(longest_edge(), sizes_.at(to_space(patch_.frame, p)));
   }
