@@ -48,7 +48,7 @@ void check_options(const Options& options) {
 void check_options(const Options& options, double diagonal) {
   if (options.min_edge_length && options.max_edge_fraction &&
       *options.min_edge_length > *options.max_edge_fraction * diagonal)
-    invalid("min_edge_length", "must not be above max_edge_fraction of the diagonal " + std::to_string(diagonal));
+    invalid("min_edge_length", "must not be above max_edge_fraction of the diagonal");
 }
 
 }  // namespace remesh

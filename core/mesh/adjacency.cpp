@@ -86,12 +86,6 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
     odd_edges_.insert(odd_edges_.end(), of_part.begin(), of_part.end());
 }
 
-Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin,
-                     std::span<const VertexId> corners) {
-  RunControl never_stopped;
-  *this = Adjacency(vertex_count, face_begin, corners, never_stopped);
-}
-
 /// Puts half-edges, ascending, whose smaller vertices are the kVertices from `first` on in the order of their edges,
 /// and finds their twins. Returns how many edges they are.
 std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> half_edges, RunControl& control) {

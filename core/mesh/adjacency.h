@@ -26,8 +26,6 @@ class Adjacency {
   /// Cost:   O(n) for vertices of bounded degree, O(n log n) at worst; on the caller's TBB arena.
   Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin, std::span<const VertexId> corners,
             RunControl& control);
-  /// The same, but it cannot be stopped.
-  Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin, std::span<const VertexId> corners);
 
   bool are_triangles() const { return are_triangles_; }
   std::size_t edge_count() const { return edge_begin_.size() - 1; }

@@ -139,7 +139,7 @@ class Mending {
       emit(loop_, source, label, false);
       return;
     }
-    if (!cuts_) cuts_.emplace(surface_);
+    if (!cuts_) cuts_.emplace(surface_, control_);
     for (const PolygonCuts::Corners& triangle : cuts_->cut(loop_, split))
       emit_triangle(triangle, source, label, are_collinear(triangle));
   }

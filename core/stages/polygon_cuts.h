@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/run_control.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
 #include "core/stages/polygon_split.h"
@@ -22,7 +23,8 @@ class PolygonCuts {
  public:
   using Corners = std::array<VertexId, 3>;
 
-  explicit PolygonCuts(Surface& surface);
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  PolygonCuts(Surface& surface, RunControl& control);
 
   /// The triangles of a polygon that is not to stay whole.
   /// Input:  its loop, no two consecutive corners equal, and how it splits.

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/geometry/triangle_intersection.h"
+#include "tests/support/apart_nodes.h"
 #include "tests/support/random.h"
 
 namespace remesh {
@@ -61,17 +61,12 @@ TEST(axial_bounds, what_meets_a_face_at_the_line_is_not_apart_from_it) {
     const AxialBounds bounds(tree, around.positions, around.faces, VertexId(0), VertexId(1), control);
     for (const Triangle& face : around.faces) {
       if (face[0] != VertexId(0) && face[1] != VertexId(1)) continue;
+      SCOPED_TRACE(seed);
       const AxialBounds::Arc arc = bounds.arc_of(face);
-      for (std::size_t node = 0; node < tree.node_count(); ++node) {
-        const auto [first, last] = tree.slots(node);
-        bool is_met = false;
-        for (std::size_t slot = first; slot < last && !is_met; ++slot)
-          is_met = do_intersect(face, around.faces[tree.face(slot).value], around.positions);
-        const bool are_apart = bounds.are_apart(arc, node);
-        EXPECT_FALSE(is_met && are_apart) << seed;
-        met += is_met;
-        apart += are_apart;
-      }
+      const NodeCounts counts = expect_no_met_node_is_apart(
+          tree, around.positions, around.faces, face, [&](std::size_t node) { return bounds.are_apart(arc, node); });
+      met += counts.met;
+      apart += counts.apart;
     }
   }
   EXPECT_GT(met, 1000u);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <vector>
 
-#include "core/geometry/triangle_intersection.h"
+#include "tests/support/apart_nodes.h"
 #include "tests/support/random.h"
 
 namespace remesh {
@@ -41,17 +41,12 @@ TEST(oriented_boxes, what_meets_a_triangle_of_a_node_is_not_apart_from_it) {
     const OrientedBoxes boxes(tree, soup.positions, soup.faces, 0, control);
     std::size_t met = 0, apart = 0;
     for (const Triangle& face : soup.faces) {
+      SCOPED_TRACE(seed);
       const OrientedBoxes::Query query = boxes.query(face);
-      for (std::size_t node = 0; node < tree.node_count(); ++node) {
-        const auto [first, last] = tree.slots(node);
-        bool is_met = false;
-        for (std::size_t slot = first; slot < last && !is_met; ++slot)
-          is_met = do_intersect(face, soup.faces[tree.face(slot).value], soup.positions);
-        const bool are_apart = boxes.are_apart(query, node);
-        EXPECT_FALSE(is_met && are_apart) << seed;
-        met += is_met;
-        apart += are_apart;
-      }
+      const NodeCounts counts = expect_no_met_node_is_apart(
+          tree, soup.positions, soup.faces, face, [&](std::size_t node) { return boxes.are_apart(query, node); });
+      met += counts.met;
+      apart += counts.apart;
     }
     EXPECT_GT(met, 100u);
     EXPECT_GT(apart, 100u);

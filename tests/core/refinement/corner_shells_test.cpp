@@ -74,24 +74,48 @@ TEST(corner_shells, the_sides_of_a_corner_are_cut_by_turns_in_pieces_that_grow) 
   }
 }
 
-TEST(corner_shells, where_sizes_vary_a_side_that_ends_within_one_is_all_of_the_corner) {
-  // Far from the corner two sheets are near each other, so that sizes vary; there the size is the largest.
-  const double size = 0.1, degrees = 4, angle = degrees * std::numbers::pi / 180;
-  const PolygonMesh sheet = shapes::moved(shapes::sheet(1, 1, 1, 1), {9, 0, 0});
-  const PolygonMesh sheets = shapes::joined(sheet, shapes::moved(sheet, {0, 0, 0.05}));
-  for (const double shorter : {0.06, 0.08, 0.0999}) {
-    StageChain chain(shapes::joined(shapes::triangle(degrees, 1, shorter), sheets));
+/// A triangle beside the x axis, and far from it two sheets near each other: sizes vary, but at the triangle the size is
+/// the largest.
+struct WhereSizesVary {
+  static constexpr double kSize = 0.1;
+
+  WhereSizesVary(double degrees, double other_side)
+      : chain(shapes::joined(shapes::triangle(degrees, 1, other_side), sheets())),
+        goals(goals_of(options(), 1)),
+        gaps(chain.surface, chain.adjacency, chain.patches, 1e-12, chain.control),
+        sizes(chain.surface, &gaps, {}, goals, 1e-12, chain.control),
+        table(planned(chain, sizes, goals, chain.control)) {
+    EXPECT_FALSE(sizes.is_uniform());
+  }
+  std::vector<double> distances_to(const Vec3& end) { return distances(chain, table, sizes, end); }
+
+  static PolygonMesh sheets() {
+    const PolygonMesh sheet = shapes::moved(shapes::sheet(1, 1, 1, 1), {9, 0, 0});
+    return shapes::joined(sheet, shapes::moved(sheet, {0, 0, 0.05}));
+  }
+  static Options options() {
     Options options = with_angle(25);
-    options.max_edge_length = size;
+    options.max_edge_length = kSize;
     options.proximity = 1;
-    const Goals goals = goals_of(options, 1);
-    const GapSearch gaps(chain.surface, chain.adjacency, chain.patches, 1e-12, chain.control);
-    const SizeField sizes(chain.surface, &gaps, {}, goals, 1e-12, chain.control);
-    ASSERT_FALSE(sizes.is_uniform());
-    const SegmentTable table = planned(chain, sizes, goals, chain.control);
+    return options;
+  }
+
+  StageChain chain;
+  Goals goals;
+  GapSearch gaps;
+  SizeField sizes;
+  SegmentTable table;
+};
+
+TEST(corner_shells, where_sizes_vary_a_side_that_ends_within_one_is_all_of_the_corner) {
+  const double degrees = 4, angle = degrees * std::numbers::pi / 180;
+  for (const double shorter : {0.06, 0.08, 0.0999}) {
+    WhereSizesVary scene(degrees, shorter);
+    const StageChain& chain = scene.chain;
+    const SegmentTable& table = scene.table;
     const Vec3 end{shorter * std::cos(angle), shorter * std::sin(angle), 0};
-    EXPECT_TRUE(distances(chain, table, sizes, end).empty()) << shorter;
-    const std::vector<double> cuts = distances(chain, table, sizes, {1, 0, 0});
+    EXPECT_TRUE(scene.distances_to(end).empty()) << shorter;
+    const std::vector<double> cuts = scene.distances_to({1, 0, 0});
     ASSERT_FALSE(cuts.empty());
     EXPECT_NEAR(cuts[0], shorter, 1e-9);
     // If that has to be cut again, then in halves.
@@ -107,24 +131,14 @@ TEST(corner_shells, where_sizes_vary_a_side_that_ends_within_one_is_all_of_the_c
 }
 
 TEST(corner_shells, where_sizes_vary_the_triangle_in_a_wide_corner_is_longer) {
-  const double size = 0.1;
-  const PolygonMesh sheet = shapes::moved(shapes::sheet(1, 1, 1, 1), {9, 0, 0});
-  const PolygonMesh sheets = shapes::joined(sheet, shapes::moved(sheet, {0, 0, 0.05}));
-  const auto first_cut = [&](double degrees) {
-    StageChain chain(shapes::joined(shapes::triangle(degrees, 1, 1), sheets));
-    Options options = with_angle(25);
-    options.max_edge_length = size;
-    options.proximity = 1;
-    const Goals goals = goals_of(options, 1);
-    const GapSearch gaps(chain.surface, chain.adjacency, chain.patches, 1e-12, chain.control);
-    const SizeField sizes(chain.surface, &gaps, {}, goals, 1e-12, chain.control);
-    const std::vector<double> cuts = distances(chain, planned(chain, sizes, goals, chain.control), sizes, {1, 0, 0});
+  const auto first_cut = [](double degrees) {
+    const std::vector<double> cuts = WhereSizesVary(degrees, 1).distances_to({1, 0, 0});
     return cuts.empty() ? 0 : cuts[0];
   };
   const double needle = first_cut(4), wide = first_cut(10);
-  EXPECT_GE(needle, size / 2);
+  EXPECT_GE(needle, WhereSizesVary::kSize / 2);
   EXPECT_GT(wide, needle);
-  EXPECT_LT(wide, size);
+  EXPECT_LT(wide, WhereSizesVary::kSize);
 }
 
 TEST(corner_shells, without_a_size_or_a_bound_on_angles_there_are_none) {

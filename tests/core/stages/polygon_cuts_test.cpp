@@ -77,6 +77,13 @@ TEST(polygon_cuts, a_bent_quadrilateral_beside_triangles_takes_the_cut_that_none
   }
 }
 
+TEST(polygon_cuts, a_stop_that_was_asked_for_ends_it) {
+  Surface surface = surface_of(shapes::from_lists(kTetrahedron, {{0, 1, 3, 2}, {0, 2, 1}, {1, 2, 3}}));
+  RunControl control;
+  control.cancel();
+  EXPECT_THROW(PolygonCuts(surface, control), Error);
+}
+
 TEST(polygon_cuts, where_every_cut_is_an_edge_already_it_gets_a_vertex) {
   // Three quadrilaterals around the same four corners: their sides are all six edges, each twice.
   const Surface before = surface_of(shapes::from_lists(kTetrahedron, {{0, 1, 2, 3}, {0, 3, 1, 2}, {0, 2, 3, 1}}));
