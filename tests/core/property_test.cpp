@@ -1,7 +1,6 @@
 // Random polygons with holes on random planes in space, at all scales: what comes back is compared with formulas and
 // with CGAL, not with what the pipeline says of itself.
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,7 +14,7 @@
 
 #include "core/remesh.h"
 #include "core/stages/patch_triangulation.h"
-#include "tests/support/cgal_cdt.h"
+#include "tests/support/cgal_plane.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
@@ -27,9 +26,6 @@ namespace {
 
 using polygons::Loop;
 using polygons::Polygon;
-using CgalPoint = CGAL::Exact_predicates_inexact_constructions_kernel::Point_2;
-
-CgalPoint cgal(Vec2 p) { return {p.x, p.y}; }
 
 const std::uint64_t kSeed = base_seed(20181);
 
@@ -54,7 +50,7 @@ std::size_t corner_count(const Loop& loop) {
   std::size_t corners = 0;
   for (std::size_t i = 0; i < loop.size(); ++i) {
     const Vec2 a = loop[i], b = loop[(i + 1) % loop.size()], c = loop[(i + 2) % loop.size()];
-    corners += CGAL::orientation(cgal(a), cgal(b), cgal(c)) != CGAL::COLLINEAR;
+    corners += cgal_orientation(a, b, c) != 0;
   }
   return corners;
 }
@@ -76,7 +72,7 @@ bool is_inside(const Loop& loop, Vec2 p) {
   for (std::size_t i = 0; i < loop.size(); ++i) {
     const Vec2 a = loop[i], b = loop[(i + 1) % loop.size()];
     if ((a.x <= p.x) != (b.x <= p.x)) {
-      const bool above = CGAL::orientation(cgal(std::min(a, b)), cgal(std::max(a, b)), cgal(p)) == CGAL::RIGHT_TURN;
+      const bool above = cgal_orientation(std::min(a, b), std::max(a, b), p) < 0;
       inside = inside != above;
     }
   }
@@ -127,8 +123,7 @@ Loop bridged(const Polygon& polygon) {
         const bool touches = (ends[2] == p || ends[2] == q || ends[3] == p || ends[3] == q);
         if (!touches && segments_conflict(ends, {0, 1}, {2, 3})) return true;
         for (const Vec2 r : {ends[2], ends[3]})
-          if (r != p && r != q && CGAL::orientation(cgal(p), cgal(q), cgal(r)) == CGAL::COLLINEAR &&
-              std::min(p, q) < r && r < std::max(p, q))
+          if (r != p && r != q && cgal_orientation(p, q, r) == 0 && std::min(p, q) < r && r < std::max(p, q))
             return true;
       }
       return false;
@@ -305,7 +300,7 @@ TEST(random_polygons, the_triangles_are_those_of_the_oracle_where_no_tie_is_brok
       std::set<Segment> oracle;
       for (const Corners& t : theirs)
         for (std::size_t k = 0; k < 3; ++k) oracle.insert(undirected(t[k], t[(k + 1) % 3]));
-      const auto point = [&](std::uint32_t v) { return cgal(input.points[v]); };
+      const auto point = [&](std::uint32_t v) { return input.points[v]; };
       for (std::uint32_t h = 0; h < ours.mesh.half_edge_count(); ++h) {
         const std::uint32_t g = ours.mesh.twin(h);
         const Segment edge = undirected(ours.mesh.from(h), ours.mesh.to(h));
@@ -313,10 +308,10 @@ TEST(random_polygons, the_triangles_are_those_of_the_oracle_where_no_tie_is_brok
           EXPECT_TRUE(oracle.count(edge));
           continue;
         }
-        const auto side = CGAL::side_of_oriented_circle(point(ours.mesh.from(h)), point(ours.mesh.to(h)),
-                                                        point(ours.mesh.apex(h)), point(ours.mesh.apex(g)));
-        EXPECT_NE(side, CGAL::ON_POSITIVE_SIDE);
-        if (side == CGAL::ON_ORIENTED_BOUNDARY) continue;
+        const int side = cgal_in_circle(point(ours.mesh.from(h)), point(ours.mesh.to(h)), point(ours.mesh.apex(h)),
+                                        point(ours.mesh.apex(g)));
+        EXPECT_LE(side, 0);
+        if (side == 0) continue;
         // Two different circles: the edge is in every Delaunay triangulation, however ties fall.
         ++compared;
         EXPECT_TRUE(oracle.count(edge)) << edge[0] << '-' << edge[1];

@@ -1,14 +1,11 @@
 #include "core/geometry/delaunay_divide_conquer.h"
 
-#include <CGAL/Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <array>
+#include <cstdint>
 #include <string>
 #include <utility>
 #include <vector>
@@ -16,13 +13,14 @@
 #include "core/geometry/predicates.h"
 #include "core/stages/delaunay_flips.h"
 #include "core/stages/lexicographic_triangulation.h"
+#include "tests/support/cgal_plane.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
+#include "tests/support/triangulation_checks.h"
 
 namespace remesh {
 namespace {
 
-using Corners = std::array<std::uint32_t, 3>;
 constexpr std::uint32_t kNone = Triangulation2d::kNone;
 
 /// The triangles in the order of the triangulation.
@@ -31,13 +29,6 @@ std::vector<Corners> triangles(const Triangulation2d& mesh) {
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3)
     result.push_back({mesh.from(h), mesh.to(h), mesh.apex(h)});
   return result;
-}
-
-/// Each begun at its smallest corner, sorted: equal for equal sets of triangles.
-std::vector<Corners> canonical(std::vector<Corners> list) {
-  for (Corners& t : list) std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
-  std::sort(list.begin(), list.end());
-  return list;
 }
 
 std::size_t convex_hull_size_with_collinear(const std::vector<Vec2>& points) {
@@ -74,19 +65,6 @@ void expect_delaunay(const std::vector<Vec2>& points, const Triangulation2d& mes
   const std::size_t on_hull = convex_hull_size_with_collinear(points);
   EXPECT_EQ(hull_edges, on_hull);
   EXPECT_EQ(mesh.triangle_count(), 2 * points.size() - 2 - on_hull);
-}
-
-std::vector<Corners> cgal_delaunay(const std::vector<Vec2>& points) {
-  using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-  using Structure =
-      CGAL::Triangulation_data_structure_2<CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Kernel>>;
-  std::vector<std::pair<Kernel::Point_2, std::uint32_t>> input;
-  for (std::uint32_t i = 0; i < points.size(); ++i) input.push_back({{points[i].x, points[i].y}, i});
-  const CGAL::Delaunay_triangulation_2<Kernel, Structure> delaunay(input.begin(), input.end());
-  std::vector<Corners> result;
-  for (auto face = delaunay.finite_faces_begin(); face != delaunay.finite_faces_end(); ++face)
-    result.push_back({face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()});
-  return result;
 }
 
 std::vector<Vec2> turned_by_a_quarter(std::vector<Vec2> points) {

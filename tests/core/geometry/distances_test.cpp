@@ -1,16 +1,14 @@
 #include "core/geometry/distances.h"
 
-#include <CGAL/Simple_cartesian.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
+#include "tests/support/cgal_space.h"
 #include "tests/support/random.h"
 
 namespace remesh {
 namespace {
-
-using Kernel = CGAL::Simple_cartesian<double>;
-Kernel::Point_3 point(const Vec3& p) { return {p.x, p.y, p.z}; }
-Kernel::Triangle_3 triangle(const Corners3& t) { return {point(t[0]), point(t[1]), point(t[2])}; }
 
 /// On a coarse grid, so that parallel sides, common planes and contacts come by chance.
 Vec3 place(Random& random) {
@@ -29,8 +27,8 @@ TEST(distances, the_nearest_place_of_a_triangle_is_on_it_and_as_far_as_the_oracl
     const Corners3 t = corners(random);
     const Vec3 p = place(random);
     const Vec3 q = nearest_on_triangle(p, t);
-    EXPECT_NEAR(norm(q - p), std::sqrt(CGAL::squared_distance(point(p), triangle(t))), 1e-12);
-    EXPECT_LE(CGAL::squared_distance(point(q), triangle(t)), 1e-28);
+    EXPECT_NEAR(norm(q - p), std::sqrt(cgal_squared_distance(p, t)), 1e-12);
+    EXPECT_LE(cgal_squared_distance(q, t), 1e-28);
   }
 }
 
@@ -45,7 +43,7 @@ TEST(distances, triangles_that_do_not_cross_are_as_far_apart_as_the_oracle_says)
   int apart = 0;
   for (int i = 0; i < 20000; ++i) {
     const Corners3 s = corners(random), t = corners(random);
-    const double expected = CGAL::squared_distance(triangle(s), triangle(t));
+    const double expected = cgal_squared_distance(s, t);
     if (!(expected > 0)) continue;
     ++apart;
     EXPECT_NEAR(norm_squared(shortest_way(s, t)), expected, 1e-12);

@@ -1,23 +1,16 @@
 #include "core/geometry/predicates_3d.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "tests/support/cgal_space.h"
 #include "tests/support/random.h"
 
 namespace remesh {
 namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-
-int cgal_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  const auto to_cgal = [](const Vec3& p) { return Kernel::Point_3(p.x, p.y, p.z); };
-  return CGAL::orientation(to_cgal(a), to_cgal(b), to_cgal(c), to_cgal(d));
-}
 
 /// Compares with the oracle in several orders of the arguments, the filtered and the exact way; returns the sign.
 int compare(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {

@@ -1,28 +1,17 @@
 #include "core/geometry/predicates.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
+#include "tests/support/cgal_plane.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 
 namespace remesh {
 namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-
-Kernel::Point_2 to_cgal(Vec2 p) { return {p.x, p.y}; }
-
-int cgal_orientation(Vec2 a, Vec2 b, Vec2 c) { return CGAL::orientation(to_cgal(a), to_cgal(b), to_cgal(c)); }
-
-int cgal_in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
-  // CGAL's side turns with the orientation of abc, too.
-  return CGAL::side_of_oriented_circle(to_cgal(a), to_cgal(b), to_cgal(c), to_cgal(d));
-}
 
 /// The value some units in the last place away.
 double nudged(double value, int ulps) {

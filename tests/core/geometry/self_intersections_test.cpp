@@ -16,7 +16,7 @@
 #include "core/geometry/triangle_intersection.h"
 #include "core/io/obj.h"
 #include "core/verify/exact.h"
-#include "tests/support/cgal_intersection.h"
+#include "tests/support/cgal_space.h"
 #include "tests/support/random.h"
 #include "tests/support/sanitizer.h"
 #include "tests/support/shapes.h"

@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include "tests/support/cgal_intersection.h"
+#include "tests/support/cgal_space.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 

@@ -1,6 +1,5 @@
 #include "core/refinement/gap_search.h"
 
-#include <CGAL/Simple_cartesian.h>
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
@@ -13,6 +12,7 @@
 #include <vector>
 
 #include "core/geometry/distances.h"
+#include "tests/support/cgal_space.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
@@ -61,7 +61,7 @@ class BruteForce {
     for (std::size_t q = 0; q < scene_.gaps.patch_count(); ++q) {
       if (PatchId(q) == p) continue;
       for (const Triangle& t : scene_.gaps.triangles_of(PatchId(q))) {
-        if (std::sqrt(CGAL::squared_distance(point(place), triangle(t))) > least) continue;
+        if (std::sqrt(cgal_squared_distance(place, corners(t))) > least) continue;
         const Vec3 nearest = nearest_on(place, t);
         const double d = norm(nearest - place);
         if (is_steep(nearest - place, p) && !is_blocked(nearest - place, p, PatchId(q)) && d > kTolerance &&
@@ -90,14 +90,7 @@ class BruteForce {
   }
 
  private:
-  using Kernel = CGAL::Simple_cartesian<double>;
-
-  static Kernel::Point_3 point(const Vec3& p) { return {p.x, p.y, p.z}; }
   const Vec3& position(VertexId v) const { return scene_.chain.surface.positions[v]; }
-  Kernel::Triangle_3 triangle(const Triangle& t) const {
-    return {point(position(t[0])), point(position(t[1])), point(position(t[2]))};
-  }
-
   Corners3 corners(const Triangle& t) const { return {position(t[0]), position(t[1]), position(t[2])}; }
   /// At more than 51 degrees above the patch.
   bool is_steep(const Vec3& way, PatchId p) const {
@@ -157,8 +150,7 @@ class BruteForce {
     const Vec3 &a = position(t[0]), &b = position(t[1]), &c = position(t[2]);
     const Vec3 normal = cross(b - a, c - a);
     const Vec3 foot = place - (dot(place - a, normal) / dot(normal, normal)) * normal;
-    if (std::abs(std::sqrt(CGAL::squared_distance(point(place), triangle(t))) - norm(foot - place)) < 1e-12)
-      return foot;
+    if (std::abs(std::sqrt(cgal_squared_distance(place, corners(t))) - norm(foot - place)) < 1e-12) return foot;
     Vec3 nearest = a;
     for (int i = 0; i < 3; ++i) {
       const Vec3 &from = position(t[i]), &to = position(t[(i + 1) % 3]);

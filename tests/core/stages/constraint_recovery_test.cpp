@@ -6,7 +6,7 @@
 
 #include "core/stages/delaunay_flips.h"
 #include "core/stages/lexicographic_triangulation.h"
-#include "tests/support/cgal_cdt.h"
+#include "tests/support/cgal_plane.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 #include "tests/support/triangulation_checks.h"

@@ -1,42 +1,18 @@
 #include "tests/support/polygons.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Polygon_2.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <string>
 
+#include "tests/support/cgal_plane.h"
+
 namespace remesh::polygons {
 namespace {
 
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using CgalPolygon = CGAL::Polygon_2<Kernel>;
-
-CgalPolygon to_cgal(const Loop& loop) {
-  CgalPolygon polygon;
-  for (const Vec2 p : loop) polygon.push_back({p.x, p.y});
-  return polygon;
-}
-
-/// Whether the loops are simple, turn the right way, and are pairwise without a common point.
 ::testing::AssertionResult is_valid(const Polygon& polygon) {
-  std::vector<CgalPolygon> loops{to_cgal(polygon.outer)};
-  for (const Loop& hole : polygon.holes) loops.push_back(to_cgal(hole));
-  for (std::size_t i = 0; i < loops.size(); ++i) {
-    if (!loops[i].is_simple()) return ::testing::AssertionFailure() << "loop " << i << " is not simple";
-    if (loops[i].is_clockwise_oriented() != (i > 0)) return ::testing::AssertionFailure() << "loop " << i << " turns";
-    if (i > 0 && loops[0].bounded_side(loops[i][0]) != CGAL::ON_BOUNDED_SIDE)
-      return ::testing::AssertionFailure() << "hole " << i << " is outside";
-    for (std::size_t j = 0; j < i; ++j) {
-      if (j > 0 && loops[j].bounded_side(loops[i][0]) != CGAL::ON_UNBOUNDED_SIDE)
-        return ::testing::AssertionFailure() << "hole " << i << " is in hole " << j;
-      for (auto a = loops[i].edges_begin(); a != loops[i].edges_end(); ++a)
-        for (auto b = loops[j].edges_begin(); b != loops[j].edges_end(); ++b)
-          if (CGAL::do_intersect(*a, *b)) return ::testing::AssertionFailure() << "loops " << i << ", " << j << " meet";
-    }
-  }
-  return ::testing::AssertionSuccess();
+  const std::string fault = cgal_fault_of(polygon);
+  return fault.empty() ? ::testing::AssertionSuccess() : ::testing::AssertionFailure() << fault;
 }
 
 TEST(polygons, every_generator_gives_simple_loops_with_disjoint_holes_inside) {

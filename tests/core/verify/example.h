@@ -1,7 +1,6 @@
 /// Claims for the checker's tests: a correct one to begin with, and the means to spoil it.
 #pragma once
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "core/verify.h"
+#include "tests/support/cgal_plane.h"
 #include "tests/support/shapes.h"
 
 namespace remesh {
@@ -77,16 +77,11 @@ struct Example {
   }
   /// Flips the edge that face f begins at corner i, if it is face g's at corner j and not Delaunay.
   bool flip(std::size_t f, int i, std::size_t g, int j) {
-    using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_2;
     const VertexId from = faces[f][i], to = faces[f][(i + 1) % 3];
     if (face_patch[f] != face_patch[g] || faces[g][j] != to || faces[g][(j + 1) % 3] != from) return false;
     const VertexId left = faces[f][(i + 2) % 3], right = faces[g][(j + 2) % 3];
-    const auto point = [&](VertexId v) {
-      const Vec2 uv = project(face_patch[f], positions[v.value]);
-      return Point(uv.x, uv.y);
-    };
-    if (CGAL::side_of_oriented_circle(point(from), point(to), point(left), point(right)) != CGAL::ON_POSITIVE_SIDE)
-      return false;
+    const auto point = [&](VertexId v) { return project(face_patch[f], positions[v.value]); };
+    if (cgal_in_circle(point(from), point(to), point(left), point(right)) <= 0) return false;
     faces[f] = {left, from, right};
     faces[g] = {right, to, left};
     project();
