@@ -79,8 +79,8 @@ struct Holding {
   std::size_t descriptors = 0;
 };
 
-/// The least of ten looks: what is held is in all of them, but the file in which the daemon reads its own memory is open
-/// for a moment again and again.
+/// The least of ten looks: what is held is in all of them, but the file in which the daemon reads its own memory is
+/// open for a moment again and again.
 std::size_t descriptors_held(const server::Daemon& daemon) {
   std::size_t least = daemon.descriptors();
   for (int look = 1; look < 10; ++look) {
