@@ -20,6 +20,7 @@ int status_of(Code code) {
     case Code::kInvalidMesh:
     case Code::kIndexOutOfRange:
     case Code::kNonfiniteCoordinate:
+    case Code::kCoordinateRange:
     case Code::kEmptyMesh:
     case Code::kOutputTooLarge: return 422;
     case Code::kCancelled: return 499;

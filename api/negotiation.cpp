@@ -66,7 +66,7 @@ std::string names_of_formats(Predicate is_one) {
 
 }  // namespace
 
-bool can_read(Format format) { return format != Format::kVtu && format != Format::kMsh; }
+bool can_read(Format format) { return format != Format::kStlAscii && format != Format::kVtu && format != Format::kMsh; }
 
 std::string media_type_of(std::string_view content_type) { return ascii_lower(trim(cut(content_type, ';').first)); }
 

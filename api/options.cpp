@@ -20,15 +20,16 @@ namespace {
 template <class T>
 using Word = std::pair<std::string_view, bool T::*>;
 
-constexpr std::array<Word<Repair>, 5> kRepairWords{{{"duplicates", &Repair::duplicates},
+constexpr std::array<Word<Repair>, 6> kRepairWords{{{"duplicates", &Repair::duplicates},
                                                     {"degenerate", &Repair::degenerate},
                                                     {"t_junctions", &Repair::t_junctions},
                                                     {"winding", &Repair::winding},
+                                                    {"seams", &Repair::seams},
                                                     {"inside_out", &Repair::inside_out}}};
 constexpr std::array<Word<Barriers>, 3> kBarrierWords{
     {{"object", &Barriers::object}, {"group", &Barriers::group}, {"material", &Barriers::material}}};
 
-const std::array<OptionSpec, 19> kTable{{
+const std::array<OptionSpec, 20> kTable{{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
@@ -149,6 +150,12 @@ const std::array<OptionSpec, 19> kTable{{
      .field = &Options::barriers,
      .help = "the labels that bound patches even inside a plane",
      .example = "none"},
+    {.name = "local_origin",
+     .type = OptionType::kBoolean,
+     .field = &Options::local_origin,
+     .help = "true: coordinates that the output format cannot hold are written relative to an origin near the part, "
+             "which the report and the summary name",
+     .example = "true"},
     {.name = "reference_axis",
      .type = OptionType::kAxis,
      .field = AxisField{},

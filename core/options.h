@@ -18,6 +18,7 @@ struct Repair {
   bool degenerate = true;
   bool t_junctions = true;
   bool winding = true;
+  bool seams = true;
   bool inside_out = false;
   friend bool operator==(const Repair&, const Repair&) = default;
 };
@@ -53,6 +54,7 @@ struct Options {
   double weld_tolerance = 0;              ///< 0: only equal coordinates are one vertex
   Repair repair;
   Barriers barriers;
+  bool local_origin = false;  ///< write about an origin near the part what the output format cannot hold otherwise
   ReferenceAxis reference_axis = ReferenceAxis::kDominantEdge;
   Vec3 reference_direction;  ///< used with ReferenceAxis::kGiven; any length but 0
 };

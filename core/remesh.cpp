@@ -472,8 +472,6 @@ auto in_arena(int threads, Work work) {
 
 }  // namespace
 
-const char* version() { return REMESHD_VERSION; }
-
 int thread_count(const PolygonMesh& input, const Options& options, const RunSettings& settings) {
   const auto most = static_cast<int>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
   const int allowed = std::clamp(settings.workers, 1, most);

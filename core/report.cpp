@@ -31,6 +31,8 @@ std::string_view unrefined_name(UnrefinedReason reason) {
     case UnrefinedReason::kMinEdgeLength: return "min_edge_length";
     case UnrefinedReason::kBudget: return "budget";
     case UnrefinedReason::kBoundaryLocked: return "boundary_locked";
+    case UnrefinedReason::kEffort: return "effort";
+    case UnrefinedReason::kOutputRounding: return "output_rounding";
   }
   return "";
 }
@@ -54,6 +56,8 @@ std::string_view diagnostic_name(DiagnosticCode code) {
     case DiagnosticCode::kTrailingBytes: return "trailing_bytes";
     case DiagnosticCode::kCurvedSurface: return "curved_surface";
     case DiagnosticCode::kSmallDihedral: return "small_dihedral";
+    case DiagnosticCode::kSeam: return "seam";
+    case DiagnosticCode::kRoundingCapped: return "rounding_capped";
   }
   return "";
 }

@@ -100,6 +100,8 @@ enum class DiagnosticCode {
   kTrailingBytes,
   kCurvedSurface,
   kSmallDihedral,
+  kSeam,
+  kRoundingCapped,
 };
 
 /// Something that was found, dropped, merged or split. `elements` holds the first 100, in the input's numbering from 0.
@@ -156,8 +158,10 @@ enum class UnrefinedReason : std::uint8_t {
   kMinEdgeLength,     ///< the same for the option's floor
   kBudget,            ///< the result would have more faces than allowed
   kBoundaryLocked,    ///< a boundary would have to be split that must not be
+  kEffort,            ///< the work that is in proportion was spent before the bounds were met
+  kOutputRounding,    ///< it met the bounds until its vertices were rounded to what the output format can hold
 };
-inline constexpr int kUnrefinedReasonCount = 6;
+inline constexpr int kUnrefinedReasonCount = 8;
 
 /// Triangles that refinement has left below its bounds. `places` holds the centroids of the first 100.
 struct Unrefined {
@@ -206,6 +210,10 @@ struct Report {
   double volume_bound = 0;   ///< of the change of volume: the verdict's; of an analysis, PatchSummaries'
   MeshStatistics input;
   MeshStatistics output;
+  /// The largest distance by which the output format moved a vertex, model units; 0 if it holds all of them.
+  double output_rounding = 0;
+  /// The point that the written coordinates are relative to; empty if they are the model's own.
+  std::optional<Vec3> output_origin;
   std::vector<PatchSummary> patches;
   std::vector<Diagnostic> diagnostics;
   std::vector<VolumeObstacle> volume_obstacles;  ///< of the result; of an analysis: of the input as mended

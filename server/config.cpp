@@ -12,6 +12,7 @@
 
 #include "api/machine_limits.h"
 #include "api/text.h"
+#include "core/remesh.h"
 #include "server/api_keys.h"
 #include "server/jobs/database.h"
 
@@ -279,7 +280,7 @@ Invocation read_command_line(int argc, const char* const* argv, std::ostream& ou
   if (const char* key = std::getenv("REMESHD_API_KEY")) config.api_key = key;
 
   CLI::App app("remeshd: re-triangulates surface meshes, over HTTP", "remeshd");
-  app.set_version_flag("--version", "remeshd " REMESHD_VERSION);
+  app.set_version_flag("--version", std::string("remeshd ") + remesh::version());
   app.footer("Each setting can also be given by its environment variable; the flag goes first.");
   std::vector<std::string> values(settings().size());
   std::vector<CLI::Option*> options;

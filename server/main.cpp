@@ -12,6 +12,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/remesh.h"
 #include "server/config.h"
 #include "server/http_server.h"
 #include "server/log.h"
@@ -91,7 +92,7 @@ int serve(const Config& config) {
   service.start();
   std::vector<log::Field> fields{{"address", Address{config.bind.host, service.port()}.text()}};
   if (config.ops_bind) fields.push_back({"ops_address", Address{config.ops_bind->host, service.ops_port()}.text()});
-  fields.push_back({"version", std::string(REMESHD_VERSION)});
+  fields.push_back({"version", std::string(remesh::version())});
   add_settings(config, service, fields);
   log::write(log::Level::kInfo, "listening", fields);
   for (const std::string& name : unknown_variables())

@@ -9,6 +9,7 @@ std::string_view code_name(Code code) {
     case Code::kInvalidMesh: return "invalid_mesh";
     case Code::kIndexOutOfRange: return "index_out_of_range";
     case Code::kNonfiniteCoordinate: return "nonfinite_coordinate";
+    case Code::kCoordinateRange: return "coordinate_range";
     case Code::kEmptyMesh: return "empty_mesh";
     case Code::kMeshTooLarge: return "mesh_too_large";
     case Code::kDecompressedTooLarge: return "decompressed_too_large";

@@ -14,6 +14,7 @@ enum class Code {
   kInvalidMesh,
   kIndexOutOfRange,
   kNonfiniteCoordinate,
+  kCoordinateRange,
   kEmptyMesh,
   kMeshTooLarge,
   kDecompressedTooLarge,

@@ -71,6 +71,7 @@ std::string_view format_name(Format format) {
     case Format::kObj: return "obj";
     case Format::kJson: return "json";
     case Format::kStl: return "stl";
+    case Format::kStlAscii: return "stl_ascii";
     case Format::kPly: return "ply";
     case Format::kOff: return "off";
     case Format::kVtu: return "vtu";
@@ -103,7 +104,8 @@ std::string_view media_type(Format format) {
   switch (format) {
     case Format::kObj: return "model/obj";
     case Format::kJson: return "application/json";
-    case Format::kStl: return "model/stl";
+    case Format::kStl:
+    case Format::kStlAscii: return "model/stl";
     // None of these is registered.
     case Format::kPly: return "application/x-ply";
     case Format::kOff: return "application/x-off";

@@ -15,10 +15,10 @@
 namespace remesh {
 
 /// Every format of the contract. All are written, all but VTU and MSH are read.
-enum class Format { kObj, kJson, kStl, kPly, kOff, kVtu, kMsh };
+enum class Format { kObj, kJson, kStl, kStlAscii, kPly, kOff, kVtu, kMsh };
 
-inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kStl, Format::kPly,
-                                        Format::kOff, Format::kVtu,  Format::kMsh};
+inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kStl, Format::kStlAscii,
+                                        Format::kPly, Format::kOff,  Format::kVtu, Format::kMsh};
 
 /// The stable name, which is the usual file ending too: `obj`, `json`, ...
 std::string_view format_name(Format format);

@@ -17,6 +17,7 @@ ReadResult read_mesh(Format format, std::string_view content, const ReadLimits& 
     case Format::kPly: return read_ply(content, limits, control);
     case Format::kOff: return read_off(content, limits, control);
     case Format::kJson:
+    case Format::kStlAscii:
     case Format::kVtu:
     case Format::kMsh: break;
   }
@@ -34,7 +35,8 @@ std::string write_mesh(Format format, const TriangleMesh& mesh, const IdVector<F
     case Format::kOff: return write_off(mesh, comments, control);
     case Format::kVtu: return write_vtu(mesh, face_patch, comments, control);
     case Format::kMsh: return write_msh(mesh, face_patch, comments, control);
-    case Format::kJson: break;
+    case Format::kJson:
+    case Format::kStlAscii: break;
   }
   throw Error(Code::kNotAcceptable, Stage::kWrite,
               "the format " + std::string(format_name(format)) + " is not written here");

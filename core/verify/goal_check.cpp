@@ -140,7 +140,9 @@ class GoalCheck {
       case UnrefinedReason::kMinEdgeLength: return min_length_ > 0;
       case UnrefinedReason::kBudget: return claim_.goals.max_faces < std::numeric_limits<std::uint64_t>::max();
       case UnrefinedReason::kSizeFloor:
-      case UnrefinedReason::kBoundaryLocked: return true;
+      case UnrefinedReason::kBoundaryLocked:
+      case UnrefinedReason::kEffort:
+      case UnrefinedReason::kOutputRounding: return true;
     }
     return false;
   }

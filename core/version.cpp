@@ -1,0 +1,7 @@
+#include "core/remesh.h"
+
+namespace remesh {
+
+const char* version() { return REMESHD_VERSION; }
+
+}  // namespace remesh
