@@ -47,7 +47,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   predicted_faces_ = whole(prediction.expected);
   const auto attempt = [&](std::uint64_t budget, std::uint64_t most_made) {
     SegmentTable segments(on.surface, meshes, frozen_, sizes, goals_, control_);
-    refuse_if_hopeless(least_faces(meshes, segments, goals_, sizes, control_));
+    refuse_if_hopeless(least_faces(meshes, frozen_, segments, goals_, sizes, control_));
     segments.plan_cuts(meshes, sizes, goals_, control_);
     Goals within_budget = goals_;
     within_budget.max_faces = budget;
@@ -91,7 +91,7 @@ const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std:
   // With proximity it is the gaps' sizes that grow; around short segments the bound on angles sees to it. Alone,
   // gradation is about these.
   std::vector<std::array<VertexId, 2>> segments;
-  if (!gaps && goals_.gradation > 0) segments = segment_ends(meshes);
+  if (!gaps && goals_.gradation > 0) segments = segment_ends(meshes, control_);
   if (gaps || goals_.gradation > 0)
     sizes_.emplace(on.surface, gaps.get(), segments, goals_, on.plane_tolerance, control_);
   else

@@ -44,7 +44,7 @@ class Preparation {
         measure_surface(positions, surface().face_begin, surface().corners, adjacency(), triangles.corners(), control_);
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
-    find_defects(surface(), adjacency(), prepared_.pinched(control_), report_.diagnostics);
+    find_defects(surface(), adjacency(), prepared_.pinched(control_), report_.diagnostics, control_);
   }
 
   void choose_tolerance() {

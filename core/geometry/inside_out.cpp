@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/geometry/predicates.h"
 #include "core/geometry/predicates_3d.h"
@@ -47,8 +48,10 @@ class Pieces {
     if (negative.empty()) return result;
     for (const std::uint32_t p : negative) result.first_faces.push_back(pieces_[p].first);
     result.is_inside_out.resize(face_count());
-    for (std::uint32_t f = 0; f < face_count(); ++f)
-      result.is_inside_out[f] = std::binary_search(negative.begin(), negative.end(), piece_of_[f]);
+    for_blocks(face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f)
+        result.is_inside_out[f] = std::binary_search(negative.begin(), negative.end(), piece_of_[f]);
+    });
     return result;
   }
 
@@ -82,7 +85,9 @@ class Pieces {
     });
     piece_of_.resize(face_count());
     pieces_.resize(firsts.size());
+    StopCheck check(control_);
     for (std::size_t p = 0; p < firsts.size(); ++p) {
+      check();
       pieces_[p].first = firsts[p];
       piece_of_[firsts[p].value] = static_cast<std::uint32_t>(p);
     }
@@ -91,8 +96,10 @@ class Pieces {
         if (const std::uint32_t first = sets.root_of(f); first != f) piece_of_[f] = piece_of_[first];
     });
     for (const EdgeId e : edges_.odd_edges())
-      for (const std::uint32_t h : edges_.half_edges(e))
+      for (const std::uint32_t h : edges_.half_edges(e)) {
+        check();
         if (edges_.from(h) != edges_.to(h)) pieces_[piece_of_[edges_.face_of(h).value]].is_closed = false;
+      }
   }
 
   Vec3 twice_area_of(std::span<const VertexId> loop) const {
@@ -148,7 +155,9 @@ class Pieces {
   void drop_cavities(std::vector<std::uint32_t>& negative) {
     std::vector<Triangle> triangles;
     std::vector<std::uint32_t> piece_of;
+    StopCheck check(control_);
     for (std::uint32_t f = 0; f < face_count(); ++f) {
+      check();
       if (!pieces_[piece_of_[f]].is_closed) continue;
       const auto loop = face(f);
       for (std::size_t i = 1; i + 1 < loop.size(); ++i) {
@@ -190,7 +199,7 @@ class Pieces {
           hits.push_back({all.piece[t], turns});
       return ++tests < kMostTests;
     });
-    std::sort(hits.begin(), hits.end());
+    sort_stoppable(hits.begin(), hits.end(), control_);
     std::size_t depth = 0;
     for (std::size_t i = 0; i < hits.size();) {
       const std::uint32_t other = hits[i].first;
@@ -208,7 +217,7 @@ class Pieces {
     std::vector<std::uint32_t> order(pieces_.size()), rank(pieces_.size());
     std::iota(order.begin(), order.end(), 0u);
     // Of two pieces at one vertex the outer one comes first.
-    std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    sort_stoppable(order.begin(), order.end(), control_, [&](std::uint32_t a, std::uint32_t b) {
       return std::tuple(pieces_[a].least, -std::fabs(pieces_[a].volume), a) <
              std::tuple(pieces_[b].least, -std::fabs(pieces_[b].volume), b);
     });
@@ -217,7 +226,9 @@ class Pieces {
     for (const Piece& piece : pieces_) end = std::min(end, piece.least.x);
     std::vector<std::uint8_t> is_in_odd(pieces_.size(), 0);
     std::size_t tests = 0;
+    StopCheck check(control_);
     for (const std::uint32_t piece : order) {
+      check();
       if (!pieces_[piece].is_closed) continue;
       const Vec3 p = pieces_[piece].least;
       std::uint32_t nearest = Id<FaceTag>::kInvalid;

@@ -27,7 +27,8 @@ UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const T
                               std::span<const UnrefinedReason> reason, const Goals& goals, RunControl& control);
 
 /// The same by reason, with places.
+/// Errors:  kCancelled, kTimeout - through `control`.
 std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std::span<const Vec3> positions,
-                                           std::span<const Triangle> faces);
+                                           std::span<const Triangle> faces, RunControl& control);
 
 }  // namespace remesh
