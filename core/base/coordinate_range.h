@@ -11,8 +11,8 @@ struct CoordinateRange {
   /// Some vertex is at least as far from the middle of the mesh as this: below it, doubles have ever fewer digits.
   static constexpr double kSmallest = 0x1p-1022;
   /// The mesh's bounding box is at least so wide, as a part of its length, in a second direction. Coordinates that are
-  /// smaller than this beside its length count as 0, so that predicates never underflow, and a mesh that is narrower is a
-  /// line, whose faces lie in no plane.
+  /// smaller than this beside its length count as 0, so that predicates never underflow, and a mesh that is narrower is
+  /// a line, whose faces lie in no plane.
   static constexpr double kNarrowest = 0x1p-100;
 };
 

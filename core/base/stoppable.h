@@ -30,8 +30,8 @@ class StopCheck {
   std::uint32_t left_ = kCalls;
 };
 
-/// Sorts like std::sort, in parallel where there are many items, and ends at a stop: then the items are in no order, and
-/// some may be missing. Sorting ten million items takes seconds otherwise.
+/// Sorts like std::sort, in parallel where there are many items, and ends at a stop: then the items are in no order,
+/// and some may be missing. Sorting ten million items takes seconds otherwise.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 template <class Iterator, class Less = std::less<>>
 void sort_stoppable(Iterator begin, Iterator end, const RunControl& control, const Less& less = {}) {

@@ -204,9 +204,9 @@ class PatchPrediction {
 /// area inside beside pieces of so many of its lengths, and never one for the pieces.
 constexpr double kSizesOverFloor = 64;
 constexpr double kSizesOverRounding = 8;
-/// Where a floor is a matter, triangles that cannot be split for it have up to so many times the area of the equilateral
-/// one with edges of that length: a point in the middle of a larger one is farther from its corners, and from the pieces
-/// that cannot be cut.
+/// Where a floor is a matter, triangles that cannot be split for it have up to so many times the area of the
+/// equilateral one with edges of that length: a point in the middle of a larger one is farther from its corners, and
+/// from the pieces that cannot be cut.
 constexpr double kLeftBesideFloor = 16;
 /// A patch with a floor that is a matter, or with segments that stay, counts as filled only where it would have more
 /// faces than this: fewer are made as well as it goes, and do no harm.

@@ -157,8 +157,8 @@ class Mesher {
   void lay_out_triangle(PatchId p, PatchMesh& result) const {
     const auto loop = surface_.face(patches_.faces_of(p)[0]);
     std::array<VertexId, 3> corner{loop[0], loop[1], loop[2]};
-    // Differences first: a small triangle far from the origin loses nothing. In its own unit: of one that is far smaller
-    // than the mesh, products would underflow in the mesh's.
+    // Differences first: a small triangle far from the origin loses nothing. In its own unit: of one that is far
+    // smaller than the mesh, products would underflow in the mesh's.
     const auto difference = [&](int i) {
       return surface_.positions[corner[(i + 1) % 3]] - surface_.positions[corner[i % 3]];
     };

@@ -1,5 +1,5 @@
-// Absurd but finite coordinates, and sizes that are absurd for the coordinates: an answer that holds, or an error of the
-// input, and both soon.
+// Absurd but finite coordinates, and sizes that are absurd for the coordinates: an answer that holds, or an error of
+// the input, and both soon.
 
 #include "core/base/coordinate_range.h"
 

@@ -14,7 +14,8 @@ namespace remesh::hostile {
 
 /// `count` tetrahedra beside each other.
 PolygonMesh components(std::size_t count);
-/// A cone of `count` facets around its tip; it is open below. Its tip has `count` edges and its facets are one patch each.
+/// A cone of `count` facets around its tip; it is open below. Its tip has `count` edges and its facets are one patch
+/// each.
 PolygonMesh cone(std::size_t count);
 /// A disc of `count` facets around its middle: one patch with a vertex of `count` edges.
 PolygonMesh disc(std::size_t count);
