@@ -319,6 +319,11 @@ class Lattice {
     return cross(t[1] - t[0], p - t[0]) >= 0 && cross(t[2] - t[1], p - t[1]) >= 0 && cross(t[0] - t[2], p - t[2]) >= 0;
   }
   static bool is_apart(const std::array<Vec2, 3>& t, Vec2 centre, double radius) {
+    // What lies far beyond the tip of a needle is outside of no side by much.
+    const auto [left, right] = std::minmax({t[0].x, t[1].x, t[2].x});
+    const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
+    if (centre.x + radius < left || centre.x - radius > right || centre.y + radius < low || centre.y - radius > high)
+      return true;
     for (int k = 0; k < 3; ++k) {
       const Vec2 side = t[(k + 1) % 3] - t[k];
       const double outside = -cross(side, centre - t[k]);

@@ -217,8 +217,10 @@ constexpr double kDoubtOfSamples = 16;
 /// Of one patch.
 class LeastFaces {
  public:
-  LeastFaces(const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control)
+  LeastFaces(const SegmentTable& segments, const std::vector<std::uint8_t>& is_frozen, const Goals& goals,
+             const SizeField& sizes, RunControl& control)
       : segments_(segments),
+        is_frozen_(is_frozen),
         goals_(goals),
         control_(control),
         longest_(sizes.largest()),
@@ -230,12 +232,13 @@ class LeastFaces {
     // Edges as long as this may stay, whatever sizes ask for.
     double may_stay = is_floor_a_matter(goals_.min_edge_length, kSizesOverFloor) ? goals_.min_edge_length : 0;
     double pieces = 0;
-    bool is_any_locked = false;
+    bool is_any_locked = false, is_any_kept = false;
     for (const std::uint32_t i : segments_.sides_of_patch(p)) {
       control_.check();
       const BoundarySegment& s = segments_[segments_.all_sides()[i].segment];
       pieces += least_pieces(s);
       is_any_locked = is_any_locked || s.is_locked;
+      is_any_kept = is_any_kept || is_kept(segments_.all_sides()[i].segment);
       if (s.is_floor_raised && is_floor_a_matter(s.floor, s.is_floor_asked ? kSizesOverFloor : kSizesOverRounding))
         may_stay = std::max(may_stay, s.floor);
     }
@@ -246,8 +249,8 @@ class LeastFaces {
     if (is_any_locked || may_stay > 0) {
       if (!(filled > kManyFaces))
         filled = 0;
-      else if (is_any_locked)
-        filled = away_from_locked(patch, p, largest);
+      else if (is_any_kept)
+        filled = away_from_kept(patch, p, largest);
     }
     return std::max({triangles, pieces - 2, filled});
   }
@@ -264,18 +267,29 @@ class LeastFaces {
   /// May triangles stay larger than sizes ask for, since points must not come nearer to each other?
   bool is_floor_a_matter(double floor, double sizes_over_floor) const { return !(floor * sizes_over_floor <= edge_); }
 
+  /// Does a segment stay because somebody wants it to? Where only rounding leaves no room to cut it, sizes that ask for
+  /// so many faces are refused as well: what could be made misses them all over.
+  bool is_kept(SegmentId id) const {
+    const BoundarySegment& s = segments_[id];
+    if (!s.is_locked) return false;
+    const auto sides = segments_.sides(id);
+    return !goals_.split_boundaries || s.is_lock_asked ||
+           std::any_of(sides.begin(), sides.end(),
+                       [&](const SegmentSide& side) { return is_frozen_[side.patch.value]; });
+  }
+
   /// Beside sides that stay, triangles are as large as HeldSizes has them. So many does what is away from them take.
-  double away_from_locked(const PatchMesh& patch, PatchId p, double largest) const {
+  double away_from_kept(const PatchMesh& patch, PatchId p, double largest) const {
     const Triangulation2d& mesh = patch.mesh;
     const double scale = patch.frame.scale, edge = equilateral_edge(largest) / scale;
     std::vector<HeldSide> held;
     for (const std::uint32_t i : segments_.sides_of_patch(p)) {
       const SegmentSide& side = segments_.all_sides()[i];
-      if (!segments_[side.segment].is_locked) continue;
+      if (!is_kept(side.segment)) continue;
       const Vec2 a = patch.uv[mesh.from(side.half_edge)], b = patch.uv[mesh.to(side.half_edge)];
       if (norm(b - a) > edge) held.push_back({a, b, edge});
     }
-    if (held.empty()) return area_of(patch) / largest / kDoubtOfSamples;
+    if (held.empty()) return area_of(patch) / largest;
     const HeldSizes sizes(held, goals_.min_angle_deg, control_);
     double faces = 0;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
@@ -305,6 +319,7 @@ class LeastFaces {
   static constexpr int kSamples = 6;
 
   const SegmentTable& segments_;
+  const std::vector<std::uint8_t>& is_frozen_;
   const Goals& goals_;
   RunControl& control_;
   double longest_, largest_area_, edge_;
@@ -330,7 +345,7 @@ double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::
   // So many could not even be listed.
   const double pieces = pieces_to_be_made(segments, sizes, control);
   if (pieces > static_cast<double>(kMostFaces)) return pieces;
-  const LeastFaces least(segments, goals, sizes, control);
+  const LeastFaces least(segments, is_frozen, goals, sizes, control);
   double sum = 0;
   for (const double block : map_blocks<double>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
          double faces = 0;
