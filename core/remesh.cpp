@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/drop.h"
 #include "core/base/parallel.h"
 #include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
@@ -53,6 +54,9 @@ class Run {
         watch_(control) {
     report_.options = options;
   }
+  ~Run() { drop_all(meshes_); }
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
 
   Result remesh(bool want_face_source) {
     prepare();
@@ -396,7 +400,7 @@ class Run {
              // Where each output face came from: the input face under its centroid.
              source = needs_source(want_face_source) ? face_source(surface(), patches_, meshes_, control_)
                                                      : first_faces(result);
-             meshes_ = {};
+             drop_all(meshes_);
            });
     report_.output.intersecting_pairs = report_.verified.intersections.size();
     report_.unrefined = summarise_unrefined(unrefined_, positions, result.mesh.faces.items(), control_);
