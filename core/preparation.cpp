@@ -42,6 +42,8 @@ class Preparation {
     const Triangulated triangles(surface(), control_);
     report_.input =
         measure_surface(positions, surface().face_begin, surface().corners, adjacency(), triangles.corners(), control_);
+    const double unit = surface().unit;
+    if (triangles.excess_area() > 0) report_.input.area -= triangles.excess_area() * unit * unit;
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
     find_defects(surface(), adjacency(), prepared_.pinched(control_), report_.diagnostics);

@@ -11,7 +11,9 @@
 #include "core/base/union_find.h"
 #include "core/geometry/predicates.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/unused_vertices.h"
 #include "core/stages/polygon_cuts.h"
+#include "core/stages/polygon_spikes.h"
 #include "core/stages/polygon_split.h"
 
 namespace remesh {
@@ -43,8 +45,8 @@ class Mending {
     if (degenerate_ == Mend::kYes && std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end())
       drop_degenerate();
     if (surface_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "no face of the mesh has an area");
-    drop_unused_vertices();
-    for (Diagnostic* d : {&repeated_, &nonplanar_, &zero_area_})
+    drop_unused_vertices(surface_, control_);
+    for (Diagnostic* d : {&repeated_, &nonplanar_, &crossing_, &zero_area_, &spiked_})
       if (d->count > 0) diagnostics.push_back(std::move(*d));
     return true;
   }
@@ -132,16 +134,69 @@ class Mending {
     }
     points_.clear();
     for (const VertexId v : loop_) points_.push_back(surface_.local[v]);
-    const PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
-    if (split.kind != PolygonKind::kPlanar) {
+    PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
+    if (split.has_spikes()) {
+      take_spikes(split, source, label);
+      if (loop_.size() < 3) return;
+      if (loop_.size() == 3) {
+        take_needle({loop_[0], loop_[1], loop_[2]}, source, label);
+        return;
+      }
+    }
+    if (split.kind == PolygonKind::kSelfCrossing) {
+      crossing_.add(source.value);
+    } else if (split.kind == PolygonKind::kNotPlanar) {
       nonplanar_.add(source.value);
     } else if (!is_as_it_is(source) && !has_repeated_corner()) {
       emit(loop_, source, label, false);
       return;
     }
-    if (!cuts_) cuts_.emplace(surface_, control_);
-    for (const PolygonCuts::Corners& triangle : cuts_->cut(loop_, split))
+    for (const PolygonCuts::Corners& triangle : cuts().cut(loop_, split))
       emit_triangle(triangle, source, label, are_collinear(triangle));
+  }
+
+  PolygonCuts& cuts() {
+    if (!cuts_) cuts_.emplace(surface_, control_);
+    return *cuts_;
+  }
+
+  /// Takes the spikes off the loop, and makes the split one of what is left of it.
+  void take_spikes(PolygonSplit& split, FaceId source, std::uint32_t label) {
+    kept_edges_.clear();
+    bool is_one_gone = false;
+    for (const auto& [from, tip, to] : split.spikes.needles)
+      if (take_needle({loop_[from], loop_[tip], loop_[to]}, source, label)) is_one_gone = true;
+    if (is_one_gone) spiked_.add(source.value);
+    const std::vector<std::uint32_t>& outline = split.spikes.outline;
+    for (auto& triangle : split.triangles)
+      for (std::uint32_t& corner : triangle)
+        corner = static_cast<std::uint32_t>(std::lower_bound(outline.begin(), outline.end(), corner) - outline.begin());
+    for (std::size_t i = 0; i < outline.size(); ++i) loop_[i] = loop_[outline[i]];
+    loop_.resize(outline.size());
+  }
+
+  /// A triangle that was cut off a polygon, or what is left of one. Exactly on a line it is a face without area like
+  /// any other. Else it goes if it is a needle that nobody would miss: no other face is at its sides.
+  /// Returns: whether it is gone, or goes as a face without area.
+  bool take_needle(const PolygonCuts::Corners& t, FaceId source, std::uint32_t label) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
+    const bool is_dropped = degenerate_ == Mend::kYes;
+    if (are_collinear(t)) {
+      emit_triangle(t, source, label, true);
+      return is_dropped;
+    }
+    if (is_dropped &&
+        is_needle(surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]], plane_tolerance_) &&
+        is_free(t[0], t[1]) && is_free(t[1], t[2]))
+      return true;
+    for (std::size_t i = 0; i < 3; ++i) kept_edges_.push_back(std::minmax(t[i], t[(i + 1) % 3]));
+    emit_triangle(t, source, label, false);
+    return false;
+  }
+
+  bool is_free(VertexId a, VertexId b) {
+    const std::pair<VertexId, VertexId> edge = std::minmax(a, b);
+    return !cuts().is_shared(a, b) && std::find(kept_edges_.begin(), kept_edges_.end(), edge) == kept_edges_.end();
   }
 
   /// One with a repeated corner is left out: its edges cancel each other.
@@ -224,34 +279,6 @@ class Mending {
     return Adjacency::kNone;
   }
 
-  void drop_unused_vertices() {
-    std::vector<VertexId> renumbered(surface_.vertex_count());
-    for_blocks(surface_.corners.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (const VertexId v : surface_.corners.items().subspan(begin, end - begin))
-        std::atomic_ref(renumbered[v.value].value).store(v.value, std::memory_order_relaxed);
-    });
-    std::vector<Vec3> positions;
-    positions.reserve(surface_.vertex_count());
-    std::uint32_t kept = 0;
-    for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
-      if (v % kBetweenChecks == 0) control_.check();
-      if (!renumbered[v].is_valid()) continue;
-      renumbered[v] = VertexId(kept);
-      positions.push_back(surface_.positions[VertexId(v)]);
-      surface_.local[VertexId(kept)] = surface_.local[VertexId(v)];
-      surface_.vertex_source[VertexId(kept)] = surface_.vertex_source[VertexId(v)];
-      ++kept;
-    }
-    surface_.positions = std::move(positions);
-    surface_.local.resize(kept);
-    surface_.vertex_source.resize(kept);
-    surface_.corners.change([&](std::vector<VertexId>& corners) {
-      for_blocks(corners.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-        for (VertexId& v : std::span(corners).subspan(begin, end - begin)) v = renumbered[v.value];
-      });
-    });
-  }
-
   Surface& surface_;
   double plane_tolerance_;
   const std::vector<std::uint8_t>& as_it_is_;
@@ -261,6 +288,7 @@ class Mending {
   FaceList mended_;
   std::vector<std::uint8_t> is_degenerate_;
   std::vector<VertexId> loop_, sorted_loop_;
+  std::vector<std::pair<VertexId, VertexId>> kept_edges_;  ///< of the needles of one polygon that are faces
   std::vector<Vec3> points_;
   Diagnostic repeated_{
       DiagnosticCode::kDuplicateVertex,
@@ -268,8 +296,17 @@ class Mending {
       {},
       "faces had a corner twice in a row, as read or by welding, and have it once; elements are faces"};
   Diagnostic nonplanar_{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons without a plane were triangulated"};
+  Diagnostic crossing_{DiagnosticCode::kNonplanarPolygon,
+                       0,
+                       {},
+                       "polygons cross themselves, so that no triangulation of them is right: they were cut into fans, "
+                       "whose triangles overlap"};
   Diagnostic zero_area_{
       DiagnosticCode::kZeroAreaFace, 0, {}, "faces without area: dropped, but for those whose patch is kept"};
+  Diagnostic spiked_{DiagnosticCode::kZeroAreaFace,
+                     0,
+                     {},
+                     "polygons run back over themselves: these spikes have no area and were dropped"};
 };
 
 }  // namespace

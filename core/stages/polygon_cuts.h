@@ -33,6 +33,12 @@ class PolygonCuts {
   /// Cost:   O(k log n) for k corners.
   std::vector<Corners> cut(std::span<const VertexId> loop, const PolygonSplit& split);
 
+  /// Whether two or more half-edges of the surface run along an edge.
+  bool is_shared(VertexId a, VertexId b) const {
+    const EdgeId edge = edges_.find(a, b);
+    return edge.is_valid() && edges_.half_edges(edge).size() > 1;
+  }
+
  private:
   using Edge = std::pair<VertexId, VertexId>;
 
