@@ -185,8 +185,7 @@ class Mending {
       emit_triangle(t, source, label, true);
       return is_dropped;
     }
-    if (is_dropped &&
-        is_needle(surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]], plane_tolerance_) &&
+    if (is_dropped && is_needle(surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]], plane_tolerance_) &&
         is_free(t[0], t[1]) && is_free(t[1], t[2]))
       return true;
     for (std::size_t i = 0; i < 3; ++i) kept_edges_.push_back(std::minmax(t[i], t[(i + 1) % 3]));

@@ -12,7 +12,10 @@ namespace {
 class Ring {
  public:
   Ring(std::span<const Vec3> points, double tolerance, Reversals reversals)
-      : points_(points), tolerance_(tolerance), reversals_(reversals), count_(static_cast<std::uint32_t>(points.size())) {
+      : points_(points),
+        tolerance_(tolerance),
+        reversals_(reversals),
+        count_(static_cast<std::uint32_t>(points.size())) {
     next_.resize(count_);
     before_.resize(count_);
     for (std::uint32_t i = 0; i < count_; ++i) {

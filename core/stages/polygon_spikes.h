@@ -15,7 +15,8 @@ namespace remesh {
 enum class Reversals { kKeep, kCut };
 
 struct Spikes {
-  std::vector<std::uint32_t> outline;  ///< the corners that are left, in order; fewer than 3 if the polygon is all spikes
+  std::vector<std::uint32_t>
+      outline;  ///< the corners that are left, in order; fewer than 3 if the polygon is all spikes
   /// The triangles that were cut off, as (previous corner, tip, next corner). Together with the outline they have the
   /// polygon's edges: whoever drops a triangle has to see to those who share its edges.
   std::vector<std::array<std::uint32_t, 3>> needles;
