@@ -33,12 +33,15 @@ class Ring {
       const std::uint32_t tip = waiting_.back();
       waiting_.pop_back();
       if (!is_there_[tip]) continue;
-      const std::uint32_t from = before_[tip], to = next_[tip];
-      const bool is_reversal = points_[from] == points_[to];
-      if (is_reversal ? reversals_ == Reversals::kKeep : !turns_back(from, tip, to)) continue;
+      if (reversals_ == Reversals::kKeep && points_[before_[tip]] == points_[next_[tip]]) continue;
+      const auto [from, to] = sides_of(tip);
+      if (!turns_back(from, tip, to)) continue;
+      // Where the tip is blunt, what is beside it goes first.
+      while (next_[from] != tip) take(next_[from], spikes);
+      while (next_[tip] != to) take(next_[tip], spikes);
       take(tip, spikes);
-      // Both ends of a reversal are one place; one of them is left.
-      if (is_reversal) take(to, spikes);
+      // The foot of a spike is one corner.
+      if (are_one(from, to)) take(to, spikes);
       waiting_.push_back(next_[from]);
       waiting_.push_back(from);
     }
@@ -49,6 +52,25 @@ class Ring {
   }
 
  private:
+  struct Sides {
+    std::uint32_t from, to;
+  };
+
+  bool are_one(std::uint32_t i, std::uint32_t j) const {
+    return points_[i] == points_[j] || norm(points_[i] - points_[j]) <= tolerance_;
+  }
+
+  /// The corners next to a tip, on both sides, that are not one with it; but for a few, they are its neighbours.
+  Sides sides_of(std::uint32_t tip) const {
+    constexpr int kMostSteps = 3;
+    Sides sides{before_[tip], next_[tip]};
+    for (int i = 0; i < kMostSteps && are_one(sides.from, tip) && before_[sides.from] != sides.to; ++i)
+      sides.from = before_[sides.from];
+    for (int i = 0; i < kMostSteps && are_one(sides.to, tip) && next_[sides.to] != sides.from; ++i)
+      sides.to = next_[sides.to];
+    return sides;
+  }
+
   bool turns_back(std::uint32_t from, std::uint32_t tip, std::uint32_t to) const {
     const Vec3 back = points_[from] - points_[tip], on = points_[to] - points_[tip];
     if (!(dot(back, on) > 0)) return false;

@@ -26,7 +26,8 @@ struct Spikes {
 /// of several vertices goes from its tip down, and one that comes back only a part of the way is cut to that part.
 /// Input:   the corners of a polygon. A tip turns back if its neighbours are on one side of it and exactly on one line
 ///          with it, or if the nearer one is within `tolerance` of the edge to the other one and further than twice
-///          that from the tip. The tolerance is in the points' units; 0: only what is exact.
+///          that from the tip. Corners within the tolerance of each other are one tip, or one foot. The tolerance is in
+///          the points' units; 0: only what is exact.
 /// Holds:   the area vector of the outline is the polygon's, less those of the needles.
 /// Cost:    O(n).
 Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals);

@@ -72,7 +72,10 @@ CanonicalLoop canonical_loop(std::span<const Vec3> points) {
 PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
   const auto n = static_cast<std::uint32_t>(points.size());
   PolygonSplit result;
-  if (n < 3) return result;
+  if (n < 3) {
+    result.kind = PolygonKind::kSelfCrossing;
+    return result;
+  }
   if (n == 3) {
     result.triangles = {{0, 1, 2}};
     return result;
