@@ -320,7 +320,7 @@ class Run {
     return verify({surface(), patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
                    assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance,
                    !refinement_.new_positions.empty(), refiner_->has_goals() ? &refined : nullptr, &intersections,
-                   prepared_.order()},
+                   prepared_.order(), &input_, options_.weld_tolerance},
                   control_);
   }
 

@@ -38,8 +38,9 @@ class Triangulated {
   FaceId face(std::size_t t) const { return are_split() ? face_[t] : FaceId(t); }
   /// The first triangle of a face.
   std::size_t first_of(FaceId f) const;
-  /// By how much the triangles' area is more than the faces'. A polygon that crosses itself has the area that its
-  /// outline winds around, counted with its sign (Newell); the fan that stands for it covers more. In local units.
+  /// By how much the triangles' area is more than the faces'. A flat polygon that crosses itself has the area that its
+  /// outline winds around, counted with its sign (Newell); the fan that stands for it covers more. One that is not flat
+  /// has no other area than its triangles have. In local units.
   double excess_area() const { return excess_area_; }
 
  private:

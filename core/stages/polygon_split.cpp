@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/tolerance.h"
 #include "core/geometry/predicates.h"
 #include "core/stages/patch_triangulation.h"
 #include "core/stages/projection.h"
@@ -158,12 +159,22 @@ PolygonSplit split_without(Spikes spikes, std::span<const Vec3> points, double p
   return result;
 }
 
+/// The tolerance within which spikes are looked for. All corners of a polygon that is hardly higher than it would be
+/// tips: of such a polygon only what is exactly a spike is one.
+double spike_tolerance(std::span<const Vec3> points, double plane_tolerance) {
+  constexpr double kThin = 2 * kThinFace;
+  Box3 box;
+  for (const Vec3& p : points) box.add(p);
+  return norm(newell_normal(points)) > kThin * plane_tolerance * box.diagonal() ? plane_tolerance : 0;
+}
+
 PolygonSplit split_canonical(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
-  Spikes spikes = cut_spikes(points, plane_tolerance, Reversals::kKeep);
+  const double tolerance = spike_tolerance(points, plane_tolerance);
+  Spikes spikes = cut_spikes(points, tolerance, Reversals::kKeep);
   const std::size_t needles = spikes.needles.size();
   PolygonSplit result = split_without(std::move(spikes), points, plane_tolerance, control);
   if (result.kind != PolygonKind::kSelfCrossing) return result;
-  spikes = cut_spikes(points, plane_tolerance, Reversals::kCut);
+  spikes = cut_spikes(points, tolerance, Reversals::kCut);
   if (spikes.needles.size() == needles) return result;
   return split_without(std::move(spikes), points, plane_tolerance, control);
 }

@@ -37,7 +37,7 @@ struct PolygonSplit {
 /// the plane of its Newell normal; one that crosses itself there by a fan from its lexicographically smallest corner,
 /// since no triangulation of it is right. Spikes are cut off before: those that come back a part of the way or within
 /// the tolerance always, exact reversals where the polygon would cross itself with them, as it does if they run
-/// outwards.
+/// outwards. A polygon that is hardly higher than the tolerance has exact spikes only.
 /// Input:  4 or more points, no two consecutive ones equal; the tolerance in the points' units.
 /// Output: no triangles if nothing but spikes is there.
 /// Holds:  the polygon gets the same triangles wherever it begins and whichever way it runs, ties included.
