@@ -136,10 +136,10 @@ class Mending {
     for (const VertexId v : loop_) points_.push_back(surface_.local[v]);
     PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
     if (split.has_spikes()) {
-      take_spikes(split, source, label);
+      take_spikes(split, f, label);
       if (loop_.size() < 3) return;
       if (loop_.size() == 3) {
-        take_needle({loop_[0], loop_[1], loop_[2]}, source, label);
+        emit_triangle({loop_[0], loop_[1], loop_[2]}, source, label, are_collinear(loop_));
         return;
       }
     }
@@ -161,11 +161,20 @@ class Mending {
   }
 
   /// Takes the spikes off the loop, and makes the split one of what is left of it.
-  void take_spikes(PolygonSplit& split, FaceId source, std::uint32_t label) {
-    kept_edges_.clear();
+  void take_spikes(PolygonSplit& split, FaceId f, std::uint32_t label) {
+    const FaceId source = surface_.face_source[f];
+    const auto corners_of = [&](const std::array<std::uint32_t, 3>& needle) {
+      return PolygonCuts::Corners{loop_[needle[0]], loop_[needle[1]], loop_[needle[2]]};
+    };
+    // Needles that are not exactly on a line go if nobody would miss one of them; else all are faces.
+    drops_needles_ = degenerate_ == Mend::kYes && split.spike_tolerance > 0 &&
+                     std::all_of(split.spikes.needles.begin(), split.spikes.needles.end(), [&](const auto& needle) {
+                       const PolygonCuts::Corners t = corners_of(needle);
+                       return are_collinear(t) || is_missed_by_nobody(t, f);
+                     });
     bool is_one_gone = false;
-    for (const auto& [from, tip, to] : split.spikes.needles)
-      if (take_needle({loop_[from], loop_[tip], loop_[to]}, source, label)) is_one_gone = true;
+    for (const auto& needle : split.spikes.needles)
+      if (take_needle(corners_of(needle), split.spike_tolerance, source, label)) is_one_gone = true;
     if (is_one_gone) spiked_.add(source.value);
     const std::vector<std::uint32_t>& outline = split.spikes.outline;
     for (auto& triangle : split.triangles)
@@ -175,27 +184,21 @@ class Mending {
     loop_.resize(outline.size());
   }
 
-  /// A triangle that was cut off a polygon, or what is left of one. Exactly on a line it is a face without area like
-  /// any other. Else it goes if it is a needle that nobody would miss: no other face is at its sides.
-  /// Returns: whether it is gone, or goes as a face without area.
-  bool take_needle(const PolygonCuts::Corners& t, FaceId source, std::uint32_t label) {
-    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
-    const bool is_dropped = degenerate_ == Mend::kYes;
-    if (are_collinear(t)) {
-      emit_triangle(t, source, label, true);
-      return is_dropped;
-    }
-    if (is_dropped && is_needle(surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]], plane_tolerance_) &&
-        is_free(t[0], t[1]) && is_free(t[1], t[2]))
-      return true;
-    for (std::size_t i = 0; i < 3; ++i) kept_edges_.push_back(std::minmax(t[i], t[(i + 1) % 3]));
-    emit_triangle(t, source, label, false);
-    return false;
+  /// Whether no other face is at the sides of a needle.
+  bool is_missed_by_nobody(const PolygonCuts::Corners& t, FaceId f) {
+    return !cuts().is_of_others(t[0], t[1], f) && !cuts().is_of_others(t[1], t[2], f);
   }
 
-  bool is_free(VertexId a, VertexId b) {
-    const std::pair<VertexId, VertexId> edge = std::minmax(a, b);
-    return !cuts().is_shared(a, b) && std::find(kept_edges_.begin(), kept_edges_.end(), edge) == kept_edges_.end();
+  /// A triangle that was cut off a polygon. Exactly on a line it is a face without area like
+  /// any other. What only local units take for a line stays.
+  /// Returns: whether it is gone, or goes as a face without area.
+  bool take_needle(const PolygonCuts::Corners& t, double tolerance, FaceId source, std::uint32_t label) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
+    const bool is_degenerate = are_collinear(t);
+    const bool is_dropped = !is_degenerate && drops_needles_ &&
+                            is_needle(surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]], tolerance);
+    if (!is_dropped) emit_triangle(t, source, label, is_degenerate);
+    return is_dropped || (is_degenerate && degenerate_ == Mend::kYes);
   }
 
   /// One with a repeated corner is left out: its edges cancel each other.
@@ -287,7 +290,7 @@ class Mending {
   FaceList mended_;
   std::vector<std::uint8_t> is_degenerate_;
   std::vector<VertexId> loop_, sorted_loop_;
-  std::vector<std::pair<VertexId, VertexId>> kept_edges_;  ///< of the needles of one polygon that are faces
+  bool drops_needles_ = false;  ///< of the polygon, those that are not exactly on a line
   std::vector<Vec3> points_;
   Diagnostic repeated_{
       DiagnosticCode::kDuplicateVertex,

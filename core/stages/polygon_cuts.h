@@ -33,11 +33,8 @@ class PolygonCuts {
   /// Cost:   O(k log n) for k corners.
   std::vector<Corners> cut(std::span<const VertexId> loop, const PolygonSplit& split);
 
-  /// Whether two or more half-edges of the surface run along an edge.
-  bool is_shared(VertexId a, VertexId b) const {
-    const EdgeId edge = edges_.find(a, b);
-    return edge.is_valid() && edges_.half_edges(edge).size() > 1;
-  }
+  /// Whether a face other than f has an edge between two vertices.
+  bool is_of_others(VertexId a, VertexId b, FaceId f) const;
 
  private:
   using Edge = std::pair<VertexId, VertexId>;

@@ -173,10 +173,13 @@ PolygonSplit split_canonical(std::span<const Vec3> points, double plane_toleranc
   Spikes spikes = cut_spikes(points, tolerance, Reversals::kKeep);
   const std::size_t needles = spikes.needles.size();
   PolygonSplit result = split_without(std::move(spikes), points, plane_tolerance, control);
+  result.spike_tolerance = tolerance;
   if (result.kind != PolygonKind::kSelfCrossing) return result;
   spikes = cut_spikes(points, tolerance, Reversals::kCut);
   if (spikes.needles.size() == needles) return result;
-  return split_without(std::move(spikes), points, plane_tolerance, control);
+  result = split_without(std::move(spikes), points, plane_tolerance, control);
+  result.spike_tolerance = tolerance;
+  return result;
 }
 
 }  // namespace

@@ -29,6 +29,7 @@ struct PolygonSplit {
   /// The spikes that were cut off first, as cut_spikes has them; the corners of `outline` ascend. Without a spike both
   /// are empty. `kind` and `triangles` are those of the outline.
   Spikes spikes;
+  double spike_tolerance = 0;  ///< within which they were looked for; 0: they are exact
 
   bool has_spikes() const { return !spikes.needles.empty(); }
 };

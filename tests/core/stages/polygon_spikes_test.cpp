@@ -78,10 +78,10 @@ TEST(cut_spikes, the_tolerance_decides_how_far_the_way_back_may_be_from_the_way_
   }
 }
 
-TEST(cut_spikes, the_ends_of_edges_shorter_than_twice_the_tolerance_are_no_tips) {
-  // A thin strip: its short sides are no spikes, however thin it is.
-  const auto points = lifted({{0, 0}, {9, 0}, {9 - 1e-5, 1e-3}, {0, 1e-3}});
-  EXPECT_EQ(outline_of(points, 1e-3).size(), 4u);
+TEST(cut_spikes, corners_within_the_tolerance_of_each_other_are_one_tip_and_one_foot) {
+  const auto points = lifted({{0, 0}, {9, 0}, {9, 3}, {6, 3}, {6, 5}, {5.9999, 5}, {5.9999, 3}, {0, 3}});
+  EXPECT_EQ(outline_of(points, 1e-3).size(), 5u);
+  EXPECT_EQ(outline_of(points, 1e-5).size(), 8u);
 }
 
 TEST(cut_spikes, random_spikes_on_random_polygons_are_found_wherever_the_corners_begin) {

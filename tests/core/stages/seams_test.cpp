@@ -34,6 +34,7 @@ Closed close(const PolygonMesh& mesh, Mend mend = Mend::kYes, double tolerance =
   const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners, control);
   result.is_changed =
       close_seams(result.surface, edges, tolerance / result.surface.unit, mend, result.diagnostics, control);
+  result.surface.detach();  // the mesh may be gone when it is looked at
   return result;
 }
 
