@@ -143,7 +143,8 @@ const std::array<OptionSpec, 20> kTable{{
     {.name = "repair",
      .type = OptionType::kWords,
      .field = &Options::repair,
-     .help = "what is mended on the way in, each counted in the report",
+     .help = "what is mended on the way in, each counted in the report; seams: open edges with a partner beside them "
+             "within the coordinates' rounding are joined",
      .example = "duplicates,degenerate"},
     {.name = "barriers",
      .type = OptionType::kWords,

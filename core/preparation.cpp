@@ -1,12 +1,16 @@
 #include "core/preparation.h"
 
+#include <algorithm>
+
 #include "core/base/tolerance.h"
 #include "core/mesh/pinched_vertices.h"
 #include "core/quality.h"
 #include "core/stages/coplanar_regions.h"
+#include "core/stages/cracks.h"
 #include "core/stages/duplicate_faces.h"
 #include "core/stages/findings.h"
 #include "core/stages/mend_faces.h"
+#include "core/stages/seams.h"
 #include "core/stages/t_junctions.h"
 #include "core/stages/weld.h"
 #include "core/stages/winding.h"
@@ -30,6 +34,7 @@ class Preparation {
     watch.enter(Stage::kWeld);
     choose_tolerance();
     mend();
+    tell_cracks();
     return std::move(prepared_);
   }
 
@@ -42,6 +47,8 @@ class Preparation {
     const Triangulated triangles(surface(), control_);
     report_.input =
         measure_surface(positions, surface().face_begin, surface().corners, adjacency(), triangles.corners(), control_);
+    const double unit = surface().unit;
+    if (triangles.excess_area() > 0) report_.input.area -= triangles.excess_area() * unit * unit;
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
     find_defects(surface(), adjacency(), prepared_.pinched(control_), report_.diagnostics);
@@ -59,6 +66,7 @@ class Preparation {
                                                               of_step.value / unit, of_step.if_noisy / unit, control_))
       automatic = of_step.if_noisy;
     report_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
+    rounding_ = automatic;
     // Who asks for more than the digits explain wants to flatten what bends by more, too.
     const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.step();
     if (are_digits_noise && report_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.steps;
@@ -77,7 +85,10 @@ class Preparation {
     // Faces that repeat others go, edges are split at the vertices that lie on them.
     if_changed(drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), found, control_));
     if_changed(split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is,
-                                 mend_if(repair.t_junctions && limits_.are_t_junctions_split), found, control_));
+                                 mend_if(repair.t_junctions && limits_.is_joining_allowed), found, control_));
+    // Seams close. Their sides have the same vertices now, so that each edge has its partner.
+    if_changed(close_seams(surface(), adjacency(), std::min(rounding_, report_.plane_tolerance) / surface().unit,
+                           mend_if(repair.seams && limits_.is_joining_allowed), found, control_));
     // Faces without a plane are split, faces without an area dropped; nothing opens.
     const bool is_mended = !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.as_it_is,
                                                               mend_if(repair.degenerate), found, control_);
@@ -86,6 +97,19 @@ class Preparation {
     // Neighbours look the same way, closed pieces outwards if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
     if (!is_solid()) if_changed(turn_inside_out(surface(), adjacency(), mend_if(repair.inside_out), found, control_));
+  }
+
+  /// Adds to what is told of open edges how wide the cracks are that mending has left.
+  void tell_cracks() {
+    std::vector<Diagnostic>& found = report_.diagnostics;
+    const auto open = std::find_if(found.begin(), found.end(),
+                                   [](const Diagnostic& d) { return d.code == DiagnosticCode::kOpenBoundary; });
+    if (open == found.end()) return;
+    const double unit = surface().unit;
+    std::vector<double> widths =
+        crack_widths(surface(), adjacency(), std::min(rounding_, report_.plane_tolerance) / unit, control_);
+    for (double& width : widths) width *= unit;
+    open->message += describe_cracks(widths, input_, options_, control_);
   }
 
   /// Are all faces triangles, and their angles so far from 0 that the measures show what mend_faces would prove of one
@@ -113,6 +137,7 @@ class Preparation {
   Report& report_;
   RunControl& control_;
   Prepared prepared_;
+  double rounding_ = 0;         ///< model units: how far the rounding of coordinates may move a point
   bool is_as_measured_ = true;  ///< nothing has been mended since
 };
 

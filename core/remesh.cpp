@@ -177,7 +177,7 @@ class Run {
       is_new = is_new || limits_.as_it_is[source.value] == 0;
       limits_.as_it_is[source.value] = 1;
     }
-    if (is_new || give_up_t_junctions()) return;
+    if (is_new || give_up_joining()) return;
     const FaceId source = surface().face_source[stuck.front()];
     throw Error(
         Code::kVerificationFailed, Stage::kVerify,
@@ -185,14 +185,17 @@ class Run {
         .at_element(source.value);
   }
 
-  /// Vertices that were put into faces where sheets nearly touch may be what keeps a result from holding. Output:
-  /// whether there were such; they are left alone from now on.
-  bool give_up_t_junctions() {
-    const bool were_split = options_.repair.t_junctions && limits_.are_t_junctions_split &&
-                            std::any_of(report_.diagnostics.begin(), report_.diagnostics.end(),
-                                        [](const Diagnostic& d) { return d.code == DiagnosticCode::kTJunction; });
-    limits_.are_t_junctions_split = false;
-    return were_split;
+  /// Vertices that were put into faces where sheets nearly touch, or seams that were closed there, may be what keeps a
+  /// result from holding. Output: whether there were such; both are left alone from now on.
+  bool give_up_joining() {
+    const auto is_joining = [&](const Diagnostic& d) {
+      return (d.code == DiagnosticCode::kTJunction && options_.repair.t_junctions) ||
+             (d.code == DiagnosticCode::kSeam && options_.repair.seams);
+    };
+    const bool were_joined =
+        limits_.is_joining_allowed && std::any_of(report_.diagnostics.begin(), report_.diagnostics.end(), is_joining);
+    limits_.is_joining_allowed = false;
+    return were_joined;
   }
 
   /// Faces that intersect before anything is done to them, seen by patch.
@@ -317,7 +320,7 @@ class Run {
     return verify({surface(), patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
                    assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance,
                    !refinement_.new_positions.empty(), refiner_->has_goals() ? &refined : nullptr, &intersections,
-                   prepared_.order()},
+                   prepared_.order(), &input_, options_.weld_tolerance},
                   control_);
   }
 

@@ -23,6 +23,7 @@
 #include "core/verify/goal_check.h"
 #include "core/verify/model.h"
 #include "core/verify/patch_shape.h"
+#include "core/verify/polygons.h"
 
 namespace remesh {
 namespace {
@@ -150,6 +151,9 @@ Verdict verify(const Claim& claim, RunControl& control) {
   // Output faces in the surface's vertex numbers: by exact coordinates.
   const Model model = make_model(claim, findings, control);
   control.progress(0.2);
+
+  // What came of the input's polygons before.
+  check_polygons(claim, model, findings, control);
 
   // Who uses each edge, before and after.
   std::optional<EdgeTable> edges_before, edges_after;

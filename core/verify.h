@@ -49,6 +49,9 @@ struct Claim {
   /// The corners of `surface` by (smaller, larger vertex, corner) of the edge that begins there. Empty, or wrong: the
   /// checker sorts them itself.
   std::span<const std::uint32_t> surface_edge_order = {};
+  /// The mesh as read, of which `surface` was made by welding within `weld_tolerance` and by mending; null: not known.
+  const PolygonMesh* input = nullptr;
+  double weld_tolerance = 0;  ///< model units
 };
 
 /// Tests promises 1 to 3.
@@ -57,7 +60,8 @@ struct Claim {
 ///              patch and as near to its plane as its input is, or on an edge between vertices that stay, to rounding;
 ///              input and output lie within plane_tolerance of each other, both ways, patch by patch; every patch keeps
 ///              its boundary loops (each output loop is the input loop less vertices within tolerance of the chord that
-///              replaces them); Euler number, closedness, area and volume are kept within what the deviations explain.
+///              replaces them); Euler number, closedness, area and volume are kept within what the deviations explain;
+///              the faces that came of a polygon of the input cover it once, where it does not cross itself;
 ///              `volume_bound` is that for the volume: of each patch its area, input's or output's, with what lies
 ///              between the loops, times the largest difference of their heights; and rounding.
 ///  conforming: every output edge has the faces, and the directions, that the input's edges under it have; no zero-area

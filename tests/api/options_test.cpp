@@ -44,7 +44,7 @@ TEST(Options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"plane_tolerance", "auto"},
                                                          {"normal_tolerance", "1e-06"},
                                                          {"weld_tolerance", "0"},
-                                                         {"repair", "duplicates,degenerate,t_junctions,winding"},
+                                                         {"repair", "duplicates,degenerate,t_junctions,winding,seams"},
                                                          {"barriers", "object,group,material"},
                                                          {"reference_axis", "dominant_edge"},
                                                          {"format", "auto"}};
@@ -151,9 +151,12 @@ TEST(Options, booleans_are_true_or_false) {
 
 TEST(Options, words_are_read_in_any_order_each_once) {
   const Repair repair = read("repair", "inside_out,duplicates").core.repair;
-  EXPECT_EQ(
-      repair,
-      (Repair{.duplicates = true, .degenerate = false, .t_junctions = false, .winding = false, .inside_out = true}));
+  EXPECT_EQ(repair, (Repair{.duplicates = true,
+                            .degenerate = false,
+                            .t_junctions = false,
+                            .winding = false,
+                            .seams = false,
+                            .inside_out = true}));
   EXPECT_EQ(read("barriers", "none").core.barriers, (Barriers{false, false, false}));
   for (const std::string_view text :
        {"", "duplicates,", "duplicates,duplicates", "none,duplicates", "holes", "duplicates degenerate"}) {
