@@ -15,7 +15,7 @@ struct OutputBasis {
   bool is_refined = false;          ///< there were goals
   Goals goals{.max_edge_length = 0, .max_area = 0, .max_faces = 0};
   UnrefinedFaces unrefined;          ///< of the result's faces, those that miss the goals
-  InputIntersections intersections;  ///< patches that intersect in the input
+  InputIntersections intersections;  ///< patches that intersect before anything is rounded
 };
 
 }  // namespace remesh

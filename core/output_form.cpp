@@ -9,12 +9,14 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
+#include "core/base/rounded_to_float.h"
 #include "core/geometry/largest_coordinate.h"
 #include "core/io/formats.h"
 #include "core/mesh/adjacency.h"
@@ -29,8 +31,6 @@ namespace {
 /// Not more than one part in so many of the vertices is rounded another way: beyond, the steps are too coarse all over.
 constexpr std::size_t kFewVertices = 16;
 constexpr std::size_t kAlwaysFew = 256;
-
-Vec3 to_floats(const Vec3& p) { return {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)}; }
 
 /// For messages: three digits are enough.
 std::string short_text(double value) {
@@ -148,10 +148,11 @@ class OtherRounding {
     const Vec3 exact = result_.mesh.positions[v] - origin_;
     std::array<std::vector<double>, 3> choices;
     for (int axis = 0; axis < 3; ++axis) {
-      const auto nearest = static_cast<float>(exact[axis]);
+      const double nearest = rounded_to_float(exact[axis]);
       choices[axis] = {nearest};
-      if (static_cast<double>(nearest) == exact[axis]) continue;
-      for (const float limit : {-HUGE_VALF, HUGE_VALF}) choices[axis].push_back(std::nextafter(nearest, limit));
+      if (nearest == exact[axis]) continue;
+      for (const float limit : {-HUGE_VALF, HUGE_VALF})
+        choices[axis].push_back(std::nextafter(static_cast<float>(nearest), limit));
     }
     std::optional<std::tuple<int, double, Vec3>> best;
     for (const double x : choices[0])
@@ -194,7 +195,7 @@ class FloatRounding {
     const std::vector<Vec3>& positions = result_.mesh.positions.items();
     form.stored.resize(positions.size());
     for_blocks(positions.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) form.stored[v] = to_floats(positions[v] - origin);
+      for (std::size_t v = begin; v < end; ++v) form.stored[v] = rounded_to_float(positions[v] - origin);
     });
     check(form);
     // Once more where what is wrong may be a matter of single vertices: from places, triangles may come to light.
@@ -297,20 +298,22 @@ std::string names_of_formats(Storage storage) {
   throw Error(Code::kNotAcceptable, Stage::kWrite, message).for_option("format");
 }
 
-bool is_own_mistake(const StoredVerdict& verdict) {
-  switch (verdict.fault.value_or(StoredFault::kMoved)) {
-    case StoredFault::kMalformed:
-    case StoredFault::kNotStorable:
-    case StoredFault::kUnlisted:
-    case StoredFault::kListedInVain:
-    case StoredFault::kWrongReason: return true;
+/// The words for what rounding must not bring about, whatever the result is; empty where the check found none of it.
+std::string_view own_mistake(const StoredVerdict& verdict) {
+  if (!verdict.fault) return {};
+  switch (*verdict.fault) {
+    case StoredFault::kMalformed: return "its arrays do not fit together";
+    case StoredFault::kNotStorable: return "a coordinate was not rounded";
+    case StoredFault::kUnlisted: return "a face misses the goals and is not listed";
+    case StoredFault::kListedInVain: return "a face is listed that meets the goals";
+    case StoredFault::kWrongReason: return "a face is listed for a reason that it has not";
     case StoredFault::kBeyondRange:
     case StoredFault::kMoved:
     case StoredFault::kMerged:
     case StoredFault::kTurnedOver:
-    case StoredFault::kNewIntersections: return false;
+    case StoredFault::kNewIntersections: break;
   }
-  return true;
+  return {};
 }
 
 FloatForm float_form(bool local_origin, const Result& result, RunControl& control) {
@@ -324,8 +327,9 @@ FloatForm float_form(bool local_origin, const Result& result, RunControl& contro
   const bool has_origin = origin != Vec3{};
   if (has_origin) local = rounding.about(origin);
   for (const FloatForm* form : {&own, &local})
-    if (is_own_mistake(form->verdict))
-      throw Error(Code::kVerificationFailed, Stage::kVerify, "the result failed its check once it was rounded");
+    if (const std::string_view mistake = own_mistake(form->verdict); !mistake.empty())
+      throw Error(Code::kVerificationFailed, Stage::kVerify,
+                  "the result failed its check once it was rounded: " + std::string(mistake));
   if (has_origin && local.is_good() && local_origin) return local;
   refuse(result, has_origin && local_origin ? local : own, has_origin && local.is_good());
 }

@@ -366,9 +366,9 @@ class Run {
   Result finish(const RunSettings& settings) {
     Result result;
     result.mesh.positions = std::move(positions_);
+    result.basis = output_basis();
     result.mesh.faces = std::move(assembled_.faces);
     result.face_patch = std::move(assembled_.face_patch);
-    result.basis = output_basis();
     result.report = std::move(report_);
     // Everything from here on is about the coordinates that the output format holds.
     round_output(settings.storage, options_.local_origin, result, control_);
@@ -400,8 +400,21 @@ class Run {
     basis.is_refined = refiner_->has_goals();
     basis.goals = refiner_->goals();
     basis.unrefined = std::move(unrefined_);
-    basis.intersections = intersecting_patches();
+    basis.intersections = patches_that_still_intersect();
     return basis;
+  }
+
+  /// Those of the result; and patches that fold over themselves in the input, since the check has not looked into all
+  /// of them.
+  InputIntersections patches_that_still_intersect() const {
+    InputIntersections known = intersecting_patches();
+    std::erase_if(known.patches, [](const auto& pair) { return pair.first != pair.second; });
+    for (const auto& [f, g] : report_.verified.intersections)
+      known.patches.push_back(std::minmax({assembled_.face_patch[f], assembled_.face_patch[g]}));
+    std::sort(known.patches.begin(), known.patches.end());
+    known.patches.erase(std::unique(known.patches.begin(), known.patches.end()), known.patches.end());
+    known.is_complete = report_.verified.are_all_intersections_known;
+    return known;
   }
 
   /// Where every label is a barrier, all faces of a patch are labelled alike, and any of them tells.

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "core/base/grouping.h"
+#include "core/base/rounded_to_float.h"
 #include "core/io/bytes.h"
 #include "core/io/stl.h"
 #include "core/io/write_text.h"
@@ -24,10 +25,9 @@ Floats nearest_floats(const Vec3& v) {
 
 /// What leaves is what was checked: nothing is rounded here.
 Floats exact_floats(const Vec3& v) {
-  const Floats floats = nearest_floats(v);
-  if (!is_finite(v) || Vec3{floats[0], floats[1], floats[2]} != v)
+  if (!is_finite(v) || rounded_to_float(v) != v)
     throw Error(Code::kInternal, Stage::kWrite, "a coordinate that is no float was to be written as binary STL");
-  return floats;
+  return nearest_floats(v);
 }
 
 /// Unit normal; zero, as is the custom, where there is none.

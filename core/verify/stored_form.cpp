@@ -9,6 +9,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
+#include "core/base/rounded_to_float.h"
 #include "core/geometry/largest_coordinate.h"
 #include "core/geometry/patch_intersections.h"
 #include "core/geometry/predicates.h"
@@ -117,9 +118,7 @@ class StoredCheck {
   }
 
   bool check_numbers() {
-    const auto is_stored = [&](double x) {
-      return claim_.storage == Storage::kDouble || static_cast<double>(static_cast<float>(x)) == x;
-    };
+    const auto is_stored = [&](double x) { return claim_.storage == Storage::kDouble || rounded_to_float(x) == x; };
     return check_all(StoredFault::kBeyondRange, claim_.stored.size(),
                      [&](std::size_t v) { return !is_finite(claim_.stored[v]); }) &&
            check_all(StoredFault::kNotStorable, claim_.stored.size(), [&](std::size_t v) {

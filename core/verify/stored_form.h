@@ -27,7 +27,7 @@ struct StoredClaim {
   std::span<const PatchId> face_patch;
   std::span<const Vec3> normals;                      ///< unit, of each patch
   double allowed_move = 0;                            ///< of a vertex, model units
-  const InputIntersections* intersections = nullptr;  ///< null: none
+  const InputIntersections* intersections = nullptr;  ///< of the verified mesh, by patch; null: none
   const RefinementClaim* refinement = nullptr;        ///< of the stored mesh; null: nothing was refined
   /// The faces that were listed before, ascending, and why; with `refinement`.
   std::span<const FaceId> unrefined_before = {};
@@ -44,7 +44,7 @@ enum class StoredFault {
   kUnlisted,          ///< a face misses the goals and is not listed
   kListedInVain,      ///< a face is listed, and meets the goals
   kWrongReason,       ///< a face is listed for a reason that it has not
-  kNewIntersections,  ///< faces intersect of patches that do not in the input
+  kNewIntersections,  ///< faces intersect of patches that do not in the verified mesh
 };
 
 struct StoredVerdict {
@@ -68,7 +68,7 @@ struct StoredVerdict {
 ///           - every triangle has an area and looks along its patch's normal, but for those that did not before;
 ///           - the faces that miss the goals are exactly those that are listed; what is listed for kOutputRounding
 ///             met the goals before, and every other reason is the one that the face had before;
-///           - faces intersect (geometry/patch_intersections.h) only where their patches do in the input.
+///           - faces intersect (geometry/patch_intersections.h) only where their patches do in the verified mesh.
 /// Holds:   the same verdict for any number of threads. Where no vertex moved nothing but the first two is tested.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(n log n); for the intersections as patch_intersections.

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/rounded_to_float.h"
 #include "tests/support/errors.h"
 #include "tests/support/shapes.h"
 #include "tests/support/unrefined_options.h"
@@ -28,7 +29,7 @@ Result in_doubles(const PolygonMesh& mesh, const Options& options = unrefined())
 
 bool are_floats(const Result& result) {
   return std::all_of(result.mesh.positions.begin(), result.mesh.positions.end(), [](const Vec3& p) {
-    return p == Vec3{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    return p == rounded_to_float(p);
   });
 }
 

@@ -8,6 +8,7 @@
 #include <limits>
 #include <optional>
 
+#include "core/base/rounded_to_float.h"
 #include "core/remesh.h"
 #include "tests/support/cgal_space.h"
 #include "tests/support/random.h"
@@ -101,7 +102,7 @@ TEST(StoredForm, numbers_are_those_of_the_storage_and_finite) {
   box.storage = Storage::kFloat;
   EXPECT_EQ(box.check().fault, StoredFault::kNotStorable);
   EXPECT_EQ(box.check().count, 4u);
-  for (Vec3& p : box.points) p.z = static_cast<float>(p.z);
+  for (Vec3& p : box.points) p.z = rounded_to_float(p.z);
   EXPECT_FALSE(box.check().fault);
   box.points[0].x = std::numeric_limits<double>::infinity();
   EXPECT_EQ(box.check().fault, StoredFault::kBeyondRange);
