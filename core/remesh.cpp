@@ -15,8 +15,8 @@
 #include "core/goal_refinement.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_corners.h"
+#include "core/output_form.h"
 #include "core/preparation.h"
-#include "core/quality.h"
 #include "core/refinement/gap_search.h"
 #include "core/stages/assembly.h"
 #include "core/stages/boundary_loops.h"
@@ -52,11 +52,11 @@ class Run {
     report_.options = options;
   }
 
-  Result remesh(bool want_face_source) {
+  Result remesh(const RunSettings& settings) {
     prepare();
     // Where even single faces fail, they are taken as they are: triangles, and zero-area faces beside them left alone.
     while (!climb()) prepare();
-    return finish(want_face_source);
+    return finish(settings);
   }
 
   Report analyze() {
@@ -366,40 +366,58 @@ class Run {
   /// A dozen polygons are a polyhedron.
   static constexpr std::size_t kFewFacets = 50;
 
-  Result finish(bool want_face_source) {
+  Result finish(const RunSettings& settings) {
     Result result;
-    watch_.enter(Stage::kQuality);
     result.mesh.positions = std::move(positions_);
+    result.basis = output_basis();
     result.mesh.faces = std::move(assembled_.faces);
     result.face_patch = std::move(assembled_.face_patch);
-    const std::span<const Vec3> positions = result.mesh.positions.items();
-    const std::span<const VertexId> corners = corners_of(result.mesh.faces.items());
-    const auto begins = triangle_begins(result.mesh.faces.size(), control_);
-    const Adjacency edges(positions.size(), begins, corners, control_);
+    result.report = std::move(report_);
+    // Everything from here on is about the coordinates that the output format holds.
+    round_output(settings.storage, options_.local_origin, result, control_);
+    watch_.enter(Stage::kQuality);
     IdVector<FaceId, FaceId> source;
     // Each has its parts that wait for nothing but themselves.
-    do_all([&] { report_.output = measure_surface(positions, begins, corners, edges, corners, control_); },
-           [&] {
-             report_.volume_obstacles = find_volume_obstacles(
-                 positions, begins, corners, edges, report_.verified.intersections, report_.plane_tolerance, control_);
-           },
+    do_all([&] { measure_output(result, control_); },
            [&] {
              // Where each output face came from: the input face under its centroid.
-             source = needs_source(want_face_source) ? face_source(surface(), patches_, meshes_, control_)
-                                                     : first_faces(result);
+             source = needs_source(settings.want_face_source) ? face_source(surface(), patches_, meshes_, control_)
+                                                              : first_faces(result);
              meshes_ = {};
            });
-    report_.output.intersecting_pairs = report_.verified.intersections.size();
-    report_.unrefined = summarise_unrefined(unrefined_, positions, result.mesh.faces.items());
     watch_.enter(Stage::kAssembly);
     result.mesh.labels = labels_of(input_.labels, source);
-    if (want_face_source) {
+    if (settings.want_face_source) {
       result.face_source = source;
       result.input_face_patch = patches_of_input();
     }
-    report_.timing_ms = watch_.finish();
-    result.report = std::move(report_);
+    result.report.timing_ms = watch_.finish();
     return result;
+  }
+
+  OutputBasis output_basis() {
+    OutputBasis basis;
+    basis.normals.reserve(meshes_.size());
+    for (const PatchMesh& mesh : meshes_) basis.normals.push_back(mesh.frame.normal);
+    basis.allowed_move = std::max(report_.plane_tolerance, kAllowedRounding * report_.input.bounding_box.diagonal());
+    basis.is_refined = refiner_->has_goals();
+    basis.goals = refiner_->goals();
+    basis.unrefined = std::move(unrefined_);
+    basis.intersections = patches_that_still_intersect();
+    return basis;
+  }
+
+  /// Those of the result; and patches that fold over themselves in the input, since the check has not looked into all
+  /// of them.
+  InputIntersections patches_that_still_intersect() const {
+    InputIntersections known = intersecting_patches();
+    std::erase_if(known.patches, [](const auto& pair) { return pair.first != pair.second; });
+    for (const auto& [f, g] : report_.verified.intersections)
+      known.patches.push_back(std::minmax({assembled_.face_patch[f], assembled_.face_patch[g]}));
+    std::sort(known.patches.begin(), known.patches.end());
+    known.patches.erase(std::unique(known.patches.begin(), known.patches.end()), known.patches.end());
+    known.is_complete = report_.verified.are_all_intersections_known;
+    return known;
   }
 
   /// Where every label is a barrier, all faces of a patch are labelled alike, and any of them tells.
@@ -484,9 +502,8 @@ int thread_count(const PolygonMesh& input, const Options& options, const RunSett
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                       RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
-  return in_arena(thread_count(input, options, settings), [&] {
-    return Run(input, options, control, std::move(diagnostics)).remesh(settings.want_face_source);
-  });
+  return in_arena(thread_count(input, options, settings),
+                  [&] { return Run(input, options, control, std::move(diagnostics)).remesh(settings); });
 }
 
 Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,

@@ -28,11 +28,19 @@ bool is_binary_stl(std::string_view content);
 /// Cost:    O(n log n).
 ReadResult read_stl(std::string_view content, const ReadLimits& limits, RunControl& control);
 
-/// Writes binary STL. Coordinates are rounded to floats, the only numbers that it has: this is the one format that does
-/// not give back what went in. Labels are lost, and the header takes no more of `comments` than their first line.
-/// Errors:  kNotAcceptable - a coordinate beyond the largest float, or a triangle two of whose corners are one place in
-///          floats; kOutputTooLarge - more triangles than 32 bits count; kCancelled, kTimeout - through `control`.
+/// Writes binary STL. Labels are lost, and the header takes no more of `comments` than their first line.
+/// Input:   coordinates that are floats, the only numbers that it has: see round_output. None is rounded here.
+/// Errors:  kInternal - a coordinate is no float; kOutputTooLarge - more triangles than 32 bits count; kCancelled,
+///          kTimeout - through `control`.
 /// Cost:    O(output).
 std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control);
+
+/// Writes STL as text, with the shortest digits that read back to the same doubles. Each group is a solid of its name,
+/// or each object where there are no groups, or each material where there are neither; else all is one solid without a
+/// name. Text STL has no place for comments.
+/// Output:  the solids in the order of their labels, the faces of each in theirs.
+/// Errors:  kCancelled, kTimeout - through `control`.
+/// Cost:    O(output).
+std::string write_stl_ascii(const TriangleMesh& mesh, RunControl& control);
 
 }  // namespace remesh

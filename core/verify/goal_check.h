@@ -18,4 +18,10 @@ namespace remesh::verification {
 void check_goals(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges,
                  const BoundaryGraph& seams, Findings& findings, RunControl& control);
 
+/// How a number stands to a bound that it is not to cross; within 1e-9 of the bound it is on the edge.
+enum class Standing { kMeets, kOnTheEdge, kMisses };
+
+/// How a triangle stands to the bounds on angles, edges and areas. Model units; the area must not overflow.
+Standing standing_of(const Goals& goals, const Vec3& a, const Vec3& b, const Vec3& c);
+
 }  // namespace remesh::verification

@@ -233,12 +233,13 @@ test("a curl line survives any file name", () => {
   assert.equal(page.shellWord("part-1.obj"), "part-1.obj");
   assert.equal(page.shellWord("it's a $(part).obj"), `'it'\\''s a $(part).obj'`);
   assert.equal(page.resultName("Part.v2.stl.gz", "obj"), "Part.v2-remeshed.obj");
-  const line = page.curlLine("http://h:1", "a b.stl", [["barriers", "object,group"]], "ply", true);
+  const line = page.curlLine("http://h:1", "a b.stl", [["barriers", "object,group"]], "ply", "ply", true);
   assert.equal(
     line,
     `curl --fail-with-body -H "Authorization: Bearer $REMESHD_API_KEY" --data-binary '@a b.stl' ` +
       `'http://h:1/v1/remesh?barriers=object,group&format=ply' -o 'a b-remeshed.ply'`,
   );
+  assert.match(page.curlLine("http://h:1", "a.obj", [], "stl_ascii", "stl", false), /format=stl_ascii' -o a-remeshed.stl$/);
 });
 
 test("the bounds of an option are the ones that the service names", async () => {

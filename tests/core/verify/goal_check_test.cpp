@@ -13,9 +13,10 @@
 namespace remesh {
 namespace {
 
-constexpr UnrefinedReason kAllReasons[] = {UnrefinedReason::kInputAngle, UnrefinedReason::kAcrossInputAngle,
-                                           UnrefinedReason::kSizeFloor,  UnrefinedReason::kMinEdgeLength,
-                                           UnrefinedReason::kBudget,     UnrefinedReason::kBoundaryLocked};
+constexpr UnrefinedReason kAllReasons[] = {UnrefinedReason::kInputAngle,    UnrefinedReason::kAcrossInputAngle,
+                                           UnrefinedReason::kSizeFloor,     UnrefinedReason::kMinEdgeLength,
+                                           UnrefinedReason::kBudget,        UnrefinedReason::kBoundaryLocked,
+                                           UnrefinedReason::kOutputRounding};
 
 /// The verdict on quality; all else must be right.
 bool is_good(const Example& e) {

@@ -33,6 +33,7 @@ const kUnrefined: Record<string, string> = {
   min_edge_length: "A point that would mend it would make an edge shorter than allowed.",
   budget: "The result would have had more faces than allowed.",
   boundary_locked: "A boundary would have had to be split.",
+  output_rounding: "It met the bounds until the output format rounded its corners.",
 };
 
 export function findingsOf(report: Report): Finding[] {

@@ -1,0 +1,385 @@
+#include "core/output_form.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/base/parallel.h"
+#include "core/base/rounded_to_float.h"
+#include "core/geometry/largest_coordinate.h"
+#include "core/io/formats.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/triangle_corners.h"
+#include "core/quality.h"
+#include "core/verify/stored_form.h"
+#include "core/volume_ready.h"
+
+namespace remesh {
+namespace {
+
+/// Not more than one part in so many of the vertices is rounded another way: beyond, the steps are too coarse all over.
+constexpr std::size_t kFewVertices = 16;
+constexpr std::size_t kAlwaysFew = 256;
+
+/// For messages: three digits are enough.
+std::string short_text(double value) {
+  char digits[32];
+  const auto written = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 3);
+  return {digits, written.ptr};
+}
+
+/// The distance from a number's float to the next one away from zero.
+double step_of_floats(double value) {
+  const auto nearest = static_cast<float>(std::fabs(value));
+  return static_cast<double>(std::nextafter(nearest, std::numeric_limits<float>::infinity())) - nearest;
+}
+
+/// `digits` times a power of ten, as a reader of these digits gets it.
+double decimal(double digits, int exponent) {
+  char text[64];
+  auto end = std::to_chars(text, text + sizeof text, digits, std::chars_format::fixed, 0).ptr;
+  *end++ = 'e';
+  end = std::to_chars(end, text + sizeof text, exponent).ptr;
+  double value = 0;
+  std::from_chars(text, end, value);
+  return value;
+}
+
+/// A point near the middle of a box with few digits: multiples of the largest power of ten that is at most half the
+/// box's longest side. An axis on which the box is no further from 0 than it is long keeps its coordinates.
+Vec3 origin_near(const Box3& box) {
+  const Vec3 sides = box.max - box.min;
+  const double longest = std::max({sides.x, sides.y, sides.z});
+  Vec3 origin;
+  if (!(longest > 0) || !std::isfinite(longest)) return origin;
+  const int exponent = static_cast<int>(std::floor(std::log10(longest / 2)));
+  const double step = decimal(1, exponent);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::max(std::fabs(box.min[axis]), std::fabs(box.max[axis])) <= longest) continue;
+    const double steps = std::round((box.min[axis] / 2 + box.max[axis] / 2) / step);
+    // What has more digits than a double has no origin of few digits.
+    if (std::fabs(steps) < 0x1p53) origin[axis] = decimal(steps, exponent);
+  }
+  return origin;
+}
+
+/// A result's points in floats relative to an origin, and what the check says of them.
+struct FloatForm {
+  Vec3 origin;
+  std::vector<Vec3> stored;
+  UnrefinedFaces unrefined;
+  StoredVerdict verdict;
+
+  bool is_good() const { return !verdict.fault; }
+};
+
+/// Rounds single coordinates to a float beside the nearest one, where vertices have come together or triangles have
+/// lost their area. A coordinate that is a float stays: planes along the axes are kept.
+class OtherRounding {
+ public:
+  OtherRounding(const Result& result, const Vec3& origin, std::vector<Vec3>& stored, RunControl& control)
+      : result_(result), origin_(origin), stored_(stored), control_(control) {}
+
+  /// Output: whether none of the vertices is at fault any more, as far as the triangles around them tell.
+  bool run(std::vector<VertexId> vertices) {
+    constexpr int kSweeps = 8;
+    const std::vector<Vec3>& verified = result_.mesh.positions.items();
+    std::sort(vertices.begin(), vertices.end(),
+              [&](VertexId v, VertexId w) { return verified[v.value] < verified[w.value]; });
+    find_faces(vertices);
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      bool is_any_at_fault = false;
+      for (const VertexId v : vertices) {
+        control_.check();
+        if (faults_of(v) != 0) is_any_at_fault = improve(v) != 0 || is_any_at_fault;
+      }
+      if (!is_any_at_fault) return true;
+    }
+    return false;
+  }
+
+ private:
+  /// The faces at the vertices, and who is where among their corners.
+  void find_faces(const std::vector<VertexId>& vertices) {
+    std::vector<std::uint8_t> is_wanted(stored_.size(), 0), is_near(stored_.size(), 0);
+    for (const VertexId v : vertices) is_wanted[v.value] = 1;
+    const auto& faces = result_.mesh.faces;
+    const auto near = select_ids<FaceId>(faces.size(), kItemsPerBlock, control_, [&](std::size_t f) {
+      const auto& [a, b, c] = faces[FaceId(f)];
+      return is_wanted[a.value] + is_wanted[b.value] + is_wanted[c.value] > 0;
+    });
+    for (const FaceId f : near)
+      for (const VertexId v : faces[f]) {
+        if (is_wanted[v.value] != 0) faces_.emplace_back(v, f);
+        if (std::exchange(is_near[v.value], std::uint8_t{1}) == 0) ++at_[stored_[v.value]];
+      }
+    std::sort(faces_.begin(), faces_.end());
+  }
+
+  /// How many triangles around a vertex are without area or turned over, and whether another vertex is in its place.
+  int faults_of(VertexId v) const {
+    int faults = at_.at(stored_[v.value]) - 1;
+    for (auto i = std::lower_bound(faces_.begin(), faces_.end(), std::pair(v, FaceId(0)));
+         i != faces_.end() && i->first == v; ++i)
+      faults += is_sound(i->second, stored_) || !is_sound(i->second, result_.mesh.positions.items()) ? 0 : 1;
+    return faults;
+  }
+
+  bool is_sound(FaceId f, const std::vector<Vec3>& positions) const {
+    constexpr double kClear = 1e-12;
+    const auto& [a, b, c] = result_.mesh.faces[f];
+    const Vec3 ab = positions[b.value] - positions[a.value], ac = positions[c.value] - positions[a.value];
+    return dot(cross(ab, ac), result_.basis.normals[result_.face_patch[f]]) > kClear * norm(ab) * norm(ac);
+  }
+
+  /// Moves a vertex to the nearest place around it that has the fewest faults. Output: how many are left.
+  int improve(VertexId v) {
+    const Vec3 exact = result_.mesh.positions[v] - origin_;
+    std::array<std::vector<double>, 3> choices;
+    for (int axis = 0; axis < 3; ++axis) {
+      const double nearest = rounded_to_float(exact[axis]);
+      choices[axis] = {nearest};
+      if (nearest == exact[axis]) continue;
+      for (const float limit : {-HUGE_VALF, HUGE_VALF})
+        choices[axis].push_back(std::nextafter(static_cast<float>(nearest), limit));
+    }
+    std::optional<std::tuple<int, double, Vec3>> best;
+    for (const double x : choices[0])
+      for (const double y : choices[1])
+        for (const double z : choices[2]) {
+          const Vec3 place{x, y, z};
+          const double move = norm((origin_ + place) - result_.mesh.positions[v]);
+          if (!(move <= result_.basis.allowed_move)) continue;
+          put(v, place);
+          const std::tuple rank(faults_of(v), move, place);
+          if (!best || rank < *best) best = rank;
+        }
+    if (!best) return faults_of(v);
+    put(v, std::get<Vec3>(*best));
+    return std::get<int>(*best);
+  }
+
+  void put(VertexId v, const Vec3& place) {
+    const auto before = at_.find(stored_[v.value]);
+    if (--before->second == 0) at_.erase(before);
+    ++at_[place];
+    stored_[v.value] = place;
+  }
+
+  const Result& result_;
+  const Vec3 origin_;
+  std::vector<Vec3>& stored_;
+  RunControl& control_;
+  std::vector<std::pair<VertexId, FaceId>> faces_;  ///< of the vertices, ascending
+  std::map<Vec3, int> at_;                          ///< how many of the vertices around are in each place
+};
+
+class FloatRounding {
+ public:
+  FloatRounding(const Result& result, RunControl& control) : result_(result), control_(control) {}
+
+  FloatForm about(const Vec3& origin) {
+    FloatForm form;
+    form.origin = origin;
+    const std::vector<Vec3>& positions = result_.mesh.positions.items();
+    form.stored.resize(positions.size());
+    for_blocks(positions.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) form.stored[v] = rounded_to_float(positions[v] - origin);
+    });
+    check(form);
+    // Once more where what is wrong may be a matter of single vertices: from places, triangles may come to light.
+    for (int attempt = 0; attempt < 2 && can_be_mended(form.verdict); ++attempt) {
+      OtherRounding(result_, origin, form.stored, control_).run(form.verdict.vertices_at_fault);
+      check(form);
+    }
+    return form;
+  }
+
+ private:
+  bool can_be_mended(const StoredVerdict& verdict) const {
+    const bool is_local = verdict.fault == StoredFault::kMerged || verdict.fault == StoredFault::kTurnedOver;
+    return is_local && verdict.vertices_at_fault.size() <= kAlwaysFew + result_.mesh.positions.size() / kFewVertices;
+  }
+
+  void check(FloatForm& form) {
+    const OutputBasis& basis = result_.basis;
+    const std::span<const Triangle> faces = result_.mesh.faces.items();
+    if (basis.is_refined) list_unrefined(form);
+    const RefinementClaim refined{basis.goals, form.unrefined.faces, form.unrefined.reasons};
+    StoredClaim claim;
+    claim.positions = result_.mesh.positions.items();
+    claim.stored = form.stored;
+    claim.origin = form.origin;
+    claim.storage = Storage::kFloat;
+    claim.faces = faces;
+    claim.face_patch = result_.face_patch.items();
+    claim.normals = basis.normals.items();
+    claim.allowed_move = basis.allowed_move;
+    claim.intersections = &basis.intersections;
+    claim.refinement = basis.is_refined ? &refined : nullptr;
+    claim.unrefined_before = basis.unrefined.faces;
+    claim.reasons_before = basis.unrefined.reasons;
+    form.verdict = check_stored_form(claim, control_);
+  }
+
+  /// Faces that miss the goals now. Those that did before keep their reason.
+  void list_unrefined(FloatForm& form) const {
+    const UnrefinedFaces& before = result_.basis.unrefined;
+    std::vector<UnrefinedReason> reason(result_.mesh.faces.size(), UnrefinedReason::kOutputRounding);
+    for (std::size_t i = 0; i < before.faces.size(); ++i) reason[before.faces[i].value] = before.reasons[i];
+    form.unrefined = find_unrefined(form.stored, result_.mesh.faces.items(), reason, result_.basis.goals, control_);
+  }
+
+  const Result& result_;
+  RunControl& control_;
+};
+
+std::string count_of(std::uint64_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string reason_text(const FloatForm& form, double allowed_move) {
+  const StoredVerdict& verdict = form.verdict;
+  switch (*verdict.fault) {
+    case StoredFault::kMoved:
+      return "rounding to them moves a vertex by " + short_text(verdict.largest_move) + ", where at most " +
+             short_text(allowed_move) + " is allowed (the larger of plane_tolerance and 1e-6 of the diagonal)";
+    case StoredFault::kMerged:
+      return "rounding to them makes one place of the vertices of " + count_of(verdict.count, "pair", "pairs");
+    case StoredFault::kTurnedOver:
+      return "rounding to them takes the area of " + count_of(verdict.count, "triangle", "triangles") +
+             " or turns them over";
+    case StoredFault::kNewIntersections:
+      return "rounding to them makes " + count_of(verdict.count, "pair", "pairs") +
+             " of faces intersect that were apart";
+    case StoredFault::kBeyondRange:
+    case StoredFault::kMalformed:
+    case StoredFault::kNotStorable:
+    case StoredFault::kUnlisted:
+    case StoredFault::kListedInVain:
+    case StoredFault::kWrongReason: break;
+  }
+  return "a coordinate is beyond the largest float";
+}
+
+std::string names_of_formats(Storage storage) {
+  std::string names;
+  for (const Format format : kFormats)
+    if (storage_of(format) == storage) names.append(names.empty() ? "" : ", ").append(format_name(format));
+  return names;
+}
+
+[[noreturn]] void refuse(const Result& result, const FloatForm& form, bool would_do_about_origin) {
+  double largest = 0;
+  for (const Vec3& p : result.mesh.positions) largest = std::max(largest, largest_coordinate(p - form.origin));
+  std::string message = names_of_formats(Storage::kFloat) + " has floats only, ";
+  if (form.verdict.fault == StoredFault::kBeyondRange)
+    message += "and a coordinate, " + short_text(largest) + ", is beyond the largest one";
+  else
+    message += "which are " + short_text(step_of_floats(largest)) + " apart at these coordinates (up to " +
+               short_text(largest) + (form.origin != Vec3{} ? " from a local origin): " : "): ") +
+               reason_text(form, result.basis.allowed_move);
+  message += "; the result can be had as it is in " + names_of_formats(Storage::kDouble);
+  if (would_do_about_origin)
+    message += ", or with local_origin=true relative to an origin near the part";
+  else if (result.basis.is_refined && form.verdict.fault != StoredFault::kBeyondRange)
+    message += "; longer edges, by min_edge_length, may do, too";
+  throw Error(Code::kNotAcceptable, Stage::kWrite, message).for_option("format");
+}
+
+/// The words for what rounding must not bring about, whatever the result is; empty where the check found none of it.
+std::string_view own_mistake(const StoredVerdict& verdict) {
+  if (!verdict.fault) return {};
+  switch (*verdict.fault) {
+    case StoredFault::kMalformed: return "its arrays do not fit together";
+    case StoredFault::kNotStorable: return "a coordinate was not rounded";
+    case StoredFault::kUnlisted: return "a face misses the goals and is not listed";
+    case StoredFault::kListedInVain: return "a face is listed that meets the goals";
+    case StoredFault::kWrongReason: return "a face is listed for a reason that it has not";
+    case StoredFault::kBeyondRange:
+    case StoredFault::kMoved:
+    case StoredFault::kMerged:
+    case StoredFault::kTurnedOver:
+    case StoredFault::kNewIntersections: break;
+  }
+  return {};
+}
+
+FloatForm float_form(bool local_origin, const Result& result, RunControl& control) {
+  FloatRounding rounding(result, control);
+  FloatForm own = rounding.about({});
+  if (own.is_good()) return own;
+  Box3 box;
+  for (const Vec3& p : result.mesh.positions) box.add(p);
+  const Vec3 origin = origin_near(box);
+  FloatForm local;
+  const bool has_origin = origin != Vec3{};
+  if (has_origin) local = rounding.about(origin);
+  for (const FloatForm* form : {&own, &local})
+    if (const std::string_view mistake = own_mistake(form->verdict); !mistake.empty())
+      throw Error(Code::kVerificationFailed, Stage::kVerify,
+                  "the result failed its check once it was rounded: " + std::string(mistake));
+  if (has_origin && local.is_good() && local_origin) return local;
+  refuse(result, has_origin && local_origin ? local : own, has_origin && local.is_good());
+}
+
+}  // namespace
+
+bool round_output(Storage storage, bool local_origin, Result& result, RunControl& control) {
+  if (storage == Storage::kDouble) return false;
+  FloatForm form = float_form(local_origin, result, control);
+  StoredVerdict& verdict = form.verdict;
+  if (form.origin == Vec3{} && verdict.largest_move == 0) return false;
+  Report& report = result.report;
+  report.output_rounding = verdict.largest_move;
+  if (form.origin != Vec3{}) report.output_origin = form.origin;
+  report.verified.deviation += verdict.largest_move;
+  report.verified.volume_bound += verdict.volume_bound;
+  report.volume_bound = report.verified.volume_bound;
+  for (std::size_t p = 0; p < std::min(report.patches.size(), verdict.patch_moves.size()); ++p)
+    report.patches[p].deviation += verdict.patch_moves[p];
+  if (verdict.has_intersections) {
+    report.verified.intersections = std::move(verdict.intersections);
+    report.verified.are_all_intersections_known = verdict.are_all_intersections_known;
+  }
+  result.mesh.positions.items() = std::move(form.stored);
+  if (result.basis.is_refined) result.basis.unrefined = std::move(form.unrefined);
+  return true;
+}
+
+void measure_output(Result& result, RunControl& control) {
+  Report& report = result.report;
+  const std::span<const Vec3> positions = result.mesh.positions.items();
+  const std::span<const VertexId> corners = corners_of(result.mesh.faces.items());
+  const auto begins = triangle_begins(result.mesh.faces.size(), control);
+  const Adjacency edges(positions.size(), begins, corners, control);
+  // Each has its parts that wait for nothing but themselves.
+  do_all([&] { report.output = measure_surface(positions, begins, corners, edges, corners, control); },
+         [&] {
+           report.volume_obstacles = find_volume_obstacles(
+               positions, begins, corners, edges, report.verified.intersections, report.plane_tolerance, control);
+         });
+  report.output.intersecting_pairs = report.verified.intersections.size();
+  report.unrefined = summarise_unrefined(result.basis.unrefined, positions, result.mesh.faces.items());
+  if (!report.output_origin) return;
+  const Vec3 origin = *report.output_origin;
+  Box3& box = report.output.bounding_box;
+  if (!box.is_empty()) box = {box.min + origin, box.max + origin};
+  for (VolumeObstacle& obstacle : report.volume_obstacles)
+    for (Vec3& place : obstacle.places) place += origin;
+  for (Unrefined& left : report.unrefined)
+    for (Vec3& place : left.places) place += origin;
+}
+
+}  // namespace remesh
