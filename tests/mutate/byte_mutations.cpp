@@ -67,7 +67,8 @@ void insert_bytes(std::string& bytes, Random& random) {
 }
 
 void remove_bytes(std::string& bytes, Random& random) {
-  bytes.erase(below(bytes.size(), random), static_cast<std::size_t>(random.integer(1, 50)));
+  const int count = is_text(bytes) ? random.integer(1, 3) : random.integer(1, 50);
+  bytes.erase(below(bytes.size(), random), static_cast<std::size_t>(count));
 }
 
 void truncate(std::string& bytes, Random& random) { bytes.resize(below(bytes.size(), random)); }

@@ -77,12 +77,12 @@ void mutate_as_mesh(Case& c, PolygonSoup soup, const std::vector<CorpusFile>& co
 void mutate(Case& c, const std::vector<CorpusFile>& corpus, Random& random) {
   const double kind = random.unit();
   if (kind < 0.05) return;  // only the options are drawn
-  if (kind < 0.75) {
+  if (kind < 0.8) {
     std::optional<PolygonSoup> soup = read_soup(c.bytes, c.format);
     if (soup && !soup->positions.empty()) mutate_as_mesh(c, std::move(*soup), corpus, random);
-    if (kind < 0.55) return;
+    if (kind < 0.65) return;
   }
-  const int changes = 1 << random.below(4);
+  const int changes = 1 << std::max(0, random.below(5) - 2);
   for (int i = 0; i < changes; ++i) c.origin += "; " + mutate_bytes(c.bytes, random);
   if (c.bytes.size() > kMaxBytes) c.bytes.resize(kMaxBytes);
 }

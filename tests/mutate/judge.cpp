@@ -1,10 +1,13 @@
 #include "tests/mutate/judge.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 #include "tests/mutate/surface_model.h"
 #include "tests/mutate/written_mesh.h"
@@ -187,21 +190,32 @@ class Judge {
              std::ldexp(reach_, scale_.exponent), " is allowed");
   }
 
-  /// How many faces are beyond the bounds, these wider by a part.
+  /// How many faces are beyond the bounds, these wider by a part. Measured from corner to corner: one vertex far away
+  /// must not take the places from all others.
   std::uint64_t count_beyond(const AskedFor& bounds, double part) const {
     std::uint64_t count = 0;
     for (std::size_t f = 0; f < output_.face_count(); ++f) {
-      const auto& face = output_.face(f);
-      const Vec3 &a = output_.positions()[face[0]], &b = output_.positions()[face[1]],
-                 &c = output_.positions()[face[2]];
-      const auto angle = [](const Vec3& at, const Vec3& to, const Vec3& other) {
-        return std::atan2(norm(cross(to - at, other - at)), dot(to - at, other - at)) * 180 / std::numbers::pi;
-      };
-      const double smallest = std::min({angle(a, b, c), angle(b, c, a), angle(c, a, b)});
-      const double longest = std::ldexp(std::max({norm(b - a), norm(c - b), norm(a - c)}), scale_.exponent);
-      const double area = std::ldexp(norm(cross(b - a, c - a)) / 2, 2 * scale_.exponent);
-      count += smallest < bounds.min_angle_deg * (1 - part) || longest > bounds.max_edge * (1 + part) ||
-               area > bounds.max_area * (1 + part);
+      std::array<Vec3, 3> sides;
+      double extent = 0;
+      for (std::size_t k = 0; k < 3; ++k) {
+        sides[k] = output_.originals()[output_.face(f)[(k + 1) % 3]] - output_.originals()[output_.face(f)[k]];
+        extent = std::max({extent, std::fabs(sides[k].x), std::fabs(sides[k].y), std::fabs(sides[k].z)});
+      }
+      int exponent = 0;
+      std::frexp(extent, &exponent);
+      double smallest = 180, longest = 0;
+      for (Vec3& side : sides) {
+        side = {std::ldexp(side.x, -exponent), std::ldexp(side.y, -exponent), std::ldexp(side.z, -exponent)};
+        longest = std::max(longest, norm(side));
+      }
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vec3 &to = sides[k], from = -sides[(k + 2) % 3];
+        smallest = std::min(smallest, std::atan2(norm(cross(to, from)), dot(to, from)) * 180 / std::numbers::pi);
+      }
+      const double area = norm(cross(sides[0], sides[1])) / 2;
+      count += smallest < bounds.min_angle_deg * (1 - part) ||
+               std::ldexp(longest, exponent) > bounds.max_edge * (1 + part) ||
+               std::ldexp(area, 2 * exponent) > bounds.max_area * (1 + part);
     }
     return count;
   }

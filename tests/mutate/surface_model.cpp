@@ -38,9 +38,9 @@ double distance_to_box(const Vec3& p, const Box3& box) {
   return norm(out);
 }
 
-int largest_axis(const Vec3& v) {
+int smallest_axis(const Vec3& v) {
   const Vec3 a{std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)};
-  return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+  return a.x <= a.y && a.x <= a.z ? 0 : a.y <= a.z ? 1 : 2;
 }
 
 }  // namespace
@@ -173,16 +173,19 @@ double SurfaceModel::height(std::size_t f) const {
   return extent > 0 ? norm(normals_[f]) / extent : 0;
 }
 
-/// Whether a point is within the face, seen along the axis to which the normal is nearest: it winds around it.
+/// Whether a point is within the face, seen along its normal: it winds around it.
 bool SurfaceModel::is_over(std::size_t f, const Vec3& p) const {
-  const int axis = largest_axis(normals_[f]), u = (axis + 1) % 3, v = (axis + 2) % 3;
+  Vec3 axis;
+  axis[smallest_axis(normals_[f])] = 1;
+  const Vec3 u = normalized(cross(normalized(normals_[f]), axis)), v = cross(normalized(normals_[f]), u);
+  const auto seen = [&](const Vec3& q) { return Vec2{dot(q - p, u), dot(q - p, v)}; };
   int winding = 0;
   const auto& face = faces_[f];
   for (std::size_t k = 0; k < face.size(); ++k) {
-    const Vec3 a = positions_[face[k]], b = positions_[face[(k + 1) % face.size()]];
-    const double side = (b[u] - a[u]) * (p[v] - a[v]) - (b[v] - a[v]) * (p[u] - a[u]);
-    if (a[v] <= p[v] && b[v] > p[v] && side > 0) ++winding;
-    if (a[v] > p[v] && b[v] <= p[v] && side < 0) --winding;
+    const Vec2 a = seen(positions_[face[k]]), b = seen(positions_[face[(k + 1) % face.size()]]);
+    const double side = cross(a, b);
+    if (a.y <= 0 && b.y > 0 && side > 0) ++winding;
+    if (a.y > 0 && b.y <= 0 && side < 0) --winding;
   }
   return winding != 0;
 }
