@@ -68,7 +68,7 @@ class Judge {
         options_(answer.options.core),
         written_(written),
         scale_(scale_of(input)),
-        input_(input, scale_),
+        input_(input, scale_, scale_.length(report_.plane_tolerance)),
         output_(moved_back(written, answer.report), scale_),
         is_clean_(std::none_of(report_.diagnostics.begin(), report_.diagnostics.end(),
                                [](const Diagnostic& d) { return is_mending(d.code); }) &&
@@ -142,9 +142,11 @@ class Judge {
 
   void check_measures() {
     const double area = output_.area(), before = input_.area();
+    // The square of a coordinate may be beyond all doubles.
+    if (!std::isfinite(std::ldexp(std::max(area, before), 2 * scale_.exponent))) return;
     const double said = std::ldexp(report_.output.area, -2 * scale_.exponent);
     const double rounding = 1e-6 * area + 4 * slack_ * output_.length_of_edges();
-    if (std::isfinite(said) && std::fabs(area - said) > rounding)
+    if (!(std::fabs(area - said) <= rounding))
       object("area told", "the area is ", std::ldexp(area, 2 * scale_.exponent), ", and the report says ",
              report_.output.area);
     if (!is_clean_) return;

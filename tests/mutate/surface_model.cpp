@@ -61,7 +61,7 @@ Scale scale_of(const PolygonMesh& mesh) {
   return scale;
 }
 
-SurfaceModel::SurfaceModel(const PolygonMesh& mesh, const Scale& scale) {
+SurfaceModel::SurfaceModel(const PolygonMesh& mesh, const Scale& scale, double flatness) : flatness_(flatness) {
   Merger merger(originals_);
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     std::vector<std::uint32_t> face;
@@ -195,7 +195,7 @@ Vec3 SurfaceModel::sample(std::size_t f, Random& random) const {
   const auto corner = [&](std::size_t k) { return positions_[face[k % face.size()]]; };
   const std::size_t k = static_cast<std::size_t>(random.below(static_cast<int>(face.size())));
   // A plane polygon's fan leaves it where it is concave: then a point of its outline.
-  for (int i = 0; i < 4 && thickness_[f] <= 1e-12 * boxes_[f].diagonal(); ++i) {
+  for (int i = 0; i < 4 && thickness_[f] <= flatness_; ++i) {
     double s = random.unit(), t = random.unit();
     if (s + t > 1) s = 1 - s, t = 1 - t;
     const Vec3 p = corner(k) + s * (corner(k + 1) - corner(k)) + t * (corner(k + 2) - corner(k));
@@ -206,6 +206,8 @@ Vec3 SurfaceModel::sample(std::size_t f, Random& random) const {
 
 double SurfaceModel::distance(std::size_t f, const Vec3& p) const {
   const auto& face = faces_[f];
+  // Which surface a polygon without a plane has is not said: any within its box.
+  if (thickness_[f] > flatness_) return distance_to_box(p, boxes_[f]);
   const Vec3 unit = normalized(normals_[f]);
   if (unit != Vec3{}) {
     const double above = dot(p - positions_[face[0]], unit);

@@ -34,7 +34,8 @@ struct EdgeUse {
 
 class SurfaceModel {
  public:
-  SurfaceModel(const PolygonMesh& mesh, const Scale& scale);
+  /// Input: a polygon has a plane if its corners are no further from it than `flatness`, scaled.
+  SurfaceModel(const PolygonMesh& mesh, const Scale& scale, double flatness);
   SurfaceModel(const WrittenMesh& mesh, const Scale& scale);
 
   std::size_t face_count() const { return faces_.size(); }
@@ -63,7 +64,7 @@ class SurfaceModel {
   double height(std::size_t f) const;
   /// A point of a face; a plane one's is within it.
   Vec3 sample(std::size_t f, Random& random) const;
-  /// The distance from a point to the nearest face, less that face's thickness.
+  /// The distance from a point to the nearest face, or to the box of one without a plane.
   double distance(const Vec3& p) const;
 
  private:
@@ -72,6 +73,7 @@ class SurfaceModel {
   bool is_over(std::size_t f, const Vec3& p) const;
   double distance(std::size_t f, const Vec3& p) const;
 
+  double flatness_ = 0;
   std::vector<Vec3> originals_, positions_;
   std::vector<std::vector<std::uint32_t>> faces_;
   std::vector<Vec3> normals_;  ///< of faces; twice their area long
