@@ -42,8 +42,8 @@ struct Plan {
   std::filesystem::path folder;
 };
 
-/// What one child does: a mesh and options, run once to its end or for `max_run_s`, then stopped a few times, at moments
-/// drawn evenly from how long it took.
+/// A child runs one mesh with its options, once to the end or for `max_run_s`; then it runs it again a few times and
+/// stops it, at moments drawn evenly from how long it took.
 class Group {
  public:
   Group(const Plan& plan, const std::vector<CorpusFile>& corpus, std::uint64_t number)

@@ -71,7 +71,7 @@ void Tally::add(std::uint64_t number, const CaseResult& result, double max_mb) {
   max_mb_ = std::max(max_mb_, max_mb);
   if (result.stop_busy_ms > 0) ++stopped_;
   max_stop_ms_ = std::max(max_stop_ms_, result.stop_busy_ms);
-  if (result.outcome == "slow") slow_.push_back(number);
+  if (result.outcome == "slow" || result.outcome == "out_of_memory") large_[result.outcome].push_back(number);
   for (const Objection& finding : result.findings) {
     Kind& kind = findings_[finding.kind];
     if (kind.count++ == 0) kind.example = finding.text;
@@ -102,10 +102,10 @@ void Tally::print(std::ostream& out) const {
   for (const auto& [name, count] : outcomes_) row(name, count);
   out << "  longest life after a stop, in time of the processor: " << max_stop_ms_ << " ms of " << stopped_
       << " stops; largest process: " << max_mb_ << " MB; runs took " << seconds_ << " s\n";
-  if (!slow_.empty()) {
-    out << "  slow cases:";
-    for (std::size_t i = 0; i < std::min(slow_.size(), kShown); ++i) out << " " << slow_[i];
-    out << (slow_.size() > kShown ? " ...\n" : "\n");
+  for (const auto& [name, numbers] : large_) {
+    out << "  " << name << ", no finding:";
+    for (std::size_t i = 0; i < std::min(numbers.size(), kShown); ++i) out << " " << numbers[i];
+    out << (numbers.size() > kShown ? " ...\n" : "\n");
   }
   std::uint64_t findings = 0;
   for (const auto& [name, kind] : findings_) findings += kind.count;

@@ -46,7 +46,7 @@ class Tally {
   double max_stop_ms_ = 0, max_mb_ = 0, seconds_ = 0;
   std::map<std::string, std::uint64_t> outcomes_;
   std::map<std::string, Kind> findings_;
-  std::vector<std::uint64_t> slow_;
+  std::map<std::string, std::vector<std::uint64_t>> large_;  ///< cases that were slow, or out of memory
 };
 
 }  // namespace remesh::mutate
