@@ -19,6 +19,7 @@
 #include "core/quality.h"
 #include "core/refinement/gap_search.h"
 #include "core/stages/assembly.h"
+#include "core/stages/body_labels.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/chords.h"
 #include "core/stages/coplanar_regions.h"
@@ -221,7 +222,11 @@ class Run {
       pairs.push_back({FaceId(faces.first_of(f)), FaceId(faces.first_of(g))});
     const auto begins = triangle_begins(faces.corners().size() / 3, control_);
     const Adjacency edges(surface().vertex_count(), begins, faces.corners(), control_);
-    report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), begins, faces.corners(), edges, pairs,
+    std::vector<FaceId> source;
+    source.reserve(faces.size());
+    for (std::size_t t = 0; t < faces.size(); ++t) source.push_back(surface().face_source[faces.face(t)]);
+    const BodyLabels labels = labels_of_sources(input_.labels, source, control_);
+    report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), faces.corners(), edges, labels, pairs,
                                                      report_.plane_tolerance, control_);
   }
 
@@ -377,8 +382,10 @@ class Run {
     // Each has its parts that wait for nothing but themselves.
     do_all([&] { report_.output = measure_surface(positions, begins, corners, edges, corners, control_); },
            [&] {
+             const BodyLabels labels =
+                 labels_of_patches(input_.labels, surface(), patches_, result.face_patch.items(), control_);
              report_.volume_obstacles = find_volume_obstacles(
-                 positions, begins, corners, edges, report_.verified.intersections, report_.plane_tolerance, control_);
+                 positions, corners, edges, labels, report_.verified.intersections, report_.plane_tolerance, control_);
            },
            [&] {
              // Where each output face came from: the input face under its centroid.
