@@ -29,9 +29,10 @@ constexpr std::size_t kLooksBetweenChecks = 4096;
 /// Shells to a task: their work varies.
 constexpr std::size_t kShellsPerBlock = 16;
 
-/// The directions in which a shell's outermost vertices are looked for.
-constexpr std::array<Vec3, 14> kDirections{{{1, 0, 0},
-                                            {-1, 0, 0},
+/// The directions in which a shell's outermost vertices are looked for. The first is the one in which other shells are
+/// looked for then: on the way there is nothing of the shell itself, nor of what lies in it.
+constexpr std::array<Vec3, 14> kDirections{{{-1, 0, 0},
+                                            {1, 0, 0},
                                             {0, 1, 0},
                                             {0, -1, 0},
                                             {0, 0, 1},
@@ -299,7 +300,7 @@ ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_
   std::vector<Hit> hits;
   std::size_t looks = 0;
   // In ever larger steps: what is far is looked at only where nothing is near.
-  double reach = shell_of(nest).box.diagonal() / static_cast<double>((*faces_)[nests_[nest].shells[0]].size());
+  double reach = shell_of(nest).box.diagonal() / static_cast<double>(face_of_.size());
   for (bool is_last = false; !is_last && hits.empty(); reach *= 4) {
     is_last = !(p.x - reach > end_) || !(reach > 0);
     const double begin = is_last ? end_ : p.x - reach;
