@@ -93,7 +93,8 @@ double where_passed(const Corners3& triangle, const Vec3& p) {
   const Vec3 normal = cross(b - a, c - a);
   const double x = a.x - (normal.y * (p.y - a.y) + normal.z * (p.z - a.z)) / normal.x;
   const auto [low, high] = std::minmax({a.x, b.x, c.x});
-  return std::clamp(x, low, std::max(low, std::min(high, p.x)));
+  // Where the plane runs along the line, anywhere in the triangle's range will do.
+  return std::isfinite(x) ? std::clamp(x, low, std::max(low, std::min(high, p.x))) : std::min(high, p.x);
 }
 
 /// Does an edge of `s` pass through the inside of `t`?
@@ -176,13 +177,15 @@ void ShellNesting::group_by_place() {
     return std::tuple(-volume(s), box(s), s) < std::tuple(-volume(t), box(t), t);
   });
   nest_of_.assign(shells_.all.size(), kNone);
-  for (std::uint32_t n = 0; n < nests_.size(); ++n)
+  for (std::uint32_t n = 0; n < nests_.size(); ++n) {
+    boxes_.push_back(shells_.all[nests_[n].shells[0]].box);
     for (const std::uint32_t s : nests_[n].shells) nest_of_[s] = n;
+  }
   if (nests_.size() > 1 && !faces_) make_faces();
 }
 
 bool ShellNesting::may_contain(std::uint32_t outer, std::uint32_t inner) const {
-  return outer < inner && contains(shell_of(outer).box, shell_of(inner).box);
+  return outer < inner && contains(boxes_[outer], boxes_[inner]);
 }
 
 /// The nests whose boxes lie in the box of an earlier one, ascending. Most meshes of many parts have few.
@@ -192,8 +195,8 @@ std::vector<std::uint32_t> ShellNesting::nests_in_boxes() const {
   std::vector<Tree::Entry> entries(nests_.size());
   for (std::uint32_t n = 0; n < nests_.size(); ++n) {
     if (n % kLooksBetweenChecks == 0) control_.check();
-    entries[n].box.add(shell_of(n).box.min);
-    entries[n].box.add(shell_of(n).box.max);
+    entries[n].box.add(boxes_[n].min);
+    entries[n].box.add(boxes_[n].max);
     entries[n].tag.nest = n;
   }
   const Tree tree(entries, control_);
@@ -201,7 +204,7 @@ std::vector<std::uint32_t> ShellNesting::nests_in_boxes() const {
     const auto nest = static_cast<std::uint32_t>(i);
     double best = 1;
     const auto bound = [&](const Tree::Entry& entry) {
-      return entry.tag.nest < nest && contains(entry.box, shell_of(nest).box) ? 0 : HUGE_VAL;
+      return entry.tag.nest < nest && contains(entry.box, boxes_[nest]) ? 0 : HUGE_VAL;
     };
     tree.search(best, bound, [&](std::size_t slot) {
       if (may_contain(tree.number(slot), nest)) best = 0;
@@ -217,11 +220,11 @@ void ShellNesting::make_tree() {
     const std::uint32_t shell = shells_.of_face[f];
     if (nest_of_[shell] == kNone || nests_[nest_of_[shell]].shells[0] != shell) continue;
     triangles.push_back(triangle(f));
-    face_of_.push_back(f);
+    faces_of_tree_.push_back({f, nest_of_[shell]});
   }
   tree_.emplace(positions_, triangles, control_);
   end_ = HUGE_VAL;
-  for (std::uint32_t n = 0; n < nests_.size(); ++n) end_ = std::min(end_, shell_of(n).box.min.x);
+  for (std::uint32_t n = 0; n < nests_.size(); ++n) end_ = std::min(end_, boxes_[n].min.x);
 }
 
 ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
@@ -262,7 +265,7 @@ ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
 /// By a point of the shell that is clear of all that may contain it. Where shells touch in places only, one of its
 /// outermost vertices is clear, or else a middle of an edge or of a face.
 ShellNesting::Link ShellNesting::link_of(std::uint32_t nest) const {
-  const Box3& box = shell_of(nest).box;
+  const Box3& box = boxes_[nest];
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis)
     largest = std::max({largest, std::fabs(box.min[axis]), std::fabs(box.max[axis])});
@@ -282,9 +285,8 @@ bool ShellNesting::is_touching(const Vec3& p, double reach, std::uint32_t nest) 
   std::size_t looks = 0;
   tree_->visit_meeting({p - margin, p + margin}, 0, [&](std::size_t slot) {
     if (++looks % kLooksBetweenChecks == 0) control_.check();
-    const std::uint32_t f = face_of_[tree_->face(slot).value];
-    is_touching =
-        may_contain(nest_of_[shells_.of_face[f]], nest) && norm(nearest_on_triangle(p, corners3(f)) - p) <= reach;
+    const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
+    is_touching = may_contain(other, nest) && norm(nearest_on_triangle(p, corners3(f)) - p) <= reach;
     return !is_touching;
   });
   return is_touching;
@@ -300,19 +302,21 @@ ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_
   std::vector<Hit> hits;
   std::size_t looks = 0;
   // In ever larger steps: what is far is looked at only where nothing is near.
-  double reach = shell_of(nest).box.diagonal() / static_cast<double>(face_of_.size());
-  for (bool is_last = false; !is_last && hits.empty(); reach *= 4) {
+  double reach = boxes_[nest].diagonal() / static_cast<double>(faces_of_tree_.size());
+  constexpr double kStep = 16;
+  for (bool is_last = false; !is_last && hits.empty(); reach *= kStep) {
     is_last = !(p.x - reach > end_) || !(reach > 0);
     const double begin = is_last ? end_ : p.x - reach;
     tree_->visit_meeting({Vec3{begin, p.y, p.z}, p}, 0, [&](std::size_t slot) {
       if (++looks % kLooksBetweenChecks == 0) control_.check();
-      const std::uint32_t f = face_of_[tree_->face(slot).value], shell = shells_.of_face[f];
-      if (!may_contain(nest_of_[shell], nest)) return true;
-      const auto [turns, is_beyond] = crossing(corners3(f), p);
-      if (turns == 0 || is_beyond) return true;
+      const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
+      if (!may_contain(other, nest)) return true;
       // There may be a nearer one outside the box.
-      const double x = where_passed(corners3(f), p);
-      if (is_last || x >= begin) hits.push_back({x, {nest_of_[shell], (turns < 0) == (shells_.all[shell].volume > 0)}});
+      const Corners3 t = corners3(f);
+      const double x = where_passed(t, p);
+      if (!is_last && x < begin) return true;
+      const auto [turns, is_beyond] = crossing(t, p);
+      if (turns != 0 && !is_beyond) hits.push_back({x, {other, (turns < 0) == (shell_of(other).volume > 0)}});
       return true;
     });
   }
@@ -342,8 +346,8 @@ bool ShellNesting::is_crossing(std::uint32_t shell) const {
       for (const Vec3& p : s) box.add(p);
       tree_->visit_meeting(box, 0, [&](std::size_t slot) {
         if (++looks % kLooksBetweenChecks == 0) control_.check();
-        const std::uint32_t f = face_of_[tree_->face(slot).value];
-        if (nest_of_[shells_.of_face[f]] == nest_of_[shell]) return true;
+        const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
+        if (other == nest_of_[shell]) return true;
         const Corners3 t = corners3(f);
         if (passes_through(s, t) || passes_through(t, s)) is_crossing = true;
         return !is_crossing.load();

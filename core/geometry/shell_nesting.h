@@ -70,9 +70,14 @@ class ShellNesting {
   const Shells& shells_;
   RunControl& control_;
   std::vector<Nest> nests_;
+  std::vector<Box3> boxes_;             ///< by nest
   std::vector<std::uint32_t> nest_of_;  ///< by shell; kNone for those that are in none
   std::optional<Grouping> faces_;       ///< by shell
-  std::vector<std::uint32_t> face_of_;  ///< by the triangles that the tree has: those of the first shell of each nest
+  /// A face and its nest: of each triangle that the tree has, those of the first shell of each nest.
+  struct FaceOfTree {
+    std::uint32_t face, nest;
+  };
+  std::vector<FaceOfTree> faces_of_tree_;
   std::optional<TriangleTree> tree_;
   double end_ = 0;  ///< the smallest x of all shells
 };
