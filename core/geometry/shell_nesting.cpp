@@ -286,7 +286,12 @@ bool ShellNesting::is_touching(const Vec3& p, double reach, std::uint32_t nest) 
   tree_->visit_meeting({p - margin, p + margin}, 0, [&](std::size_t slot) {
     if (++looks % kLooksBetweenChecks == 0) control_.check();
     const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
-    is_touching = may_contain(other, nest) && norm(nearest_on_triangle(p, corners3(f)) - p) <= reach;
+    if (!may_contain(other, nest)) return true;
+    const Corners3 t = corners3(f);
+    const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
+    // Most are far from their plane. Twice the distance leaves room for rounding.
+    if (std::fabs(dot(normal, p - t[0])) > 2 * reach * norm(normal)) return true;
+    is_touching = norm(nearest_on_triangle(p, t) - p) <= reach;
     return !is_touching;
   });
   return is_touching;
