@@ -367,8 +367,9 @@ void measure_output(Result& result, RunControl& control) {
   // Each has its parts that wait for nothing but themselves.
   do_all([&] { report.output = measure_surface(positions, begins, corners, edges, corners, control); },
          [&] {
-           report.volume_obstacles = find_volume_obstacles(
-               positions, begins, corners, edges, report.verified.intersections, report.plane_tolerance, control);
+           report.volume_obstacles =
+               find_volume_obstacles(positions, corners, edges, result.basis.labels, report.verified.intersections,
+                                     report.plane_tolerance, control);
          });
   report.output.intersecting_pairs = report.verified.intersections.size();
   report.unrefined = summarise_unrefined(result.basis.unrefined, positions, result.mesh.faces.items());
