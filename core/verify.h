@@ -1,7 +1,7 @@
 /// The independent check of the promises. It shares no decision with the stages: it has its own edges and its own exact
-/// arithmetic, and takes from the pipeline only what is claimed. Two tools are common: the search for intersections
-/// (patch_intersections) and, for faces that lie folded over their patch, boxes and distances (BoxTree,
-/// nearest_on_triangle).
+/// arithmetic, and takes from the pipeline only what is claimed. Three tools are common: the search for intersections
+/// (patch_intersections); boxes and distances (BoxTree, nearest_on_triangle), for faces that lie folded over their
+/// patch and for gaps; and, for gaps, the triangles of polygons (split_polygon).
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,12 @@ namespace remesh {
 /// What refinement says it has reached.
 struct RefinementClaim {
   Goals goals;
-  /// Output faces that do not meet the goals (an angle below the bound, an edge or area above it), ascending, and why.
+  /// Output faces that do not meet the goals (an angle below the bound, an edge or area above it, or above what gaps or
+  /// short edges ask for there), ascending, and why.
   std::span<const FaceId> unrefined;
   std::span<const UnrefinedReason> reasons;  ///< one per entry of `unrefined`
+  /// Of each patch, whether refinement had to leave it and its boundary as they were; empty: none.
+  std::span<const std::uint8_t> frozen = {};
 };
 
 /// Which patches intersect in the input: pairs of them, sorted, the smaller one first; (p, p) for within a patch.
