@@ -51,6 +51,7 @@ class MissSearch {
         bounds_(bounds),
         slope_(bounds.goals.size_slope()),
         tolerance_(bounds.plane_tolerance / surface.unit),
+        largest_(bounds.sizes.largest() / surface.unit),
         refinement_(refinement),
         control_(control) {
     first_.push_back(0);
@@ -120,12 +121,14 @@ class MissSearch {
       if (!(limit > tolerance_)) return HUGE_VAL;
       return bounds_.gaps->at(in_model(place), p, limit * surface_.unit, crossing) / surface_.unit;
     };
+    // The centroids first: most triangles that are too large are so there, and their edges need no look.
     for (std::uint32_t t = begin; t < end; ++t) {
       const Measured& here = measured[t - begin];
-      if (is_missed(p, t) == 0) {
-        const double limit = too_small_gap(here, here.centroid);
-        if (gap_at(here.centroid, limit) < limit) note(p, t, here, size_of(limit));
-      }
+      const double limit = too_small_gap(here, here.centroid);
+      if (gap_at(here.centroid, limit) < limit) note(p, t, here, size_of(limit));
+    }
+    for (std::uint32_t t = begin; t < end; ++t) {
+      const Measured& here = measured[t - begin];
       for (std::uint32_t k = 0; k < 3; ++k) {
         // An edge inside the patch is looked at once for both its triangles, as far as they are in one block.
         const std::uint32_t h = 3 * t + k, twin = patch.mesh.twin(h);
@@ -157,13 +160,15 @@ class MissSearch {
     is_missed(p, t) = 1;
     if (is_frozen_[p.value] != 0) return;
     UnrefinedReason& reason = refinement_.reason[first_[p.value] + t];
+    const double floor = bounds_.sizes.floor() / surface_.unit;
     const auto is_as_aimed_at = [&](std::size_t k) {
-      return allows(bounds_.sizes, triangle.length[k] / kHair, triangle.middle[k]);
+      const double length = triangle.length[k] / kHair;
+      return length <= std::min(floor, largest_) || allows(bounds_.sizes, length, triangle.middle[k]);
     };
     // Input angles excuse small angles, not sizes.
     const bool is_excuse = reason == UnrefinedReason::kInputAngle || reason == UnrefinedReason::kAcrossInputAngle;
     if (!is_excuse && !(is_as_aimed_at(0) && is_as_aimed_at(1) && is_as_aimed_at(2))) return;
-    if (bounds_.sizes.floor() / surface_.unit < size)
+    if (floor < size)
       reason = UnrefinedReason::kEffort;
     else
       reason = bounds_.sizes.is_floor_asked() ? UnrefinedReason::kMinEdgeLength : UnrefinedReason::kSizeFloor;
@@ -174,7 +179,7 @@ class MissSearch {
   const std::vector<std::uint8_t>& is_frozen_;
   const VaryingBounds& bounds_;
   const double slope_;
-  const double tolerance_;  ///< local units
+  const double tolerance_, largest_;  ///< local units
   Refinement& refinement_;
   RunControl& control_;
   std::vector<std::size_t> first_;  ///< of each patch, its first triangle

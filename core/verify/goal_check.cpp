@@ -119,7 +119,7 @@ class GoalCheck {
             const UnrefinedReason reason = claim_.reasons[listed++ - claim_.unrefined.begin()];
             if (standing == Standing::kMeets && !may_be_too_large_here(f))
               report(Fault::kListedInVain);
-            else if (!is_reason(reason, f, face, size != Standing::kMisses && !is_too_large_here(f)))
+            else if (!is_reason(reason, f, face, size != Standing::kMisses))
               report(Fault::kCertificate);
           }
           return found;
@@ -153,11 +153,13 @@ class GoalCheck {
   }
   Standing angle_of(double angle) const { return at_least(angle, min_angle_); }
 
+  /// `is_small_enough`: it is not larger than any face may be.
   bool is_reason(UnrefinedReason reason, std::uint32_t f, const Triangle3& face, bool is_small_enough) const {
     switch (reason) {
       // Input angles explain angles, not sizes.
-      case UnrefinedReason::kInputAngle: return is_small_enough && is_at_input_angle(f, face);
-      case UnrefinedReason::kAcrossInputAngle: return is_small_enough && is_across_input_angle(f, face);
+      case UnrefinedReason::kInputAngle: return is_small_enough && is_at_input_angle(f, face) && !is_too_large_here(f);
+      case UnrefinedReason::kAcrossInputAngle:
+        return is_small_enough && is_across_input_angle(f, face) && !is_too_large_here(f);
       case UnrefinedReason::kMinEdgeLength: return min_length_ > 0;
       case UnrefinedReason::kBudget: return claim_.goals.max_faces < std::numeric_limits<std::uint64_t>::max();
       case UnrefinedReason::kBoundaryLocked: return is_any_boundary_locked(model_.output.patch[f]);
