@@ -408,7 +408,9 @@ TEST(size_promise, edges_beside_short_ones_grow_as_asked_or_are_listed) {
       }
       expect_listed(beyond, result);
       // Where sizes may grow as fast as triangles of 20 degrees do, the bound on angles makes them grow no faster.
-      if (gradation < 2) EXPECT_EQ(beyond.empty(), nick > 1e-3) << nick << ' ' << gradation;
+      if (gradation < 2) {
+        EXPECT_EQ(beyond.empty(), nick > 1e-3) << nick << ' ' << gradation;
+      }
       EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kSizeFloor));
     }
 }
