@@ -89,7 +89,8 @@ const std::array<OptionSpec, 20> kTable{{
     {.name = "proximity",
      .type = OptionType::kNumber,
      .field = &Options::proximity,
-     .help = "edges to fit across the gap to the nearest facet that is not a neighbour; 0: off",
+     .help =
+         "edges to fit across the gap to the nearest facet that is not a neighbour; what misses it is listed; 0: off",
      .minimum = 0,
      .example = "1"},
     {.name = "gradation",

@@ -22,6 +22,7 @@
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_corners.h"
 #include "core/quality.h"
+#include "core/verify/goal_check.h"
 #include "core/verify/stored_form.h"
 #include "core/volume_ready.h"
 
@@ -233,12 +234,22 @@ class FloatRounding {
     form.verdict = check_stored_form(claim, control_);
   }
 
-  /// Faces that miss the goals now. Those that did before keep their reason.
+  /// Faces that miss the goals now. Those that did before keep their reason. Those that were listed although they met
+  /// the goals are larger than gaps or short edges ask for, and rounding does not change that.
   void list_unrefined(FloatForm& form) const {
     const UnrefinedFaces& before = result_.basis.unrefined;
-    std::vector<UnrefinedReason> reason(result_.mesh.faces.size(), UnrefinedReason::kOutputRounding);
-    for (std::size_t i = 0; i < before.faces.size(); ++i) reason[before.faces[i].value] = before.reasons[i];
-    form.unrefined = find_unrefined(form.stored, result_.mesh.faces.items(), reason, result_.basis.goals, control_);
+    const auto& faces = result_.mesh.faces;
+    std::vector<UnrefinedReason> reason(faces.size(), UnrefinedReason::kOutputRounding);
+    std::vector<std::uint8_t> misses_sizes(faces.size(), 0);
+    for (std::size_t i = 0; i < before.faces.size(); ++i) {
+      if (i % kItemsPerBlock == 0) control_.check();
+      const FaceId f = before.faces[i];
+      reason[f.value] = before.reasons[i];
+      const auto& at = result_.mesh.positions;
+      misses_sizes[f.value] = verification::standing_of(result_.basis.goals, at[faces[f][0]], at[faces[f][1]],
+                                                        at[faces[f][2]]) == verification::Standing::kMeets;
+    }
+    form.unrefined = find_unrefined(form.stored, faces.items(), reason, misses_sizes, result_.basis.goals, control_);
   }
 
   const Result& result_;

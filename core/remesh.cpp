@@ -285,9 +285,9 @@ class Run {
     if (!refiner_->has_goals() && !has_chords_) return;
     watch_.enter(Stage::kRefinement);
     if (refiner_->has_goals())
-      refinement_ = refiner_->refine(patched(), ladder, meshes_);
+      refinement_ = refiner_->refine(patched(), ladder, intersecting_patches().patches, meshes_);
     else
-      split_chords(surface(), patches_, meshes_, refinement_, control_);
+      split_chords(surface(), patches_, meshes_, refinement_, {}, UnrefinedReason::kSizeFloor, control_);
     report_.refinement_rounds = refinement_.rounds;
     if (refiner_->smallest_gap()) report_.smallest_gap = refiner_->smallest_gap();
     lift_new_vertices(surface(), patches_, meshes_, refinement_.first_inner, report_.plane_tolerance,
@@ -303,8 +303,8 @@ class Run {
                                ? surface().positions[v]
                                : refinement_.new_positions[v.value - surface().vertex_count()]);
     if (refiner_->has_goals())
-      unrefined_ =
-          find_unrefined(positions_.items(), assembled_.faces.items(), refinement_.reason, refiner_->goals(), control_);
+      unrefined_ = find_unrefined(positions_.items(), assembled_.faces.items(), refinement_.reason,
+                                  refinement_.misses_sizes, refiner_->goals(), control_);
   }
 
   void refuse_if_too_large() const {
@@ -320,7 +320,7 @@ class Run {
     IdVector<PatchId, Frame> frames;
     frames.reserve(meshes_.size());
     for (const PatchMesh& mesh : meshes_) frames.push_back(mesh.frame);
-    const RefinementClaim refined{refiner_->goals(), unrefined_.faces, unrefined_.reasons};
+    const RefinementClaim refined{refiner_->goals(), unrefined_.faces, unrefined_.reasons, refiner_->frozen()};
     const InputIntersections intersections = intersecting_patches();
     return verify({surface(), patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
                    assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance,

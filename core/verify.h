@@ -1,7 +1,7 @@
 /// The independent check of the promises. It shares no decision with the stages: it has its own edges and its own exact
-/// arithmetic, and takes from the pipeline only what is claimed. Two tools are common: the search for intersections
-/// (patch_intersections) and, for faces that lie folded over their patch, boxes and distances (BoxTree,
-/// nearest_on_triangle).
+/// arithmetic, and takes from the pipeline only what is claimed. Three tools are common: the search for intersections
+/// (patch_intersections); boxes and distances (BoxTree, nearest_on_triangle), for faces that lie folded over their
+/// patch and for gaps; and, for gaps, the triangles of polygons (split_polygon).
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,12 @@ namespace remesh {
 /// What refinement says it has reached.
 struct RefinementClaim {
   Goals goals;
-  /// Output faces that do not meet the goals (an angle below the bound, an edge or area above it), ascending, and why.
+  /// Output faces that do not meet the goals (an angle below the bound, an edge or area above it, or above what gaps or
+  /// short edges ask for there), ascending, and why.
   std::span<const FaceId> unrefined;
   std::span<const UnrefinedReason> reasons;  ///< one per entry of `unrefined`
+  /// Of each patch, whether refinement had to leave it and its boundary as they were; empty: none.
+  std::span<const std::uint8_t> frozen = {};
 };
 
 /// Which patches intersect in the input: pairs of them, sorted, the smaller one first; (p, p) for within a patch.
@@ -77,7 +80,9 @@ struct Claim {
 ///              at a surface vertex, between two boundary edges of the patch, and the other two meet the bound;
 ///              kAcrossInputAngle - the ends of the shortest edge lie on two boundary chains (of the patch, between
 ///              vertices that stay) that meet in a vertex, equally far from there to 1e-9, and nearer to each other
-///              than to it (an angle under 60 degrees). Edges that refinement made are at least min_edge_length long.
+///              than to it (an angle under 60 degrees); kBoundaryLocked - boundaries are not to be split, or the patch or
+///              one beside it is frozen. What gaps and short edges ask for is measured anew (verify/varying_sizes.h).
+///              Edges that refinement made are at least min_edge_length long.
 /// Holds:   the same verdict for any number of threads.
 /// Cost:    O(n log n).
 Verdict verify(const Claim& claim, RunControl& control);

@@ -230,7 +230,7 @@ class LeastFaces {
 
  private:
   double least_pieces(const BoundarySegment& s) const {
-    if (s.is_locked) return 1;
+    if (s.is_locked()) return 1;
     const double pieces = count_pieces(s.length, longest_);
     if (s.is_floor_asked) return s.floor * kSizesOverFloor <= longest_ ? pieces : 1;
     // That rounding leaves no room for a cut shows when all are made, if so many can be made.
@@ -239,7 +239,7 @@ class LeastFaces {
 
   /// Are triangles beside it sure to be split until none is too large? Else any in its patch may stay.
   bool is_no_hindrance(const BoundarySegment& s) const {
-    if (s.is_locked) return false;
+    if (s.is_locked()) return false;
     return !s.is_floor_raised || s.floor * (s.is_floor_asked ? kSizesOverFloor : kSizesOverRounding) <= edge_;
   }
 

@@ -34,10 +34,12 @@ const kUnrefined: Record<string, string> = {
   input_angle: "The face fills a corner of the input that is sharper than the bound.",
   across_input_angle:
     "Its shortest edge joins two edges of the input that meet in a sharp corner; splitting would only repeat it nearer to the corner.",
-  size_floor: "A point that would mend it would lie too near to another one for the features there.",
+  size_floor:
+    "A point that would mend it would lie too near to another one, or a gap there asks for less than the smallest size.",
   min_edge_length: "A point that would mend it would make an edge shorter than allowed.",
   budget: "The result would have had more faces than allowed.",
-  boundary_locked: "A boundary would have had to be split.",
+  boundary_locked: "A boundary would have had to be split that must stay as it is.",
+  effort: "The work that is in proportion to the result was done before the bound was met.",
   output_rounding: "It met the bounds until the output format rounded its corners.",
 };
 
