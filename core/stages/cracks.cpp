@@ -29,7 +29,8 @@ class NearestPartners {
     const auto blocks =
         map_blocks<std::vector<std::uint32_t>>(open.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
           std::vector<std::uint32_t> partners(end - begin, kNone);
-          for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) looks.add(find(i, partners[i - begin]));
+          for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i)
+            looks.add(find(i, control, partners[i - begin]));
           return partners;
         });
     if (!looks.are_too_many())
@@ -50,12 +51,12 @@ class NearestPartners {
   static double widest(const OpenEdge& edge) { return kCrackShare * std::min(edge.length, edge.depth); }
 
   /// Returns how many edges were looked at.
-  std::size_t find(std::size_t i, std::uint32_t& partner) const {
+  std::size_t find(std::size_t i, RunControl& control, std::uint32_t& partner) const {
     double width = widest(open_[i]);
     if (!(width > tolerance_)) return 0;
     // Edges that are exactly as far have to be seen, too, so that the order of the input decides nothing.
     double best = std::nextafter(width, HUGE_VAL);
-    return open_.search(i, best, [&](std::uint32_t j) {
+    return open_.search(i, best, control, [&](std::uint32_t j) {
       if (open_[i].face == open_[j].face) return;
       const double to_j = open_.width(i, j, tolerance_);
       if (!(to_j > tolerance_ && to_j <= std::min(width, widest(open_[j])))) return;

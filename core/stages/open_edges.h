@@ -45,7 +45,8 @@ class OpenEdges {
   /// Calls visit(j) for the edges whose middles are nearer than `best` to that of i, itself included; visit may lower
   /// `best`. Returns how many were visited.
   template <class Visit>
-  std::size_t search(std::size_t i, const double& best, const Visit& visit) const {
+  std::size_t search(std::size_t i, const double& best, RunControl& control, const Visit& visit) const {
+    constexpr std::size_t kBetweenChecks = 4096;
     const Vec3 at = middle(i);
     std::size_t visits = 0;
     const auto bound = [&](const Tree::Entry& entry) {
@@ -54,7 +55,7 @@ class OpenEdges {
           {excess(box.min.x, box.max.x, at.x), excess(box.min.y, box.max.y, at.y), excess(box.min.z, box.max.z, at.z)});
     };
     tree_.search(best, bound, [&](std::size_t slot) {
-      ++visits;
+      if (++visits % kBetweenChecks == 0) control.check();
       visit(tree_.number(slot));
     });
     return visits;

@@ -45,7 +45,7 @@ Partners find_partners(const OpenEdges& open, double tolerance, RunControl& cont
         for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) {
           if (!is_worth_a_look(open[i])) continue;
           std::uint32_t& partner = partners[i - begin];
-          looks.add(open.search(i, radius, [&](std::uint32_t j) {
+          looks.add(open.search(i, radius, control, [&](std::uint32_t j) {
             if (!is_worth_a_look(open[j]) || !(open.width(i, j, tolerance) <= tolerance)) return;
             partner = partner == kNone ? j : kSeveral;
           }));
@@ -56,19 +56,27 @@ Partners find_partners(const OpenEdges& open, double tolerance, RunControl& cont
   found.is_complete = !looks.are_too_many();
   if (!found.is_complete) return found;
   const auto partner = concatenate<std::uint32_t>(blocks, control);
-  for (std::uint32_t i = 0; i < partner.size(); ++i)
+  for (std::uint32_t i = 0; i < partner.size(); ++i) {
+    if (i % kBetweenChecks == 0) control.check();
     if (partner[i] < kSeveral && i < partner[i] && partner[partner[i]] == i)
       found.pairs.push_back({i, partner[i], open.width(i, partner[i], tolerance)});
+  }
   return found;
 }
 
 /// Vertices that become one. Only those at the ends of partners are known here.
 class Clusters {
  public:
-  Clusters(const Surface& surface, std::vector<VertexId> vertices) : surface_(surface), vertices_(std::move(vertices)) {
-    std::sort(vertices_.begin(), vertices_.end());
+  Clusters(const Surface& surface, std::vector<VertexId> vertices, RunControl& control)
+      : surface_(surface), vertices_(std::move(vertices)) {
+    sort_all(vertices_.begin(), vertices_.end(), [&](VertexId a, VertexId b) {
+      control.check();
+      return a < b;
+    });
     vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    clusters_.reserve(vertices_.size());
     for (std::uint32_t k = 0; k < vertices_.size(); ++k) {
+      if (k % kBetweenChecks == 0) control.check();
       const Vec3& place = surface.local[vertices_[k]];
       clusters_.push_back({k, 1, vertices_[k], {place, place}});
     }
@@ -182,7 +190,7 @@ class Closing {
     ends.reserve(4 * pairs_.size());
     for (const Pair& p : pairs_)
       for (const std::size_t k : {p.i, p.j}) ends.insert(ends.end(), {open_[k].from, open_[k].to});
-    return Clusters(surface_, std::move(ends));
+    return Clusters(surface_, std::move(ends), control_);
   }
 
   /// Drops the pairs with an end whose cluster would be larger than the tolerance.
@@ -209,7 +217,9 @@ class Closing {
   /// something.
   void look() {
     Clusters clusters = make_clusters();
+    std::uint32_t looks = 0;
     for (const Pair& p : pairs_) {
+      if (looks++ % kBetweenChecks == 0) control_.check();
       clusters.join(open_[p.i].from, open_[p.j].to);
       clusters.join(open_[p.i].to, open_[p.j].from);
     }
