@@ -8,6 +8,25 @@
 namespace remesh {
 namespace {
 
+/// Whether the way over three places turns back at the second one. Tolerance 0: exactly.
+bool does_turn_back(const Vec3& from, const Vec3& tip, const Vec3& to, double tolerance) {
+  const Vec3 back = from - tip, on = to - tip;
+  if (!(dot(back, on) > 0)) return false;
+  if (is_collinear(from, tip, to)) return true;
+  const double shorter = std::min(norm(back), norm(on)), longer = std::max(norm(back), norm(on));
+  return tolerance > 0 && shorter > 2 * tolerance && norm(cross(back, on)) <= tolerance * longer;
+}
+
+/// Whether a polygon has a spike, or corners within the tolerance of each other, where one may hide. Most have neither.
+bool may_have_spikes(std::span<const Vec3> points, double tolerance) {
+  const std::size_t n = points.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 &from = points[i == 0 ? n - 1 : i - 1], &tip = points[i], &to = points[i + 1 == n ? 0 : i + 1];
+    if (norm_squared(to - tip) <= tolerance * tolerance || does_turn_back(from, tip, to, tolerance)) return true;
+  }
+  return false;
+}
+
 /// The corners of a polygon as a ring from which corners can be taken.
 class Ring {
  public:
@@ -72,13 +91,8 @@ class Ring {
   }
 
   bool turns_back(std::uint32_t from, std::uint32_t tip, std::uint32_t to) const {
-    const Vec3 back = points_[from] - points_[tip], on = points_[to] - points_[tip];
-    if (!(dot(back, on) > 0)) return false;
-    if (is_collinear(points_[from], points_[tip], points_[to])) return true;
-    // Of a triangle nothing would be left, and it has an area.
-    if (count_ == 3) return false;
-    const double shorter = std::min(norm(back), norm(on)), longer = std::max(norm(back), norm(on));
-    return shorter > 2 * tolerance_ && norm(cross(back, on)) <= tolerance_ * longer;
+    // Of a triangle nothing would be left; if it has an area, that stays.
+    return does_turn_back(points_[from], points_[tip], points_[to], count_ > 3 ? tolerance_ : 0);
   }
 
   void take(std::uint32_t corner, Spikes& spikes) {
@@ -101,7 +115,10 @@ class Ring {
 }  // namespace
 
 Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals) {
-  return Ring(points, tolerance, reversals).cut();
+  if (!may_have_spikes(points, tolerance)) return {};
+  Spikes spikes = Ring(points, tolerance, reversals).cut();
+  if (spikes.needles.empty()) spikes.outline.clear();
+  return spikes;
 }
 
 bool is_needle(const Vec3& a, const Vec3& b, const Vec3& c, double tolerance) {

@@ -14,6 +14,7 @@ namespace remesh {
 /// Inside the polygon that is a slit, which a triangulation can keep; outside it cannot be kept.
 enum class Reversals { kKeep, kCut };
 
+/// Without a spike both lists are empty.
 struct Spikes {
   std::vector<std::uint32_t>
       outline;  ///< the corners that are left, in order; fewer than 3 if the polygon is all spikes

@@ -20,8 +20,10 @@ std::vector<Vec3> lifted(const std::vector<Vec2>& points) {
 
 std::vector<Vec3> outline_of(const std::vector<Vec3>& points, double tolerance = 0,
                              Reversals reversals = Reversals::kCut) {
+  const Spikes spikes = cut_spikes(points, tolerance, reversals);
+  if (spikes.needles.empty()) return points;
   std::vector<Vec3> outline;
-  for (const std::uint32_t i : cut_spikes(points, tolerance, reversals).outline) outline.push_back(points[i]);
+  for (const std::uint32_t i : spikes.outline) outline.push_back(points[i]);
   return outline;
 }
 
