@@ -159,8 +159,49 @@ TEST(Options, words_are_read_in_any_order_each_once) {
                             .inside_out = true}));
   EXPECT_EQ(read("barriers", "none").core.barriers, (Barriers{false, false, false}));
   for (const std::string_view text :
-       {"", "duplicates,", "duplicates,duplicates", "none,duplicates", "holes", "duplicates degenerate"}) {
+       {"", "duplicates,", "duplicates,duplicates", "none,duplicates", "duplicates degenerate"}) {
     expect_invalid("repair", text);
+  }
+}
+
+TEST(Options, words_with_signs_change_the_default) {
+  Repair more;
+  more.inside_out = true;
+  Repair less;
+  less.seams = false;
+  Repair both = more;
+  both.seams = both.winding = false;
+  // A plus in a query string may have been decoded to a blank.
+  for (const std::string_view text : {"+inside_out", " inside_out"}) {
+    EXPECT_EQ(read("repair", text).core.repair, more) << text;
+    EXPECT_EQ(read("repair", text, ValueKind::kString).core.repair, more) << text;
+    EXPECT_EQ(read("repair", text, ValueKind::kList).core.repair, more) << text;
+  }
+  EXPECT_EQ(read("repair", "-seams").core.repair, less);
+  for (const std::string_view text : {"+inside_out,-seams,-winding", "-winding, inside_out,-seams"})
+    EXPECT_EQ(read("repair", text).core.repair, both) << text;
+  EXPECT_EQ(read("repair", "+duplicates").core.repair, Repair{}) << "it is there already";
+  EXPECT_EQ(read("repair", "-inside_out").core.repair, Repair{}) << "it was not there";
+  EXPECT_EQ(read("barriers", "-group").core.barriers, (Barriers{true, false, true}));
+  EXPECT_EQ(read("barriers", "-object,-group,-material").core.barriers, (Barriers{false, false, false}));
+}
+
+TEST(Options, words_with_signs_and_words_without_do_not_mix) {
+  for (const std::string_view text : {"+inside_out,seams", "winding,-seams", "duplicates, inside_out"}) {
+    expect_invalid("repair", text);
+    EXPECT_THAT(error_of([&] { read("repair", text); }).what(), HasSubstr("mixes words with a sign")) << text;
+  }
+  for (const std::string_view text :
+       {"+", "-", "+none", "-none", "++seams", "+ seams", "+seams,-seams", "+seams,", ",+seams", "+seams ", "+,seams"})
+    expect_invalid("repair", text);
+}
+
+TEST(Options, a_word_that_is_not_known_is_an_error_that_names_those_that_are) {
+  for (const std::string_view text : {"+union", "-holes", "imprint", "winding,self_intersections", " union"}) {
+    expect_invalid("repair", text);
+    const Error error = error_of([&] { read("repair", text); });
+    for (const std::string_view word : option_words(*find_option("repair")))
+      EXPECT_THAT(error.what(), HasSubstr(std::string(word))) << text;
   }
 }
 
