@@ -56,10 +56,12 @@ constexpr std::array<Mark, 13> kForeignMarks{{
     {"<?xml", "XML that is not VTU"},
 }};
 
-/// An OBJ's first record could be named so, too.
+/// An OBJ's first record could be named "solid", too.
 bool has_stl_keyword(std::string_view text) {
-  for (const std::string_view keyword : {"facet", "endsolid", "FACET", "ENDSOLID"}) {
-    if (text.find(keyword) != std::string_view::npos) return true;
+  for (const std::string_view keyword : {"facet", "endsolid"}) {
+    const auto found = std::search(text.begin(), text.end(), keyword.begin(), keyword.end(),
+                                   [](char c, char lower) { return to_lower(c) == lower; });
+    if (found != text.end()) return true;
   }
   return false;
 }

@@ -92,6 +92,17 @@ test("every part of the corpus is read as the daemon reads it", async (t) => {
   assert.ok(compared > 60, `only ${compared} were compared`);
 });
 
+test("text STL of the wild is read as the daemon reads it", async () => {
+  const facet = (end) => `Facet Normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1e0 +0 0\nvertex 0 1 0\n${end}`;
+  for (const text of [
+    `solid vertex 1 2 3\n${facet("end loop\nEND  FACET")}\nend solid endloop\n`,
+    `solid\n${facet("endloop\nendfacet")}\nsolid b\n${facet("endloop\nendfacet")}\n`,
+    `# endloop\n\nsolid ${"facet ".repeat(300)}\n; vertex\nmade by vertex\n${facet("endloop # end\nendfacet")}\nendsolid\n`,
+  ]) {
+    assert.ok(await compare("wild.stl", new TextEncoder().encode(text)), text);
+  }
+});
+
 test("what is no mesh is told in words", async () => {
   const read = (text) => page.readMesh(new TextEncoder().encode(text));
   for (const [text, words] of [

@@ -58,6 +58,7 @@ TEST(formats, json_is_known_by_its_first_character) {
 TEST(formats, text_stl_has_solid_first_and_a_facet_later) {
   EXPECT_EQ(sniff_format("solid part\n facet normal 0 0 1\n"), Format::kStl);
   EXPECT_EQ(sniff_format("solid\nfacet normal 0 0 1\n"), Format::kStl);
+  EXPECT_EQ(sniff_format("# exported\nSolid\nFacet Normal 0 0 1\n"), Format::kStl);
   EXPECT_EQ(sniff_format("solid ground\nv 0 0 0\n"), Format::kObj);
   EXPECT_EQ(sniff_format("solids\nfacet normal\n"), Format::kObj);
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cfloat>
 #include <cmath>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "core/io/bytes.h"
+#include "core/io/text.h"
 #include "tests/support/errors.h"
 #include "tests/support/reading.h"
 
@@ -157,6 +159,65 @@ TEST(stl_reader, each_solid_is_an_object_even_where_two_have_one_name) {
   EXPECT_FALSE(read("solid\n" + kFacet + "endsolid\n").mesh.labels.object.is_used());
 }
 
+/// Each letter in the other case.
+std::string in_other_case(std::string text) {
+  for (char& c : text) c = static_cast<char>(is_letter(c) ? c ^ ('a' ^ 'A') : c);
+  return text;
+}
+
+TEST(stl_reader, what_ends_a_part_may_be_one_word_or_two_in_any_case) {
+  const std::string lines = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n";
+  for (const char* loop : {"endloop", "end loop", "End\tLoop", "end loop of it", "ENDLOOP"}) {
+    for (const char* facet : {"endfacet", "end facet", "END  Facet", "end facet bar"}) {
+      for (const char* solid : {"endsolid", "end solid", "End Solid part", "end solid end loop", "ENDSOLID facet"}) {
+        const std::string text = "solid part\n" + lines + loop + "\n" + facet + "\n" + solid + "\n";
+        const PolygonMesh mesh = read(text).mesh;
+        EXPECT_EQ(faces_of(mesh), (std::vector<Face>{{0, 1, 2}})) << text;
+        EXPECT_EQ(read(in_other_case(text)).mesh.face_count(), 1u) << text;
+      }
+    }
+  }
+  const std::string one_line =
+      "facet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 end loop end facet";
+  EXPECT_EQ(read("solid\n" + one_line + " " + one_line + " end solid\n").mesh.face_count(), 2u);
+}
+
+TEST(stl_reader, a_solid_may_end_with_the_text_or_with_the_next_solid) {
+  for (const char* end : {"\n", "\r\n", "\r"}) {
+    EXPECT_EQ(read(test::with_line_end(end, "solid a\n" + kFacet)).mesh.face_count(), 1u);
+    const PolygonMesh two = read(test::with_line_end(end, "solid a\n" + kFacet + "solid b\n" + kOther + kOther)).mesh;
+    EXPECT_EQ(label_of_faces(two.labels.object), (std::vector<std::string>{"a", "b", "b"}));
+  }
+}
+
+TEST(stl_reader, a_name_is_the_rest_of_its_line_whatever_it_holds) {
+  for (const std::string& name : {std::string("facet"), std::string("solid"), std::string("endsolid"),
+                                  std::string("end solid"), std::string("facet normal 0 0 1"), std::string("# part"),
+                                  std::string("two  words"), std::string("Geh\xc3\xa4use"), std::string("Geh\xe4use"),
+                                  std::string("a\x01z"), std::string(300, '/'), std::string("vertex 1 2 3")}) {
+    const PolygonMesh mesh =
+        read("solid \t" + name + " \r\n" + kFacet + "endsolid " + name + "\nsolid\n" + kOther).mesh;
+    EXPECT_EQ(label_of_faces(mesh.labels.object), (std::vector<std::string>{name, ""}));
+  }
+}
+
+TEST(stl_reader, comments_and_lines_of_a_head_are_passed_over) {
+  const std::string head = "made by hand\nunits mm\n\n";
+  const std::string comments = "# facet\n; endsolid\n!\n// vertex 1 2 3 \xe4\x01\n";
+  const std::string facet =
+      "facet normal 0 0 1 # up\n// here\nouter loop\nvertex 0 0 0 # origin\nvertex 1 0 0\n# now\nvertex 0 1 0 ; "
+      "c\nendloop\n"
+      "endfacet\n";
+  const PolygonMesh mesh = read(comments + head + "solid a\n" + head + comments + facet + comments + facet +
+                                "endsolid\n" + comments + "solid b\n" + head + facet + "endsolid\n# the end")
+                               .mesh;
+  EXPECT_EQ(label_of_faces(mesh.labels.object), (std::vector<std::string>{"a", "a", "b"}));
+  // Elsewhere a line that begins with no keyword is a mistake.
+  expect_error_at_line(read_stl, "solid\n" + kFacet + "units mm\n" + kFacet, Code::kInvalidMesh, 9);
+  expect_error_at_line(read_stl, "hello\nworld\n", Code::kInvalidMesh, 2);
+  expect_error_at_line(read_stl, "hello\nw\x01rld\nsolid\n", Code::kInvalidMesh, 2);
+}
+
 TEST(stl_reader, what_is_not_a_triangle_is_an_error_at_its_line) {
   const auto solid = [](const std::string& vertices) { return "solid\n" + text_facet(vertices) + "endsolid\n"; };
   expect_error_at_line(read_stl, solid("vertex 0 0 0\nvertex 1 0 0\n"), Code::kInvalidMesh, 6);
@@ -171,9 +232,16 @@ TEST(stl_reader, what_is_not_a_triangle_is_an_error_at_its_line) {
 
 TEST(stl_reader, text_out_of_order_or_cut_off_is_an_error_at_its_line) {
   expect_error_at_line(read_stl, kFacet, Code::kInvalidMesh, 1);
-  expect_error_at_line(read_stl, "solid\n" + kFacet, Code::kInvalidMesh, 8);
   expect_error_at_line(read_stl, "solid\nvertex 0 0 0\n", Code::kInvalidMesh, 2);
   expect_error_at_line(read_stl, "solid\nfacet normal 0 0 1\nendfacet\n", Code::kInvalidMesh, 3);
+  for (const char* end : {"end\n", "end of it\n", "end facet\n", "endsolid\n", "end solid\n", "solid b\n"})
+    expect_error_at_line(read_stl, "solid\nfacet\nouter loop\n" + std::string(end), Code::kInvalidMesh, 4);
+  // Cut off inside a facet, after any of its lines.
+  for (std::size_t at = kFacet.find('\n'); at + 1 < kFacet.size(); at = kFacet.find('\n', at + 1)) {
+    const auto lines =
+        static_cast<std::uint64_t>(std::count(kFacet.begin(), kFacet.begin() + static_cast<long>(at) + 1, '\n'));
+    expect_error_at_line(read_stl, "solid\n" + kOther + kFacet.substr(0, at + 1), Code::kInvalidMesh, 8 + lines);
+  }
   expect_error_at_line(read_stl, "solid\n" + kFacet + "endsolid\nand more\n", Code::kInvalidMesh, 10);
   expect_error_at_line(read_stl, "solid\nfacet normal 0 0 1\nouter loop\nendsolid\n", Code::kInvalidMesh, 4);
   expect_error_at_line(read_stl, std::string_view("\xff\xfes\0o\0", 6), Code::kInvalidMesh, 1);
