@@ -3,6 +3,7 @@
 
 #include "core/base/ids.h"
 #include "core/base/vec.h"
+#include "core/geometry/shells.h"
 #include "core/refinement/goals.h"
 #include "core/stages/unrefined.h"
 #include "core/verify.h"
@@ -16,6 +17,7 @@ struct OutputBasis {
   Goals goals{.max_edge_length = 0, .max_area = 0, .max_faces = 0};
   UnrefinedFaces unrefined;          ///< of the result's faces, those that miss the goals
   InputIntersections intersections;  ///< patches that intersect before anything is rounded
+  BodyLabels patch_labels;           ///< by patch: those of all faces that it stands for
 };
 
 }  // namespace remesh

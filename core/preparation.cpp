@@ -94,9 +94,10 @@ class Preparation {
                                                               mend_if(repair.degenerate), found, control_);
     if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
-    // Neighbours look the same way, closed pieces outwards if that is asked for.
+    // Neighbours look the same way, and closed shells the way they should if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
-    if (!is_solid()) if_changed(turn_inside_out(surface(), adjacency(), mend_if(repair.inside_out), found, control_));
+    if (!is_solid())
+      if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));
   }
 
   /// Adds to what is told of open edges how wide the cracks are that mending has left.

@@ -19,6 +19,7 @@
 #include "core/preparation.h"
 #include "core/refinement/gap_search.h"
 #include "core/stages/assembly.h"
+#include "core/stages/body_labels.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/chords.h"
 #include "core/stages/coplanar_regions.h"
@@ -224,7 +225,11 @@ class Run {
       pairs.push_back({FaceId(faces.first_of(f)), FaceId(faces.first_of(g))});
     const auto begins = triangle_begins(faces.corners().size() / 3, control_);
     const Adjacency edges(surface().vertex_count(), begins, faces.corners(), control_);
-    report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), begins, faces.corners(), edges, pairs,
+    std::vector<FaceId> source;
+    source.reserve(faces.size());
+    for (std::size_t t = 0; t < faces.size(); ++t) source.push_back(surface().face_source[faces.face(t)]);
+    const BodyLabels labels = labels_of_sources(input_.labels, source, control_);
+    report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), faces.corners(), edges, labels, pairs,
                                                      report_.plane_tolerance, control_);
   }
 
@@ -404,6 +409,7 @@ class Run {
     basis.goals = refiner_->goals();
     basis.unrefined = std::move(unrefined_);
     basis.intersections = patches_that_still_intersect();
+    basis.patch_labels = labels_of_patches(input_.labels, surface(), patches_, control_);
     return basis;
   }
 

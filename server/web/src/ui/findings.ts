@@ -20,6 +20,11 @@ export interface Finding {
   targets: Target[];
 }
 
+/** What is in a volume mesher's way and can be mended by an option. */
+const kObstacles: Record<string, string> = {
+  inside_out:
+    "A closed shell looks the wrong way: a body inwards, or a cavity outwards. Inside out among the repairs turns it over.",
+};
 /** Diagnostics whose elements are vertices, not faces; but for those whose message says otherwise. */
 const kOfVertices = ["duplicate_vertex", "t_junction", "non_manifold_vertex", "unused_vertex"];
 /** Those that only tell. */
@@ -68,7 +73,7 @@ export function findingsOf(report: Report): Finding[] {
   for (const { code, count, places: points } of report.volume_ready.reasons) {
     found.push({
       title: `In a volume mesher's way: ${label(code).toLowerCase()}`,
-      text: "A volume mesher would stumble here.",
+      text: kObstacles[code] ?? "A volume mesher would stumble here.",
       count,
       isWorse: true,
       side: report.output ? "after" : "before",
