@@ -145,8 +145,8 @@ const std::array<OptionSpec, 20> kTable{{
      .type = OptionType::kWords,
      .field = &Options::repair,
      .help =
-         "what is mended on the way in, each counted in the report (seams: open edges with a partner beside them "
-         "within the coordinates' rounding are joined); a plain list replaces the default, +word or -word changes it",
+         "what is mended on the way in, each counted in the report; seams: open edges with a partner beside them "
+         "within the coordinates' rounding are joined; a plain list replaces the default, +word or -word changes it",
      .example = "duplicates,degenerate"},
     {.name = "barriers",
      .type = OptionType::kWords,

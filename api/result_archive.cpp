@@ -191,6 +191,11 @@ auto reals_of(TheGoals& goals) {
                     &goals.min_edge_length, &goals.proximity,       &goals.gradation};
 }
 
+template <class Labels>
+auto numbers_of(Labels& labels) {
+  return std::array{&labels.set_of, &labels.begin, &labels.labels};
+}
+
 void pack(const OutputBasis& basis, Packer& out) {
   out.array(basis.normals.items());
   out.real(basis.allowed_move);
@@ -204,6 +209,7 @@ void pack(const OutputBasis& basis, Packer& out) {
   for (const auto& [p, q] : basis.intersections.patches) pairs.insert(pairs.end(), {p, q});
   out.ids(pairs);
   out.number(basis.intersections.is_complete);
+  for (const auto* numbers : numbers_of(basis.patch_labels)) out.ids(*numbers);
 }
 
 void unpack(Unpacker& in, OutputBasis& basis) {
@@ -220,6 +226,10 @@ void unpack(Unpacker& in, OutputBasis& basis) {
   if (pairs.size() % 2 != 0) Unpacker::fail();
   for (std::size_t i = 0; i < pairs.size(); i += 2) basis.intersections.patches.emplace_back(pairs[i], pairs[i + 1]);
   basis.intersections.is_complete = in.flag();
+  for (auto* numbers : numbers_of(basis.patch_labels)) {
+    numbers->clear();
+    in.ids(*numbers);
+  }
 }
 
 }  // namespace

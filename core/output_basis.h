@@ -17,7 +17,7 @@ struct OutputBasis {
   Goals goals{.max_edge_length = 0, .max_area = 0, .max_faces = 0};
   UnrefinedFaces unrefined;          ///< of the result's faces, those that miss the goals
   InputIntersections intersections;  ///< patches that intersect before anything is rounded
-  BodyLabels labels;                 ///< of the result's faces; an archive does not keep them
+  BodyLabels patch_labels;           ///< by patch: those of all faces that it stands for
 };
 
 }  // namespace remesh

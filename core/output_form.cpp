@@ -22,6 +22,7 @@
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_corners.h"
 #include "core/quality.h"
+#include "core/stages/body_labels.h"
 #include "core/verify/goal_check.h"
 #include "core/verify/stored_form.h"
 #include "core/volume_ready.h"
@@ -378,9 +379,9 @@ void measure_output(Result& result, RunControl& control) {
   // Each has its parts that wait for nothing but themselves.
   do_all([&] { report.output = measure_surface(positions, begins, corners, edges, corners, control); },
          [&] {
-           report.volume_obstacles =
-               find_volume_obstacles(positions, corners, edges, result.basis.labels, report.verified.intersections,
-                                     report.plane_tolerance, control);
+           const BodyLabels labels = labels_of_result(result.basis.patch_labels, result.face_patch.items(), control);
+           report.volume_obstacles = find_volume_obstacles(
+               positions, corners, edges, labels, report.verified.intersections, report.plane_tolerance, control);
          });
   report.output.intersecting_pairs = report.verified.intersections.size();
   report.unrefined = summarise_unrefined(result.basis.unrefined, positions, result.mesh.faces.items());

@@ -409,7 +409,7 @@ class Run {
     basis.goals = refiner_->goals();
     basis.unrefined = std::move(unrefined_);
     basis.intersections = patches_that_still_intersect();
-    basis.labels = labels_of_patches(input_.labels, surface(), patches_, assembled_.face_patch.items(), control_);
+    basis.patch_labels = labels_of_patches(input_.labels, surface(), patches_, control_);
     return basis;
   }
 

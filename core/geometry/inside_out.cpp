@@ -24,7 +24,7 @@ class LabelsOfShells {
              shells.of_face.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
                std::vector<Pair> sets;
                for (std::size_t f = begin; f < end; ++f) {
-                 const Pair pair{shells.of_face[f], labels.set_of_face[f]};
+                 const Pair pair{shells.of_face[f], labels.set_of[f]};
                  if (sets.empty() || sets.back() != pair) sets.push_back(pair);
                }
                sort_out(sets);

@@ -67,7 +67,7 @@ class ShellSearch {
       if (looks++ % kLooksBetweenChecks == 0) control_.check();
       if (around.size() <= 2 || is_point(e)) continue;
       by_label.clear();
-      for (const std::uint32_t h : around) by_label.push_back({labels_.set_of_face[edges_.face_of(h).value], h});
+      for (const std::uint32_t h : around) by_label.push_back({labels_.set_of[edges_.face_of(h).value], h});
       std::sort(by_label.begin(), by_label.end());
       looks += around.size();
       for (std::size_t i = 0; i < by_label.size();) {

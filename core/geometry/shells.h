@@ -15,15 +15,12 @@ namespace remesh {
 /// The labels of faces: each number stands for an object, a group and a material together. A face of a mesh has one. A
 /// face that stands for several others has those of all of them.
 struct BodyLabels {
-  std::vector<std::uint32_t> set_of_face;  ///< empty: all faces are labelled alike
-  std::vector<std::uint32_t> begin{0};     ///< set s has labels[begin[s] .. begin[s + 1]), ascending; no two are equal
+  std::vector<std::uint32_t> set_of;    ///< the set of labels that each has; empty: all are labelled alike
+  std::vector<std::uint32_t> begin{0};  ///< set s has labels[begin[s] .. begin[s + 1]), ascending; no two are equal
   std::vector<std::uint32_t> labels;
 
-  bool are_alike() const { return set_of_face.empty(); }
-  std::span<const std::uint32_t> of(FaceId f) const {
-    const std::uint32_t s = set_of_face[f.value];
-    return std::span(labels).subspan(begin[s], begin[s + 1] - begin[s]);
-  }
+  bool are_alike() const { return set_of.empty(); }
+  friend bool operator==(const BodyLabels&, const BodyLabels&) = default;
 };
 
 struct Shell {

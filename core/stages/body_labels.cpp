@@ -60,20 +60,20 @@ BodyLabels labels_of_sources(const FaceLabels& labels, std::span<const FaceId> s
   const IdVector<FaceId, std::uint32_t> numbers = number_all(labels);
   if (numbers.empty()) return {};
   BodyLabels result = single_labels(numbers);
-  result.set_of_face.resize(source.size());
+  result.set_of.resize(source.size());
   for_blocks(source.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) result.set_of_face[f] = numbers[source[f]];
+    for (std::size_t f = begin; f < end; ++f) result.set_of[f] = numbers[source[f]];
   });
   return result;
 }
 
 BodyLabels labels_of_patches(const FaceLabels& labels, const Surface& surface, const PatchSet& patches,
-                             std::span<const PatchId> face_patch, RunControl& control) {
+                             RunControl& control) {
   const IdVector<FaceId, std::uint32_t> numbers = number_all(labels);
   if (numbers.empty()) return {};
   BodyLabels result = single_labels(numbers);
   std::map<std::vector<std::uint32_t>, std::uint32_t> number_of_set;
-  std::vector<std::uint32_t> set_of_patch(patches.count());
+  result.set_of.resize(patches.count());
   std::vector<std::uint32_t> of_patch;
   std::size_t looks = 0;
   for (std::size_t p = 0; p < patches.count(); ++p) {
@@ -86,19 +86,24 @@ BodyLabels labels_of_patches(const FaceLabels& labels, const Surface& surface, c
     std::sort(of_patch.begin(), of_patch.end());
     of_patch.erase(std::unique(of_patch.begin(), of_patch.end()), of_patch.end());
     if (of_patch.size() == 1) {
-      set_of_patch[p] = of_patch[0];
+      result.set_of[p] = of_patch[0];
       continue;
     }
     const auto next = static_cast<std::uint32_t>(result.begin.size() - 1);
     const auto [entry, is_new] = number_of_set.try_emplace(of_patch, next);
-    set_of_patch[p] = entry->second;
+    result.set_of[p] = entry->second;
     if (!is_new) continue;
     result.labels.insert(result.labels.end(), of_patch.begin(), of_patch.end());
     result.begin.push_back(static_cast<std::uint32_t>(result.labels.size()));
   }
-  result.set_of_face.resize(face_patch.size());
+  return result;
+}
+
+BodyLabels labels_of_result(const BodyLabels& of_patches, std::span<const PatchId> face_patch, RunControl& control) {
+  if (of_patches.are_alike()) return {};
+  BodyLabels result{std::vector<std::uint32_t>(face_patch.size()), of_patches.begin, of_patches.labels};
   for_blocks(face_patch.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) result.set_of_face[f] = set_of_patch[face_patch[f].value];
+    for (std::size_t f = begin; f < end; ++f) result.set_of[f] = of_patches.set_of[face_patch[f].value];
   });
   return result;
 }

@@ -23,11 +23,15 @@ IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Ba
 /// Cost:    O(n log k) for k combinations of labels, of which neighbours in the input have few.
 BodyLabels labels_of_sources(const FaceLabels& labels, std::span<const FaceId> source, RunControl& control);
 
-/// The labels of a result's faces: those of all faces of the surface that their patch has. So shells of a result have the
-/// labels that they had in the surface, also where labels bound no patches.
-/// Input:   `face_patch`: the patch of each face of the result.
-/// Cost:    as above, for the faces of both.
+/// The labels of patches: those of all their faces. So shells of a result have the labels that they had in the surface,
+/// also where labels bound no patches.
+/// Output:  a set for each patch.
+/// Cost:    as above.
 BodyLabels labels_of_patches(const FaceLabels& labels, const Surface& surface, const PatchSet& patches,
-                             std::span<const PatchId> face_patch, RunControl& control);
+                             RunControl& control);
+
+/// The labels of a result's faces: those of their patches.
+/// Input:   `face_patch`: the patch of each face.
+BodyLabels labels_of_result(const BodyLabels& of_patches, std::span<const PatchId> face_patch, RunControl& control);
 
 }  // namespace remesh

@@ -119,8 +119,8 @@ TEST(find_volume_obstacles, a_cavity_that_looks_outwards_is_one_unless_it_has_la
   const Vec3 place = found.at(DiagnosticCode::kInsideOut).places[0];
   for (int axis = 0; axis < 3; ++axis) EXPECT_TRUE(place[axis] >= 1 && place[axis] <= 2);
   BodyLabels labels{{}, {0, 1, 2}, {0, 1}};
-  labels.set_of_face.assign(12, 0);
-  labels.set_of_face.resize(24, 1);
+  labels.set_of.assign(12, 0);
+  labels.set_of.resize(24, 1);
   EXPECT_TRUE(obstacles_of(shapes::joined(outer, inner), labels).empty());
 }
 

@@ -21,7 +21,7 @@ using Found = std::vector<FaceId>;
 
 BodyLabels body_labels(const Labels& of_face) {
   BodyLabels labels;
-  labels.set_of_face = of_face;
+  labels.set_of = of_face;
   for (std::uint32_t n = 0; !of_face.empty() && n <= *std::max_element(of_face.begin(), of_face.end()); ++n) {
     labels.labels.push_back(n);
     labels.begin.push_back(n + 1);
@@ -143,10 +143,10 @@ TEST(find_inside_out, faces_that_stand_for_several_have_all_their_labels) {
   BodyLabels labels;  // the outer one's faces: 0 or 1; the inner one's: 1 or 2, or only 2
   labels.labels = {0, 1, 1, 2, 2};
   labels.begin = {0, 2, 4, 5};
-  labels.set_of_face.assign(2 * kCube, 0);
-  std::fill(labels.set_of_face.begin() + kCube, labels.set_of_face.end(), 2);
+  labels.set_of.assign(2 * kCube, 0);
+  std::fill(labels.set_of.begin() + kCube, labels.set_of.end(), 2);
   EXPECT_TRUE(find_in(mesh, labels).first_faces.empty());
-  labels.set_of_face.back() = 1;
+  labels.set_of.back() = 1;
   EXPECT_EQ(find_in(mesh, labels).first_faces, Found{first_of(1)});
 }
 
