@@ -1,16 +1,12 @@
 #include "core/output_form.h"
 
 #include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -29,10 +25,6 @@
 
 namespace remesh {
 namespace {
-
-/// Not more than one part in so many of the vertices is rounded another way: beyond, the steps are too coarse all over.
-constexpr std::size_t kFewVertices = 16;
-constexpr std::size_t kAlwaysFew = 256;
 
 /// For messages: three digits are enough.
 std::string short_text(double value) {
@@ -86,107 +78,6 @@ struct FloatForm {
   bool is_good() const { return !verdict.fault; }
 };
 
-/// Rounds single coordinates to a float beside the nearest one, where vertices have come together or triangles have
-/// lost their area. A coordinate that is a float stays: planes along the axes are kept.
-class OtherRounding {
- public:
-  OtherRounding(const Result& result, const Vec3& origin, std::vector<Vec3>& stored, RunControl& control)
-      : result_(result), origin_(origin), stored_(stored), control_(control) {}
-
-  /// Output: whether none of the vertices is at fault any more, as far as the triangles around them tell.
-  bool run(std::vector<VertexId> vertices) {
-    constexpr int kSweeps = 8;
-    const std::vector<Vec3>& verified = result_.mesh.positions.items();
-    std::sort(vertices.begin(), vertices.end(),
-              [&](VertexId v, VertexId w) { return verified[v.value] < verified[w.value]; });
-    find_faces(vertices);
-    for (int sweep = 0; sweep < kSweeps; ++sweep) {
-      bool is_any_at_fault = false;
-      for (const VertexId v : vertices) {
-        control_.check();
-        if (faults_of(v) != 0) is_any_at_fault = improve(v) != 0 || is_any_at_fault;
-      }
-      if (!is_any_at_fault) return true;
-    }
-    return false;
-  }
-
- private:
-  /// The faces at the vertices, and who is where among their corners.
-  void find_faces(const std::vector<VertexId>& vertices) {
-    std::vector<std::uint8_t> is_wanted(stored_.size(), 0), is_near(stored_.size(), 0);
-    for (const VertexId v : vertices) is_wanted[v.value] = 1;
-    const auto& faces = result_.mesh.faces;
-    const auto near = select_ids<FaceId>(faces.size(), kItemsPerBlock, control_, [&](std::size_t f) {
-      const auto& [a, b, c] = faces[FaceId(f)];
-      return is_wanted[a.value] + is_wanted[b.value] + is_wanted[c.value] > 0;
-    });
-    for (const FaceId f : near)
-      for (const VertexId v : faces[f]) {
-        if (is_wanted[v.value] != 0) faces_.emplace_back(v, f);
-        if (std::exchange(is_near[v.value], std::uint8_t{1}) == 0) ++at_[stored_[v.value]];
-      }
-    std::sort(faces_.begin(), faces_.end());
-  }
-
-  /// How many triangles around a vertex are without area or turned over, and whether another vertex is in its place.
-  int faults_of(VertexId v) const {
-    int faults = at_.at(stored_[v.value]) - 1;
-    for (auto i = std::lower_bound(faces_.begin(), faces_.end(), std::pair(v, FaceId(0)));
-         i != faces_.end() && i->first == v; ++i)
-      faults += is_sound(i->second, stored_) || !is_sound(i->second, result_.mesh.positions.items()) ? 0 : 1;
-    return faults;
-  }
-
-  bool is_sound(FaceId f, const std::vector<Vec3>& positions) const {
-    constexpr double kClear = 1e-12;
-    const auto& [a, b, c] = result_.mesh.faces[f];
-    const Vec3 ab = positions[b.value] - positions[a.value], ac = positions[c.value] - positions[a.value];
-    return dot(cross(ab, ac), result_.basis.normals[result_.face_patch[f]]) > kClear * norm(ab) * norm(ac);
-  }
-
-  /// Moves a vertex to the nearest place around it that has the fewest faults. Output: how many are left.
-  int improve(VertexId v) {
-    const Vec3 exact = result_.mesh.positions[v] - origin_;
-    std::array<std::vector<double>, 3> choices;
-    for (int axis = 0; axis < 3; ++axis) {
-      const double nearest = rounded_to_float(exact[axis]);
-      choices[axis] = {nearest};
-      if (nearest == exact[axis]) continue;
-      for (const float limit : {-HUGE_VALF, HUGE_VALF})
-        choices[axis].push_back(std::nextafter(static_cast<float>(nearest), limit));
-    }
-    std::optional<std::tuple<int, double, Vec3>> best;
-    for (const double x : choices[0])
-      for (const double y : choices[1])
-        for (const double z : choices[2]) {
-          const Vec3 place{x, y, z};
-          const double move = norm((origin_ + place) - result_.mesh.positions[v]);
-          if (!(move <= result_.basis.allowed_move)) continue;
-          put(v, place);
-          const std::tuple rank(faults_of(v), move, place);
-          if (!best || rank < *best) best = rank;
-        }
-    if (!best) return faults_of(v);
-    put(v, std::get<Vec3>(*best));
-    return std::get<int>(*best);
-  }
-
-  void put(VertexId v, const Vec3& place) {
-    const auto before = at_.find(stored_[v.value]);
-    if (--before->second == 0) at_.erase(before);
-    ++at_[place];
-    stored_[v.value] = place;
-  }
-
-  const Result& result_;
-  const Vec3 origin_;
-  std::vector<Vec3>& stored_;
-  RunControl& control_;
-  std::vector<std::pair<VertexId, FaceId>> faces_;  ///< of the vertices, ascending
-  std::map<Vec3, int> at_;                          ///< how many of the vertices around are in each place
-};
-
 class FloatRounding {
  public:
   FloatRounding(const Result& result, RunControl& control) : result_(result), control_(control) {}
@@ -200,20 +91,10 @@ class FloatRounding {
       for (std::size_t v = begin; v < end; ++v) form.stored[v] = rounded_to_float(positions[v] - origin);
     });
     check(form);
-    // Once more where what is wrong may be a matter of single vertices: from places, triangles may come to light.
-    for (int attempt = 0; attempt < 2 && can_be_mended(form.verdict); ++attempt) {
-      OtherRounding(result_, origin, form.stored, control_).run(form.verdict.vertices_at_fault);
-      check(form);
-    }
     return form;
   }
 
  private:
-  bool can_be_mended(const StoredVerdict& verdict) const {
-    const bool is_local = verdict.fault == StoredFault::kMerged || verdict.fault == StoredFault::kTurnedOver;
-    return is_local && verdict.vertices_at_fault.size() <= kAlwaysFew + result_.mesh.positions.size() / kFewVertices;
-  }
-
   void check(FloatForm& form) {
     const OutputBasis& basis = result_.basis;
     const std::span<const Triangle> faces = result_.mesh.faces.items();

@@ -200,38 +200,13 @@ class StoredCheck {
       return p != q ? p < q : a < b;
     });
     control_.check();
-    std::uint64_t count = 0;
-    for (std::size_t i = 1; i < order.size(); ++i) {
-      if (claim_.stored[order[i]] != claim_.stored[order[i - 1]]) continue;
-      ++count;
-      for (const std::uint32_t v : {order[i - 1], order[i]}) verdict_.vertices_at_fault.emplace_back(v);
-    }
-    if (count == 0) return true;
-    sort_vertices_at_fault();
-    return fail(StoredFault::kMerged, count);
+    return check_all(StoredFault::kMerged, order.size(),
+                     [&](std::size_t i) { return i > 0 && claim_.stored[order[i]] == claim_.stored[order[i - 1]]; });
   }
 
   bool check_triangles() {
-    const auto blocks = map_blocks<std::vector<VertexId>>(
-        claim_.faces.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-          std::vector<VertexId> found;
-          for (std::size_t f = begin; f < end; ++f)
-            if (is_moved(f) && is_turned_over(f))
-              found.insert(found.end(), claim_.faces[f].begin(), claim_.faces[f].end());
-          return found;
-        });
-    for (const auto& found : blocks)
-      verdict_.vertices_at_fault.insert(verdict_.vertices_at_fault.end(), found.begin(), found.end());
-    if (verdict_.vertices_at_fault.empty()) return true;
-    const std::uint64_t count = verdict_.vertices_at_fault.size() / 3;
-    sort_vertices_at_fault();
-    return fail(StoredFault::kTurnedOver, count);
-  }
-
-  void sort_vertices_at_fault() {
-    auto& all = verdict_.vertices_at_fault;
-    std::sort(all.begin(), all.end());
-    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return check_all(StoredFault::kTurnedOver, claim_.faces.size(),
+                     [&](std::size_t f) { return is_moved(f) && is_turned_over(f); });
   }
 
   /// A triangle that had an area and looked along its patch's normal, as far as doubles tell, must go on to do so. One

@@ -50,12 +50,10 @@ enum class StoredFault {
 struct StoredVerdict {
   std::optional<StoredFault> fault;  ///< of the first test that failed; the tests behind it were not made
   std::uint64_t count = 0;           ///< elements with that fault
-  /// With kMerged and kTurnedOver: the vertices concerned, ascending.
-  std::vector<VertexId> vertices_at_fault;
-  double largest_move = 0;          ///< of a vertex, as a reader gets it
-  std::vector<double> patch_moves;  ///< the same for the vertices of each patch
-  double volume_bound = 0;          ///< of the change of volume, where the mesh is closed
-  bool has_intersections = false;   ///< false: no vertex was moved, so they are those of the verified mesh
+  double largest_move = 0;           ///< of a vertex, as a reader gets it
+  std::vector<double> patch_moves;   ///< the same for the vertices of each patch
+  double volume_bound = 0;           ///< of the change of volume, where the mesh is closed
+  bool has_intersections = false;    ///< false: no vertex was moved, so they are those of the verified mesh
   std::vector<std::pair<FaceId, FaceId>> intersections;  ///< as Verdict::intersections
   bool are_all_intersections_known = true;
 };

@@ -28,9 +28,8 @@ Result in_doubles(const PolygonMesh& mesh, const Options& options = unrefined())
 }
 
 bool are_floats(const Result& result) {
-  return std::all_of(result.mesh.positions.begin(), result.mesh.positions.end(), [](const Vec3& p) {
-    return p == rounded_to_float(p);
-  });
+  return std::all_of(result.mesh.positions.begin(), result.mesh.positions.end(),
+                     [](const Vec3& p) { return p == rounded_to_float(p); });
 }
 
 double largest_difference(const Result& a, const Result& b, const Vec3& origin = {}) {
@@ -142,23 +141,6 @@ TEST(OutputForm, thin_walls_are_kept_or_refused) {
       EXPECT_LT(wall, 5e-7) << error.what();
     }
   }
-}
-
-TEST(OutputForm, single_triangles_that_floats_would_flatten_are_rounded_another_way) {
-  // A strip with two vertices 0.3 steps of floats apart (the step at 64 to 128 is 2^-17), on an edge as long as a
-  // thousand steps.
-  const double step = 0x1p-17;
-  const double x = 100 + 0.4 * step, y = 100.5;
-  const PolygonMesh strip = shapes::from_lists({{100, 100, 0},
-                                                {101, 100, 0},
-                                                {x + 0.5, y, 0},
-                                                {x + 0.5 + 0.3 * step, y + 0.3 * step, 1},
-                                                {100, 101, 0},
-                                                {101, 101, 0}},
-                                               {{0, 1, 2}, {2, 1, 3}, {3, 1, 5}, {2, 3, 5}, {2, 5, 4}, {0, 2, 4}});
-  const Result rounded = in_floats(strip);
-  EXPECT_TRUE(are_floats(rounded));
-  EXPECT_LE(rounded.report.output_rounding, 3 * step);
 }
 
 TEST(OutputForm, angles_that_rounding_costs_are_listed) {

@@ -213,7 +213,8 @@ PlainMesh read_text_stl(const std::string& file) {
     while (words.next(word) && word == "facet") {
       EXPECT_EQ(words.word(), "normal");
       const Vec3 normal = words.point();
-      EXPECT_EQ(words.word() + words.word(), "outerloop");
+      EXPECT_EQ(words.word(), "outer");
+      EXPECT_EQ(words.word(), "loop");
       Corners corners;
       for (Vec3& corner : corners) {
         EXPECT_EQ(words.word(), "vertex");

@@ -110,14 +110,12 @@ TEST(StoredForm, numbers_are_those_of_the_storage_and_finite) {
   EXPECT_EQ(box.check().fault, StoredFault::kMalformed);
 }
 
-TEST(StoredForm, vertices_in_one_place_are_named) {
+TEST(StoredForm, vertices_in_one_place_are_counted) {
   Stored box(shapes::box({3, 2, 1}));
   box.point({3, 2, 1}) = {0, 0, 0};
   const StoredVerdict verdict = box.check();
   EXPECT_EQ(verdict.fault, StoredFault::kMerged);
-  std::vector<VertexId> both{VertexId(box.at({0, 0, 0})), VertexId(box.at({3, 2, 1}))};
-  std::sort(both.begin(), both.end());
-  EXPECT_EQ(verdict.vertices_at_fault, both);
+  EXPECT_EQ(verdict.count, 1u);
 }
 
 TEST(StoredForm, triangles_that_are_flat_or_turned_over_are_counted) {
@@ -129,19 +127,28 @@ TEST(StoredForm, triangles_that_are_flat_or_turned_over_are_counted) {
     stored.point({2, 2, 1}) = {2, y, 0};
     EXPECT_EQ(stored.check().fault, StoredFault::kTurnedOver) << y;
     EXPECT_EQ(stored.check().count, 1u) << y;
-    EXPECT_EQ(stored.check().vertices_at_fault.size(), 3u) << y;
   }
+}
+
+/// The two prongs of a slotted plate lean towards each other. From a quarter on they lie over each other.
+Vec3 leaning(Vec3 p, double lean) {
+  if (p.y > 1) p.x += (p.x < 2.5 ? lean : -lean) * (p.y - 1);
+  return p;
 }
 
 TEST(StoredForm, a_slot_of_a_large_patch_that_closes_is_seen_though_no_triangle_turns_over) {
   Stored plate(shapes::slotted_plate(1), with_edges(0.7));
   ASSERT_GT(plate.result.mesh.faces.size(), 30u);
   EXPECT_EQ(plate.result.basis.normals.size(), 1u);
-  // The slot is between x = 2 and x = 3, from y = 1 on. Its sides bulge towards and over each other.
-  for (Vec3& p : plate.points)
-    if (p.y > 1 && p.x <= 2) p.x += 0.6 * p.x / 2 * (p.y - 1);
-  for (Vec3& p : plate.points)
-    if (p.y > 1 && p.x >= 3) p.x -= 0.6 * (5 - p.x) / 2 * (p.y - 1);
+  plate.result.basis.is_refined = false;  // sizes are not what is tested here
+  // The slot is between x = 2 and x = 3, from y = 1 on. The prongs beside it lean towards each other, and over.
+  for (const double lean : {0.2, 0.6}) {
+    for (std::size_t v = 0; v < plate.points.size(); ++v)
+      plate.points[v] = leaning(plate.result.mesh.positions[VertexId(v)], lean);
+    if (lean < 0.25) {
+      EXPECT_FALSE(plate.check().fault);
+    }
+  }
   EXPECT_EQ(plate.check().fault, StoredFault::kNewIntersections);
 }
 
@@ -221,18 +228,25 @@ struct Oracle {
 TEST(StoredForm, what_passes_intersects_nowhere_whatever_is_moved) {
   Random random(base_seed(3601));
   int passed = 0, crossed = 0;
-  for (int trial = 0; trial < 60; ++trial) {
-    const PolygonMesh shape = random.chance(0.5) ? shapes::slotted_plate(1) : shapes::l_bracket(1);
-    const PolygonMesh turned = shapes::rotated(shape, {random.unit(), random.unit(), 1}, random.uniform(0, 90));
-    Stored stored(turned, with_edges(random.uniform(0.4, 0.9)));
-    const Vec3 along = stored.result.basis.normals[PatchId(0)];
-    const double size = std::exp(random.uniform(std::log(0.01), std::log(0.8)));
-    const bool is_in_plane = random.chance(0.5);
+  for (int trial = 0; trial < 50; ++trial) {
+    const bool is_plate = random.chance(0.7);
+    const Vec3 axis{random.unit(), random.unit(), 1};
+    const double angle = random.uniform(0, 90);
+    const PolygonMesh shape = is_plate ? shapes::slotted_plate(1) : shapes::l_bracket(1);
+    Stored stored(shape, with_edges(random.uniform(0.6, 1)));
+    const double lean = random.uniform(0, 0.5), noise = std::exp(random.uniform(std::log(0.001), std::log(0.3)));
     for (Vec3& p : stored.points) {
-      Vec3 move{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-      if (is_in_plane) move = move - dot(move, along) * along;
-      p += size * move;
+      if (is_plate) p = leaning(p, lean);
+      p += noise * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
     }
+    const auto turn = [&](std::vector<Vec3>& points) {
+      PolygonMesh cloud;
+      cloud.positions.items() = points;
+      points = shapes::rotated(cloud, axis, angle).positions.items();
+    };
+    for (std::vector<Vec3>* points :
+         {&stored.points, &stored.result.mesh.positions.items(), &stored.result.basis.normals.items()})
+      turn(*points);
     stored.result.basis.is_refined = false;
     const StoredVerdict verdict = stored.check();
     const Oracle oracle(stored.points, stored.result.mesh.faces.items());
