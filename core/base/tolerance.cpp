@@ -6,11 +6,11 @@
 #include <bit>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/rounding_evidence.h"
 
 namespace remesh {
 namespace {
@@ -21,32 +21,18 @@ struct Decimals {
   int least = 0, least_in_common = 0, most = 0;
 };
 constexpr Decimals kUsual{-5, 0, 15}, kAny{-22, -22, 22};
-/// A step is claimed if numbers with a finer one would all be multiples of it with a chance of at most 2^-18 (4e-6).
-///
-/// Suppose that the true step is an m-th of the claimed one. A value that was rounded to the true step is a multiple of
-/// the claimed one with a chance of 1/m, so n such values agree by chance with a probability of m^-n. Equal values count
-/// once. A model's exact dimensions prove nothing: they agree in any case. But such dimensions are multiples of a
-/// coarser decimal step, so only the values that are no multiples of it count. A claim between the true decimal place
-/// and that of the dimensions is wrong in one of two ways:
-/// - by m = 2 (0.02 is claimed of 0.01, and the dimensions are multiples of 0.1): values that are no multiples of five
-///   claimed steps count one bit each;
-/// - by m = 5 (0.05 is claimed of 0.01, likewise): values that are odd multiples of the claimed step count log2(5) bits.
-/// The smaller sum must reach 18 bits. Any other m (ten, a thousand, a float's or a double's last place) makes the
-/// chance smaller still. Of 31 values that were rounded at random both sums reach it with a probability of 99.5 %.
-constexpr int kEvidence = 18;
-/// So many numbers of either kind are enough to tell of which there are more.
+/// Up to this many numbers are counted where two counts are compared.
 constexpr std::size_t kRates = 64;
-/// The odd multiples that give so many bits.
-constexpr double kBitsOfOdd = 2.32;
-constexpr int kEnoughOdd = 8;
-/// The numbers without the last of the decimals that others have: each may lack it by a chance of 1/10.
+/// How many large numbers must lack the last decimal of smaller ones before this proves that significant digits are
+/// limited: each lacks it by chance with a probability of 1/10, and log2(10) * 6 exceeds 18 bits.
 constexpr std::size_t kEnoughCoarser = 6;
 /// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;
 /// That all coordinates agree on a quantum proves more than that one is short: so many units of it may be in the
 /// largest.
 constexpr double kShortTogether = 0x1p45;
-/// Numbers of at least this part of the largest show how many significant digits there are.
+/// Numbers of at least this part of the largest one show how many significant digits there are where the smallest have
+/// more decimals than fit beside the largest.
 constexpr double kLarge = 0x1p-12;
 /// The units that a float has room for.
 constexpr int kFloatBits = 24;
@@ -177,28 +163,6 @@ class Coordinates {
   Vec3 largest_;
 };
 
-/// Different values that bear witness of something, as many as are needed: one that is repeated proves no more.
-template <std::size_t kEnough>
-class Witnesses {
- public:
-  void add(double x) {
-    x = std::fabs(x);
-    const auto end = values_.begin() + static_cast<std::ptrdiff_t>(count_);
-    if (count_ < kEnough && std::find(values_.begin(), end, x) == end) values_[count_++] = x;
-  }
-  bool add(const Witnesses& others) {
-    for (const double x : others.values()) add(x);
-    return true;
-  }
-  std::span<const double> values() const { return std::span(values_).first(count_); }
-  std::size_t count() const { return count_; }
-  bool are_enough() const { return count_ == kEnough; }
-
- private:
-  std::array<double, kEnough> values_{};
-  std::size_t count_ = 0;
-};
-
 /// The multiples of a power of two over a power of five.
 struct Lattice {
   int decimals = 0;
@@ -232,170 +196,33 @@ std::optional<Lattice> common_lattice(const Coordinates& coordinates, int d, dou
   return Lattice{d, *quantum};
 }
 
-/// The one with the fewest decimals; whole numbers may be too long to be told.
+/// The common lattice with the fewest decimals. There is none for very long whole numbers: their last digit may well
+/// stand left of the point.
 std::optional<Lattice> common_lattice(const Coordinates& coordinates, Decimals decimals, double cutoff) {
   for (int d = decimals.least_in_common; d <= decimals.most; ++d) {
     const auto lattice = common_lattice(coordinates, d, cutoff);
     if (!lattice) continue;
-    // So long, and no decimals: the last digit may well stand left of the point.
     if (d == 0 && decimals.least_in_common == 0 && coordinates.largest_of_all() / lattice->step() > kShort) break;
     return lattice;
   }
   return std::nullopt;
 }
 
-/// The lowest of the different numbers that were added: a row without gaps but those of the numbers themselves.
-class LowestNumbers {
- public:
-  void add(std::int64_t n) {
-    if (n >= bound_) return;
-    numbers_.push_back(n);
-    if (numbers_.size() == 2 * kMax) trim();
-  }
-  void add(const LowestNumbers& others) {
-    for (const std::int64_t n : others.numbers_) add(n);
-  }
-  std::vector<std::int64_t> sorted() const {
-    LowestNumbers copy = *this;
-    copy.trim();
-    return copy.numbers_;
-  }
-
- private:
-  static constexpr std::size_t kMax = 64;
-
-  void trim() {
-    std::sort(numbers_.begin(), numbers_.end());
-    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
-    if (numbers_.size() < kMax) return;
-    numbers_.resize(kMax);
-    bound_ = numbers_.back();
-  }
-
-  std::vector<std::int64_t> numbers_;
-  std::int64_t bound_ = std::numeric_limits<std::int64_t>::max();
-};
-
-/// How many of the numbers are independent. The gaps between them are read from the lowest on, coordinate after
-/// coordinate. A gap counts unless it belongs to a run of gaps that came before, in the same order or in the opposite
-/// one: then the numbers are a regular grid, a circle's two halves, the same circle in another direction, or the next
-/// of many equal holes. Runs repeat by chance, too, if the gaps are of few sizes. So a run must have more bits than
-/// pairs of places where it might begin have: 64 numbers a coordinate make 2^14 pairs.
-class IndependentNumbers {
- public:
-  /// `spacing(n)` is the mean distance, near n, of all numbers that may be here.
-  template <class Spacing>
-  void add(const std::vector<std::int64_t>& sorted, const Spacing& spacing) {
-    if (sorted.empty()) return;
-    gaps_.push_back(--separator_);
-    for (std::size_t i = 1; i < sorted.size(); ++i) {
-      gaps_.push_back(sorted[i] - sorted[i - 1]);
-      log_ += std::log2(static_cast<double>(gaps_.back()) / spacing(sorted[i]));
-    }
-  }
-
-  int count() const {
-    const auto separators = static_cast<std::size_t>(-separator_);
-    if (gaps_.size() == separators) return 0;
-    // Two gaps of an exponential distribution are equal by a chance of so many bits.
-    const double mean = std::exp2(log_ / static_cast<double>(gaps_.size() - separators));
-    const double bits = mean > 1 ? std::log2(2 * mean - 1) : 0;
-    int count = 0;
-    for (std::size_t i = 0; i < gaps_.size();) {
-      const std::size_t run = longest_run(i);
-      const bool is_copy = bits >= kLeastBits && static_cast<double>(run) * bits >= kRun;
-      count += !is_copy && gaps_[i] > 0;
-      i += is_copy ? run : 1;
-    }
-    return count;
-  }
-
- private:
-  static constexpr double kRun = 14;
-  /// Where two of three numbers that may be here are here, runs say nothing.
-  static constexpr double kLeastBits = 1;
-
-  std::size_t longest_run(std::size_t i) const {
-    std::size_t longest = 0;
-    for (std::size_t j = 0; j < i; ++j) {
-      std::size_t along = 0, back = 0;
-      while (i + along < gaps_.size() && gaps_[i + along] == gaps_[j + along]) ++along;
-      while (i + back < gaps_.size() && back <= j && gaps_[i + back] == gaps_[j - back]) ++back;
-      longest = std::max({longest, along, back});
-    }
-    return longest;
-  }
-
-  double log_ = 0;
-  std::int64_t separator_ = 0;
-  std::vector<std::int64_t> gaps_;  // each coordinate's after a negative number of its own
-};
-
-/// Numbers of one kind that show a step: different ones, and how many of these are independent.
-template <std::size_t kEnough>
-class Signs {
- public:
-  /// `place` is where x lies, in equal units.
-  void add(double x, std::int64_t place, int axis) {
-    different_.add(x);
-    lowest_[static_cast<std::size_t>(axis)].add(place);
-  }
-  void add(const Signs& others) {
-    different_.add(others.different_);
-    for (std::size_t axis = 0; axis < 3; ++axis) lowest_[axis].add(others.lowest_[axis]);
-  }
-  template <class Spacing>
-  int count(const Spacing& spacing) const {
-    IndependentNumbers independent;
-    for (const LowestNumbers& of_axis : lowest_) independent.add(of_axis.sorted(), spacing);
-    return std::min(static_cast<int>(different_.count()), independent.count());
-  }
-
- private:
-  Witnesses<kEnough> different_;
-  std::array<LowestNumbers, 3> lowest_;
-};
-
-/// The values that show a step (see kEvidence).
-class Evidence {
- public:
-  /// x is so many steps, and lies so many units of all numbers from 0.
-  void add(double x, std::int64_t steps, std::int64_t place, int axis) {
-    if (steps % 5 != 0) not_of_five_.add(x, place, axis);
-    if (steps % 2 != 0) odd_.add(x, place, axis);
-  }
-  void add(const Evidence& others) {
-    not_of_five_.add(others.not_of_five_);
-    odd_.add(others.odd_);
-  }
-  /// `step(n)` is the step of numbers near the n-th unit.
-  template <class Step>
-  int bits(const Step& step) const {
-    const int odd = odd_.count([&](std::int64_t n) { return 2 * step(n); });
-    const int not_of_five = not_of_five_.count([&](std::int64_t n) { return 1.25 * step(n); });
-    return std::min(not_of_five, odd >= kEnoughOdd ? kEvidence : static_cast<int>(kBitsOfOdd * odd));
-  }
-
- private:
-  Signs<kEvidence> not_of_five_;
-  Signs<kEnoughOdd> odd_;
-};
-
-/// What rounding might have left, with the evidence for it in bits.
+/// Steps of which all coordinates are multiples, with the evidence in bits that they were rounded to them.
 struct Claim {
   Vec3 steps = {};
   int bits = 0;
 
   bool is_proven() const { return bits >= kEvidence; }
-  /// The largest part of the steps, by powers of two, that so few bits prove: were the true step still finer than half
-  /// of it, each bit would count k + 1 times for the k-th power.
+  /// The largest part of the steps, by powers of two, that the evidence proves. If the part 2^-k were still too coarse,
+  /// the true step would be finer than the claimed one by 2^(k+1) at least, and each number would count k + 1 bits.
   Vec3 certain_steps() const {
     if (bits == 0) return {};
     return std::ldexp(1.0, 1 - (kEvidence + bits - 1) / bits) * steps;
   }
 };
 
-/// What coordinates show of their common lattice.
+/// The claim of the lattice that all coordinates share.
 struct Fixed {
   Claim claim;
   bool is_last_digit_shown = false;  ///< by numbers with as many digits as the largest
@@ -464,8 +291,8 @@ struct Factors {
   double steps() const { return std::ldexp(times_power_of_five(1, fives), twos); }
 };
 
-/// The coordinate of at least `cutoff` that shows most digits of the lattice; of those that do so by each power of two
-/// times ten, the longest first.
+/// The coordinates of at least `cutoff` that show most digits of the lattice, one for each power of two that their last
+/// digit may refer to. The longest comes first.
 std::vector<Factors> longest_numbers(const Coordinates& coordinates, const Lattice& lattice, double cutoff) {
   constexpr int kMost = 4;
   using Longest = std::array<Factors, 2 * kMost + 1>;
@@ -491,7 +318,7 @@ std::vector<Factors> longest_numbers(const Coordinates& coordinates, const Latti
   return sorted;
 }
 
-/// Numbers that are limited in significant digits: the place of a number's last digit depends on its size.
+/// A rule by which numbers may be limited in significant digits. The place of a number's last digit depends on its size.
 class SignificantDigits {
  public:
   /// A longest number tells how many digits there are, and by its last one to which power of two times ten they refer.
@@ -524,7 +351,7 @@ class SignificantDigits {
   std::int64_t half_ = 1;
 };
 
-/// What coordinates show of significant digits.
+/// The claim of significant digits.
 struct Significant {
   Claim claim;
   double coarsest = 0;    ///< the largest step of a number that is not exact: it shows one of its last two digits
@@ -538,7 +365,7 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
     Evidence evidence;
     Witnesses<kEnoughCoarser> coarser;             // than the fixed step, by ten at least
     double coarsest_last = 0, coarsest_shown = 0;  // of numbers that show their last digit, or that or the one before
-    // Numbers that show their last digit and such that do not: in the largest one's decade and in lower ones.
+    // How many numbers show their last digit, and how many do not, in the largest one's decade and below it.
     Witnesses<kRates> shown, lacking, shown_below, lacking_below;
     Vec3 largest_of_long;
   };
@@ -576,7 +403,8 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
         return true;
       });
   if (!found) return std::nullopt;
-  // Else the smaller ones show one digit more as rarely as exact ones do, and the large ones are as exact.
+  // If digits were limited, small and large numbers would show their last digit equally often. If most large ones do
+  // and most small ones do not, both are exact decimals, all but a few.
   constexpr std::size_t kFew = 6;
   const auto are_most = [](const auto& some, const auto& others) {
     return some.count() >= kFew && 2 * some.count() > 3 * others.count();
@@ -596,7 +424,7 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
     const Lattice place = largest > 0 ? significant.place(largest) : Lattice{};
     if (!place.is_within_reach()) return std::nullopt;
     result.claim.steps[axis] = place.step();
-    // Then a whole coordinate lacks the last digit.
+    // All numbers of this coordinate lack the last digit that they would have if digits were limited.
     if (of_long > 0 && kOverDecimal * place.step() < fixed_step) result.is_apart = false;
   }
   return result;
@@ -612,7 +440,7 @@ bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals de
     return std::ilogb(ratio * ratio * ratio * ratio);
   };
   if (seen(coordinates.largest_of_all(), unit) < 1) return false;
-  // Were they not, each would be so near to a float by a chance of one to two to the power of its bits.
+  // If they were decimals, each would be so near to a float with a probability of two to the power of minus its bits.
   constexpr int kEnough = 4 * kEvidence;
   using Found = Witnesses<kEnough>;
   const auto witnesses = coordinates.found_in_all(

@@ -57,10 +57,11 @@ struct Rounding {
 /// a double.
 ///
 /// A decimal step needs evidence: exact dimensions are short decimals too, and few numbers share a step by chance. The
-/// evidence is enough if numbers with a finer step would give it with a probability of at most 2^-18; 31 independent
-/// values that were rounded nearly always give as much. Without it the answer is that of floats or doubles: not
-/// rounded. Then `certain_steps` has the largest steps, parts of the decimal one, that the few numbers do prove:
-/// a box that was turned and printed has 12 or 24 numbers, and they prove a half of its step.
+/// evidence is enough if numbers with a finer step would give it with a probability of at most 2^-18 (see kEvidence);
+/// 33 independent values that were rounded nearly always do so. Without it the coordinates count as not rounded, which
+/// is the answer for floats or doubles. Then `certain_steps` has the largest parts of the decimal steps that the few
+/// numbers do prove: a box that was turned and printed has 12 or 24 numbers, and they prove a half or a quarter of its
+/// step.
 ///
 /// What is nearer to 0 than any tolerance counts as 0.
 /// Holds:  depends only on the set of each coordinate's values, be they repeated or in another order. Scales with the
