@@ -1,6 +1,9 @@
 #include "core/preparation.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
+#include <string>
 
 #include "core/base/tolerance.h"
 #include "core/mesh/pinched_vertices.h"
@@ -55,21 +58,54 @@ class Preparation {
   }
 
   void choose_tolerance() {
-    const double diagonal = report_.input.bounding_box.diagonal();
     const Rounding rounding = rounding_of(surface().positions.items(), control_);
     report_.rounding_step = rounding.step();
     report_.plane_tolerance_is_automatic = !options_.plane_tolerance.has_value();
-    const AutomaticTolerance of_step = automatic_tolerance(rounding.step(), diagonal);
-    const double unit = surface().unit;
-    double automatic = of_step.value;
-    if (of_step.if_noisy != of_step.value && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
-                                                              of_step.value / unit, of_step.if_noisy / unit, control_))
-      automatic = of_step.if_noisy;
+    const double automatic = automatic_tolerance_of(rounding);
     report_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
     rounding_ = automatic;
     // Who asks for more than the digits explain wants to flatten what bends by more, too.
-    const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.step();
-    if (are_digits_noise && report_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.steps;
+    const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.possible_step();
+    if (are_digits_noise && report_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.possible_steps;
+  }
+
+  double automatic_tolerance_of(const Rounding& rounding) {
+    const AutomaticTolerance tolerance = automatic_tolerance(rounding, report_.input.bounding_box.diagonal());
+    const auto are_bent_by = [&](double more_than, double at_most, std::size_t bends) {
+      const double unit = surface().unit;
+      return more_than < at_most && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
+                                                     more_than / unit, at_most / unit, bends, control_);
+    };
+    const bool is_noisy =
+        tolerance.if_noisy > tolerance.if_bent && are_bent_by(tolerance.value, tolerance.if_noisy, kBendsOfNoise);
+    double automatic = tolerance.value;
+    if (is_noisy)
+      automatic = tolerance.if_noisy;
+    else if (are_bent_by(tolerance.value, tolerance.if_bent, 1))
+      automatic = tolerance.if_bent;
+    if (!options_.plane_tolerance && tolerance.is_capped &&
+        (is_noisy || are_bent_by(automatic, tolerance.explained, kBendsOfNoise)))
+      tell_of_cap(rounding, tolerance.explained, automatic);
+    return automatic;
+  }
+
+  void tell_of_cap(const Rounding& rounding, double explained, double automatic) {
+    const auto text = [](double x) {
+      std::array<char, 32> digits{};
+      char* const end = digits.data() + digits.size();
+      return std::string(digits.data(), std::to_chars(digits.data(), end, x, std::chars_format::general, 6).ptr);
+    };
+    const std::string are = rounding.steps == rounding.possible_steps ? "are" : "may be";
+    report_.diagnostics.push_back(
+        {DiagnosticCode::kRoundingCapped,
+         1,
+         {},
+         "the coordinates " + are + " rounded to steps of " + text(rounding.possible_step()) +
+             ", and this explains a plane_tolerance of " + text(explained) + "; " + text(automatic) +
+             " was used, because the automatic one is at most 1e-4 of the bounding box's "
+             "diagonal; faces bend by what the rounding explains, so planes may be in pieces; "
+             "plane_tolerance=" +
+             text(explained) + " joins them, and flattens details as small as that"});
   }
 
   void mend() {
