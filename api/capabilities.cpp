@@ -54,6 +54,7 @@ void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(For
     json.begin_object();
     json.member("name", format_name(format));
     json.member("media_type", media_type(format));
+    json.member("ending", file_ending(format));
     json.end_object();
   }
   json.end_array();

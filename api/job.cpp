@@ -102,13 +102,6 @@ StageTimes stage_times(const Input& input, const Report& report) {
   return times;
 }
 
-/// A message within one line, for a comment.
-std::string in_one_line(std::string text) {
-  std::replace_if(
-      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
-  return text;
-}
-
 /// {"mesh": ..., "report": ...}; the mesh first, so that the report can say how long it took to write.
 std::string write_json_answer(const Result& result, const RequestOptions& options, StageTimes& times,
                               RunControl& control) {
@@ -129,7 +122,8 @@ std::string write_json_answer(const Result& result, const RequestOptions& option
 
 std::string write_mesh_answer(Format format, const Result& result, StageTimes& times, RunControl& control) {
   const Clock::time_point start = Clock::now();
-  std::string body = write_mesh(format, result.mesh, result.face_patch, summary_comments(result.report), control);
+  std::string body =
+      write_mesh(format, result.mesh, result.face_patch, summary_comments(summary_of(result.report)), control);
   times.add(Stage::kWrite, ms_since(start));
   return body;
 }
@@ -143,22 +137,23 @@ void check_job(const Job& job, const Limits& limits) {
   choose_output_format(options.format, job.accept, Format::kObj);
 }
 
-Remeshed remesh_for_job(Job job, const Limits& limits, FaceSource face_source, RunControl& control) {
+Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunControl& control) {
   Input input = read_input(job, limits, control);
   Remeshed remeshed;
   remeshed.options = input.options;
   const Format format = choose_output_format(input.options.format, job.accept, input.format);
   remeshed.options.format = format;
-  const bool want_face_source = face_source == FaceSource::kAlways || format == Format::kJson;
+  RunSettings settings{.workers = limits.workers, .serial_corners = limits.serial_corners};
+  settings.want_face_source = purpose == Purpose::kKeeping || format == Format::kJson;
+  settings.storage = purpose == Purpose::kKeeping ? Storage::kDouble : storage_of(format);
   remeshed.result =
-      remesh_surface(input.read.mesh, input.options.core, {limits.workers, want_face_source, limits.serial_corners},
-                     control, std::move(input.read.diagnostics));
+      remesh_surface(input.read.mesh, input.options.core, settings, control, std::move(input.read.diagnostics));
   remeshed.times = stage_times(input, remeshed.result.report);
   return remeshed;
 }
 
 RemeshAnswer run_remesh_job(Job job, const Limits& limits, RunControl& control) {
-  Remeshed remeshed = remesh_for_job(std::move(job), limits, FaceSource::kWhereJson, control);
+  Remeshed remeshed = remesh_for_job(std::move(job), limits, Purpose::kAnswer, control);
   RemeshAnswer answer;
   answer.format = *remeshed.options.format;
   answer.options = remeshed.options;
@@ -179,32 +174,11 @@ AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& contro
   if (answer.options.format != Format::kJson) {
     throw Error(Code::kNotAcceptable, Stage::kRead, "an analysis is written as json only");
   }
-  answer.report = analyze_surface(input.read.mesh, input.options.core, {limits.workers, false, limits.serial_corners},
-                                  control, std::move(input.read.diagnostics));
+  answer.report = analyze_surface(input.read.mesh, input.options.core,
+                                  {.workers = limits.workers, .serial_corners = limits.serial_corners}, control,
+                                  std::move(input.read.diagnostics));
   answer.times = stage_times(input, answer.report);
   return answer;
-}
-
-std::string remesh_summary(const Report& report) {
-  const auto kept = std::count_if(report.patches.begin(), report.patches.end(),
-                                  [](const PatchSummary& patch) { return patch.status == PatchStatus::kKept; });
-  return "input_faces=" + number_text(report.input.faces) + ", output_faces=" + number_text(report.output.faces) +
-         ", patches=" + number_text(std::uint64_t{report.patches.size()}) +
-         ", kept=" + number_text(static_cast<std::uint64_t>(kept)) +
-         ", min_angle_deg=" + number_text(report.output.quality.min_angle_deg) +
-         ", verified=" + (report.verified.all_true() ? "1" : "0") +
-         ", warnings=" + number_text(std::uint64_t{report.diagnostics.size()});
-}
-
-std::vector<std::string> summary_comments(const Report& report) {
-  std::vector<std::string> comments{"remeshd " + std::string(version()), remesh_summary(report)};
-  for (const Diagnostic& diagnostic : report.diagnostics) {
-    comments.push_back(in_one_line("warning: " + std::string(diagnostic_name(diagnostic.code)) + ": " +
-                                   number_text(diagnostic.count) + ": " + diagnostic.message));
-  }
-  for (const Unrefined& left : report.unrefined)
-    comments.push_back("unrefined: " + std::string(unrefined_name(left.reason)) + ": " + number_text(left.count));
-  return comments;
 }
 
 std::string report_document(const RemeshAnswer& answer, RunControl& control) {

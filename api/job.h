@@ -10,6 +10,7 @@
 #include "api/options.h"
 #include "api/report_json.h"
 #include "api/service.h"
+#include "api/summary.h"
 #include "core/base/run_control.h"
 #include "core/remesh.h"
 
@@ -47,25 +48,21 @@ struct Remeshed {
   StageTimes times;
 };
 
-/// Whether the input face under each output face is found, which only JSON tells.
-enum class FaceSource { kWhereJson, kAlways };
+/// What a result is made for.
+enum class Purpose {
+  kAnswer,   ///< to be written at once: in the numbers of the job's format, and with what that format tells
+  kKeeping,  ///< to be written in any format, later: in doubles, with all that some format tells
+};
 
 /// What can be refused before the mesh is read. Errors: of options, of the formats.
 void check_job(const Job& job, const Limits& limits);
 
 /// All of a job but the writing. Errors: of options, of the format, of reading, of the pipeline.
-Remeshed remesh_for_job(Job job, const Limits& limits, FaceSource face_source, RunControl& control);
+Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunControl& control);
 
 /// Errors: of options, of the format, of reading, of the pipeline.
 RemeshAnswer run_remesh_job(Job job, const Limits& limits, RunControl& control);
 AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& control);
-
-/// `input_faces=..., output_faces=..., patches=..., kept=..., min_angle_deg=..., verified=1, warnings=...`
-std::string remesh_summary(const Report& report);
-
-/// That, and in lines of their own the warnings and what refinement left: what a mesh format has no other place for. No
-/// times and no id: the same in every run.
-std::vector<std::string> summary_comments(const Report& report);
 
 /// The report object alone, as a document.
 std::string report_document(const RemeshAnswer& answer, RunControl& control);

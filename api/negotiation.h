@@ -8,7 +8,7 @@
 
 namespace remesh::api {
 
-/// All are written; VTU and MSH are not read.
+/// All are written; VTU and MSH are not read, and text STL is read as kStl.
 bool can_read(Format format);
 
 /// A Content-Type without its parameters, in lower case.

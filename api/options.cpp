@@ -89,7 +89,8 @@ const std::array<OptionSpec, 20> kTable{{
     {.name = "proximity",
      .type = OptionType::kNumber,
      .field = &Options::proximity,
-     .help = "edges to fit across the gap to the nearest facet that is not a neighbour; 0: off",
+     .help =
+         "edges to fit across the gap to the nearest facet that is not a neighbour; what misses it is listed; 0: off",
      .minimum = 0,
      .example = "1"},
     {.name = "gradation",
@@ -122,7 +123,8 @@ const std::array<OptionSpec, 20> kTable{{
     {.name = "plane_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::plane_tolerance,
-     .help = "how far a patch's vertices may lie from its plane, in model units; auto: from the input's rounding noise",
+     .help = "how far a patch's vertices may lie from its plane, in model units; auto: what the rounding of the coordinates "
+             "explains, from 1e-9 to 1e-4 of the bounding box's diagonal",
      .unset = "auto",
      .minimum = 0,
      .above_minimum = true,
@@ -143,12 +145,15 @@ const std::array<OptionSpec, 20> kTable{{
     {.name = "repair",
      .type = OptionType::kWords,
      .field = &Options::repair,
-     .help = "what is mended on the way in, each counted in the report",
+     .help =
+         "what is mended on the way in, each counted in the report; seams: open edges with a partner beside them "
+         "within the coordinates' rounding are joined; a plain list replaces the default, +word or -word changes it",
      .example = "duplicates,degenerate"},
     {.name = "barriers",
      .type = OptionType::kWords,
      .field = &Options::barriers,
-     .help = "the labels that bound patches even inside a plane",
+     .help = "the labels that bound patches even inside a plane; a plain list replaces the default, +word or -word "
+             "changes it",
      .example = "none"},
     {.name = "local_origin",
      .type = OptionType::kBoolean,
@@ -197,7 +202,10 @@ std::string describe_words(const OptionSpec& spec) {
     case OptionType::kBoolean: expected = "true or false"; break;
     case OptionType::kNumber:
     case OptionType::kInteger: expected = describe_range(spec); break;
-    case OptionType::kWords: expected = "none or some of " + describe_words(spec) + ", each once"; break;
+    case OptionType::kWords:
+      expected = "none, or some of " + describe_words(spec) +
+                 ", each once, separated by commas: all without a sign, or all as +word or -word";
+      break;
     case OptionType::kAxis: expected = "x, dominant_edge, or three numbers dx,dy,dz that are not all 0"; break;
     case OptionType::kFormat: expected = "one of " + describe_words(spec); break;
   }
@@ -250,15 +258,37 @@ std::uint64_t parse_integer(const OptionSpec& spec, std::string_view text) {
   return value;
 }
 
+/// The sign in front of a word of a list. `application/x-www-form-urlencoded` decodes a plus to a blank, so that one
+/// that was typed in a URL may arrive as a blank.
+enum class WordSign { kNone, kPlus, kMinus };
+
+WordSign take_sign(std::string_view& word) {
+  WordSign sign = WordSign::kNone;
+  if (word.starts_with('+') || word.starts_with(' ')) sign = WordSign::kPlus;
+  if (word.starts_with('-')) sign = WordSign::kMinus;
+  if (sign != WordSign::kNone) word.remove_prefix(1);
+  return sign;
+}
+
+/// Words without signs are the whole list. Words with signs change the default.
 template <class T, std::size_t N>
 T parse_words(const OptionSpec& spec, const std::array<Word<T>, N>& words, std::string_view text) {
-  T set;
-  for (const auto& [name, member] : words) set.*member = false;
-  if (text == "none") return set;
-  for (const std::string_view part : split(text, ',')) {
+  T none, given;
+  for (const auto& [name, member] : words) none.*member = given.*member = false;
+  if (text == "none") return none;
+  const std::vector<std::string_view> parts = split(text, ',');
+  std::string_view first = parts.front();
+  const bool are_changes = take_sign(first) != WordSign::kNone;
+  T set = are_changes ? T{} : none;
+  for (std::string_view part : parts) {
+    const WordSign sign = take_sign(part);
     const auto word = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == part; });
-    if (word == words.end() || set.*(word->second)) fail_value(spec, text);
-    set.*(word->second) = true;
+    if (word == words.end() || given.*(word->second)) fail_value(spec, text);
+    if ((sign != WordSign::kNone) != are_changes)
+      fail(spec, "mixes words with a sign, which change the default, and words without, which replace it: " +
+                     in_quotes(text) + "; a blank before a word counts as a plus");
+    given.*(word->second) = true;
+    set.*(word->second) = sign != WordSign::kMinus;
   }
   return set;
 }

@@ -25,7 +25,7 @@ enum class OptionType {
   kBoolean,
   kNumber,
   kInteger,
-  kWords,   ///< words from a list, separated by commas, or `none`
+  kWords,   ///< words from a list, separated by commas, or `none`; all as +word or -word: changes of the default
   kAxis,    ///< `x`, `dominant_edge` or `dx,dy,dz`
   kFormat,  ///< the name of a mesh format
 };

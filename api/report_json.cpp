@@ -72,8 +72,7 @@ void write_quality(JsonWriter& json, const Quality& quality) {
   json.end_object();
 }
 
-void write_statistics(JsonWriter& json, const MeshStatistics& mesh) {
-  json.begin_object();
+void write_statistics_members(JsonWriter& json, const MeshStatistics& mesh) {
   json.member("vertices", mesh.vertices);
   json.member("faces", mesh.faces);
   json.member("components", mesh.components);
@@ -98,6 +97,25 @@ void write_statistics(JsonWriter& json, const MeshStatistics& mesh) {
   }
   json.key("quality");
   write_quality(json, mesh.quality);
+}
+
+void write_statistics(JsonWriter& json, const MeshStatistics& mesh) {
+  json.begin_object();
+  write_statistics_members(json, mesh);
+  json.end_object();
+}
+
+/// The same, and what the output format has made of the coordinates.
+void write_output(JsonWriter& json, const Report& report) {
+  json.begin_object();
+  write_statistics_members(json, report.output);
+  json.member("rounding", report.output_rounding);
+  json.key("origin");
+  if (report.output_origin) {
+    write_point(json, *report.output_origin);
+  } else {
+    json.null();
+  }
   json.end_object();
 }
 
@@ -295,7 +313,7 @@ void write_report(JsonWriter& json, const Report& report, const RequestOptions& 
   write_statistics(json, report.input);
   if (is_remesh) {
     json.key("output");
-    write_statistics(json, report.output);
+    write_output(json, report);
   }
   json.key("patches");
   write_patches(json, report.patches, control);

@@ -1,5 +1,6 @@
 #include "api/result_archive.h"
 
+#include <array>
 #include <bit>
 #include <cstring>
 #include <optional>
@@ -14,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "archives are little-e
 static_assert(sizeof(Vec3) == 24);
 
 /// The last digit is the version of what follows.
-constexpr std::string_view kMagic = "REMESHD1";
+constexpr std::string_view kMagic = "REMESHD2";
 
 constexpr std::uint32_t value_of(std::uint32_t number) { return number; }
 template <class Tag>
@@ -33,6 +34,7 @@ std::vector<VertexId> corners_of(const TriangleMesh& mesh) {
 class Packer {
  public:
   void number(std::uint64_t value) { append(&value, sizeof value); }
+  void real(double value) { append(&value, sizeof value); }
   void text(std::string_view value) {
     number(value.size());
     append(value.data(), value.size());
@@ -84,6 +86,21 @@ class Unpacker {
     std::uint64_t value = 0;
     std::memcpy(&value, cut(sizeof value).data(), sizeof value);
     return value;
+  }
+  double real() {
+    double value = 0;
+    std::memcpy(&value, cut(sizeof value).data(), sizeof value);
+    return value;
+  }
+  bool flag() {
+    const std::uint64_t value = number();
+    if (value > 1) fail();
+    return value == 1;
+  }
+  UnrefinedReason reason() {
+    const std::uint64_t value = number();
+    if (value >= kUnrefinedReasonCount) fail();
+    return static_cast<UnrefinedReason>(value);
   }
   std::string text() { return std::string(cut(number())); }
   std::vector<std::string> texts() {
@@ -142,19 +159,94 @@ class Unpacker {
   std::string_view rest_;
 };
 
+void pack(const Summary& summary, Packer& out) {
+  for (const std::uint64_t count : {summary.input_faces, summary.output_faces, summary.patches, summary.kept})
+    out.number(count);
+  out.real(summary.min_angle_deg);
+  out.number(summary.is_verified);
+  out.texts(summary.warnings);
+  out.number(summary.unrefined.size());
+  for (const auto& [reason, count] : summary.unrefined) {
+    out.number(static_cast<std::uint64_t>(reason));
+    out.number(count);
+  }
+}
+
+void unpack(Unpacker& in, Summary& summary) {
+  for (std::uint64_t* count : {&summary.input_faces, &summary.output_faces, &summary.patches, &summary.kept})
+    *count = in.number();
+  summary.min_angle_deg = in.real();
+  summary.is_verified = in.flag();
+  summary.warnings = in.texts();
+  for (std::uint64_t reasons = in.number(); reasons > 0; --reasons) {
+    const UnrefinedReason reason = in.reason();
+    summary.unrefined.emplace_back(reason, in.number());
+  }
+}
+
+/// The numbers of the goals, in one order for both ways.
+template <class TheGoals>
+auto reals_of(TheGoals& goals) {
+  return std::array{&goals.min_angle_deg,   &goals.max_edge_length, &goals.max_area,
+                    &goals.min_edge_length, &goals.proximity,       &goals.gradation};
+}
+
+template <class Labels>
+auto numbers_of(Labels& labels) {
+  return std::array{&labels.set_of, &labels.begin, &labels.labels};
+}
+
+void pack(const OutputBasis& basis, Packer& out) {
+  out.array(basis.normals.items());
+  out.real(basis.allowed_move);
+  out.number(basis.is_refined);
+  for (const double* value : reals_of(basis.goals)) out.real(*value);
+  out.number(basis.goals.max_faces);
+  out.number(basis.goals.split_boundaries);
+  out.ids(basis.unrefined.faces);
+  for (const UnrefinedReason reason : basis.unrefined.reasons) out.number(static_cast<std::uint64_t>(reason));
+  std::vector<PatchId> pairs;
+  for (const auto& [p, q] : basis.intersections.patches) pairs.insert(pairs.end(), {p, q});
+  out.ids(pairs);
+  out.number(basis.intersections.is_complete);
+  for (const auto* numbers : numbers_of(basis.patch_labels)) out.ids(*numbers);
+}
+
+void unpack(Unpacker& in, OutputBasis& basis) {
+  in.array(basis.normals.items());
+  basis.allowed_move = in.real();
+  basis.is_refined = in.flag();
+  for (double* value : reals_of(basis.goals)) *value = in.real();
+  basis.goals.max_faces = in.number();
+  basis.goals.split_boundaries = in.flag();
+  in.ids(basis.unrefined.faces);
+  for (std::size_t i = 0; i < basis.unrefined.faces.size(); ++i) basis.unrefined.reasons.push_back(in.reason());
+  std::vector<PatchId> pairs;
+  in.ids(pairs);
+  if (pairs.size() % 2 != 0) Unpacker::fail();
+  for (std::size_t i = 0; i < pairs.size(); i += 2) basis.intersections.patches.emplace_back(pairs[i], pairs[i + 1]);
+  basis.intersections.is_complete = in.flag();
+  for (auto* numbers : numbers_of(basis.patch_labels)) {
+    numbers->clear();
+    in.ids(*numbers);
+  }
+}
+
 }  // namespace
 
 std::string pack_result(const KeptResult& kept) {
   constexpr std::size_t kPerFace = 12;  // about
   const Result& result = kept.result;
   Packer out;
-  out.reserve(4096 + result.mesh.positions.size() * sizeof(Vec3) + result.mesh.faces.size() * kPerFace);
+  out.reserve(4096 + kept.exact_report.size() + result.mesh.positions.size() * sizeof(Vec3) +
+              result.mesh.faces.size() * kPerFace);
   out.append(kMagic.data(), kMagic.size());
   out.text(format_name(kept.format));
-  out.text(kept.summary);
+  out.number(kept.local_origin);
+  pack(kept.summary, out);
   out.text(kept.server_timing);
   out.text(kept.file_name);
-  out.texts(kept.comments);
+  out.text(kept.exact_report);
   out.array(result.mesh.positions.items());
   out.ids(corners_of(result.mesh));
   out.labels(result.mesh.labels.object);
@@ -164,6 +256,7 @@ std::string pack_result(const KeptResult& kept) {
   out.ids(result.face_patch.items());
   out.ids(result.face_source.items());
   out.ids(result.input_face_patch.items());
+  pack(result.basis, out);
   return out.take();
 }
 
@@ -175,10 +268,11 @@ KeptResult unpack_result(std::string_view bytes) {
   const std::optional<Format> format = format_from_name(in.text());
   if (!format) Unpacker::fail();
   kept.format = *format;
-  kept.summary = in.text();
+  kept.local_origin = in.flag();
+  unpack(in, kept.summary);
   kept.server_timing = in.text();
   kept.file_name = in.text();
-  kept.comments = in.texts();
+  kept.exact_report = in.text();
   in.array(result.mesh.positions.items());
   std::vector<VertexId> corners;
   in.ids(corners);
@@ -193,6 +287,7 @@ KeptResult unpack_result(std::string_view bytes) {
   in.ids(result.face_patch.items());
   in.ids(result.face_source.items());
   in.ids(result.input_face_patch.items());
+  unpack(in, result.basis);
   in.expect_end();
   return kept;
 }

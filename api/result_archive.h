@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "api/summary.h"
 #include "core/io/formats.h"
 #include "core/remesh.h"
 
@@ -14,11 +15,13 @@ namespace remesh::api {
 /// All that the writers of mesh formats need, but for the report.
 struct KeptResult {
   Format format = Format::kObj;  ///< that the job asked for
-  std::string summary;           ///< see remesh_summary
+  bool local_origin = false;     ///< as the job asked for
+  Summary summary;               ///< of the result in doubles
   std::string server_timing;
   std::string file_name;  ///< of the upload, not trusted
-  std::vector<std::string> comments;
-  Result result;  ///< its report is empty
+  /// The report on the result in doubles, as JSON, where the job's own report is about another format's numbers.
+  std::string exact_report;
+  Result result;  ///< in doubles, with its basis; its report is empty
 };
 
 /// Holds: unpack(pack(x)) has the same coordinates bit for bit, and all labels.

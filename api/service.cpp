@@ -11,6 +11,8 @@
 #include "api/text.h"
 #include "core/io/gzip.h"
 #include "core/io/mesh_files.h"
+#include "core/output_form.h"
+#include "core/quality.h"
 
 namespace remesh::api {
 namespace {
@@ -108,7 +110,7 @@ std::string safe_file_name(std::string_view name, Format format) {
     safe += is_plain ? c : '_';
   }
   if (safe.empty()) safe = "remeshed";
-  return safe.append(".").append(format_name(format));
+  return safe.append(".").append(file_ending(format));
 }
 
 /// Server-Timing: `read;dur=1.2, ..., total;dur=30`.
@@ -153,6 +155,16 @@ Fields result_headers(std::string_view summary, std::string_view timing, std::st
   return headers;
 }
 
+/// What rounding changes in a summary.
+void update_summary(const Result& rounded, Summary& summary, RunControl& control) {
+  summary.min_angle_deg = measure_surface(rounded.mesh, control).quality.min_angle_deg;
+  summary.origin = rounded.report.output_origin;
+  summary.unrefined.clear();
+  for (const Unrefined& left : summarise_unrefined(rounded.basis.unrefined, rounded.mesh.positions.items(),
+                                                   rounded.mesh.faces.items(), control))
+    summary.unrefined.emplace_back(left.reason, left.count);
+}
+
 }  // namespace
 
 Response run_remesh(const Request& request, const Limits& limits, RunControl& control) {
@@ -164,8 +176,8 @@ Response run_remesh(const Request& request, const Limits& limits, RunControl& co
   Response response;
   response.content_type = media_type(answer.format);
   response.body = std::move(answer.body);
-  response.headers =
-      result_headers(remesh_summary(answer.report), server_timing(answer.times), parsed.file_name, answer.format);
+  response.headers = result_headers(summary_line(summary_of(answer.report)), server_timing(answer.times),
+                                    parsed.file_name, answer.format);
   response.done = work_done(answer.report, answer.times);
   response.done->output_faces = answer.report.output.faces;
   return response;
@@ -197,18 +209,33 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
   ParsedRequest parsed;
   parse_request(request, limits, control, parsed);
   Remeshed remeshed =
-      remesh_for_job(std::move(parsed.job), limits_of_mesh(parsed, request, limits), FaceSource::kAlways, control);
-  const Report report = std::move(remeshed.result.report);
+      remesh_for_job(std::move(parsed.job), limits_of_mesh(parsed, request, limits), Purpose::kKeeping, control);
+  const Format format = *remeshed.options.format;
+  const auto report_text = [&](const Report& report) {
+    JsonWriter json;
+    write_report(json, report, remeshed.options, ReportKind::kRemesh, remeshed.times, control);
+    return json.take();
+  };
 
   control.enter(Stage::kWrite);
+  KeptResult kept;
+  kept.format = format;
+  kept.local_origin = remeshed.options.core.local_origin;
+  kept.summary = summary_of(remeshed.result.report);
+  kept.server_timing = server_timing(remeshed.times);
+  kept.file_name = std::move(parsed.file_name);
   KeptRemesh answer;
-  answer.done = work_done(report, remeshed.times);
-  answer.done.output_faces = report.output.faces;
-  JsonWriter json;
-  write_report(json, report, remeshed.options, ReportKind::kRemesh, remeshed.times, control);
-  answer.report = json.take();
-  answer.mesh = pack_result({*remeshed.options.format, remesh_summary(report), server_timing(remeshed.times),
-                             std::move(parsed.file_name), summary_comments(report), std::move(remeshed.result)});
+  answer.report = report_text(remeshed.result.report);
+  if (storage_of(format) != Storage::kDouble) kept.exact_report = answer.report;
+  kept.result = std::move(remeshed.result);
+  answer.mesh = pack_result(kept);
+  // What the job itself asked for is known to be possible before it has succeeded, and its report is about that.
+  if (round_output(storage_of(format), kept.local_origin, kept.result, control)) {
+    measure_output(kept.result, control);
+    answer.report = report_text(kept.result.report);
+  }
+  answer.done = work_done(kept.result.report, remeshed.times);
+  answer.done.output_faces = kept.result.report.output.faces;
   return answer;
 }
 
@@ -226,14 +253,17 @@ Response write_kept(std::string_view mesh, const std::function<std::string()>& r
                     RunControl& control) {
   control.enter(Stage::kWrite);
   OptionReader options;
+  bool is_origin_named = false;
   for (const auto& [name, value] : wanted.query) {
-    if (name != "format") {
+    if (name != "format" && name != "local_origin") {
       throw Error(Code::kUnknownOption, Stage::kWrite,
-                  "a result takes the option \"format\" only, not " + in_quotes(name))
+                  "a result takes the options \"format\" and \"local_origin\" only, not " + in_quotes(name))
           .for_option(shortened(name));
     }
+    is_origin_named = is_origin_named || name == "local_origin";
     options.add(name, value);
   }
+  options.check();
   KeptResult kept = unpack_result(mesh);
   const Format format = choose_output_format(options.options().format, wanted.accept, kept.format);
   Response response;
@@ -244,13 +274,17 @@ Response write_kept(std::string_view mesh, const std::function<std::string()>& r
     json.key("mesh");
     write_mesh(json, kept.result, control);
     json.key("report");
-    json.raw(report());
+    json.raw(kept.exact_report.empty() ? report() : kept.exact_report);
     json.end_object();
     response.body = json.take();
   } else {
-    response.body = write_mesh(format, kept.result.mesh, kept.result.face_patch, kept.comments, control);
+    const bool local_origin = is_origin_named ? options.options().core.local_origin : kept.local_origin;
+    if (round_output(storage_of(format), local_origin, kept.result, control))
+      update_summary(kept.result, kept.summary, control);
+    response.body =
+        write_mesh(format, kept.result.mesh, kept.result.face_patch, summary_comments(kept.summary), control);
   }
-  response.headers = result_headers(kept.summary, kept.server_timing, kept.file_name, format);
+  response.headers = result_headers(summary_line(kept.summary), kept.server_timing, kept.file_name, format);
   return response;
 }
 

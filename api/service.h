@@ -83,9 +83,10 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
 /// Errors: as run_remesh.
 void check_remesh(const Request& request, const Limits& limits);
 /// Writes what was kept, in the format that `wanted` asks for by the option `format`, else by Accept, else in the one
-/// that the job asked for.
-/// Output: as run_remesh. `report` is asked for where the format has it.
-/// Errors: kUnknownOption, kInvalidOption, kNotAcceptable.
+/// that the job asked for; with the option `local_origin` that `wanted` has, else the job's.
+/// Output: as run_remesh: mesh and summary are checked and measured in the numbers of the format written. `report` is
+///         asked for where the format has it.
+/// Errors: kUnknownOption, kInvalidOption, kNotAcceptable - also a format that cannot hold the result.
 Response write_kept(std::string_view mesh, const std::function<std::string()>& report, const Request& wanted,
                     RunControl& control);
 

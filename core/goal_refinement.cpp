@@ -11,6 +11,7 @@
 #include "core/refinement/gap_search.h"
 #include "core/refinement/prediction.h"
 #include "core/refinement/segment_table.h"
+#include "core/refinement/size_misses.h"
 
 namespace remesh {
 namespace {
@@ -32,17 +33,22 @@ bool GoalRefinement::has_goals() const {
 }
 
 std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) {
-  const SizeField& sizes = size_field(on, meshes);
+  const auto gaps = gap_search(on, meshes);
+  const SizeField& sizes = size_field(on, meshes, gaps.get());
   if (has_goals()) predicted_faces_ = whole(predict(meshes, goals_, sizes, control_).expected);
   return predicted_faces_;
 }
 
-Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder, std::vector<PatchMesh>& meshes) {
+Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder,
+                                  std::span<const std::pair<PatchId, PatchId>> crossing,
+                                  std::vector<PatchMesh>& meshes) {
   frozen_.resize(on.patches.count(), 0);
   for (std::size_t p = 0; p < on.patches.count(); ++p)
     if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[p] = 1;
   if (is_budget_too_small()) frozen_.assign(on.patches.count(), 1);
-  const SizeField& sizes = size_field(on, meshes);
+  const auto gaps = gap_search(on, meshes);
+  const SizeField& sizes = size_field(on, meshes, gaps.get());
+  const std::optional<SizeField> graded = sizes_without_floor(on, meshes);
   const Prediction prediction = predict(meshes, goals_, sizes, control_);
   predicted_faces_ = whole(prediction.expected);
   const auto attempt = [&](std::uint64_t budget, std::uint64_t most_made) {
@@ -54,16 +60,22 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
     return remesh::refine(on.surface, on.patches, frozen_, within_budget, sizes, std::move(segments), prediction,
                           meshes, most_made, control_);
   };
+  const auto measured = [&](Refinement refined) {
+    if (gaps || graded)
+      note_size_misses(on.surface, meshes, frozen_,
+                       {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr, crossing}, refined,
+                       control_);
+    if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
+    return refined;
+  };
   needs_budget_ = needs_budget_ || !is_worth_trying_without_budget();
   if (!needs_budget_) {
     const std::uint64_t most = std::min(goals_.max_faces, kMostFaces);
     if (auto refined = attempt(kNoLimit, most + std::min((kMostMade - 1) * most, kMostMadeBeyond)))
-      return *std::move(refined);
+      return measured(*std::move(refined));
     needs_budget_ = true;
   }
-  Refinement refined = attempt(budget_, kNoLimit).value();
-  if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
-  return refined;
+  return measured(attempt(budget_, kNoLimit).value());
 }
 
 bool GoalRefinement::is_worth_trying_without_budget() const {
@@ -81,19 +93,29 @@ void GoalRefinement::refuse_if_hopeless(double least) const {
         .with_limit(most);
 }
 
-const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) {
+std::unique_ptr<const GapSearch> GoalRefinement::gap_search(const PatchedSurface& on,
+                                                            const std::vector<PatchMesh>& meshes) const {
+  if (!(goals_.proximity > 0)) return nullptr;
+  return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, meshes);
+}
+
+/// Where gradation alone makes sizes vary.
+std::optional<SizeField> GoalRefinement::sizes_without_floor(const PatchedSurface& on,
+                                                             const std::vector<PatchMesh>& meshes) const {
+  if (goals_.proximity > 0 || !(goals_.gradation > 0)) return std::nullopt;
+  return SizeField::without_floor(on.surface, segment_ends(meshes, control_), goals_, control_);
+}
+
+const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes,
+                                            const GapSearch* gaps) {
   if (sizes_) return *sizes_;
-  std::unique_ptr<GapSearch> gaps;
-  if (goals_.proximity > 0) {
-    gaps = std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, meshes);
-    smallest_gap_ = gaps->smallest(control_);
-  }
+  if (gaps != nullptr) smallest_gap_ = gaps->smallest(control_);
   // With proximity it is the gaps' sizes that grow; around short segments the bound on angles sees to it. Alone,
   // gradation is about these.
   std::vector<std::array<VertexId, 2>> segments;
-  if (!gaps && goals_.gradation > 0) segments = segment_ends(meshes, control_);
-  if (gaps || goals_.gradation > 0)
-    sizes_.emplace(on.surface, gaps.get(), segments, goals_, on.plane_tolerance, control_);
+  if (gaps == nullptr && goals_.gradation > 0) segments = segment_ends(meshes, control_);
+  if (gaps != nullptr || goals_.gradation > 0)
+    sizes_.emplace(on.surface, gaps, segments, goals_, on.plane_tolerance, control_);
   else
     sizes_.emplace(goals_.max_edge_length);
   return *sizes_;

@@ -3,12 +3,16 @@
 
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "core/base/run_control.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
+#include "core/refinement/gap_search.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/size_field.h"
 #include "core/stages/ladder.h"
@@ -45,8 +49,12 @@ class GoalRefinement {
   std::uint64_t predict_faces(const PatchedSurface& on, const std::vector<PatchMesh>& meshes);
 
   /// Refines the patches' triangles; those that the ladder keeps, and those frozen, stay.
+  /// Input:  `crossing`: pairs of patches that cross or touch each other in the input, the smaller one first, sorted.
   /// Errors: kOutputTooLarge - no result with these sizes can have as few faces as are allowed.
-  Refinement refine(const PatchedSurface& on, const Ladder& ladder, std::vector<PatchMesh>& meshes);
+  Refinement refine(const PatchedSurface& on, const Ladder& ladder,
+                    std::span<const std::pair<PatchId, PatchId>> crossing, std::vector<PatchMesh>& meshes);
+  /// Of each patch, whether the last refinement had to leave it and its boundary as they were.
+  const std::vector<std::uint8_t>& frozen() const { return frozen_; }
 
   /// Whether a result of so many faces is more than the budget. The first attempt has none, as long as there are not
   /// far more triangles than allowed: what is made and thinned out in the end is no reason to leave anything undone.
@@ -77,7 +85,11 @@ class GoalRefinement {
   static constexpr std::uint64_t kReserve = 1024;
   bool is_budget_too_small() const { return retries_ > kMostRetries; }
   /// The same for all attempts at the same patches.
-  const SizeField& size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes);
+  /// Input:  with proximity, the gaps.
+  const SizeField& size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes, const GapSearch* gaps);
+  /// With proximity. It refers to what it is built on.
+  std::unique_ptr<const GapSearch> gap_search(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) const;
+  std::optional<SizeField> sizes_without_floor(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) const;
   void refuse_if_hopeless(double least) const;
   bool is_worth_trying_without_budget() const;
 

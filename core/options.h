@@ -65,12 +65,20 @@ void check_options(const Options& options);
 /// The same for what only the input tells: lengths given as a part of its bounding box's diagonal.
 void check_options(const Options& options, double diagonal);
 
-/// How a run is carried out; nothing here changes a byte of the result.
+/// The numbers in which an output format stores coordinates.
+enum class Storage {
+  kDouble,  ///< all doubles, bit for bit
+  kFloat,   ///< floats of 32 bits
+};
+
+/// How a run is carried out; nothing here but `storage` changes a byte of the result.
 struct RunSettings {
   int workers = 1;                ///< threads that compute, at least 1
   bool want_face_source = false;  ///< fill Result::face_source and input_face_patch (costs a point location a face)
   /// Where the work grows with the input alone (nothing is refined), one thread takes an input of fewer corners.
   std::size_t serial_corners = 0;
+  /// The result is rounded to these numbers, and is checked, measured and reported as they have it.
+  Storage storage = Storage::kDouble;
 };
 
 }  // namespace remesh

@@ -1,12 +1,19 @@
 #include "core/preparation.h"
 
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <string>
+
 #include "core/base/tolerance.h"
 #include "core/mesh/pinched_vertices.h"
 #include "core/quality.h"
 #include "core/stages/coplanar_regions.h"
+#include "core/stages/cracks.h"
 #include "core/stages/duplicate_faces.h"
 #include "core/stages/findings.h"
 #include "core/stages/mend_faces.h"
+#include "core/stages/seams.h"
 #include "core/stages/t_junctions.h"
 #include "core/stages/weld.h"
 #include "core/stages/winding.h"
@@ -30,6 +37,7 @@ class Preparation {
     watch.enter(Stage::kWeld);
     choose_tolerance();
     mend();
+    tell_cracks();
     return std::move(prepared_);
   }
 
@@ -42,26 +50,62 @@ class Preparation {
     const Triangulated triangles(surface(), control_);
     report_.input =
         measure_surface(positions, surface().face_begin, surface().corners, adjacency(), triangles.corners(), control_);
+    const double unit = surface().unit;
+    if (triangles.excess_area() > 0) report_.input.area -= triangles.excess_area() * unit * unit;
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
     find_defects(surface(), adjacency(), prepared_.pinched(control_), report_.diagnostics, control_);
   }
 
   void choose_tolerance() {
-    const double diagonal = report_.input.bounding_box.diagonal();
     const Rounding rounding = rounding_of(surface().positions.items(), control_);
     report_.rounding_step = rounding.step();
     report_.plane_tolerance_is_automatic = !options_.plane_tolerance.has_value();
-    const AutomaticTolerance of_step = automatic_tolerance(rounding.step(), diagonal);
-    const double unit = surface().unit;
-    double automatic = of_step.value;
-    if (of_step.if_noisy != of_step.value && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
-                                                              of_step.value / unit, of_step.if_noisy / unit, control_))
-      automatic = of_step.if_noisy;
+    const double automatic = automatic_tolerance_of(rounding);
     report_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
+    rounding_ = automatic;
     // Who asks for more than the digits explain wants to flatten what bends by more, too.
-    const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.step();
-    if (are_digits_noise && report_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.steps;
+    const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.possible_step();
+    if (are_digits_noise && report_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.possible_steps;
+  }
+
+  double automatic_tolerance_of(const Rounding& rounding) {
+    const AutomaticTolerance tolerance = automatic_tolerance(rounding, report_.input.bounding_box.diagonal());
+    const auto are_bent_by = [&](double more_than, double at_most, std::size_t bends) {
+      const double unit = surface().unit;
+      return more_than < at_most && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
+                                                     more_than / unit, at_most / unit, bends, control_);
+    };
+    const bool is_noisy =
+        tolerance.if_noisy > tolerance.if_bent && are_bent_by(tolerance.value, tolerance.if_noisy, kBendsOfNoise);
+    double automatic = tolerance.value;
+    if (is_noisy)
+      automatic = tolerance.if_noisy;
+    else if (are_bent_by(tolerance.value, tolerance.if_bent, 1))
+      automatic = tolerance.if_bent;
+    if (!options_.plane_tolerance && tolerance.is_capped &&
+        (is_noisy || are_bent_by(automatic, tolerance.explained, kBendsOfNoise)))
+      tell_of_cap(rounding, tolerance.explained, automatic);
+    return automatic;
+  }
+
+  void tell_of_cap(const Rounding& rounding, double explained, double automatic) {
+    const auto text = [](double x) {
+      std::array<char, 32> digits{};
+      char* const end = digits.data() + digits.size();
+      return std::string(digits.data(), std::to_chars(digits.data(), end, x, std::chars_format::general, 6).ptr);
+    };
+    const std::string are = rounding.steps == rounding.possible_steps ? "are" : "may be";
+    report_.diagnostics.push_back(
+        {DiagnosticCode::kRoundingCapped,
+         1,
+         {},
+         "the coordinates " + are + " rounded to steps of " + text(rounding.possible_step()) +
+             ", and this explains a plane_tolerance of " + text(explained) + "; " + text(automatic) +
+             " was used, because the automatic one is at most 1e-4 of the bounding box's "
+             "diagonal; faces bend by what the rounding explains, so planes may be in pieces; "
+             "plane_tolerance=" +
+             text(explained) + " joins them, and flattens details as small as that"});
   }
 
   void mend() {
@@ -77,15 +121,32 @@ class Preparation {
     // Faces that repeat others go, edges are split at the vertices that lie on them.
     if_changed(drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), found, control_));
     if_changed(split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is,
-                                 mend_if(repair.t_junctions && limits_.are_t_junctions_split), found, control_));
+                                 mend_if(repair.t_junctions && limits_.is_joining_allowed), found, control_));
+    // Seams close. Their sides have the same vertices now, so that each edge has its partner.
+    if_changed(close_seams(surface(), adjacency(), std::min(rounding_, report_.plane_tolerance) / surface().unit,
+                           mend_if(repair.seams && limits_.is_joining_allowed), found, control_));
     // Faces without a plane are split, faces without an area dropped; nothing opens.
     const bool is_mended = !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.as_it_is,
                                                               mend_if(repair.degenerate), found, control_);
     if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
-    // Neighbours look the same way, closed pieces outwards if that is asked for.
+    // Neighbours look the same way, and closed shells the way they should if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
-    if (!is_solid()) if_changed(turn_inside_out(surface(), adjacency(), mend_if(repair.inside_out), found, control_));
+    if (!is_solid())
+      if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));
+  }
+
+  /// Adds to what is told of open edges how wide the cracks are that mending has left.
+  void tell_cracks() {
+    std::vector<Diagnostic>& found = report_.diagnostics;
+    const auto open = std::find_if(found.begin(), found.end(),
+                                   [](const Diagnostic& d) { return d.code == DiagnosticCode::kOpenBoundary; });
+    if (open == found.end()) return;
+    const double unit = surface().unit;
+    std::vector<double> widths =
+        crack_widths(surface(), adjacency(), std::min(rounding_, report_.plane_tolerance) / unit, control_);
+    for (double& width : widths) width *= unit;
+    open->message += describe_cracks(widths, input_, options_, control_);
   }
 
   /// Are all faces triangles, and their angles so far from 0 that the measures show what mend_faces would prove of one
@@ -113,6 +174,7 @@ class Preparation {
   Report& report_;
   RunControl& control_;
   Prepared prepared_;
+  double rounding_ = 0;         ///< model units: how far the rounding of coordinates may move a point
   bool is_as_measured_ = true;  ///< nothing has been mended since
 };
 

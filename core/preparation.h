@@ -57,7 +57,7 @@ class Prepared {
 /// Mendings that an earlier attempt found to stand in the way.
 struct MendingLimits {
   std::vector<std::uint8_t> as_it_is;  ///< per input face, or empty: see mend_faces
-  bool are_t_junctions_split = true;   ///< false: not even if the options ask for it
+  bool is_joining_allowed = true;      ///< false: no T-junction is split and no seam closed, whatever options ask for
 };
 
 /// Welds, measures, chooses the plane tolerance and mends, in this order.

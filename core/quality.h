@@ -31,8 +31,9 @@ IdVector<FaceId, FaceQuality> face_quality(const TriangleMesh& mesh, RunControl&
 /// `euler` is V - E + F of what is used; `closed`: every edge has exactly two half-edges, running in opposite
 /// directions or not; `volume` is the enclosed signed volume where closed and consistently wound, else empty;
 /// `components` connects faces that share a vertex. `quality`, `area` and `volume` are those of triangles: a polygon
-/// without a plane has no other area, and bounds no other volume, than the triangles that it is taken for. Quality is
-/// by Verdict's definitions; zero-area triangles count with angle 0 and are left out of the ratios' means and maxima (a
+/// without a plane has no other area, and bounds no other volume, than the triangles that it is taken for; where one
+/// crosses itself, the caller knows how much of their area lies on itself (`Triangulated::excess_area`). Quality is by
+/// Verdict's definitions; zero-area triangles count with angle 0 and are left out of the ratios' means and maxima (a
 /// ratio that is not finite is never reported).
 /// Input:  `triangles`: those that the faces are cut into, three corners each; `corners` where all faces are triangles.
 /// Holds:  the same bits for any number of threads.

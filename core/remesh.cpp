@@ -17,10 +17,11 @@
 #include "core/goal_refinement.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_corners.h"
+#include "core/output_form.h"
 #include "core/preparation.h"
-#include "core/quality.h"
 #include "core/refinement/gap_search.h"
 #include "core/stages/assembly.h"
+#include "core/stages/body_labels.h"
 #include "core/stages/boundary_loops.h"
 #include "core/stages/chords.h"
 #include "core/stages/coplanar_regions.h"
@@ -58,11 +59,11 @@ class Run {
   Run(const Run&) = delete;
   Run& operator=(const Run&) = delete;
 
-  Result remesh(bool want_face_source) {
+  Result remesh(const RunSettings& settings) {
     prepare();
     // Where even single faces fail, they are taken as they are: triangles, and zero-area faces beside them left alone.
     while (!climb()) prepare();
-    return finish(want_face_source);
+    return finish(settings);
   }
 
   Report analyze() {
@@ -183,7 +184,7 @@ class Run {
       is_new = is_new || limits_.as_it_is[source.value] == 0;
       limits_.as_it_is[source.value] = 1;
     }
-    if (is_new || give_up_t_junctions()) return;
+    if (is_new || give_up_joining()) return;
     // What cannot be told apart at the mesh's scale is the input's fault, everything else is ours.
     for (const FaceId f : stuck)
       if (is_unresolved(surface(), f)) throw unresolved(surface(), f);
@@ -194,14 +195,17 @@ class Run {
         .at_element(source.value);
   }
 
-  /// Vertices that were put into faces where sheets nearly touch may be what keeps a result from holding. Output:
-  /// whether there were such; they are left alone from now on.
-  bool give_up_t_junctions() {
-    const bool were_split = options_.repair.t_junctions && limits_.are_t_junctions_split &&
-                            std::any_of(report_.diagnostics.begin(), report_.diagnostics.end(),
-                                        [](const Diagnostic& d) { return d.code == DiagnosticCode::kTJunction; });
-    limits_.are_t_junctions_split = false;
-    return were_split;
+  /// Vertices that were put into faces where sheets nearly touch, or seams that were closed there, may be what keeps a
+  /// result from holding. Output: whether there were such; both are left alone from now on.
+  bool give_up_joining() {
+    const auto is_joining = [&](const Diagnostic& d) {
+      return (d.code == DiagnosticCode::kTJunction && options_.repair.t_junctions) ||
+             (d.code == DiagnosticCode::kSeam && options_.repair.seams);
+    };
+    const bool were_joined =
+        limits_.is_joining_allowed && std::any_of(report_.diagnostics.begin(), report_.diagnostics.end(), is_joining);
+    limits_.is_joining_allowed = false;
+    return were_joined;
   }
 
   /// Faces that intersect before anything is done to them, seen by patch.
@@ -230,7 +234,11 @@ class Run {
       pairs.push_back({FaceId(faces.first_of(f)), FaceId(faces.first_of(g))});
     const auto begins = triangle_begins(faces.corners().size() / 3, control_);
     const Adjacency edges(surface().vertex_count(), begins, faces.corners(), control_);
-    report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), begins, faces.corners(), edges, pairs,
+    std::vector<FaceId> source;
+    source.reserve(faces.size());
+    for (std::size_t t = 0; t < faces.size(); ++t) source.push_back(surface().face_source[faces.face(t)]);
+    const BodyLabels labels = labels_of_sources(input_.labels, source, control_);
+    report_.volume_obstacles = find_volume_obstacles(surface().positions.items(), faces.corners(), edges, labels, pairs,
                                                      report_.plane_tolerance, control_);
   }
 
@@ -286,9 +294,9 @@ class Run {
     if (!refiner_->has_goals() && !has_chords_) return;
     watch_.enter(Stage::kRefinement);
     if (refiner_->has_goals())
-      refinement_ = refiner_->refine(patched(), ladder, meshes_);
+      refinement_ = refiner_->refine(patched(), ladder, intersecting_patches().patches, meshes_);
     else
-      split_chords(surface(), patches_, meshes_, refinement_, control_);
+      split_chords(surface(), patches_, meshes_, refinement_, {}, UnrefinedReason::kSizeFloor, control_);
     report_.refinement_rounds = refinement_.rounds;
     if (refiner_->smallest_gap()) report_.smallest_gap = refiner_->smallest_gap();
     lift_new_vertices(surface(), patches_, meshes_, refinement_.first_inner, report_.plane_tolerance,
@@ -307,8 +315,8 @@ class Run {
                                : refinement_.new_positions[v.value - surface().vertex_count()]);
     }
     if (refiner_->has_goals())
-      unrefined_ =
-          find_unrefined(positions_.items(), assembled_.faces.items(), refinement_.reason, refiner_->goals(), control_);
+      unrefined_ = find_unrefined(positions_.items(), assembled_.faces.items(), refinement_.reason,
+                                  refinement_.misses_sizes, refiner_->goals(), control_);
   }
 
   void refuse_if_too_large() const {
@@ -328,12 +336,12 @@ class Run {
       stop();
       frames.push_back(mesh.frame);
     }
-    const RefinementClaim refined{refiner_->goals(), unrefined_.faces, unrefined_.reasons};
+    const RefinementClaim refined{refiner_->goals(), unrefined_.faces, unrefined_.reasons, refiner_->frozen()};
     const InputIntersections intersections = intersecting_patches();
     return verify({surface(), patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
                    assembled_.face_patch.items(), assembled_.corner_uv, report_.plane_tolerance,
                    !refinement_.new_positions.empty(), refiner_->has_goals() ? &refined : nullptr, &intersections,
-                   prepared_.order()},
+                   prepared_.order(), &input_, options_.weld_tolerance},
                   control_);
   }
 
@@ -379,40 +387,59 @@ class Run {
   /// A dozen polygons are a polyhedron.
   static constexpr std::size_t kFewFacets = 50;
 
-  Result finish(bool want_face_source) {
+  Result finish(const RunSettings& settings) {
     Result result;
-    watch_.enter(Stage::kQuality);
     result.mesh.positions = std::move(positions_);
+    result.basis = output_basis();
     result.mesh.faces = std::move(assembled_.faces);
     result.face_patch = std::move(assembled_.face_patch);
-    const std::span<const Vec3> positions = result.mesh.positions.items();
-    const std::span<const VertexId> corners = corners_of(result.mesh.faces.items());
-    const auto begins = triangle_begins(result.mesh.faces.size(), control_);
-    const Adjacency edges(positions.size(), begins, corners, control_);
+    result.report = std::move(report_);
+    // Everything from here on is about the coordinates that the output format holds.
+    round_output(settings.storage, options_.local_origin, result, control_);
+    watch_.enter(Stage::kQuality);
     IdVector<FaceId, FaceId> source;
     // Each has its parts that wait for nothing but themselves.
-    do_all([&] { report_.output = measure_surface(positions, begins, corners, edges, corners, control_); },
-           [&] {
-             report_.volume_obstacles = find_volume_obstacles(
-                 positions, begins, corners, edges, report_.verified.intersections, report_.plane_tolerance, control_);
-           },
+    do_all([&] { measure_output(result, control_); },
            [&] {
              // Where each output face came from: the input face under its centroid.
-             source = needs_source(want_face_source) ? face_source(surface(), patches_, meshes_, control_)
-                                                     : first_faces(result);
+             source = needs_source(settings.want_face_source) ? face_source(surface(), patches_, meshes_, control_)
+                                                              : first_faces(result);
              drop_all(meshes_);
            });
-    report_.output.intersecting_pairs = report_.verified.intersections.size();
-    report_.unrefined = summarise_unrefined(unrefined_, positions, result.mesh.faces.items(), control_);
     watch_.enter(Stage::kAssembly);
     result.mesh.labels = labels_of(input_.labels, source);
-    if (want_face_source) {
+    if (settings.want_face_source) {
       result.face_source = source;
       result.input_face_patch = patches_of_input();
     }
-    report_.timing_ms = watch_.finish();
-    result.report = std::move(report_);
+    result.report.timing_ms = watch_.finish();
     return result;
+  }
+
+  OutputBasis output_basis() {
+    OutputBasis basis;
+    basis.normals.reserve(meshes_.size());
+    for (const PatchMesh& mesh : meshes_) basis.normals.push_back(mesh.frame.normal);
+    basis.allowed_move = std::max(report_.plane_tolerance, kAllowedRounding * report_.input.bounding_box.diagonal());
+    basis.is_refined = refiner_->has_goals();
+    basis.goals = refiner_->goals();
+    basis.unrefined = std::move(unrefined_);
+    basis.intersections = patches_that_still_intersect();
+    basis.patch_labels = labels_of_patches(input_.labels, surface(), patches_, control_);
+    return basis;
+  }
+
+  /// Those of the result; and patches that fold over themselves in the input, since the check has not looked into all
+  /// of them.
+  InputIntersections patches_that_still_intersect() const {
+    InputIntersections known = intersecting_patches();
+    std::erase_if(known.patches, [](const auto& pair) { return pair.first != pair.second; });
+    for (const auto& [f, g] : report_.verified.intersections)
+      known.patches.push_back(std::minmax({assembled_.face_patch[f], assembled_.face_patch[g]}));
+    std::sort(known.patches.begin(), known.patches.end());
+    known.patches.erase(std::unique(known.patches.begin(), known.patches.end()), known.patches.end());
+    known.is_complete = report_.verified.are_all_intersections_known;
+    return known;
   }
 
   /// Where every label is a barrier, all faces of a patch are labelled alike, and any of them tells.
@@ -497,9 +524,8 @@ int thread_count(const PolygonMesh& input, const Options& options, const RunSett
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                       RunControl& control, std::vector<Diagnostic> diagnostics) {
   check_options(options);
-  return in_arena(thread_count(input, options, settings), [&] {
-    return Run(input, options, control, std::move(diagnostics)).remesh(settings.want_face_source);
-  });
+  return in_arena(thread_count(input, options, settings),
+                  [&] { return Run(input, options, control, std::move(diagnostics)).remesh(settings); });
 }
 
 Report analyze_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,

@@ -6,6 +6,7 @@
 #include "core/base/run_control.h"
 #include "core/mesh/mesh.h"
 #include "core/options.h"
+#include "core/output_basis.h"
 #include "core/report.h"
 
 namespace remesh {
@@ -17,6 +18,7 @@ struct Result {
   /// The patch of each input face, or of its first piece; invalid where it was dropped. Empty like face_source.
   IdVector<FaceId, PatchId> input_face_patch;
   Report report;
+  OutputBasis basis;  ///< for round_output
 };
 
 /// The version of the project, as in the report and in `--version`.
@@ -28,11 +30,13 @@ int thread_count(const PolygonMesh& input, const Options& options, const RunSett
 
 /// Re-triangulates a surface: coplanar faces become patches, patches are triangulated from their essential vertices.
 /// Input:   a mesh that holds what PolygonMesh promises; `diagnostics` of its reader, passed on into the report.
-/// Output:  vertices with their input coordinates, bit for bit; triangles by patch; the report with a verdict all true.
+/// Output:  vertices with their input coordinates, bit for bit, or rounded to the settings' storage (round_output);
+///          triangles by patch; the report with a verdict all true.
 /// Holds:   the promises 1 to 7 of the design; the same bytes for any number of workers.
 /// Errors:  kEmptyMesh, kInvalidMesh - see prepare; kInvalidOption - see check_options; kOutputTooLarge - more
 ///          faces than allowed are certain, or there; kCancelled, kTimeout - asked to stop through `control`;
-///          kVerificationFailed - even the last rung of the ladder failed the check.
+///          kVerificationFailed - even the last rung of the ladder failed the check; kNotAcceptable - the settings'
+///          storage cannot hold the result.
 /// Cost:    O(n log n) in the input's corners.
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                       RunControl& control, std::vector<Diagnostic> diagnostics = {});

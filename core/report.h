@@ -154,10 +154,10 @@ struct VolumeObstacle {
 enum class UnrefinedReason : std::uint8_t {
   kInputAngle,        ///< it fills a corner of the input: both its edges there are of the patch's boundary
   kAcrossInputAngle,  ///< its shortest edge joins two segments that meet under 60 degrees, as far from there on both
-  kSizeFloor,         ///< the point that would mend it is closer to another vertex than the floor allows
+  kSizeFloor,         ///< a point that would mend it, or a size that it misses, is below the floor or below rounding
   kMinEdgeLength,     ///< the same for the option's floor
   kBudget,            ///< the result would have more faces than allowed
-  kBoundaryLocked,    ///< a boundary would have to be split that must not be
+  kBoundaryLocked,    ///< a boundary would have to be split that must stay: as asked, or for a patch that stays
   kEffort,            ///< the work that is in proportion was spent before the bounds were met
   kOutputRounding,    ///< it met the bounds until its vertices were rounded to what the output format can hold
 };

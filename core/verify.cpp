@@ -23,6 +23,8 @@
 #include "core/verify/goal_check.h"
 #include "core/verify/model.h"
 #include "core/verify/patch_shape.h"
+#include "core/verify/polygons.h"
+#include "core/verify/varying_sizes.h"
 
 namespace remesh {
 namespace {
@@ -155,6 +157,9 @@ Verdict verify(const Claim& claim, RunControl& control) {
   const Model model = make_model(claim, findings, control);
   control.progress(0.2);
 
+  // What came of the input's polygons before.
+  check_polygons(claim, model, findings, control);
+
   // Who uses each edge, before and after.
   std::optional<EdgeTable> edges_before, edges_after;
   std::optional<BoundaryGraph> seams_before, seams_after;
@@ -184,7 +189,12 @@ Verdict verify(const Claim& claim, RunControl& control) {
 
   DelaunayCheck(model, output_edges, is_positive).run(findings, control);
   check_intersections(claim, is_positive, findings, verdict, control);
-  if (claim.refinement != nullptr) check_goals(*claim.refinement, model, output_edges, seams.output, findings, control);
+  if (claim.refinement != nullptr) {
+    const Goals& goals = claim.refinement->goals;
+    std::optional<VaryingSizes> sizes;
+    if (goals.proximity > 0 || goals.gradation > 0) sizes.emplace(claim, model, seams.input, seams.output, control);
+    check_goals(*claim.refinement, model, output_edges, seams.output, sizes ? &*sizes : nullptr, findings, control);
+  }
   check_whole(model, input_edges.counts(), boundary.input_vertices, output_edges.counts(), shapes, findings, control);
   findings.write_to(verdict);
   control.progress(1);

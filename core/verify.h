@@ -1,7 +1,7 @@
 /// The independent check of the promises. It shares no decision with the stages: it has its own edges and its own exact
-/// arithmetic, and takes from the pipeline only what is claimed. Two tools are common: the search for intersections
-/// (patch_intersections) and, for faces that lie folded over their patch, boxes and distances (BoxTree,
-/// nearest_on_triangle).
+/// arithmetic, and takes from the pipeline only what is claimed. Three tools are common: the search for intersections
+/// (patch_intersections); boxes and distances (BoxTree, nearest_on_triangle), for faces that lie folded over their
+/// patch and for gaps; and, for gaps, the triangles of polygons (split_polygon).
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,12 @@ namespace remesh {
 /// What refinement says it has reached.
 struct RefinementClaim {
   Goals goals;
-  /// Output faces that do not meet the goals (an angle below the bound, an edge or area above it), ascending, and why.
+  /// Output faces that do not meet the goals (an angle below the bound, an edge or area above it, or above what gaps or
+  /// short edges ask for there), ascending, and why.
   std::span<const FaceId> unrefined;
   std::span<const UnrefinedReason> reasons;  ///< one per entry of `unrefined`
+  /// Of each patch, whether refinement had to leave it and its boundary as they were; empty: none.
+  std::span<const std::uint8_t> frozen = {};
 };
 
 /// Which patches intersect in the input: pairs of them, sorted, the smaller one first; (p, p) for within a patch.
@@ -49,6 +52,9 @@ struct Claim {
   /// The corners of `surface` by (smaller, larger vertex, corner) of the edge that begins there. Empty, or wrong: the
   /// checker sorts them itself.
   std::span<const std::uint32_t> surface_edge_order = {};
+  /// The mesh as read, of which `surface` was made by welding within `weld_tolerance` and by mending; null: not known.
+  const PolygonMesh* input = nullptr;
+  double weld_tolerance = 0;  ///< model units
 };
 
 /// Tests promises 1 to 3.
@@ -57,7 +63,8 @@ struct Claim {
 ///              patch and as near to its plane as its input is, or on an edge between vertices that stay, to rounding;
 ///              input and output lie within plane_tolerance of each other, both ways, patch by patch; every patch keeps
 ///              its boundary loops (each output loop is the input loop less vertices within tolerance of the chord that
-///              replaces them); Euler number, closedness, area and volume are kept within what the deviations explain.
+///              replaces them); Euler number, closedness, area and volume are kept within what the deviations explain;
+///              the faces that came of a polygon of the input cover it once, where it does not cross itself;
 ///              `volume_bound` is that for the volume: of each patch its area, input's or output's, with what lies
 ///              between the loops, times the largest difference of their heights; and rounding.
 ///  conforming: every output edge has the faces, and the directions, that the input's edges under it have; no zero-area
@@ -73,7 +80,9 @@ struct Claim {
 ///              at a surface vertex, between two boundary edges of the patch, and the other two meet the bound;
 ///              kAcrossInputAngle - the ends of the shortest edge lie on two boundary chains (of the patch, between
 ///              vertices that stay) that meet in a vertex, equally far from there to 1e-9, and nearer to each other
-///              than to it (an angle under 60 degrees). Edges that refinement made are at least min_edge_length long.
+///              than to it (an angle under 60 degrees); kBoundaryLocked - boundaries are not to be split, or the patch or
+///              one beside it is frozen. What gaps and short edges ask for is measured anew (verify/varying_sizes.h).
+///              Edges that refinement made are at least min_edge_length long.
 /// Holds:   the same verdict for any number of threads.
 /// Cost:    O(n log n).
 Verdict verify(const Claim& claim, RunControl& control);

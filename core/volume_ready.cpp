@@ -141,14 +141,14 @@ class EdgeExamination {
 
 class Examination {
  public:
-  Examination(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
-              std::span<const VertexId> corners, const Adjacency& edges, RunControl& control)
-      : positions_(positions), face_begin_(face_begin), corners_(corners), edges_(edges), control_(control) {}
+  Examination(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& edges,
+              const BodyLabels& labels, RunControl& control)
+      : positions_(positions), corners_(corners), edges_(edges), labels_(labels), control_(control) {}
 
   std::vector<VolumeObstacle> run(std::span<const std::pair<FaceId, FaceId>> intersections, double plane_tolerance) {
     examine_edges();
     examine_pairs(intersections, plane_tolerance);
-    examine_pieces();
+    examine_shells();
     std::vector<VolumeObstacle> found;
     for (VolumeObstacle* o : found_.all())
       if (o->count > 0) found.push_back(std::move(*o));
@@ -182,28 +182,27 @@ class Examination {
     }
   }
 
-  void examine_pieces() {
+  void examine_shells() {
     const std::vector<Vec3> scaled = scaled_for_predicates(positions_, control_);
-    for (const FaceId f : find_inside_out(scaled, face_begin_, corners_, edges_, control_).first_faces)
+    for (const FaceId f : find_inside_out(scaled, corners_, edges_, labels_, control_).first_faces)
       found_.inside_out.add(centroid(face(f), positions_));
   }
 
   std::span<const Vec3> positions_;
-  std::span<const std::uint32_t> face_begin_;
   std::span<const VertexId> corners_;
   const Adjacency& edges_;
+  const BodyLabels& labels_;
   RunControl& control_;
   Obstacles found_;
 };
 
 }  // namespace
 
-std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions,
-                                                  std::span<const std::uint32_t> face_begin,
-                                                  std::span<const VertexId> corners, const Adjacency& edges,
+std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const VertexId> corners,
+                                                  const Adjacency& edges, const BodyLabels& labels,
                                                   std::span<const std::pair<FaceId, FaceId>> intersections,
                                                   double plane_tolerance, RunControl& control) {
-  return Examination(positions, face_begin, corners, edges, control).run(intersections, plane_tolerance);
+  return Examination(positions, corners, edges, labels, control).run(intersections, plane_tolerance);
 }
 
 }  // namespace remesh

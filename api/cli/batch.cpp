@@ -72,7 +72,7 @@ void name_outputs(std::vector<File>& files, const std::string& folder, std::opti
   std::set<std::string> taken;
   for (File& file : files) {
     const Format format = asked.value_or(*format_from_file_name(file.name));
-    const std::string ending = "." + std::string(format_name(format));
+    const std::string ending = "." + std::string(file_ending(format));
     fs::path path = fs::path(folder) / file.name;
     const fs::path with_both = path.string() + ending;
     if (is_gzip_file_name(file.name)) path.replace_extension();
@@ -130,6 +130,8 @@ std::string row_of(const File& file, const Report& report, double seconds) {
         number_text(std::uint64_t{report.diagnostics.size()}), seconds_text(seconds)}) {
     row += "," + value;
   }
+  if (report.output_origin)
+    return row + "," + field("coordinates are relative to " + api::origin_text(*report.output_origin)) + "\n";
   return row + ",\n";
 }
 

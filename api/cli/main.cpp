@@ -163,6 +163,11 @@ void stop_on_signals(RunControl& control) {
   ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error of writing
 }
 
+/// Whoever reads the coordinates has to know what they are relative to.
+void tell_origin(const std::string& origin) {
+  std::cerr << "remesh: the coordinates written are relative to the origin " << origin << "\n";
+}
+
 void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   job.input_format = format_from_file_name(arguments.input);
   if (const auto format = format_from_file_name(arguments.output)) job.accept = media_type(*format);
@@ -181,6 +186,7 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   }
   write_file(arguments.output, answer.body);
   if (!arguments.report.empty()) write_file(arguments.report, report);
+  if (answer.report.output_origin) tell_origin(api::origin_text(*answer.report.output_origin));
 }
 
 /// The same by a server.
@@ -204,6 +210,7 @@ void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
   }
   write_file(arguments.output, answer.mesh);
   if (!arguments.report.empty()) write_file(arguments.report, answer.report);
+  if (!answer.origin.empty()) tell_origin(answer.origin);
 }
 
 int remesh_folder(const Arguments& arguments, RunControl& control) {

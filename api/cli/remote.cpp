@@ -50,6 +50,15 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
+/// What a summary says of the origin: `..., origin=1 2 3`.
+std::string origin_in(const std::string& summary) {
+  constexpr std::string_view kName = ", origin=";
+  const std::size_t at = summary.find(kName);
+  if (at == std::string::npos) return {};
+  const std::size_t begin = at + kName.size();
+  return summary.substr(begin, summary.find(',', begin) - begin);
+}
+
 std::string random_key() {
   std::random_device device;
   std::string key = "remesh";
@@ -90,7 +99,11 @@ class Remote::Client {
     RemoteAnswer answer;
     try {
       failure = wait_until_ended(path, control);
-      if (!failure) answer.mesh = fetch(path + "/result", control);
+      if (!failure) {
+        httplib::Response result = fetch_response(path + "/result", control);
+        answer.origin = origin_in(result.get_header_value("Remesh-Summary"));
+        answer.mesh = std::move(result.body);
+      }
       if (!failure && job_.wants_report) answer.report = fetch(path + "/report", control) + "\n";
     } catch (const RemoteError& error) {
       throw with_job(error, path);  // it goes on at the server, or has its result there
@@ -186,10 +199,13 @@ class Remote::Client {
     }
   }
 
-  std::string fetch(const std::string& path, const RunControl& control) {
+  httplib::Response fetch_response(const std::string& path, const RunControl& control) {
     httplib::Response answer = insist([&] { return http_.Get(url_.second + path, headers_); }, control);
     if (answer.status != 200) throw problem_of(answer);
-    return std::move(answer.body);
+    return answer;
+  }
+  std::string fetch(const std::string& path, const RunControl& control) {
+    return fetch_response(path, control).body;
   }
 
   void tell(const std::string& stage, double fraction) {

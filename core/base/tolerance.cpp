@@ -5,9 +5,12 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
+#include <cstdlib>
 #include <optional>
+#include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/rounding_evidence.h"
 
 namespace remesh {
 namespace {
@@ -18,11 +21,19 @@ struct Decimals {
   int least = 0, least_in_common = 0, most = 0;
 };
 constexpr Decimals kUsual{-5, 0, 15}, kAny{-22, -22, 22};
+/// Up to this many numbers are counted where two counts are compared.
+constexpr std::size_t kRates = 64;
+/// How many large numbers must lack the last decimal of smaller ones before this proves that significant digits are
+/// limited: each lacks it by chance with a probability of 1/10, and log2(10) * 6 exceeds 18 bits.
+constexpr std::size_t kEnoughCoarser = 6;
 /// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;
 /// That all coordinates agree on a quantum proves more than that one is short: so many units of it may be in the
 /// largest.
 constexpr double kShortTogether = 0x1p45;
+/// Numbers of at least this part of the largest one show how many significant digits there are where the smallest have
+/// more decimals than fit beside the largest.
+constexpr double kLarge = 0x1p-12;
 /// The units that a float has room for.
 constexpr int kFloatBits = 24;
 constexpr double kFloatUnits = 0x1p24;
@@ -152,38 +163,103 @@ class Coordinates {
   Vec3 largest_;
 };
 
-/// Different values that bear witness of something, as many as are needed: one that is repeated proves no more.
-template <std::size_t kEnough>
-class Witnesses {
- public:
-  void add(double x) {
-    x = std::fabs(x);
-    const auto end = values_.begin() + static_cast<std::ptrdiff_t>(count_);
-    if (count_ < kEnough && std::find(values_.begin(), end, x) == end) values_[count_++] = x;
-  }
-  bool add(const Witnesses& others) {
-    for (const double x : others.values()) add(x);
-    return true;
-  }
-  std::span<const double> values() const { return std::span(values_).first(count_); }
-  bool are_enough() const { return count_ == kEnough; }
+/// The multiples of a power of two over a power of five.
+struct Lattice {
+  int decimals = 0;
+  double quantum = 0;  ///< a power of two: of the numbers times five to the power of `decimals`
 
- private:
-  std::array<double, kEnough> values_{};
-  std::size_t count_ = 0;
+  double step() const { return times_power_of_five(quantum, -decimals); }
+  bool is_within_reach() const { return std::abs(decimals) <= kAny.most; }
+  /// Whether x is a multiple but for the last bits.
+  bool holds(double x) const { return odd_part(times_power_of_five(x, decimals)).quantum >= quantum; }
+  /// How many steps x is.
+  std::int64_t units(double x) const { return std::llround(times_power_of_five(x, decimals) / quantum); }
+  Lattice times(int power_of_two, int power_of_five) const {
+    return {decimals - power_of_five, std::ldexp(quantum, power_of_two)};
+  }
 };
 
-/// The quantum of which all coordinates are multiples after d decimals; 0 if there is none that leaves them short.
-double common_quantum(const Coordinates& coordinates, int d) {
+/// The lattice of all coordinates of at least `cutoff` after d decimals, if there is one that leaves them short.
+std::optional<Lattice> common_lattice(const Coordinates& coordinates, int d, double cutoff) {
   const double largest = times_power_of_five(coordinates.largest_of_all(), d);
   const auto take = [&](double& least, double quantum) {
     least = std::min(least, quantum);
     return largest / least < kShortTogether;
   };
   const auto quantum = coordinates.found_in_all(
-      HUGE_VAL, [&](double& least, double x, int) { return take(least, odd_part(times_power_of_five(x, d)).quantum); },
+      HUGE_VAL,
+      [&](double& least, double x, int) {
+        return std::fabs(x) < cutoff || take(least, odd_part(times_power_of_five(x, d)).quantum);
+      },
       take);
-  return quantum ? times_power_of_five(*quantum, -d) : 0;
+  if (!quantum) return std::nullopt;
+  return Lattice{d, *quantum};
+}
+
+/// The common lattice with the fewest decimals. There is none for very long whole numbers: their last digit may well
+/// stand left of the point.
+std::optional<Lattice> common_lattice(const Coordinates& coordinates, Decimals decimals, double cutoff) {
+  for (int d = decimals.least_in_common; d <= decimals.most; ++d) {
+    const auto lattice = common_lattice(coordinates, d, cutoff);
+    if (!lattice) continue;
+    if (d == 0 && decimals.least_in_common == 0 && coordinates.largest_of_all() / lattice->step() > kShort) break;
+    return lattice;
+  }
+  return std::nullopt;
+}
+
+/// Steps of which all coordinates are multiples, with the evidence in bits that they were rounded to them.
+struct Claim {
+  Vec3 steps = {};
+  int bits = 0;
+
+  bool is_proven() const { return bits >= kEvidence; }
+  /// The largest part of the steps, by powers of two, that the evidence proves. If the part 2^-k were still too coarse,
+  /// the true step would be finer than the claimed one by 2^(k+1) at least, and each number would count k + 1 bits.
+  Vec3 certain_steps() const {
+    if (bits == 0) return {};
+    return std::ldexp(1.0, 1 - (kEvidence + bits - 1) / bits) * steps;
+  }
+};
+
+/// The claim of the lattice that all coordinates share.
+struct Fixed {
+  Claim claim;
+  bool is_last_digit_shown = false;  ///< by numbers with as many digits as the largest
+};
+
+int count_digits(std::int64_t n) {
+  int digits = 0;
+  for (; n > 0; n /= 10) ++digits;
+  return digits;
+}
+
+Fixed fixed_decimals(const Coordinates& coordinates, const Lattice& lattice) {
+  struct Found {
+    Evidence evidence;
+    std::int64_t largest = 0, largest_odd = 0, largest_not_of_five = 0;
+  };
+  const auto found = *coordinates.found_in_all(
+      Found{},
+      [&](Found& f, double x, int axis) {
+        const std::int64_t units = lattice.units(x), n = std::abs(units);
+        f.evidence.add(x, n, units, axis);
+        f.largest = std::max(f.largest, n);
+        if (n % 2 != 0) f.largest_odd = std::max(f.largest_odd, n);
+        if (n % 5 != 0) f.largest_not_of_five = std::max(f.largest_not_of_five, n);
+        return true;
+      },
+      [](Found& f, const Found& other) {
+        f.evidence.add(other.evidence);
+        f.largest = std::max(f.largest, other.largest);
+        f.largest_odd = std::max(f.largest_odd, other.largest_odd);
+        f.largest_not_of_five = std::max(f.largest_not_of_five, other.largest_not_of_five);
+        return true;
+      });
+  const double step = lattice.step();
+  const int shown = count_digits(std::min(found.largest_odd, found.largest_not_of_five));
+  return {{{step, step, step}, found.evidence.bits([](std::int64_t) { return 1.0; })},
+          shown == count_digits(found.largest)};
 }
 
 double last_place(double x, int bits) {
@@ -198,60 +274,160 @@ double nearest_float(double x) {
   return std::ldexp(std::nearbyint(fraction * kFloatUnits), exponent - kFloatBits);
 }
 
-/// The largest power of ten, times `unit`, that is not above x.
-double decade(double x, double unit) { return unit * std::pow(10, std::floor(std::log10(x / unit * (1 + 1e-9)))); }
-
-/// Whether the numbers seem to be limited in significant digits: the small ones have decimals that the large ones lack.
-/// One value that shows nearly all the digits which the common quantum leaves to the largest one proves the contrary.
-bool has_limited_digits(const Coordinates& coordinates, double common, Decimals decimals) {
-  if (common == 0) return coordinates.are_all([&](double x) { return shortest(x, decimals).quantum != 0; });
-  const double digits = coordinates.largest_of_all() / common;
-  const auto leaves_one = [&](double x) {
-    const Decimal form = shortest(x, decimals);
-    return form.quantum != 0 && digits > 10 * form.units;
-  };
-  if (coordinates.are_all(leaves_one)) return true;
-  // Between neighbouring decades the quanta differ by ten only: then all of several long numbers in the higher one must
-  // lack the last digit of the lower one.
-  const double top = decade(coordinates.largest_of_all(), common);
-  const auto witnesses = coordinates.found_in_all(
-      Witnesses<4>{},
-      [&](Witnesses<4>& found, double x, int) {
-        if (std::fabs(x) < top * (1 - 1e-9)) return true;
-        const Decimal form = shortest(x, decimals);
-        if (form.units * 100 >= digits) found.add(x);
-        return form.quantum >= 5 * common;
-      },
-      [](auto& found, const auto& more) { return found.add(more); });
-  return witnesses && witnesses->are_enough();
-}
-
-/// The coordinate that shows most digits.
-Decimal longest_form(const Coordinates& coordinates, Decimals decimals) {
-  const auto take = [](Decimal& longest, const Decimal& form) {
-    if (form.units > longest.units || (form.units == longest.units && form.quantum < longest.quantum)) longest = form;
-    return true;
-  };
-  return *coordinates.found_in_all(
-      Decimal{}, [&](Decimal& longest, double x, int) { return take(longest, shortest(x, decimals)); }, take);
-}
-
 Vec3 larger_of(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 
-/// Per axis, the largest coordinate that shows nearly all of the digits: a 1 beside numbers below it may be one that
-/// nothing was rounded off.
-Vec3 largest_of_long(const Coordinates& coordinates, double most_units, Decimals decimals) {
-  return *coordinates.found_in_all(
-      Vec3{},
-      [&](Vec3& largest, double x, int axis) {
-        if (std::fabs(x) > largest[axis] && 100 * shortest(x, decimals).units >= most_units)
-          largest[axis] = std::fabs(x);
+/// A number of steps as units * 2^twos * 5^fives, where two and five do not divide the units.
+struct Factors {
+  std::int64_t units = 0;
+  int twos = 0, fives = 0;
+
+  Factors() = default;
+  explicit Factors(std::int64_t n) : units(n) {
+    if (n == 0) return;
+    twos = std::countr_zero(static_cast<std::uint64_t>(n));
+    units >>= twos;
+    for (; units % 5 == 0; units /= 5) ++fives;
+  }
+  double steps() const { return std::ldexp(times_power_of_five(1, fives), twos); }
+};
+
+/// The coordinates of at least `cutoff` that show most digits of the lattice, one for each power of two that their last
+/// digit may refer to. The longest comes first.
+std::vector<Factors> longest_numbers(const Coordinates& coordinates, const Lattice& lattice, double cutoff) {
+  constexpr int kMost = 4;
+  using Longest = std::array<Factors, 2 * kMost + 1>;
+  const auto take = [](Factors& longest, const Factors& other) {
+    if (other.units > longest.units || (other.units == longest.units && other.steps() < longest.steps()))
+      longest = other;
+  };
+  const Longest found = *coordinates.found_in_all(
+      Longest{},
+      [&](Longest& longest, double x, int) {
+        if (std::fabs(x) < cutoff) return true;
+        const Factors factors(std::abs(lattice.units(x)));
+        const int power_of_two = std::clamp(factors.twos - factors.fives, -kMost, kMost);
+        take(longest[static_cast<std::size_t>(power_of_two + kMost)], factors);
         return true;
       },
-      [](Vec3& largest, const Vec3& other) {
-        largest = larger_of(largest, other);
+      [&](Longest& longest, const Longest& other) {
+        for (std::size_t i = 0; i < longest.size(); ++i) take(longest[i], other[i]);
         return true;
       });
+  std::vector<Factors> sorted(found.begin(), found.end());
+  std::stable_sort(sorted.begin(), sorted.end(), [](const auto& a, const auto& b) { return a.units > b.units; });
+  return sorted;
+}
+
+/// A rule by which numbers may be limited in significant digits. The place of a number's last digit depends on its size.
+class SignificantDigits {
+ public:
+  /// A longest number tells how many digits there are, and by its last one to which power of two times ten they refer.
+  SignificantDigits(const Lattice& lattice, const Factors& longest)
+      : last_(lattice.times(longest.twos, longest.fives)),
+        last_step_(last_.step()),
+        digits_(count_digits(longest.units)) {
+    for (int i = 0; 2 * i < digits_; ++i) half_ *= 10;
+  }
+
+  Lattice last() const { return last_; }
+  /// Of a number of that size.
+  Lattice place(double x) const { return decimal_place(x, 1 - digits_); }
+  /// The decimal place, of those that the digits refer to, which is not above the step.
+  double not_above(double step) const { return decimal_place(step, 0).step(); }
+  /// Whether a number of so many units of its place has more than half of the digits. A shorter one may be exact: a 1
+  /// beside numbers below it.
+  bool is_long(std::int64_t units) const { return units % half_ != 0; }
+
+ private:
+  /// That of x's first digit, or one so many places before it.
+  Lattice decimal_place(double x, int before) const {
+    const int e = static_cast<int>(std::floor(std::log10(std::fabs(x) / last_step_ * (1 + 1e-12)))) + before;
+    return last_.times(e, e);
+  }
+
+  Lattice last_;
+  double last_step_;
+  int digits_;
+  std::int64_t half_ = 1;
+};
+
+/// The claim of significant digits.
+struct Significant {
+  Claim claim;
+  double coarsest = 0;    ///< the largest step of a number that is not exact: it shows one of its last two digits
+  bool is_apart = false;  ///< large numbers lack decimals that small ones have, and not by chance
+};
+
+/// Nothing, if any coordinate has more digits. `fixed_step` is that of which all are multiples; 0: there is none.
+std::optional<Significant> significant_digits(const Coordinates& coordinates, const SignificantDigits& significant,
+                                              const Lattice& lattice, double fixed_step) {
+  struct Found {
+    Evidence evidence;
+    Witnesses<kEnoughCoarser> coarser;             // than the fixed step, by ten at least
+    double coarsest_last = 0, coarsest_shown = 0;  // of numbers that show their last digit, or that or the one before
+    // How many numbers show their last digit, and how many do not, in the largest one's decade and below it.
+    Witnesses<kRates> shown, lacking, shown_below, lacking_below;
+    Vec3 largest_of_long;
+  };
+  constexpr double kOverDecimal = 4.99;
+  const double least_coarser = fixed_step > 0 ? kOverDecimal * significant.not_above(fixed_step) : 0;
+  const double lower = 0.5 * significant.place(coordinates.largest_of_all()).step();
+  const auto found = coordinates.found_in_all(
+      Found{},
+      [&](Found& f, double x, int axis) {
+        const Lattice place = significant.place(x);
+        if (!place.is_within_reach()) return place.decimals > 0;  // so small a number, or so large a place
+        if (!place.holds(x)) return false;
+        const std::int64_t units = std::abs(place.units(x));
+        f.evidence.add(x, units, lattice.units(x), axis);
+        if (units % 10 != 0 && place.step() > least_coarser) f.coarser.add(x);
+        if (place.step() < lower)
+          (units % 10 != 0 ? f.shown_below : f.lacking_below).add(x);
+        else
+          (units % 10 != 0 ? f.shown : f.lacking).add(x);
+        if (units % 10 != 0) f.coarsest_last = std::max(f.coarsest_last, place.step());
+        if (units % 100 != 0 && significant.is_long(units)) f.coarsest_shown = std::max(f.coarsest_shown, place.step());
+        if (significant.is_long(units)) f.largest_of_long[axis] = std::max(f.largest_of_long[axis], std::fabs(x));
+        return true;
+      },
+      [](Found& f, const Found& other) {
+        f.evidence.add(other.evidence);
+        f.coarser.add(other.coarser);
+        f.shown.add(other.shown);
+        f.lacking.add(other.lacking);
+        f.shown_below.add(other.shown_below);
+        f.lacking_below.add(other.lacking_below);
+        f.coarsest_last = std::max(f.coarsest_last, other.coarsest_last);
+        f.coarsest_shown = std::max(f.coarsest_shown, other.coarsest_shown);
+        f.largest_of_long = larger_of(f.largest_of_long, other.largest_of_long);
+        return true;
+      });
+  if (!found) return std::nullopt;
+  // If digits were limited, small and large numbers would show their last digit equally often. If most large ones do
+  // and most small ones do not, both are exact decimals, all but a few.
+  constexpr std::size_t kFew = 6;
+  const auto are_most = [](const auto& some, const auto& others) {
+    return some.count() >= kFew && 2 * some.count() > 3 * others.count();
+  };
+  const bool is_alike = !are_most(found->shown, found->lacking) || !are_most(found->lacking_below, found->shown_below);
+  const auto step_near = [&](std::int64_t n) {
+    return n == 0 ? 1
+                  : std::max(1.0, significant.place(static_cast<double>(n) * lattice.step()).step() / lattice.step());
+  };
+  // Many large numbers, and none shows its last digit: they are exact, and lack nothing.
+  const bool are_large_exact = found->shown.count() == 0 && found->lacking.count() >= kFew;
+  const double coarsest = are_large_exact ? found->coarsest_last : found->coarsest_shown;
+  Significant result{
+      {{}, found->evidence.bits(step_near)}, coarsest, is_alike && (found->coarser.are_enough() || fixed_step == 0)};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double of_long = found->largest_of_long[axis], largest = of_long > 0 ? of_long : coordinates.largest()[axis];
+    const Lattice place = largest > 0 ? significant.place(largest) : Lattice{};
+    if (!place.is_within_reach()) return std::nullopt;
+    result.claim.steps[axis] = place.step();
+    // All numbers of this coordinate lack the last digit that they would have if digits were limited.
+    if (of_long > 0 && kOverDecimal * place.step() < fixed_step) result.is_apart = false;
+  }
+  return result;
 }
 
 /// Whether the decimals are those of floats, to so many places that the floats' own rounding shows: each is the nearest
@@ -264,7 +440,8 @@ bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals de
     return std::ilogb(ratio * ratio * ratio * ratio);
   };
   if (seen(coordinates.largest_of_all(), unit) < 1) return false;
-  constexpr int kEnough = 64;
+  // If they were decimals, each would be so near to a float with a probability of two to the power of minus its bits.
+  constexpr int kEnough = 4 * kEvidence;
   using Found = Witnesses<kEnough>;
   const auto witnesses = coordinates.found_in_all(
       Found{},
@@ -287,47 +464,77 @@ Vec3 float_steps(const Coordinates& coordinates) {
   return {step(largest.x), step(largest.y), step(largest.z)};
 }
 
-std::optional<Rounding> rounding_of_decimals(const Coordinates& coordinates, Decimals decimals) {
-  double unit = 0;
-  for (int d = decimals.least_in_common; d <= decimals.most && unit == 0; ++d) {
-    unit = common_quantum(coordinates, d);
-    // So long, and no decimals: the last digit may well stand left of the point.
-    const bool are_whole = d == 0 && unit != 0;
-    if (are_whole && decimals.least_in_common == 0 && coordinates.largest_of_all() / unit > kShort) return std::nullopt;
+/// What significant digits of coordinates show, if there is a number of digits that none exceeds. `unit` becomes the
+/// place of the last digit.
+std::optional<Significant> find_significant_digits(const Coordinates& coordinates, const Lattice& lattice,
+                                                   double cutoff, double fixed_step, double& unit) {
+  // The longest number may end in an even digit or in a five by chance, and then seems to refer to another power of
+  // two. But then others have more digits.
+  constexpr std::size_t kTries = 3;
+  const std::vector<Factors> longest = longest_numbers(coordinates, lattice, cutoff);
+  for (std::size_t i = 0; i < kTries && longest[i].units > 0; ++i) {
+    const SignificantDigits digits(lattice, longest[i]);
+    const auto significant = significant_digits(coordinates, digits, lattice, fixed_step);
+    if (!significant) continue;
+    unit = digits.last().step();
+    return significant;
   }
-  Vec3 steps{unit, unit, unit};
-  if (has_limited_digits(coordinates, unit, decimals)) {
-    const Decimal longest = longest_form(coordinates, decimals);
-    unit = longest.quantum;
-    const double digits = decade(longest.units, 1);
-    const Vec3 of_long = largest_of_long(coordinates, longest.units, decimals);
-    for (int axis = 0; axis < 3; ++axis) {
-      const double largest = of_long[axis] > 0 ? of_long[axis] : coordinates.largest()[axis];
-      steps[axis] = largest == 0 ? 0 : decade(largest, unit) / digits;
+  return std::nullopt;
+}
+
+/// What decimals of coordinates prove, if they have any in common. `unit` becomes the place of the last digit.
+std::optional<Claim> claim_of_decimals(const Coordinates& coordinates, Decimals decimals, double& unit) {
+  if (const auto lattice = common_lattice(coordinates, decimals, 0)) {
+    unit = lattice->step();
+    Fixed fixed = fixed_decimals(coordinates, *lattice);
+    if (fixed.is_last_digit_shown) return fixed.claim;
+    double last = 0;
+    const auto significant = find_significant_digits(coordinates, *lattice, 0, unit, last);
+    if (!significant || significant->coarsest < 1.01 * unit) return fixed.claim;
+    if (significant->is_apart) {
+      unit = last;
+      return significant->claim;
     }
+    // The largest numbers lack the last digits of the others, but they are so few that this may be chance.
+    fixed.claim.bits = std::min(fixed.claim.bits, kEvidence - 1);
+    return fixed.claim;
   }
-  if (unit == 0) return std::nullopt;
-  if (!are_printed_floats(coordinates, unit, decimals)) return Rounding{steps, true};
-  return Rounding{larger_of(steps, float_steps(coordinates)), false};
+  // The smallest ones may have more decimals than a double of the largest one's size.
+  const double cutoff = kLarge * coordinates.largest_of_all();
+  const auto lattice = common_lattice(coordinates, decimals, cutoff);
+  if (!lattice) return std::nullopt;
+  const auto significant = find_significant_digits(coordinates, *lattice, cutoff, 0, unit);
+  if (!significant) return std::nullopt;
+  Claim claim = significant->claim;
+  if (!significant->is_apart) claim.bits = 0;
+  return claim;
 }
 
 Rounding rounding_of(const Coordinates& coordinates) {
-  if (coordinates.are_all([](double x) { return odd_part(x).units < kFloatUnits; })) {
-    const double common = common_quantum(coordinates, 0);
-    const Vec3 floats = float_steps(coordinates);
-    return {larger_of({common, common, common}, floats), common >= std::max({floats.x, floats.y, floats.z})};
-  }
   const double least = last_place(coordinates.largest_of_all(), 53);
-  const Vec3 as_doubles{least, least, least};
-  for (const Decimals decimals : {kUsual, kAny})
-    if (const auto rounding = rounding_of_decimals(coordinates, decimals))
-      return {larger_of(rounding->steps, as_doubles), rounding->is_decimal};
-  return {as_doubles, false};
+  Vec3 steps{least, least, least};
+  if (coordinates.are_all([](double x) { return odd_part(x).units < kFloatUnits; })) {
+    const Vec3 as_floats = float_steps(coordinates);
+    const auto common = common_lattice(coordinates, 0, 0);
+    // Else the numbers are so short that nothing was rounded off to make floats of them.
+    if (!common || common->step() <= std::max({as_floats.x, as_floats.y, as_floats.z}))
+      return {as_floats, as_floats, as_floats, false};
+  }
+  for (const Decimals decimals : {kUsual, kAny}) {
+    double unit = 0;
+    const auto claim = claim_of_decimals(coordinates, decimals, unit);
+    if (!claim) continue;
+    const bool are_floats = are_printed_floats(coordinates, unit, decimals);
+    if (are_floats) steps = larger_of(steps, float_steps(coordinates));
+    const Vec3 possible = larger_of(steps, claim->steps);
+    if (claim->is_proven()) return {possible, possible, possible, !are_floats};
+    return {steps, larger_of(steps, claim->certain_steps()), possible, !are_floats};
+  }
+  return {steps, steps, steps, false};
 }
 
-}  // namespace
-
-double Rounding::step() const {
+/// One length for three: the root of the mean of their squares.
+double mean_step(const Vec3& steps) {
   if (steps.x == steps.y && steps.y == steps.z) return steps.x;
   // Near 1, where squares neither over- nor underflow.
   const int exponent = std::ilogb(std::max({steps.x, steps.y, steps.z}));
@@ -335,19 +542,32 @@ double Rounding::step() const {
   return std::ldexp(std::sqrt(dot(scaled, scaled) / 3), exponent);
 }
 
+}  // namespace
+
+double Rounding::step() const { return mean_step(steps); }
+double Rounding::certain_step() const { return mean_step(certain_steps); }
+double Rounding::possible_step() const { return mean_step(possible_steps); }
+
 Rounding rounding_of(std::span<const Vec3> positions, RunControl& control) {
   const Coordinates coordinates(positions, control);
   if (coordinates.largest_of_all() == 0) return {};
   Rounding rounding = rounding_of(coordinates);
   rounding.steps = coordinates.unit() * rounding.steps;
+  rounding.certain_steps = coordinates.unit() * rounding.certain_steps;
+  rounding.possible_steps = coordinates.unit() * rounding.possible_steps;
   return rounding;
 }
 
-AutomaticTolerance automatic_tolerance(double step, double diagonal) {
-  const double floor = kToleranceFloor * diagonal;
-  const double wanted = std::clamp(kToleranceSteps * step, floor, kToleranceCeiling * diagonal);
-  const bool is_unquestioned = wanted <= kToleranceUnquestioned * diagonal;
-  return {is_unquestioned ? wanted : floor, wanted};
+AutomaticTolerance automatic_tolerance(const Rounding& rounding, double diagonal) {
+  const double floor = kToleranceFloor * diagonal, unquestioned = kToleranceUnquestioned * diagonal,
+               ceiling = kToleranceCeiling * diagonal;
+  AutomaticTolerance tolerance;
+  tolerance.explained = std::max(floor, kToleranceSteps * rounding.possible_step());
+  tolerance.is_capped = tolerance.explained > ceiling;
+  tolerance.value = tolerance.explained <= unquestioned ? tolerance.explained : floor;
+  tolerance.if_bent = std::min(tolerance.explained, unquestioned);
+  tolerance.if_noisy = std::clamp(kToleranceSteps * rounding.certain_step(), tolerance.if_bent, ceiling);
+  return tolerance;
 }
 
 }  // namespace remesh

@@ -17,11 +17,12 @@ inline constexpr double kToleranceFloor = 1e-9;
 /// points adds.
 inline constexpr double kToleranceSteps = 2.6;
 
-/// Largest automatic plane tolerance, of the diagonal. Coordinates that are all whole numbers have a step of 1, but are
-/// rarely rounded to it: a cube of corners 0 and 1 must not become flat.
+/// Largest automatic plane tolerance, of the diagonal. A model that was rounded more coarsely has details of the same
+/// size as the rounding, and only its owner knows which are which: `rounding_capped` tells of it.
 inline constexpr double kToleranceCeiling = 1e-4;
 
-/// Above this, of the diagonal, a step counts as noise only if faces are seen to bend by it (see `is_noise_present`).
+/// Above this, of the diagonal, a step counts as noise only if faces are seen to bend by it as rounding bends them (see
+/// `is_noise_present`). Coordinates that are all multiples of 0.01 may be exact.
 inline constexpr double kToleranceUnquestioned = 1e-6;
 
 /// A face thinner than this many plane tolerances has no normal worth asking, and may be turned over in its plane.
@@ -35,29 +36,58 @@ inline constexpr double kUnquestionedBend = 1e-6;
 /// A step of the ladder tightens a patch's tolerance by this.
 inline constexpr double kLadderFactor = 0.1;
 
-/// What coordinates are rounded to.
+/// The steps to which coordinates are rounded.
 struct Rounding {
-  Vec3 steps = {};          ///< of each coordinate where it is largest; 0: it is 0 everywhere
-  bool is_decimal = false;  ///< by printing; else as floats or doubles, which arithmetic may have rounded many times
+  Vec3 steps = {};           ///< of each coordinate where it is largest; 0: it is 0 everywhere
+  Vec3 certain_steps = {};   ///< the same if they are proven; else what few numbers prove, never less than `steps`
+  Vec3 possible_steps = {};  ///< the largest that the digits allow, proven or not; never less than `steps`
+  bool is_decimal = false;   ///< `possible_steps` come from printing; else from floats or doubles, which arithmetic may
+                             ///< have rounded many times
 
-  /// Of the three together: the root of the mean of their squares.
+  /// One for the three coordinates: the root of the mean of the squares of `steps`.
   double step() const;
+  double certain_step() const;
+  double possible_step() const;
 };
 
-/// Read from the values: the largest power of ten (times a power of two) of which all are multiples, if that leaves
-/// short numbers; where they are limited in significant digits, the last place of each coordinate's largest number that
-/// shows them; that of its largest as a float if all are floats, be they printed in decimals; else as a double. What is
-/// nearer to 0 than any tolerance counts as 0.
-/// Holds:  scales with the coordinates by powers of two.
+/// Reads from the values what they were rounded to: the largest power of ten (times a power of two) of which all are
+/// multiples, if that leaves short numbers; where they are limited in significant digits, the last place of each
+/// coordinate's largest number that shows more than half of them; the last place of its largest number as a float if
+/// all are floats that use their last places, be they printed in decimals; else the last place of the largest number as
+/// a double.
+///
+/// A decimal step needs evidence: exact dimensions are short decimals too, and few numbers share a step by chance. The
+/// evidence is enough if numbers with a finer step would give it with a probability of at most 2^-18 (see kEvidence);
+/// 33 independent values that were rounded nearly always do so. Without it the coordinates count as not rounded, which
+/// is the answer for floats or doubles. Then `certain_steps` has the largest parts of the decimal steps that the few
+/// numbers do prove: a box that was turned and printed has 12 or 24 numbers, and they prove a half or a quarter of its
+/// step.
+///
+/// What is nearer to 0 than any tolerance counts as 0.
+/// Holds:  depends only on the set of each coordinate's values, be they repeated or in another order. Scales with the
+///         coordinates by powers of two. Never above the step of which all coordinates are multiples, or their place.
+/// Cost:   O(n), in parallel.
 /// Source: REFINEMENT, rule 12, carried from decimals to decimals times powers of two, so that scaling by two keeps it.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 Rounding rounding_of(std::span<const Vec3> positions, RunControl& control);
 
-/// The plane tolerance that a step explains in a mesh of that diagonal.
+/// The plane tolerances that a rounding explains in a mesh of that diagonal. Each takes the place of the one before if
+/// faces are seen to bend by it.
+///
+/// Digits alone do not prove noise. A plate that is crowned by 0.01 bends by one step of its coordinates, and the crown
+/// is meant. So it depends on the size of the step:
+/// - What is smaller than kToleranceUnquestioned of the diagonal is never meant where the digits explain it. A cube
+///   with a corner at 1.000001 is a cube. This needs no evidence that the coordinates are rounded, only that they allow
+///   it.
+/// - What is larger needs evidence twice: of many numbers, that the coordinates are rounded to the step at all; and of
+///   several faces that bend, that they are rounded further than the model's own details are large.
 struct AutomaticTolerance {
-  double value = 0;     ///< without doubt
-  double if_noisy = 0;  ///< where faces are seen to bend by it; never less than `value`
+  double value = 0;        ///< without doubt
+  double if_bent = 0;      ///< if a face bends by more than `value` and at most by this
+  double if_noisy = 0;     ///< if faces bend as by noise (see `is_noise_present`)
+  double explained = 0;    ///< by the possible step alone, however large
+  bool is_capped = false;  ///< `explained` is above kToleranceCeiling
 };
-AutomaticTolerance automatic_tolerance(double step, double diagonal);
+AutomaticTolerance automatic_tolerance(const Rounding& rounding, double diagonal);
 
 }  // namespace remesh

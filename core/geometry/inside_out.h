@@ -1,4 +1,4 @@
-/// Closed pieces of a surface that look the wrong way.
+/// Closed shells of a surface that look the wrong way.
 #pragma once
 
 #include <cstdint>
@@ -8,25 +8,29 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/geometry/shells.h"
 #include "core/mesh/adjacency.h"
 
 namespace remesh {
 
 struct InsideOut {
   std::vector<std::uint8_t> is_inside_out;  ///< per face; empty if none is
-  std::vector<FaceId> first_faces;          ///< the first face of each such piece, ascending
+  std::vector<FaceId> first_faces;          ///< the first face of each such shell, ascending
 };
 
-/// Finds the closed, consistently wound, edge-connected pieces that enclose a negative volume and lie within an even
-/// number of others. Within an odd number a negative volume is a cavity's, as it should be; a positive one is never
-/// called wrong, since it may be a solid of its own.
-/// Input:  coordinates within [-2^250, 2^250]. Polygons count as fans, whose signed parts give the right sums.
-/// Holds:  exact in what lies within what, where pieces do not cross. A piece is judged by its lexicographically
-///         smallest vertex, moved by an infinitesimal if it touches another one.
-/// Cost:   O(n); for negative pieces, if there are others, a tree and for each what lies in one direction from it.
-///         Where that is more than 1e7 triangles in all, as in a nest of very many, the rest is judged by the nearest
-///         piece in the other direction alone; which one is nearest is told to rounding, then.
-InsideOut find_inside_out(std::span<const Vec3> positions, std::span<const std::uint32_t> face_begin,
-                          std::span<const VertexId> corners, const Adjacency& edges, RunControl& control);
+/// Finds the closed shells (shells.h) that look the wrong way, from outside in:
+/// - A shell that lies in none looks outwards, as does one that lies in a cavity.
+/// - A shell that lies in the solid inside another one, and has a label of that one, is a cavity of the same body and
+///   looks inwards.
+/// - If it has labels of its own, it may be a solid of its own, or a cavity with a name. It is right as it is, unless
+///   both look inwards and the outer one is wrong: then a body was mirrored with what is in it.
+/// A shell is judged as if those around it looked the right way, so turning over what is found leaves none. Two shells
+/// share a label where a face of one and a face of the other belong to the same object, group and material.
+/// Input:   triangles, three corners each, and their labels; coordinates within [-2^250, 2^250].
+/// Holds:   a shell that crosses others is no cavity of theirs. Of shells that coincide, those that look the right way
+///          count as the outer ones. For nothing else see ShellNesting.
+/// Cost:    O(n) for separate bodies; see ShellNesting.
+InsideOut find_inside_out(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& edges,
+                          const BodyLabels& labels, RunControl& control);
 
 }  // namespace remesh

@@ -24,10 +24,6 @@ constexpr std::size_t kBlock = 4096;
 /// Between two points of cancellation.
 constexpr std::uint32_t kTestsBetweenChecks = 4096;
 
-/// Patches of at most so many faces are looked at inside, and held against each other as a whole: they are near their
-/// rim.
-constexpr std::uint32_t kFewFaces = 16;
-
 /// So many faces of a patch are asked for at once, whether any is near another patch.
 constexpr std::size_t kRun = 32;
 

@@ -27,6 +27,10 @@ struct PatchedFaces {
   Triangle face(std::size_t f) const { return {corners[3 * f], corners[3 * f + 1], corners[3 * f + 2]}; }
 };
 
+/// Patches of at most so many faces are looked at inside, and held against each other as a whole: all of their faces
+/// are near their rim.
+inline constexpr std::uint32_t kFewFaces = 16;
+
 /// Finds the pairs of faces that intersect (`self_intersections`), but for pairs within one large patch that is simple.
 /// Output:  as self_intersections.
 /// Holds:   nothing is missed between patches: a face is left out only if no face of another patch reaches into its

@@ -56,10 +56,12 @@ constexpr std::array<Mark, 13> kForeignMarks{{
     {"<?xml", "XML that is not VTU"},
 }};
 
-/// An OBJ's first record could be named so, too.
+/// An OBJ's first record could be named "solid", too.
 bool has_stl_keyword(std::string_view text) {
-  for (const std::string_view keyword : {"facet", "endsolid", "FACET", "ENDSOLID"}) {
-    if (text.find(keyword) != std::string_view::npos) return true;
+  for (const std::string_view keyword : {"facet", "endsolid"}) {
+    const auto found = std::search(text.begin(), text.end(), keyword.begin(), keyword.end(),
+                                   [](char c, char lower) { return to_lower(c) == lower; });
+    if (found != text.end()) return true;
   }
   return false;
 }
@@ -80,6 +82,10 @@ std::string_view format_name(Format format) {
   return "";
 }
 
+std::string_view file_ending(Format format) { return format_name(format == Format::kStlAscii ? Format::kStl : format); }
+
+Storage storage_of(Format format) { return format == Format::kStl ? Storage::kFloat : Storage::kDouble; }
+
 std::optional<Format> format_from_name(std::string_view name) {
   const auto found = std::find_if(kFormats.begin(), kFormats.end(), [&](Format f) { return format_name(f) == name; });
   return found == kFormats.end() ? std::nullopt : std::optional(*found);
@@ -91,7 +97,8 @@ std::optional<Format> format_from_file_name(std::string_view file_name) {
   if (point == std::string_view::npos || file_name[point] != '.') return std::nullopt;
   std::string ending(file_name.substr(point + 1));
   std::transform(ending.begin(), ending.end(), ending.begin(), to_lower);
-  return format_from_name(ending);
+  const auto found = std::find_if(kFormats.begin(), kFormats.end(), [&](Format f) { return file_ending(f) == ending; });
+  return found == kFormats.end() ? std::nullopt : std::optional(*found);
 }
 
 bool is_gzip_file_name(std::string_view file_name) {

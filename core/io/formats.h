@@ -14,17 +14,23 @@
 
 namespace remesh {
 
-/// Every format of the contract. All are written, all but VTU and MSH are read.
+/// Every format of the contract. All are written, all but VTU and MSH are read. The two kinds of STL are one format to
+/// a reader, kStl: kStlAscii is only asked for.
 enum class Format { kObj, kJson, kStl, kStlAscii, kPly, kOff, kVtu, kMsh };
 
 inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kStl, Format::kStlAscii,
                                         Format::kPly, Format::kOff,  Format::kVtu, Format::kMsh};
 
-/// The stable name, which is the usual file ending too: `obj`, `json`, ...
+/// The stable name: `obj`, `json`, ...
 std::string_view format_name(Format format);
+/// The usual ending of a file's name, without the point. It is the format's name, but for `stl_ascii`: `stl`.
+std::string_view file_ending(Format format);
+/// The numbers in which a format is written.
+Storage storage_of(Format format);
 /// The format of that very name.
 std::optional<Format> format_from_name(std::string_view name);
-/// By the ending of a file's name, in upper or lower case: `part.STL`, `part.obj.gz`. The directory does not count.
+/// By the ending of a file's name, in upper or lower case: `part.STL`, `part.obj.gz`. The directory does not count. Of
+/// formats with one ending it is the first.
 std::optional<Format> format_from_file_name(std::string_view file_name);
 /// Whether a file's name ends in `.gz`.
 bool is_gzip_file_name(std::string_view file_name);

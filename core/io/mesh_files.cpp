@@ -31,12 +31,12 @@ std::string write_mesh(Format format, const TriangleMesh& mesh, const IdVector<F
   switch (format) {
     case Format::kObj: return write_obj(mesh, comments, control);
     case Format::kStl: return write_stl(mesh, comments, control);
+    case Format::kStlAscii: return write_stl_ascii(mesh, control);
     case Format::kPly: return write_ply(mesh, comments, control);
     case Format::kOff: return write_off(mesh, comments, control);
     case Format::kVtu: return write_vtu(mesh, face_patch, comments, control);
     case Format::kMsh: return write_msh(mesh, face_patch, comments, control);
-    case Format::kJson:
-    case Format::kStlAscii: break;
+    case Format::kJson: break;
   }
   throw Error(Code::kNotAcceptable, Stage::kWrite,
               "the format " + std::string(format_name(format)) + " is not written here");

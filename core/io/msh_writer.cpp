@@ -13,14 +13,6 @@ constexpr int kSurface = 2;         // dimension of a physical group
 constexpr int kTriangle = 2;        // Gmsh's number of the element type
 constexpr int kTagsPerElement = 2;  // physical group and elementary entity
 
-/// The labels that become physical groups; null: the patches do.
-const LabelSet* physical_labels(const FaceLabels& labels) {
-  for (const LabelSet* set : {&labels.group, &labels.object, &labels.material}) {
-    if (set->is_used()) return set;
-  }
-  return nullptr;
-}
-
 /// A name that stays within its quotes and its line.
 std::string quoted(std::string_view name) {
   std::string clean = without_control_characters(name.empty() ? "unnamed" : name);
@@ -42,7 +34,8 @@ void write_name(std::string& out, std::size_t tag, std::string_view name) {
 std::string write_msh(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>& face_patch,
                       const std::vector<std::string>& comments, RunControl& control) {
   control.enter(Stage::kWrite);
-  const LabelSet* const labels = physical_labels(mesh.labels);
+  // Without labels the patches become the physical groups.
+  const LabelSet* const labels = dividing_labels(mesh.labels);
   std::string out = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
   if (!comments.empty()) {
     out += "$Comments\n";

@@ -34,7 +34,8 @@ std::optional<OffKind> off_kind(std::string_view word);
 /// Cost:    O(content); nothing is reserved that the content has no room for.
 ReadResult read_off(std::string_view content, const ReadLimits& limits, RunControl& control);
 
-/// Writes OFF text: `OFF`, `comments` as `#` lines, counts, vertices, faces. Labels are lost.
+/// Writes OFF text: `OFF`, counts, vertices, faces, and `comments` as `#` lines at the end, the one place where all
+/// readers pass over them. Labels are lost.
 /// Holds:  every number is the shortest text that reads back to the same double.
 /// Errors: kCancelled, kTimeout - through `control`.
 /// Cost:   O(output).

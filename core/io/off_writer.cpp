@@ -7,9 +7,6 @@ namespace remesh {
 std::string write_off(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control) {
   control.enter(Stage::kWrite);
   std::string out = "OFF\n";
-  for (const std::string& comment : comments) {
-    for (const std::string& line : comment_lines(comment)) out += "# " + line + "\n";
-  }
   append_integer(out, mesh.positions.size());
   out += ' ';
   append_integer(out, mesh.faces.size());
@@ -34,6 +31,11 @@ std::string write_off(const TriangleMesh& mesh, const std::vector<std::string>& 
       append_integer(out, v.value);
     }
     out += '\n';
+  }
+  // Many readers take comments nowhere else: TetGen and OpenMesh expect the counts right behind the keyword, meshio and
+  // TetGen the vertices right behind the counts.
+  for (const std::string& comment : comments) {
+    for (const std::string& line : comment_lines(comment)) out += "# " + line + "\n";
   }
   return out;
 }

@@ -16,8 +16,11 @@ bool has_length_of_binary_stl(std::string_view content);
 bool is_binary_stl(std::string_view content);
 
 /// Reads STL of either kind.
-/// Input:   binary: 80 bytes of header, a count, 50 bytes a triangle. Text: keywords in upper or lower case; what
-///          stands behind a keyword that takes no value is skipped, as are the normals.
+/// Input:   binary: 80 bytes of header, a count, 50 bytes a triangle. Text: keywords in upper or lower case, those that
+///          end something in one word or in two (`end loop`). What stands behind a keyword that takes no value is
+///          skipped, as are the normals, comments (from `#`, `;`, `!` or `//` on), and lines that begin with no keyword
+///          before the first solid or before a solid's first facet. A name is the rest of its line, whatever that holds.
+///          The end of the text or the next `solid` may end a solid, too.
 /// Output:  triangles as listed. STL repeats a vertex for each triangle: those with equal coordinates are one, numbered
 ///          by first appearance. Each solid of a text becomes an object of that name, also where several have one name.
 ///          Floats are kept exactly, numbers of text are read as doubles. Attribute bytes (colours) are counted as
@@ -28,11 +31,19 @@ bool is_binary_stl(std::string_view content);
 /// Cost:    O(n log n).
 ReadResult read_stl(std::string_view content, const ReadLimits& limits, RunControl& control);
 
-/// Writes binary STL. Coordinates are rounded to floats, the only numbers that it has: this is the one format that does
-/// not give back what went in. Labels are lost, and the header takes no more of `comments` than their first line.
-/// Errors:  kNotAcceptable - a coordinate beyond the largest float, or a triangle two of whose corners are one place in
-///          floats; kOutputTooLarge - more triangles than 32 bits count; kCancelled, kTimeout - through `control`.
+/// Writes binary STL. Labels are lost, and the header takes no more of `comments` than their first line.
+/// Input:   coordinates that are floats, the only numbers that it has: see round_output. None is rounded here.
+/// Errors:  kInternal - a coordinate is no float; kOutputTooLarge - more triangles than 32 bits count; kCancelled,
+///          kTimeout - through `control`.
 /// Cost:    O(output).
 std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control);
+
+/// Writes STL as text, with the shortest digits that read back to the same doubles. Each group is a solid of its name,
+/// or each object where there are no groups, or each material where there are neither; else all is one solid without a
+/// name. Text STL has no place for comments.
+/// Output:  the solids in the order of their labels, the faces of each in theirs.
+/// Errors:  kCancelled, kTimeout - through `control`.
+/// Cost:    O(output).
+std::string write_stl_ascii(const TriangleMesh& mesh, RunControl& control);
 
 }  // namespace remesh

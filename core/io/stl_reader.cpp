@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <initializer_list>
 #include <utility>
@@ -120,9 +121,8 @@ class TextReader {
 
   ReadResult read() {
     while (next_line()) take_line();
-    if (state_ != State::kOutside) {
-      throw error("the text ends inside a solid: there is no \"endsolid\"");
-    }
+    // Some programs end no solid, and nothing else tells that the last one is whole.
+    if (state_ != State::kOutside && state_ != State::kSolid) throw error("the text ends inside a facet");
     if (solids_.empty()) throw error("not STL: there is no \"solid\"");
     ReadResult result;
     result.mesh = joined(std::move(positions_), limits_, control_);
@@ -148,29 +148,38 @@ class TextReader {
   }
 
   void take_line() {
-    // Names may be in any encoding, and hold anything.
     std::string_view rest = lines_.line();
-    std::string_view word = next_token(rest);
-    if (word.empty() && !lines_.control_character()) return;
-    if (state_ == State::kOutside || is(word, "endsolid")) return take_solid_line(word, rest);
+    const std::string_view word = next_token(rest);
+    // Names and comments may be in any encoding, and hold anything.
+    if ((word.empty() && !lines_.control_character()) || is_comment(word)) return;
+    if (is(word, "solid") && (state_ == State::kOutside || state_ == State::kSolid)) return begin_solid(rest);
+    if (state_ == State::kSolid && is_end_of("solid", word, rest)) {
+      state_ = State::kOutside;
+      return;
+    }
     lines_.check_is_text();
-    // Nearly all files have one of these a line, some have several.
-    for (; !word.empty(); word = next_token(rest)) take_word(word, rest);
+    if (is_header_allowed() && !is_keyword(word)) return;
+    take_words(word, rest);
   }
 
-  void take_solid_line(std::string_view word, std::string_view rest) {
-    if (is(word, "solid") && state_ == State::kOutside) {
-      const std::string_view name = trim(rest);
-      if (name.size() > kMaxNameLength) {
-        throw error("a name of more than " + std::to_string(kMaxNameLength) + " bytes");
-      }
-      solids_.push_back({std::string(name), positions_.size() / 3});
-      state_ = State::kSolid;
-    } else if (is(word, "endsolid") && state_ == State::kSolid) {
-      state_ = State::kOutside;
-    } else {
-      throw error(expected() + cited(word));
+  /// Some programs write lines of their own before the first solid, or between a solid's name and its first facet.
+  bool is_header_allowed() const {
+    if (state_ == State::kOutside) return solids_.empty();
+    return state_ == State::kSolid && solids_.back().first_face == positions_.size() / 3;
+  }
+
+  void begin_solid(std::string_view rest) {
+    const std::string_view name = trim(rest);
+    if (name.size() > kMaxNameLength) {
+      throw error("a name of more than " + std::to_string(kMaxNameLength) + " bytes");
     }
+    solids_.push_back({std::string(name), positions_.size() / 3});
+    state_ = State::kSolid;
+  }
+
+  /// Nearly all files have one keyword a line, some have several.
+  void take_words(std::string_view word, std::string_view rest) {
+    for (; !word.empty() && !is_comment(word); word = next_token(rest)) take_word(word, rest);
   }
 
   /// Takes a keyword and its values. What stands behind a keyword that ends something is skipped.
@@ -185,18 +194,18 @@ class TextReader {
       corners_ = 0;
     } else if (state_ == State::kLoop && is(word, "vertex")) {
       take_vertex(rest);
-    } else if (state_ == State::kLoop && is(word, "endloop")) {
+    } else if (state_ == State::kLoop && is_end_of("loop", word, rest)) {
       if (corners_ != 3) {
         throw error("a facet with " + std::to_string(corners_) + " vertices; STL has triangles")
             .at_element(positions_.size() / 3);
       }
       state_ = State::kLoopEnded;
-      skip_remark(rest, {"endfacet"});
-    } else if (state_ == State::kLoopEnded && is(word, "endfacet")) {
+      skip_remark(rest, {}, {"facet"});
+    } else if (state_ == State::kLoopEnded && is_end_of("facet", word, rest)) {
       positions_.insert(positions_.end(), triangle_, triangle_ + 3);
       state_ = State::kSolid;
-      skip_remark(rest, {"facet", "endsolid"});
-    } else if (state_ == State::kSolid && is(word, "endsolid")) {
+      skip_remark(rest, {"facet"}, {"solid"});
+    } else if (state_ == State::kSolid && is_end_of("solid", word, rest)) {
       state_ = State::kOutside;
       rest = {};
     } else {
@@ -227,11 +236,42 @@ class TextReader {
     ++corners_;
   }
 
-  /// Skips the rest of the line, unless it goes on with what comes next.
-  static void skip_remark(std::string_view& rest, std::initializer_list<std::string_view> next_keywords) {
+  /// Skips the rest of the line, unless it goes on with what comes next: one of these keywords, or the end of one of
+  /// these parts.
+  static void skip_remark(std::string_view& rest, std::initializer_list<std::string_view> next_keywords,
+                          std::initializer_list<std::string_view> next_ends) {
     std::string_view ahead = rest;
     const std::string_view word = next_token(ahead);
-    if (std::none_of(next_keywords.begin(), next_keywords.end(), [&](auto next) { return is(word, next); })) rest = {};
+    const auto comes = [&](std::string_view keyword) { return is(word, keyword); };
+    const auto ends = [&](std::string_view part) {
+      std::string_view behind = ahead;
+      return is_end_of(part, word, behind);
+    };
+    if (std::none_of(next_keywords.begin(), next_keywords.end(), comes) &&
+        std::none_of(next_ends.begin(), next_ends.end(), ends))
+      rest = {};
+  }
+
+  /// Is `word` the keyword that ends a part, in one word (`endloop`) or in two (`end loop`)? Then the second word is
+  /// cut off `rest`.
+  static bool is_end_of(std::string_view part, std::string_view word, std::string_view& rest) {
+    constexpr std::string_view kEnd = "end";
+    if (!is(word.substr(0, kEnd.size()), kEnd)) return false;
+    if (word.size() > kEnd.size()) return is(word.substr(kEnd.size()), part);
+    std::string_view ahead = rest;
+    if (!is(next_token(ahead), part)) return false;
+    rest = ahead;
+    return true;
+  }
+
+  static bool is_comment(std::string_view word) {
+    return word.starts_with('#') || word.starts_with(';') || word.starts_with('!') || word.starts_with("//");
+  }
+
+  static bool is_keyword(std::string_view word) {
+    constexpr std::array<std::string_view, 10> kKeywords{"solid",  "facet", "normal",  "outer",    "loop",
+                                                         "vertex", "end",   "endloop", "endfacet", "endsolid"};
+    return std::any_of(kKeywords.begin(), kKeywords.end(), [&](std::string_view k) { return is(word, k); });
   }
 
   void label(PolygonMesh& mesh) const {

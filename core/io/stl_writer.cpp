@@ -1,8 +1,13 @@
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <span>
 
+#include "core/base/grouping.h"
+#include "core/base/rounded_to_float.h"
 #include "core/io/bytes.h"
 #include "core/io/stl.h"
 #include "core/io/write_text.h"
@@ -14,29 +19,38 @@ constexpr std::size_t kHeader = 80;
 
 using Floats = std::array<float, 3>;
 
-[[noreturn]] void refuse(const std::string& reason, const std::string& other_way = "") {
-  throw Error(Code::kNotAcceptable, Stage::kWrite,
-              reason + ", the only numbers that STL has; ask for another format" + other_way)
-      .for_option("format");
+Floats nearest_floats(const Vec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-Floats to_floats(const Vec3& v) {
-  const Floats rounded{static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
-  if (!std::all_of(rounded.begin(), rounded.end(), [](float f) { return std::isfinite(f); }))
-    refuse("a coordinate is beyond the largest float");
-  return rounded;
-}
-
-/// A triangle whose corners come to lie in one place is no triangle any more: not the mesh that was verified.
-void check_corners(const std::array<Floats, 3>& corners) {
-  if (corners[0] == corners[1] || corners[1] == corners[2] || corners[2] == corners[0])
-    refuse("two corners of a triangle are one place in floats", ", or for longer edges by min_edge_length");
+/// What leaves is what was checked: nothing is rounded here.
+Floats exact_floats(const Vec3& v) {
+  if (!is_finite(v) || rounded_to_float(v) != v)
+    throw Error(Code::kInternal, Stage::kWrite, "a coordinate that is no float was to be written as binary STL");
+  return nearest_floats(v);
 }
 
 /// Unit normal; zero, as is the custom, where there is none.
 Vec3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
   // Unit vectors first: their product neither overflows nor underflows.
   return normalized(cross(normalized(b - a), normalized(c - a)));
+}
+
+void append_facet(std::string& out, const TriangleMesh& mesh, FaceId f) {
+  const auto& [a, b, c] = mesh.faces[f];
+  const Vec3 &p = mesh.positions[a], &q = mesh.positions[b], &r = mesh.positions[c];
+  out += "facet normal";
+  for (const float coordinate : nearest_floats(normal_of(p, q, r))) {
+    char digits[32];
+    out += ' ';
+    out.append(digits, std::to_chars(digits, digits + sizeof digits, coordinate).ptr);
+  }
+  out += "\n outer loop\n";
+  for (const Vec3* corner : {&p, &q, &r}) {
+    out += "  vertex";
+    append_coordinates(out, *corner);
+  }
+  out += " endloop\nendfacet\n";
 }
 
 }  // namespace
@@ -48,7 +62,7 @@ std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& 
     throw Error(Code::kOutputTooLarge, Stage::kWrite, "more triangles than STL counts").with_limit(kMaxCount);
   }
   // Readers take a header that begins with "solid" for text.
-  std::string out = "binary STL, coordinates rounded to floats";
+  std::string out = "binary STL";
   if (!comments.empty()) out += "; " + without_control_characters(comments.front());
   out.resize(kHeader, ' ');
   out.reserve(kHeader + 4 + 50 * mesh.faces.size());
@@ -58,11 +72,35 @@ std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& 
   for (const Triangle& face : mesh.faces) {
     progress.tick();
     const Vec3 &a = mesh.positions[face[0]], &b = mesh.positions[face[1]], &c = mesh.positions[face[2]];
-    const std::array<Floats, 3> corners{to_floats(a), to_floats(b), to_floats(c)};
-    check_corners(corners);
-    for (const Floats& v : {to_floats(normal_of(a, b, c)), corners[0], corners[1], corners[2]})
+    for (const Floats& v : {nearest_floats(normal_of(a, b, c)), exact_floats(a), exact_floats(b), exact_floats(c)})
       for (const float coordinate : v) append_little_endian(out, coordinate);
     append_little_endian(out, std::uint16_t{0});
+  }
+  return out;
+}
+
+std::string write_stl_ascii(const TriangleMesh& mesh, RunControl& control) {
+  control.enter(Stage::kWrite);
+  const LabelSet* const labels = dividing_labels(mesh.labels);
+  const std::size_t solids = labels == nullptr ? 1 : labels->names.size();
+  const Grouping faces_of = group_by(
+      mesh.faces.size(), solids, [&](std::uint32_t f) { return labels == nullptr ? 0 : labels->of_face[FaceId(f)]; },
+      control);
+  std::string out;
+  std::size_t written = 0;
+  const auto share = [&] {
+    return static_cast<double>(written) / static_cast<double>(std::max<std::size_t>(mesh.faces.size(), 1));
+  };
+  for (std::size_t solid = 0; solid < solids; ++solid) {
+    const std::span<const std::uint32_t> faces = faces_of[solid];
+    if (faces.empty() && labels != nullptr) continue;
+    const std::string name = labels == nullptr ? "" : without_control_characters(labels->names[solid]);
+    out += "solid " + name + "\n";
+    const double begin = share();
+    written += faces.size();
+    append_elements(out, faces.size(), {begin, share()}, control,
+                    [&](std::string& text, std::size_t i) { append_facet(text, mesh, FaceId(faces[i])); });
+    out += "endsolid " + name + "\n";
   }
   return out;
 }

@@ -23,6 +23,13 @@ std::string without_control_characters(std::string_view text) {
   return clean;
 }
 
+const LabelSet* dividing_labels(const FaceLabels& labels) {
+  for (const LabelSet* set : {&labels.group, &labels.object, &labels.material}) {
+    if (set->is_used()) return set;
+  }
+  return nullptr;
+}
+
 void append_coordinates(std::string& out, const Vec3& position) {
   char line[3 * 32 + 1];  // the longest number has 24 characters: -2.2250738585072014e-308
   char* at = line;

@@ -10,6 +10,7 @@
 #include "core/base/blocks.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
+#include "core/mesh/mesh.h"
 
 namespace remesh {
 
@@ -61,6 +62,10 @@ std::vector<std::string> comment_lines(std::string_view comment);
 
 /// Text with its control characters, line ends among them, made blanks.
 std::string without_control_characters(std::string_view text);
+
+/// The labels that divide a mesh where a format has one kind of division only: groups, or else objects, or else
+/// materials. Null: there are none.
+const LabelSet* dividing_labels(const FaceLabels& labels);
 
 /// Appends the three coordinates, a blank before each, and a line end.
 void append_coordinates(std::string& out, const Vec3& position);

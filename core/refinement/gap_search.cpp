@@ -92,6 +92,12 @@ class JoinedMemory {
 /// What is looked for: what the patch faces at the place, or also what is beside it.
 enum class What { kFaced, kAll };
 
+/// What does not count though it is near.
+struct Uncounted {
+  const Triangle* on = nullptr;       ///< triangles that cross or touch this one
+  std::span<const PatchId> crossing;  ///< these patches, ascending
+};
+
 /// Of a triangle with a layer's direction.
 Products products(const Layer& layer, const Corners3& triangle) {
   const auto [least, most] =
@@ -155,9 +161,10 @@ class GapSearch::Index {
     find_boxes(control);
   }
 
-  double distance(const Vec3& place, PatchId patch, double limit, What what, const Triangle* on) const {
+  double distance(const Vec3& place, PatchId patch, double limit, What what, const Uncounted& uncounted) const {
     const double below = limit / surface_.unit;
-    const double found = squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below, what, on);
+    const double found =
+        squared_gap((1 / surface_.unit) * (place - surface_.centre), patch, below * below, what, uncounted);
     return std::sqrt(found) * surface_.unit;
   }
   double beside(std::span<const Corners3> pieces, PatchId patch, double limit) const {
@@ -184,7 +191,7 @@ class GapSearch::Index {
   Layer layer_of(std::span<const std::uint32_t> triangles) const;
   void look_at_corners(SharedLeast& least, RunControl& control) const;
   void look_between_triangles(SharedLeast& least, RunControl& control) const;
-  double squared_gap(const Vec3& p, PatchId patch, double below, What what, const Triangle* on = nullptr) const;
+  double squared_gap(const Vec3& p, PatchId patch, double below, What what, const Uncounted& uncounted = {}) const;
   double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below) const;
 
   /// Does the way leave one patch inwards and come to the other from outside, or the other way round, and both bound
@@ -333,7 +340,8 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
 }
 
 /// In local units; infinity if it is not below that square.
-double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what, const Triangle* on) const {
+double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what,
+                                     const Uncounted& uncounted) const {
   const bool is_all = what == What::kAll;
   double best = below;
   HiddenPatches is_hidden(contacts_, p, patch);
@@ -363,7 +371,9 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
             is_blocked(q - p, patch, other) || is_hidden(other, slabs_[other], d))
           return;
         if (contacts_.has_way(patch, p, other, q, kDetour * std::sqrt(d))) return;
-        if (on == nullptr || !do_intersect(*on, triangle(slot), surface_.local.items())) best = d;
+        if (std::binary_search(uncounted.crossing.begin(), uncounted.crossing.end(), other)) return;
+        if (uncounted.on != nullptr && do_intersect(*uncounted.on, triangle(slot), surface_.local.items())) return;
+        best = d;
       });
   return best < below ? best : HUGE_VAL;
 }
@@ -472,10 +482,13 @@ GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const P
 GapSearch::~GapSearch() = default;
 
 double GapSearch::at(const Vec3& place, PatchId patch, double limit, const Triangle* on) const {
-  return index_->distance(place, patch, limit, What::kFaced, on);
+  return index_->distance(place, patch, limit, What::kFaced, {on, {}});
+}
+double GapSearch::at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing) const {
+  return index_->distance(place, patch, limit, What::kFaced, {nullptr, crossing});
 }
 double GapSearch::nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on) const {
-  return index_->distance(place, patch, limit, What::kAll, on);
+  return index_->distance(place, patch, limit, What::kAll, {on, {}});
 }
 double GapSearch::beside(std::span<const Corners3> pieces, PatchId patch, double limit) const {
   return index_->beside(pieces, patch, limit);

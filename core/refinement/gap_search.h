@@ -48,6 +48,10 @@ class GapSearch {
   /// Cost:   O(log n) and what is faced about as far as the answer: in a sphere a whole circle, n^(1/2) triangles.
   double at(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr) const;
 
+  /// The same without the patches that cross or touch this one anywhere.
+  /// Input:  these patches, ascending.
+  double at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing) const;
+
   /// The same, but for all that would count if it were faced: what another place near this one may face.
   double nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr) const;
 

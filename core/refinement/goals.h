@@ -18,6 +18,13 @@ struct Goals {
   std::uint64_t max_faces;     ///< of the whole result
   bool split_boundaries = true;
 
+  /// Sizes that gaps and short edges ask for are known at some places and interpolated between them. An edge that is
+  /// longer by no more than this factor meets them; a longer one is listed.
+  static constexpr double kSizeSlack = 1.1;
+  /// How fast the size grows with the distance from the place that asks for it. Where no gradation is asked for: a gap
+  /// grows by no more than the way from it.
+  double size_slope() const { return gradation > 0 ? gradation - 1 : 1; }
+
   /// The largest min_angle_deg of the contract.
   static constexpr double kMostDegrees = Options::kMostMinAngleDeg;
 };

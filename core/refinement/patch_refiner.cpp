@@ -502,7 +502,7 @@ std::optional<PatchRefiner::State> PatchRefiner::held_large(std::uint32_t t) con
     if (!is_too_long(mesh_.point(mesh_.from(h)), mesh_.point(mesh_.to(h)))) continue;
     const std::optional<State> here = mesh_.is_constrained(h) ? held_by(h) : std::nullopt;
     if (!here) return std::nullopt;
-    if (!why || *here == State::kLocked) why = here;
+    why = why ? stronger(*why, *here) : *here;
   }
   return why;
 }
@@ -604,23 +604,24 @@ PatchRefiner::Refined PatchRefiner::finish() const {
     result.patch.vertices.push_back(v < corner_count_ ? patch_.vertices[v] : VertexId());
     result.cuts.push_back(segment_[v].is_valid() ? Cut{segment_[v], value_[v]} : Cut{SegmentId(), 0});
   }
-  for (const std::uint32_t t : triangle) {
-    switch (state_[t]) {
-      case State::kInputAngle: result.reason.push_back(UnrefinedReason::kInputAngle); break;
-      case State::kAcrossInputAngle: result.reason.push_back(UnrefinedReason::kAcrossInputAngle); break;
-      case State::kMinEdge: result.reason.push_back(UnrefinedReason::kMinEdgeLength); break;
-      case State::kLocked: result.reason.push_back(UnrefinedReason::kBoundaryLocked); break;
-      case State::kUnknown: result.reason.push_back(UnrefinedReason::kBudget); break;
-      case State::kGood:
-        // Larger than asked for, for a side's sake.
-        result.reason.push_back(!held_                  ? UnrefinedReason::kSizeFloor
-                                : is_held_for_min_edge_ ? UnrefinedReason::kMinEdgeLength
-                                                        : UnrefinedReason::kBoundaryLocked);
-        break;
-      case State::kSizeFloor: result.reason.push_back(UnrefinedReason::kSizeFloor); break;
-    }
-  }
+  // What is good may be larger than asked for, for the sake of a side that stays.
+  const State of_good = held_ ? held_as_ : State::kSizeFloor;
+  for (const std::uint32_t t : triangle)
+    result.reason.push_back(reason_of(state_[t] == State::kGood ? of_good : state_[t]));
   return result;
+}
+
+UnrefinedReason PatchRefiner::reason_of(State state) {
+  switch (state) {
+    case State::kInputAngle: return UnrefinedReason::kInputAngle;
+    case State::kAcrossInputAngle: return UnrefinedReason::kAcrossInputAngle;
+    case State::kMinEdge: return UnrefinedReason::kMinEdgeLength;
+    case State::kLocked: return UnrefinedReason::kBoundaryLocked;
+    case State::kUnknown: return UnrefinedReason::kBudget;
+    case State::kGood:
+    case State::kSizeFloor: break;
+  }
+  return UnrefinedReason::kSizeFloor;
 }
 
 }  // namespace remesh

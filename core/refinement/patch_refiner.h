@@ -173,6 +173,7 @@ class PatchRefiner {
   double size_at(Vec2 p) const;
   bool allows(double length, Vec2 p, double radius = 0) const;
   State excuse(std::uint32_t shortest) const;
+  static UnrefinedReason reason_of(State state);
   void classify(std::uint32_t t);
   void classify_changed();
   bool is_at_input_angle(std::uint32_t h) const;
@@ -219,6 +220,8 @@ class PatchRefiner {
   bool is_live(const Task& task) const;
   bool is_any_locked(std::span<const std::uint32_t> sides) const;
   static State why_near(Floor floor) { return floor.is_asked() ? State::kMinEdge : State::kSizeFloor; }
+  static State why_locked(Lock lock);
+  static State stronger(State a, State b);
   State why_uncut(std::span<const std::uint32_t> sides, State otherwise) const;
 
   // Thinning out.
@@ -251,7 +254,7 @@ class PatchRefiner {
   const Criteria& criteria_;
   const std::uint32_t corner_count_;
   std::unique_ptr<const HeldSizes> held_;  ///< null: no side is longer than it may be, and stays
-  bool is_held_for_min_edge_ = false;      ///< all these sides are, for the shortest edge alone
+  State held_as_ = State::kLocked;         ///< why these sides stay; the strongest reason of them all
   Workplace* at_;                          ///< during a turn
   SmallBlocks memory_;
   DelaunayMesh mesh_{at_->mesh, &memory_};

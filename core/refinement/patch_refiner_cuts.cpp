@@ -94,18 +94,35 @@ void PatchRefiner::take_over(SegmentId segment, std::span<const double> cuts) {
 }
 
 bool PatchRefiner::is_any_locked(std::span<const std::uint32_t> sides) const {
-  return std::any_of(sides.begin(), sides.end(), [&](auto s) { return segments_[segment_of_side(s)].is_locked; });
+  return std::any_of(sides.begin(), sides.end(), [&](auto s) { return segments_[segment_of_side(s)].is_locked(); });
+}
+
+/// Why a locked side is not cut.
+PatchRefiner::State PatchRefiner::why_locked(Lock lock) {
+  switch (lock) {
+    case Lock::kKept: return State::kLocked;
+    case Lock::kAsked: return State::kMinEdge;
+    case Lock::kNoRoom:
+    case Lock::kNone: break;
+  }
+  return State::kSizeFloor;
+}
+
+/// Of two reasons, the one that would still hold without the other: a boundary that must stay stays whatever else
+/// holds, and what rounding forbids stays forbidden without the shortest edge.
+PatchRefiner::State PatchRefiner::stronger(State a, State b) {
+  const auto rank = [](State s) { return s == State::kLocked ? 2 : s == State::kSizeFloor ? 1 : 0; };
+  return rank(b) > rank(a) ? b : a;
 }
 
 /// Why none of these sides is cut; `otherwise`: where none of them is locked.
 PatchRefiner::State PatchRefiner::why_uncut(std::span<const std::uint32_t> sides, State otherwise) const {
+  std::optional<State> why;
   for (const std::uint32_t side : sides) {
-    const BoundarySegment& s = segments_[segment_of_side(side)];
-    // Without the option, another one that is locked would still stay.
-    if (s.is_locked && !s.is_lock_asked) return State::kLocked;
-    if (s.is_locked) otherwise = State::kMinEdge;
+    const Lock lock = segments_[segment_of_side(side)].lock;
+    if (lock != Lock::kNone) why = why ? stronger(*why, why_locked(lock)) : why_locked(lock);
   }
-  return otherwise;
+  return why.value_or(otherwise);
 }
 
 }  // namespace remesh

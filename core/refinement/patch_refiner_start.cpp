@@ -219,16 +219,16 @@ void PatchRefiner::collect_sides(PatchId id) {
 void PatchRefiner::collect_held_sides(PatchId id, RunControl& control) {
   if (!criteria_.has_sizes) return;
   std::vector<HeldSide> held;
-  is_held_for_min_edge_ = true;
   for (const std::uint32_t i : segments_.sides_of_patch(id)) {
     const SegmentSide& side = segments_.all_sides()[i];
     const BoundarySegment& segment = segments_[side.segment];
-    if (!segment.is_locked) continue;
+    if (!segment.is_locked()) continue;
     const Vec2 a = patch_.uv[patch_.mesh.from(side.half_edge)], b = patch_.uv[patch_.mesh.to(side.half_edge)];
     const double size = std::min(criteria_.sizes.at(to_space(0.5 * (a + b))), criteria_.area_edge) / patch_.frame.scale;
     if (!(norm(b - a) > size * kSizeMargin)) continue;
     held.push_back({a, b, size});
-    is_held_for_min_edge_ = is_held_for_min_edge_ && segment.is_lock_asked;
+    const State why = why_locked(segment.lock);
+    held_as_ = held.size() == 1 ? why : stronger(held_as_, why);
   }
   if (!held.empty()) held_ = std::make_unique<const HeldSizes>(held, criteria_.min_angle_deg, control);
 }

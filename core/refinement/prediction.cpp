@@ -217,10 +217,8 @@ constexpr double kDoubtOfSamples = 16;
 /// Of one patch.
 class LeastFaces {
  public:
-  LeastFaces(const SegmentTable& segments, const std::vector<std::uint8_t>& is_frozen, const Goals& goals,
-             const SizeField& sizes, RunControl& control)
+  LeastFaces(const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control)
       : segments_(segments),
-        is_frozen_(is_frozen),
         goals_(goals),
         control_(control),
         longest_(sizes.largest()),
@@ -237,8 +235,8 @@ class LeastFaces {
       control_.check();
       const BoundarySegment& s = segments_[segments_.all_sides()[i].segment];
       pieces += least_pieces(s);
-      is_any_locked = is_any_locked || s.is_locked;
-      is_any_kept = is_any_kept || is_kept(segments_.all_sides()[i].segment);
+      is_any_locked = is_any_locked || s.is_locked();
+      is_any_kept = is_any_kept || is_kept(s);
       if (s.is_floor_raised && is_floor_a_matter(s.floor, s.is_floor_asked ? kSizesOverFloor : kSizesOverRounding))
         may_stay = std::max(may_stay, s.floor);
     }
@@ -257,7 +255,7 @@ class LeastFaces {
 
  private:
   double least_pieces(const BoundarySegment& s) const {
-    if (s.is_locked) return 1;
+    if (s.is_locked()) return 1;
     const double pieces = count_pieces(s.length, longest_);
     if (s.is_floor_asked) return s.floor * kSizesOverFloor <= longest_ ? pieces : 1;
     // That rounding leaves no room for a cut shows when all are made, if so many can be made.
@@ -269,14 +267,7 @@ class LeastFaces {
 
   /// Does a segment stay because somebody wants it to? Where only rounding leaves no room to cut it, sizes that ask for
   /// so many faces are refused as well: what could be made misses them all over.
-  bool is_kept(SegmentId id) const {
-    const BoundarySegment& s = segments_[id];
-    if (!s.is_locked) return false;
-    const auto sides = segments_.sides(id);
-    return !goals_.split_boundaries || s.is_lock_asked ||
-           std::any_of(sides.begin(), sides.end(),
-                       [&](const SegmentSide& side) { return is_frozen_[side.patch.value]; });
-  }
+  static bool is_kept(const BoundarySegment& s) { return s.lock == Lock::kKept || s.lock == Lock::kAsked; }
 
   /// Beside sides that stay, triangles are as large as HeldSizes has them. So many does what is away from them take.
   double away_from_kept(const PatchMesh& patch, PatchId p, double largest) const {
@@ -285,7 +276,7 @@ class LeastFaces {
     std::vector<HeldSide> held;
     for (const std::uint32_t i : segments_.sides_of_patch(p)) {
       const SegmentSide& side = segments_.all_sides()[i];
-      if (!is_kept(side.segment)) continue;
+      if (!is_kept(segments_[side.segment])) continue;
       const Vec2 a = patch.uv[mesh.from(side.half_edge)], b = patch.uv[mesh.to(side.half_edge)];
       if (norm(b - a) > edge) held.push_back({a, b, edge});
     }
@@ -319,7 +310,6 @@ class LeastFaces {
   static constexpr int kSamples = 6;
 
   const SegmentTable& segments_;
-  const std::vector<std::uint8_t>& is_frozen_;
   const Goals& goals_;
   RunControl& control_;
   double longest_, largest_area_, edge_;
@@ -332,7 +322,7 @@ double pieces_to_be_made(const SegmentTable& segments, const SizeField& sizes, R
   for (std::uint32_t i = 0; i < segments.size(); ++i) {
     check();
     const BoundarySegment& s = segments[SegmentId(i)];
-    const bool is_cut = !s.is_locked && !(s.is_floor_asked && s.floor > sizes.largest());
+    const bool is_cut = !s.is_locked() && !(s.is_floor_asked && s.floor > sizes.largest());
     if (is_cut) pieces += count_pieces(s.length, sizes.largest()) - 1;
   }
   return pieces;
@@ -345,7 +335,7 @@ double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::
   // So many could not even be listed.
   const double pieces = pieces_to_be_made(segments, sizes, control);
   if (pieces > static_cast<double>(kMostFaces)) return pieces;
-  const LeastFaces least(segments, is_frozen, goals, sizes, control);
+  const LeastFaces least(segments, goals, sizes, control);
   double sum = 0;
   for (const double block : map_blocks<double>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
          double faces = 0;

@@ -23,7 +23,7 @@ double last_piece_of(std::span<const double> shells) {
 std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes) const {
   const BoundarySegment& s = segments_[id];
   std::vector<double> cuts;
-  if (s.is_locked || (sizes.is_uniform() && !std::isfinite(sizes.largest()))) return cuts;
+  if (s.is_locked() || (sizes.is_uniform() && !std::isfinite(sizes.largest()))) return cuts;
   const auto at_from = corner_shells_.at(2 * id.value), at_to = corner_shells_.at(2 * id.value + 1);
   if (!at_from.empty() || !at_to.empty()) {
     cut_evenly(id, 0, 1, sizes, cuts);

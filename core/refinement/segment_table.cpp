@@ -122,10 +122,10 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     segment.from = uses[begin_[s.value]].from;
     segment.to = uses[begin_[s.value]].to;
     segment.length = norm(surface.positions[segment.to] - surface.positions[segment.from]);
-    segment.is_locked = !goals.split_boundaries;
+    if (!goals.split_boundaries) segment.lock = Lock::kKept;
     for (std::uint32_t i = begin_[s.value]; i < begin_[s.value + 1]; ++i) {
       sides_[i] = {s, uses[i].patch, uses[i].half_edge};
-      if (is_frozen[uses[i].patch.value] != 0) segment.is_locked = true;
+      if (is_frozen[uses[i].patch.value] != 0) segment.lock = Lock::kKept;
     }
   });
 
@@ -206,10 +206,9 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   for_each_segment([&](SegmentId s, BoundarySegment& segment) {
     const double noise = kRoundings * roundings[s.value];
     double size = feature_[s.value];
-    if (!(size > noise)) segment.is_locked = true;
     // What is narrower than the shortest edge allowed cannot be cut across.
-    segment.is_lock_asked = !segment.is_locked && size < goals.min_edge_length;
-    segment.is_locked |= segment.is_lock_asked;
+    if (!segment.is_locked() && !(size > noise)) segment.lock = Lock::kNoRoom;
+    if (!segment.is_locked() && size < goals.min_edge_length) segment.lock = Lock::kAsked;
     for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(s, t)));
     const double angle = std::min(sharpest[2 * s.value], sharpest[2 * s.value + 1]);
     // Shells at an angle below 60 degrees are nearer to each other than to the corner.
@@ -263,7 +262,7 @@ std::optional<double> SegmentTable::place_cut(const BoundarySegment& s, double t
 
 std::optional<double> SegmentTable::cut(SegmentId id, double t0, double t1) const {
   const BoundarySegment& s = segments_[id];
-  if (s.is_locked) return std::nullopt;
+  if (s.is_locked()) return std::nullopt;
   const std::optional<double> t = place_cut(s, t0, t1);
   if (t && std::min(*t - t0, t1 - *t) * s.length < s.floor) return std::nullopt;
   return t;

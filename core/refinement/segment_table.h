@@ -33,6 +33,14 @@ struct EvenParts {
   double cut(double t0, double t1) const;
 };
 
+/// Why a segment stays as it is.
+enum class Lock : std::uint8_t {
+  kNone,    ///< it may be cut
+  kKept,    ///< it must stay: boundaries are not to be split, or a patch beside it stays as it was
+  kNoRoom,  ///< a point on it would be no farther than rounding from a vertex or from another segment
+  kAsked,   ///< it could be cut, but not without edges shorter than min_edge_length
+};
+
 /// An edge between two vertices that stay. Places on it are parameters from 0 (`from`) to 1 (`to`).
 struct BoundarySegment {
   VertexId from, to;  ///< by position, the smaller one first
@@ -45,8 +53,9 @@ struct BoundarySegment {
   double floor = 0;              ///< no piece becomes shorter
   bool is_floor_asked = false;   ///< it is as high for min_edge_length alone
   bool is_floor_raised = false;  ///< above what features and sizes ask for: for min_edge_length, or for rounding
-  bool is_locked = false;        ///< it stays as it is
-  bool is_lock_asked = false;    ///< for min_edge_length alone
+  Lock lock = Lock::kNone;
+
+  bool is_locked() const { return lock != Lock::kNone; }
 };
 
 /// One side of one patch along a segment.
@@ -84,7 +93,10 @@ class SegmentTable {
   std::span<const std::uint32_t> sides_of_patch(PatchId p) const { return by_patch_[p.value]; }
   std::span<const SegmentSide> all_sides() const { return sides_; }
 
-  void lock(SegmentId s) { segments_[s].is_locked = true; }
+  /// Rounding left no room for a cut of this segment: it stays as it is.
+  void lock(SegmentId s) {
+    if (!segments_[s].is_locked()) segments_[s].lock = Lock::kNoRoom;
+  }
 
   Vec3 position(SegmentId s, double t) const;
 

@@ -27,8 +27,6 @@ constexpr double kReachBeside = 1;
 /// to their patch: another place of theirs may face it. For smaller ones that would cost as many cells as a curved
 /// surface has facets' widths.
 constexpr double kCoarse = 0x1p-6;
-/// Sizes between samples where no gradation is asked for: a gap grows by no more than the way from it.
-constexpr double kNaturalSlope = 1;
 /// What grows faster is as large as it may be wherever two samples are told apart; and sums stay finite.
 constexpr double kSteepest = 0x1p40;
 
@@ -86,6 +84,7 @@ class SizeField::Sampler {
     for (const Vec3& p : surface.local) box_.add(p);
     floor_ = std::max({goals.min_edge_length / surface.unit, kFloor * box_.diagonal(),
                        kFloorTolerances * plane_tolerance / surface.unit});
+    is_floor_asked_ = floor_ * surface.unit <= goals.min_edge_length && goals.min_edge_length > 0;
     largest_ = goals.max_edge_length / surface.unit;
     coarse_ = kCoarse * box_.diagonal();
     tolerance_ = plane_tolerance / surface.unit;
@@ -95,6 +94,9 @@ class SizeField::Sampler {
   void sample_segments(std::span<const std::array<VertexId, 2>> segments);
 
   const std::vector<Sample>& samples() const { return samples_; }
+  double floor() const { return floor_; }
+  bool is_floor_asked() const { return is_floor_asked_; }
+  void drop_floor() { floor_ = 0; }
 
  private:
   /// What lies of a patch in a box along its own axes, so that cells do not depend on how the part lies, and of any
@@ -135,6 +137,7 @@ class SizeField::Sampler {
   Box3 box_;
   double proximity_;
   double floor_;
+  bool is_floor_asked_;
   double largest_;
   double coarse_;
   double tolerance_;
@@ -275,11 +278,13 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
 SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
                      const Goals& goals, double plane_tolerance, RunControl& control)
     : largest_(goals.max_edge_length),
-      slope_(goals.gradation > 0 ? std::min(goals.gradation - 1, kSteepest) : kNaturalSlope),
+      slope_(std::min(goals.size_slope(), kSteepest)),
       centre_(surface.centre),
       unit_(surface.unit),
       is_of_segments_(gaps == nullptr) {
   Sampler sampler(surface, goals, plane_tolerance, control);
+  floor_ = sampler.floor() * surface.unit;
+  is_floor_asked_ = sampler.is_floor_asked();
   if (gaps != nullptr) {
     axes_.reserve(gaps->patch_count());
     for (std::size_t p = 0; p < gaps->patch_count(); ++p) axes_.push_back(gaps->axes_of(PatchId(p)));
@@ -289,6 +294,21 @@ SizeField::SizeField(const Surface& surface, const GapSearch* gaps, std::span<co
   }
   set_samples(sampler.samples(), control);
   drop_dominated(control);
+}
+
+SizeField SizeField::without_floor(const Surface& surface, std::span<const std::array<VertexId, 2>> segments,
+                                   const Goals& goals, RunControl& control) {
+  SizeField field(goals.max_edge_length);
+  field.slope_ = std::min(goals.size_slope(), kSteepest);
+  field.centre_ = surface.centre;
+  field.unit_ = surface.unit;
+  field.is_of_segments_ = true;
+  Sampler sampler(surface, goals, 0, control);
+  sampler.drop_floor();
+  sampler.sample_segments(segments);
+  field.set_samples(sampler.samples(), control);
+  field.drop_dominated(control);
+  return field;
 }
 
 void SizeField::set_samples(std::span<const Sample> samples, RunControl& control) {

@@ -48,6 +48,11 @@ class SizeField {
   SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
             const Goals& goals, double plane_tolerance, RunControl& control);
 
+  /// What short segments alone ask for, with no floor under it.
+  /// Input:  as above, with goals.gradation > 0.
+  static SizeField without_floor(const Surface& surface, std::span<const std::array<VertexId, 2>> segments,
+                                 const Goals& goals, RunControl& control);
+
   /// Cells are not cut further where there would be more than these, and more than four a patch.
   static constexpr std::size_t kMostSamples = std::size_t{1} << 19;
 
@@ -58,6 +63,10 @@ class SizeField {
   bool is_uniform() const { return samples_.size() == 0; }
   double largest() const { return largest_; }
   std::size_t sample_count() const { return samples_.size(); }
+  /// No size is below this for the sake of a gap or a short edge; model units.
+  double floor() const { return floor_; }
+  /// Is the floor as high as it is for min_edge_length alone?
+  bool is_floor_asked() const { return is_floor_asked_; }
 
   /// The size at a place, model units. May be called from any thread.
   double at(const Vec3& place) const;
@@ -95,6 +104,8 @@ class SizeField {
   Vec3 local(const Vec3& place) const { return (1 / unit_) * (place - centre_); }
 
   double largest_;
+  double floor_ = 0;
+  bool is_floor_asked_ = false;
   double slope_ = 0;
   Vec3 centre_;  ///< local units as in Surface
   double unit_ = 1;

@@ -118,7 +118,7 @@ double parts_of_size(const BoundarySegment& segment, double size) {
 double wanted_parts(const SegmentTable& table, SegmentId s, double feature, double tangent, const Goals& goals,
                     const SizeField& sizes) {
   const BoundarySegment& segment = table[s];
-  if (segment.is_locked) return 0;
+  if (segment.is_locked()) return 0;
   const double by_angle = std::ceil(segment.length * tangent / (2 * feature));
   const double size = smallest_size(table, s, sizes);
   const double by_size = parts_of_size(segment, size);
@@ -165,7 +165,7 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
   for_blocks(table.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
       // Sizes that vary take long to read: there all that may be cut are taken, until it is known which face another.
-      const double unknown = table[SegmentId(s)].is_locked ? 0 : 1;
+      const double unknown = table[SegmentId(s)].is_locked() ? 0 : 1;
       wanted[s] = sizes.is_uniform() ? wanted_by(SegmentId(s)) : unknown;
     }
   });

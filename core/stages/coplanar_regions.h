@@ -60,12 +60,17 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor);
 void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
                       const CoplanarityRule& rule, Regions& regions, RunControl& control);
 
-/// Whether well-shaped neighbours bend by more than `floor` and at most `tolerance` (local units) anywhere: the mark of
-/// coordinates that were rounded. Polygons that leave their own plane by as much are a mark, too.
+/// Rounding bends each pair of faces by another amount. One bend, or the same one in several places, may be part of the
+/// shape: a crown, or the facets of a cylinder. So many different ones are noise.
+inline constexpr std::size_t kBendsOfNoise = 3;
+
+/// Whether well-shaped neighbours bend by more than `floor` and at most `tolerance` (local units), by so many different
+/// amounts. Polygons that leave their own plane by as much count as pairs do.
+/// Input:  at most kBendsOfNoise amounts.
 /// Holds:  says the same of faces wound as they should be and of others, of each once and of each several times, and in
 ///         any order: mending comes later.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, double floor,
-                      double tolerance, RunControl& control);
+                      double tolerance, std::size_t amounts, RunControl& control);
 
 }  // namespace remesh

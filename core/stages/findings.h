@@ -23,7 +23,7 @@ namespace remesh {
 void find_defects(const Surface& welded, const Adjacency& edges, std::span<const VertexId> pinched,
                   std::vector<Diagnostic>& diagnostics, RunControl& control);
 
-/// A surface's faces as triangles, polygons split by split_polygon. Looks into the surface: where that has nothing but
+/// A surface's faces as triangles, polygons split by split_polygon, less their spikes. Looks into the surface: where that has nothing but
 /// triangles, they are its own.
 class Triangulated {
  public:
@@ -39,12 +39,17 @@ class Triangulated {
   FaceId face(std::size_t t) const { return are_split() ? face_[t] : FaceId(t); }
   /// The first triangle of a face.
   std::size_t first_of(FaceId f) const;
+  /// By how much the triangles' area is more than the faces'. A flat polygon that crosses itself has the area that its
+  /// outline winds around, counted with its sign (Newell); the fan that stands for it covers more. One that is not flat
+  /// has no other area than its triangles have. In local units.
+  double excess_area() const { return excess_area_; }
 
  private:
   const Surface* surface_;
   bool are_split_;
   std::vector<VertexId> corners_;
   std::vector<FaceId> face_;
+  double excess_area_ = 0;
 };
 
 /// Faces of a surface that intersect, in pairs.

@@ -11,7 +11,9 @@
 #include "core/base/union_find.h"
 #include "core/geometry/predicates.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/unused_vertices.h"
 #include "core/stages/polygon_cuts.h"
+#include "core/stages/polygon_spikes.h"
 #include "core/stages/polygon_split.h"
 
 namespace remesh {
@@ -43,8 +45,8 @@ class Mending {
     if (degenerate_ == Mend::kYes && std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end())
       drop_degenerate();
     if (surface_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "no face of the mesh has an area");
-    drop_unused_vertices();
-    for (Diagnostic* d : {&repeated_, &nonplanar_, &zero_area_})
+    drop_unused_vertices(surface_, control_);
+    for (Diagnostic* d : {&repeated_, &nonplanar_, &crossing_, &zero_area_, &spiked_})
       if (d->count > 0) diagnostics.push_back(std::move(*d));
     return true;
   }
@@ -132,16 +134,71 @@ class Mending {
     }
     points_.clear();
     for (const VertexId v : loop_) points_.push_back(surface_.local[v]);
-    const PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
-    if (split.kind != PolygonKind::kPlanar) {
+    PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
+    if (split.has_spikes()) {
+      take_spikes(split, f, label);
+      if (loop_.size() < 3) return;
+      if (loop_.size() == 3) {
+        emit_triangle({loop_[0], loop_[1], loop_[2]}, source, label, are_collinear(loop_));
+        return;
+      }
+    }
+    if (split.kind == PolygonKind::kSelfCrossing) {
+      crossing_.add(source.value);
+    } else if (split.kind == PolygonKind::kNotPlanar) {
       nonplanar_.add(source.value);
     } else if (!is_as_it_is(source) && !has_repeated_corner()) {
       emit(loop_, source, label, false);
       return;
     }
-    if (!cuts_) cuts_.emplace(surface_, control_);
-    for (const PolygonCuts::Corners& triangle : cuts_->cut(loop_, split))
+    for (const PolygonCuts::Corners& triangle : cuts().cut(loop_, split))
       emit_triangle(triangle, source, label, are_collinear(triangle));
+  }
+
+  PolygonCuts& cuts() {
+    if (!cuts_) cuts_.emplace(surface_, control_);
+    return *cuts_;
+  }
+
+  /// Takes the spikes off the loop, and makes the split one of what is left of it.
+  void take_spikes(PolygonSplit& split, FaceId f, std::uint32_t label) {
+    const FaceId source = surface_.face_source[f];
+    const auto corners_of = [&](const std::array<std::uint32_t, 3>& needle) {
+      return PolygonCuts::Corners{loop_[needle[0]], loop_[needle[1]], loop_[needle[2]]};
+    };
+    // Needles that are not exactly on a line go if nobody would miss one of them; else all are faces.
+    drops_needles_ = degenerate_ == Mend::kYes && split.spike_tolerance > 0 &&
+                     std::all_of(split.spikes.needles.begin(), split.spikes.needles.end(), [&](const auto& needle) {
+                       const PolygonCuts::Corners t = corners_of(needle);
+                       return are_collinear(t) || is_missed_by_nobody(t, f);
+                     });
+    bool is_one_gone = false;
+    for (const auto& needle : split.spikes.needles)
+      if (take_needle(corners_of(needle), split.spike_tolerance, source, label)) is_one_gone = true;
+    if (is_one_gone) spiked_.add(source.value);
+    const std::vector<std::uint32_t>& outline = split.spikes.outline;
+    for (auto& triangle : split.triangles)
+      for (std::uint32_t& corner : triangle)
+        corner = static_cast<std::uint32_t>(std::lower_bound(outline.begin(), outline.end(), corner) - outline.begin());
+    for (std::size_t i = 0; i < outline.size(); ++i) loop_[i] = loop_[outline[i]];
+    loop_.resize(outline.size());
+  }
+
+  /// Whether no other face is at the sides of a needle.
+  bool is_missed_by_nobody(const PolygonCuts::Corners& t, FaceId f) {
+    return !cuts().is_of_others(t[0], t[1], f) && !cuts().is_of_others(t[1], t[2], f);
+  }
+
+  /// A triangle that was cut off a polygon. Exactly on a line it is a face without area like
+  /// any other. What only local units take for a line stays.
+  /// Returns: whether it is gone, or goes as a face without area.
+  bool take_needle(const PolygonCuts::Corners& t, double tolerance, FaceId source, std::uint32_t label) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
+    const bool is_degenerate = are_collinear(t);
+    const bool is_dropped = !is_degenerate && drops_needles_ &&
+                            is_needle(surface_.local[t[0]], surface_.local[t[1]], surface_.local[t[2]], tolerance);
+    if (!is_dropped) emit_triangle(t, source, label, is_degenerate);
+    return is_dropped || (is_degenerate && degenerate_ == Mend::kYes);
   }
 
   /// One with a repeated corner is left out: its edges cancel each other.
@@ -224,34 +281,6 @@ class Mending {
     return Adjacency::kNone;
   }
 
-  void drop_unused_vertices() {
-    std::vector<VertexId> renumbered(surface_.vertex_count());
-    for_blocks(surface_.corners.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (const VertexId v : surface_.corners.items().subspan(begin, end - begin))
-        std::atomic_ref(renumbered[v.value].value).store(v.value, std::memory_order_relaxed);
-    });
-    std::vector<Vec3> positions;
-    positions.reserve(surface_.vertex_count());
-    std::uint32_t kept = 0;
-    for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
-      if (v % kBetweenChecks == 0) control_.check();
-      if (!renumbered[v].is_valid()) continue;
-      renumbered[v] = VertexId(kept);
-      positions.push_back(surface_.positions[VertexId(v)]);
-      surface_.local[VertexId(kept)] = surface_.local[VertexId(v)];
-      surface_.vertex_source[VertexId(kept)] = surface_.vertex_source[VertexId(v)];
-      ++kept;
-    }
-    surface_.positions = std::move(positions);
-    surface_.local.resize(kept);
-    surface_.vertex_source.resize(kept);
-    surface_.corners.change([&](std::vector<VertexId>& corners) {
-      for_blocks(corners.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-        for (VertexId& v : std::span(corners).subspan(begin, end - begin)) v = renumbered[v.value];
-      });
-    });
-  }
-
   Surface& surface_;
   double plane_tolerance_;
   const std::vector<std::uint8_t>& as_it_is_;
@@ -261,6 +290,7 @@ class Mending {
   FaceList mended_;
   std::vector<std::uint8_t> is_degenerate_;
   std::vector<VertexId> loop_, sorted_loop_;
+  bool drops_needles_ = false;  ///< of the polygon, those that are not exactly on a line
   std::vector<Vec3> points_;
   Diagnostic repeated_{
       DiagnosticCode::kDuplicateVertex,
@@ -268,8 +298,17 @@ class Mending {
       {},
       "faces had a corner twice in a row, as read or by welding, and have it once; elements are faces"};
   Diagnostic nonplanar_{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons without a plane were triangulated"};
+  Diagnostic crossing_{DiagnosticCode::kNonplanarPolygon,
+                       0,
+                       {},
+                       "polygons cross themselves, so that no triangulation of them is right: they were cut into fans, "
+                       "whose triangles overlap"};
   Diagnostic zero_area_{
       DiagnosticCode::kZeroAreaFace, 0, {}, "faces without area: dropped, but for those whose patch is kept"};
+  Diagnostic spiked_{DiagnosticCode::kZeroAreaFace,
+                     0,
+                     {},
+                     "polygons run back over themselves: these spikes have no area and were dropped"};
 };
 
 }  // namespace

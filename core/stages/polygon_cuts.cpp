@@ -53,6 +53,13 @@ std::vector<PolygonCuts::Corners> PolygonCuts::cut(std::span<const VertexId> loo
   return result;
 }
 
+bool PolygonCuts::is_of_others(VertexId a, VertexId b, FaceId f) const {
+  const EdgeId edge = edges_.find(a, b);
+  if (!edge.is_valid()) return false;
+  const auto around = edges_.half_edges(edge);
+  return std::any_of(around.begin(), around.end(), [&](std::uint32_t h) { return edges_.face_of(h) != f; });
+}
+
 bool PolygonCuts::is_taken(VertexId a, VertexId b) const {
   if (cuts_.contains(std::minmax(a, b))) return true;
   const EdgeId edge = edges_.find(a, b);

@@ -33,6 +33,9 @@ class PolygonCuts {
   /// Cost:   O(k log n) for k corners.
   std::vector<Corners> cut(std::span<const VertexId> loop, const PolygonSplit& split);
 
+  /// Whether a face other than f has an edge between two vertices.
+  bool is_of_others(VertexId a, VertexId b, FaceId f) const;
+
  private:
   using Edge = std::pair<VertexId, VertexId>;
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 #include "core/base/stoppable.h"
+#include "core/base/tolerance.h"
 #include "core/geometry/predicates.h"
 #include "core/stages/patch_triangulation.h"
 #include "core/stages/projection.h"
@@ -76,9 +78,18 @@ CanonicalLoop canonical_loop(std::span<const Vec3> points, RunControl& control) 
   return loop;
 }
 
-PolygonSplit split_canonical(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
+/// Input:  a polygon without spikes, but for reversals.
+PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
   const auto n = static_cast<std::uint32_t>(points.size());
   PolygonSplit result;
+  if (n < 3) {
+    result.kind = PolygonKind::kSelfCrossing;
+    return result;
+  }
+  if (n == 3) {
+    result.triangles = {{0, 1, 2}};
+    return result;
+  }
   const Vec3 normal = normalized(newell_normal(points));
   if (normal == Vec3{}) {
     result.kind = PolygonKind::kSelfCrossing;
@@ -149,6 +160,42 @@ PolygonSplit split_canonical(std::span<const Vec3> points, double plane_toleranc
   return result;
 }
 
+/// Of what is left when these spikes have been cut off.
+PolygonSplit split_without(Spikes spikes, std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
+  if (spikes.needles.empty()) return split_outline(points, plane_tolerance, control);
+  std::vector<Vec3> outline;
+  outline.reserve(spikes.outline.size());
+  for (const std::uint32_t i : spikes.outline) outline.push_back(points[i]);
+  PolygonSplit result = split_outline(outline, plane_tolerance, control);
+  for (auto& triangle : result.triangles)
+    for (std::uint32_t& corner : triangle) corner = spikes.outline[corner];
+  result.spikes = std::move(spikes);
+  return result;
+}
+
+/// The tolerance within which spikes are looked for. All corners of a polygon that is hardly higher than it would be
+/// tips: of such a polygon only what is exactly a spike is one.
+double spike_tolerance(std::span<const Vec3> points, double plane_tolerance) {
+  constexpr double kThin = 2 * kThinFace;
+  Box3 box;
+  for (const Vec3& p : points) box.add(p);
+  return norm(newell_normal(points)) > kThin * plane_tolerance * box.diagonal() ? plane_tolerance : 0;
+}
+
+PolygonSplit split_canonical(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
+  const double tolerance = spike_tolerance(points, plane_tolerance);
+  Spikes spikes = cut_spikes(points, tolerance, Reversals::kKeep);
+  const std::size_t needles = spikes.needles.size();
+  PolygonSplit result = split_without(std::move(spikes), points, plane_tolerance, control);
+  result.spike_tolerance = tolerance;
+  if (result.kind != PolygonKind::kSelfCrossing) return result;
+  spikes = cut_spikes(points, tolerance, Reversals::kCut);
+  if (spikes.needles.size() == needles) return result;
+  result = split_without(std::move(spikes), points, plane_tolerance, control);
+  result.spike_tolerance = tolerance;
+  return result;
+}
+
 }  // namespace
 
 PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
@@ -157,12 +204,19 @@ PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance,
   canonical.reserve(points.size());
   for (const std::uint32_t i : loop.corners) canonical.push_back(points[i]);
   PolygonSplit result = split_canonical(canonical, plane_tolerance, control);
-  for (auto& [a, b, c] : result.triangles) {
-    a = loop.corners[a];
-    b = loop.corners[b];
-    c = loop.corners[c];
-    if (loop.is_reversed) std::swap(b, c);
+  const auto as_given = [&](std::array<std::uint32_t, 3>& triangle) {
+    for (std::uint32_t& corner : triangle) corner = loop.corners[corner];
+  };
+  for (auto& triangle : result.triangles) {
+    as_given(triangle);
+    if (loop.is_reversed) std::swap(triangle[1], triangle[2]);
   }
+  for (auto& needle : result.spikes.needles) {
+    as_given(needle);
+    if (loop.is_reversed) std::swap(needle[0], needle[2]);
+  }
+  for (std::uint32_t& corner : result.spikes.outline) corner = loop.corners[corner];
+  std::sort(result.spikes.outline.begin(), result.spikes.outline.end());
   return result;
 }
 

@@ -95,7 +95,8 @@ class Rounds {
       if (!can_split_any(chords) || passes == kMostChordPasses || (is_waiting_for_chords_ && !is_any_split_)) {
         drop_all(refiners_);
         drop_all(refined_);
-        if (!chords.empty()) split_chords(surface_, patches_, meshes_, result_, control_);
+        const auto why = passes == kMostChordPasses ? UnrefinedReason::kEffort : UnrefinedReason::kSizeFloor;
+        if (!chords.empty()) split_chords(surface_, patches_, meshes_, result_, is_frozen_, why, control_);
         return std::move(result_);
       }
       exchange_refined();
@@ -463,7 +464,13 @@ class Rounds {
     std::partial_sum(first_inner.begin(), first_inner.end(), first_inner.begin());
     std::partial_sum(first_triangle.begin(), first_triangle.end(), first_triangle.begin());
     result_.new_positions.resize(first_inner.back());
-    result_.reason.assign(first_triangle[n], UnrefinedReason::kBoundaryLocked);
+    // A patch that is not at work stays as it was: it is frozen, or it has nothing to do.
+    result_.reason.assign(first_triangle[n], UnrefinedReason::kSizeFloor);
+    for (std::size_t p = 0; p < n; ++p)
+      if (is_frozen_[p] != 0)
+        std::fill(result_.reason.begin() + static_cast<std::ptrdiff_t>(first_triangle[p]),
+                  result_.reason.begin() + static_cast<std::ptrdiff_t>(first_triangle[p + 1]),
+                  UnrefinedReason::kBoundaryLocked);
     for_blocks(segments_.size(), kSegments, control_, [&](std::size_t s, std::size_t end) {
       for (; s < end; ++s) {
         const std::vector<double>& cuts = cuts_[SegmentId(s)];
@@ -545,7 +552,8 @@ std::optional<Refinement> refine(const Surface& surface, const PatchSet& patches
 }
 
 void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,
-                  Refinement& refinement, RunControl& control) {
+                  Refinement& refinement, const std::vector<std::uint8_t>& is_frozen, UnrefinedReason why,
+                  RunControl& control) {
   std::vector<std::size_t> vertices, triangles;
   StopCheck check(control);
   for (const PatchMesh& patch : meshes) {
@@ -569,7 +577,8 @@ void split_chords(const Surface& surface, const PatchSet& patches, std::vector<P
     const std::size_t first_reason = reason.size() - triangles[p];
     reason.resize(first_reason + patch.mesh.triangle_count());
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
-      if (patch.mesh.from(h) >= vertices[p]) reason[first_reason + h / 3] = UnrefinedReason::kBoundaryLocked;
+      if (patch.mesh.from(h) >= vertices[p])
+        reason[first_reason + h / 3] = is_frozen[p] != 0 ? UnrefinedReason::kBoundaryLocked : why;
   }
   refinement.reason = std::move(reason);
 }

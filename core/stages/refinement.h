@@ -22,6 +22,8 @@ struct Refinement {
   std::vector<Vec3> new_positions;      ///< of the vertices from surface.vertex_count() on
   std::size_t first_inner = 0;          ///< from here on they are inside patches
   std::vector<UnrefinedReason> reason;  ///< one per triangle, patch after patch
+  /// One per triangle: is it larger than gaps or short edges ask for (size_misses.h)? Empty: none is.
+  std::vector<std::uint8_t> misses_sizes;
   std::uint32_t rounds = 0;
 };
 
@@ -43,10 +45,12 @@ std::optional<Refinement> refine(const Surface& surface, const PatchSet& patches
                                  std::uint64_t most_made, RunControl& control);
 
 /// The chord rule, where neither flips nor refinement help: each chord of the patches as they are now gets a point.
-/// Input:   the patches and what refinement says of them, or nothing yet.
-/// Output:  both with the new vertices. New triangles that miss a goal are `boundary_locked`: what shares their
-///          vertices stands in the way.
+/// Input:   the patches and what refinement says of them, or nothing yet (then `is_frozen` may be empty, and `why` is
+///          without effect); `why`: why refinement itself has not split these chords.
+/// Output:  both with the new vertices. A new triangle that misses a goal is `boundary_locked` if its patch is frozen;
+///          else it misses it for the reason `why`.
 void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,
-                  Refinement& refinement, RunControl& control);
+                  Refinement& refinement, const std::vector<std::uint8_t>& is_frozen, UnrefinedReason why,
+                  RunControl& control);
 
 }  // namespace remesh

@@ -33,13 +33,15 @@ bool meets(const Vec3& a, const Vec3& b, const Vec3& c, const Goals& goals, doub
 }  // namespace
 
 UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const Triangle> faces,
-                              std::span<const UnrefinedReason> reason, const Goals& goals, RunControl& control) {
+                              std::span<const UnrefinedReason> reason, std::span<const std::uint8_t> misses_sizes,
+                              const Goals& goals, RunControl& control) {
   const double tangent = std::tan(goals.min_angle_deg * std::numbers::pi / 180);
   const auto blocks =
       map_blocks<std::vector<FaceId>>(faces.size(), 8192, control, [&](std::size_t begin, std::size_t end) {
         std::vector<FaceId> found;
         for (std::size_t f = begin; f < end; ++f)
-          if (!meets(positions[faces[f][0].value], positions[faces[f][1].value], positions[faces[f][2].value], goals,
+          if ((!misses_sizes.empty() && misses_sizes[f] != 0) ||
+              !meets(positions[faces[f][0].value], positions[faces[f][1].value], positions[faces[f][2].value], goals,
                      tangent))
             found.emplace_back(f);
         return found;

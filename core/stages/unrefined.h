@@ -1,6 +1,7 @@
 /// Finds the triangles that do not meet the goals of a refinement.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -17,14 +18,16 @@ struct UnrefinedFaces {
 };
 
 /// Measures the triangles in space, on the output's doubles.
-/// Input:   `reason`: what the refinement says of each face.
-/// Output:  those with an angle below the goal, or an edge or an area above it by more than rounding, each with its
-///          reason.
+/// Input:   `reason`: what the refinement says of each face; `misses_sizes`: whether it is larger than gaps or short
+///          edges ask for, one per face, or empty where none is.
+/// Output:  those with an angle below the goal, or an edge or an area above it by more than rounding, and those larger
+///          than gaps or short edges ask for, each with its reason.
 /// Holds:   the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(faces).
 UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const Triangle> faces,
-                              std::span<const UnrefinedReason> reason, const Goals& goals, RunControl& control);
+                              std::span<const UnrefinedReason> reason, std::span<const std::uint8_t> misses_sizes,
+                              const Goals& goals, RunControl& control);
 
 /// The same by reason, with places.
 /// Errors:  kCancelled, kTimeout - through `control`.

@@ -15,7 +15,9 @@
 
 #include "core/base/blocks.h"
 #include "core/base/coordinate_range.h"
+#include "core/base/parallel.h"
 #include "core/base/stoppable.h"
+#include "core/stages/body_labels.h"
 
 namespace remesh {
 namespace {
@@ -275,33 +277,6 @@ void set_local_units(Surface& surface, RunControl& control) {
     for (std::size_t v = begin; v < end; ++v)
       surface.local[VertexId(v)] = surface.to_local(surface.positions[VertexId(v)]);
   });
-}
-
-IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Barriers& barriers, std::size_t faces,
-                                              RunControl& control) {
-  using Key = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
-  std::map<Key, std::size_t> number_of;
-  Key last;
-  std::size_t number = 0;
-  const auto separates = [](const LabelSet& set, bool is_barrier) { return is_barrier && set.is_used(); };
-  if (!separates(labels.object, barriers.object) && !separates(labels.group, barriers.group) &&
-      !separates(labels.material, barriers.material))
-    return {};
-  IdVector<FaceId, std::uint32_t> numbers(faces, 0);
-  const auto label = [&](const LabelSet& set, bool is_barrier, FaceId f) {
-    return separates(set, is_barrier) ? set.of_face[f] : 0u;
-  };
-  StopCheck check(control);
-  for (std::size_t i = 0; i < faces; ++i) {
-    check();
-    const FaceId f(i);
-    const Key key{label(labels.object, barriers.object, f), label(labels.group, barriers.group, f),
-                  label(labels.material, barriers.material, f)};
-    if (i == 0 || key != last) number = number_of.try_emplace(key, number_of.size()).first->second;
-    last = key;
-    numbers[f] = static_cast<std::uint32_t>(number);
-  }
-  return numbers;
 }
 
 /// Vertices in the input's order, each where the first of those comes that are welded to it.

@@ -8,6 +8,9 @@
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/inside_out.h"
+#include "core/mesh/triangle_corners.h"
+#include "core/stages/body_labels.h"
+#include "core/stages/findings.h"
 
 namespace remesh {
 namespace {
@@ -135,6 +138,36 @@ class Unifying {
   std::vector<FaceId> piece_;
 };
 
+/// Which faces of a surface are of shells that look the wrong way, and the first of each such shell.
+struct InsideOutFaces {
+  std::vector<std::uint8_t> is_inside_out;
+  std::vector<FaceId> first;
+};
+
+InsideOutFaces find_inside_out_faces(const Surface& surface, const Adjacency& edges, const FaceLabels& labels,
+                                     RunControl& control) {
+  const Triangulated triangles(surface, control);
+  const auto& positions = surface.local.items();
+  if (!triangles.are_split()) {
+    const BodyLabels of_faces = labels_of_sources(labels, surface.face_source.items(), control);
+    InsideOut found = find_inside_out(positions, triangles.corners(), edges, of_faces, control);
+    return {std::move(found.is_inside_out), std::move(found.first_faces)};
+  }
+  std::vector<FaceId> source;
+  for (std::size_t t = 0; t < triangles.size(); ++t) source.push_back(surface.face_source[triangles.face(t)]);
+  const BodyLabels of_triangles = labels_of_sources(labels, source, control);
+  const std::vector<std::uint32_t> begins = triangle_begins(triangles.size(), control);
+  const Adjacency own_edges(surface.vertex_count(), begins, triangles.corners(), control);
+  const InsideOut found = find_inside_out(positions, triangles.corners(), own_edges, of_triangles, control);
+  InsideOutFaces result;
+  if (found.first_faces.empty()) return result;
+  for (const FaceId t : found.first_faces) result.first.push_back(triangles.face(t.value));
+  result.is_inside_out.resize(surface.face_count());
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    result.is_inside_out[triangles.face(t).value] |= found.is_inside_out[t];
+  return result;
+}
+
 }  // namespace
 
 bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
@@ -170,14 +203,17 @@ bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vec
   return is_changed;
 }
 
-bool turn_inside_out(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
-                     RunControl& control) {
-  const InsideOut found = find_inside_out(surface.local.items(), surface.face_begin, surface.corners, edges, control);
-  if (found.first_faces.empty()) return false;
+bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+                     std::vector<Diagnostic>& diagnostics, RunControl& control) {
+  const InsideOutFaces found = find_inside_out_faces(surface, edges, labels, control);
+  if (found.first.empty()) return false;
   Diagnostic inside_out{DiagnosticCode::kInsideOut, 0, {}, ""};
-  inside_out.message = std::string("closed pieces of the surface enclose a negative volume") +
-                       (mend == Mend::kYes ? ": they were turned over" : "") + "; elements are the first face of each";
-  for (const FaceId f : found.first_faces) inside_out.add(surface.face_source[f].value);
+  inside_out.message =
+      std::string(
+          "closed shells of the surface look the wrong way: bodies that enclose a negative volume, or cavities "
+          "that enclose a positive one in a body of the same object, group and material") +
+      (mend == Mend::kYes ? "; they were turned over" : "") + "; elements are the first face of each";
+  for (const FaceId f : found.first) inside_out.add(surface.face_source[f].value);
   diagnostics.push_back(std::move(inside_out));
   if (mend == Mend::kNo) return false;
   turn_over(surface, found.is_inside_out, control);

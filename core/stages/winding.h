@@ -1,10 +1,11 @@
-/// Which way faces look: the same way over each edge, and closed pieces outwards.
+/// Which way faces look: the same way over each edge, and closed shells the way they should.
 #pragma once
 
 #include <vector>
 
 #include "core/base/run_control.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
 #include "core/report.h"
 #include "core/stages/mend.h"
@@ -20,10 +21,11 @@ namespace remesh {
 bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
                    RunControl& control);
 
-/// Finds the closed pieces that look inwards (geometry/inside_out.h), and turns them over.
-/// Output:  counts inside_out, the pieces; elements are the first face of each.
+/// Finds the closed shells that look the wrong way (geometry/inside_out.h), and turns them over.
+/// Input:   `labels`: those of the input that the surface came from.
+/// Output:  counts inside_out, the shells; elements are the first face of each.
 /// Returns: whether the surface changed.
-bool turn_inside_out(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
-                     RunControl& control);
+bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+                     std::vector<Diagnostic>& diagnostics, RunControl& control);
 
 }  // namespace remesh

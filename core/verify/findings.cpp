@@ -18,7 +18,7 @@ constexpr std::uint32_t kAgainstSurface =
     bit(Fault::kMalformed) | bit(Fault::kMovedVertex) | bit(Fault::kForeignVertex) | bit(Fault::kNoFaces) |
     bit(Fault::kLostLoop) | bit(Fault::kBoundary) | bit(Fault::kChord) | bit(Fault::kDeviation) |
     bit(Fault::kFacingAway) | bit(Fault::kArea) | bit(Fault::kInverted) | bit(Fault::kEuler) | bit(Fault::kVolume) |
-    bit(Fault::kNewVertex) | bit(Fault::kNewOffLine);
+    bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) | bit(Fault::kPolygon);
 constexpr std::uint32_t kAgainstConforming = bit(Fault::kMalformed) | bit(Fault::kLostVertex) | bit(Fault::kLostLoop) |
                                              bit(Fault::kBoundary) | bit(Fault::kZeroArea) | bit(Fault::kInverted) |
                                              bit(Fault::kOpened) | bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) |
@@ -61,6 +61,7 @@ std::string words(const Finding& finding) {
     case Fault::kShortEdge: return "an edge at vertex " + id + ", made by refinement, is too short";
     case Fault::kTooManyFaces: return "there are more faces than allowed";
     case Fault::kNewIntersection: return "output face " + id + " intersects another one, and the input does not there";
+    case Fault::kPolygon: return "input polygon " + id + " was not cut into triangles that cover it once";
   }
   return {};
 }

@@ -39,8 +39,9 @@ enum class Fault : std::uint8_t {
   kShortEdge,         ///< refinement made an edge shorter than the least length
   kTooManyFaces,      ///< more faces than allowed
   kNewIntersection,   ///< faces intersect, of patches that do not in the input
+  kPolygon,           ///< what came of a polygon of the input covers something else than the polygon
 };
-inline constexpr int kFaultCount = static_cast<int>(Fault::kNewIntersection) + 1;
+inline constexpr int kFaultCount = static_cast<int>(Fault::kPolygon) + 1;
 
 /// One fault at one place. An invalid patch: it belongs to the whole.
 struct Finding {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include "core/base/blocks.h"
 #include "core/verify/straight_lines.h"
@@ -15,9 +16,6 @@ namespace {
 
 /// What is nearer to a bound than this share of it may count as on either side.
 constexpr double kMargin = 1e-9;
-
-/// How a number stands to a bound that it is not to cross.
-enum class Standing { kMeets, kOnTheEdge, kMisses };
 
 Standing at_most(double value, double bound) {
   if (value > bound * (1 + kMargin)) return Standing::kMisses;
@@ -63,11 +61,12 @@ class Triangle3 {
 class GoalCheck {
  public:
   GoalCheck(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges, const BoundaryGraph& seams,
-            Findings& findings, RunControl& control)
+            const VaryingSizes* sizes, Findings& findings, RunControl& control)
       : claim_(refinement),
         model_(model),
         edges_(edges),
         seams_(seams),
+        sizes_(sizes),
         findings_(findings),
         control_(control),
         min_angle_(refinement.goals.min_angle_deg * std::numbers::pi / 180),
@@ -82,6 +81,7 @@ class GoalCheck {
     const bool is_any_across = std::find(claim_.reasons.begin(), claim_.reasons.end(),
                                          UnrefinedReason::kAcrossInputAngle) != claim_.reasons.end();
     if (is_any_across || min_length_ > 0) lines_.emplace(model_, seams_, control_);
+    find_patches_beside_frozen();
     check_faces();
     if (min_length_ > 0) check_new_edges();
   }
@@ -97,8 +97,10 @@ class GoalCheck {
   }
 
   void check_faces() {
+    // Looking for gaps takes microseconds a face.
+    const std::size_t block = sizes_ != nullptr ? 512 : kItemsPerBlock;
     const auto blocks =
-        map_blocks<Found>(model_.output.count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+        map_blocks<Found>(model_.output.count(), block, control_, [&](std::size_t begin, std::size_t end) {
           Found found;
           auto listed = std::lower_bound(claim_.unrefined.begin(), claim_.unrefined.end(), FaceId(begin));
           for (auto f = static_cast<std::uint32_t>(begin); f < end; ++f) {
@@ -108,11 +110,11 @@ class GoalCheck {
             const Standing standing = std::max(size, angle_of(face.least_angle()));
             const auto report = [&](Fault fault) { found.push_back({model_.output.patch[f], fault, f}); };
             if (!is_listed) {
-              if (standing == Standing::kMisses) report(Fault::kUnlisted);
+              if (standing == Standing::kMisses || is_too_large_here(f)) report(Fault::kUnlisted);
               continue;
             }
             const UnrefinedReason reason = claim_.reasons[listed++ - claim_.unrefined.begin()];
-            if (standing == Standing::kMeets)
+            if (standing == Standing::kMeets && !may_be_too_large_here(f))
               report(Fault::kListedInVain);
             else if (!is_reason(reason, f, face, size != Standing::kMisses))
               report(Fault::kCertificate);
@@ -120,6 +122,22 @@ class GoalCheck {
           return found;
         });
     for (const Found& found : blocks) findings_.add(found);
+  }
+
+  bool is_too_large_here(std::uint32_t f) const { return sizes_ != nullptr && sizes_->is_missed_clearly(f); }
+  bool may_be_too_large_here(std::uint32_t f) const { return sizes_ != nullptr && sizes_->may_be_missed(f); }
+
+  /// The patches whose boundary, or a part of it, is claimed to stay as it was for a patch's sake.
+  void find_patches_beside_frozen() {
+    if (claim_.frozen.empty()) return;
+    is_beside_frozen_.assign(claim_.frozen.begin(), claim_.frozen.end());
+    const auto is_frozen = [&](const Use& use) { return claim_.frozen[use.patch().value] != 0; };
+    for (const Edge& edge : seams_.edges())
+      if (std::any_of(edge.uses.begin(), edge.uses.end(), is_frozen))
+        for (const Use& use : edge.uses) is_beside_frozen_[use.patch().value] = 1;
+  }
+  bool is_any_boundary_locked(PatchId p) const {
+    return !claim_.goals.split_boundaries || (!is_beside_frozen_.empty() && is_beside_frozen_[p.value] != 0);
   }
 
   Triangle3 measure(std::uint32_t f) const {
@@ -132,17 +150,20 @@ class GoalCheck {
   }
   Standing angle_of(double angle) const { return at_least(angle, min_angle_); }
 
+  /// `is_small_enough`: it is not larger than any face may be.
   bool is_reason(UnrefinedReason reason, std::uint32_t f, const Triangle3& face, bool is_small_enough) const {
     switch (reason) {
       // Input angles explain angles, not sizes.
-      case UnrefinedReason::kInputAngle: return is_small_enough && is_at_input_angle(f, face);
-      case UnrefinedReason::kAcrossInputAngle: return is_small_enough && is_across_input_angle(f, face);
+      case UnrefinedReason::kInputAngle: return is_small_enough && is_at_input_angle(f, face) && !is_too_large_here(f);
+      case UnrefinedReason::kAcrossInputAngle:
+        return is_small_enough && is_across_input_angle(f, face) && !is_too_large_here(f);
       case UnrefinedReason::kMinEdgeLength: return min_length_ > 0;
       case UnrefinedReason::kBudget: return claim_.goals.max_faces < std::numeric_limits<std::uint64_t>::max();
+      case UnrefinedReason::kBoundaryLocked: return is_any_boundary_locked(model_.output.patch[f]);
       case UnrefinedReason::kSizeFloor:
-      case UnrefinedReason::kBoundaryLocked:
-      case UnrefinedReason::kEffort:
-      case UnrefinedReason::kOutputRounding: return true;
+      case UnrefinedReason::kEffort: return true;
+      // Nothing has been rounded for an output format yet; check_stored_form tests what is listed then.
+      case UnrefinedReason::kOutputRounding: return false;
     }
     return false;
   }
@@ -213,18 +234,26 @@ class GoalCheck {
   const Model& model_;
   const EdgeTable& edges_;
   const BoundaryGraph& seams_;
+  const VaryingSizes* sizes_;  ///< null: no bound differs from place to place
   Findings& findings_;
   RunControl& control_;
   // In the model's scale; radians.
   const double min_angle_, max_area_, max_length_, min_length_;
   std::optional<StraightLines> lines_;  ///< where one of the tests needs them
+  std::vector<std::uint8_t> is_beside_frozen_;
 };
 
 }  // namespace
 
 void check_goals(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges,
-                 const BoundaryGraph& seams, Findings& findings, RunControl& control) {
-  GoalCheck(refinement, model, edges, seams, findings, control).run();
+                 const BoundaryGraph& seams, const VaryingSizes* sizes, Findings& findings, RunControl& control) {
+  GoalCheck(refinement, model, edges, seams, sizes, findings, control).run();
+}
+
+Standing standing_of(const Goals& goals, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Triangle3 face(a, b, c);
+  return std::max({at_most(face.longest_side(), goals.max_edge_length), at_most(face.area, goals.max_area),
+                   at_least(face.least_angle(), goals.min_angle_deg * std::numbers::pi / 180)});
 }
 
 }  // namespace remesh::verification

@@ -7,15 +7,23 @@
 #include "core/verify/edge_table.h"
 #include "core/verify/findings.h"
 #include "core/verify/model.h"
+#include "core/verify/varying_sizes.h"
 
 namespace remesh::verification {
 
 /// Reports kUnlisted, kListedInVain, kCertificate, kShortEdge, kLockedBoundary, kTooManyFaces.
 /// Measures are of the output's doubles. Two that compute them differ in the last places; what is within 1e-9 of a
-/// bound may be listed or not.
-/// Input:  the output's edges, and those of them that bound patches.
+/// bound may be listed or not, and what is within VaryingSizes::kClearly of a bound that differs from place to place.
+/// Input:  the output's edges, and those of them that bound patches; the bounds that differ from place to place, null if
+///         the goals have none.
 /// Cost:   O(n log n).
 void check_goals(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges,
-                 const BoundaryGraph& seams, Findings& findings, RunControl& control);
+                 const BoundaryGraph& seams, const VaryingSizes* sizes, Findings& findings, RunControl& control);
+
+/// How a number stands to a bound that it is not to cross; within 1e-9 of the bound it is on the edge.
+enum class Standing { kMeets, kOnTheEdge, kMisses };
+
+/// How a triangle stands to the bounds on angles, edges and areas. Model units; the area must not overflow.
+Standing standing_of(const Goals& goals, const Vec3& a, const Vec3& b, const Vec3& c);
 
 }  // namespace remesh::verification

@@ -72,13 +72,14 @@ Matches match_vertices(const Claim& claim, RunControl& control) {
 }
 
 /// One reason for each face that is listed, ascending; goals that are numbers.
-bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count) {
-  const auto& [goals, unrefined, reasons] = refinement;
+bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, std::size_t patch_count) {
+  const auto& [goals, unrefined, reasons, frozen] = refinement;
   const auto is_bound = [](double bound) { return bound >= 0; };
   return unrefined.size() == reasons.size() &&
          std::adjacent_find(unrefined.begin(), unrefined.end(), std::greater_equal<>()) == unrefined.end() &&
          (unrefined.empty() || unrefined.back().value < face_count) && is_bound(goals.min_angle_deg) &&
-         is_bound(goals.max_edge_length) && is_bound(goals.max_area) && is_bound(goals.min_edge_length);
+         is_bound(goals.max_edge_length) && is_bound(goals.max_area) && is_bound(goals.min_edge_length) &&
+         is_bound(goals.proximity) && is_bound(goals.gradation) && (frozen.empty() || frozen.size() == patch_count);
 }
 
 /// The output's faces in the model's vertices, and which of these it uses.
@@ -119,7 +120,7 @@ bool is_well_formed(const Claim& claim, RunControl& control) {
       claim.surface_patch.size() != surface.face_count() || claim.face_patch.size() != claim.faces.size() ||
       claim.corner_uv.size() != 3 * claim.faces.size())
     return false;
-  if (claim.refinement != nullptr && !is_well_formed(*claim.refinement, claim.faces.size())) return false;
+  if (claim.refinement != nullptr && !is_well_formed(*claim.refinement, claim.faces.size(), patch_count)) return false;
   std::atomic<bool> is_good{true};
   const auto test = [&](std::size_t n, const auto& is_item_good) {
     for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {

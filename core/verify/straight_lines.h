@@ -19,6 +19,12 @@ class StraightLines {
  public:
   StraightLines(const Model& model, const BoundaryGraph& seams, RunControl& control);
 
+  /// Calls visit(one end, the other end) for each line.
+  template <class Visit>
+  void for_each_line(const Visit& visit) const {
+    for (const Line& line : lines_) visit(line.low, line.high);
+  }
+
   /// Calls is_wanted(corner) for the corners in which a line of the patch through a and another one through b end,
   /// until it says yes; returns whether it did.
   /// Cost:   O(min(lines at a, lines at b) log n). Summed over the edges of a triangulated patch that is O(n log n):

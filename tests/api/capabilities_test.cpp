@@ -25,7 +25,7 @@ TEST(Capabilities, they_tell_every_option_and_format) {
     return all;
   };
   EXPECT_EQ(names("input"), (std::vector<std::string>{"obj", "json", "stl", "ply", "off"}));
-  EXPECT_EQ(names("output"), (std::vector<std::string>{"obj", "json", "stl", "ply", "off", "vtu", "msh"}));
+  EXPECT_EQ(names("output"), (std::vector<std::string>{"obj", "json", "stl", "stl_ascii", "ply", "off", "vtu", "msh"}));
   EXPECT_EQ(answer["formats"]["input"][0]["media_type"], "model/obj");
 }
 

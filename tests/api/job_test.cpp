@@ -113,13 +113,13 @@ TEST(RemeshJob, the_bound_of_faces_is_the_servers_unless_a_lower_one_is_asked_fo
 }
 
 TEST(RemeshJob, the_face_under_each_face_is_found_where_it_is_told_or_asked_for) {
-  const auto sources = [](const char* format, FaceSource wanted) {
+  const auto sources = [](const char* format, Purpose wanted) {
     RunControl control;
     return remesh_for_job(job_of(kSquare, {{"format", format}}), {}, wanted, control).result.face_source.size();
   };
-  EXPECT_EQ(sources("json", FaceSource::kWhereJson), 2u);
-  EXPECT_EQ(sources("obj", FaceSource::kWhereJson), 0u);
-  EXPECT_EQ(sources("obj", FaceSource::kAlways), 2u);
+  EXPECT_EQ(sources("json", Purpose::kAnswer), 2u);
+  EXPECT_EQ(sources("obj", Purpose::kAnswer), 0u);
+  EXPECT_EQ(sources("obj", Purpose::kKeeping), 2u);
 }
 
 TEST(RemeshJob, a_stop_ends_it) {
@@ -157,21 +157,28 @@ Report told_report() {
 }
 
 TEST(Summary, it_counts_faces_patches_and_warnings_in_one_line) {
-  EXPECT_EQ(remesh_summary(told_report()),
+  EXPECT_EQ(summary_line(summary_of(told_report())),
             "input_faces=12, output_faces=3456, patches=3, kept=1, min_angle_deg=17.25, verified=0, warnings=1");
+}
+
+TEST(Summary, it_names_the_origin_last_and_without_commas) {
+  Report report = told_report();
+  report.output_origin = Vec3{453016, -0.25, 0};
+  EXPECT_THAT(summary_line(summary_of(report)), EndsWith(", warnings=1, origin=453016 -0.25 0"));
+  EXPECT_EQ(summary_comments(summary_of(report))[0], "remeshd " + std::string(version()) + ", origin 453016 -0.25 0");
 }
 
 TEST(Summary, only_what_holds_in_every_respect_is_verified) {
   Report report = told_report();
   report.verified.quality = std::nullopt;
-  EXPECT_THAT(remesh_summary(report), HasSubstr("verified=1,"));
+  EXPECT_THAT(summary_line(summary_of(report)), HasSubstr("verified=1,"));
   report.verified.delaunay = false;
-  EXPECT_THAT(remesh_summary(report), HasSubstr("verified=0,"));
+  EXPECT_THAT(summary_line(summary_of(report)), HasSubstr("verified=0,"));
 }
 
 TEST(Summary, comments_are_a_line_each_whatever_a_message_holds) {
-  EXPECT_THAT(summary_comments(told_report()),
-              ElementsAre("remeshd " + std::string(version()), remesh_summary(told_report()),
+  EXPECT_THAT(summary_comments(summary_of(told_report())),
+              ElementsAre("remeshd " + std::string(version()), summary_line(summary_of(told_report())),
                           "warning: duplicate_face: 4: first second third", "unrefined: size_floor: 7"));
 }
 

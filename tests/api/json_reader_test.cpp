@@ -70,6 +70,18 @@ TEST(JsonReader, a_mesh_beside_its_options_is_read_in_any_order_of_keys) {
   }
 }
 
+TEST(JsonReader, a_list_of_words_with_signs_changes_the_default) {
+  const auto repair = [](const std::string& value) {
+    return read(mesh(kVertices, kFaces, ",\"options\":{\"repair\":" + value + "}")).options.core.repair;
+  };
+  Repair changed;
+  changed.inside_out = true;
+  changed.winding = false;
+  for (const char* value : {R"(["+inside_out","-winding"])", R"("+inside_out,-winding")", R"(" inside_out,-winding")"})
+    EXPECT_EQ(repair(value), changed) << value;
+  EXPECT_EQ(error_of(R"({"options":{"repair":["+inside_out","winding"]}})").code, Code::kInvalidOption);
+}
+
 TEST(JsonReader, coordinates_come_back_bit_for_bit) {
   std::mt19937_64 random(20240607);
   nlohmann::json document{{"vertices", nlohmann::json::array()}, {"faces", {{0, 1, 2}}}};

@@ -44,7 +44,7 @@ TEST(Options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"plane_tolerance", "auto"},
                                                          {"normal_tolerance", "1e-06"},
                                                          {"weld_tolerance", "0"},
-                                                         {"repair", "duplicates,degenerate,t_junctions,winding"},
+                                                         {"repair", "duplicates,degenerate,t_junctions,winding,seams"},
                                                          {"barriers", "object,group,material"},
                                                          {"reference_axis", "dominant_edge"},
                                                          {"format", "auto"}};
@@ -151,13 +151,57 @@ TEST(Options, booleans_are_true_or_false) {
 
 TEST(Options, words_are_read_in_any_order_each_once) {
   const Repair repair = read("repair", "inside_out,duplicates").core.repair;
-  EXPECT_EQ(
-      repair,
-      (Repair{.duplicates = true, .degenerate = false, .t_junctions = false, .winding = false, .inside_out = true}));
+  EXPECT_EQ(repair, (Repair{.duplicates = true,
+                            .degenerate = false,
+                            .t_junctions = false,
+                            .winding = false,
+                            .seams = false,
+                            .inside_out = true}));
   EXPECT_EQ(read("barriers", "none").core.barriers, (Barriers{false, false, false}));
   for (const std::string_view text :
-       {"", "duplicates,", "duplicates,duplicates", "none,duplicates", "holes", "duplicates degenerate"}) {
+       {"", "duplicates,", "duplicates,duplicates", "none,duplicates", "duplicates degenerate"}) {
     expect_invalid("repair", text);
+  }
+}
+
+TEST(Options, words_with_signs_change_the_default) {
+  Repair more;
+  more.inside_out = true;
+  Repair less;
+  less.seams = false;
+  Repair both = more;
+  both.seams = both.winding = false;
+  // A plus in a query string may have been decoded to a blank.
+  for (const std::string_view text : {"+inside_out", " inside_out"}) {
+    EXPECT_EQ(read("repair", text).core.repair, more) << text;
+    EXPECT_EQ(read("repair", text, ValueKind::kString).core.repair, more) << text;
+    EXPECT_EQ(read("repair", text, ValueKind::kList).core.repair, more) << text;
+  }
+  EXPECT_EQ(read("repair", "-seams").core.repair, less);
+  for (const std::string_view text : {"+inside_out,-seams,-winding", "-winding, inside_out,-seams"})
+    EXPECT_EQ(read("repair", text).core.repair, both) << text;
+  EXPECT_EQ(read("repair", "+duplicates").core.repair, Repair{}) << "it is there already";
+  EXPECT_EQ(read("repair", "-inside_out").core.repair, Repair{}) << "it was not there";
+  EXPECT_EQ(read("barriers", "-group").core.barriers, (Barriers{true, false, true}));
+  EXPECT_EQ(read("barriers", "-object,-group,-material").core.barriers, (Barriers{false, false, false}));
+}
+
+TEST(Options, words_with_signs_and_words_without_do_not_mix) {
+  for (const std::string_view text : {"+inside_out,seams", "winding,-seams", "duplicates, inside_out"}) {
+    expect_invalid("repair", text);
+    EXPECT_THAT(error_of([&] { read("repair", text); }).what(), HasSubstr("mixes words with a sign")) << text;
+  }
+  for (const std::string_view text :
+       {"+", "-", "+none", "-none", "++seams", "+ seams", "+seams,-seams", "+seams,", ",+seams", "+seams ", "+,seams"})
+    expect_invalid("repair", text);
+}
+
+TEST(Options, a_word_that_is_not_known_is_an_error_that_names_those_that_are) {
+  for (const std::string_view text : {"+union", "-holes", "imprint", "winding,self_intersections", " union"}) {
+    expect_invalid("repair", text);
+    const Error error = error_of([&] { read("repair", text); });
+    for (const std::string_view word : option_words(*find_option("repair")))
+      EXPECT_THAT(error.what(), HasSubstr(std::string(word))) << text;
   }
 }
 

@@ -13,7 +13,7 @@
 namespace remesh {
 namespace {
 
-std::map<DiagnosticCode, VolumeObstacle> obstacles_of(const PolygonMesh& mesh) {
+std::map<DiagnosticCode, VolumeObstacle> obstacles_of(const PolygonMesh& mesh, const BodyLabels& labels = {}) {
   RunControl control;
   const TriangleMesh triangles = shapes::triangles(mesh);
   const auto& positions = triangles.positions.items();
@@ -23,7 +23,7 @@ std::map<DiagnosticCode, VolumeObstacle> obstacles_of(const PolygonMesh& mesh) {
   const Adjacency edges(positions.size(), begins, corners_of(faces), control);
   std::map<DiagnosticCode, VolumeObstacle> by_code;
   for (VolumeObstacle& o :
-       find_volume_obstacles(positions, begins, corners_of(faces), edges, found.pairs, 1e-9, control)) {
+       find_volume_obstacles(positions, corners_of(faces), edges, labels, found.pairs, 1e-9, control)) {
     EXPECT_EQ(o.places.size(), std::min<std::size_t>(o.count, VolumeObstacle::kMaxPlaces));
     by_code[o.code] = std::move(o);
   }
@@ -110,7 +110,21 @@ TEST(find_volume_obstacles, doubled_and_crossing_and_overlapping_faces_are_told_
   EXPECT_FALSE(crossing.count(DiagnosticCode::kOverlappingFaces));
 }
 
-TEST(find_volume_obstacles, pieces_inside_out_are_located) {
+TEST(find_volume_obstacles, a_cavity_that_looks_outwards_is_one_unless_it_has_labels_of_its_own) {
+  const PolygonMesh outer = shapes::box({3, 3, 3}), inner = shapes::moved(shapes::box({1, 1, 1}), {1, 1, 1});
+  EXPECT_TRUE(obstacles_of(shapes::joined(outer, shapes::turned_over(inner))).empty());
+  const auto found = obstacles_of(shapes::joined(outer, inner));
+  ASSERT_EQ(found.size(), 1u);
+  ASSERT_EQ(found.at(DiagnosticCode::kInsideOut).count, 1u);
+  const Vec3 place = found.at(DiagnosticCode::kInsideOut).places[0];
+  for (int axis = 0; axis < 3; ++axis) EXPECT_TRUE(place[axis] >= 1 && place[axis] <= 2);
+  BodyLabels labels{{}, {0, 1, 2}, {0, 1}};
+  labels.set_of.assign(12, 0);
+  labels.set_of.resize(24, 1);
+  EXPECT_TRUE(obstacles_of(shapes::joined(outer, inner), labels).empty());
+}
+
+TEST(find_volume_obstacles, shells_inside_out_are_located) {
   const PolygonMesh mesh =
       shapes::joined(shapes::box({1, 1, 1}), shapes::moved(shapes::turned_over(shapes::box({1, 1, 1})), {3, 0, 0}));
   const auto found = obstacles_of(mesh);

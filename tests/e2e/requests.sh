@@ -49,6 +49,15 @@ same 'a kept connection'
 ask 200 -F "mesh=@$mesh" -F 'options={"refine": false};type=application/json' /v1/remesh
 same 'a form'
 [[ $(header Content-Disposition) == *bracket* ]] || fail "the name of the upload is lost: $(header Content-Disposition)"
+# a word with a sign changes the default list, however the plus is written in the query
+for plus in + %2B %20; do
+  ask 200 -H 'Accept: application/json' --data-binary "@$mesh" "/v1/remesh?refine=false&repair=${plus}inside_out,-winding"
+  grep -q '"repair": *"[^"]*inside_out"' "$work/body" || fail "${plus}inside_out did not add it"
+  grep -q '"repair": *"[^"]*duplicates[^"]*"' "$work/body" || fail "${plus}inside_out replaced the list"
+  ! grep -q '"repair": *"[^"]*winding' "$work/body" || fail '-winding left it in'
+done
+ask 400 --data-binary "@$mesh" '/v1/remesh?refine=false&repair=+inside_out,winding'
+grep -q 'mixes' "$work/body" || fail "mixed words got: $(cat "$work/body")"
 gzip -c "$mesh" >"$work/mesh.gz"
 ask 200 -H 'Content-Encoding: gzip' --data-binary "@$work/mesh.gz" '/v1/remesh?refine=false'
 same 'a compressed body'

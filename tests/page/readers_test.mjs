@@ -92,6 +92,17 @@ test("every part of the corpus is read as the daemon reads it", async (t) => {
   assert.ok(compared > 60, `only ${compared} were compared`);
 });
 
+test("text STL of the wild is read as the daemon reads it", async () => {
+  const facet = (end) => `Facet Normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1e0 +0 0\nvertex 0 1 0\n${end}`;
+  for (const text of [
+    `solid vertex 1 2 3\n${facet("end loop\nEND  FACET")}\nend solid endloop\n`,
+    `solid\n${facet("endloop\nendfacet")}\nsolid b\n${facet("endloop\nendfacet")}\n`,
+    `# endloop\n\nsolid ${"facet ".repeat(300)}\n; vertex\nmade by vertex\n${facet("endloop # end\nendfacet")}\nendsolid\n`,
+  ]) {
+    assert.ok(await compare("wild.stl", new TextEncoder().encode(text)), text);
+  }
+});
+
 test("what is no mesh is told in words", async () => {
   const read = (text) => page.readMesh(new TextEncoder().encode(text));
   for (const [text, words] of [
@@ -233,12 +244,13 @@ test("a curl line survives any file name", () => {
   assert.equal(page.shellWord("part-1.obj"), "part-1.obj");
   assert.equal(page.shellWord("it's a $(part).obj"), `'it'\\''s a $(part).obj'`);
   assert.equal(page.resultName("Part.v2.stl.gz", "obj"), "Part.v2-remeshed.obj");
-  const line = page.curlLine("http://h:1", "a b.stl", [["barriers", "object,group"]], "ply", true);
+  const line = page.curlLine("http://h:1", "a b.stl", [["barriers", "object,group"]], "ply", "ply", true);
   assert.equal(
     line,
     `curl --fail-with-body -H "Authorization: Bearer $REMESHD_API_KEY" --data-binary '@a b.stl' ` +
       `'http://h:1/v1/remesh?barriers=object,group&format=ply' -o 'a b-remeshed.ply'`,
   );
+  assert.match(page.curlLine("http://h:1", "a.obj", [], "stl_ascii", "stl", false), /format=stl_ascii' -o a-remeshed.stl$/);
 });
 
 test("the bounds of an option are the ones that the service names", async () => {

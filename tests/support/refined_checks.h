@@ -25,6 +25,9 @@ struct Bounds {
 /// The bounds that options ask for; lengths given as a fraction are left to the caller.
 Bounds bounds_of(const Options& options);
 
+/// Do gaps or short edges ask for sizes of their own? Then faces may be listed that meet all of Bounds.
+bool do_sizes_vary(const Options& options);
+
 /// Faces that miss a bound. `slack`: bounds are so much wider, relatively; negative: tighter.
 std::vector<FaceId> faces_beyond(const TriangleMesh& mesh, const Bounds& bounds, double slack = 0);
 
@@ -43,7 +46,8 @@ std::vector<Vec3> new_vertices(const PolygonMesh& input, const TriangleMesh& out
 
 /// Promises 1 to 3 of the design, for an input of exact planes (to rounding): verified; the same area, volume, Euler
 /// number and length of open and non-manifold edges; every vertex on the other surface; no new self-intersection; no
-/// edge inside a patch that a flip would improve; the faces beyond the bounds are as many as are listed.
+/// edge inside a patch that a flip would improve; the faces beyond the bounds are as many as are listed, or no more where
+/// sizes vary.
 /// `tolerance`: how far rounding has moved the input off its planes, of its size.
 /// Cost:  vertices times faces.
 void expect_promises(const PolygonMesh& input, const Options& options, const Result& result, double tolerance = 1e-9);

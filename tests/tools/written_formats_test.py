@@ -1,4 +1,4 @@
-"""Every written format, read back by programs that are not ours: meshio, VTK and Gmsh.
+"""Every written format, read back by programs that are not ours: meshio, VTK, Gmsh and TetGen.
 
 usage: written_formats_test.py REMESH
 
@@ -9,6 +9,7 @@ not installed, and what it would have read was not tested.
 
 import json
 import os
+import shutil
 import struct
 import subprocess
 import sys
@@ -197,6 +198,28 @@ def with_gmsh(labelled, _):
     print("ok: gmsh, msh")
 
 
+def with_tetgen(labelled, _):
+    """TetGen fills the solid that the OFF file bounds, with the surface as it is (-Y), and writes both again."""
+    expected, path = labelled
+    run = subprocess.run(["tetgen", "-pYQ", path["off"]], capture_output=True, text=True, timeout=60)
+    check(run.returncode == 0, f"tetgen, off: exit code {run.returncode}: {run.stdout}{run.stderr}")
+
+    def rows(ending):
+        with open(path["off"].removesuffix(".off") + ending, encoding="ascii") as file:
+            lines = [line.split() for line in file if not line.startswith("#")]
+        check(len(lines) == int(lines[0][0]) + 1, f"tetgen, off: {ending} is cut short")
+        return [line[1:] for line in lines[1:]]
+
+    points = [tuple(float(x) for x in row) for row in rows(".1.node")[: len(expected.points)]]
+    # It prints 16 digits, one too few for all doubles.
+    for found, wanted in zip(points, expected.points, strict=True):
+        check(all(abs(f - w) <= 1e-15 for f, w in zip(found, wanted)), "tetgen, off: the vertices differ")
+    faces = sorted(sorted(int(i) for i in row[:3]) for row in rows(".1.face"))
+    check(faces == sorted(sorted(face) for face in expected.faces), "tetgen, off: the faces differ")
+    check(len(rows(".1.ele")) > 0, "tetgen, off: no tetrahedra")
+    print("ok: tetgen, off")
+
+
 def remesh_to_all(remesh, folder, part):
     """What is expected, and the path of the file of each format."""
     os.mkdir(folder)
@@ -228,6 +251,10 @@ def main():
                 skipped.append(name)
                 continue
             test(labelled, plain)
+        if shutil.which("tetgen") is None:
+            skipped.append("tetgen")
+        else:
+            with_tetgen(labelled, plain)
     if skipped:
         print(f"SKIPPED: NOT READ BACK BY {', '.join(skipped)}: not installed for {sys.executable}")
         return 77

@@ -52,9 +52,76 @@ TEST(rounding_step, fixed_decimals_are_the_step) {
   expect_step(printed("%.1f", 3), 1e-1);
 }
 
-TEST(rounding_step, a_file_of_few_vertices_shows_its_decimals_too) {
-  expect_step(printed("%.6f", 10, 8), 1e-6);
-  expect_step(printed("%.4f", 10, 4), 1e-4);
+Rounding rounding(const std::vector<Vec3>& points) {
+  RunControl control;
+  return rounding_of(points, control);
+}
+
+TEST(rounding_step, eleven_free_vertices_show_their_decimals) {
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 100; ++seed)
+    found += std::fabs(rounding_step(printed("%.4f", 10, 11, seed)) / 1e-4 - 1) < 1e-12;
+  EXPECT_GE(found, 95);
+}
+
+TEST(rounding_step, of_few_vertices_a_part_of_the_step_is_certain_and_all_of_it_possible) {
+  int parts = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const Rounding few = rounding(printed("%.4f", 10, 4, seed));
+    EXPECT_LT(few.step(), 1e-14);
+    EXPECT_LE(few.certain_step(), 1e-4);
+    EXPECT_GE(few.possible_step(), 1e-4 * (1 - 1e-12));
+    parts += few.certain_step() > 1e-7;
+  }
+  EXPECT_GE(parts, 15);
+}
+
+TEST(rounding_step, a_handful_of_short_numbers_proves_nothing) {
+  const std::vector<Vec3> crowned{{0, 0, 0},    {200, 0, 0},    {200, 100, 0}, {0, 100, 0},     {0, 0, 10},
+                                  {200, 0, 10}, {200, 100, 10}, {0, 100, 10},  {100, 0, 10.01}, {100, 100, 10.01}};
+  const std::vector<Vec3> bumped{{0, 0, 0}, {0, 0, 1}, {0.005, 0.005, 0.5}, {-100, 0, 0.5}, {0, -100, 0.5}};
+  EXPECT_EQ(rounding_step(crowned), 0x1p-45);
+  EXPECT_EQ(rounding_step(bumped), 0x1p-46);
+  EXPECT_NEAR(rounding(crowned).possible_step() / 0.01, 1, 1e-12);
+  EXPECT_NEAR(rounding(bumped).possible_step() / 0.005, 1, 1e-12);
+  EXPECT_LT(rounding(crowned).certain_step(), 1e-6);
+  EXPECT_LT(rounding(bumped).certain_step(), 1e-6);
+}
+
+TEST(rounding_step, a_few_free_numbers_among_many_exact_ones_prove_nothing) {
+  // Hundreds of multiples of 0.5, and two numbers with three decimals.
+  std::vector<Vec3> points = with(printed("%.0f", 300), [](double x) { return x / 2; });
+  points.push_back({0.123, 10, 25.517});
+  EXPECT_LT(rounding_step(points), 1e-13);
+  EXPECT_LT(rounding(points).certain_step(), 1e-5);
+  // Twenty vertices of the kind do.
+  const std::vector<Vec3> free = printed("%.3f", 100, 20);
+  points.insert(points.end(), free.begin(), free.end());
+  expect_step(points, 1e-3);
+}
+
+TEST(rounding_step, numbers_that_follow_from_few_are_few) {
+  const double pi = std::acos(-1);
+  const auto rounded = [](double x) { return std::round(x * 1e4) / 1e4; };
+  // Holes of the same circle, and a regular grid far from the origin.
+  std::vector<Vec3> holes, grid;
+  for (int hole = 0; hole < 40; ++hole)
+    for (int i = 0; i < 12; ++i)
+      holes.push_back(
+          {rounded(7.5 * (hole % 8) + std::cos(pi * i / 6)), rounded(9 * (hole / 8) + std::sin(pi * i / 6)), 0});
+  for (int i = 0; i < 50; ++i) grid.push_back({1000.37 + 12.5 * i, 512.11 + 12.5 * (i % 7), 3});
+  EXPECT_LT(rounding(holes).step(), 1e-13);
+  EXPECT_LT(rounding(grid).step(), 1e-12);
+}
+
+TEST(rounding_step, repetition_and_signs_add_no_evidence) {
+  std::vector<Vec3> points = printed("%.3f", 10, 4);
+  const double certain = rounding(points).certain_step();
+  for (int i = 0; i < 4; ++i)
+    for (const Vec3& p : std::vector<Vec3>(points)) points.push_back(p);
+  EXPECT_EQ(rounding(points).certain_step(), certain);
+  for (const Vec3& p : std::vector<Vec3>(points)) points.push_back({-p.x, -p.y, -p.z});
+  EXPECT_LT(rounding(points).step(), 1e-13);
 }
 
 TEST(rounding_step, significant_digits_give_the_last_place_of_the_largest_values) {
@@ -189,9 +256,9 @@ TEST(rounding_step, full_doubles_give_the_last_place_of_the_largest_double) {
   EXPECT_EQ(rounding_step(printed("%.17g", 9.99)), 0x1p-49);
 }
 
-TEST(rounding_step, whole_numbers_have_a_step_of_one) {
+TEST(rounding_step, many_whole_numbers_have_a_step_of_one_and_a_cube_has_none) {
   expect_step(printed("%.0f", 100), 1);
-  expect_step({{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}, 1);
+  EXPECT_EQ(rounding_step({{0, 0, 0}, {1, 0, 0}, {0, 1, 1}}), 0x1p-52);
 }
 
 TEST(rounding_step, the_origin_alone_has_none) { EXPECT_EQ(rounding_step(std::vector<Vec3>{{0, 0, 0}}), 0); }
@@ -218,8 +285,10 @@ TEST(rounding_step, one_value_among_many_can_change_it) {
   expect_step(points, 1e-6);
   points.back().y = 1.0 / 3;
   EXPECT_EQ(rounding_step(points), 0x1p-49);
+  // One number with seven decimals does not prove these, but that six are wrong.
   points.back().y = 9.1234567;
-  expect_step(points, 1e-7);
+  EXPECT_EQ(rounding_step(points), 0x1p-49);
+  EXPECT_NEAR(rounding(points).possible_step() / 1e-7, 1, 1e-9);
 }
 
 TEST(rounding_step, the_order_of_the_values_does_not_matter) {
@@ -232,24 +301,43 @@ TEST(rounding_step, the_order_of_the_values_does_not_matter) {
   }
 }
 
-TEST(automatic_tolerance, small_steps_count_without_doubt) {
-  const AutomaticTolerance tolerance = automatic_tolerance(1e-7, 1);
-  EXPECT_DOUBLE_EQ(tolerance.value, 2.6e-7);
-  EXPECT_EQ(tolerance.if_noisy, tolerance.value);
+/// Steps that are the same for all coordinates.
+Rounding steps(double proven, double certain, double possible) {
+  return {{proven, proven, proven}, {certain, certain, certain}, {possible, possible, possible}, true};
+}
+
+TEST(automatic_tolerance, small_steps_count_without_doubt_be_they_proven_or_not) {
+  for (const Rounding& rounding : {steps(1e-7, 1e-7, 1e-7), steps(1e-16, 1e-12, 1e-7)}) {
+    const AutomaticTolerance tolerance = automatic_tolerance(rounding, 1);
+    EXPECT_DOUBLE_EQ(tolerance.value, 2.6e-7);
+    EXPECT_EQ(tolerance.if_bent, tolerance.value);
+    EXPECT_EQ(tolerance.if_noisy, tolerance.value);
+  }
 }
 
 TEST(automatic_tolerance, it_never_falls_below_the_floor) {
-  EXPECT_DOUBLE_EQ(automatic_tolerance(1e-16, 20).value, 20e-9);
-  EXPECT_DOUBLE_EQ(automatic_tolerance(0, 20).if_noisy, 20e-9);
+  const Rounding full = steps(1e-16, 1e-16, 1e-16), none;
+  EXPECT_DOUBLE_EQ(automatic_tolerance(full, 20).value, 20e-9);
+  EXPECT_DOUBLE_EQ(automatic_tolerance(none, 20).if_noisy, 20e-9);
 }
 
 TEST(automatic_tolerance, coarse_steps_count_only_where_noise_is_seen_and_never_beyond_the_ceiling) {
-  const AutomaticTolerance unit_cube = automatic_tolerance(1, 2);
-  EXPECT_DOUBLE_EQ(unit_cube.value, 2e-9);
-  EXPECT_DOUBLE_EQ(unit_cube.if_noisy, 2e-4);
-  const AutomaticTolerance coarse = automatic_tolerance(1e-5, 1);
+  const AutomaticTolerance whole = automatic_tolerance(steps(1, 1, 1), 2000);
+  EXPECT_DOUBLE_EQ(whole.value, 2e-6);
+  EXPECT_DOUBLE_EQ(whole.if_bent, 2e-3);
+  EXPECT_DOUBLE_EQ(whole.if_noisy, 0.2);
+  EXPECT_DOUBLE_EQ(whole.explained, 2.6);
+  const AutomaticTolerance coarse = automatic_tolerance(steps(1e-5, 1e-5, 1e-5), 1);
   EXPECT_DOUBLE_EQ(coarse.value, 1e-9);
+  EXPECT_DOUBLE_EQ(coarse.if_bent, 1e-6);
   EXPECT_DOUBLE_EQ(coarse.if_noisy, 2.6e-5);
+}
+
+TEST(automatic_tolerance, a_coarse_step_that_is_not_proven_explains_a_millionth_of_the_diagonal_at_most) {
+  const AutomaticTolerance crowned = automatic_tolerance(steps(1e-14, 1e-9, 0.01), 223);
+  EXPECT_DOUBLE_EQ(crowned.value, 223e-9);
+  EXPECT_DOUBLE_EQ(crowned.if_bent, 223e-6);
+  EXPECT_EQ(crowned.if_noisy, crowned.if_bent);
 }
 
 }  // namespace

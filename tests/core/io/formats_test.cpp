@@ -21,7 +21,10 @@ TEST(formats, every_format_is_found_by_its_name_and_has_its_own_media_type) {
   std::set<std::string_view> media_types;
   for (const Format format : kFormats) {
     EXPECT_EQ(format_from_name(format_name(format)), format);
-    EXPECT_TRUE(media_types.insert(media_type(format)).second) << media_type(format);
+    // The two kinds of STL have one type and one ending.
+    EXPECT_EQ(media_types.insert(media_type(format)).second, format != Format::kStlAscii) << media_type(format);
+    EXPECT_EQ(format_from_file_name("part." + std::string(file_ending(format))),
+              format == Format::kStlAscii ? Format::kStl : format);
   }
   EXPECT_EQ(media_type(Format::kObj), "model/obj");
   EXPECT_EQ(media_type(Format::kJson), "application/json");
@@ -55,6 +58,7 @@ TEST(formats, json_is_known_by_its_first_character) {
 TEST(formats, text_stl_has_solid_first_and_a_facet_later) {
   EXPECT_EQ(sniff_format("solid part\n facet normal 0 0 1\n"), Format::kStl);
   EXPECT_EQ(sniff_format("solid\nfacet normal 0 0 1\n"), Format::kStl);
+  EXPECT_EQ(sniff_format("# exported\nSolid\nFacet Normal 0 0 1\n"), Format::kStl);
   EXPECT_EQ(sniff_format("solid ground\nv 0 0 0\n"), Format::kObj);
   EXPECT_EQ(sniff_format("solids\nfacet normal\n"), Format::kObj);
 }

@@ -109,7 +109,7 @@ TEST(segment_table, a_box_has_twelve_segments_of_two_sides_each) {
     EXPECT_LT(subject.chain.surface.positions[segment.from], subject.chain.surface.positions[segment.to]);
     EXPECT_EQ(segment.shell_base[0], 0) << "right angles need no shells";
     EXPECT_EQ(segment.shell_base[1], 0);
-    EXPECT_FALSE(segment.is_locked);
+    EXPECT_FALSE(segment.is_locked());
     const auto sides = subject.table.sides(SegmentId(s));
     ASSERT_EQ(sides.size(), 2u);
     EXPECT_LT(sides[0].patch, sides[1].patch);
@@ -308,7 +308,7 @@ TEST(segment_table, locked_segments_stay_as_they_are) {
   options.split_boundaries = false;
   const Subject all(shapes::box({1, 1, 1}), goals_of(options, 1), 0.1);
   for (std::uint32_t s = 0; s < 12; ++s) {
-    EXPECT_TRUE(all.table[SegmentId(s)].is_locked);
+    EXPECT_TRUE(all.table[SegmentId(s)].is_locked());
     EXPECT_EQ(all.table.cut(SegmentId(s), 0, 1), std::nullopt);
     EXPECT_TRUE(all.table.size_cuts(SegmentId(s), all.sizes).empty());
   }
@@ -320,8 +320,8 @@ TEST(segment_table, locked_segments_stay_as_they_are) {
   for (std::uint32_t s = 0; s < 12; ++s) {
     const auto sides = table.sides(SegmentId(s));
     const bool is_beside = std::any_of(sides.begin(), sides.end(), [](const auto& x) { return x.patch == PatchId(2); });
-    EXPECT_EQ(table[SegmentId(s)].is_locked, is_beside);
-    locked += table[SegmentId(s)].is_locked;
+    EXPECT_EQ(table[SegmentId(s)].is_locked(), is_beside);
+    locked += table[SegmentId(s)].is_locked();
   }
   EXPECT_EQ(locked, 4u);
   for (std::uint32_t s = 0; s < 12; ++s) table.lock(SegmentId(s));

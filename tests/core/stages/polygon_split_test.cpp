@@ -149,6 +149,26 @@ TEST(polygon_split, a_polygon_that_runs_clockwise_in_no_plane_is_told_from_one_w
   EXPECT_EQ(split(there_and_back).kind, PolygonKind::kSelfCrossing);
 }
 
+TEST(polygon_split, a_spike_that_runs_outwards_is_cut_off_and_one_that_runs_inwards_is_a_slit) {
+  const auto outwards = lifted({{0, 0}, {9, 0}, {9, 3}, {6, 3}, {6, 4}, {6, 3}, {0, 3}});
+  const PolygonSplit cut = split(outwards);
+  EXPECT_EQ(cut.kind, PolygonKind::kPlanar);
+  EXPECT_DOUBLE_EQ(area_of(outwards, cut), 27);
+  EXPECT_TRUE(cut.has_spikes());
+  const auto inwards = lifted({{0, 0}, {9, 0}, {9, 3}, {6, 3}, {6, 1}, {6, 3}, {0, 3}});
+  const PolygonSplit slit = split(inwards);
+  EXPECT_EQ(slit.kind, PolygonKind::kPlanar);
+  EXPECT_DOUBLE_EQ(area_of(inwards, slit), 27);
+  EXPECT_FALSE(slit.has_spikes());
+}
+
+TEST(polygon_split, a_polygon_that_is_hardly_higher_than_the_tolerance_is_no_spike) {
+  for (const double height : {0.5e-9, 1e-9, 3e-9}) {
+    const auto strip = lifted({{0, 0}, {9, 0}, {9, height}, {4, height}, {0, height}});
+    EXPECT_FALSE(split(strip, 1e-9).has_spikes()) << height;
+  }
+}
+
 TEST(polygon_split, corners_above_each_other_are_a_crossing) {
   // A closed helix of two turns: in its best plane it runs over itself.
   std::vector<Vec3> points;

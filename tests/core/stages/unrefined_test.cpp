@@ -22,7 +22,7 @@ bool is_found(const Vec3& a, const Vec3& b, const Vec3& c, const Goals& goals) {
   const std::vector<Triangle> faces{{VertexId(0), VertexId(1), VertexId(2)}};
   const std::vector<UnrefinedReason> reasons{UnrefinedReason::kBudget};
   RunControl control;
-  return !find_unrefined(positions, faces, reasons, goals, control).faces.empty();
+  return !find_unrefined(positions, faces, reasons, {}, goals, control).faces.empty();
 }
 
 /// With that angle at the origin, and the two others larger.
@@ -91,7 +91,7 @@ TEST(find_unrefined, faces_come_in_order_with_their_reasons) {
   Goals goals = no_goals();
   goals.min_angle_deg = 25;
   RunControl control;
-  const UnrefinedFaces found = find_unrefined(row.positions, row.faces, row.reasons, goals, control);
+  const UnrefinedFaces found = find_unrefined(row.positions, row.faces, row.reasons, {}, goals, control);
   ASSERT_EQ(found.faces.size(), 13'334u);
   ASSERT_EQ(found.reasons.size(), found.faces.size());
   for (std::uint32_t i = 0; i < found.faces.size(); ++i) {
@@ -105,7 +105,7 @@ TEST(summarise_unrefined, reasons_come_in_their_order_with_the_first_hundred_pla
   Goals goals = no_goals();
   goals.min_angle_deg = 25;
   RunControl control;
-  const UnrefinedFaces found = find_unrefined(row.positions, row.faces, row.reasons, goals, control);
+  const UnrefinedFaces found = find_unrefined(row.positions, row.faces, row.reasons, {}, goals, control);
   const std::vector<Unrefined> summary = summarise_unrefined(found, row.positions, row.faces, control);
   ASSERT_EQ(summary.size(), 2u);
   EXPECT_EQ(summary[0].reason, UnrefinedReason::kAcrossInputAngle);

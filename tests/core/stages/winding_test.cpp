@@ -27,7 +27,12 @@ Wound run(const PolygonMesh& mesh, Mend mend, const Stage& stage) {
   return result;
 }
 Wound unify(const PolygonMesh& mesh, Mend mend = Mend::kYes) { return run(mesh, mend, unify_winding); }
-Wound turn(const PolygonMesh& mesh, Mend mend = Mend::kYes) { return run(mesh, mend, turn_inside_out); }
+Wound turn(const PolygonMesh& mesh, Mend mend = Mend::kYes) {
+  return run(mesh, mend,
+             [&](Surface& surface, const Adjacency& edges, Mend if_asked, auto& diagnostics, auto& control) {
+               return turn_inside_out(surface, edges, mesh.labels, if_asked, diagnostics, control);
+             });
+}
 
 PolygonMesh with_turned(PolygonMesh mesh, const std::vector<std::size_t>& faces) {
   for (const std::size_t f : faces)
@@ -123,6 +128,36 @@ TEST(turn_inside_out, a_closed_piece_that_looks_inwards_is_reported_and_turned_w
   EXPECT_EQ(found.diagnostics[0].code, DiagnosticCode::kInsideOut);
   EXPECT_EQ(found.diagnostics[0].elements, std::vector<std::uint64_t>{12});
   EXPECT_DOUBLE_EQ(volume(turn(mesh).surface), 2);
+}
+
+TEST(turn_inside_out, polygons_are_judged_as_what_they_cover) {
+  const std::vector<Vec2> u{{0, 0}, {3, 0}, {3, 3}, {2, 3}, {2, 1}, {1, 1}, {1, 3}, {0, 3}};
+  const PolygonMesh solid = shapes::prism(u, 1), small = shapes::quad_box({0.5, 0.5, 0.5});
+  const auto in_notch = shapes::moved(small, {1.25, 2, 0.25}), in_arm = shapes::moved(small, {0.25, 2, 0.25});
+  const std::vector<std::uint64_t> inner{solid.face_count()};
+  const auto elements = [&](const PolygonMesh& body) {
+    const Wound found = turn(shapes::joined(solid, body), Mend::kNo);
+    return found.diagnostics.empty() ? std::vector<std::uint64_t>{} : found.diagnostics[0].elements;
+  };
+  EXPECT_EQ(elements(in_arm), inner);
+  EXPECT_TRUE(elements(shapes::turned_over(in_arm)).empty());
+  EXPECT_TRUE(elements(in_notch).empty());
+  EXPECT_EQ(elements(shapes::turned_over(in_notch)), inner);
+  EXPECT_DOUBLE_EQ(volume(turn(shapes::joined(solid, in_arm)).surface), 7 - 0.125);
+}
+
+TEST(turn_inside_out, each_kind_of_label_tells_bodies_apart) {
+  PolygonMesh mesh = shapes::joined(shapes::box({3, 3, 3}), shapes::moved(shapes::box({1, 1, 1}), {1, 1, 1}));
+  EXPECT_DOUBLE_EQ(volume(turn(mesh).surface), 26);
+  for (LabelSet FaceLabels::*kind : {&FaceLabels::object, &FaceLabels::group, &FaceLabels::material}) {
+    PolygonMesh labelled = mesh;
+    LabelSet& set = labelled.labels.*kind;
+    set.names = {"cladding", "fuel"};
+    set.of_face.assign(24, 0);
+    EXPECT_DOUBLE_EQ(volume(turn(labelled).surface), 26) << "one name is used";
+    for (std::uint32_t f = 12; f < 24; ++f) set.of_face[FaceId(f)] = 1;
+    EXPECT_FALSE(turn(labelled).is_changed);
+  }
 }
 
 }  // namespace

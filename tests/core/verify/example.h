@@ -31,12 +31,13 @@ struct Example {
   std::optional<Goals> goals;  ///< none: nothing was refined
   std::vector<FaceId> unrefined;
   std::vector<UnrefinedReason> reasons;
+  std::vector<std::uint8_t> frozen;                               ///< empty: no patch
   std::vector<std::pair<PatchId, PatchId>> intersecting_patches;  ///< of the input
   bool are_these_all = true;                                      ///< of `intersecting_patches`
 
   Verdict verify() const {
     RunControl control;
-    const RefinementClaim refinement{goals.value_or(Goals()), unrefined, reasons};
+    const RefinementClaim refinement{goals.value_or(Goals()), unrefined, reasons, frozen};
     const InputIntersections known{intersecting_patches, are_these_all};
     return remesh::verify({surface, surface_patch, frames, positions, faces, face_patch, corner_uv, plane_tolerance,
                            goals.has_value(), goals ? &refinement : nullptr, &known},

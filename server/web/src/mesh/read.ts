@@ -28,12 +28,15 @@ async function unpacked(bytes: Uint8Array): Promise<Uint8Array> {
   }
 }
 
+/** A solid's name, which comes before the first facet, may have 4096 bytes. */
+const kHead = 8192;
+
 function reader(bytes: Uint8Array): (bytes: Uint8Array) => Surface {
-  const head = new TextDecoder("latin1").decode(bytes.subarray(0, 1024)).replace(/^\u00ef\u00bb\u00bf/, "");
+  const head = new TextDecoder("latin1").decode(bytes.subarray(0, kHead)).replace(/^\u00ef\u00bb\u00bf/, "");
   if (/^ply\s/.test(head)) return readPly;
   if (/^\s*\{/.test(head)) return readJson;
   if (/^(\s*#.*\n)*\s*(ST)?C?N?4?n?OFF\b/.test(head)) return readOff;
-  if (/^\s*solid\b/i.test(head) && /\bfacet\b|\bendsolid\b/i.test(head)) return readTextStl;
+  if (/^(\s*(#|;|!|\/\/).*\n)*\s*solid\b/i.test(head) && /\bfacet\b|\bendsolid\b/i.test(head)) return readTextStl;
   if (isBinaryStl(bytes)) return readBinaryStl;
   if (/^\s*(v|vn|vt|f|o|g|mtllib|usemtl|s|#)\s/m.test(head)) return readObj;
   throw new UnreadableMesh("It is no mesh of a format that is known here.");

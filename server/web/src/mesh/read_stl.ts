@@ -42,12 +42,18 @@ function merged({ points, begin, corners }: Surface): Surface {
   return { points: kept.slice(0, 3 * count), begin, corners: corners.map((corner) => number[first[corner]!]!) };
 }
 
+const kKeywords = /^(solid|facet|normal|outer|loop|vertex|end|endloop|endfacet|endsolid)$/;
+const kComment = /^(#|;|!|\/\/)/;
+
 export function readTextStl(bytes: Uint8Array): Surface {
   const scanner = new Scanner(bytes);
   const surface = new SurfaceBuilder();
   let corners = 0;
+  // Lines that begin with no keyword may stand before the first solid, and between a solid's name and its first facet.
+  let isInHead = true;
   while (!scanner.isAtEnd) {
-    const word = scanner.word().toLowerCase();
+    let word = scanner.word().toLowerCase().replace(/^\u00ef\u00bb\u00bf/, "");
+    if (word === "end") word += scanner.word().toLowerCase();
     if (word === "vertex") {
       surface.addCorner(surface.pointCount);
       surface.addPoint(scanner.number(), scanner.number(), scanner.number());
@@ -56,9 +62,15 @@ export function readTextStl(bytes: Uint8Array): Surface {
       if (corners < 3) throw new UnreadableMesh("A facet has less than three corners.");
       surface.endFace();
       corners = 0;
+    } else if (word === "facet") {
+      isInHead = false;
+    } else if (word === "solid") {
+      isInHead = true;
     }
     // "outer loop vertex ..." may stand on one line.
-    if (!scanner.hasWord() || word === "solid" || word === "endsolid") scanner.nextLine();
+    const isForWholeLine = word === "solid" || word === "endsolid" || kComment.test(word);
+    const isOfHead = isInHead && !kKeywords.test(word);
+    if (!scanner.hasWord() || isForWholeLine || isOfHead) scanner.nextLine();
   }
   return merged(surface.finish());
 }

@@ -4,8 +4,8 @@ export function shellWord(text: string): string {
 }
 
 /** The name of a result: `part.obj` as STL is `part-remeshed.stl`. */
-export function resultName(file: string, format: string): string {
-  return `${file.replace(/\.gz$/i, "").replace(/\.[^.]*$/, "") || "mesh"}-remeshed.${format}`;
+export function resultName(file: string, ending: string): string {
+  return `${file.replace(/\.gz$/i, "").replace(/\.[^.]*$/, "") || "mesh"}-remeshed.${ending}`;
 }
 
 /** The line that does what the page does. */
@@ -14,6 +14,7 @@ export function curlLine(
   file: string,
   query: [string, string][],
   format: string,
+  ending: string,
   hasKey: boolean,
 ): string {
   const url = new URL("/v1/remesh", origin);
@@ -27,6 +28,6 @@ export function curlLine(
     ...(hasKey ? ['-H "Authorization: Bearer $REMESHD_API_KEY"'] : []),
     `--data-binary ${shellWord(`@${file}`)}`,
     shellWord(`${url}?${parameters.join("&")}`),
-    `-o ${shellWord(resultName(file, format))}`,
+    `-o ${shellWord(resultName(file, ending))}`,
   ].join(" ");
 }

@@ -16,6 +16,7 @@ export interface OptionSpec {
 export interface Format {
   name: string;
   media_type: string;
+  ending: string;
 }
 export interface Capabilities {
   name: string;

@@ -13,6 +13,7 @@ const kAbout: Record<string, string> = {
   obj: "objects, groups, materials",
   json: "with patches and report",
   stl: "binary, floats",
+  stl_ascii: "text, doubles",
   ply: "binary, doubles",
   off: "text",
   vtu: "ParaView: patch and quality",
@@ -27,6 +28,7 @@ export class DownloadPanel {
   private readonly copy = h("button", { type: "button", class: "quiet", click: () => void this.copyLine() }, "Copy");
   private readonly format = h("select", { "aria-label": "Format of the curl line", change: () => this.showLine() });
   private result: Result | null = null;
+  private formats: Format[] = [];
   private settings: { file: string; query: [string, string][]; hasKey: boolean } = {
     file: "part.obj",
     query: [],
@@ -60,12 +62,13 @@ export class DownloadPanel {
   }
 
   offer(formats: Format[]): void {
+    this.formats = formats;
     this.buttons.replaceChildren(
       ...formats.map(({ name, media_type }) =>
         h(
           "button",
           { type: "button", disabled: true, "data-format": name, title: media_type, click: () => void this.save(name) },
-          h("strong", {}, name.toUpperCase()),
+          h("strong", {}, titleOf(name)),
           h("span", { class: "muted" }, kAbout[name] ?? media_type),
         ),
       ),
@@ -89,7 +92,12 @@ export class DownloadPanel {
 
   private showLine(): void {
     const { file, query, hasKey } = this.settings;
-    this.line.textContent = curlLine(location.origin, file, query, this.format.value || "obj", hasKey);
+    const format = this.format.value || "obj";
+    this.line.textContent = curlLine(location.origin, file, query, format, this.endingOf(format), hasKey);
+  }
+
+  private endingOf(format: string): string {
+    return this.formats.find(({ name }) => name === format)?.ending ?? format;
   }
 
   private async save(format: string): Promise<void> {
@@ -97,7 +105,7 @@ export class DownloadPanel {
     const { file, query, json } = this.result;
     for (const button of this.buttons.querySelectorAll("button")) button.disabled = true;
     try {
-      if (format !== "json") this.note.textContent = `Making ${format.toUpperCase()} …`;
+      if (format !== "json") this.note.textContent = `Making ${titleOf(format)} …`;
       const nothing = (): void => {};
       const blob =
         format === "json"
@@ -106,9 +114,10 @@ export class DownloadPanel {
               { path: "/v1/remesh", query: [...query, ["format", format]], body: file },
               { onSent: nothing, onState: nothing, onReceived: nothing },
             ).answer;
-      const name = resultName(file.name, format);
+      const name = resultName(file.name, this.endingOf(format));
       saveBlob(blob, name);
-      this.note.textContent = `Saved as ${name}.`;
+      const origin = await originOf(blob);
+      this.note.textContent = `Saved as ${name}.${origin ? ` Its coordinates are relative to the origin ${origin}.` : ""}`;
     } catch (error) {
       this.note.textContent = error instanceof ServiceProblem ? error.problem.detail : String(error);
     } finally {
@@ -127,6 +136,17 @@ export class DownloadPanel {
     }
     setTimeout(() => (this.copy.textContent = "Copy"), 1500);
   }
+}
+
+/** The origin that the header of a binary STL names, if it is one and names one. */
+async function originOf(blob: Blob): Promise<string | null> {
+  const header = await blob.slice(0, 80).text();
+  return /^binary STL.*, origin (\S+ \S+ \S+)/.exec(header)?.[1] ?? null;
+}
+
+/** `stl_ascii` as a title: STL ASCII. */
+function titleOf(format: string): string {
+  return format.toUpperCase().replaceAll("_", " ");
 }
 
 function saveBlob(blob: Blob, name: string): void {

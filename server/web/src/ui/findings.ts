@@ -20,6 +20,11 @@ export interface Finding {
   targets: Target[];
 }
 
+/** What is in a volume mesher's way and can be mended by an option. */
+const kObstacles: Record<string, string> = {
+  inside_out:
+    "A closed shell looks the wrong way: a body inwards, or a cavity outwards. Inside out among the repairs turns it over.",
+};
 /** Diagnostics whose elements are vertices, not faces; but for those whose message says otherwise. */
 const kOfVertices = ["duplicate_vertex", "t_junction", "non_manifold_vertex", "unused_vertex"];
 /** Those that only tell. */
@@ -29,10 +34,13 @@ const kUnrefined: Record<string, string> = {
   input_angle: "The face fills a corner of the input that is sharper than the bound.",
   across_input_angle:
     "Its shortest edge joins two edges of the input that meet in a sharp corner; splitting would only repeat it nearer to the corner.",
-  size_floor: "A point that would mend it would lie too near to another one for the features there.",
+  size_floor:
+    "A point that would mend it would lie too near to another one, or a gap there asks for less than the smallest size.",
   min_edge_length: "A point that would mend it would make an edge shorter than allowed.",
   budget: "The result would have had more faces than allowed.",
-  boundary_locked: "A boundary would have had to be split.",
+  boundary_locked: "A boundary would have had to be split that must stay as it is.",
+  effort: "The work that is in proportion to the result was done before the bound was met.",
+  output_rounding: "It met the bounds until the output format rounded its corners.",
 };
 
 export function findingsOf(report: Report): Finding[] {
@@ -67,7 +75,7 @@ export function findingsOf(report: Report): Finding[] {
   for (const { code, count, places: points } of report.volume_ready.reasons) {
     found.push({
       title: `In a volume mesher's way: ${label(code).toLowerCase()}`,
-      text: "A volume mesher would stumble here.",
+      text: kObstacles[code] ?? "A volume mesher would stumble here.",
       count,
       isWorse: true,
       side: report.output ? "after" : "before",

@@ -1,0 +1,60 @@
+#include "api/summary.h"
+
+#include <algorithm>
+
+#include "api/text.h"
+#include "core/remesh.h"
+
+namespace remesh::api {
+namespace {
+
+/// A message within one line, for a comment.
+std::string in_one_line(std::string text) {
+  std::replace_if(
+      text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');
+  return text;
+}
+
+}  // namespace
+
+Summary summary_of(const Report& report) {
+  Summary summary;
+  summary.input_faces = report.input.faces;
+  summary.output_faces = report.output.faces;
+  summary.patches = report.patches.size();
+  summary.kept = static_cast<std::uint64_t>(
+      std::count_if(report.patches.begin(), report.patches.end(),
+                    [](const PatchSummary& patch) { return patch.status == PatchStatus::kKept; }));
+  summary.min_angle_deg = report.output.quality.min_angle_deg;
+  summary.is_verified = report.verified.all_true();
+  for (const Diagnostic& diagnostic : report.diagnostics) {
+    summary.warnings.push_back(in_one_line(std::string(diagnostic_name(diagnostic.code)) + ": " +
+                                           number_text(diagnostic.count) + ": " + diagnostic.message));
+  }
+  for (const Unrefined& left : report.unrefined) summary.unrefined.emplace_back(left.reason, left.count);
+  summary.origin = report.output_origin;
+  return summary;
+}
+
+std::string origin_text(const Vec3& origin) {
+  return number_text(origin.x) + " " + number_text(origin.y) + " " + number_text(origin.z);
+}
+
+std::string summary_line(const Summary& summary) {
+  return "input_faces=" + number_text(summary.input_faces) + ", output_faces=" + number_text(summary.output_faces) +
+         ", patches=" + number_text(summary.patches) + ", kept=" + number_text(summary.kept) +
+         ", min_angle_deg=" + number_text(summary.min_angle_deg) + ", verified=" + (summary.is_verified ? "1" : "0") +
+         ", warnings=" + number_text(std::uint64_t{summary.warnings.size()}) +
+         (summary.origin ? ", origin=" + origin_text(*summary.origin) : "");
+}
+
+std::vector<std::string> summary_comments(const Summary& summary) {
+  const std::string origin = summary.origin ? ", origin " + origin_text(*summary.origin) : "";
+  std::vector<std::string> comments{"remeshd " + std::string(version()) + origin, summary_line(summary)};
+  for (const std::string& warning : summary.warnings) comments.push_back("warning: " + warning);
+  for (const auto& [reason, count] : summary.unrefined)
+    comments.push_back("unrefined: " + std::string(unrefined_name(reason)) + ": " + number_text(count));
+  return comments;
+}
+
+}  // namespace remesh::api

@@ -1,0 +1,198 @@
+/// Counts how many independent numbers show that all of a set are rounded to a step.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+namespace remesh {
+
+/// The bits of evidence that a step needs: numbers with a finer step would all be multiples of the claimed one with a
+/// probability of at most 2^-18 (4e-6).
+///
+/// Suppose that the true step is an m-th of the claimed one. A value that was rounded to the true step is a multiple of
+/// the claimed one with a chance of 1/m. So n such values agree by chance with a probability of m^-n, which is
+/// n * log2(m) bits. Equal values count once, and values that follow from others do not count (see IndependentNumbers).
+/// A model's exact dimensions prove nothing either: they agree in any case. But such dimensions are multiples of a
+/// coarser decimal step, so only the values that are no multiples of it count. A claim between the true decimal place
+/// and that of the dimensions is wrong in one of two ways:
+/// - by m = 2, for example 0.02 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are no multiples
+///   of five claimed steps count one bit each.
+/// - by m = 5, for example 0.05 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are odd
+///   multiples of the claimed step count log2(5) bits each.
+/// The smaller sum must reach 18 bits. Any other m (ten, a thousand, a float's or a double's last place) makes the
+/// probability smaller still. Of 33 values that were rounded at random both sums reach it in 99.9 % of all cases.
+inline constexpr int kEvidence = 18;
+
+/// The bits that an odd multiple counts, log2(5), and how many odd multiples are enough.
+inline constexpr double kBitsOfOdd = 2.32;
+inline constexpr int kEnoughOdd = 8;
+
+/// Collects different absolute values up to the number that is needed. A value that is repeated proves no more.
+template <std::size_t kEnough>
+class Witnesses {
+ public:
+  void add(double x) {
+    x = std::fabs(x);
+    const auto end = values_.begin() + static_cast<std::ptrdiff_t>(count_);
+    if (count_ < kEnough && std::find(values_.begin(), end, x) == end) values_[count_++] = x;
+  }
+  bool add(const Witnesses& others) {
+    for (const double x : others.values()) add(x);
+    return true;
+  }
+  std::span<const double> values() const { return std::span(values_).first(count_); }
+  std::size_t count() const { return count_; }
+  bool are_enough() const { return count_ == kEnough; }
+
+ private:
+  std::array<double, kEnough> values_{};
+  std::size_t count_ = 0;
+};
+
+/// Keeps the lowest of the different numbers that are added. Which ones these are does not depend on the order, and no
+/// number between two of them is left out.
+class LowestNumbers {
+ public:
+  void add(std::int64_t n) {
+    if (n >= bound_ || (!numbers_.empty() && n == numbers_.back())) return;
+    numbers_.push_back(n);
+    if (numbers_.size() == 2 * kMax) trim();
+  }
+  void add(const LowestNumbers& others) {
+    for (const std::int64_t n : others.numbers_) add(n);
+  }
+  std::vector<std::int64_t> sorted() const {
+    LowestNumbers copy = *this;
+    copy.trim();
+    return copy.numbers_;
+  }
+
+ private:
+  static constexpr std::size_t kMax = 64;
+
+  void trim() {
+    std::sort(numbers_.begin(), numbers_.end());
+    numbers_.erase(std::unique(numbers_.begin(), numbers_.end()), numbers_.end());
+    if (numbers_.size() < kMax) return;
+    numbers_.resize(kMax);
+    bound_ = numbers_.back();
+  }
+
+  std::vector<std::int64_t> numbers_;
+  std::int64_t bound_ = std::numeric_limits<std::int64_t>::max();
+};
+
+/// Counts the numbers that do not follow from others. The gaps between them are read from the lowest number on,
+/// coordinate after coordinate. A gap counts unless it belongs to a run of gaps that came before, in the same order or
+/// in the opposite one. Such a run is a regular grid, a circle's other half, the same circle along another axis, or the
+/// next one of many equal holes. The first number of each coordinate counts, too.
+///
+/// Runs also repeat by chance where the gaps have few sizes. There are 2^14 pairs of places where two equal runs may
+/// begin, for 64 numbers a coordinate. So only a run that is less probable than 2^-14 is taken for a copy.
+class IndependentNumbers {
+ public:
+  /// `spacing(n)` is the mean distance, near n, of all numbers that may be here.
+  template <class Spacing>
+  void add(const std::vector<std::int64_t>& sorted, const Spacing& spacing) {
+    if (sorted.empty()) return;
+    gaps_.push_back(--separator_);
+    for (std::size_t i = 1; i < sorted.size(); ++i) {
+      gaps_.push_back(sorted[i] - sorted[i - 1]);
+      log_ += std::log2(static_cast<double>(gaps_.back()) / spacing(sorted[i]));
+    }
+  }
+
+  int count() const {
+    const auto separators = static_cast<std::size_t>(-separator_);
+    if (gaps_.size() == separators) return static_cast<int>(separators);
+    // The gaps of random numbers have a geometric distribution. Two of them are equal with a probability of 2^-bits.
+    const double mean = std::exp2(log_ / static_cast<double>(gaps_.size() - separators));
+    const double bits = mean > 1 ? std::log2(2 * mean - 1) : 0;
+    int count = 0;
+    for (std::size_t i = 0; i < gaps_.size();) {
+      const std::size_t run = longest_run(i);
+      const bool is_copy = bits >= kLeastBits && static_cast<double>(run) * bits >= kRun;
+      count += !is_copy;
+      i += is_copy ? run : 1;
+    }
+    return count;
+  }
+
+ private:
+  static constexpr double kRun = 14;
+  /// Gaps say nothing where the numbers are so dense that nearly all possible ones are there.
+  static constexpr double kLeastBits = 1;
+
+  std::size_t longest_run(std::size_t i) const {
+    std::size_t longest = 0;
+    for (std::size_t j = 0; j < i; ++j) {
+      std::size_t along = 0, back = 0;
+      while (i + along < gaps_.size() && gaps_[i + along] == gaps_[j + along]) ++along;
+      while (i + back < gaps_.size() && back <= j && gaps_[i + back] == gaps_[j - back]) ++back;
+      longest = std::max({longest, along, back});
+    }
+    return longest;
+  }
+
+  double log_ = 0;
+  std::int64_t separator_ = 0;
+  std::vector<std::int64_t> gaps_;  // each coordinate's after a negative number of its own
+};
+
+/// Numbers of one kind that show a step: different ones, and how many of these are independent.
+template <std::size_t kEnough>
+class Signs {
+ public:
+  /// `place` is where x lies, in equal units.
+  void add(double x, std::int64_t place, int axis) {
+    different_.add(x);
+    lowest_[static_cast<std::size_t>(axis)].add(place);
+  }
+  void add(const Signs& others) {
+    different_.add(others.different_);
+    for (std::size_t axis = 0; axis < 3; ++axis) lowest_[axis].add(others.lowest_[axis]);
+  }
+  template <class Spacing>
+  int count(const Spacing& spacing) const {
+    IndependentNumbers independent;
+    for (const LowestNumbers& of_axis : lowest_) independent.add(of_axis.sorted(), spacing);
+    return std::min(static_cast<int>(different_.count()), independent.count());
+  }
+
+ private:
+  Witnesses<kEnough> different_;
+  std::array<LowestNumbers, 3> lowest_;
+};
+
+/// The values that show a step (see kEvidence).
+class Evidence {
+ public:
+  /// `steps` is x in steps. `place` is x in units that are the same for all numbers.
+  void add(double x, std::int64_t steps, std::int64_t place, int axis) {
+    if (steps % 5 != 0) not_of_five_.add(x, place, axis);
+    if (steps % 2 != 0) odd_.add(x, place, axis);
+  }
+  void add(const Evidence& others) {
+    not_of_five_.add(others.not_of_five_);
+    odd_.add(others.odd_);
+  }
+  /// `step(n)` is the step of numbers near the n-th unit.
+  template <class Step>
+  int bits(const Step& step) const {
+    const int odd = odd_.count([&](std::int64_t n) { return 2 * step(n); });
+    const int not_of_five = not_of_five_.count([&](std::int64_t n) { return 1.25 * step(n); });
+    return std::min(not_of_five, odd >= kEnoughOdd ? kEvidence : static_cast<int>(kBitsOfOdd * odd));
+  }
+
+ private:
+  Signs<kEvidence> not_of_five_;
+  Signs<kEnoughOdd> odd_;
+};
+
+}  // namespace remesh

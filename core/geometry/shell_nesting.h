@@ -1,0 +1,85 @@
+/// Which closed shells lie in which.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/grouping.h"
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+#include "core/geometry/distances.h"
+#include "core/geometry/shells.h"
+#include "core/geometry/triangle_tree.h"
+#include "core/mesh/mesh.h"
+
+namespace remesh {
+
+/// The closed shells that enclose a volume, from outside in.
+/// Input:   three corners a face; coordinates within [-2^250, 2^250]. What is given outlives this.
+/// Holds:   right where shells do not cross each other, whether they touch or not; which of two shells is nearer to a
+///          third is told to rounding. The same for any number of threads and any order of the faces.
+/// Cost:    O(n) where no shell's box lies in another's; else O(n log n) for a tree, and for each shell in a box of
+///          another one what lies on the way from it to the nearest of those.
+class ShellNesting {
+ public:
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  /// The shells in one place: nearly always one, and several where they coincide.
+  struct Nest {
+    std::vector<std::uint32_t> shells;
+    std::uint32_t around = kNone;  ///< the next nest outside
+  };
+
+  ShellNesting(std::span<const Vec3> positions, std::span<const VertexId> corners, const Shells& shells,
+               RunControl& control);
+
+  /// A nest comes after those that it lies in.
+  const std::vector<Nest>& nests() const { return nests_; }
+  /// Does an edge of this shell pass through a face of another one, or an edge of another one through a face of this?
+  /// Touching does not count, nor do shells that coincide.
+  bool is_crossing(std::uint32_t shell) const;
+
+ private:
+  /// The nearest shell that may contain another, seen from that one.
+  struct Link {
+    std::uint32_t nest = kNone;
+    bool is_within = false;  ///< it does contain it; else both lie in the same
+  };
+  struct Samples;
+
+  void group_by_place();
+  std::vector<std::uint32_t> nests_in_boxes() const;
+  void make_tree();
+  Samples samples_of(std::uint32_t shell) const;
+  bool may_contain(std::uint32_t outer, std::uint32_t inner) const;
+  Link link_of(std::uint32_t nest) const;
+  bool is_touching(const Vec3& p, double reach, std::uint32_t nest) const;
+  Link nearest(const Vec3& p, double tie, std::uint32_t nest) const;
+
+  Triangle triangle(std::uint32_t f) const { return {corners_[3 * f], corners_[3 * f + 1], corners_[3 * f + 2]}; }
+  Corners3 corners3(std::uint32_t f) const {
+    return {positions_[corners_[3 * f].value], positions_[corners_[3 * f + 1].value],
+            positions_[corners_[3 * f + 2].value]};
+  }
+  const Shell& shell_of(std::uint32_t nest) const { return shells_.all[nests_[nest].shells[0]]; }
+
+  std::span<const Vec3> positions_;
+  std::span<const VertexId> corners_;
+  const Shells& shells_;
+  RunControl& control_;
+  std::vector<Nest> nests_;
+  std::vector<Box3> boxes_;             ///< by nest
+  std::vector<std::uint32_t> nest_of_;  ///< by shell; kNone for those that are in none
+  std::optional<Grouping> faces_;       ///< by shell
+  /// A face and its nest: of each triangle that the tree has, those of the first shell of each nest.
+  struct FaceOfTree {
+    std::uint32_t face, nest;
+  };
+  std::vector<FaceOfTree> faces_of_tree_;
+  std::optional<TriangleTree> tree_;
+  double end_ = 0;  ///< the smallest x of all shells
+};
+
+}  // namespace remesh

@@ -1,0 +1,14 @@
+/// Vertices that no face uses.
+#pragma once
+
+#include "core/base/run_control.h"
+#include "core/mesh/surface.h"
+
+namespace remesh {
+
+/// Takes the vertices out of a surface that no face uses. The others stay in their order and get new numbers.
+/// Errors:  kCancelled, kTimeout - through `control`.
+/// Cost:    O(vertices + corners).
+void drop_unused_vertices(Surface& surface, RunControl& control);
+
+}  // namespace remesh

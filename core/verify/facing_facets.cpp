@@ -1,0 +1,275 @@
+#include "core/verify/facing_facets.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+
+#include "core/base/blocks.h"
+#include "core/base/grouping.h"
+#include "core/base/parallel.h"
+#include "core/base/union_find.h"
+#include "core/stages/polygon_split.h"
+
+namespace remesh::verification {
+namespace {
+
+/// A margin of what is clear, relatively: far more than rounding makes of well-shaped triangles.
+constexpr double kMargin = 1e-6;
+/// More than rounding moves a point by, in local units.
+constexpr double kRounding = 0x1p-44;
+
+/// From p to q over the straight line a-b: both sides unfolded into one plane.
+double way_over(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
+  const Vec3 line = b - a;
+  const double squared = norm_squared(line);
+  if (!(squared > 0)) return norm(p - a) + norm(q - a);
+  const double s = dot(p - a, line) / squared, t = dot(q - a, line) / squared;
+  const double height = norm(p - (a + s * line)), depth = norm(q - (a + t * line));
+  // The straight way crosses the line between s and t, in the ratio of the two heights; or it passes by an end.
+  const double across = height + depth > 0 ? (s * depth + t * height) / (height + depth) : s;
+  const Vec3 by = a + std::clamp(across, 0.0, 1.0) * line;
+  return norm(p - by) + norm(q - by);
+}
+
+}  // namespace
+
+FacingFacets::FacingFacets(const Claim& claim, const Model& model, const BoundaryGraph& seams, RunControl& control)
+    : model_(model) {
+  // About the middle of the surface, so that single precision tells its parts apart wherever it lies.
+  Box3 box;
+  for (std::size_t v = 0; v < model.surface_vertex_count; ++v) box.add(model.points[v]);
+  centre_ = 0.5 * box.min + 0.5 * box.max;
+  const double reach = largest_coordinate(box.max - centre_);
+  unit_ = reach > 0 ? 1 / reach : 1;
+  find_facets(claim, control);
+  find_bodies(seams, control);
+  find_contacts(control);
+  find_borders(seams, control);
+  if (claim.intersections != nullptr) {
+    crossing_ = claim.intersections->patches;
+    is_crossing_known_ = claim.intersections->is_complete;
+  }
+}
+
+void FacingFacets::find_facets(const Claim& claim, RunControl& control) {
+  std::vector<PatchId> patch_of;
+  for (std::uint32_t f = 0; f < model_.input.count(); ++f) {
+    if (f % kItemsPerBlock == 0) control.check();
+    visit_triangles(claim.surface, FaceId(f), control, [&](const Triangle& t) {
+      triangles_.push_back({t[0], t[1], t[2]});
+      patch_of.push_back(model_.input.patch[f]);
+    });
+  }
+  std::vector<Facets::Entry> entries(triangles_.size());
+  for_blocks(entries.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      entries[i].tag.patch = patch_of[i];
+      for (const VertexId v : triangles_[i]) entries[i].box.add(point(v));
+    }
+  });
+  facets_ = Facets(entries, control);
+}
+
+/// Patches are joined over the edges that bound them; a body is closed and consistent if all of its edges are.
+void FacingFacets::find_bodies(const BoundaryGraph& seams, RunControl& control) {
+  UnionFind joined(model_.patch_count());
+  std::vector<std::uint8_t> is_open(model_.patch_count(), 0);
+  std::size_t looked_at = 0;
+  for (const Edge& edge : seams.edges()) {
+    if (looked_at++ % kItemsPerBlock == 0) control.check();
+    const bool is_sound = edge.uses.size() == 2 && edge.uses[0].is_forward() != edge.uses[1].is_forward();
+    for (const Use& use : edge.uses) joined.join(edge.uses[0].patch().value, use.patch().value);
+    if (!is_sound) is_open[edge.uses[0].patch().value] = 1;
+  }
+  for (std::uint32_t p = 0; p < model_.patch_count(); ++p)
+    if (is_open[p] != 0) is_open[joined.find(p)] = 1;
+  body_.resize(model_.patch_count());
+  for (std::uint32_t p = 0; p < model_.patch_count(); ++p)
+    body_[p] = is_open[joined.find(p)] != 0 ? kOpen : joined.find(p);
+}
+
+void FacingFacets::find_contacts(RunControl& control) {
+  // Most vertices have one patch only: they are left out before anything is sorted.
+  std::vector<PatchId> first(model_.surface_vertex_count);
+  for (const bool is_second_time : {false, true})
+    for (std::uint32_t f = 0; f < model_.input.count(); ++f) {
+      if (f % kItemsPerBlock == 0) control.check();
+      const PatchId p = model_.input.patch[f];
+      for (const VertexId v : model_.input.face(f)) {
+        if (!is_second_time && !first[v.value].is_valid()) first[v.value] = p;
+        if (is_second_time && first[v.value] != p) contacts_.emplace_back(v, p);
+      }
+    }
+  sort_all(contacts_.begin(), contacts_.end());
+  contacts_.erase(std::unique(contacts_.begin(), contacts_.end()), contacts_.end());
+  const std::size_t others = contacts_.size();
+  for (std::size_t i = 0; i < others; ++i)
+    if (const VertexId v = contacts_[i].first; i == 0 || contacts_[i - 1].first != v)
+      contacts_.emplace_back(v, first[v.value]);
+  sort_all(contacts_.begin(), contacts_.end());
+}
+
+void FacingFacets::find_borders(const BoundaryGraph& seams, RunControl& control) {
+  std::size_t looked_at = 0;
+  for (const Edge& edge : seams.edges()) {
+    if (looked_at++ % kItemsPerBlock == 0) control.check();
+    for (const Use& use : edge.uses) edges_.push_back({{edge.low, edge.high}, use.patch()});
+  }
+  const auto before = [](const auto& x, const auto& y) {
+    return std::tie(x.first.a, x.first.b, x.second) < std::tie(y.first.a, y.first.b, y.second);
+  };
+  const auto same = [](const auto& x, const auto& y) {
+    return std::tie(x.first.a, x.first.b, x.second) == std::tie(y.first.a, y.first.b, y.second);
+  };
+  sort_all(edges_.begin(), edges_.end(), before);
+  edges_.erase(std::unique(edges_.begin(), edges_.end(), same), edges_.end());
+  const auto part = [&](std::uint32_t i) {
+    if (i < edges_.size()) return edges_[i];
+    const auto& [v, patch] = contacts_[i - edges_.size()];
+    return std::pair(Part{v, v}, patch);
+  };
+  const auto patch_of = [&](std::uint32_t i) { return part(i).second.value; };
+  const Grouping by_patch = group_by(edges_.size() + contacts_.size(), model_.patch_count(), patch_of, control);
+  border_begin_ = by_patch.begin;
+  border_parts_.reserve(by_patch.items.size());
+  for (const std::uint32_t i : by_patch.items) border_parts_.push_back(part(i).first);
+  border_tree_.assign(model_.patch_count(), kNoTree);
+  for (std::size_t p = 0; p < model_.patch_count(); ++p) {
+    if (p % kItemsPerBlock == 0) control.check();
+    const std::span<const Part> border = border_of(PatchId(p));
+    if (border.size() <= kLongBorder) continue;
+    std::vector<BoxTree<NoTag>::Entry> entries(border.size());
+    for (std::size_t i = 0; i < entries.size(); ++i)
+      for (const VertexId v : {border[i].a, border[i].b}) entries[i].box.add(point(v));
+    border_tree_[p] = static_cast<std::uint32_t>(trees_.size());
+    trees_.emplace_back(entries, control);
+  }
+}
+
+Corners3 FacingFacets::corners(std::size_t slot) const {
+  const auto& [a, b, c] = triangles_[facets_.number(slot)];
+  return {point(a), point(b), point(c)};
+}
+
+bool FacingFacets::are_crossing(PatchId p, PatchId q) const {
+  return std::binary_search(crossing_.begin(), crossing_.end(), std::pair(std::min(p, q), std::max(p, q)));
+}
+
+bool FacingFacets::is_at(VertexId v, PatchId p) const {
+  return std::binary_search(contacts_.begin(), contacts_.end(), std::pair(v, p));
+}
+
+bool FacingFacets::is_edge_of(const Part& part, PatchId p) const {
+  const auto found = std::lower_bound(
+      edges_.begin(), edges_.end(), std::tie(part.a, part.b, p),
+      [](const auto& e, const auto& wanted) { return std::tie(e.first.a, e.first.b, e.second) < wanted; });
+  return found != edges_.end() && found->first.a == part.a && found->first.b == part.b && found->second == p;
+}
+
+/// Is there a way over the surface that is no longer than `most`?
+bool FacingFacets::is_over_surface(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double most,
+                                   std::size_t& looks) const {
+  if (border_of(q).size() < border_of(p).size()) std::swap(p, q);
+  const std::span<const Part> border = border_of(p);
+  const auto is_short = [&](const Part& part) {
+    ++looks;
+    const bool is_shared = part.a == part.b ? is_at(part.a, q) : is_edge_of(part, q);
+    return is_shared && way_over(from, to, point(part.a), point(part.b)) <= most;
+  };
+  if (border_tree_[p.value] == kNoTree) return std::any_of(border.begin(), border.end(), is_short);
+  const BoxTree<NoTag>& tree = trees_[border_tree_[p.value]];
+  bool is_found = false;
+  double best = std::nextafter(most, HUGE_VAL);
+  tree.search(
+      best,
+      [&](const auto& entry) {
+        if (++looks > kMaxLooks) return HUGE_VAL;
+        return std::sqrt(squared_distance(entry.box, from)) + std::sqrt(squared_distance(entry.box, to));
+      },
+      [&](std::size_t slot) {
+        is_found = is_found || is_short(border[tree.number(slot)]);
+        if (is_found) best = -1;
+      });
+  return is_found;
+}
+
+/// Has the patch a point that is nearer than that square?
+bool FacingFacets::is_any_nearer(PatchId q, const Vec3& to, double squared, std::size_t& looks) const {
+  bool is_found = false;
+  double best = squared * (1 - kMargin);
+  facets_.search(
+      best,
+      [&](const Facets::Entry& entry) {
+        if (++looks > kMaxLooks || (entry.tag.patch.is_valid() && entry.tag.patch != q)) return HUGE_VAL;
+        return squared_distance(entry.box, to);
+      },
+      [&](std::size_t slot) {
+        if (facets_[slot].tag.patch != q || !(norm_squared(nearest_on_triangle(to, corners(slot)) - to) < best)) return;
+        is_found = true;
+        best = -1;
+      });
+  return is_found;
+}
+
+/// `there`: the nearest point of a triangle of q.
+bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const {
+  const Vec3 way = there - from;
+  const double squared = norm_squared(way), d = std::sqrt(squared);
+  // Both ends may be off the places that sizes were made for by the tolerance.
+  const double off = 2 * unit_ * model_.tolerance + kMargin * d;
+  const double height = std::fabs(dot(way, normal(p))) - off;
+  if (!(height > 0 && height * height > kSteep * (d + off) * (d + off))) return false;
+  const bool is_one_body = body_[p.value] != kOpen && body_[p.value] == body_[q.value];
+  if (is_one_body && !(dot(way, normal(p)) * dot(way, normal(q)) < -off * d)) return false;
+  if (are_crossing(p, q)) return false;
+  return !is_over_surface(p, from, q, there, kDetour * (d + off) + 2 * off, looks) &&
+         !is_any_nearer(q, from, squared, looks);
+}
+
+bool FacingFacets::is_any_within(const Vec3& place, PatchId patch, double distance, Doubt doubt) const {
+  const bool must_be_clear = doubt == Doubt::kIsNone;
+  if (must_be_clear && !is_crossing_known_) return false;
+  const Vec3 p = local(place);
+  const Vec3& up = normal(patch);
+  const double reach = unit_ * distance;
+  const double touching = must_be_clear ? unit_ * model_.tolerance * (1 + kMargin) + kRounding : 0;
+  if (!(reach > touching)) return false;
+  // What is seen steeply is higher over the patch's plane than this share of the distance.
+  const double steep = kSteep * (must_be_clear ? 1 : 1 - kMargin);
+
+  std::size_t looks = 0;
+  bool is_found = false;
+  double best = reach * reach;
+  facets_.search(
+      best,
+      [&](const Facets::Entry& entry) {
+        if (++looks > kMaxLooks || entry.tag.patch == patch) return HUGE_VAL;
+        const double squared = squared_distance(entry.box, p);
+        double middle = 0, range = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+          const double low = entry.box.min[axis], high = entry.box.max[axis];
+          middle += up[axis] * (0.5 * (low + high) - p[axis]);
+          range += std::fabs(up[axis]) * 0.5 * (high - low);
+        }
+        const double highest = std::fabs(middle) + range + kRounding;
+        return highest * highest < steep * squared ? HUGE_VAL : squared;
+      },
+      [&](std::size_t slot) {
+        if (looks > kMaxLooks) return;
+        const Corners3 triangle = corners(slot);
+        const Vec3 there = nearest_on_triangle(p, triangle);
+        const double squared = norm_squared(there - p);
+        if (!(squared < reach * reach) || !(squared > touching * touching)) return;
+        if (must_be_clear) {
+          is_found = is_clear_gap(p, patch, there, facets_[slot].tag.patch, looks) && looks <= kMaxLooks;
+        } else {
+          double highest = 0;
+          for (const Vec3& corner : triangle) highest = std::max(highest, std::fabs(dot(corner - p, up)));
+          is_found = highest * highest > steep * squared;
+        }
+        if (is_found) best = -1;
+      });
+  return is_found || (looks > kMaxLooks && !must_be_clear);
+}
+
+}  // namespace remesh::verification

@@ -1,0 +1,112 @@
+/// The checker's own measure of gaps: is a facet that is not a neighbour within some distance of a place?
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/geometry/box_tree.h"
+#include "core/geometry/distances.h"
+#include "core/verify.h"
+#include "core/verify/boundary_graph.h"
+#include "core/verify/model.h"
+
+namespace remesh::verification {
+
+/// Knows the input's facets, as triangles, and where the input's patches are joined.
+///
+/// Seen from a place of a patch, another patch is across a gap if its nearest point is, and that is
+///  - if the way there leaves the patch's plane steeply: the square of its sine is above kSteep (51 degrees);
+///  - if it is longer than the tolerance: nearer than that, the two touch;
+///  - if the patches do not cross or touch each other anywhere in the input;
+///  - if the surface does not hide it: where both patches bound one closed, consistently wound body, a way that leaves
+///    it through one of them does not enter it by the other from within;
+///  - if the way there is shorter than a third of each way over the surface through a vertex or an edge that the two
+///    patches share, straight on both sides of it.
+/// Holds:   it shares no code with the search that sizes are made by, and takes nothing from it. Common tools are the
+///          tree of boxes, the nearest point on a triangle, and the triangles of polygons.
+class FacingFacets {
+ public:
+  /// How sure an answer has to be.
+  enum class Doubt {
+    /// A patch counts only if it does by a clear margin; what was not looked at does not count.
+    kIsNone,
+    /// A triangle that is so near counts as soon as some way to its height would be steep. Which of its points are seen,
+    /// and what is between, is not asked; what was not looked at counts.
+    kCounts,
+  };
+
+  /// Input:  `seams`: the edges that bound the input's patches. Claim, model and seams outlive this.
+  /// Errors: kCancelled, kTimeout - through `control`.
+  /// Cost:   O(n log n) in the input's corners.
+  FacingFacets(const Claim& claim, const Model& model, const BoundaryGraph& seams, RunControl& control);
+
+  /// Is a facet across a gap from that place of the patch, less than `distance` away? All in the model's scale.
+  /// Cost:   bounded (kMaxLooks); O(log n) where few facets are near that do not count.
+  bool is_any_within(const Vec3& place, PatchId patch, double distance, Doubt doubt) const;
+
+  /// At one place so many boxes, triangles and parts of borders are looked at, and no more: where there are more, as
+  /// at the tip of a cone of thousands of needles, the answer is in doubt.
+  static constexpr std::size_t kMaxLooks = 8192;
+
+  static constexpr double kSteep = 0.604;
+  static constexpr double kDetour = 3;
+
+ private:
+  struct OfPatch {
+    PatchId patch;
+    void join(const OfPatch& other) {
+      if (patch != other.patch) patch = PatchId();
+    }
+  };
+  using Facets = BoxTree<OfPatch>;
+  /// A part of a patch's border: an edge, or a vertex (both ends are the same).
+  struct Part {
+    VertexId a, b;
+  };
+  /// Borders of more parts than this have a tree.
+  static constexpr std::size_t kLongBorder = 64;
+  static constexpr std::uint32_t kNoTree = 0xffffffffu;
+
+  void find_facets(const Claim& claim, RunControl& control);
+  void find_bodies(const BoundaryGraph& seams, RunControl& control);
+  void find_contacts(RunControl& control);
+  void find_borders(const BoundaryGraph& seams, RunControl& control);
+
+  Vec3 local(const Vec3& place) const { return unit_ * (place - centre_); }
+  Vec3 point(VertexId v) const { return local(model_.points[v.value]); }
+  Corners3 corners(std::size_t slot) const;
+  std::span<const Part> border_of(PatchId p) const {
+    return std::span(border_parts_)
+        .subspan(border_begin_[p.value], border_begin_[p.value + 1] - border_begin_[p.value]);
+  }
+  const Vec3& normal(PatchId p) const { return model_.frames[p.value].normal; }
+  bool are_crossing(PatchId p, PatchId q) const;
+  bool is_at(VertexId v, PatchId p) const;
+  bool is_edge_of(const Part& part, PatchId p) const;
+  bool is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const;
+  bool is_any_nearer(PatchId q, const Vec3& to, double squared, std::size_t& looks) const;
+  bool is_over_surface(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double most, std::size_t& looks) const;
+
+  const Model& model_;
+  Vec3 centre_;
+  double unit_ = 1;  ///< local lengths are the model's times this
+  std::vector<std::array<VertexId, 3>> triangles_;
+  Facets facets_;
+  static constexpr std::uint32_t kOpen = 0xffffffffu;
+  std::vector<std::uint32_t> body_;                     ///< of each patch: the closed body that it bounds, or kOpen
+  std::vector<std::pair<VertexId, PatchId>> contacts_;  ///< vertices of several patches, each with all of these, sorted
+  std::vector<std::pair<Part, PatchId>> edges_;         ///< bounding edges, each with all its patches, sorted
+  std::vector<std::uint32_t> border_begin_;             ///< of each patch, its border's first part
+  std::vector<Part> border_parts_;
+  std::vector<std::uint32_t> border_tree_;  ///< of each patch, or kNoTree
+  std::vector<BoxTree<NoTag>> trees_;
+  std::span<const std::pair<PatchId, PatchId>> crossing_;
+  bool is_crossing_known_ = true;
+};
+
+}  // namespace remesh::verification

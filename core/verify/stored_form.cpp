@@ -1,0 +1,410 @@
+#include "core/verify/stored_form.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <functional>
+#include <numeric>
+
+#include "core/base/blocks.h"
+#include "core/base/parallel.h"
+#include "core/base/rounded_to_float.h"
+#include "core/geometry/largest_coordinate.h"
+#include "core/geometry/patch_intersections.h"
+#include "core/geometry/predicates.h"
+#include "core/geometry/self_intersections.h"
+#include "core/mesh/triangle_corners.h"
+#include "core/verify/exact.h"
+#include "core/verify/goal_check.h"
+
+namespace remesh {
+namespace {
+
+using verification::Standing;
+
+/// At most so many intersecting pairs are looked for.
+constexpr std::size_t kMaxPairs = 100'000;
+
+/// The verified triangles of one patch that stand one after another.
+struct FaceRun {
+  PatchId patch;
+  std::uint32_t faces = 0;
+  double move = 0;          ///< largest of their corners
+  bool is_moved = false;    ///< the stored points are not those that were verified
+  bool is_positive = true;  ///< all of them look the same way, seen along an axis
+  double swept_volume = 0;  ///< bounds what lies between the verified and the stored triangles
+};
+
+/// The plane coordinates along the axis that a patch faces most: no arithmetic, so nothing is rounded.
+class Flattening {
+ public:
+  explicit Flattening(const Vec3& normal) {
+    const double x = std::fabs(normal.x), y = std::fabs(normal.y), z = std::fabs(normal.z);
+    axis_ = x >= y && x >= z ? 0 : y >= z ? 1 : 2;
+    is_turned_ = normal[axis_] < 0;
+  }
+  Vec2 operator()(const Vec3& p) const {
+    const Vec2 flat{p[(axis_ + 1) % 3], p[(axis_ + 2) % 3]};
+    return is_turned_ ? Vec2{flat.y, flat.x} : flat;
+  }
+
+ private:
+  int axis_ = 0;
+  bool is_turned_ = false;
+};
+
+/// A number without pattern for each vertex; different ones for different vertices.
+/// Source: Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014 (the mixer of splitmix64).
+std::uint64_t scrambled(VertexId v) {
+  std::uint64_t x = (std::uint64_t{v.value} + 1) * 0x9e3779b97f4a7c15;
+  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;
+  x = (x ^ (x >> 27)) * 0x94d049bb133111eb;
+  return x ^ (x >> 31);
+}
+
+class StoredCheck {
+ public:
+  StoredCheck(const StoredClaim& claim, RunControl& control)
+      : claim_(claim), control_(control), has_origin_(claim.origin != Vec3{}) {}
+
+  StoredVerdict run() {
+    if (!is_well_formed()) {
+      fail(StoredFault::kMalformed, 1);
+      return std::move(verdict_);
+    }
+    const bool is_good = check_numbers() && check_moves();
+    if (!is_good || !is_any_moved()) return std::move(verdict_);
+    if (check_places() && check_triangles() && check_goals()) check_intersections();
+    return std::move(verdict_);
+  }
+
+ private:
+  bool fail(StoredFault fault, std::uint64_t count) {
+    verdict_.fault = fault;
+    verdict_.count = count;
+    return false;
+  }
+
+  /// Counts for how many of 0 .. n - 1 `is_wrong` holds. Output: whether there are none.
+  template <class IsWrong>
+  bool check_all(StoredFault fault, std::size_t n, const IsWrong& is_wrong) {
+    const auto counts = map_blocks<std::uint64_t>(n, kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      std::uint64_t count = 0;
+      for (std::size_t i = begin; i < end; ++i) count += is_wrong(i) ? 1 : 0;
+      return count;
+    });
+    const std::uint64_t count = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
+    return count == 0 || fail(fault, count);
+  }
+
+  bool is_well_formed() const {
+    const auto are_ascending = [&](std::span<const FaceId> faces) {
+      return std::adjacent_find(faces.begin(), faces.end(), std::greater_equal<>()) == faces.end() &&
+             (faces.empty() || faces.back().value < claim_.faces.size());
+    };
+    if (claim_.stored.size() != claim_.positions.size() || claim_.face_patch.size() != claim_.faces.size())
+      return false;
+    if (claim_.unrefined_before.size() != claim_.reasons_before.size() || !are_ascending(claim_.unrefined_before))
+      return false;
+    const RefinementClaim* const now = claim_.refinement;
+    if (now != nullptr && (now->unrefined.size() != now->reasons.size() || !are_ascending(now->unrefined)))
+      return false;
+    const auto is_vertex = [&](VertexId v) { return v.value < claim_.positions.size(); };
+    return std::all_of(claim_.faces.begin(), claim_.faces.end(),
+                       [&](const Triangle& face) { return std::all_of(face.begin(), face.end(), is_vertex); }) &&
+           std::all_of(claim_.face_patch.begin(), claim_.face_patch.end(),
+                       [&](PatchId p) { return p.value < claim_.normals.size(); });
+  }
+
+  bool check_numbers() {
+    const auto is_stored = [&](double x) { return claim_.storage == Storage::kDouble || rounded_to_float(x) == x; };
+    return check_all(StoredFault::kBeyondRange, claim_.stored.size(),
+                     [&](std::size_t v) { return !is_finite(claim_.stored[v]); }) &&
+           check_all(StoredFault::kNotStorable, claim_.stored.size(), [&](std::size_t v) {
+             const Vec3& p = claim_.stored[v];
+             return !(is_stored(p.x) && is_stored(p.y) && is_stored(p.z));
+           });
+  }
+
+  /// Also finds the moves of each patch.
+  bool check_moves() {
+    moves_.resize(claim_.stored.size());
+    for_blocks(moves_.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v)
+        moves_[v] = norm((claim_.origin + claim_.stored[v]) - claim_.positions[v]);
+    });
+    for (const double move : moves_) verdict_.largest_move = std::max(verdict_.largest_move, move);
+    verdict_.patch_moves.assign(claim_.normals.size(), 0);
+    const auto blocks =
+        map_blocks<std::vector<FaceRun>>(claim_.faces.size(), kItemsPerBlock, control_,
+                                         [&](std::size_t begin, std::size_t end) { return runs_of(begin, end); });
+    for (const auto& runs : blocks)
+      for (const FaceRun& run : runs) {
+        double& move = verdict_.patch_moves[run.patch.value];
+        move = std::max(move, run.move);
+        verdict_.volume_bound += run.swept_volume;
+        runs_.push_back(run);
+      }
+    return check_all(StoredFault::kMoved, moves_.size(),
+                     [&](std::size_t v) { return !(moves_[v] <= claim_.allowed_move); });
+  }
+
+  std::vector<FaceRun> runs_of(std::size_t begin, std::size_t end) const {
+    std::vector<FaceRun> runs;
+    for (std::size_t f = begin; f < end; ++f) {
+      const PatchId p = claim_.face_patch[f];
+      if (runs.empty() || runs.back().patch != p) runs.push_back({p});
+      FaceRun& run = runs.back();
+      ++run.faces;
+      const Flattening flat(claim_.normals[p.value]);
+      const auto [a, b, c] = corners(claim_.stored, f);
+      run.is_positive = run.is_positive && orient2d(flat(a), flat(b), flat(c)) > 0;
+      if (!is_moved(f)) continue;
+      run.is_moved = true;
+      double move = 0;
+      for (const VertexId v : claim_.faces[f]) move = std::max(move, moves_[v.value]);
+      run.move = std::max(run.move, move);
+      run.swept_volume += swept_volume(f, move);
+    }
+    return runs;
+  }
+
+  /// A triangle whose corners move by no more than `move` sweeps no more than this: its largest area on the way, times
+  /// the move.
+  double swept_volume(std::size_t f, double move) const {
+    const auto [a, b, c] = corners(claim_.positions, f);
+    const double area = norm(cross(b - a, c - a)) / 2;
+    return move * (area + move * (norm(b - a) + norm(c - a)) + 2 * move * move);
+  }
+
+  bool is_any_moved() const {
+    return has_origin_ || std::any_of(runs_.begin(), runs_.end(), [](const FaceRun& run) { return run.is_moved; });
+  }
+  /// About an origin even a point that a reader gets back exactly has been rounded, when the origin was subtracted.
+  bool is_moved(std::size_t f) const {
+    const auto& [a, b, c] = claim_.faces[f];
+    return has_origin_ || moves_[a.value] != 0 || moves_[b.value] != 0 || moves_[c.value] != 0;
+  }
+
+  std::array<Vec3, 3> corners(std::span<const Vec3> positions, std::size_t f) const {
+    const auto& [a, b, c] = claim_.faces[f];
+    return {positions[a.value], positions[b.value], positions[c.value]};
+  }
+
+  bool check_places() {
+    std::vector<std::uint32_t> order(claim_.stored.size());
+    std::iota(order.begin(), order.end(), 0u);
+    sort_all(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      const Vec3 &p = claim_.stored[a], &q = claim_.stored[b];
+      return p != q ? p < q : a < b;
+    });
+    control_.check();
+    return check_all(StoredFault::kMerged, order.size(),
+                     [&](std::size_t i) { return i > 0 && claim_.stored[order[i]] == claim_.stored[order[i - 1]]; });
+  }
+
+  bool check_triangles() {
+    return check_all(StoredFault::kTurnedOver, claim_.faces.size(),
+                     [&](std::size_t f) { return is_moved(f) && is_turned_over(f); });
+  }
+
+  /// A triangle that had an area and looked along its patch's normal, as far as doubles tell, must go on to do so. One
+  /// that did not may look where it likes, but it must not lose the area that it has.
+  bool is_turned_over(std::size_t f) const {
+    const Vec3& normal = claim_.normals[claim_.face_patch[f].value];
+    const auto after = corners(claim_.stored, f);
+    if (looks_along(after, normal)) return false;
+    const auto before = corners(claim_.positions, f);
+    if (verification::is_collinear(before[0], before[1], before[2])) return false;
+    if (verification::is_collinear(after[0], after[1], after[2])) return true;
+    return !looks_along(before, -normal);
+  }
+
+  /// Is this beyond doubt? The computation errs by a few roundings of the product of two sides.
+  static bool looks_along(const std::array<Vec3, 3>& t, const Vec3& normal) {
+    constexpr double kNoise = 1e-14;
+    const Vec3 ab = t[1] - t[0], ac = t[2] - t[0];
+    return dot(cross(ab, ac), normal) > kNoise * norm(ab) * norm(ac);
+  }
+
+  bool check_goals() {
+    if (claim_.refinement == nullptr) return true;
+    const RefinementClaim& now = *claim_.refinement;
+    return check_all(StoredFault::kUnlisted, claim_.faces.size(),
+                     [&](std::size_t f) {
+                       return is_moved(f) && !is_listed(now.unrefined, f) &&
+                              standing(claim_.stored, f) == Standing::kMisses;
+                     }) &&
+           check_all(StoredFault::kListedInVain, now.unrefined.size(),
+                     [&](std::size_t i) {
+                       const FaceId f = now.unrefined[i];
+                       return standing(claim_.stored, f.value) == Standing::kMeets && !is_listed_for_sizes(f);
+                     }) &&
+           check_all(StoredFault::kWrongReason, now.unrefined.size(),
+                     [&](std::size_t i) { return !is_reason(now.unrefined[i], now.reasons[i]); });
+  }
+
+  Standing standing(std::span<const Vec3> positions, std::size_t f) const {
+    const auto [a, b, c] = corners(positions, f);
+    return verification::standing_of(claim_.refinement->goals, a, b, c);
+  }
+
+  static bool is_listed(std::span<const FaceId> faces, std::size_t f) {
+    return std::binary_search(faces.begin(), faces.end(), FaceId(f));
+  }
+
+  /// Was it listed for a bound that is not the same everywhere? The check of the verified mesh has tested that.
+  bool is_listed_for_sizes(FaceId f) const {
+    return is_listed(claim_.unrefined_before, f.value) && standing(claim_.positions, f.value) == Standing::kMeets;
+  }
+
+  bool is_reason(FaceId f, UnrefinedReason reason) const {
+    const auto before = std::lower_bound(claim_.unrefined_before.begin(), claim_.unrefined_before.end(), f);
+    const bool was_listed = before != claim_.unrefined_before.end() && *before == f;
+    if (reason != UnrefinedReason::kOutputRounding)
+      return was_listed && claim_.reasons_before[before - claim_.unrefined_before.begin()] == reason;
+    return !was_listed && is_moved(f.value) && standing(claim_.positions, f.value) != Standing::kMisses;
+  }
+
+  bool is_known(PatchId p, PatchId q) const {
+    if (claim_.intersections == nullptr) return false;
+    const auto& known = claim_.intersections->patches;
+    return std::binary_search(known.begin(), known.end(), std::pair(std::min(p, q), std::max(p, q)));
+  }
+
+  bool check_intersections() {
+    const std::vector<std::uint8_t> is_simple = simple_patches();
+    SelfIntersections found = patch_intersections(
+        {claim_.stored, corners_of(claim_.faces), claim_.face_patch, claim_.normals, is_simple}, kMaxPairs, control_);
+    const bool is_known_complete = claim_.intersections == nullptr || claim_.intersections->is_complete;
+    std::uint64_t count = 0;
+    if (is_known_complete)
+      for (const auto& [f, g] : found.pairs)
+        if (!is_known(claim_.face_patch[f.value], claim_.face_patch[g.value])) ++count;
+    verdict_.has_intersections = true;
+    verdict_.are_all_intersections_known = is_known_complete && found.is_complete;
+    verdict_.intersections = std::move(found.pairs);
+    return count == 0 || fail(StoredFault::kNewIntersections, count);
+  }
+
+  /// For which patches it is sure that none of their faces meets another one of the same patch; or no matter, since
+  /// that was so before.
+  ///
+  /// Seen along an axis, let all triangles of a patch be positive. Then over each point there are as many of them as
+  /// the patch's boundary winds around it; and it winds at most once if it was simple before and no two of its edges
+  /// meet now. They do not meet if the triangles at them do not. So only the triangles at the boundary are held against
+  /// each other, in the plane. Where they meet, or where some triangle is not positive, the patch is not called
+  /// simple, and patch_intersections looks at all of its triangles, in space.
+  std::vector<std::uint8_t> simple_patches() {
+    struct Seen {
+      std::uint64_t faces = 0;
+      bool is_moved = false, is_positive = true;
+    };
+    std::vector<Seen> seen(claim_.normals.size());
+    for (const FaceRun& run : runs_) {
+      Seen& of_patch = seen[run.patch.value];
+      of_patch.faces += run.faces;
+      of_patch.is_moved = of_patch.is_moved || run.is_moved;
+      of_patch.is_positive = of_patch.is_positive && run.is_positive;
+    }
+    std::vector<std::uint8_t> is_simple(seen.size(), 1), is_asked(seen.size(), 0);
+    bool is_any_asked = false;
+    for (std::uint32_t p = 0; p < seen.size(); ++p) {
+      if (!seen[p].is_moved || seen[p].faces <= kFewFaces || is_known(PatchId(p), PatchId(p))) continue;
+      if (seen[p].is_positive)
+        is_any_asked = (is_asked[p] = 1) != 0;
+      else
+        is_simple[p] = 0;
+    }
+    if (is_any_asked) find_overlaps(is_asked, is_simple);
+    return is_simple;
+  }
+
+  /// Takes the mark `is_simple` from those of the patches asked for whose triangles at the boundary meet in the plane.
+  void find_overlaps(const std::vector<std::uint8_t>& is_asked, std::vector<std::uint8_t>& is_simple) {
+    const std::vector<std::uint8_t> is_rim = rim_vertices();
+    const auto rim = select_ids<FaceId>(claim_.faces.size(), kItemsPerBlock, control_, [&](std::size_t f) {
+      const auto& [a, b, c] = claim_.faces[f];
+      return is_asked[claim_.face_patch[f].value] != 0 && is_rim[a.value] + is_rim[b.value] + is_rim[c.value] >= 2;
+    });
+    // Each patch lies in a plane of its own above the others, with its own vertices.
+    using Key = std::pair<PatchId, VertexId>;
+    std::vector<Key> keys;
+    keys.reserve(3 * rim.size());
+    for (const FaceId f : rim)
+      for (const VertexId v : claim_.faces[f.value]) keys.emplace_back(claim_.face_patch[f.value], v);
+    sort_all(keys.begin(), keys.end());
+    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
+    control_.check();
+    const double unit = std::exp2(std::ilogb(std::max(largest_coordinate(claim_.stored, control_), 0x1p-900)));
+    std::vector<Vec3> flat(keys.size());
+    for_blocks(keys.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto [p, v] = keys[i];
+        const Vec2 at = Flattening(claim_.normals[p.value])(claim_.stored[v.value]);
+        flat[i] = {at.x, at.y, unit * p.value};
+      }
+    });
+    std::vector<Triangle> faces(rim.size());
+    for_blocks(faces.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i)
+        for (int k = 0; k < 3; ++k) {
+          const Key key(claim_.face_patch[rim[i].value], claim_.faces[rim[i].value][k]);
+          faces[i][k] =
+              VertexId(static_cast<std::size_t>(std::lower_bound(keys.begin(), keys.end(), key) - keys.begin()));
+        }
+    });
+    const SelfIntersections found = self_intersections(flat, faces, {}, kMaxPairs, control_);
+    for (const auto& [f, g] : found.pairs) is_simple[claim_.face_patch[rim[f.value].value].value] = 0;
+    if (found.is_complete) return;
+    for (std::size_t p = 0; p < is_simple.size(); ++p)
+      if (is_asked[p] != 0) is_simple[p] = 0;
+  }
+
+  /// Vertices that are on the boundary of a patch: they have faces of several patches, or the faces around them do not
+  /// close. Around an inner vertex every neighbour is once the next corner of a face and once the one before, so that
+  /// numbers of theirs cancel.
+  std::vector<std::uint8_t> rim_vertices() {
+    constexpr std::uint32_t kNone = PatchId::kInvalid;
+    std::vector<std::atomic<std::uint64_t>> sum(claim_.stored.size());
+    std::vector<std::atomic<std::uint32_t>> patch(claim_.stored.size());
+    std::vector<std::uint8_t> is_rim(claim_.stored.size(), 0);
+    for_blocks(patch.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) patch[v].store(kNone, std::memory_order_relaxed);
+    });
+    for_blocks(claim_.faces.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f)
+        for (int k = 0; k < 3; ++k) {
+          const Triangle& face = claim_.faces[f];
+          const std::uint32_t v = face[k].value;
+          sum[v].fetch_add(scrambled(face[(k + 1) % 3]) - scrambled(face[(k + 2) % 3]), std::memory_order_relaxed);
+          std::uint32_t known = kNone;
+          const bool is_first =
+              patch[v].compare_exchange_strong(known, claim_.face_patch[f].value, std::memory_order_relaxed);
+          if (!is_first && known != claim_.face_patch[f].value)
+            std::atomic_ref(is_rim[v]).store(1, std::memory_order_relaxed);
+        }
+    });
+    for_blocks(is_rim.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v)
+        if (sum[v].load(std::memory_order_relaxed) != 0) is_rim[v] = 1;
+    });
+    return is_rim;
+  }
+
+  const StoredClaim& claim_;
+  RunControl& control_;
+  const bool has_origin_;
+  std::vector<double> moves_;  ///< of each vertex
+  std::vector<FaceRun> runs_;
+  StoredVerdict verdict_;
+};
+
+}  // namespace
+
+StoredVerdict check_stored_form(const StoredClaim& claim, RunControl& control) {
+  return StoredCheck(claim, control).run();
+}
+
+}  // namespace remesh

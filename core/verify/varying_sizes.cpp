@@ -1,0 +1,105 @@
+#include "core/verify/varying_sizes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/geometry/distances.h"
+
+namespace remesh::verification {
+namespace {
+
+/// More than a graded length is wrong by, relatively: boxes are kept in single precision.
+constexpr double kSingle = 1e-5;
+
+}  // namespace
+
+VaryingSizes::Graded::Graded(std::vector<Segment> segments, const Model& model, double slope, RunControl& control)
+    : slope_(slope), segments_(std::move(segments)) {
+  Box3 box;
+  for (std::size_t v = 0; v < model.surface_vertex_count; ++v) box.add(model.points[v]);
+  centre_ = 0.5 * box.min + 0.5 * box.max;
+  std::vector<BoxTree<Length>::Entry> entries(segments_.size());
+  for_blocks(entries.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto& [a, b] = segments_[i];
+      entries[i].box.add(a - centre_);
+      entries[i].box.add(b - centre_);
+      entries[i].tag.value = norm(b - a);
+    }
+  });
+  tree_ = BoxTree<Length>(entries, control);
+}
+
+bool VaryingSizes::Graded::is_too_long(double length, const Vec3& middle) const {
+  const Vec3 p = middle - centre_;
+  double best = length;
+  tree_.search(
+      best,
+      [&](const BoxTree<Length>::Entry& entry) {
+        return entry.tag.value + slope_ * std::sqrt(squared_distance(entry.box, p)) * (1 - kSingle);
+      },
+      [&](std::size_t slot) {
+        const auto& [a, b] = segments_[tree_.number(slot)];
+        const Vec3 nearest = nearest_on_segment(middle, a, b);
+        if (tree_[slot].tag.value + slope_ * norm(nearest - middle) < length) best = -1;
+      });
+  return best != length;
+}
+
+VaryingSizes::VaryingSizes(const Claim& claim, const Model& model, const BoundaryGraph& input_seams,
+                           const BoundaryGraph& output_seams, RunControl& control)
+    : model_(model), proximity_(claim.refinement->goals.proximity), slope_(claim.refinement->goals.size_slope()) {
+  if (proximity_ > 0) {
+    facets_.emplace(claim, model, input_seams, control);
+    return;
+  }
+  std::vector<Segment> lines, pieces;
+  StraightLines(model, output_seams, control).for_each_line([&](VertexId a, VertexId b) {
+    lines.push_back({model.points[a.value], model.points[b.value]});
+  });
+  // Between vertices of the input: a new vertex may happen to be where a dropped one was, so these may be too short.
+  output_seams.for_each_chain(
+      control, [&](VertexId v) { return output_seams.is_passage(v) && model.is_new(v); },
+      [&](const Chain& chain, std::span<const VertexId>) {
+        pieces.push_back({model.points[chain.low.value], model.points[chain.high.value]});
+      },
+      [](const Edge&, VertexId, Stray) {});
+  lines_ = Graded(std::move(lines), model, slope_, control);
+  pieces_ = Graded(std::move(pieces), model, slope_, control);
+}
+
+bool VaryingSizes::is_missed_clearly(std::uint32_t f) const { return is_missed(f, FacingFacets::Doubt::kIsNone); }
+bool VaryingSizes::may_be_missed(std::uint32_t f) const { return is_missed(f, FacingFacets::Doubt::kCounts); }
+
+bool VaryingSizes::is_missed(std::uint32_t f, FacingFacets::Doubt doubt) const {
+  const bool must_be_clear = doubt == FacingFacets::Doubt::kIsNone;
+  const double slack = Goals::kSizeSlack * (must_be_clear ? kClearly : 1 / kClearly);
+  const auto corner = model_.output.face(f);
+  std::array<Vec3, 3> middle;
+  std::array<double, 3> length{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Vec3 a = model_.points[corner[k].value], b = model_.points[corner[(k + 1) % 3].value];
+    middle[k] = 0.5 * (a + b);
+    length[k] = norm(b - a);
+  }
+  if (!facets_) {
+    const Graded& graded = must_be_clear ? lines_ : pieces_;
+    for (std::size_t k = 0; k < 3; ++k)
+      if (graded.is_too_long(length[k] / slack, middle[k])) return true;
+    return false;
+  }
+  const PatchId patch = model_.output.patch[f];
+  const auto is_missed_at = [&](const Vec3& place) {
+    double size = 0;  // below this, an edge is too long
+    for (std::size_t k = 0; k < 3; ++k) size = std::max(size, length[k] / slack - slope_ * norm(middle[k] - place));
+    // Both sides of the gap may be off the places that sizes were made for by the tolerance.
+    const double off = (must_be_clear ? -2 : 2) * model_.tolerance;
+    return facets_->is_any_within(place, patch, size * proximity_ - model_.tolerance + off, doubt);
+  };
+  return is_missed_at((1.0 / 3) * (middle[0] + middle[1] + middle[2])) ||
+         std::any_of(middle.begin(), middle.end(), is_missed_at);
+}
+
+}  // namespace remesh::verification

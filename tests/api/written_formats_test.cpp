@@ -1,0 +1,345 @@
+// What leaves the program is what was promised: results in every format, read back by readers that are not ours.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "api/job.h"
+#include "api/service.h"
+#include "core/io/obj.h"
+#include "core/output_form.h"
+#include "tests/support/cgal_space.h"
+#include "tests/support/errors.h"
+#include "tests/support/plain_readers.h"
+#include "tests/support/random.h"
+#include "tests/support/shapes.h"
+#include "tests/support/shared_meshes.h"
+
+namespace remesh::api {
+namespace {
+
+using test::PlainMesh;
+using testing::HasSubstr;
+using testing::Not;
+using Corners = std::array<Vec3, 3>;
+
+Job job_of(std::string_view mesh, const Fields& options) {
+  Job job;
+  job.mesh = mesh;
+  for (const auto& [name, value] : options) job.options.add(name, value);
+  return job;
+}
+
+Fields with(Fields options, const std::string& name, const std::string& value) {
+  options.emplace_back(name, value);
+  return options;
+}
+
+Result in_doubles(std::string_view mesh, const Fields& options) {
+  RunControl control;
+  return remesh_for_job(job_of(mesh, with(options, "format", "stl")), {}, Purpose::kKeeping, control).result;
+}
+
+RemeshAnswer written(std::string_view mesh, const Fields& options, Format format) {
+  RunControl control;
+  return run_remesh_job(job_of(mesh, with(options, "format", std::string(format_name(format)))), {}, control);
+}
+
+PlainMesh read(Format format, const std::string& file) {
+  if (format != Format::kJson) return test::read_plainly(format, file);
+  PlainMesh mesh;
+  const auto json = nlohmann::json::parse(file)["mesh"];
+  const auto point = [&](const nlohmann::json& v) {
+    const auto& p = json["vertices"][v.get<std::size_t>()];
+    return Vec3{p[0].get<double>(), p[1].get<double>(), p[2].get<double>()};
+  };
+  for (const auto& face : json["faces"]) mesh.triangles.push_back({point(face[0]), point(face[1]), point(face[2])});
+  return mesh;
+}
+
+Corners corners_of(const TriangleMesh& mesh, std::uint32_t f) {
+  const auto& [a, b, c] = mesh.faces[FaceId(f)];
+  return {mesh.positions[a], mesh.positions[b], mesh.positions[c]};
+}
+
+/// A soup of triangles as a mesh: corners with equal coordinates are one vertex.
+struct Joined {
+  std::vector<Vec3> points;
+  std::vector<Triangle> faces;
+
+  explicit Joined(const std::vector<Corners>& triangles) {
+    std::map<Vec3, std::uint32_t> known;
+    for (const Corners& corners : triangles) {
+      Triangle face;
+      for (int i = 0; i < 3; ++i) {
+        const auto [at, is_new] = known.try_emplace(corners[i], static_cast<std::uint32_t>(points.size()));
+        if (is_new) points.push_back(corners[i]);
+        face[i] = VertexId(at->second);
+      }
+      faces.push_back(face);
+    }
+  }
+
+  /// Pairs of faces that intersect, by CGAL.
+  std::size_t intersections() const {
+    const CgalIntersection do_intersect(points);
+    std::vector<Box3> boxes(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f)
+      for (const VertexId v : faces[f]) boxes[f].add(points[v.value]);
+    std::size_t count = 0;
+    for (std::size_t f = 0; f < faces.size(); ++f)
+      for (std::size_t g = 0; g < f; ++g) {
+        bool are_apart = false;
+        for (int axis = 0; axis < 3; ++axis)
+          are_apart = are_apart || boxes[f].max[axis] < boxes[g].min[axis] || boxes[g].max[axis] < boxes[f].min[axis];
+        if (!are_apart && do_intersect(faces[f], faces[g])) ++count;
+      }
+    return count;
+  }
+  bool is_any_flat() const {
+    const CgalIntersection do_intersect(points);
+    return std::any_of(faces.begin(), faces.end(), [&](const Triangle& t) { return !do_intersect.has_area(t); });
+  }
+  /// The shortest edge, height, or gap between faces that share no vertex.
+  double smallest_feature() const {
+    double smallest = HUGE_VAL;
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      const auto& [a, b, c] = faces[f];
+      const Vec3 &p = points[a.value], &q = points[b.value], &r = points[c.value];
+      const double longest = std::max({norm(q - p), norm(r - q), norm(p - r)});
+      smallest = std::min({smallest, norm(q - p), norm(r - q), norm(p - r), norm(cross(q - p, r - p)) / longest});
+      for (std::size_t g = 0; g < f; ++g) {
+        const bool is_shared = std::any_of(faces[f].begin(), faces[f].end(), [&](VertexId v) {
+          return std::find(faces[g].begin(), faces[g].end(), v) != faces[g].end();
+        });
+        if (is_shared) continue;
+        const auto corners = [&](std::size_t i) {
+          return Corners3{points[faces[i][0].value], points[faces[i][1].value], points[faces[i][2].value]};
+        };
+        smallest = std::min(smallest, std::sqrt(cgal_squared_distance(corners(f), corners(g))));
+      }
+    }
+    return smallest;
+  }
+};
+
+double half_step_of_floats(const std::vector<Vec3>& points) {
+  double largest = 0;
+  for (const Vec3& p : points) largest = std::max({largest, std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)});
+  const auto nearest = static_cast<float>(largest);
+  return (static_cast<double>(std::nextafter(nearest, HUGE_VALF)) - nearest) / 2;
+}
+
+std::vector<Corners> soup_of(const TriangleMesh& mesh) {
+  std::vector<Corners> soup;
+  for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) soup.push_back(corners_of(mesh, f));
+  return soup;
+}
+
+/// Holds what was written, triangle by triangle, against the result in doubles.
+void expect_as_promised(const Result& exact, const RemeshAnswer& answer) {
+  const PlainMesh back = read(answer.format, answer.body);
+  ASSERT_EQ(back.triangles.size(), exact.mesh.faces.size());
+  const Vec3 origin = answer.report.output_origin.value_or(Vec3{});
+  double farthest = 0;
+  for (std::uint32_t f = 0; f < back.triangles.size(); ++f) {
+    const Corners wanted = corners_of(exact.mesh, f);
+    for (int i = 0; i < 3; ++i) farthest = std::max(farthest, norm(origin + back.triangles[f][i] - wanted[i]));
+  }
+  EXPECT_DOUBLE_EQ(farthest, answer.report.output_rounding);
+  EXPECT_GE(answer.report.verified.deviation, farthest);
+  if (answer.format != Format::kStl) {
+    EXPECT_EQ(farthest, 0);
+    EXPECT_FALSE(answer.report.output_origin);
+    return;
+  }
+  EXPECT_LE(farthest, std::max(exact.report.plane_tolerance, 1e-6 * exact.report.input.bounding_box.diagonal()));
+  const Joined mesh(back.triangles);
+  EXPECT_EQ(mesh.points.size(), exact.mesh.positions.size());
+  EXPECT_FALSE(mesh.is_any_flat());
+  EXPECT_EQ(mesh.intersections(), 0u);
+}
+
+/// A closed or open shape without intersections, of about `size`, turned, and moved by up to 1e7 of its size.
+std::string random_obj(Random& random) {
+  const auto shape = [&]() -> PolygonMesh {
+    switch (random.below(7)) {
+      case 0: return shapes::box({1, random.uniform(1e-4, 1), random.uniform(1e-6, 1)});
+      case 1: return shapes::l_bracket(1);
+      case 2: return shapes::plate_with_round_hole(8);
+      case 3: return shapes::cylinder(random.integer(3, 20), 0.5, random.uniform(1e-4, 2));
+      case 4: return shapes::sphere(1);
+      case 5: return shapes::slotted_plate(1);
+      default: return shapes::noisy_sheet(3, static_cast<unsigned>(random.below(1000)));
+    }
+  };
+  const double size = std::pow(10, random.uniform(-6, 6));
+  const double offset = random.chance(0.2) ? 0 : size * std::pow(10, random.uniform(-1, 7));
+  PolygonMesh mesh = shapes::scaled(shape(), size);
+  if (random.chance(0.8))
+    mesh = shapes::rotated(mesh, {random.uniform(-1, 1), random.uniform(-1, 1), 1}, random.uniform(0, 180));
+  mesh = shapes::moved(mesh, offset * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)});
+  RunControl control;
+  return write_obj(shapes::as_triangles(shapes::fan_triangulated(mesh)), {}, control);
+}
+
+TEST(WrittenFormats, whatever_is_written_is_read_back_as_promised_or_was_refused_with_reason) {
+  Random random(base_seed(360202));
+  int written_stl = 0, refused = 0, about_origin = 0;
+  for (int trial = 0; trial < 120; ++trial) {
+    SCOPED_TRACE(trial);
+    const std::string mesh = random_obj(random);
+    Fields options{{"refine", random.chance(0.6) ? "true" : "false"}, {"min_angle_deg", "20"}};
+    if (random.chance(0.5)) options.emplace_back("local_origin", "true");
+    const Result exact = in_doubles(mesh, options);
+    ASSERT_LT(exact.mesh.faces.size(), 3000u);
+    for (const Format format : kFormats) {
+      SCOPED_TRACE(format_name(format));
+      try {
+        const RemeshAnswer answer = written(mesh, options, format);
+        expect_as_promised(exact, answer);
+        if (format == Format::kStl) ++(answer.report.output_origin ? about_origin : written_stl);
+      } catch (const Error& error) {
+        ASSERT_EQ(format, Format::kStl) << error.what();
+        ASSERT_EQ(error.code, Code::kNotAcceptable) << error.what();
+        ++refused;
+        const double half_step = half_step_of_floats(exact.mesh.positions.items());
+        if (half_step >= 1e-7 * exact.report.input.bounding_box.diagonal()) continue;
+        // Not for rounding alone.
+        EXPECT_LT(Joined(soup_of(exact.mesh)).smallest_feature(), 20 * half_step) << error.what();
+      }
+    }
+  }
+  // All three must occur for this to say anything.
+  EXPECT_GT(written_stl, 20);
+  EXPECT_GT(refused, 20);
+  EXPECT_GT(about_origin, 10);
+}
+
+TEST(WrittenFormats, a_kept_job_gives_each_format_as_it_would_have_been_at_once_refusals_too) {
+  Random random(base_seed(360203));
+  for (int trial = 0; trial < 12; ++trial) {
+    SCOPED_TRACE(trial);
+    const std::string mesh = random_obj(random);
+    const Fields options{{"max_edge_fraction", "0.4"}, {"local_origin", random.chance(0.5) ? "true" : "false"}};
+    Request request;
+    request.body = mesh;
+    request.query = options;
+    RunControl control;
+    const KeptRemesh kept = run_remesh_to_keep(request, {}, control);
+    for (const Format format : kFormats) {
+      SCOPED_TRACE(format_name(format));
+      Request at_once = request, later;
+      at_once.query = with(options, "format", std::string(format_name(format)));
+      later.query = {{"format", std::string(format_name(format))}};
+      std::optional<Response> direct;
+      std::string refusal;
+      try {
+        direct = run_remesh(at_once, {}, control);
+      } catch (const Error& error) {
+        refusal = error.what();
+      }
+      const auto write = [&] {
+        return write_kept(
+            kept.mesh, [&] { return kept.report; }, later, control);
+      };
+      if (!direct) {
+        EXPECT_EQ(test::error_of(write).what(), refusal);
+        // Nor does a job succeed that asks for it.
+        EXPECT_EQ(test::error_of([&] { run_remesh_to_keep(at_once, {}, control); }).what(), refusal);
+        continue;
+      }
+      const Response fetched = write();
+      EXPECT_EQ(fetched.headers[0], direct->headers[0]) << "Remesh-Summary";
+      if (format != Format::kJson) {
+        EXPECT_TRUE(fetched.body == direct->body);
+      }
+    }
+  }
+}
+
+std::string contents(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class SharedMeshes : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(folder_)) GTEST_SKIP() << "NOT TESTED: no meshes at " << folder_;
+  }
+  const std::filesystem::path folder_ = test::shared_meshes_folder();
+};
+
+TEST_F(SharedMeshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused_in_floats) {
+  const std::string house = contents(folder_ / "reports" / "house-utm.obj.gz");
+  for (const Fields& options : {Fields{{"refine", "false"}}, Fields{}}) {
+    const Result exact = in_doubles(house, options);
+    for (const Format format : kFormats)
+      if (format != Format::kStl) expect_as_promised(exact, written(house, options, format));
+    const Error error = test::error_of([&] { written(house, options, Format::kStl); });
+    EXPECT_EQ(error.code, Code::kNotAcceptable);
+    EXPECT_THAT(error.what(), HasSubstr("0.5 apart"));
+    EXPECT_THAT(error.what(), HasSubstr("obj, json, stl_ascii, ply, off, vtu, msh"));
+    EXPECT_THAT(error.what(), HasSubstr("local_origin=true"));
+    const RemeshAnswer local = written(house, with(options, "local_origin", "true"), Format::kStl);
+    expect_as_promised(exact, local);
+    ASSERT_TRUE(local.report.output_origin);
+    EXPECT_NEAR(*local.report.output.volume, *exact.report.output.volume, local.report.volume_bound);
+    EXPECT_EQ(local.report.patches.size(), 32u);
+    EXPECT_THAT(summary_line(summary_of(local.report)),
+                HasSubstr("origin=" + origin_text(*local.report.output_origin)));
+    EXPECT_THAT(local.body.substr(0, 80), HasSubstr("origin " + origin_text(*local.report.output_origin)));
+  }
+}
+
+TEST_F(SharedMeshes, ordinary_parts_come_out_as_binary_stl) {
+  for (const char* name :
+       {"curved-cad/sv_cylinder.stl", "curved-cad/tube.obj", "curved-cad/hx_shell_to_solid.stl.gz"}) {
+    const std::string mesh = contents(folder_ / name);
+    ASSERT_FALSE(mesh.empty()) << name;
+    for (const Fields& options : {Fields{{"refine", "false"}}, Fields{}}) {
+      const RemeshAnswer answer = written(mesh, options, Format::kStl);
+      EXPECT_FALSE(answer.report.output_origin) << name;
+      EXPECT_EQ(answer.report.output.intersecting_pairs, 0u) << name;
+      const PlainMesh back = test::read_plainly(Format::kStl, answer.body);
+      EXPECT_EQ(back.triangles.size(), answer.report.output.faces) << name;
+      EXPECT_EQ(Joined(back.triangles).points.size(), answer.report.output.vertices) << name;
+    }
+  }
+}
+
+TEST(WrittenFormats, text_stl_has_a_solid_for_each_group_and_is_read_by_our_reader) {
+  const std::string mesh =
+      "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 0 1 0\nv 0 0.1 -1.5e-300\ng inlet 1\nf 1 2 5 6\n"
+      "g outlet\nf 2 3 4 5\ng inlet 1\nf 6 5 7\n";
+  const RemeshAnswer answer = written(mesh, {{"refine", "false"}}, Format::kStlAscii);
+  EXPECT_THAT(answer.body, testing::StartsWith("solid inlet 1\n"));
+  const PlainMesh back = test::read_plainly(Format::kStlAscii, answer.body);
+  EXPECT_TRUE(std::is_sorted(back.solid_of.begin(), back.solid_of.end()));
+  EXPECT_EQ(std::count(back.solid_of.begin(), back.solid_of.end(), "outlet"), 2);
+  // The digits are those of the doubles.
+  EXPECT_THAT(answer.body, HasSubstr("vertex 0 0.1 -1.5e-300\n"));
+  const RemeshAnswer again = written(answer.body, {{"refine", "false"}}, Format::kObj);
+  EXPECT_EQ(again.report.output.faces, answer.report.output.faces);
+  EXPECT_EQ(again.report.output.area, answer.report.output.area);
+  EXPECT_THAT(again.body, HasSubstr("o inlet 1\n"));
+}
+
+TEST(WrittenFormats, text_stl_without_labels_is_one_solid_without_a_name) {
+  const std::string mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+  const RemeshAnswer answer = written(mesh, {{"refine", "false"}}, Format::kStlAscii);
+  EXPECT_THAT(answer.body, testing::StartsWith("solid \n"));
+  EXPECT_THAT(written(answer.body, {{"refine", "false"}}, Format::kObj).body, Not(HasSubstr("\no")));
+}
+
+}  // namespace
+}  // namespace remesh::api

@@ -1,0 +1,82 @@
+#include "core/verify/polygons.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/core/verify/example.h"
+#include "tests/support/shapes.h"
+
+namespace remesh {
+namespace {
+
+/// The verdict on triangles, taken for the surface and for the result, that came of the first face of a mesh.
+Verdict verdict_on(const PolygonMesh& input, const PolygonMesh& triangles, double weld_tolerance = 0) {
+  Example e = example(triangles, triangles);
+  for (FaceId& source : e.surface.face_source) source = FaceId(0);
+  e.allow_intersections();
+  RunControl control;
+  const InputIntersections known{e.intersecting_patches, true};
+  return verify({e.surface,
+                 e.surface_patch,
+                 e.frames,
+                 e.positions,
+                 e.faces,
+                 e.face_patch,
+                 e.corner_uv,
+                 e.plane_tolerance,
+                 false,
+                 nullptr,
+                 &known,
+                 {},
+                 &input,
+                 weld_tolerance},
+                control);
+}
+
+bool is_refuted(const Verdict& verdict) {
+  return std::any_of(verdict.failures.begin(), verdict.failures.end(),
+                     [](const std::string& failure) { return failure.find("input polygon 0") != std::string::npos; });
+}
+
+/// The triangles over a polygon's own corners.
+PolygonMesh cut_into(const PolygonMesh& polygon, const std::vector<std::vector<std::uint32_t>>& triangles) {
+  return shapes::from_lists(polygon.positions.items(), triangles);
+}
+
+TEST(check_polygons, triangles_that_cover_a_polygon_once_are_right) {
+  const PolygonMesh l = shapes::polygon({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}});
+  EXPECT_FALSE(is_refuted(verdict_on(l, cut_into(l, {{0, 1, 3}, {1, 2, 3}, {0, 3, 5}, {3, 4, 5}}))));
+}
+
+TEST(check_polygons, a_fan_over_a_concave_polygon_is_found) {
+  const PolygonMesh l = shapes::polygon({{0, 0}, {2, 0}, {2, 1}, {0.25, 1}, {1, 3}, {0, 2}});
+  const Verdict verdict = verdict_on(l, cut_into(l, {{1, 2, 3}, {1, 3, 4}, {1, 4, 5}, {1, 5, 0}}));
+  EXPECT_TRUE(is_refuted(verdict));
+  EXPECT_FALSE(verdict.surface);
+}
+
+TEST(check_polygons, a_triangle_that_is_missing_is_found) {
+  const PolygonMesh square = shapes::polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+  EXPECT_TRUE(is_refuted(verdict_on(square, shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}}, {{0, 1, 2}}))));
+}
+
+TEST(check_polygons, a_polygon_that_crosses_itself_has_no_right_triangles) {
+  const PolygonMesh tie = shapes::polygon({{0, 0}, {3, 1}, {3, 0}, {0, 2}});
+  EXPECT_FALSE(is_refuted(verdict_on(tie, cut_into(tie, {{0, 1, 2}, {0, 2, 3}}))));
+}
+
+TEST(check_polygons, a_bent_polygon_may_be_cut_either_way) {
+  const PolygonMesh bent = shapes::from_lists({{0, 0, 0}, {1, 0, 0.5}, {1, 1, 0}, {0, 1, 0.5}}, {{0, 1, 2, 3}});
+  EXPECT_FALSE(is_refuted(verdict_on(bent, cut_into(bent, {{0, 1, 2}, {0, 2, 3}}))));
+  EXPECT_FALSE(is_refuted(verdict_on(bent, cut_into(bent, {{0, 1, 3}, {1, 2, 3}}))));
+}
+
+TEST(check_polygons, welding_may_have_moved_corners_by_its_tolerance) {
+  const PolygonMesh square = shapes::polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}});
+  PolygonMesh moved = cut_into(square, {{0, 1, 2}, {0, 2, 3}});
+  moved.positions[VertexId(2)] = {1.001, 1.001, 0};
+  EXPECT_TRUE(is_refuted(verdict_on(square, moved)));
+  EXPECT_FALSE(is_refuted(verdict_on(square, moved, 0.002)));
+}
+
+}  // namespace
+}  // namespace remesh

@@ -1,0 +1,267 @@
+// Rounded coordinates against the verified ones: each test of the check, and all of them against a brute-force oracle.
+#include "core/verify/stored_form.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "core/base/rounded_to_float.h"
+#include "core/remesh.h"
+#include "tests/support/cgal_space.h"
+#include "tests/support/random.h"
+#include "tests/support/shapes.h"
+#include "tests/support/unrefined_options.h"
+
+namespace remesh {
+namespace {
+
+/// A verified mesh and what is claimed of it once it is stored.
+struct Stored {
+  Result result;
+  std::vector<Vec3> points;
+  Vec3 origin;
+  Storage storage = Storage::kDouble;
+  double allowed = 1e3;
+  std::optional<UnrefinedFaces> unrefined;  ///< nothing: as before
+
+  explicit Stored(const PolygonMesh& mesh, const Options& options = remesh::unrefined()) {
+    RunControl control;
+    result = remesh_surface(mesh, options, {}, control);
+    points = result.mesh.positions.items();
+  }
+
+  StoredVerdict check() const {
+    const UnrefinedFaces& now = unrefined ? *unrefined : result.basis.unrefined;
+    const RefinementClaim refined{result.basis.goals, now.faces, now.reasons};
+    StoredClaim claim;
+    claim.positions = result.mesh.positions.items();
+    claim.stored = points;
+    claim.origin = origin;
+    claim.storage = storage;
+    claim.faces = result.mesh.faces.items();
+    claim.face_patch = result.face_patch.items();
+    claim.normals = result.basis.normals.items();
+    claim.allowed_move = allowed;
+    claim.intersections = &result.basis.intersections;
+    claim.refinement = result.basis.is_refined ? &refined : nullptr;
+    claim.unrefined_before = result.basis.unrefined.faces;
+    claim.reasons_before = result.basis.unrefined.reasons;
+    RunControl control;
+    return check_stored_form(claim, control);
+  }
+  /// The vertex at a place.
+  std::size_t at(const Vec3& place) const {
+    const auto& all = result.mesh.positions.items();
+    return static_cast<std::size_t>(std::find(all.begin(), all.end(), place) - all.begin());
+  }
+  Vec3& point(const Vec3& place) { return points.at(at(place)); }
+};
+
+Options with_edges(double longest) {
+  Options options;
+  options.max_edge_length = longest;
+  return options;
+}
+
+TEST(StoredForm, the_same_points_pass_and_small_moves_are_measured) {
+  Stored box(shapes::box({3, 2, 1}, 2));
+  EXPECT_FALSE(box.check().fault);
+  EXPECT_EQ(box.check().largest_move, 0);
+  EXPECT_FALSE(box.check().has_intersections);
+  box.point({3, 2, 1}) += {0, 0, 0.25};
+  const StoredVerdict verdict = box.check();
+  EXPECT_FALSE(verdict.fault);
+  EXPECT_DOUBLE_EQ(verdict.largest_move, 0.25);
+  EXPECT_TRUE(verdict.has_intersections);
+  // The corner is one of three of the six patches.
+  EXPECT_EQ(std::count(verdict.patch_moves.begin(), verdict.patch_moves.end(), 0.25), 3);
+  EXPECT_EQ(std::count(verdict.patch_moves.begin(), verdict.patch_moves.end(), 0.0), 3);
+  // Pulling the corner up adds a tetrahedron or two over the top's triangles there: up to 0.25 * 6 / 3.
+  EXPECT_GE(verdict.volume_bound, 0.25);
+  box.allowed = 0.2;
+  EXPECT_EQ(box.check().fault, StoredFault::kMoved);
+  EXPECT_EQ(box.check().count, 1u);
+}
+
+TEST(StoredForm, a_move_is_what_a_reader_sees_who_adds_the_origin) {
+  Stored box(shapes::moved(shapes::box({3, 2, 1}), {1e6, 0, 0}));
+  box.origin = {1e6, 0, 0};
+  for (Vec3& p : box.points) p = p - box.origin;
+  EXPECT_FALSE(box.check().fault);
+  EXPECT_EQ(box.check().largest_move, 0);
+  box.origin.x += 0.5;
+  EXPECT_DOUBLE_EQ(box.check().largest_move, 0.5);
+}
+
+TEST(StoredForm, numbers_are_those_of_the_storage_and_finite) {
+  Stored box(shapes::box({3, 2, 0.1}));
+  EXPECT_FALSE(box.check().fault);
+  box.storage = Storage::kFloat;
+  EXPECT_EQ(box.check().fault, StoredFault::kNotStorable);
+  EXPECT_EQ(box.check().count, 4u);
+  for (Vec3& p : box.points) p.z = rounded_to_float(p.z);
+  EXPECT_FALSE(box.check().fault);
+  box.points[0].x = std::numeric_limits<double>::infinity();
+  EXPECT_EQ(box.check().fault, StoredFault::kBeyondRange);
+  box.points.pop_back();
+  EXPECT_EQ(box.check().fault, StoredFault::kMalformed);
+}
+
+TEST(StoredForm, vertices_in_one_place_are_counted) {
+  Stored box(shapes::box({3, 2, 1}));
+  box.point({3, 2, 1}) = {0, 0, 0};
+  const StoredVerdict verdict = box.check();
+  EXPECT_EQ(verdict.fault, StoredFault::kMerged);
+  EXPECT_EQ(verdict.count, 1u);
+}
+
+TEST(StoredForm, triangles_that_are_flat_or_turned_over_are_counted) {
+  // The middle of a fan is pulled onto its rim, and beyond.
+  const PolygonMesh fan = shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {2, 2, 1}},
+                                             {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
+  for (const double y : {0.0, -0.5}) {
+    Stored stored(fan);
+    stored.point({2, 2, 1}) = {2, y, 0};
+    EXPECT_EQ(stored.check().fault, StoredFault::kTurnedOver) << y;
+    EXPECT_EQ(stored.check().count, 1u) << y;
+  }
+}
+
+/// The two prongs of a slotted plate lean towards each other. From a quarter on they lie over each other.
+Vec3 leaning(Vec3 p, double lean) {
+  if (p.y > 1) p.x += (p.x < 2.5 ? lean : -lean) * (p.y - 1);
+  return p;
+}
+
+TEST(StoredForm, a_slot_of_a_large_patch_that_closes_is_seen_though_no_triangle_turns_over) {
+  Stored plate(shapes::slotted_plate(1), with_edges(0.7));
+  ASSERT_GT(plate.result.mesh.faces.size(), 30u);
+  EXPECT_EQ(plate.result.basis.normals.size(), 1u);
+  plate.result.basis.is_refined = false;  // sizes are not what is tested here
+  // The slot is between x = 2 and x = 3, from y = 1 on. The prongs beside it lean towards each other, and over.
+  for (const double lean : {0.2, 0.6}) {
+    for (std::size_t v = 0; v < plate.points.size(); ++v)
+      plate.points[v] = leaning(plate.result.mesh.positions[VertexId(v)], lean);
+    if (lean < 0.25) {
+      EXPECT_FALSE(plate.check().fault);
+    }
+  }
+  EXPECT_EQ(plate.check().fault, StoredFault::kNewIntersections);
+}
+
+TEST(StoredForm, patches_that_come_to_lie_in_each_other_are_seen_and_known_ones_are_not_new) {
+  const PolygonMesh two = shapes::joined(shapes::box({1, 1, 1}), shapes::moved(shapes::box({1, 1, 1}), {2, 0, 0}));
+  Stored boxes(two);
+  for (Vec3& p : boxes.points)
+    if (p.x >= 2) p.x -= 1.5;
+  EXPECT_EQ(boxes.check().fault, StoredFault::kNewIntersections);
+  Stored sunk(shapes::joined(shapes::box({1, 1, 1}), shapes::moved(shapes::box({1, 1, 1}), {0.5, 0.5, 0.5})));
+  ASSERT_FALSE(sunk.result.basis.intersections.patches.empty());
+  for (Vec3& p : sunk.points) p.x *= 1.001;
+  EXPECT_FALSE(sunk.check().fault);
+  EXPECT_FALSE(sunk.check().intersections.empty());
+}
+
+TEST(StoredForm, what_rounding_costs_is_listed_and_nothing_else) {
+  Stored box(shapes::box({3, 3, 3}), with_edges(1.5));
+  ASSERT_TRUE(box.result.basis.unrefined.faces.empty());
+  for (Vec3& p : box.points) p = 1.001 * p;
+  EXPECT_EQ(box.check().fault, StoredFault::kUnlisted);
+  UnrefinedFaces all;
+  for (std::uint32_t f = 0; f < box.result.mesh.faces.size(); ++f) {
+    const Triangle& t = box.result.mesh.faces[FaceId(f)];
+    double longest = 0;
+    for (int i = 0; i < 3; ++i)
+      longest = std::max(longest, norm(box.points[t[i].value] - box.points[t[(i + 1) % 3].value]));
+    if (longest <= 1.5) continue;
+    all.faces.emplace_back(f);
+    all.reasons.push_back(UnrefinedReason::kOutputRounding);
+  }
+  ASSERT_FALSE(all.faces.empty());
+  box.unrefined = all;
+  EXPECT_FALSE(box.check().fault);
+  // Neither may the reason be another one, nor the list longer.
+  box.unrefined->reasons[0] = UnrefinedReason::kSizeFloor;
+  EXPECT_EQ(box.check().fault, StoredFault::kWrongReason);
+  box.unrefined = all;
+  for (Vec3& p : box.points) p = 0.9 * p;
+  EXPECT_EQ(box.check().fault, StoredFault::kListedInVain);
+}
+
+TEST(StoredForm, a_face_that_missed_the_goals_before_keeps_its_reason) {
+  // A corner of ten degrees that no refinement can mend.
+  Stored wedge(shapes::triangle(10, 3, 4), Options{});
+  const UnrefinedFaces before = wedge.result.basis.unrefined;
+  ASSERT_FALSE(before.faces.empty());
+  for (Vec3& p : wedge.points) p = 1.001 * p;
+  EXPECT_FALSE(wedge.check().fault);
+  wedge.unrefined = before;
+  wedge.unrefined->reasons[0] = UnrefinedReason::kOutputRounding;
+  EXPECT_EQ(wedge.check().fault, StoredFault::kWrongReason);
+}
+
+/// By the definitions, pair by pair.
+struct Oracle {
+  bool has_flat = false, has_intersection = false;
+
+  Oracle(const std::vector<Vec3>& points, const std::vector<Triangle>& faces) {
+    const CgalIntersection do_intersect(points);
+    std::vector<Box3> boxes(faces.size());
+    for (std::size_t f = 0; f < faces.size(); ++f)
+      for (const VertexId v : faces[f]) boxes[f].add(points[v.value]);
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      has_flat = has_flat || !do_intersect.has_area(faces[f]);
+      for (std::size_t g = 0; g < f && !has_intersection; ++g)
+        has_intersection = do_meet(boxes[f], boxes[g]) && do_intersect(faces[f], faces[g]);
+    }
+  }
+  static bool do_meet(const Box3& a, const Box3& b) {
+    for (int axis = 0; axis < 3; ++axis)
+      if (a.max[axis] < b.min[axis] || b.max[axis] < a.min[axis]) return false;
+    return true;
+  }
+};
+
+TEST(StoredForm, what_passes_intersects_nowhere_whatever_is_moved) {
+  Random random(base_seed(3601));
+  int passed = 0, crossed = 0;
+  for (int trial = 0; trial < 50; ++trial) {
+    const bool is_plate = random.chance(0.7);
+    const Vec3 axis{random.unit(), random.unit(), 1};
+    const double angle = random.uniform(0, 90);
+    const PolygonMesh shape = is_plate ? shapes::slotted_plate(1) : shapes::l_bracket(1);
+    Stored stored(shape, with_edges(random.uniform(0.6, 1)));
+    const double lean = random.uniform(0, 0.5), noise = std::exp(random.uniform(std::log(0.001), std::log(0.3)));
+    for (Vec3& p : stored.points) {
+      if (is_plate) p = leaning(p, lean);
+      p += noise * Vec3{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    }
+    const auto turn = [&](std::vector<Vec3>& points) {
+      PolygonMesh cloud;
+      cloud.positions.items() = points;
+      points = shapes::rotated(cloud, axis, angle).positions.items();
+    };
+    for (std::vector<Vec3>* points :
+         {&stored.points, &stored.result.mesh.positions.items(), &stored.result.basis.normals.items()})
+      turn(*points);
+    stored.result.basis.is_refined = false;
+    const StoredVerdict verdict = stored.check();
+    const Oracle oracle(stored.points, stored.result.mesh.faces.items());
+    if (!verdict.fault) {
+      ++passed;
+      EXPECT_FALSE(oracle.has_flat || oracle.has_intersection) << trial;
+    } else if (verdict.fault == StoredFault::kNewIntersections) {
+      ++crossed;
+      EXPECT_TRUE(oracle.has_intersection) << trial;
+    }
+  }
+  // Both must occur for this to say anything.
+  EXPECT_GT(passed, 5);
+  EXPECT_GT(crossed, 2);
+}
+
+}  // namespace
+}  // namespace remesh

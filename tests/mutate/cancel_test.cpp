@@ -1,0 +1,280 @@
+/// cancel_test [--runs N] [--seed N] [--group N] [--limit MS] [--median-limit MS] [--clock wall|processor] ...
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "api/job.h"
+#include "tests/mutate/case_source.h"
+#include "tests/mutate/child_pool.h"
+#include "tests/mutate/corpus.h"
+#include "tests/mutate/flags.h"
+#include "tests/mutate/hostile_meshes.h"
+#include "tests/mutate/timed_run.h"
+
+namespace remesh::mutate {
+namespace {
+
+/// One run that was stopped.
+struct Stop {
+  std::uint64_t group = 0;
+  std::string stage, ending;
+  double after_s = 0, wall_ms = 0, busy_ms = 0;
+  std::string subject;  ///< what was run
+};
+
+struct Plan {
+  std::uint64_t runs, seed;
+  int stops_of_group;
+  double max_run_s, patience_s, hostile_part, size, limit_ms, median_limit_ms;
+  std::size_t max_mb;
+  bool is_by_wall;
+  std::filesystem::path folder;
+};
+
+/// A child runs one mesh with its options, once to the end or for `max_run_s`; then it runs it again a few times and
+/// stops it, at moments drawn evenly from how long it took.
+class Group {
+ public:
+  Group(const Plan& plan, const std::vector<CorpusFile>& corpus, std::uint64_t number)
+      : plan_(plan), number_(number), random_(plan.seed * 1'000'003 + number) {
+    if (random_.chance(plan.hostile_part)) {
+      case_ = make_hostile_case(plan.size, random_);
+    } else {
+      case_ = make_case(corpus, plan.seed, number, Mutations::kAny);
+    }
+    limits_.workers = case_.workers;
+  }
+
+  const Case& subject() const { return case_; }
+  std::string words() const {
+    return case_.origin + " as " + std::string(format_name(case_.format)) + "; " + as_flags(case_.options) +
+           "; workers " + std::to_string(case_.workers);
+  }
+
+  /// Calls told(stop) after each run that was stopped.
+  template <class Told>
+  void run(const Told& told) {
+    const RunEnd whole = run_once(plan_.max_run_s);
+    if (whole.was_stopped) told(stop_of(whole, plan_.max_run_s));
+    if (whole.ending == Ending::kNever) return;
+    // What ends at once, most of it refused, tells nothing.
+    constexpr double kLeastRun = 0.003;
+    const double length_s = std::min(whole.wall_s, plan_.max_run_s);
+    if (length_s < kLeastRun) return;
+    for (int i = 0; i < plan_.stops_of_group; ++i) {
+      const double after_s = random_.unit() * length_s;
+      const RunEnd end = run_once(after_s);
+      if (end.was_stopped) told(stop_of(end, after_s));
+      if (end.ending == Ending::kNever) return;
+    }
+  }
+
+ private:
+  RunEnd run_once(double stop_after_s) const {
+    return run_watched(
+        [this](RunControl& control) {
+          api::Job job;
+          job.mesh = case_.bytes;
+          if (case_.is_format_told) job.input_format = case_.format;
+          for (const auto& [name, value] : case_.options) job.options.add(name, value);
+          api::run_remesh_job(std::move(job), limits_, control);
+        },
+        stop_after_s, plan_.patience_s, case_.workers);
+  }
+
+  Stop stop_of(const RunEnd& end, double after_s) const {
+    Stop stop;
+    stop.group = number_;
+    stop.stage = stage_name(end.stage);
+    stop.after_s = after_s;
+    stop.wall_ms = end.stop_wall_ms;
+    stop.busy_ms = end.stop_busy_ms;
+    stop.subject = words();
+    switch (end.ending) {
+      case Ending::kDone: stop.ending = "done"; break;
+      case Ending::kRefused: stop.ending = code_name(end.error->code); break;
+      case Ending::kOutOfMemory: stop.ending = "out_of_memory"; break;
+      case Ending::kStrange: stop.ending = end.strange; break;
+      case Ending::kNever: stop.ending = "never"; break;
+    }
+    return stop;
+  }
+
+  const Plan& plan_;
+  std::uint64_t number_;
+  Random random_;
+  Case case_;
+  api::Limits limits_;
+};
+
+std::string packed(const Stop& s) {
+  return nlohmann::json{s.group, s.stage, s.ending, s.after_s, s.wall_ms, s.busy_ms, s.subject}.dump(
+             -1, ' ', false, nlohmann::json::error_handler_t::replace) +
+         "\n";
+}
+
+std::vector<Stop> unpacked(const std::string& text) {
+  std::vector<Stop> stops;
+  std::size_t begin = 0;
+  for (std::size_t end = 0; (end = text.find('\n', begin)) != std::string::npos; begin = end + 1) {
+    const auto s = nlohmann::json::parse(text.substr(begin, end - begin));
+    stops.push_back({s.at(0), s.at(1), s.at(2), s.at(3), s.at(4), s.at(5), s.at(6)});
+  }
+  return stops;
+}
+
+void print(std::ostream& out, const Stop& stop) {
+  out << "group " << stop.group << ": " << stop.wall_ms << " ms (" << stop.busy_ms
+      << " ms of the processor) after a stop at " << stop.after_s << " s in " << stop.stage << ", then " << stop.ending
+      << ": " << stop.subject << std::endl;
+}
+
+double at_part(std::vector<double> values, double part) {
+  if (values.empty()) return 0;
+  std::sort(values.begin(), values.end());
+  const double place = part * static_cast<double>(values.size());
+  return values[std::min(values.size() - 1, static_cast<std::size_t>(place))];
+}
+
+class Statistics {
+ public:
+  explicit Statistics(const Plan& plan) : plan_(plan) {}
+
+  double measure(const Stop& stop) const { return plan_.is_by_wall ? stop.wall_ms : stop.busy_ms; }
+  void add(const Stop& stop) {
+    stops_.push_back(stop);
+    if (measure(stop) > plan_.limit_ms) print(std::cout, stop);
+  }
+  void add_crash(const ChildEnd& end) {
+    ++crashes_;
+    std::cout << "group " << end.number << (end.was_killed ? ": had to be killed. " : ": crashed. ")
+              << end.standard_error << std::endl;
+  }
+  std::size_t count() const { return stops_.size(); }
+
+  /// Output: whether the bounds hold.
+  bool print_table() const {
+    std::map<std::string, std::vector<Stop>> by_stage;
+    for (const Stop& stop : stops_) by_stage[stop.stage].push_back(stop);
+    std::cout << "\nms from the stop to the end, by "
+              << (plan_.is_by_wall ? "the clock on the wall" : "time of the processor") << "; seed " << plan_.seed
+              << "\n"
+              << std::left << std::setw(20) << "stage" << std::right;
+    for (const char* title : {"stops", "median", "99 %", "max", "over"}) std::cout << std::setw(10) << title;
+    std::cout << "\n";
+    for (const auto& [stage, stops] : by_stage) row(stage, stops);
+    row("all", stops_);
+    std::vector<double> all;
+    for (const Stop& stop : stops_) all.push_back(measure(stop));
+    const double median = at_part(all, 0.5), longest = at_part(all, 1);
+    const bool holds = median <= plan_.median_limit_ms && longest <= plan_.limit_ms && crashes_ == 0;
+    std::cout << (holds ? "holds" : "DOES NOT HOLD") << ": at most " << plan_.median_limit_ms
+              << " ms in the median and " << plan_.limit_ms << " ms always; " << crashes_ << " crashes\n";
+    return holds;
+  }
+
+ private:
+  void row(const std::string& name, const std::vector<Stop>& stops) const {
+    std::vector<double> values;
+    for (const Stop& stop : stops) values.push_back(measure(stop));
+    const auto over = std::count_if(values.begin(), values.end(), [&](double v) { return v > plan_.limit_ms; });
+    std::cout << std::left << std::setw(20) << name << std::right << std::fixed << std::setprecision(1) << std::setw(10)
+              << stops.size();
+    for (const double part : {0.5, 0.99, 1.0}) std::cout << std::setw(10) << at_part(values, part);
+    std::cout << std::setw(10) << over << std::defaultfloat << "\n";
+  }
+
+  const Plan& plan_;
+  std::vector<Stop> stops_;
+  std::uint64_t crashes_ = 0;
+};
+
+int run_all(const Plan& plan, const std::vector<CorpusFile>& corpus) {
+  const double max_life_s = (1 + plan.stops_of_group) * (plan.max_run_s + plan.patience_s) + 120;
+  Statistics statistics(plan);
+  for (std::uint64_t number = 0; statistics.count() < plan.runs; ++number) {
+    // One at a time: they measure times.
+    ChildPool pool(1, plan.max_mb, max_life_s);
+    pool.start(number, [&](const Send& send) {
+      Group(plan, corpus, number).run([&](const Stop& stop) { send(packed(stop)); });
+    });
+    const ChildEnd end = pool.wait();
+    for (const Stop& stop : unpacked(end.message)) statistics.add(stop);
+    if (end.signal != 0) statistics.add_crash(end);
+  }
+  return statistics.print_table() ? 0 : 1;
+}
+
+/// In this very process; the mesh is kept.
+int run_group(const Plan& plan, const std::vector<CorpusFile>& corpus, std::uint64_t number) {
+  Group group(plan, corpus, number);
+  std::filesystem::create_directories(plan.folder);
+  const auto mesh = plan.folder / ("stopped-" + std::to_string(plan.seed) + "-" + std::to_string(number) + "." +
+                                   file_ending(group.subject()));
+  std::ofstream(mesh, std::ios::binary) << group.subject().bytes;
+  std::cout << group.words() << "\nits mesh is in " << mesh.string() << std::endl;
+  Statistics statistics(plan);
+  group.run([&](const Stop& stop) {
+    print(std::cout, stop);
+    statistics.add(stop);
+  });
+  return statistics.print_table() ? 0 : 1;
+}
+
+int run(int argc, char** argv) {
+  const Flags flags(argc, argv,
+                    {{"runs", "2000"},
+                     {"seed", "36"},
+                     {"group", ""},
+                     {"stops", "4"},
+                     {"limit", "200"},
+                     {"median-limit", "100"},
+                     {"clock", "wall"},
+                     {"max-run", "6"},
+                     {"patience", "10"},
+                     {"hostile", "0.4"},
+                     {"size", "1"},
+                     {"memory", "8192"},
+                     {"found", "found"}});
+  Plan plan;
+  plan.runs = flags.integer("runs");
+  plan.seed = flags.integer("seed");
+  plan.stops_of_group = static_cast<int>(flags.integer("stops"));
+  plan.max_run_s = flags.number("max-run");
+  plan.patience_s = flags.number("patience");
+  plan.hostile_part = flags.number("hostile");
+  plan.size = flags.number("size");
+  plan.limit_ms = flags.number("limit");
+  plan.median_limit_ms = flags.number("median-limit");
+  plan.max_mb = static_cast<std::size_t>(flags.integer("memory"));
+  plan.is_by_wall = flags.text("clock") == "wall";
+  plan.folder = flags.text("found");
+  constexpr std::size_t kMaxBytes = 400'000;
+  const std::vector<CorpusFile> corpus = load_corpus(kMaxBytes);
+  std::cout << "REMESH_SEED=" << plan.seed << ", " << corpus.size() << " files" << std::endl;
+  if (flags.is_set("group")) return run_group(plan, corpus, flags.integer("group"));
+  return run_all(plan, corpus);
+}
+
+}  // namespace
+}  // namespace remesh::mutate
+
+int main(int argc, char** argv) {
+  try {
+    return remesh::mutate::run(argc, argv);
+  } catch (const std::exception& error) {
+    std::cerr << "cancel_test: " << error.what() << "\n";
+    return 2;
+  }
+}

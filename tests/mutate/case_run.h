@@ -1,0 +1,30 @@
+/// Tries one case, in the process that calls.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tests/mutate/case_source.h"
+#include "tests/mutate/judge.h"
+#include "tests/mutate/timed_run.h"
+
+namespace remesh::mutate {
+
+struct TryLimits {
+  double time_s = 20;      ///< after which a run is stopped, and counts as slow
+  double stop_ms = 200;    ///< longest life after a stop
+  double patience_s = 10;  ///< after a stop, until a run counts as one that never ends
+  std::uint64_t max_faces = 100'000;
+};
+
+/// What came out of a case.
+struct CaseResult {
+  std::string outcome;  ///< `accepted`, `refused: CODE`, `stopped`, `slow`, `out_of_memory`
+  double seconds = 0;
+  std::vector<Objection> findings;
+  double stop_busy_ms = 0;  ///< of a stopped run
+};
+
+CaseResult try_case(const Case& c, const TryLimits& limits);
+
+}  // namespace remesh::mutate

@@ -1,0 +1,302 @@
+#include "tests/mutate/written_mesh.h"
+
+#include <charconv>
+#include <cmath>
+#include <cstring>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string_view>
+#include <system_error>
+
+namespace remesh::mutate {
+namespace {
+
+[[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what); }
+
+/// Words, one after the other, and lines.
+class Words {
+ public:
+  explicit Words(std::string_view text) : text_(text) {}
+
+  bool is_at_end() {
+    skip_blanks();
+    return text_.empty();
+  }
+  std::string_view word() {
+    skip_blanks();
+    if (text_.empty()) fail("the text ends early");
+    const std::size_t end = std::min(text_.find_first_of(" \t\r\n"), text_.size());
+    const std::string_view word = text_.substr(0, end);
+    text_.remove_prefix(end);
+    return word;
+  }
+  std::string_view line() {
+    const std::size_t end = std::min(text_.find('\n'), text_.size());
+    const std::string_view line = text_.substr(0, end);
+    text_.remove_prefix(std::min(end + 1, text_.size()));
+    return line;
+  }
+  void expect(std::string_view expected) {
+    const std::string_view found = word();
+    if (found != expected) fail("\"" + std::string(found) + "\" where " + std::string(expected) + " should be");
+  }
+  double number() {
+    const std::string_view digits = word();
+    double value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size() || !std::isfinite(value))
+      fail("\"" + std::string(digits) + "\" is no finite number");
+    return value;
+  }
+  std::uint32_t index() {
+    const std::string_view digits = word();
+    std::uint32_t value = 0;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size())
+      fail("\"" + std::string(digits) + "\" is no index");
+    return value;
+  }
+  Vec3 point() {
+    Vec3 p;
+    for (int axis = 0; axis < 3; ++axis) p[axis] = number();
+    return p;
+  }
+
+ private:
+  void skip_blanks() { text_.remove_prefix(std::min(text_.find_first_not_of(" \t\r\n"), text_.size())); }
+
+  std::string_view text_;
+};
+
+WrittenMesh read_obj(std::string_view text) {
+  WrittenMesh mesh;
+  Words lines(text);
+  while (!lines.is_at_end()) {
+    const std::string_view line = lines.line();
+    Words words(line);
+    if (line.starts_with("v ")) {
+      words.expect("v");
+      mesh.positions.push_back(words.point());
+    } else if (line.starts_with("f ")) {
+      words.expect("f");
+      auto& face = mesh.faces.emplace_back();
+      for (std::uint32_t& v : face) v = words.index() - 1;
+      if (!words.is_at_end()) fail("a face with more than three corners");
+    }
+  }
+  return mesh;
+}
+
+WrittenMesh read_off(std::string_view text) {
+  std::string plain;
+  Words lines(text);
+  while (!lines.is_at_end()) {
+    const std::string_view line = lines.line();
+    plain.append(line.substr(0, line.find('#'))).append("\n");
+  }
+  WrittenMesh mesh;
+  Words words(plain);
+  words.expect("OFF");
+  const std::uint32_t vertices = words.index(), faces = words.index();
+  words.index();
+  for (std::uint32_t v = 0; v < vertices; ++v) mesh.positions.push_back(words.point());
+  for (std::uint32_t f = 0; f < faces; ++f) {
+    words.expect("3");
+    auto& face = mesh.faces.emplace_back();
+    for (std::uint32_t& v : face) v = words.index();
+  }
+  if (!words.is_at_end()) fail("something stands behind the last face");
+  return mesh;
+}
+
+template <class T>
+T take(std::string_view& bytes) {
+  T value;
+  if (bytes.size() < sizeof value) fail("the bytes end early");
+  std::memcpy(&value, bytes.data(), sizeof value);
+  bytes.remove_prefix(sizeof value);
+  return value;
+}
+
+void add_corners(WrittenMesh& mesh, const std::array<Vec3, 3>& corners) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  for (const Vec3& p : corners) {
+    if (!is_finite(p)) fail("a coordinate is not finite");
+    mesh.positions.push_back(p);
+  }
+  mesh.faces.push_back({first, first + 1, first + 2});
+}
+
+WrittenMesh read_stl(std::string_view bytes) {
+  WrittenMesh mesh;
+  mesh.has_own_vertices = false;
+  mesh.has_floats = true;
+  if (bytes.size() < 84) fail("too short for STL");
+  bytes.remove_prefix(80);
+  const auto count = take<std::uint32_t>(bytes);
+  if (bytes.size() != std::size_t{50} * count) fail("the length of the STL file is not that of its triangles");
+  for (std::uint32_t f = 0; f < count; ++f) {
+    for (int i = 0; i < 3; ++i)
+      if (!std::isfinite(take<float>(bytes))) fail("a normal is not finite");
+    std::array<Vec3, 3> corners;
+    for (Vec3& p : corners)
+      for (int axis = 0; axis < 3; ++axis) p[axis] = static_cast<double>(take<float>(bytes));
+    add_corners(mesh, corners);
+    take<std::uint16_t>(bytes);
+  }
+  return mesh;
+}
+
+WrittenMesh read_stl_text(std::string_view text) {
+  WrittenMesh mesh;
+  mesh.has_own_vertices = false;
+  Words words(text);
+  while (!words.is_at_end()) {
+    words.expect("solid");
+    words.line();
+    for (;;) {
+      const std::string_view word = words.word();
+      if (word == "endsolid") break;
+      if (word != "facet") fail("\"" + std::string(word) + "\" where a facet should be");
+      words.expect("normal");
+      words.point();
+      words.expect("outer");
+      words.expect("loop");
+      std::array<Vec3, 3> corners;
+      for (Vec3& p : corners) {
+        words.expect("vertex");
+        p = words.point();
+      }
+      add_corners(mesh, corners);
+      words.expect("endloop");
+      words.expect("endfacet");
+    }
+    words.line();
+  }
+  return mesh;
+}
+
+/// As it is written here: little end first, vertices of three doubles or floats, lists of a byte and 32-bit indices.
+WrittenMesh read_ply(std::string_view bytes) {
+  WrittenMesh mesh;
+  std::size_t vertices = 0, faces = 0, more_of_face = 0;
+  bool is_of_face = false;
+  for (;;) {
+    const std::size_t end = bytes.find('\n');
+    if (end == std::string_view::npos) fail("the header does not end");
+    const std::string line(bytes.substr(0, end));
+    bytes.remove_prefix(end + 1);
+    Words words(line);
+    if (line == "end_header") break;
+    if (line.starts_with("element vertex ")) {
+      words.word(), words.word();
+      vertices = words.index();
+    } else if (line.starts_with("element face ")) {
+      words.word(), words.word();
+      faces = words.index();
+      is_of_face = true;
+    } else if (line.starts_with("property float")) {
+      mesh.has_floats = true;
+    } else if (line.starts_with("property int ") && is_of_face) {
+      more_of_face += 4;
+    } else if (line.starts_with("format ") && line != "format binary_little_endian 1.0") {
+      fail("a PLY format that is not read here");
+    }
+  }
+  const auto coordinate = [&] {
+    return mesh.has_floats ? static_cast<double>(take<float>(bytes)) : take<double>(bytes);
+  };
+  for (std::size_t v = 0; v < vertices; ++v) {
+    Vec3& p = mesh.positions.emplace_back();
+    for (int axis = 0; axis < 3; ++axis) p[axis] = coordinate();
+    if (!is_finite(p)) fail("a coordinate is not finite");
+  }
+  for (std::size_t f = 0; f < faces; ++f) {
+    if (take<std::uint8_t>(bytes) != 3) fail("a face that is no triangle");
+    auto& face = mesh.faces.emplace_back();
+    for (std::uint32_t& v : face) v = take<std::uint32_t>(bytes);
+    if (bytes.size() < more_of_face) fail("the bytes end early");
+    bytes.remove_prefix(more_of_face);
+  }
+  if (!bytes.empty()) fail("something stands behind the last face");
+  return mesh;
+}
+
+/// Gmsh's version 2.2 as text.
+WrittenMesh read_msh(std::string_view text) {
+  WrittenMesh mesh;
+  const std::size_t nodes = text.find("\n$Nodes\n");
+  if (nodes == std::string_view::npos || !text.starts_with("$MeshFormat\n2.2 0 8\n")) fail("an MSH file not read here");
+  Words words(text.substr(nodes));
+  words.expect("$Nodes");
+  const std::uint32_t vertices = words.index();
+  for (std::uint32_t v = 0; v < vertices; ++v) {
+    if (words.index() != v + 1) fail("nodes are not numbered from 1");
+    mesh.positions.push_back(words.point());
+  }
+  words.expect("$EndNodes");
+  words.expect("$Elements");
+  const std::uint32_t faces = words.index();
+  for (std::uint32_t f = 0; f < faces; ++f) {
+    words.index();
+    words.expect("2");
+    words.expect("2");
+    words.index(), words.index();
+    auto& face = mesh.faces.emplace_back();
+    for (std::uint32_t& v : face) v = words.index() - 1;
+  }
+  words.expect("$EndElements");
+  return mesh;
+}
+
+void expect_finite(const nlohmann::json& value) {
+  if (value.is_number() && !std::isfinite(value.get<double>())) fail("a number in the JSON is not finite");
+  if (value.is_structured())
+    for (const auto& item : value) expect_finite(item);
+}
+
+nlohmann::json parse(const std::string& text) {
+  try {
+    nlohmann::json document = nlohmann::json::parse(text);
+    expect_finite(document);
+    return document;
+  } catch (const nlohmann::json::exception& error) {
+    fail(std::string("the JSON cannot be read: ") + error.what());
+  }
+}
+
+WrittenMesh read_json(const std::string& text) {
+  const nlohmann::json document = parse(text);
+  WrittenMesh mesh;
+  try {
+    for (const auto& p : document.at("mesh").at("vertices")) mesh.positions.push_back({p.at(0), p.at(1), p.at(2)});
+    for (const auto& face : document.at("mesh").at("faces")) mesh.faces.push_back({face.at(0), face.at(1), face.at(2)});
+  } catch (const nlohmann::json::exception& error) {
+    fail(std::string("the JSON has no mesh: ") + error.what());
+  }
+  return mesh;
+}
+
+}  // namespace
+
+void expect_finite_json(const std::string& text) { parse(text); }
+
+std::optional<WrittenMesh> read_written(Format format, const std::string& bytes) {
+  std::optional<WrittenMesh> mesh;
+  switch (format) {
+    case Format::kObj: mesh = read_obj(bytes); break;
+    case Format::kOff: mesh = read_off(bytes); break;
+    case Format::kStl: mesh = read_stl(bytes); break;
+    case Format::kStlAscii: mesh = read_stl_text(bytes); break;
+    case Format::kPly: mesh = read_ply(bytes); break;
+    case Format::kJson: mesh = read_json(bytes); break;
+    case Format::kMsh: mesh = read_msh(bytes); break;
+    default: return std::nullopt;
+  }
+  for (const auto& face : mesh->faces)
+    for (const std::uint32_t v : face)
+      if (v >= mesh->positions.size()) fail("a face has a corner that is no vertex");
+  return mesh;
+}
+
+}  // namespace remesh::mutate
