@@ -211,6 +211,8 @@ constexpr double kLeftBesideFloor = 16;
 /// A patch with a floor that is a matter, or with segments that stay, counts as filled only where it would have more
 /// faces than this: fewer are made as well as it goes, and do no harm.
 constexpr double kManyFaces = 0x1p20;
+/// A patch that would have so many times the faces that are allowed, if only rounding left room for them, is refused.
+constexpr double kFarFromAsked = 0x1p20;
 /// They are read at a few places, so that what they come to is taken to be right within this factor.
 constexpr double kDoubtOfSamples = 16;
 
@@ -230,7 +232,7 @@ class LeastFaces {
     // Edges as long as this may stay, whatever sizes ask for.
     double may_stay = is_floor_a_matter(goals_.min_edge_length, kSizesOverFloor) ? goals_.min_edge_length : 0;
     double pieces = 0;
-    bool is_any_locked = false, is_any_kept = false;
+    bool is_any_locked = false, is_any_kept = false, is_floor_asked = may_stay > 0;
     for (const std::uint32_t i : segments_.sides_of_patch(p)) {
       control_.check();
       const BoundarySegment& s = segments_[segments_.all_sides()[i].segment];
@@ -239,6 +241,7 @@ class LeastFaces {
       is_any_kept = is_any_kept || is_kept(s);
       if (s.is_floor_raised && is_floor_a_matter(s.floor, s.is_floor_asked ? kSizesOverFloor : kSizesOverRounding))
         may_stay = std::max(may_stay, s.floor);
+      is_floor_asked = is_floor_asked || s.is_floor_asked;
     }
     double largest = largest_area_;
     if (may_stay > 0) largest = kLeftBesideFloor * std::max(largest, equilateral_area(may_stay));
@@ -249,6 +252,8 @@ class LeastFaces {
         filled = 0;
       else if (is_any_kept)
         filled = away_from_kept(patch, p, largest);
+      // What rounding leaves room for is so far from what is asked for that it would serve nobody.
+      if (!is_any_kept && !is_floor_asked) filled = std::max(filled, area_of(patch) / largest_area_ / kFarFromAsked);
     }
     return std::max({triangles, pieces - 2, filled});
   }
