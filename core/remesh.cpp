@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/drop.h"
 #include "core/base/parallel.h"
 #include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
@@ -54,6 +55,9 @@ class Run {
         watch_(control) {
     report_.options = options;
   }
+  ~Run() { drop_all(meshes_); }
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
 
   Result remesh(const RunSettings& settings) {
     prepare();
@@ -400,7 +404,7 @@ class Run {
              // Where each output face came from: the input face under its centroid.
              source = needs_source(settings.want_face_source) ? face_source(surface(), patches_, meshes_, control_)
                                                               : first_faces(result);
-             meshes_ = {};
+             drop_all(meshes_);
            });
     watch_.enter(Stage::kAssembly);
     result.mesh.labels = labels_of(input_.labels, source);

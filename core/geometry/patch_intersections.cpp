@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <deque>
 #include <numeric>
 #include <tuple>
 
@@ -134,21 +135,25 @@ class Cull {
     });
     // Where it is more, it is so whatever the order in which blocks are counted.
     if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) {
-      near_.faces.resize(surface_.face_count());
-      std::iota(near_.faces.begin(), near_.faces.end(), 0u);
+      faces_.resize(surface_.face_count());
+      std::iota(faces_.begin(), faces_.end(), 0u);
       return;
     }
+    parts_.reserve(parts.load(std::memory_order_relaxed));
     for (Near& near : found) {
-      control_.check();
-      near_.faces.insert(near_.faces.end(), near.faces.begin(), near.faces.end());
-      near_.parts.insert(near_.parts.end(), near.parts.begin(), near.parts.end());
+      faces_.insert(faces_.end(), near.faces.begin(), near.faces.end());
+      for (const Part& part : near.parts) {
+        check();
+        parts_.push_back(part);
+      }
+      near = {};
     }
   }
 
   /// Faces that are held against all others among them.
-  const std::vector<std::uint32_t>& faces() const { return near_.faces; }
+  const std::vector<std::uint32_t>& faces() const { return faces_; }
   /// The rest: parts of faces, each near another patch.
-  const std::vector<Part>& parts() const { return near_.parts; }
+  const std::vector<Part>& parts() const { return parts_; }
 
   TriangleTree tree_of(const std::vector<Box3>& boxes) const {
     std::vector<Vec3> corners;
@@ -172,8 +177,8 @@ class Cull {
  private:
   struct Near {
     std::vector<std::uint32_t> faces;
-    std::vector<Part> parts;
-    std::size_t looks = 0;  ///< at patches
+    std::deque<Part> parts;  ///< there may be millions: none of them is moved where there are more
+    std::size_t looks = 0;   ///< at patches
   };
 
   bool has_few(PatchId p) const { return count_[p.value].load(std::memory_order_relaxed) <= kFewFaces; }
@@ -333,7 +338,8 @@ class Cull {
   std::vector<std::atomic<std::uint32_t>> count_;  ///< faces of each patch
   std::vector<SharedPlace> places_;
   std::vector<Box3> boxes_of_runs_;  ///< of those that are full: each begins among faces of its own
-  Near near_;
+  std::vector<std::uint32_t> faces_;
+  std::vector<Part> parts_;
 };
 
 /// What is left of a surface, with vertices of its own: where patches are large, they are few. They stand in the order

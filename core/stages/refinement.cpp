@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/drop.h"
 #include "core/base/large_first.h"
 #include "core/base/stoppable.h"
 #include "core/refinement/patch_refiner.h"
@@ -69,6 +70,13 @@ class Rounds {
         progress_(control, prediction.expected),
         segments_(std::move(segments)) {}
 
+  ~Rounds() {
+    drop_all(refiners_);
+    drop_all(refined_);
+  }
+  Rounds(const Rounds&) = delete;
+  Rounds& operator=(const Rounds&) = delete;
+
   std::optional<Refinement> run() {
     chords_.resize(meshes_.size());
     begin();
@@ -85,8 +93,8 @@ class Rounds {
       exchange_refined();
       const std::vector<Chord> chords = find_chords(meshes_, surface_.vertex_count() + result_.first_inner, control_);
       if (!can_split_any(chords) || passes == kMostChordPasses || (is_waiting_for_chords_ && !is_any_split_)) {
-        refiners_.clear();
-        refined_.clear();
+        drop_all(refiners_);
+        drop_all(refined_);
         const auto why = passes == kMostChordPasses ? UnrefinedReason::kEffort : UnrefinedReason::kSizeFloor;
         if (!chords.empty()) split_chords(surface_, patches_, meshes_, result_, is_frozen_, why, control_);
         return std::move(result_);
@@ -201,7 +209,7 @@ class Rounds {
     is_any_split_ = true;
     is_thinned_out_ = false;
     times_taken_up_ = 0;
-    refiners_.clear();
+    drop_all(refiners_);
     refiners_.resize(n);
     messages_.clear();
     dirty_.clear();
