@@ -4,6 +4,7 @@
 #include "api/options.h"
 #include "api/report_json.h"
 #include "api/service.h"
+#include "core/base/coordinate_range.h"
 #include "core/remesh.h"
 
 namespace remesh::api {
@@ -69,6 +70,9 @@ void write_limits(JsonWriter& json, const Limits& limits) {
   json.member("max_output_faces", limits.max_output_faces);
   json.member("workers", static_cast<std::uint64_t>(limits.workers));
   json.member("request_timeout_s", limits.request_timeout_s);
+  json.member("max_distance_from_middle", CoordinateRange::kFarthest);
+  json.member("min_extent", CoordinateRange::kSmallest);
+  json.member("min_width_of_length", CoordinateRange::kNarrowest);
   json.end_object();
 }
 

@@ -160,8 +160,8 @@ void update_summary(const Result& rounded, Summary& summary, RunControl& control
   summary.min_angle_deg = measure_surface(rounded.mesh, control).quality.min_angle_deg;
   summary.origin = rounded.report.output_origin;
   summary.unrefined.clear();
-  for (const Unrefined& left :
-       summarise_unrefined(rounded.basis.unrefined, rounded.mesh.positions.items(), rounded.mesh.faces.items()))
+  for (const Unrefined& left : summarise_unrefined(rounded.basis.unrefined, rounded.mesh.positions.items(),
+                                                   rounded.mesh.faces.items(), control))
     summary.unrefined.emplace_back(left.reason, left.count);
 }
 

@@ -53,7 +53,7 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   predicted_faces_ = whole(prediction.expected);
   const auto attempt = [&](std::uint64_t budget, std::uint64_t most_made) {
     SegmentTable segments(on.surface, meshes, frozen_, sizes, goals_, control_);
-    refuse_if_hopeless(least_faces(meshes, segments, goals_, sizes, control_));
+    refuse_if_hopeless(least_faces(meshes, frozen_, segments, goals_, sizes, control_));
     segments.plan_cuts(meshes, sizes, goals_, control_);
     Goals within_budget = goals_;
     within_budget.max_faces = budget;
@@ -103,7 +103,7 @@ std::unique_ptr<const GapSearch> GoalRefinement::gap_search(const PatchedSurface
 std::optional<SizeField> GoalRefinement::sizes_without_floor(const PatchedSurface& on,
                                                              const std::vector<PatchMesh>& meshes) const {
   if (goals_.proximity > 0 || !(goals_.gradation > 0)) return std::nullopt;
-  return SizeField::without_floor(on.surface, segment_ends(meshes), goals_, control_);
+  return SizeField::without_floor(on.surface, segment_ends(meshes, control_), goals_, control_);
 }
 
 const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes,
@@ -113,7 +113,7 @@ const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std:
   // With proximity it is the gaps' sizes that grow; around short segments the bound on angles sees to it. Alone,
   // gradation is about these.
   std::vector<std::array<VertexId, 2>> segments;
-  if (gaps == nullptr && goals_.gradation > 0) segments = segment_ends(meshes);
+  if (gaps == nullptr && goals_.gradation > 0) segments = segment_ends(meshes, control_);
   if (gaps != nullptr || goals_.gradation > 0)
     sizes_.emplace(on.surface, gaps, segments, goals_, on.plane_tolerance, control_);
   else

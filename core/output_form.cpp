@@ -265,7 +265,7 @@ void measure_output(Result& result, RunControl& control) {
                positions, corners, edges, labels, report.verified.intersections, report.plane_tolerance, control);
          });
   report.output.intersecting_pairs = report.verified.intersections.size();
-  report.unrefined = summarise_unrefined(result.basis.unrefined, positions, result.mesh.faces.items());
+  report.unrefined = summarise_unrefined(result.basis.unrefined, positions, result.mesh.faces.items(), control);
   if (!report.output_origin) return;
   const Vec3 origin = *report.output_origin;
   Box3& box = report.output.bounding_box;

@@ -54,7 +54,7 @@ class Preparation {
     if (triangles.excess_area() > 0) report_.input.area -= triangles.excess_area() * unit * unit;
     report_.input.vertices = input_.vertex_count();
     report_.input.faces = input_.face_count();
-    find_defects(surface(), adjacency(), prepared_.pinched(control_), report_.diagnostics);
+    find_defects(surface(), adjacency(), prepared_.pinched(control_), report_.diagnostics, control_);
   }
 
   void choose_tolerance() {

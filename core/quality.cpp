@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/geometry/largest_coordinate.h"
 #include "core/mesh/adjacency.h"
@@ -483,10 +484,12 @@ struct EdgeCounts {
   std::uint64_t inconsistent = 0;  ///< without two half-edges in opposite directions
 };
 
-EdgeCounts count_edges(const Adjacency& adjacency) {
+EdgeCounts count_edges(const Adjacency& adjacency, RunControl& control) {
+  StopCheck check(control);
   EdgeCounts counts;
   counts.edges = adjacency.edge_count();
   for (const EdgeId e : adjacency.odd_edges()) {
+    check();
     const auto around = adjacency.half_edges(e);
     if (adjacency.from(around[0]) == adjacency.to(around[0])) {  // a repeated corner is no edge
       --counts.edges;
@@ -528,7 +531,7 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
   out.components = used.components;
   out.bounding_box = used.box;
 
-  const EdgeCounts edges = count_edges(adjacency);
+  const EdgeCounts edges = count_edges(adjacency, control);
   out.boundary_edges = edges.boundary;
   out.non_manifold_edges = edges.non_manifold;
   out.closed = out.faces > 0 && edges.boundary == 0 && edges.non_manifold == 0;

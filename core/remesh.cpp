@@ -10,7 +10,9 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/drop.h"
 #include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/goal_refinement.h"
 #include "core/mesh/adjacency.h"
@@ -32,6 +34,7 @@
 #include "core/stages/patch_summary.h"
 #include "core/stages/patches.h"
 #include "core/stages/refinement.h"
+#include "core/stages/resolution.h"
 #include "core/stages/separation.h"
 #include "core/stages/unrefined.h"
 #include "core/stopwatch.h"
@@ -52,6 +55,9 @@ class Run {
         watch_(control) {
     report_.options = options;
   }
+  ~Run() { drop_all(meshes_); }
+  Run(const Run&) = delete;
+  Run& operator=(const Run&) = delete;
 
   Result remesh(const RunSettings& settings) {
     prepare();
@@ -179,6 +185,9 @@ class Run {
       limits_.as_it_is[source.value] = 1;
     }
     if (is_new || give_up_joining()) return;
+    // What cannot be told apart at the mesh's scale is the input's fault, everything else is ours.
+    for (const FaceId f : stuck)
+      if (is_unresolved(surface(), f)) throw unresolved(surface(), f);
     const FaceId source = surface().face_source[stuck.front()];
     throw Error(
         Code::kVerificationFailed, Stage::kVerify,
@@ -298,10 +307,13 @@ class Run {
     assembled_ = assembly(surface().vertex_count() + refinement_.new_positions.size(), meshes_, control_);
     positions_.clear();
     positions_.reserve(assembled_.vertex.size());
-    for (const VertexId v : assembled_.vertex)
+    StopCheck stop(control_);
+    for (const VertexId v : assembled_.vertex) {
+      stop();
       positions_.push_back(v.value < surface().vertex_count()
                                ? surface().positions[v]
                                : refinement_.new_positions[v.value - surface().vertex_count()]);
+    }
     if (refiner_->has_goals())
       unrefined_ = find_unrefined(positions_.items(), assembled_.faces.items(), refinement_.reason,
                                   refinement_.misses_sizes, refiner_->goals(), control_);
@@ -319,7 +331,11 @@ class Run {
   Verdict check() {
     IdVector<PatchId, Frame> frames;
     frames.reserve(meshes_.size());
-    for (const PatchMesh& mesh : meshes_) frames.push_back(mesh.frame);
+    StopCheck stop(control_);
+    for (const PatchMesh& mesh : meshes_) {
+      stop();
+      frames.push_back(mesh.frame);
+    }
     const RefinementClaim refined{refiner_->goals(), unrefined_.faces, unrefined_.reasons, refiner_->frozen()};
     const InputIntersections intersections = intersecting_patches();
     return verify({surface(), patches_.of_face, frames, positions_.items(), assembled_.faces.items(),
@@ -388,7 +404,7 @@ class Run {
              // Where each output face came from: the input face under its centroid.
              source = needs_source(settings.want_face_source) ? face_source(surface(), patches_, meshes_, control_)
                                                               : first_faces(result);
-             meshes_ = {};
+             drop_all(meshes_);
            });
     watch_.enter(Stage::kAssembly);
     result.mesh.labels = labels_of(input_.labels, source);

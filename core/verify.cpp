@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/patch_intersections.h"
 #include "core/mesh/triangle_corners.h"
 #include "core/verify/boundary.h"
@@ -121,14 +121,18 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
   for (const Frame& frame : claim.frames) normals.push_back(frame.normal);
   // In its plane a patch of positive triangles covers nothing twice that its boundary does not.
   std::vector<std::uint8_t> is_simple(claim.frames.size(), 1);
-  for (std::size_t f = 0; f < claim.faces.size(); ++f)
+  StopCheck check(control);
+  for (std::size_t f = 0; f < claim.faces.size(); ++f) {
+    check();
     if (!is_positive[f]) is_simple[claim.face_patch[f].value] = 0;
+  }
   SelfIntersections found = patch_intersections(
       {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, kMostPairs, control);
   static const InputIntersections kNone;
   const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNone;
   if (known.is_complete)
     for (const auto& [f, g] : found.pairs) {
+      check();
       const auto [p, q] = std::minmax(claim.face_patch[f.value], claim.face_patch[g.value]);
       if (std::binary_search(known.patches.begin(), known.patches.end(), std::pair(p, q))) continue;
       findings.add(p, Fault::kNewIntersection, f.value);
@@ -162,7 +166,7 @@ Verdict verify(const Claim& claim, RunControl& control) {
   const auto look_at = [&](const Faces& faces, std::span<const std::uint32_t> order, std::optional<EdgeTable>& edges,
                            std::optional<BoundaryGraph>& seams) {
     edges.emplace(model.points.size(), faces, order, control);
-    seams.emplace(model.points.size(), edges->take_bounding());
+    seams.emplace(model.points.size(), edges->take_bounding(), control);
   };
   // The input's, as the larger one in most cases, on this thread: its memory comes from where all the rest was.
   do_all([&] { look_at(model.output, {}, edges_after, seams_after); },

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/inside_out.h"
 #include "core/geometry/overlap.h"
 #include "core/geometry/predicates_3d.h"
@@ -40,7 +41,8 @@ Vec3 centroid(const Triangle& t, std::span<const Vec3> positions) {
 /// Looks at edges, one after the other.
 class EdgeExamination {
  public:
-  EdgeExamination(std::span<const Vec3> positions, const Adjacency& edges) : positions_(positions), edges_(edges) {}
+  EdgeExamination(std::span<const Vec3> positions, const Adjacency& edges, RunControl& control)
+      : positions_(positions), edges_(edges), control_(control), check_(control) {}
 
   Obstacles run(std::size_t begin, std::size_t end) {
     for (std::size_t e = begin; e < end; ++e) examine(EdgeId(e));
@@ -82,6 +84,7 @@ class EdgeExamination {
     // Unit vectors from the edge into each face, across the edge; faces without area have none.
     arms_.clear();
     for (const std::uint32_t h : around) {
+      check_();
       const Vec3 to = normalized(positions_[apex(h).value] - a);
       const Vec3 arm = normalized(to - dot(to, axis) * axis);
       if (arm != Vec3{}) arms_.push_back({arm, 0, apex(h)});
@@ -99,9 +102,12 @@ class EdgeExamination {
       return false;
     }
     const Vec3 x = arms_[0].arm, y = cross(axis, x);
-    for (Arm& arm : arms_) arm.angle = std::atan2(dot(arm.arm, y), dot(arm.arm, x));
-    std::sort(arms_.begin(), arms_.end(),
-              [](const Arm& p, const Arm& q) { return p.angle != q.angle ? p.angle < q.angle : p.apex < q.apex; });
+    for (Arm& arm : arms_) {
+      check_();
+      arm.angle = std::atan2(dot(arm.arm, y), dot(arm.arm, x));
+    }
+    sort_stoppable(arms_.begin(), arms_.end(), control_,
+                   [](const Arm& p, const Arm& q) { return p.angle != q.angle ? p.angle < q.angle : p.apex < q.apex; });
     for (std::size_t i = 0; i < arms_.size(); ++i)
       if (is_small(arms_[i], arms_[(i + 1) % arms_.size()])) return true;
     return false;
@@ -112,7 +118,7 @@ class EdgeExamination {
     apexes_.clear();
     for (const std::uint32_t h : around)
       if (const VertexId v = apex(h); v > edges_.from(h) && v > edges_.to(h)) apexes_.push_back(v);
-    std::sort(apexes_.begin(), apexes_.end());
+    sort_stoppable(apexes_.begin(), apexes_.end(), control_);
     for (std::size_t i = 1; i < apexes_.size(); ++i)
       if (apexes_[i] == apexes_[i - 1])
         found_.duplicate.add(centroid({edges_.from(around[0]), edges_.to(around[0]), apexes_[i]}, positions_));
@@ -126,6 +132,8 @@ class EdgeExamination {
 
   std::span<const Vec3> positions_;
   const Adjacency& edges_;
+  RunControl& control_;
+  StopCheck check_;
   Obstacles found_;
   std::vector<Arm> arms_;
   std::vector<VertexId> apexes_;
@@ -149,9 +157,10 @@ class Examination {
 
  private:
   void examine_edges() {
-    auto found = map_blocks<Obstacles>(
-        edges_.edge_count(), kItemsPerBlock, control_,
-        [&](std::size_t begin, std::size_t end) { return EdgeExamination(positions_, edges_).run(begin, end); });
+    auto found =
+        map_blocks<Obstacles>(edges_.edge_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+          return EdgeExamination(positions_, edges_, control_).run(begin, end);
+        });
     for (Obstacles& of_block : found)
       for (std::size_t kind = 0; kind < of_block.all().size(); ++kind) found_.all()[kind]->add(*of_block.all()[kind]);
   }
@@ -162,7 +171,9 @@ class Examination {
   }
 
   void examine_pairs(std::span<const std::pair<FaceId, FaceId>> pairs, double tolerance) {
+    StopCheck check(control_);
     for (const auto& [f, g] : pairs) {
+      check();
       Triangle a = face(f), b = face(g);
       std::sort(a.begin(), a.end());
       std::sort(b.begin(), b.end());

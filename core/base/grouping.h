@@ -9,8 +9,8 @@
 
 #include "core/base/blocks.h"
 #include "core/base/ids.h"
-#include "core/base/parallel.h"
 #include "core/base/run_control.h"
+#include "core/base/stoppable.h"
 
 namespace remesh {
 
@@ -45,7 +45,9 @@ GroupingOf<Item> group_by(std::size_t n, std::size_t key_count, const KeyOf& key
   GroupingOf<Item> groups;
   groups.begin.reserve(key_count + 1);
   std::uint32_t total = 0;
+  StopCheck check(control);
   for (std::size_t key = 0; key < key_count; ++key) {
+    check();
     groups.begin.push_back(total);
     for (std::size_t block = 0; block < blocks; ++block) {
       const std::uint32_t count = at[block * key_count + key];
@@ -67,21 +69,17 @@ template <class Items, class KeyOf>
 Items sorted_by_key(Items items, std::size_t key_count, const KeyOf& key_of, RunControl& control) {
   if (std::is_sorted(items.begin(), items.end())) return items;
   if (items.size() < key_count / 8) {
-    sort_all(items.begin(), items.end());
+    sort_stoppable(items.begin(), items.end(), control);
     return items;
   }
   Items sorted(items.size());
   const Grouping groups = group_by(
       items.size(), key_count, [&](std::uint32_t i) { return key_of(items[i]); }, control);
   for_blocks(key_count, kItemsPerBlock, control, [&](std::size_t key, std::size_t end) {
-    constexpr std::size_t kMany = 1 << 16;
     for (; key < end; ++key) {
       const auto first = sorted.begin() + groups.begin[key], last = sorted.begin() + groups.begin[key + 1];
       std::transform(groups[key].begin(), groups[key].end(), first, [&](std::uint32_t i) { return items[i]; });
-      if (groups[key].size() > kMany)
-        sort_all(first, last);
-      else
-        std::sort(first, last);
+      sort_stoppable(first, last, control);
     }
   });
   return sorted;

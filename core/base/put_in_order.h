@@ -1,4 +1,4 @@
-/// Sorting of few numbers.
+/// Sorting of numbers that are few in most cases.
 #pragma once
 
 #include <algorithm>
@@ -7,14 +7,19 @@
 #include <cstdint>
 #include <span>
 
+#include "core/base/stoppable.h"
+
 namespace remesh {
 
-/// Writes numbers, all different, in ascending order. Of few, as most often, each goes behind as many as are smaller:
-/// no branch on what nobody can foresee.
-inline void put_in_order(std::span<const std::uint64_t> keys, std::span<std::uint64_t> sorted) {
-  constexpr std::size_t kFew = 16;
+/// Writes numbers, all different, in ascending order. In most cases they are few, and each goes behind as many as are
+/// smaller: this has no branch that cannot be foreseen. A hub of a surface has millions.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+inline void put_in_order(std::span<const std::uint64_t> keys, std::span<std::uint64_t> sorted,
+                         const RunControl& control) {
+  constexpr std::size_t kFew = 16, kMany = 1 << 13;
   if (keys.size() > kFew) {
     std::copy(keys.begin(), keys.end(), sorted.begin());
+    if (keys.size() > kMany) return sort_stoppable(sorted.begin(), sorted.end(), control);
     return std::sort(sorted.begin(), sorted.end());
   }
   std::array<std::uint32_t, kFew> rank;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/stoppable.h"
 
 namespace remesh {
 
@@ -16,8 +17,9 @@ template <class I>
 class RankedIds {
  public:
   /// Takes the place of what was there. `ids`: in any order, as often as they come.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost: O(n) where most ids between the smallest and the largest are there, O(n log n) else.
-  void assign(std::span<const I> ids) {
+  void assign(std::span<const I> ids, const RunControl& control) {
     ids_.clear();
     ranks_.clear();
     if (ids.empty()) return;
@@ -35,7 +37,7 @@ class RankedIds {
       return;
     }
     ids_.assign(ids.begin(), ids.end());
-    std::sort(ids_.begin(), ids_.end());
+    sort_stoppable(ids_.begin(), ids_.end(), control);
     ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
   }
 

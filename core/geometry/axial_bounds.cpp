@@ -52,7 +52,7 @@ AxialBounds::AxialBounds(const TriangleTree& tree, std::span<const Vec3> positio
         if (++faces_seen % kFacesBetweenChecks == 0) control.check();
         return arc_of(faces[tree.face(slot).value]);
       },
-      joined);
+      joined, control);
 }
 
 AxialBounds::Arc AxialBounds::arc_of(const Triangle& face) const {

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/shell_nesting.h"
 
 namespace remesh {
@@ -35,8 +36,8 @@ class LabelsOfShells {
                return pairs;
              }))
       pairs_.insert(pairs_.end(), of_block.begin(), of_block.end());
-    control.check();
-    sort_out(pairs_);
+    sort_stoppable(pairs_.begin(), pairs_.end(), control);
+    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   }
 
   /// Have two shells a label in common? Cost: O(k log n) where one of them has k.

@@ -71,6 +71,7 @@ void find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of, const
   std::optional<OrientedBoxes> oriented;
   std::size_t most_in_vain = 0;
   const auto search = [&](std::size_t slot, std::size_t room, std::uint32_t& tests, FacePairs& pairs) {
+    control.check();  // a look at many nodes may find nothing
     Box3 box = tree.box(slot);
     for (int axis = 0; axis < 3; ++axis) {
       box.min[axis] -= triangles.margin;

@@ -4,11 +4,12 @@
 #include <array>
 #include <atomic>
 #include <cmath>
+#include <deque>
 #include <numeric>
 #include <tuple>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/largest_coordinate.h"
 #include "core/geometry/pair_search.h"
 #include "core/geometry/predicates_3d.h"
@@ -94,7 +95,9 @@ class Cull {
     find_places();
     // Faces of small patches are held against each other anyway: they ask for large patches alone.
     std::vector<PatchId> all, large;
+    StopCheck check(control_);
     for (std::uint32_t p = 0; p < places_.size(); ++p) {
+      check();
       all.push_back(PatchId(p));
       if (!has_few(PatchId(p))) large.push_back(PatchId(p));
     }
@@ -110,19 +113,20 @@ class Cull {
       Near near;
       if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) return near;
       std::vector<PatchId> near_run;
+      StopCheck check_looks(control_);
       while (begin < end && !are_too_many(near.parts.size(), near.looks)) {
         const std::size_t run_end = end_of_run(begin, std::min(end, begin + kRun));
         const bool is_few = has_few(surface_.patch[begin]);
         const std::vector<PatchId>& patches = is_few ? large : all;
         const TriangleTree& tree = is_few ? tree_of_large : tree_of_all;
         const bool is_inside = is_looked_at_inside(begin);
-        near.looks += find_near(begin, run_end, patches, tree, near_run);
+        near.looks += find_near(begin, run_end, patches, tree, near_run, check_looks);
         for (; begin < run_end && !are_too_many(near.parts.size(), near.looks); ++begin) {
           if (is_inside) near.faces.push_back(static_cast<std::uint32_t>(begin));
           if (near_run.size() > kFewPatches)
-            look_at(begin, patches, tree, near);
+            look_at(begin, patches, tree, near, check_looks);
           else if (!near_run.empty())
-            look_at(begin, near_run, near);
+            look_at(begin, near_run, near, check_looks);
         }
       }
       parts.fetch_add(near.parts.size(), std::memory_order_relaxed);
@@ -131,25 +135,32 @@ class Cull {
     });
     // Where it is more, it is so whatever the order in which blocks are counted.
     if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) {
-      near_.faces.resize(surface_.face_count());
-      std::iota(near_.faces.begin(), near_.faces.end(), 0u);
+      faces_.resize(surface_.face_count());
+      std::iota(faces_.begin(), faces_.end(), 0u);
       return;
     }
+    parts_.reserve(parts.load(std::memory_order_relaxed));
     for (Near& near : found) {
-      near_.faces.insert(near_.faces.end(), near.faces.begin(), near.faces.end());
-      near_.parts.insert(near_.parts.end(), near.parts.begin(), near.parts.end());
+      faces_.insert(faces_.end(), near.faces.begin(), near.faces.end());
+      for (const Part& part : near.parts) {
+        check();
+        parts_.push_back(part);
+      }
+      near = {};
     }
   }
 
   /// Faces that are held against all others among them.
-  const std::vector<std::uint32_t>& faces() const { return near_.faces; }
+  const std::vector<std::uint32_t>& faces() const { return faces_; }
   /// The rest: parts of faces, each near another patch.
-  const std::vector<Part>& parts() const { return near_.parts; }
+  const std::vector<Part>& parts() const { return parts_; }
 
   TriangleTree tree_of(const std::vector<Box3>& boxes) const {
     std::vector<Vec3> corners;
     std::vector<Triangle> triangles;
+    StopCheck check(control_);
     for (const Box3& box : boxes) {
+      check();
       corners.push_back(box.min);
       corners.push_back(box.max);
       const std::size_t n = corners.size();
@@ -166,8 +177,8 @@ class Cull {
  private:
   struct Near {
     std::vector<std::uint32_t> faces;
-    std::vector<Part> parts;
-    std::size_t looks = 0;  ///< at patches
+    std::deque<Part> parts;  ///< there may be millions: none of them is moved where there are more
+    std::size_t looks = 0;   ///< at patches
   };
 
   bool has_few(PatchId p) const { return count_[p.value].load(std::memory_order_relaxed) <= kFewFaces; }
@@ -189,7 +200,7 @@ class Cull {
   /// Finds the other patches that some of these faces of one patch may be near. Asked for a run at once: of most runs
   /// there are none. Where there are many, not all of them are found. Returns how many were looked at.
   std::size_t find_near(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches,
-                        const TriangleTree& tree, std::vector<PatchId>& near) const {
+                        const TriangleTree& tree, std::vector<PatchId>& near, StopCheck& check) const {
     near.clear();
     Box3 box;
     if (end - begin == kRun)
@@ -198,6 +209,7 @@ class Cull {
       for (std::size_t f = begin; f < end; ++f) box.add(box_of(f));
     std::size_t looks = 0;
     tree.visit_meeting(box, 0, [&](std::size_t slot) {
+      check();
       const PatchId p = patches[tree.face(slot).value];
       if (p != surface_.patch[begin] && is_at_height(box, p)) near.push_back(p);
       ++looks;
@@ -258,13 +270,19 @@ class Cull {
   std::vector<Box3> boxes_of_patches(const std::vector<PatchId>& patches) const {
     std::vector<Box3> boxes;
     boxes.reserve(patches.size());
-    for (const PatchId p : patches) boxes.push_back(box_of_patch(p));
+    StopCheck check(control_);
+    for (const PatchId p : patches) {
+      check();
+      boxes.push_back(box_of_patch(p));
+    }
     return boxes;
   }
 
   /// Finds the parts of a face that are near patches; `tree` has the boxes of these.
-  void look_at(std::size_t f, const std::vector<PatchId>& patches, const TriangleTree& tree, Near& near) const {
+  void look_at(std::size_t f, const std::vector<PatchId>& patches, const TriangleTree& tree, Near& near,
+               StopCheck& check) const {
     tree.visit_meeting(box_of(f), 0, [&](std::size_t slot) {
+      check();
       const PatchId p = patches[tree.face(slot).value];
       if (p != surface_.patch[f]) add_part(f, p, near);
       ++near.looks;
@@ -272,11 +290,13 @@ class Cull {
     });
   }
   /// The same for a few other patches.
-  void look_at(std::size_t f, const std::vector<PatchId>& patches, Near& near) const {
+  void look_at(std::size_t f, const std::vector<PatchId>& patches, Near& near, StopCheck& check) const {
     const Box3 box = box_of(f);
     near.looks += patches.size();
-    for (const PatchId p : patches)
+    for (const PatchId p : patches) {
+      check();
       if (do_meet(box, box_of_patch(p))) add_part(f, p, near);
+    }
   }
 
   void add_part(std::size_t f, PatchId p, Near& near) const {
@@ -318,7 +338,8 @@ class Cull {
   std::vector<std::atomic<std::uint32_t>> count_;  ///< faces of each patch
   std::vector<SharedPlace> places_;
   std::vector<Box3> boxes_of_runs_;  ///< of those that are full: each begins among faces of its own
-  Near near_;
+  std::vector<std::uint32_t> faces_;
+  std::vector<Part> parts_;
 };
 
 /// What is left of a surface, with vertices of its own: where patches are large, they are few. They stand in the order
@@ -334,7 +355,11 @@ class Excerpt {
     for_blocks(cull.faces().size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) mark(cull.faces()[i]);
     });
-    for (const Part& part : cull.parts()) mark(part.face);
+    StopCheck check(control);
+    for (const Part& part : cull.parts()) {
+      check();
+      mark(part.face);
+    }
     const auto left =
         select_ids<VertexId>(is_left.size(), kBlock, control, [&](std::size_t v) { return is_left[v] != 0; });
     number_.resize(is_left.size());
@@ -372,7 +397,7 @@ class Meetings {
         control_(control),
         order_(parts_.size()) {
     std::iota(order_.begin(), order_.end(), 0u);
-    sort_all(order_.begin(), order_.end(), [&](std::uint32_t a, std::uint32_t b) {
+    sort_stoppable(order_.begin(), order_.end(), control, [&](std::uint32_t a, std::uint32_t b) {
       return std::tuple(patches_of(a), parts_[a].of, parts_[a].face) <
              std::tuple(patches_of(b), parts_[b].of, parts_[b].face);
     });
@@ -392,8 +417,11 @@ class Meetings {
                      if (!is_large(meeting(m))) hold_against_each_other(meeting(m), room, pairs);
                    return pairs;
                  });
-    for (std::size_t m = 0; m < size() && found.is_complete; ++m)
+    StopCheck check(control_);
+    for (std::size_t m = 0; m < size() && found.is_complete; ++m) {
+      check();
       if (is_large(meeting(m))) search(meeting(m), max_pairs, found);
+    }
   }
 
  private:
@@ -441,7 +469,11 @@ class Meetings {
     if (few.size() > many.size()) std::swap(few, many);
     std::vector<Box3> boxes;
     boxes.reserve(many.size());
-    for (const std::uint32_t i : many) boxes.push_back(parts_[i].box);
+    StopCheck check(control_);
+    for (const std::uint32_t i : many) {
+      check();
+      boxes.push_back(parts_[i].box);
+    }
     const TriangleTree tree = cull_.tree_of(boxes);
     gather_pairs(few.size(), kPartsPerTask, max_pairs, found, control_,
                  [&](std::size_t begin, std::size_t end, std::size_t room) {

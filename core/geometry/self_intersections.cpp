@@ -5,6 +5,7 @@
 #include <optional>
 #include <tuple>
 
+#include "core/base/stoppable.h"
 #include "core/geometry/axial_bounds.h"
 #include "core/geometry/half_planes.h"
 #include "core/geometry/pair_search.h"
@@ -60,9 +61,12 @@ class AxialSearch {
   bool prepare(const TriangleTree& tree, std::span<const Vec3> positions, std::span<const Triangle> faces,
                std::span<const std::uint32_t> slots, const EdgeOf& edge_of, RunControl& control) {
     std::vector<std::pair<HubEdge, std::uint32_t>> at_edge;
-    for (const std::uint32_t slot : slots)
+    StopCheck check(control);
+    for (const std::uint32_t slot : slots) {
+      check();
       if (const HubEdge edge = edge_of(slot); edge != kNoEdge) at_edge.push_back({edge, slot});
-    std::sort(at_edge.begin(), at_edge.end());
+    }
+    sort_stoppable(at_edge.begin(), at_edge.end(), control);
     of_slot_.resize(tree.size());
     for (std::size_t begin = 0, end = 0; begin < at_edge.size(); begin = end) {
       const HubEdge edge = at_edge[begin].first;
@@ -71,6 +75,7 @@ class AxialSearch {
       if ((end - begin) * (end - begin) < tree.size()) continue;
       bounds_.emplace_back(tree, positions, faces, edge.first, edge.second, control);
       for (std::size_t i = begin; i < end; ++i) {
+        check();
         const std::uint32_t slot = at_edge[i].second;
         of_slot_[slot] = {static_cast<std::uint32_t>(bounds_.size()),
                           bounds_.back().arc_of(faces[tree.face(slot).value])};
@@ -108,6 +113,7 @@ class Search {
     find_everywhere();
     find_at_edges();
     for (std::size_t begin = 0; begin < at_hub_.size() && result_.is_complete;) {
+      control_.check();
       std::size_t end = begin + 1;
       while (end < at_hub_.size() && at_hub_[end].first == at_hub_[begin].first) ++end;
       find_at_hub(begin, end);
@@ -128,19 +134,23 @@ class Search {
 
   void find_hubs() {
     std::vector<std::uint32_t> faces_at(positions_.size(), 0);
-    for (const Triangle& face : faces_)
+    StopCheck check(control_);
+    for (const Triangle& face : faces_) {
+      check();
       for (const VertexId v : face) ++faces_at[v.value];
+    }
     if (std::none_of(faces_at.begin(), faces_at.end(), [](std::uint32_t n) { return n > kMostAtVertex; })) return;
     is_hub_.resize(positions_.size());
     for (std::size_t v = 0; v < faces_at.size(); ++v) is_hub_[v] = faces_at[v] > kMostAtVertex;
     for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+      check();
       const Hubs hubs = hubs_of(FaceId(f));
       for (const VertexId v : hubs)
         if (v.is_valid()) at_hub_.push_back({v, FaceId(f)});
       for_each_edge(hubs, [&](HubEdge edge) { at_edge_.push_back({edge, FaceId(f)}); });
     }
-    std::sort(at_hub_.begin(), at_hub_.end());
-    std::sort(at_edge_.begin(), at_edge_.end());
+    sort_stoppable(at_hub_.begin(), at_hub_.end(), control_);
+    sort_stoppable(at_edge_.begin(), at_edge_.end(), control_);
     edge_at_.resize(at_edge_.empty() ? 0 : positions_.size());
     for_each_hub_edge([&](std::size_t begin, std::size_t end) {
       const auto& [edge, face] = at_edge_[begin];
@@ -166,7 +176,9 @@ class Search {
   /// Calls visit(begin, end) for the faces of each edge in `at_edge_`.
   template <class Visit>
   void for_each_hub_edge(const Visit& visit) const {
+    StopCheck check(control_);
     for (std::size_t begin = 0, end = 0; begin < at_edge_.size(); begin = end) {
+      check();
       while (end < at_edge_.size() && at_edge_[end].first == at_edge_[begin].first) ++end;
       visit(begin, end);
     }
@@ -202,12 +214,14 @@ class Search {
     static_assert(kNoPiece == TriangleTree::kNoGroup);
     const TriangleTree tree(positions_, faces_, control_, pieces_);
     std::vector<Hubs> hubs;
-    if (!is_hub_.empty()) hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(tree.face(slot)); }, common);
+    if (!is_hub_.empty())
+      hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(tree.face(slot)); }, common, control_);
     // The piece of all faces of a node.
     std::vector<std::uint32_t> pieces;
     if (std::any_of(pieces_.begin(), pieces_.end(), [](std::uint32_t piece) { return piece != kNoPiece; }))
-      pieces = tree.joined<std::uint32_t>([&](std::size_t slot) { return pieces_[tree.face(slot).value]; },
-                                          [](std::uint32_t a, std::uint32_t b) { return a == b ? a : kNoPiece; });
+      pieces =
+          tree.joined<std::uint32_t>([&](std::size_t slot) { return pieces_[tree.face(slot).value]; },
+                                     [](std::uint32_t a, std::uint32_t b) { return a == b ? a : kNoPiece; }, control_);
     const auto face_of = [&](std::size_t slot) { return tree.face(slot); };
     AxialSearch axial;
     find_pairs(
@@ -296,7 +310,7 @@ class Search {
     }
     const TriangleTree tree(corners, arcs, control_);
     const auto face_of = [&](std::size_t slot) { return at_hub_[begin + tree.face(slot).value].second; };
-    const auto hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(face_of(slot)); }, common);
+    const auto hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(face_of(slot)); }, common, control_);
     AxialSearch axial;
     find_pairs(
         {.tree = tree,

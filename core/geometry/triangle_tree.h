@@ -11,6 +11,7 @@
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
+#include "core/base/stoppable.h"
 #include "core/base/vec.h"
 #include "core/geometry/slot_tree.h"
 #include "core/mesh/mesh.h"
@@ -56,8 +57,9 @@ class TriangleTree {
                      const Visit& visit) const;
 
   /// A value for each node: those of its slots, joined.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   template <class Value, class OfSlot, class Join>
-  std::vector<Value> joined(const OfSlot& of_slot, const Join& join) const;
+  std::vector<Value> joined(const OfSlot& of_slot, const Join& join, RunControl& control) const;
 
  private:
   template <class T>
@@ -101,10 +103,12 @@ void TriangleTree::visit_meeting(const Box3& box, std::size_t first, const IsOfN
 }
 
 template <class Value, class OfSlot, class Join>
-std::vector<Value> TriangleTree::joined(const OfSlot& of_slot, const Join& join) const {
+std::vector<Value> TriangleTree::joined(const OfSlot& of_slot, const Join& join, RunControl& control) const {
   std::vector<Value> values(node_box_.size());
+  StopCheck check(control);
   for (int level = slots_.leaf_level(); level >= 0; --level)
     for (std::size_t j = 0; j < std::size_t{1} << level; ++j) {
+      check();
       Value& value = values[SlotTree::number(level, j)];
       if (level < slots_.leaf_level()) {
         value = join(values[SlotTree::number(level + 1, 2 * j)], values[SlotTree::number(level + 1, 2 * j + 1)]);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <string_view>
 
+#include "core/base/stoppable.h"
 #include "core/io/msh.h"
 #include "core/io/text.h"
 #include "core/io/write_text.h"
@@ -55,7 +56,11 @@ std::string write_msh(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>&
     for (const PatchId p : face_patch) patches = std::max<std::size_t>(patches, std::size_t{p.value} + 1);
     append_integer(out, patches);
     out += '\n';
-    for (std::size_t p = 0; p < patches; ++p) write_name(out, p + 1, "patch_" + std::to_string(p));
+    StopCheck check(control);
+    for (std::size_t p = 0; p < patches; ++p) {
+      check();
+      write_name(out, p + 1, "patch_" + std::to_string(p));
+    }
   }
   out += "$EndPhysicalNames\n$Nodes\n";
 

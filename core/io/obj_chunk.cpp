@@ -96,10 +96,10 @@ class Parser {
   bool take_face() {
     const std::size_t first = chunk_.corners.size();
     for (skip_blanks(); has_value(); skip_blanks()) {
-      if (!take_corner()) return false;
+      // One line may be as long as the file: no more of it is read than a face may have.
+      if (!take_corner() || chunk_.corners.size() - first > kMaxObjFaceCorners) return false;
     }
-    const std::size_t corners = chunk_.corners.size() - first;
-    if (corners < 3 || corners > kMaxObjFaceCorners) return false;
+    if (chunk_.corners.size() - first < 3) return false;
     chunk_.face_end.push_back(static_cast<std::uint32_t>(chunk_.corners.size()));
     return end_record();
   }

@@ -5,6 +5,7 @@
 #include <system_error>
 #include <utility>
 
+#include "core/base/stoppable.h"
 #include "core/io/bytes.h"
 #include "core/io/label_collector.h"
 #include "core/io/mesh_builder.h"
@@ -18,11 +19,12 @@ namespace {
 /// The records of a text, one a line.
 class TextRecords {
  public:
-  TextRecords(std::string_view content, const PlyHeader& header)
+  TextRecords(std::string_view content, const PlyHeader& header, RunControl& control)
       : content_(content),
         header_size_(header.size),
         header_lines_(header.lines),
-        lines_(content.substr(header.size)) {}
+        lines_(content.substr(header.size)),
+        check_(control) {}
 
   void begin_record() {
     do {
@@ -45,7 +47,10 @@ class TextRecords {
     return value;
   }
   void skip(PlyType, std::uint64_t count) {
-    for (std::uint64_t i = 0; i < count; ++i) take_token();
+    for (std::uint64_t i = 0; i < count; ++i) {
+      check_();
+      take_token();
+    }
   }
   /// Text has no fixed size to skip by.
   bool skip_element(const PlyElement&) { return false; }
@@ -72,13 +77,14 @@ class TextRecords {
   std::size_t header_size_;
   std::uint64_t header_lines_;
   TextLines lines_;
+  StopCheck check_;
   std::string_view rest_;
 };
 
 /// The records of binary data.
 class BinaryRecords {
  public:
-  BinaryRecords(std::string_view content, const PlyHeader& header)
+  BinaryRecords(std::string_view content, const PlyHeader& header, RunControl&)
       : content_(content),
         bytes_(content, header.size,
                header.encoding == PlyEncoding::kLittleEndian ? ByteOrder::kLittle : ByteOrder::kBig) {}
@@ -153,7 +159,7 @@ template <class Records>
 class PlyReader {
  public:
   PlyReader(std::string_view content, const PlyHeader& header, const ReadLimits& limits, RunControl& control)
-      : content_size_(content.size()), header_(header), records_(content, header), builder_(limits, control) {}
+      : content_size_(content.size()), header_(header), records_(content, header, control), builder_(limits, control) {}
 
   ReadResult read() {
     announce();

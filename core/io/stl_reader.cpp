@@ -4,7 +4,7 @@
 #include <initializer_list>
 #include <utility>
 
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/io/bytes.h"
 #include "core/io/label_collector.h"
 #include "core/io/mesh_builder.h"
@@ -39,18 +39,22 @@ PolygonMesh joined(std::vector<Vec3> positions, const ReadLimits& limits, RunCon
   mesh.corners.resize(n);
   {
     std::vector<Corner> sorted(n);
-    for (std::uint32_t i = 0; i < n; ++i) sorted[i] = {positions[i], i};
-    control.check();
-    sort_all(sorted.begin(), sorted.end());
-    control.check();
+    StopCheck check(control);
+    for (std::uint32_t i = 0; i < n; ++i) {
+      check();
+      sorted[i] = {positions[i], i};
+    }
+    sort_stoppable(sorted.begin(), sorted.end(), control);
     // For now the id of each corner is the first corner with its position.
     for (std::size_t k = 0; k < n; ++k) {
+      check();
       const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;
       mesh.corners[sorted[k].index] = is_first ? VertexId(sorted[k].index) : mesh.corners[sorted[k - 1].index];
     }
   }
-  control.check();
+  StopCheck check(control);
   for (std::uint32_t i = 0; i < n; ++i) {
+    check();
     VertexId& vertex = mesh.corners[i];
     vertex = vertex.value == i ? mesh.positions.push_back(positions[i]) : mesh.corners[vertex.value];
   }

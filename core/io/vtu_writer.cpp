@@ -3,6 +3,7 @@
 #include <string_view>
 #include <utility>
 
+#include "core/base/stoppable.h"
 #include "core/io/bytes.h"
 #include "core/io/text.h"
 #include "core/io/vtu.h"
@@ -15,11 +16,13 @@ namespace {
 constexpr std::uint8_t kVtkTriangle = 5;
 
 /// Appends `data` in base64.
-void append_base64(std::string& out, std::string_view data) {
+void append_base64(std::string& out, std::string_view data, RunControl& control) {
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
   const auto byte = [&](std::size_t i) { return i < data.size() ? static_cast<unsigned char>(data[i]) : 0u; };
   out.reserve(out.size() + (data.size() + 2) / 3 * 4);
+  StopCheck check(control);
   for (std::size_t i = 0; i < data.size(); i += 3) {
+    check();
     const unsigned bits = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
     out += kDigits[bits >> 18];
     out += kDigits[bits >> 12 & 63];
@@ -31,23 +34,27 @@ void append_base64(std::string& out, std::string_view data) {
 /// One array of numbers: their bytes are collected behind their length, as VTK wants them.
 class DataArray {
  public:
-  DataArray(std::string attributes, std::size_t bytes) : attributes_(std::move(attributes)) {
+  DataArray(std::string attributes, std::size_t bytes, RunControl& control)
+      : attributes_(std::move(attributes)), control_(control), check_(control) {
     data_.reserve(sizeof(std::uint64_t) + bytes);
     append_little_endian(data_, std::uint64_t{bytes});
   }
   template <class T>
   void add(T value) {
+    check_();
     append_little_endian(data_, value);
   }
   void write(std::string& out) {
     out += "<DataArray " + attributes_ + " format=\"binary\">\n";
-    append_base64(out, data_);
+    append_base64(out, data_, control_);
     out += "\n</DataArray>\n";
     std::string().swap(data_);
   }
 
  private:
   std::string attributes_;
+  RunControl& control_;
+  StopCheck check_;
   std::string data_;
 };
 
@@ -75,9 +82,9 @@ void append_comment(std::string& out, std::string_view line) {
 
 using LabelKinds = std::array<std::pair<std::string_view, const LabelSet*>, 3>;
 
-void write_points(std::string& out, const TriangleMesh& mesh, WriteProgress& progress) {
-  DataArray points(typed("Float64", "Points") + " NumberOfComponents=\"3\"",
-                   3 * sizeof(double) * mesh.positions.size());
+void write_points(std::string& out, const TriangleMesh& mesh, WriteProgress& progress, RunControl& control) {
+  DataArray points(typed("Float64", "Points") + " NumberOfComponents=\"3\"", 3 * sizeof(double) * mesh.positions.size(),
+                   control);
   for (const Vec3& position : mesh.positions) {
     progress.tick();
     for (int axis = 0; axis < 3; ++axis) points.add(position[axis]);
@@ -87,12 +94,12 @@ void write_points(std::string& out, const TriangleMesh& mesh, WriteProgress& pro
   out += "</Points>\n";
 }
 
-void write_cells(std::string& out, const TriangleMesh& mesh, WriteProgress& progress) {
+void write_cells(std::string& out, const TriangleMesh& mesh, WriteProgress& progress, RunControl& control) {
   const std::size_t n = mesh.faces.size();
   out += "<Cells>\n";
-  DataArray connectivity(typed("Int64", "connectivity"), 3 * sizeof(std::int64_t) * n);
-  DataArray offsets(typed("Int64", "offsets"), sizeof(std::int64_t) * n);
-  DataArray types(typed("UInt8", "types"), n);
+  DataArray connectivity(typed("Int64", "connectivity"), 3 * sizeof(std::int64_t) * n, control);
+  DataArray offsets(typed("Int64", "offsets"), sizeof(std::int64_t) * n, control);
+  DataArray types(typed("UInt8", "types"), n, control);
   std::int64_t offset = 0;
   for (const Triangle& face : mesh.faces) {
     progress.tick();
@@ -110,12 +117,12 @@ void write_cell_data(std::string& out, const TriangleMesh& mesh, const IdVector<
                      const LabelKinds& kinds, RunControl& control) {
   const std::size_t n = mesh.faces.size();
   out += "<CellData Scalars=\"patch\">\n";
-  DataArray patch(typed("Int32", "patch"), sizeof(std::int32_t) * n);
+  DataArray patch(typed("Int32", "patch"), sizeof(std::int32_t) * n, control);
   for (const PatchId p : face_patch) patch.add(static_cast<std::int32_t>(p.value));
   patch.write(out);
   for (const auto& [kind, set] : kinds) {
     if (!set->is_used()) continue;
-    DataArray labels(typed("Int32", kind), sizeof(std::int32_t) * n);
+    DataArray labels(typed("Int32", kind), sizeof(std::int32_t) * n, control);
     for (const std::uint32_t label : set->of_face) labels.add(static_cast<std::int32_t>(label));
     labels.write(out);
   }
@@ -125,7 +132,7 @@ void write_cell_data(std::string& out, const TriangleMesh& mesh, const IdVector<
       {"radius_edge_ratio", &FaceQuality::radius_edge_ratio},
       {"aspect_ratio", &FaceQuality::aspect_ratio}};
   for (const auto& [name, measure] : measures) {
-    DataArray values(typed("Float64", name), sizeof(double) * n);
+    DataArray values(typed("Float64", name), sizeof(double) * n, control);
     for (const FaceQuality& face : quality) values.add(face.*measure);
     values.write(out);
   }
@@ -155,8 +162,8 @@ std::string write_vtu(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>&
       "<UnstructuredGrid>\n";
   out += "<Piece NumberOfPoints=\"" + std::to_string(mesh.positions.size()) + "\" NumberOfCells=\"" +
          std::to_string(mesh.faces.size()) + "\">\n";
-  write_points(out, mesh, progress);
-  write_cells(out, mesh, progress);
+  write_points(out, mesh, progress, control);
+  write_cells(out, mesh, progress, control);
   write_cell_data(out, mesh, face_patch, kinds, control);
   out += "</Piece>\n</UnstructuredGrid>\n</VTKFile>\n";
   return out;

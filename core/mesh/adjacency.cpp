@@ -23,16 +23,6 @@ constexpr std::size_t kVertices = 1024;
 /// A hub has millions of edges: work on them looks for a stop after so many.
 constexpr std::size_t kBetweenChecks = 1 << 16;
 
-/// put_in_order, however many they are.
-void sort_keys(std::span<const std::uint64_t> keys, std::span<std::uint64_t> sorted, RunControl& control) {
-  if (keys.size() <= kBetweenChecks) return put_in_order(keys, sorted);
-  std::copy(keys.begin(), keys.end(), sorted.begin());
-  sort_all(sorted.begin(), sorted.end(), [&](std::uint64_t a, std::uint64_t b) {
-    control.check();
-    return a < b;
-  });
-}
-
 /// Whether the keys, of the half-edges from a vertex to larger ones and of those to it, in order, are those of as many
 /// edges of two half-edges each.
 bool are_pairs(std::span<const std::uint64_t> forward, std::span<const std::uint64_t> backward) {
@@ -114,8 +104,8 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> h
     control.check();
     const std::size_t middle = place[2 * v], end = place[2 * v + 1];
     const auto forward = sorted.subspan(begin, middle - begin), backward = sorted.subspan(middle, end - middle);
-    sort_keys(all.subspan(begin, forward.size()), forward, control);
-    sort_keys(all.subspan(middle, backward.size()), backward, control);
+    put_in_order(all.subspan(begin, forward.size()), forward, control);
+    put_in_order(all.subspan(middle, backward.size()), backward, control);
     if (are_pairs(forward, backward)) {  // as most often
       for (std::size_t i = 0; i < forward.size(); ++i) {
         const auto g = static_cast<std::uint32_t>(forward[i]), h = static_cast<std::uint32_t>(backward[i]);
@@ -127,7 +117,7 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> h
       edges += static_cast<std::uint32_t>(forward.size());
     } else {
       const auto both = sorted.subspan(begin, end - begin);
-      sort_keys(all.subspan(begin, end - begin), both, control);
+      put_in_order(all.subspan(begin, end - begin), both, control);
       for (std::size_t i = 0, next; i < both.size(); i = next, ++edges) {
         for (next = i + 1; next < both.size() && both[next] >> 32 == both[i] >> 32;) ++next;
         join_edge(both.subspan(i, next - i), &half_edges[begin + i]);

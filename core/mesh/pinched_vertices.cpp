@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 
 namespace remesh {
@@ -23,16 +24,21 @@ class Search {
     const auto met = map_blocks<std::size_t>(surface_.vertex_count(), kItemsPerBlock, control_,
                                              [&](std::size_t begin, std::size_t end) {
                                                std::size_t corners = 0;
-                                               for (std::size_t v = begin; v < end; ++v) corners += walk(v);
+                                               StopCheck check(control_);
+                                               for (std::size_t v = begin; v < end; ++v) corners += walk(v, check);
                                                return corners;
                                              });
     if (std::accumulate(met.begin(), met.end(), std::size_t{0}) == surface_.corners.size()) return {};
     std::vector<std::uint32_t> degree(surface_.vertex_count(), 0);
-    for (const VertexId v : surface_.corners) ++degree[v.value];
+    StopCheck check(control_);
+    for (const VertexId v : surface_.corners) {
+      check();
+      ++degree[v.value];
+    }
     std::vector<VertexId> odd;
     for (std::size_t v = 0; v < degree.size(); ++v) {
-      if (v % kItemsPerBlock == 0) control_.check();
-      if (walk(v) != degree[v]) odd.push_back(VertexId(v));
+      check();
+      if (walk(v, check) != degree[v]) odd.push_back(VertexId(v));
     }
     return with_several_fans(odd, std::move(degree));
   }
@@ -54,14 +60,20 @@ class Search {
   }
 
   /// How many corners at a vertex are reached from one of them over edges of two faces that look the same way.
-  std::uint32_t walk(std::size_t vertex) const {
+  std::uint32_t walk(std::size_t vertex, StopCheck& check) const {
     const std::uint32_t start = some_[vertex];
     if (start == Adjacency::kNone) return 0;
     std::uint32_t count = 1;
     std::uint32_t h = edges_.twin(before(start));
-    for (; h != Adjacency::kNone && h != start; h = edges_.twin(before(h))) ++count;
+    for (; h != Adjacency::kNone && h != start; h = edges_.twin(before(h))) {
+      check();
+      ++count;
+    }
     if (h == start) return count;
-    for (h = edges_.twin(start); h != Adjacency::kNone; h = edges_.twin(edges_.next(h))) ++count;
+    for (h = edges_.twin(start); h != Adjacency::kNone; h = edges_.twin(edges_.next(h))) {
+      check();
+      ++count;
+    }
     return count;
   }
 
@@ -70,6 +82,7 @@ class Search {
     std::vector<std::uint8_t> is_odd(surface_.vertex_count(), 0);
     for (const VertexId v : odd) is_odd[v.value] = 1;
     UnionFind joined(surface_.corners.size());
+    StopCheck check(control_);
     const auto corner_at = [&](std::uint32_t h, VertexId v) { return edges_.from(h) == v ? h : edges_.next(h); };
     for (std::uint32_t e = 0; e < edges_.edge_count(); ++e) {
       if (e % kItemsPerBlock == 0) control_.check();
@@ -80,7 +93,10 @@ class Search {
           fans[v.value] -= joined.join(around[0], edges_.next(around[0]));
           break;
         }
-        for (const std::uint32_t h : around) fans[v.value] -= joined.join(corner_at(around[0], v), corner_at(h, v));
+        for (const std::uint32_t h : around) {
+          check();
+          fans[v.value] -= joined.join(corner_at(around[0], v), corner_at(h, v));
+        }
       }
     }
     std::vector<VertexId> pinched;

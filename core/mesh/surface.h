@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/coordinate_range.h"
 #include "core/base/copy_on_write.h"
 #include "core/base/ids.h"
 #include "core/base/vec.h"
@@ -58,7 +59,7 @@ struct Surface {
   /// A place of the model in local units.
   Vec3 to_local(const Vec3& p) const {
     // Below this, coordinates count as 0: predicates must not underflow.
-    constexpr double kLeast = 0x1p-100;
+    constexpr double kLeast = CoordinateRange::kNarrowest;
     Vec3 q;
     for (int axis = 0; axis < 3; ++axis) {
       q[axis] = (p[axis] - centre[axis]) / unit;

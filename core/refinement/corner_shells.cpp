@@ -8,6 +8,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
+#include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/refinement/segment_table.h"
 
@@ -57,15 +58,17 @@ struct Side {
 };
 
 /// One a side, by end.
-std::vector<Side> sides_of(std::span<const Corner> corners, const SegmentTable& table) {
+std::vector<Side> sides_of(std::span<const Corner> corners, const SegmentTable& table, RunControl& control) {
   std::vector<Side> sides;
+  StopCheck check(control);
   for (const Corner& c : corners) {
+    check();
     const BoundarySegment &a = table[SegmentId(c.end / 2)], &b = table[SegmentId(c.other / 2)];
     const double reach = std::min(a.length, b.length), width = width_of(c.angle);
     sides.push_back({c.end, a.length, a.floor, reach, width});
     sides.push_back({c.other, b.length, b.floor, reach, width});
   }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.end < b.end; });
+  sort_stoppable(sides.begin(), sides.end(), control, [](const Side& a, const Side& b) { return a.end < b.end; });
   std::size_t count = 0;
   for (const Side& side : sides) {
     if (count == 0 || sides[count - 1].end != side.end) {
@@ -83,9 +86,10 @@ std::vector<Side> sides_of(std::span<const Corner> corners, const SegmentTable& 
 using Pair = std::array<std::uint32_t, 2>;
 
 /// Every second side around a vertex is cut between the common distances. In an odd ring two neighbours are not.
-void take_turns(std::span<const Pair> pairs, std::span<Side> sides) {
+void take_turns(std::span<const Pair> pairs, std::span<Side> sides, RunControl& control) {
   std::vector<std::uint8_t> is_seen(sides.size(), 0);
   std::vector<std::uint32_t> queue;
+  StopCheck check(control);
   for (std::uint32_t seed = 0; seed < sides.size(); ++seed) {
     if (is_seen[seed] != 0) continue;
     is_seen[seed] = 1;
@@ -93,6 +97,7 @@ void take_turns(std::span<const Pair> pairs, std::span<Side> sides) {
     for (std::size_t k = 0; k < queue.size(); ++k)
       for (auto pair = std::lower_bound(pairs.begin(), pairs.end(), Pair{queue[k], 0});
            pair != pairs.end() && (*pair)[0] == queue[k]; ++pair) {
+        check();
         const std::uint32_t next = (*pair)[1];
         if (std::exchange(is_seen[next], 1) != 0) continue;
         sides[next].is_between = !sides[queue[k]].is_between;
@@ -233,7 +238,7 @@ CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corner
   if (goals.min_angle_deg == 0 || (sizes.is_uniform() && !std::isfinite(sizes.largest()))) return;
   const double tangent = std::tan(goals.min_angle_deg * std::numbers::pi / 180);
   std::erase_if(corners, [&](const Corner& c) { return width_of(c.angle) >= kSharp * tangent; });
-  std::vector<Side> sides = sides_of(corners, table);
+  std::vector<Side> sides = sides_of(corners, table, control);
   const auto slot = [&](std::uint32_t end) {
     return static_cast<std::uint32_t>(
         std::lower_bound(sides.begin(), sides.end(), end, [](const Side& s, std::uint32_t e) { return s.end < e; }) -
@@ -242,16 +247,18 @@ CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corner
   std::erase_if(corners, [&](const Corner& c) {
     return width_of(c.angle) > kAlike * std::min(sides[slot(c.end)].width, sides[slot(c.other)].width);
   });
-  sides = sides_of(corners, table);
+  sides = sides_of(corners, table, control);
   std::vector<Pair> pairs;
   UnionFind together(sides.size());
+  StopCheck check(control);
   for (const Corner& c : corners) {
+    check();
     const std::uint32_t a = slot(c.end), b = slot(c.other);
     together.join(a, b);
     pairs.insert(pairs.end(), {{a, b}, {b, a}});
   }
-  sort_all(pairs.begin(), pairs.end());
-  take_turns(pairs, sides);
+  sort_stoppable(pairs.begin(), pairs.end(), control);
+  take_turns(pairs, sides, control);
 
   // Each group of sides that follow each other around a vertex has its own way.
   const Grouping groups = group_by(

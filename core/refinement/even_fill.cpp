@@ -10,8 +10,8 @@
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
 #include "core/base/small_blocks.h"
+#include "core/base/stoppable.h"
 
 namespace remesh {
 namespace {
@@ -28,14 +28,27 @@ constexpr double kAlike = 1.05;
 constexpr double kClearanceOfOneSize = 0.49;
 constexpr double kWideColumn = 0.75;
 
+/// What is looked at grows with the cells, and a region that is long and narrow, or where sizes change abruptly, has
+/// cells without a point of their own. A fill is given up where it would take more than so many for each point that is
+/// allowed, for each point of the boundary and for each triangle.
+constexpr std::size_t kMostCellsEach = 16;
+constexpr std::size_t kFewCells = std::size_t{1} << 20;
+/// More cells would take minutes.
+constexpr std::size_t kMostCells = std::size_t{1} << 30;
+
 /// Points in square cells, to ask what is near.
 class PointGrid {
  public:
-  PointGrid(std::span<const Vec2> points, Vec2 origin, double cell)
+  /// Input: cells so large that their numbers fit 32 bits.
+  PointGrid(std::span<const Vec2> points, Vec2 origin, double cell, RunControl& control)
       : points_(points.begin(), points.end()), origin_(origin), cell_(cell) {
-    std::sort(points_.begin(), points_.end(), [&](Vec2 a, Vec2 b) { return key(a) < key(b); });
+    sort_stoppable(points_.begin(), points_.end(), control, [&](Vec2 a, Vec2 b) { return key(a) < key(b); });
     keys_.reserve(points_.size());
-    for (const Vec2 p : points_) keys_.push_back(key(p));
+    StopCheck check(control);
+    for (const Vec2 p : points_) {
+      check();
+      keys_.push_back(key(p));
+    }
   }
 
   bool has_point_within(Vec2 p, double distance) const {
@@ -70,11 +83,13 @@ struct Spacing {
 
 /// A lattice and its halvings give each place the largest edge among them that is allowed there. The best edge makes
 /// the fewest points of that: tried are sizes that differ by a 32nd of an octave.
-Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes) {
+Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes, RunControl& control) {
   constexpr int kSteps = 32;
   std::array<double, kSteps> points{}, smallest{};
   double least_size = HUGE_VAL, largest = 0;
+  StopCheck check(control);
   for (const auto& [a, b, c] : triangles) {
+    check();
     const double size = sizes.at((1.0 / 3) * (a + b + c));
     int octave = 0;
     const double part = 2 * std::frexp(size, &octave);  // from 1 to 2
@@ -167,15 +182,15 @@ constexpr double kRowsOutOfStep = 1.2;
 /// Walks the cells of the lattices, each with four of half its edge.
 class Lattice {
  public:
-  Lattice(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes)
-      : sizes_(sizes), triangles_(triangles), low_(triangles[0][0]) {
+  Lattice(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes, RunControl& control)
+      : sizes_(sizes), triangles_(triangles), control_(control), low_(triangles[0][0]) {
     Vec2 high = low_;
     for (const auto& triangle : triangles)
       for (const Vec2 p : triangle) {
         low_ = {std::min(low_.x, p.x), std::min(low_.y, p.y)};
         high = {std::max(high.x, p.x), std::max(high.y, p.y)};
       }
-    const Spacing spacing = best_spacing(triangles, sizes);
+    const Spacing spacing = best_spacing(triangles, sizes, control);
     is_even_ = sizes.is_uniform || spacing.largest <= kAlike * spacing.smallest;
     // The coarsest lattice: its edge is allowed somewhere.
     edge_ = is_even_ ? spacing.smallest
@@ -196,6 +211,9 @@ class Lattice {
     lean(lower.is_whole() && upper.is_whole(), phase, upper.phase(columns));
     if (phase < kBetween) low_.x -= along_.x / 2;
   }
+
+  /// At least so many cells reach into the region, for it hangs together.
+  double least_cells() const { return std::max(width_, height_) / edge_; }
 
   Vec2 origin() const { return low_; }
   double edge() const { return edge_; }
@@ -282,8 +300,11 @@ class Lattice {
     const Vec2 centre = place(cell, 0.5);
     const double radius = cell.share * edge_;
     const std::size_t first = to.triangles.size();
-    for (std::size_t k = cell.first; k < cell.last; ++k)
+    StopCheck check(control_);
+    for (std::size_t k = cell.first; k < cell.last; ++k) {
+      check();
       if (const std::uint32_t t = of.triangles[k]; !is_apart(triangles_[t], centre, radius)) to.triangles.push_back(t);
+    }
     cell.first = first;
     cell.last = to.triangles.size();
     if (cell.first < cell.last) to.cells.push_back(cell);
@@ -298,6 +319,11 @@ class Lattice {
     return cross(t[1] - t[0], p - t[0]) >= 0 && cross(t[2] - t[1], p - t[1]) >= 0 && cross(t[0] - t[2], p - t[2]) >= 0;
   }
   static bool is_apart(const std::array<Vec2, 3>& t, Vec2 centre, double radius) {
+    // What lies far beyond the tip of a needle is outside of no side by much.
+    const auto [left, right] = std::minmax({t[0].x, t[1].x, t[2].x});
+    const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
+    if (centre.x + radius < left || centre.x - radius > right || centre.y + radius < low || centre.y - radius > high)
+      return true;
     for (int k = 0; k < 3; ++k) {
       const Vec2 side = t[(k + 1) % 3] - t[k];
       const double outside = -cross(side, centre - t[k]);
@@ -308,6 +334,7 @@ class Lattice {
 
   const PlaneSizes& sizes_;
   std::span<const std::array<Vec2, 3>> triangles_;
+  RunControl& control_;
   Vec2 low_, along_, up_;
   double width_ = 0, height_ = 0, edge_ = 0;
   bool is_even_ = false;
@@ -318,13 +345,17 @@ class Lattice {
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
                             std::size_t vertex_count, const PlaneSizes& sizes, double shortest, std::size_t most,
                             RunControl& control) {
-  Lattice lattice(triangles, sizes);
+  const std::size_t most_cells = std::min(
+      kMostCells, kFewCells + kMostCellsEach * (std::min(most, kMostCells) + boundary.size() + triangles.size()));
+  Lattice lattice(triangles, sizes, control);
+  // Asked before any number is made an integer: it may be far beyond all of them.
+  if (!(lattice.least_cells() <= static_cast<double>(most_cells))) return {};
   lattice.match(boundary.first(vertex_count));
-  const PointGrid grid(boundary, lattice.origin(), lattice.edge());
+  const PointGrid grid(boundary, lattice.origin(), std::max(lattice.edge(), shortest), control);
   const auto is_near = [&](Vec2 p) {
     return grid.has_point_within(p, std::max(shortest, lattice.clearance(sizes.at(p))));
   };
-  std::atomic<std::size_t> count = 0;  // of the points of all that are finished
+  std::atomic<std::size_t> count = 0, cells = 0;  // points and cells of all that are finished
   // Adds those that come from a cell.
   const auto collect = [&](const Cell& cell, const Cells& of, Cells& parts, std::vector<Vec2>& points) {
     lattice.visit(cell, of, parts, [&](Vec2 p) {
@@ -339,6 +370,7 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
   Cells front = lattice.cover(&memory);
   while (!front.cells.empty() && front.cells.size() < kEnough && points.size() <= most) {
     control.check();
+    cells += front.cells.size();
     Cells next(&memory);
     for (const Cell& cell : front.cells) collect(cell, front, next, points);
     front = std::move(next);
@@ -351,7 +383,8 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
     StackMemory memory_below;
     Cells waiting(&memory_below);
     collect(front.cells[first], front, waiting, found);
-    for (std::size_t n = 0; !waiting.cells.empty() && count + found.size() <= most; ++n) {
+    std::size_t n = 0;
+    for (; !waiting.cells.empty() && count + found.size() <= most && cells + n <= most_cells; ++n) {
       if (n % 1024 == 0) control.check();
       const Cell cell = waiting.cells.back();
       waiting.cells.pop_back();
@@ -359,12 +392,13 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
       collect(cell, waiting, waiting, found);
     }
     count += found.size();
+    cells += n;
     return found;
   };
   for (const auto& found : map_blocks<std::vector<Vec2>>(front.cells.size(), 1, control, collect_below))
     points.insert(points.end(), found.begin(), found.end());
-  if (count > most) return {};
-  sort_all(points.begin(), points.end());
+  if (count > most || cells > most_cells) return {};
+  sort_stoppable(points.begin(), points.end(), control);
   return points;
 }
 

@@ -27,7 +27,9 @@ struct PlaneSizes {
 /// the first and the last in step with the vertices along the lower and the upper side, if there is room.
 /// Input:  triangles that cover the region; points of its boundary, half the size there apart or less where it can be
 ///         cut, the first `vertex_count` of them its vertices; `shortest`: no point is nearer to these.
-/// Output: in lexicographic order; empty if there would be more than `most`.
+/// Output: in lexicographic order; empty if there would be more than `most`, or if more than some times as many cells
+///         of the lattices would have to be looked at as there are points, boundary points and triangles.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O((t + n) log n) for t triangles and n points, where the triangles are a Delaunay triangulation of the
 ///         boundary.
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,

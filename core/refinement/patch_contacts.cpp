@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "core/base/stoppable.h"
 #include "core/geometry/distances.h"
 
 namespace remesh {
@@ -33,13 +34,14 @@ PatchContacts::PatchContacts(const Surface& surface, const Adjacency& adjacency,
 }
 
 void PatchContacts::find_vertex_patches(RunControl& control) {
+  StopCheck check(control);
   // Patch after patch, so that each vertex gets its patches in ascending order: first counted, then entered.
   const auto each = [&](const auto& visit) {
     IdVector<VertexId, PatchId> last(surface_.vertex_count());
     for (std::size_t p = 0; p < patches_.count(); ++p) {
-      if (p % 1024 == 0) control.check();
       for (const FaceId f : patches_.faces_of(PatchId(p)))
         for (const VertexId v : surface_.face(f)) {
+          check();
           if (last[v] == PatchId(p)) continue;
           last[v] = PatchId(p);
           visit(v, PatchId(p));
@@ -57,13 +59,14 @@ void PatchContacts::find_vertex_patches(RunControl& control) {
 void PatchContacts::find_borders(RunControl& control) {
   IdVector<VertexId, PatchId> last(surface_.vertex_count());  // the last patch that has this vertex on its border
   border_begin_.assign(1, 0);
+  StopCheck check(control);
   for (std::size_t i = 0; i < patches_.count(); ++i) {
-    if (i % 1024 == 0) control.check();
     const PatchId p(i);
     // The border's half-edges first; then vertices inside the patch that others touch.
     for (const bool is_border : {true, false})
       for (const FaceId f : patches_.faces_of(p))
         for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
+          check();
           const VertexId v = adjacency_.from(h);
           if (patches_at(v).size() < 2) continue;
           if (is_border ? !is_patch_boundary(adjacency_, patches_, h) : last[v] == p) continue;

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <tuple>
 
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/refinement/even_fill.h"
 #include "core/refinement/patch_refiner.h"
 #include "core/stages/patch_triangulation.h"
@@ -44,7 +44,7 @@ std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::ve
   std::vector<std::uint32_t> rank(n);
   order.resize(n);
   std::iota(order.begin(), order.end(), 0u);
-  sort_all(order.begin(), order.end(), [&](auto a, auto b) { return points[a] < points[b]; });
+  sort_stoppable(order.begin(), order.end(), control, [&](auto a, auto b) { return points[a] < points[b]; });
   std::vector<Vec2> sorted(n);
   for (std::uint32_t k = 0; k < n; ++k) {
     rank[order[k]] = k;
@@ -58,10 +58,12 @@ std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::ve
   if (made.outcome != Outcome::kDone) return std::nullopt;
 
   // Constrained half-edges are found again by their ends.
-  std::sort(pieces.begin(), pieces.end(),
-            [](const Piece& a, const Piece& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
+  sort_stoppable(pieces.begin(), pieces.end(), control,
+                 [](const Piece& a, const Piece& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
   result.half_edge.assign(side_count, DelaunayMesh::kNone);
+  StopCheck check(control);
   for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h) {
+    check();
     if (!made.mesh.is_constrained(h)) continue;
     const std::pair ends(order[made.mesh.from(h)], order[made.mesh.to(h)]);
     const auto piece = std::lower_bound(pieces.begin(), pieces.end(), ends,
@@ -114,7 +116,11 @@ PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTabl
   begin_turn(at);
   state_.reserve(2 * std::size_t{mesh_.triangle_slots()});
   state_.assign(mesh_.triangle_slots(), State::kUnknown);
-  for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) classify(t);
+  StopCheck check(control);
+  for (std::uint32_t t = 0; t < mesh_.triangle_slots(); ++t) {
+    check();
+    classify(t);
+  }
   for (std::size_t c = 0; c < chains_.size() && !impossible_.is_valid(); ++c)
     if (!cuts[chains_[c].segment].empty()) take_over(chains_[c].segment, cuts[chains_[c].segment]);
   first_refined_ = mesh_.vertex_slots();
@@ -309,9 +315,13 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
   // Points go to the grid, and to space.
   const double shortest = criteria_.min_edge_length / scale * (1 + 1e-9) + 2 * patch_.frame.grid;
   const std::size_t before = points.size();
-  for (const Vec2 p : even_fill(triangles, boundary, before, plane_sizes, shortest, most, control)) {
+  const auto is_too_fine = [&](double size) { return size / 2 < criteria_.min_edge_length; };
+  std::vector<Vec2> fill;
+  if (!plane_sizes.is_uniform || !is_too_fine(criteria_.even_size))
+    fill = even_fill(triangles, boundary, before, plane_sizes, shortest, most, control);
+  for (const Vec2 p : fill) {
     const double size = plane_sizes.at(p) * scale;
-    if (size / 2 < criteria_.min_edge_length) continue;
+    if (is_too_fine(size)) continue;
     points.push_back(on_grid(p));
     segment_.emplace_back();
     value_.push_back(Floor::above(criteria_.min_edge_length, size * 0x1p-6).packed());

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/refinement/held_sizes.h"
 #include "core/refinement/strips.h"
 #include "core/stages/projection.h"
@@ -204,28 +204,53 @@ class PatchPrediction {
 /// area inside beside pieces of so many of its lengths, and never one for the pieces.
 constexpr double kSizesOverFloor = 64;
 constexpr double kSizesOverRounding = 8;
+/// Where a floor is a matter, triangles that cannot be split for it have up to so many times the area of the
+/// equilateral one with edges of that length: a point in the middle of a larger one is farther from its corners, and
+/// from the pieces that cannot be cut.
+constexpr double kLeftBesideFloor = 16;
+/// A patch with a floor that is a matter, or with segments that stay, counts as filled only where it would have more
+/// faces than this: fewer are made as well as it goes, and do no harm.
+constexpr double kManyFaces = 0x1p20;
+/// They are read at a few places, so that what they come to is taken to be right within this factor.
+constexpr double kDoubtOfSamples = 16;
 
 /// Of one patch.
 class LeastFaces {
  public:
-  LeastFaces(const SegmentTable& segments, const Goals& goals, const SizeField& sizes)
+  LeastFaces(const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control)
       : segments_(segments),
+        goals_(goals),
+        control_(control),
         longest_(sizes.largest()),
         largest_area_(largest_area(goals, sizes)),
         // As long as the edges of the largest triangle, if these are all alike.
-        edge_(equilateral_edge(largest_area_)),
-        can_be_filled_(goals.min_edge_length * kSizesOverFloor <= edge_) {}
+        edge_(equilateral_edge(largest_area_)) {}
 
   double of(const PatchMesh& patch, PatchId p) const {
+    // Edges as long as this may stay, whatever sizes ask for.
+    double may_stay = is_floor_a_matter(goals_.min_edge_length, kSizesOverFloor) ? goals_.min_edge_length : 0;
     double pieces = 0;
-    bool is_filled = can_be_filled_;
+    bool is_any_locked = false, is_any_kept = false;
     for (const std::uint32_t i : segments_.sides_of_patch(p)) {
+      control_.check();
       const BoundarySegment& s = segments_[segments_.all_sides()[i].segment];
       pieces += least_pieces(s);
-      is_filled = is_filled && is_no_hindrance(s);
+      is_any_locked = is_any_locked || s.is_locked();
+      is_any_kept = is_any_kept || is_kept(s);
+      if (s.is_floor_raised && is_floor_a_matter(s.floor, s.is_floor_asked ? kSizesOverFloor : kSizesOverRounding))
+        may_stay = std::max(may_stay, s.floor);
     }
+    double largest = largest_area_;
+    if (may_stay > 0) largest = kLeftBesideFloor * std::max(largest, equilateral_area(may_stay));
     const auto triangles = static_cast<double>(patch.mesh.triangle_count());
-    return std::max({triangles, pieces - 2, is_filled ? area_of(patch) / largest_area_ : 0});
+    double filled = area_of(patch) / largest;
+    if (is_any_locked || may_stay > 0) {
+      if (!(filled > kManyFaces))
+        filled = 0;
+      else if (is_any_kept)
+        filled = away_from_kept(patch, p, largest);
+    }
+    return std::max({triangles, pieces - 2, filled});
   }
 
  private:
@@ -237,10 +262,39 @@ class LeastFaces {
     return s.floor <= longest_ || pieces > static_cast<double>(kMostFaces) ? pieces : 1;
   }
 
-  /// Are triangles beside it sure to be split until none is too large? Else any in its patch may stay.
-  bool is_no_hindrance(const BoundarySegment& s) const {
-    if (s.is_locked()) return false;
-    return !s.is_floor_raised || s.floor * (s.is_floor_asked ? kSizesOverFloor : kSizesOverRounding) <= edge_;
+  /// May triangles stay larger than sizes ask for, since points must not come nearer to each other?
+  bool is_floor_a_matter(double floor, double sizes_over_floor) const { return !(floor * sizes_over_floor <= edge_); }
+
+  /// Does a segment stay because somebody wants it to? Where only rounding leaves no room to cut it, sizes that ask for
+  /// so many faces are refused as well: what could be made misses them all over.
+  static bool is_kept(const BoundarySegment& s) { return s.lock == Lock::kKept || s.lock == Lock::kAsked; }
+
+  /// Beside sides that stay, triangles are as large as HeldSizes has them. So many does what is away from them take.
+  double away_from_kept(const PatchMesh& patch, PatchId p, double largest) const {
+    const Triangulation2d& mesh = patch.mesh;
+    const double scale = patch.frame.scale, edge = equilateral_edge(largest) / scale;
+    std::vector<HeldSide> held;
+    for (const std::uint32_t i : segments_.sides_of_patch(p)) {
+      const SegmentSide& side = segments_.all_sides()[i];
+      if (!is_kept(segments_[side.segment])) continue;
+      const Vec2 a = patch.uv[mesh.from(side.half_edge)], b = patch.uv[mesh.to(side.half_edge)];
+      if (norm(b - a) > edge) held.push_back({a, b, edge});
+    }
+    if (held.empty()) return area_of(patch) / largest;
+    const HeldSizes sizes(held, goals_.min_angle_deg, control_);
+    double faces = 0;
+    for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
+      const Vec2 a = patch.uv[mesh.from(h)], b = patch.uv[mesh.from(h + 1)], c = patch.uv[mesh.from(h + 2)];
+      const double part = cross(b - a, c - a) / 2 / (kSamples * kSamples);
+      // The middles of all small triangles that lie as the large one.
+      for (int i = 0; i < kSamples; ++i)
+        for (int j = 0; i + j < kSamples; ++j) {
+          control_.check();
+          const Vec2 at = a + ((i + 1.0 / 3) / kSamples) * (b - a) + ((j + 1.0 / 3) / kSamples) * (c - a);
+          faces += part / equilateral_area(std::max(edge, sizes.at(at)));
+        }
+    }
+    return faces / kDoubtOfSamples;
   }
 
   static double area_of(const PatchMesh& patch) {
@@ -253,22 +307,42 @@ class LeastFaces {
     return twice / 2 * patch.frame.scale * patch.frame.scale;
   }
 
+  static constexpr int kSamples = 6;
+
   const SegmentTable& segments_;
+  const Goals& goals_;
+  RunControl& control_;
   double longest_, largest_area_, edge_;
-  bool can_be_filled_;
 };
+
+/// All pieces in which segments are cut for their sizes before it shows whether rounding leaves room for them.
+double pieces_to_be_made(const SegmentTable& segments, const SizeField& sizes, RunControl& control) {
+  double pieces = 0;
+  StopCheck check(control);
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
+    check();
+    const BoundarySegment& s = segments[SegmentId(i)];
+    const bool is_cut = !s.is_locked() && !(s.is_floor_asked && s.floor > sizes.largest());
+    if (is_cut) pieces += count_pieces(s.length, sizes.largest()) - 1;
+  }
+  return pieces;
+}
 
 }  // namespace
 
-double least_faces(const std::vector<PatchMesh>& meshes, const SegmentTable& segments, const Goals& goals,
-                   const SizeField& sizes, RunControl& control) {
-  const LeastFaces least(segments, goals, sizes);
+double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
+                   const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control) {
+  // So many could not even be listed.
+  const double pieces = pieces_to_be_made(segments, sizes, control);
+  if (pieces > static_cast<double>(kMostFaces)) return pieces;
+  const LeastFaces least(segments, goals, sizes, control);
   double sum = 0;
   for (const double block : map_blocks<double>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
          double faces = 0;
          for (; p < end; ++p) {
            control.check();
-           faces += least.of(meshes[p], PatchId(p));
+           faces += is_frozen[p] == 0 ? least.of(meshes[p], PatchId(p))
+                                      : static_cast<double>(meshes[p].mesh.triangle_count());
          }
          return faces;
        }))
@@ -303,7 +377,7 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
   }
   if (needed.empty()) return total;
   // Of each edge the most.
-  sort_all(needed.begin(), needed.end());
+  sort_stoppable(needed.begin(), needed.end(), control);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < needed.size(); ++i) {
     const bool is_last =
@@ -313,7 +387,10 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
   needed.resize(kept);
   const auto faces = map_blocks<double>(meshes.size(), kPatches, control, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
-    for (std::size_t p = begin; p < end; ++p) sum += PatchPrediction(meshes[p], asked).faces_for_pieces(needed);
+    for (std::size_t p = begin; p < end; ++p) {
+      control.check();
+      sum += PatchPrediction(meshes[p], asked).faces_for_pieces(needed);
+    }
     return sum;
   });
   for (const double block : faces) total.expected += block;

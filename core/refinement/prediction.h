@@ -28,14 +28,16 @@ inline constexpr std::uint64_t kMostFaces = std::uint64_t{1} << 29;
 Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, const SizeField& sizes,
                    RunControl& control);
 
-/// So many faces every result has: of each patch its triangles as they are, or where more, what its area takes of the
-/// largest triangles that are allowed, and what the pieces of its boundary take. Where sizes may have to give way they
-/// count for nothing: at segments that stay as they are, and near floors not far below the sizes. What is not foreseen
-/// is that a refined patch fails the check, as may happen where the input intersects or touches itself, and stays as it
+/// A lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its triangles
+/// as they are, what the pieces of its boundary take, and its area over the largest triangle that is allowed. Near
+/// floors, triangles may stay larger than sizes ask for, and so they are taken here. Beside segments that are to stay as
+/// they are, only what is far enough from them counts, and only where very many faces are asked for. It is not foreseen
+/// that a refined patch fails the check, as may happen where the input intersects or touches itself, and stays as it
 /// was.
-/// Input:  the patches' segments, as they are limited; cuts need not be planned.
+/// Input:  the patches' segments, as they are limited; cuts need not be planned. `is_frozen`: the patches that are not
+///         refined.
 /// Cost:   O(n).
-double least_faces(const std::vector<PatchMesh>& meshes, const SegmentTable& segments, const Goals& goals,
-                   const SizeField& sizes, RunControl& control);
+double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
+                   const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control);
 
 }  // namespace remesh

@@ -10,7 +10,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/refinement/local_features.h"
 #include "core/refinement/strips.h"
 
@@ -88,15 +88,17 @@ double EvenParts::cut(double t0, double t1) const {
   return end(std::floor((first + last) / 2));
 }
 
-std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes) {
+std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes, RunControl& control) {
   std::vector<std::array<VertexId, 2>> ends;
+  StopCheck check(control);
   for (const PatchMesh& patch : meshes)
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+      check();
       if (!patch.mesh.is_constrained(h) || patch.is_held(h)) continue;
       const auto [low, high] = std::minmax(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]);
       ends.push_back({low, high});
     }
-  sort_all(ends.begin(), ends.end());
+  sort_stoppable(ends.begin(), ends.end(), control);
   ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
   return ends;
 }
@@ -175,7 +177,9 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     const bool is_from = patch.vertices[patch.mesh.from(side.half_edge)] == segments_[side.segment].from;
     return 2 * side.segment.value + (is_from ? 0u : 1u);
   };
+  StopCheck check(control);
   for (std::uint32_t i = 0; i < sides_.size(); ++i) {
+    check();
     if (!(seen[i].angle < kSmallAngle) || seen[i].next == i) continue;
     const std::uint32_t here = end_at_start(sides_[i]);
     // The next side comes in at the vertex: it ends where this one starts.
@@ -188,11 +192,13 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   std::vector<double> shortest(2 * segments_.size(), HUGE_VAL);
   std::vector<std::uint32_t> members(2 * segments_.size(), 0);
   for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
+    check();
     const std::uint32_t root = clusters_.find(e);
     shortest[root] = std::min(shortest[root], segments_[SegmentId(e / 2)].length);
     ++members[root];
   }
   for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
+    check();
     const std::uint32_t root = clusters_.find(e);
     if (members[root] > 1) segments_[SegmentId(e / 2)].shell_base[e % 2] = shortest[root] / 3;
   }
@@ -226,7 +232,9 @@ void SegmentTable::plan_cuts(const std::vector<PatchMesh>& meshes, const SizeFie
   // What they make next to a corner is cut in halves. (Where all is of one size that would take up to a tenth more.)
   if (sizes.is_uniform()) return;
   std::vector<double> first(2 * segments_.size(), HUGE_VAL);
+  StopCheck check(control);
   for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
+    check();
     double& least = first[clusters.find(e)];
     if (const auto shells = corner_shells_.at(e); !shells.empty()) least = std::min(least, shells.front());
   }

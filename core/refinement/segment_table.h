@@ -66,7 +66,7 @@ struct SegmentSide {
 };
 
 /// The ends of every segment, the smaller id first, each once; ascending.
-std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes);
+std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes, RunControl& control);
 
 /// Segments, what limits their pieces, and who has them. Where a piece is cut depends on that piece alone: the cuts of
 /// a segment form one binary tree, whoever asks for them and when, so patches can cut on their own and agree later.

@@ -6,15 +6,16 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 
 namespace remesh {
 namespace {
 
 /// The number of each input face; empty where all are labelled alike.
-IdVector<FaceId, std::uint32_t> number_all(const FaceLabels& labels) {
+IdVector<FaceId, std::uint32_t> number_all(const FaceLabels& labels, RunControl& control) {
   const std::size_t faces =
       std::max({labels.object.of_face.size(), labels.group.of_face.size(), labels.material.of_face.size()});
-  IdVector<FaceId, std::uint32_t> numbers = number_labels(labels, {true, true, true}, faces);
+  IdVector<FaceId, std::uint32_t> numbers = number_labels(labels, {true, true, true}, faces, control);
   if (std::all_of(numbers.begin(), numbers.end(), [](std::uint32_t n) { return n == 0; })) numbers.clear();
   return numbers;
 }
@@ -32,7 +33,8 @@ BodyLabels single_labels(const IdVector<FaceId, std::uint32_t>& numbers) {
 
 }  // namespace
 
-IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Barriers& barriers, std::size_t faces) {
+IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Barriers& barriers, std::size_t faces,
+                                              RunControl& control) {
   using Key = std::tuple<std::uint32_t, std::uint32_t, std::uint32_t>;
   std::map<Key, std::size_t> number_of;
   Key last;
@@ -45,7 +47,9 @@ IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Ba
   const auto label = [&](const LabelSet& set, bool is_barrier, FaceId f) {
     return separates(set, is_barrier) ? set.of_face[f] : 0u;
   };
+  StopCheck check(control);
   for (std::size_t i = 0; i < faces; ++i) {
+    check();
     const FaceId f(i);
     const Key key{label(labels.object, barriers.object, f), label(labels.group, barriers.group, f),
                   label(labels.material, barriers.material, f)};
@@ -57,7 +61,7 @@ IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Ba
 }
 
 BodyLabels labels_of_sources(const FaceLabels& labels, std::span<const FaceId> source, RunControl& control) {
-  const IdVector<FaceId, std::uint32_t> numbers = number_all(labels);
+  const IdVector<FaceId, std::uint32_t> numbers = number_all(labels, control);
   if (numbers.empty()) return {};
   BodyLabels result = single_labels(numbers);
   result.set_of.resize(source.size());
@@ -69,7 +73,7 @@ BodyLabels labels_of_sources(const FaceLabels& labels, std::span<const FaceId> s
 
 BodyLabels labels_of_patches(const FaceLabels& labels, const Surface& surface, const PatchSet& patches,
                              RunControl& control) {
-  const IdVector<FaceId, std::uint32_t> numbers = number_all(labels);
+  const IdVector<FaceId, std::uint32_t> numbers = number_all(labels, control);
   if (numbers.empty()) return {};
   BodyLabels result = single_labels(numbers);
   std::map<std::vector<std::uint32_t>, std::uint32_t> number_of_set;

@@ -17,7 +17,8 @@ namespace remesh {
 
 /// Numbers the combinations of those labels that are barriers, in order of first use.
 /// Output:  one number a face; empty where no barrier is used.
-IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Barriers& barriers, std::size_t faces);
+IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Barriers& barriers, std::size_t faces,
+                                              RunControl& control);
 
 /// The labels of faces that came from one input face each, whatever the barriers are.
 /// Cost:    O(n log k) for k combinations of labels, of which neighbours in the input have few.

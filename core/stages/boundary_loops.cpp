@@ -1,6 +1,7 @@
 #include "core/stages/boundary_loops.h"
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 
 namespace remesh {
 BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
@@ -23,6 +24,7 @@ BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency,
     loops.patch_begin.push_back(static_cast<std::uint32_t>(loops.loop_begin.size() - 1));
   };
   PatchId patch(0);
+  StopCheck check(control);
   for (const std::vector<std::uint32_t>& block : starts) {
     control.check();
     for (const std::uint32_t start : block) {
@@ -30,11 +32,15 @@ BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency,
       for (; patches.of_face[adjacency.face_of(start)] != patch; ++patch.value) close_patch();
       std::uint32_t h = start;
       do {
+        check();
         loops.half_edges.push_back(h);
         is_walked[h] = true;
         // Turn about the head of h, through the patch's faces, to the next open edge.
         h = adjacency.next(h);
-        while (!is_patch_boundary(adjacency, patches, h)) h = adjacency.next(adjacency.twin(h));
+        while (!is_patch_boundary(adjacency, patches, h)) {
+          check();
+          h = adjacency.next(adjacency.twin(h));
+        }
       } while (h != start);
       loops.loop_begin.push_back(static_cast<std::uint32_t>(loops.half_edges.size()));
     }

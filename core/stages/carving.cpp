@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/stoppable.h"
+
 namespace remesh {
 namespace {
 
@@ -18,13 +20,17 @@ Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunC
   std::uint32_t points = 0;
   for (std::uint32_t h = 0; h < half_edges; ++h) points = std::max(points, mesh.from(h) + 1);
   std::vector<std::uint32_t> begin(points + 1, 0);
+  StopCheck check(control);
   for (const auto& [u, v] : loop_edges) ++begin[u + 1];
   for (std::uint32_t p = 0; p < points; ++p) begin[p + 1] += begin[p];
   std::vector<std::uint32_t> heads(loop_edges.size());
   {
     std::vector<std::uint32_t> at(begin.begin(), begin.end() - 1);
     for (const auto& [u, v] : loop_edges) heads[at[u]++] = v;
-    for (std::uint32_t p = 0; p < points; ++p) std::sort(heads.begin() + begin[p], heads.begin() + begin[p + 1]);
+    for (std::uint32_t p = 0; p < points; ++p) {
+      check();
+      std::sort(heads.begin() + begin[p], heads.begin() + begin[p + 1]);
+    }
   }
   const auto is_loop_edge = [&](std::uint32_t u, std::uint32_t v) {
     return std::binary_search(heads.begin() + begin[u], heads.begin() + begin[u + 1], v);
@@ -43,6 +49,7 @@ Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunC
   };
   const auto flood = [&] {
     while (!stack.empty()) {
+      check();
       const std::uint32_t t = stack.back();
       stack.pop_back();
       for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)

@@ -7,6 +7,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/predicates.h"
 #include "core/stages/delaunay_flips.h"
 
@@ -151,12 +152,18 @@ bool release_held(PatchMesh& patch, const IsWanted& is_wanted, RunControl& contr
 /// Treats chord after chord, where flips for one before it have not changed the edge: the next pass looks at it again.
 /// `treat` says whether it could; where it could not, nothing has changed.
 template <class Treat>
-bool for_chords(std::vector<PatchMesh>& meshes, const std::vector<Chord>& chords, const Treat& treat) {
+bool for_chords(std::vector<PatchMesh>& meshes, const std::vector<Chord>& chords, RunControl& control,
+                const Treat& treat) {
   std::vector<Key> keys;
   keys.reserve(chords.size());
-  for (const Chord& chord : chords) keys.push_back(key_of(meshes[chord.patch.value], chord.half_edge));
+  StopCheck check(control);
+  for (const Chord& chord : chords) {
+    check();
+    keys.push_back(key_of(meshes[chord.patch.value], chord.half_edge));
+  }
   bool is_any = false;
   for (std::size_t i = 0; i < chords.size(); ++i) {
+    check();
     PatchMesh& patch = meshes[chords[i].patch.value];
     if (key_of(patch, chords[i].half_edge) == keys[i]) is_any = treat(patch, chords[i].half_edge) || is_any;
   }
@@ -171,13 +178,20 @@ std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t
   Uses uses = edge_uses(meshes, vertex_end, control, [](const Key&, bool is_inside) { return is_inside; });
   if (uses.empty()) return {};
   std::vector<std::uint8_t> is_end(vertex_end, 0);
-  for (const Use& use : uses) is_end[use.key.first.value] = is_end[use.key.second.value] = 1;
+  StopCheck check(control);
+  for (const Use& use : uses) {
+    check();
+    is_end[use.key.first.value] = is_end[use.key.second.value] = 1;
+  }
   const Uses boundary = edge_uses(meshes, vertex_end, control, [&](const Key& key, bool is_inside) {
     return !is_inside && is_end[key.first.value] != 0 && is_end[key.second.value] != 0;
   });
   const auto middle = static_cast<std::ptrdiff_t>(uses.size());
   uses.insert(uses.end(), boundary.begin(), boundary.end());
-  std::inplace_merge(uses.begin(), uses.begin() + middle, uses.end());
+  std::inplace_merge(uses.begin(), uses.begin() + middle, uses.end(), [&](const Use& a, const Use& b) {
+    check();
+    return a < b;
+  });
   return chords_of(uses, control);
 }
 
@@ -191,7 +205,9 @@ bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCont
   for (int pass = 0;; ++pass) {
     const Uses uses = edge_uses(meshes, vertex_end, control);
     bool is_settled = true;
+    StopCheck check(control);
     for (PatchMesh& patch : meshes) {
+      check();
       const auto is_wanted = [&](std::uint32_t h) {
         return is_used(uses, key_of(patch, patch.mesh.apex(h), patch.mesh.apex(patch.mesh.twin(h))));
       };
@@ -202,7 +218,7 @@ bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCont
     if (pass == kMostPasses) return false;
     if (!is_settled) continue;
     const auto flip_one = [&](PatchMesh& patch, std::uint32_t h) { return flip_away(patch, h, uses, control); };
-    if (!for_chords(meshes, chords, flip_one)) return false;
+    if (!for_chords(meshes, chords, control, flip_one)) return false;
   }
 }
 
@@ -216,7 +232,8 @@ void split_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCon
   // Each pass leaves fewer: the edges that are new all end at a new vertex.
   do {
     chords = find_chords(meshes, vertex_end, control);
-  } while (for_chords(meshes, chords, [&](PatchMesh& patch, std::uint32_t h) { return split(patch, h, control); }));
+  } while (
+      for_chords(meshes, chords, control, [&](PatchMesh& patch, std::uint32_t h) { return split(patch, h, control); }));
 }
 
 }  // namespace remesh

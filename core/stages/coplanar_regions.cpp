@@ -12,7 +12,7 @@
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
 #include "core/base/large_first.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/base/union_find.h"
 #include "core/geometry/plane_fit.h"
@@ -195,7 +195,7 @@ class Growth {
     auto all = concatenate<Place>(found, control_, [](const NewRegion& region) {
       return Place{region.is_thin, region.seed.area, &region};
     });
-    sort_all(all.begin(), all.end(), [](const Place& a, const Place& b) {
+    sort_stoppable(all.begin(), all.end(), control_, [](const Place& a, const Place& b) {
       if (a.is_thin == b.is_thin && a.area != b.area) return a.area > b.area;
       return a.region->is_before(*b.region);
     });

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 
 namespace remesh {
@@ -20,14 +21,19 @@ class Duplicates {
     if (suspects.empty()) return fate_;
     find_first_half_edges();
     std::vector<EdgeId> edges;
-    for (const FaceId f : suspects)
+    StopCheck check(control_);
+    for (const FaceId f : suspects) {
+      check();
       if (first_[f.value] != Adjacency::kNone) edges.push_back(edges_.edge_of(first_[f.value]));
-    std::sort(edges.begin(), edges.end());
+    }
+    sort_stoppable(edges.begin(), edges.end(), control_);
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
     for (const EdgeId e : edges) {
       faces_.clear();
-      for (const std::uint32_t h : edges_.half_edges(e))
+      for (const std::uint32_t h : edges_.half_edges(e)) {
+        check();
         if (is_first(h)) faces_.push_back(edges_.face_of(h));
+      }
       if (faces_.size() > 1) compare();
     }
     if (!fate_.empty()) decide_on_backs();
@@ -43,7 +49,9 @@ class Duplicates {
       const std::uint32_t h = surface_.face_begin[f], twin = edges_.twin(h);
       return twin != Adjacency::kNone && do_go_on_alike(h, twin);
     });
+    StopCheck check(control_);
     for (const EdgeId e : edges_.odd_edges()) {
+      check();
       const auto around = edges_.half_edges(e);
       // Between a corner and its repetition there is no direction to look in.
       const bool is_point = edges_.from(around[0]) == edges_.to(around[0]);
@@ -113,14 +121,16 @@ class Duplicates {
 
   /// The faces that begin on one edge.
   void compare() {
-    std::sort(faces_.begin(), faces_.end(), [&](FaceId f, FaceId g) {
+    sort_stoppable(faces_.begin(), faces_.end(), control_, [&](FaceId f, FaceId g) {
       const int sign = order(f, g);
       return sign != 0 ? sign < 0 : f < g;
     });
+    StopCheck check(control_);
     for (std::size_t i = 0; i < faces_.size();) {
       const FaceId first = faces_[i];
       bool has_back = false;
       for (++i; i < faces_.size() && order(first, faces_[i]) == 0; ++i) {
+        check();
         if (fate_.empty()) fate_.assign(surface_.face_count(), kStays);
         const bool is_back = runs_forward(faces_[i]) != runs_forward(first) && !has_back;
         has_back = has_back || is_back;
@@ -129,29 +139,46 @@ class Duplicates {
     }
   }
 
-  template <class Visit>
-  void for_each_edge_of_backs(const Visit& visit) const {
-    for (std::uint32_t f = 0; f < surface_.face_count(); ++f)
+  /// The edges of the faces that are seen from behind, each once: many such faces may have one edge in common.
+  std::vector<EdgeId> edges_of_backs() const {
+    std::vector<EdgeId> edges;
+    StopCheck check(control_);
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      check();
       if (fate_[f] == kBack)
         for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
-          visit(f, edges_.half_edges(edges_.edge_of(h)));
+          edges.push_back(edges_.edge_of(h));
+    }
+    sort_stoppable(edges.begin(), edges.end(), control_);
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
   }
 
   void decide_on_backs() {
     UnionFind cluster(surface_.face_count());
-    for_each_edge_of_backs([&](std::uint32_t f, const auto& around) {
-      for (const std::uint32_t h : around)
-        if (const std::uint32_t g = edges_.face_of(h).value; fate_[g] == kBack) {
-          cluster.join(f, g);
-          break;
-        }
-    });
-    std::vector<std::uint8_t> has_to_stay(surface_.face_count(), 0);
-    for_each_edge_of_backs([&](std::uint32_t f, const auto& around) {
+    const std::vector<EdgeId> edges = edges_of_backs();
+    StopCheck check(control_);
+    std::vector<std::uint32_t> first_back;
+    std::vector<std::uint8_t> would_be_odd;
+    for (const EdgeId e : edges) {
+      std::uint32_t first = Adjacency::kNone;
       std::size_t left = 0;
-      for (const std::uint32_t h : around) left += fate_[edges_.face_of(h).value] == kStays;
-      if (left != 2) has_to_stay[cluster.find(f)] = 1;
-    });
+      for (const std::uint32_t h : edges_.half_edges(e)) {
+        check();
+        const std::uint32_t f = edges_.face_of(h).value;
+        left += fate_[f] == kStays;
+        if (fate_[f] != kBack) continue;
+        if (first == Adjacency::kNone)
+          first = f;
+        else
+          cluster.join(first, f);
+      }
+      first_back.push_back(first);
+      would_be_odd.push_back(left != 2);
+    }
+    std::vector<std::uint8_t> has_to_stay(surface_.face_count(), 0);
+    for (std::size_t i = 0; i < edges.size(); ++i)
+      if (would_be_odd[i] != 0) has_to_stay[cluster.find(first_back[i])] = 1;
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f)
       if (fate_[f] == kBack && !has_to_stay[cluster.find(f)]) fate_[f] = kDropped;
   }
@@ -180,7 +207,9 @@ bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, Mend mend, s
                   "faces repeat another one, seen from behind, and stay: without them the surface would be open or "
                   "have edges of three faces"};
   FaceList kept;
+  StopCheck check(control);
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
+    check();
     const FaceId f(i);
     const std::uint32_t source = surface.face_source[f].value;
     const bool is_dropped = fate[i] == Duplicates::kDropped && mend == Mend::kYes;

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 
 namespace remesh {
 namespace {
@@ -39,21 +39,23 @@ class Selection {
         forced_(forced),
         pinched_(pinched),
         tolerance_(tolerance),
-        control_(control) {}
+        control_(control),
+        check_(control) {}
 
   EssentialVertices run() {
     find_boundary();
     mark_junctions();
     // What touches there must go on touching.
     for (const VertexId v : pinched_) essential_[v] = 1;
-    std::uint32_t looks = 0;
     for (const VertexId v : vertices_) {
-      if (looks++ % 4096 == 0) control_.check();
+      check_();
       if (essential_[v])
         for (const EdgeId e : edges_at(v)) walk(v, e);
     }
-    for (const VertexId v : vertices_)
+    for (const VertexId v : vertices_) {
+      check_();
       if (degree_[v.value] == 2 && !is_walked_[edges_at(v)[0].value]) close_ring(v);
+    }
     keep_doubled_chords();
     // Inside a patch, a vertex has a closed fan of that patch's faces: if it is a corner of something else, too, its
     // faces do not hang together there.
@@ -89,6 +91,7 @@ class Selection {
     const auto is_boundary = [&](std::size_t e) { return loops_.is_boundary[adjacency_.half_edges(EdgeId(e))[0]]; };
     const auto boundary = select_ids<EdgeId>(adjacency_.edge_count(), kItemsPerBlock, control_, is_boundary);
     for (const EdgeId e : boundary) {
+      check_();
       ++degree_[low(e).value];
       ++degree_[high(e).value];
     }
@@ -97,12 +100,16 @@ class Selection {
     first_.resize(vertices);
     std::uint32_t all = 0;
     for (const VertexId v : vertices_) {
+      check_();
       first_[v.value] = all;
       all += std::exchange(degree_[v.value], 0);
     }
     incident_.resize(all);
     for (const EdgeId e : boundary)
-      for (const VertexId v : {low(e), high(e)}) incident_[first_[v.value] + degree_[v.value]++] = e;
+      for (const VertexId v : {low(e), high(e)}) {
+        check_();
+        incident_[first_[v.value] + degree_[v.value]++] = e;
+      }
     is_walked_.assign(adjacency_.edge_count(), false);
   }
 
@@ -129,6 +136,7 @@ class Selection {
     run_.assign(1, start);
     VertexId v = start;
     while (true) {
+      check_();
       is_walked_[e.value] = true;
       v = other_end(e, v);
       run_.push_back(v);
@@ -143,6 +151,7 @@ class Selection {
     run_.assign(1, start);
     EdgeId e = edges_at(start)[0];
     for (VertexId v = other_end(e, start); v != start; v = other_end(e, v)) {
+      check_();
       is_walked_[e.value] = true;
       run_.push_back(v);
       e = other_edge(v, e);
@@ -181,6 +190,7 @@ class Selection {
       std::size_t split = 0;
       bool is_in_order = true;
       for (std::size_t k = i + 1; k < j; ++k) {
+        check_();
         const ChordPosition position = about_chord(a, b, at(run_[k]));
         if (position.distance > farthest ||
             (split != 0 && position.distance == farthest && at(run_[k]) < at(run_[split]))) {
@@ -211,11 +221,13 @@ class Selection {
     };
     std::vector<Chord> chords;
     for (const VertexId v : vertices_) {
+      check_();
       if (!essential_[v]) continue;
       for (const EdgeId first : edges_at(v)) {
         EdgeId e = first;
         VertexId w = other_end(e, v);
         while (!essential_[w]) {
+          check_();
           e = other_edge(w, e);
           w = other_end(e, w);
         }
@@ -223,15 +235,17 @@ class Selection {
       }
     }
     const auto key = [](const Chord& c) { return std::pair{c.a, c.b}; };
-    sort_all(chords.begin(), chords.end(), [&](const Chord& c, const Chord& d) {
+    sort_stoppable(chords.begin(), chords.end(), control_, [&](const Chord& c, const Chord& d) {
       return key(c) != key(d) ? key(c) < key(d) : c.first_edge < d.first_edge;
     });
     for (std::size_t i = 0; i < chords.size(); ++i) {
+      check_();
       const bool doubled = (i > 0 && key(chords[i]) == key(chords[i - 1])) ||
                            (i + 1 < chords.size() && key(chords[i]) == key(chords[i + 1]));
       if (!doubled) continue;
       EdgeId e = chords[i].first_edge;
       for (VertexId w = other_end(e, chords[i].from); w != chords[i].b; w = other_end(e, w)) {
+        check_();
         essential_[w] = 1;
         e = other_edge(w, e);
       }
@@ -245,6 +259,7 @@ class Selection {
   std::span<const VertexId> pinched_;
   double tolerance_;
   RunControl& control_;
+  StopCheck check_;
   IdVector<VertexId, std::uint8_t> essential_;
   std::vector<VertexId> vertices_;                              ///< of the boundary
   std::vector<std::uint32_t> degree_;                           ///< boundary edges at each vertex

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/geometry/overlap.h"
 #include "core/stages/polygon_split.h"
@@ -22,10 +23,12 @@ struct Diagonal {
   friend auto operator<=>(const Diagonal&, const Diagonal&) = default;
 };
 
-std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& faces) {
+std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& faces, RunControl& control) {
   std::vector<Diagonal> all;
   std::vector<std::pair<VertexId, VertexId>> sides;
+  StopCheck check(control);
   for (std::size_t begin = 0; begin < faces.size();) {
+    check();
     const FaceId f = faces.face(begin);
     std::size_t end = begin;
     sides.clear();
@@ -36,11 +39,11 @@ std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& f
     begin = end;
     if (surface.face(f).size() == 3) continue;
     // Two of its triangles share it. So they do the bridge to a hole, which is no edge of another face.
-    std::sort(sides.begin(), sides.end());
+    sort_stoppable(sides.begin(), sides.end(), control);
     for (std::size_t i = 1; i < sides.size(); ++i)
       if (sides[i] == sides[i - 1]) all.push_back({sides[i].first, sides[i].second, f});
   }
-  std::sort(all.begin(), all.end());
+  sort_stoppable(all.begin(), all.end(), control);
   return all;
 }
 
@@ -50,7 +53,7 @@ template <class Add>
 bool for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& faces, RunControl& control,
                                  const Add& add) {
   if (!faces.are_split()) return true;
-  const std::vector<Diagonal> diagonals = diagonals_of(surface, faces);
+  const std::vector<Diagonal> diagonals = diagonals_of(surface, faces, control);
   if (diagonals.empty()) return true;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
     if (f % kItemsPerBlock == 0) control.check();
@@ -83,7 +86,7 @@ bool is_flat(const std::vector<Vec3>& loop) {
 }  // namespace
 
 void find_defects(const Surface& welded, const Adjacency& edges, std::span<const VertexId> pinched,
-                  std::vector<Diagnostic>& diagnostics) {
+                  std::vector<Diagnostic>& diagnostics, RunControl& control) {
   Diagnostic non_manifold{
       DiagnosticCode::kNonManifoldEdge, 0, {}, "edges have three or more faces; elements are faces"};
   Diagnostic joined{DiagnosticCode::kNonManifoldVertex,
@@ -91,7 +94,9 @@ void find_defects(const Surface& welded, const Adjacency& edges, std::span<const
                     {},
                     "vertices join faces that have no edge there in common; elements are vertices"};
   Diagnostic open{DiagnosticCode::kOpenBoundary, 0, {}, "edges have one face only; elements are faces"};
+  StopCheck check(control);
   for (const EdgeId e : edges.odd_edges()) {
+    check();
     const auto around = edges.half_edges(e);
     if (around.size() == 2 || edges.from(around[0]) == edges.to(around[0])) continue;
     (around.size() == 1 ? open : non_manifold).add(welded.face_source[edges.face_of(around[0])].value);
@@ -130,7 +135,11 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
   std::vector<PatchId> patch_of_triangle;
   std::span<const PatchId> patch = patches.of_face.items();
   if (faces.are_split()) {
-    for (std::size_t t = 0; t < faces.size(); ++t) patch_of_triangle.push_back(patches.of_face[faces.face(t)]);
+    StopCheck check(control);
+    for (std::size_t t = 0; t < faces.size(); ++t) {
+      check();
+      patch_of_triangle.push_back(patches.of_face[faces.face(t)]);
+    }
     patch = patch_of_triangle;
   }
   std::vector<Vec3> normals;
@@ -146,7 +155,9 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
     bool is_before(const Pair& other) const { return std::pair(f, g) < std::pair(other.f, other.g); }
   };
   std::vector<Pair> pairs;
+  StopCheck check(control);
   for (const auto& [t, u] : found.pairs) {
+    check();
     const auto [f, g] = std::minmax({faces.face(t.value), faces.face(u.value)});
     if (f != g)
       pairs.push_back({f, g, do_overlap(faces.triangle(t.value), faces.triangle(u.value), positions, plane_tolerance)});

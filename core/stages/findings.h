@@ -19,8 +19,9 @@ namespace remesh {
 /// Reports, from a welded surface: non_manifold_edge and open_boundary (elements: the input faces at such edges), and
 /// non_manifold_vertex (elements: vertices where faces meet that are not connected there over edges).
 /// Input:   as pinched_vertices finds them.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 void find_defects(const Surface& welded, const Adjacency& edges, std::span<const VertexId> pinched,
-                  std::vector<Diagnostic>& diagnostics);
+                  std::vector<Diagnostic>& diagnostics, RunControl& control);
 
 /// A surface's faces as triangles, polygons split by split_polygon, less their spikes. Looks into the surface: where that has nothing but
 /// triangles, they are its own.

@@ -10,6 +10,7 @@
 #include "core/base/pages.h"
 #include "core/base/parallel.h"
 #include "core/base/ranked_ids.h"
+#include "core/base/stoppable.h"
 #include "core/stages/patch_triangulation.h"
 #include "core/stages/projection.h"
 
@@ -68,7 +69,9 @@ class Mesher {
   /// Essential corners of the patch's faces: those of its loops, and those where something else touches its inside.
   void collect_vertices(PatchId p) {
     corners_.clear();
+    StopCheck check(control_);
     const auto add = [&](VertexId v) {
+      check();
       if (essential_[v]) corners_.push_back(v);
     };
     if (essential_.are_on_loops) {
@@ -78,15 +81,17 @@ class Mesher {
       for (const FaceId f : patches_.faces_of(p))
         for (const VertexId v : surface_.face(f)) add(v);
     }
-    vertices_.assign(corners_);
+    vertices_.assign(corners_, control_);
   }
 
   /// The loops, less the vertices that are not essential.
   void collect_sides(PatchId p) {
     sides_.clear();
+    StopCheck check(control_);
     for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l) {
       VertexId first, last;
       for (const std::uint32_t h : loops_.loop(l)) {
+        check();
         const VertexId v = adjacency_.from(h);
         if (!essential_[v]) continue;
         if (last.is_valid())
@@ -111,12 +116,17 @@ class Mesher {
 
     const std::size_t n = vertices_.size();
     order_.resize(n);
-    for (std::uint32_t i = 0; i < n; ++i) order_[i] = {to_plane(result.frame, points_[i]), i};
-    std::sort(order_.begin(), order_.end(), [](const Flat& a, const Flat& b) { return a.uv < b.uv; });
+    StopCheck check(control_);
+    for (std::uint32_t i = 0; i < n; ++i) {
+      check();
+      order_[i] = {to_plane(result.frame, points_[i]), i};
+    }
+    sort_stoppable(order_.begin(), order_.end(), control_, [](const Flat& a, const Flat& b) { return a.uv < b.uv; });
     rank_.resize(n);
     result.vertices.resize(n);
     result.uv.resize(n);
     for (std::uint32_t k = 0; k < n; ++k) {
+      check();
       const auto& [uv, i] = order_[k];
       if (k > 0 && uv == order_[k - 1].uv) return Outcome::kCrossingConstraints;
       rank_[i] = k;
@@ -124,7 +134,10 @@ class Mesher {
       result.uv[k] = uv;
     }
     segments_.clear();
-    for (const auto& [a, b] : sides_) segments_.push_back({rank_of(a), rank_of(b)});
+    for (const auto& [a, b] : sides_) {
+      check();
+      segments_.push_back({rank_of(a), rank_of(b)});
+    }
     PatchTriangulation triangulation = triangulate_patch(result.uv, segments_, control_);
     result.mesh = std::move(triangulation.mesh);
     if (triangulation.outcome == Outcome::kDone && result.mesh.triangle_count() == 0)
@@ -144,10 +157,13 @@ class Mesher {
   void lay_out_triangle(PatchId p, PatchMesh& result) const {
     const auto loop = surface_.face(patches_.faces_of(p)[0]);
     std::array<VertexId, 3> corner{loop[0], loop[1], loop[2]};
-    // Differences first: a small triangle far from the origin loses nothing.
-    const auto side = [&](int i) {
-      return (1 / surface_.unit) * (surface_.positions[corner[(i + 1) % 3]] - surface_.positions[corner[i % 3]]);
+    // Differences first: a small triangle far from the origin loses nothing. In its own unit: of one that is far
+    // smaller than the mesh, products would underflow in the mesh's.
+    const auto difference = [&](int i) {
+      return surface_.positions[corner[(i + 1) % 3]] - surface_.positions[corner[i % 3]];
     };
+    const double unit = unit_of({difference(0), difference(1), difference(2)});
+    const auto side = [&](int i) { return (1 / unit) * difference(i); };
     int longest = 0;
     for (int i = 1; i < 3; ++i)
       if (norm(side(i)) > norm(side(longest))) longest = i;
@@ -158,16 +174,20 @@ class Mesher {
     frame.origin = surface_.positions[corner[0]];
     frame.x_axis = normalized(ab);
     frame.normal = normalized(cross(ab, ac));
-    if (frame.normal == Vec3{}) frame.normal = patches_.planes[p].normal;
+    for (const Vec3& other : {patches_.planes[p].normal, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+      if (!is_across(frame.normal, frame.x_axis)) frame.normal = other;
+    frame.normal = normalized(frame.normal - dot(frame.normal, frame.x_axis) * frame.x_axis);
     frame.normal = normalized(frame.normal - dot(frame.normal, frame.x_axis) * frame.x_axis);
     frame.y_axis = cross(frame.normal, frame.x_axis);
     frame.grid = kFineGrid;
     int exponent = 0;
     std::frexp(norm(ab), &exponent);
-    frame.scale = std::ldexp(surface_.unit, exponent);
+    frame.scale = std::ldexp(unit, exponent);
     const Vec3 b = surface_.positions[corner[1]], c = surface_.positions[corner[2]];
-    const Vec2 uv_b{to_plane(frame, b).x, 0};
-    const Vec2 uv_c{std::clamp(to_plane(frame, c).x, 0.0, uv_b.x), std::max(to_plane(frame, c).y, kFineGrid)};
+    // Of a needle the third corner may come to lie before the first one, or behind the second: nearly as long sides are
+    // told from the longest by rounding.
+    const Vec2 uv_b{std::min(to_plane(frame, b).x, 1.0), 0};
+    const Vec2 uv_c{std::clamp(to_plane(frame, c).x, -1.0, 1.0), std::max(to_plane(frame, c).y, kFineGrid)};
 
     std::array<std::pair<Vec2, VertexId>, 3> points{{{{0, 0}, corner[0]}, {uv_b, corner[1]}, {uv_c, corner[2]}}};
     std::sort(points.begin(), points.end());
@@ -184,6 +204,22 @@ class Mesher {
     result.mesh = {};
     const std::uint32_t h = result.mesh.add_triangle(index(corner[0]), index(corner[1]), index(corner[2]));
     for (std::uint32_t k = 0; k < 3; ++k) result.mesh.constrain(h + k);
+  }
+
+  /// The power of two above the largest part of some sides, as far as it has a reciprocal.
+  static double unit_of(const std::array<Vec3, 3>& sides) {
+    double largest = 0;
+    for (const Vec3& s : sides) largest = std::max({largest, std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)});
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    constexpr int kMost = 1022;
+    return std::ldexp(1.0, std::clamp(exponent, -kMost, kMost));
+  }
+
+  /// Do two unit vectors, or none, stand far from each other's line?
+  static bool is_across(const Vec3& a, const Vec3& b) {
+    constexpr double kClearly = 1e-3;
+    return norm(cross(a, b)) > kClearly;
   }
 
   const Surface& surface_;

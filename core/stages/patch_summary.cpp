@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 
 namespace remesh {
 namespace {
@@ -16,8 +16,8 @@ namespace {
 /// Measures of a model near the largest double stay numbers, as those of the whole surface do.
 double within_double(double measure) { return std::min(measure, DBL_MAX); }
 
-std::size_t distinct(std::vector<VertexId>& vertices) {
-  sort_all(vertices.begin(), vertices.end());
+std::size_t distinct(std::vector<VertexId>& vertices, RunControl& control) {
+  sort_stoppable(vertices.begin(), vertices.end(), control);
   return static_cast<std::size_t>(std::unique(vertices.begin(), vertices.end()) - vertices.begin());
 }
 
@@ -28,16 +28,18 @@ class Summariser {
  public:
   Summariser(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
              const PatchSet& patches, const BoundaryLoops& loops, const EssentialVertices& essential,
-             const Ladder& ladder)
+             const Ladder& ladder, RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
         areas_(areas),
         patches_(patches),
         loops_(loops),
         essential_(essential),
-        ladder_(ladder) {}
+        ladder_(ladder),
+        control_(control) {}
 
   PatchSummary of(PatchId p) {
+    control_.check();
     const Plane& plane = patches_.planes[p];
     const FaceId first = patches_.faces_of(p)[0];
     PatchSummary s;
@@ -56,10 +58,13 @@ class Summariser {
     // A region with k loop corners (a vertex counts as often as loops pass it) on l loops and m points inside is
     // cut into k + 2 m + 2 l - 4 triangles.
     rim_.clear();
+    StopCheck check(control_);
     for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l)
-      for (const std::uint32_t h : loops_.loop(l))
+      for (const std::uint32_t h : loops_.loop(l)) {
+        check();
         if (essential_[adjacency_.from(h)]) rim_.push_back(adjacency_.from(h));
-    const std::size_t corners = rim_.size(), on_rim = distinct(rim_);
+      }
+    const std::size_t corners = rim_.size(), on_rim = distinct(rim_, control_);
     const std::size_t vertices = essential_.are_on_loops ? on_rim : count_essential(p), inside = vertices - on_rim;
     s.essential_vertices = static_cast<std::uint32_t>(vertices);
     const auto triangles = static_cast<std::int64_t>(corners + 2 * inside + 2ull * s.loops) - 4;
@@ -71,10 +76,13 @@ class Summariser {
   /// Of all corners of the patch's faces.
   std::size_t count_essential(PatchId p) {
     corners_.clear();
+    StopCheck check(control_);
     for (const FaceId f : patches_.faces_of(p))
-      for (const VertexId v : surface_.face(f))
+      for (const VertexId v : surface_.face(f)) {
+        check();
         if (essential_[v]) corners_.push_back(v);
-    return distinct(corners_);
+      }
+    return distinct(corners_, control_);
   }
 
   const Surface& surface_;
@@ -84,6 +92,7 @@ class Summariser {
   const BoundaryLoops& loops_;
   const EssentialVertices& essential_;
   const Ladder& ladder_;
+  RunControl& control_;
   // Scratch of one patch.
   std::vector<VertexId> rim_;      ///< essential ones of its loops
   std::vector<VertexId> corners_;  ///< essential ones of its faces
@@ -120,7 +129,7 @@ PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjace
   PatchSummaries result;
   result.patches.resize(patches.count());
   for_blocks(patches.count(), kPatchesPerBlock, control, [&](std::size_t p, std::size_t end) {
-    Summariser summariser(surface, adjacency, areas, patches, loops, essential, ladder);
+    Summariser summariser(surface, adjacency, areas, patches, loops, essential, ladder, control);
     for (; p < end; ++p) result.patches[p] = summariser.of(PatchId(p));
   });
   for (const PatchSummary& s : result.patches) {

@@ -3,18 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/stoppable.h"
+
 namespace remesh {
 
 PolygonCuts::PolygonCuts(Surface& surface, RunControl& control)
     : surface_(surface),
       edges_(surface.vertex_count(), surface.face_begin, surface.corners, control),
       places_(surface.positions.begin(), surface.positions.end()) {
-  constexpr std::uint32_t kComparisonsBetweenChecks = 1 << 16;
-  std::uint32_t comparisons = 0;
-  std::sort(places_.begin(), places_.end(), [&](const Vec3& a, const Vec3& b) {
-    if (++comparisons % kComparisonsBetweenChecks == 0) control.check();
-    return a < b;
-  });
+  sort_stoppable(places_.begin(), places_.end(), control);
 }
 
 std::vector<PolygonCuts::Corners> PolygonCuts::cut(std::span<const VertexId> loop, const PolygonSplit& split) {

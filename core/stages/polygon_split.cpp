@@ -5,6 +5,7 @@
 #include <numeric>
 #include <utility>
 
+#include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/geometry/predicates.h"
 #include "core/stages/patch_triangulation.h"
@@ -30,9 +31,11 @@ void fan(std::span<const Vec3> points, PolygonSplit& result) {
 /// Cost: O(n).
 /// Source: Shiloach, Fast canonization of circular strings, Journal of Algorithms 2 (1981).
 template <class At>
-std::size_t least_rotation(std::size_t n, const At& at) {
+std::size_t least_rotation(std::size_t n, const At& at, RunControl& control) {
+  StopCheck check(control);
   std::size_t i = 0, j = 1, equal = 0;
   while (i < n && j < n && equal < n) {
+    check();
     const Vec3 &a = at((i + equal) % n), &b = at((j + equal) % n);
     if (a == b) {
       ++equal;
@@ -51,21 +54,27 @@ struct CanonicalLoop {
   bool is_reversed = false;
 };
 
-CanonicalLoop canonical_loop(std::span<const Vec3> points) {
+CanonicalLoop canonical_loop(std::span<const Vec3> points, RunControl& control) {
   const std::size_t n = points.size();
   const auto last = static_cast<std::uint32_t>(n - 1);
-  const std::size_t first = least_rotation(n, [&](std::size_t i) -> const Vec3& { return points[i]; });
-  const std::size_t first_back = least_rotation(n, [&](std::size_t i) -> const Vec3& { return points[last - i]; });
+  const std::size_t first = least_rotation(
+      n, [&](std::size_t i) -> const Vec3& { return points[i]; }, control);
+  const std::size_t first_back = least_rotation(
+      n, [&](std::size_t i) -> const Vec3& { return points[last - i]; }, control);
   CanonicalLoop loop;
+  StopCheck check(control);
   for (std::size_t i = 0; i < n; ++i) {
+    check();
     const Vec3 &ahead = points[(first + i) % n], &back = points[last - (first_back + i) % n];
     if (ahead == back) continue;
     loop.is_reversed = back < ahead;
     break;
   }
-  for (std::size_t i = 0; i < n; ++i)
+  for (std::size_t i = 0; i < n; ++i) {
+    check();
     loop.corners.push_back(loop.is_reversed ? last - static_cast<std::uint32_t>((first_back + i) % n)
                                             : static_cast<std::uint32_t>((first + i) % n));
+  }
   return loop;
 }
 
@@ -97,7 +106,11 @@ PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance,
   for (std::uint32_t i = 0; i < n; ++i) edges[i] = {points[i], points[(i + 1) % n]};
   const Frame frame = make_frame(normal, centre, points, edges, ReferenceAxis::kDominantEdge, {}, kFineGrid);
   std::vector<Vec2> uv(n);
-  for (std::uint32_t i = 0; i < n; ++i) uv[i] = to_plane(frame, points[i]);
+  StopCheck check(control);
+  for (std::uint32_t i = 0; i < n; ++i) {
+    check();
+    uv[i] = to_plane(frame, points[i]);
+  }
   if (n == 4 && is_convex(uv)) {
     result.kind = is_flat ? PolygonKind::kPlanar : PolygonKind::kNotPlanar;
     result.has_two_ways = true;
@@ -111,13 +124,14 @@ PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance,
   // Corners that meet in space (the ends of a bridge) are one point of the triangulation.
   std::vector<std::uint32_t> order(n), point_of(n);
   std::iota(order.begin(), order.end(), 0u);
-  std::sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+  sort_stoppable(order.begin(), order.end(), control, [&](std::uint32_t a, std::uint32_t b) {
     return uv[a] != uv[b] ? uv[a] < uv[b] : points[a] != points[b] ? points[a] < points[b] : a < b;
   });
   std::vector<Vec2> plane_points;
   std::vector<std::uint32_t> corner_of_point;
   bool is_merged = false;
   for (std::uint32_t k = 0; k < n; ++k) {
+    check();
     const std::uint32_t i = order[k];
     if (k == 0 || uv[i] != uv[order[k - 1]]) {
       plane_points.push_back(uv[i]);
@@ -185,7 +199,7 @@ PolygonSplit split_canonical(std::span<const Vec3> points, double plane_toleranc
 }  // namespace
 
 PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
-  const CanonicalLoop loop = canonical_loop(points);
+  const CanonicalLoop loop = canonical_loop(points, control);
   std::vector<Vec3> canonical;
   canonical.reserve(points.size());
   for (const std::uint32_t i : loop.corners) canonical.push_back(points[i]);

@@ -11,8 +11,9 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/drop.h"
 #include "core/base/large_first.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/refinement/patch_refiner.h"
 #include "core/stages/chords.h"
 #include "core/stages/projection.h"
@@ -69,6 +70,13 @@ class Rounds {
         progress_(control, prediction.expected),
         segments_(std::move(segments)) {}
 
+  ~Rounds() {
+    drop_all(refiners_);
+    drop_all(refined_);
+  }
+  Rounds(const Rounds&) = delete;
+  Rounds& operator=(const Rounds&) = delete;
+
   std::optional<Refinement> run() {
     chords_.resize(meshes_.size());
     begin();
@@ -85,8 +93,8 @@ class Rounds {
       exchange_refined();
       const std::vector<Chord> chords = find_chords(meshes_, surface_.vertex_count() + result_.first_inner, control_);
       if (!can_split_any(chords) || passes == kMostChordPasses || (is_waiting_for_chords_ && !is_any_split_)) {
-        refiners_.clear();
-        refined_.clear();
+        drop_all(refiners_);
+        drop_all(refined_);
         const auto why = passes == kMostChordPasses ? UnrefinedReason::kEffort : UnrefinedReason::kSizeFloor;
         if (!chords.empty()) split_chords(surface_, patches_, meshes_, result_, is_frozen_, why, control_);
         return std::move(result_);
@@ -147,8 +155,11 @@ class Rounds {
   /// The triangles that there are, and those that the messages will make.
   std::uint64_t count_faces() const {
     std::uint64_t faces = 0;
-    for (std::size_t p = 0; p < meshes_.size(); ++p)
+    StopCheck check(control_);
+    for (std::size_t p = 0; p < meshes_.size(); ++p) {
+      check();
       faces += refiners_[p] ? refiners_[p]->triangle_count() : meshes_[p].mesh.triangle_count();
+    }
     for (const Message& m : messages_) faces += m.count;
     return faces;
   }
@@ -198,7 +209,7 @@ class Rounds {
     is_any_split_ = true;
     is_thinned_out_ = false;
     times_taken_up_ = 0;
-    refiners_.clear();
+    drop_all(refiners_);
     refiners_.resize(n);
     messages_.clear();
     dirty_.clear();
@@ -217,14 +228,18 @@ class Rounds {
       for (std::size_t p = from; p < to; ++p)
         is_dirty[p] = is_frozen_[p] == 0 && PatchRefiner::has_work(meshes_[p], criteria_);
     });
+    StopCheck check(control_);
     for (const SegmentSide& side : segments_.all_sides()) {
+      check();
       if (cuts_[side.segment].empty()) continue;
       is_dirty[side.patch.value] = 1;
       messages_.push_back({side.patch, side.segment, cuts_[side.segment].size()});
     }
     sort_messages();
-    for (std::size_t p = 0; p < n; ++p)
+    for (std::size_t p = 0; p < n; ++p) {
+      check();
       if (is_dirty[p] != 0) dirty_.push_back(static_cast<std::uint32_t>(p));
+    }
   }
 
   /// Where the cuts for sizes alone would take more than the budget, all segments are cut less often alike: half of it
@@ -232,22 +247,33 @@ class Rounds {
   void thin_out_cuts() {
     if (goals_.max_faces == kNoLimit) return;
     std::uint64_t faces = 0, cuts = 0;
-    for (const PatchMesh& patch : meshes_) faces += patch.mesh.triangle_count();
-    for (const SegmentSide& side : segments_.all_sides()) cuts += cuts_[side.segment].size();
+    StopCheck check(control_);
+    for (const PatchMesh& patch : meshes_) {
+      check();
+      faces += patch.mesh.triangle_count();
+    }
+    for (const SegmentSide& side : segments_.all_sides()) {
+      check();
+      cuts += cuts_[side.segment].size();
+    }
     const std::uint64_t most = goals_.max_faces - std::min(goals_.max_faces, faces);
     if (cuts <= most) return;
     const double share = static_cast<double>(most) / 2 / static_cast<double>(cuts);
     for (std::vector<double>& of_segment : cuts_) {
+      check();
       const std::size_t pieces = of_segment.size() + 1;
       const auto kept = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(pieces)));
       // Never more than there were, and each as much later than the one before.
-      for (std::size_t i = 1; i < kept; ++i) of_segment[i - 1] = of_segment[i * pieces / kept - 1];
+      for (std::size_t i = 1; i < kept; ++i) {
+        check();
+        of_segment[i - 1] = of_segment[i * pieces / kept - 1];
+      }
       of_segment.resize(kept - 1);
     }
   }
 
   void sort_messages() {
-    sort_all(messages_.begin(), messages_.end());
+    sort_stoppable(messages_.begin(), messages_.end(), control_);
     messages_.erase(std::unique(messages_.begin(), messages_.end()), messages_.end());
   }
 
@@ -341,16 +367,21 @@ class Rounds {
     const bool are_all_new =
         std::none_of(dirty_.begin(), dirty_.end(), [&](std::uint32_t p) { return refiners_[p] != nullptr; });
     const double even = are_all_new ? 1.0 / 8 : 1.0 / 2;
-    for (std::size_t i = 0; i < dirty_.size(); ++i)
+    StopCheck check(control_);
+    for (std::size_t i = 0; i < dirty_.size(); ++i) {
+      check();
       quota_[i] = static_cast<std::uint64_t>((1 - even) * left * share(dirty_[i]) / waiting) +
                   static_cast<std::uint64_t>(even * left / static_cast<double>(dirty_.size()));
+    }
   }
 
   void exchange_cuts() {
     std::vector<Cut> made;
     std::vector<FreshCut> fresh;
     std::vector<std::uint32_t> unfinished;
+    StopCheck check(control_);
     for (std::size_t i = 0; i < dirty_.size(); ++i) {
+      check();
       PatchRefiner& refiner = *refiners_[dirty_[i]];
       if (refiner.impossible().is_valid()) impossible_.push_back(refiner.impossible());
       made.clear();
@@ -358,12 +389,13 @@ class Rounds {
       for (const Cut& cut : made) fresh.push_back({cut, PatchId(dirty_[i])});
       if (!refiner.is_done()) unfinished.push_back(dirty_[i]);
     }
-    std::sort(impossible_.begin(), impossible_.end());
+    sort_stoppable(impossible_.begin(), impossible_.end(), control_);
     impossible_.erase(std::unique(impossible_.begin(), impossible_.end()), impossible_.end());
     if (is_budget_spent()) unfinished.clear();
-    sort_all(fresh.begin(), fresh.end());
+    sort_stoppable(fresh.begin(), fresh.end(), control_);
     messages_.clear();
     for (auto from = fresh.begin(); from != fresh.end();) {
+      check();
       const SegmentId s = from->cut.segment;
       const auto first = from;
       auto to = from;
@@ -386,7 +418,7 @@ class Rounds {
     sort_messages();
     dirty_ = std::move(unfinished);
     for (const Message& m : messages_) dirty_.push_back(m.patch.value);
-    std::sort(dirty_.begin(), dirty_.end());
+    sort_stoppable(dirty_.begin(), dirty_.end(), control_);
     dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
   }
 
@@ -395,8 +427,11 @@ class Rounds {
   void finish() {
     const std::size_t n = meshes_.size(), old = surface_.vertex_count();
     std::vector<std::uint32_t> first_cut(segments_.size() + 1, 0);
-    for (std::size_t s = 0; s < segments_.size(); ++s)
+    StopCheck check(control_);
+    for (std::size_t s = 0; s < segments_.size(); ++s) {
+      check();
       first_cut[s + 1] = first_cut[s] + static_cast<std::uint32_t>(cuts_[SegmentId(s)].size());
+    }
     result_.first_inner = first_cut[segments_.size()];
     at_work_ = select_ids<PatchId>(n, kItemsPerBlock, control_, [&](std::size_t p) { return refiners_[p] != nullptr; });
     refined_.clear();
@@ -470,7 +505,7 @@ class Rounds {
       chords_[chord.patch.value].push_back(chord.half_edge);
       dirty_.push_back(chord.patch.value);
     }
-    std::sort(dirty_.begin(), dirty_.end());
+    sort_stoppable(dirty_.begin(), dirty_.end(), control_);
     dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
   }
 
@@ -520,7 +555,9 @@ void split_chords(const Surface& surface, const PatchSet& patches, std::vector<P
                   Refinement& refinement, const std::vector<std::uint8_t>& is_frozen, UnrefinedReason why,
                   RunControl& control) {
   std::vector<std::size_t> vertices, triangles;
+  StopCheck check(control);
   for (const PatchMesh& patch : meshes) {
+    check();
     vertices.push_back(patch.vertices.size());
     triangles.push_back(patch.mesh.triangle_count());
   }
@@ -528,6 +565,7 @@ void split_chords(const Surface& surface, const PatchSet& patches, std::vector<P
   std::vector<UnrefinedReason> reason;
   auto before = refinement.reason.begin();
   for (std::size_t p = 0; p < meshes.size(); ++p) {
+    check();
     PatchMesh& patch = meshes[p];
     const std::size_t first = refinement.new_positions.size();
     refinement.new_positions.resize(first + count_unplaced(patch));

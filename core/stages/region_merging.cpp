@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/geometry/plane_fit.h"
 
@@ -54,8 +55,11 @@ class Merging {
       if (!merge(pairs, pass) || pass + 1 == kMostPasses) break;
       pairs = bordering_pieces();
     }
-    for (std::uint32_t r = 0; r < pieces_.size(); ++r)
+    StopCheck check(control_);
+    for (std::uint32_t r = 0; r < pieces_.size(); ++r) {
+      check();
       if (pieces_[r].content != kNone && joined_.find(r) == r && content_of(r).merged_in >= 0) finish(r);
+    }
   }
 
  private:
@@ -106,7 +110,7 @@ class Merging {
     Pairs pairs;
     for (const Pairs& found : map_blocks<Pairs>(surface_.corners.size(), kBlock, control_, find))
       pairs.insert(pairs.end(), found.begin(), found.end());
-    std::sort(pairs.begin(), pairs.end());
+    sort_stoppable(pairs.begin(), pairs.end(), control_);
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
     return pairs;
   }

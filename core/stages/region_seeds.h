@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/mesh/face_geometry.h"
 #include "core/mesh/surface.h"
 
@@ -102,7 +102,7 @@ class Seeds {
       });
     };
     for_each([&](std::size_t i) { all[i] = placed(FaceId(faces_[open[i]])); });
-    sort_all(all.begin(), all.end(), [](const Seed& a, const Seed& b) { return a.is_before(b); });
+    sort_stoppable(all.begin(), all.end(), control_, [](const Seed& a, const Seed& b) { return a.is_before(b); });
     for_each([&](std::size_t i) { sorted_[i] = all[i].face; });
   }
 

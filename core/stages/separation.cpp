@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdint>
 
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/predicates.h"
 #include "core/stages/delaunay_flips.h"
 #include "core/stages/projection.h"
@@ -13,21 +13,29 @@ namespace remesh {
 namespace {
 
 /// For every vertex, how many before it are in the same place.
-std::vector<std::uint32_t> count_before(const Surface& surface, const std::vector<Vec3>& new_positions) {
+std::vector<std::uint32_t> count_before(const Surface& surface, const std::vector<Vec3>& new_positions,
+                                        RunControl& control) {
   struct Place {
     Vec3 position;
     std::uint32_t vertex;
   };
   std::vector<Place> places;
   places.reserve(surface.vertex_count() + new_positions.size());
-  for (const Vec3& p : surface.positions) places.push_back({p, static_cast<std::uint32_t>(places.size())});
-  for (const Vec3& p : new_positions) places.push_back({p, static_cast<std::uint32_t>(places.size())});
-  sort_all(places.begin(), places.end(), [](const Place& a, const Place& b) {
+  StopCheck check(control);
+  const auto add = [&](const Vec3& p) {
+    check();
+    places.push_back({p, static_cast<std::uint32_t>(places.size())});
+  };
+  for (const Vec3& p : surface.positions) add(p);
+  for (const Vec3& p : new_positions) add(p);
+  sort_stoppable(places.begin(), places.end(), control, [](const Place& a, const Place& b) {
     return a.position != b.position ? a.position < b.position : a.vertex < b.vertex;
   });
   std::vector<std::uint32_t> before(places.size(), 0);
-  for (std::size_t i = 1; i < places.size(); ++i)
+  for (std::size_t i = 1; i < places.size(); ++i) {
+    check();
     if (places[i].position == places[i - 1].position) before[places[i].vertex] = before[places[i - 1].vertex] + 1;
+  }
   return before;
 }
 
@@ -70,7 +78,7 @@ double step_at(const Frame& frame, const Vec3& position) {
 
 bool separate_new_vertices(const Surface& surface, std::vector<PatchMesh>& meshes, Refinement& refinement,
                            RunControl& control) {
-  const std::vector<std::uint32_t> before = count_before(surface, refinement.new_positions);
+  const std::vector<std::uint32_t> before = count_before(surface, refinement.new_positions, control);
   const std::size_t first_inner = surface.vertex_count() + refinement.first_inner;
   bool is_any = false;
   for (std::size_t p = 0; p < meshes.size(); ++p) {

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/geometry/box_tree.h"
 #include "core/geometry/expansion.h"
@@ -146,18 +146,15 @@ class Search {
     else
       all = find_first(tree, most_looks);
     const auto key = [](const Junction& j) { return std::tuple(j.face, j.vertex, j.distance, j.half_edge); };
-    sort_all(all.begin(), all.end(), [&](const Junction& a, const Junction& b) {
-      control_.check();
-      return key(a) < key(b);
-    });
+    sort_stoppable(all.begin(), all.end(), control_,
+                   [&](const Junction& a, const Junction& b) { return key(a) < key(b); });
     drop_own_vertices(all);
     // On the nearest edge only, if a face has several such.
     all.erase(
         std::unique(all.begin(), all.end(),
                     [](const Junction& a, const Junction& b) { return a.face == b.face && a.vertex == b.vertex; }),
         all.end());
-    sort_all(all.begin(), all.end(), [&](const Junction& a, const Junction& b) {
-      control_.check();
+    sort_stoppable(all.begin(), all.end(), control_, [&](const Junction& a, const Junction& b) {
       return a.half_edge != b.half_edge          ? a.half_edge < b.half_edge
              : Order::is_clear(a.place, b.place) ? a.place < b.place
                                                  : Order(way(a.half_edge)).is_before(surface_, a.vertex, b.vertex);
@@ -178,7 +175,7 @@ class Search {
       if (takes_vertices && !is_without_area(surface_, f)) open_.push_back(h);
     }
     if (open_.empty()) return;
-    sort_all(vertices_.begin(), vertices_.end());
+    sort_stoppable(vertices_.begin(), vertices_.end(), control_);
     vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
   }
 
@@ -236,7 +233,7 @@ class Search {
         last = j.face;
         const auto loop = surface_.face(j.face);
         corners.assign(loop.begin(), loop.end());
-        std::sort(corners.begin(), corners.end());
+        sort_stoppable(corners.begin(), corners.end(), control_);
       }
       return std::binary_search(corners.begin(), corners.end(), j.vertex);
     };
@@ -294,10 +291,11 @@ struct Split {
   Split(const Surface& surface, const std::vector<Junction>& junctions, RunControl& control) {
     std::vector<VertexId> loop;
     std::uint32_t next = 0;
+    StopCheck check(control);
     for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
-      if (f % 4096 == 0) control.check();
       loop.clear();
       for (std::uint32_t h = surface.face_begin[f]; h < surface.face_begin[f + 1]; ++h) {
+        check();
         loop.push_back(surface.corners[h]);
         junction_of.push_back(kNone);
         for (; next < junctions.size() && junctions[next].half_edge == h; ++next) {
@@ -344,7 +342,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
     else
       sides.join(sides.of(edges.face_of(h)), sides.of(edges.face_of(other)), runs_one_way(around));
   }
-  sort_all(new_edges.begin(), new_edges.end());
+  sort_stoppable(new_edges.begin(), new_edges.end(), control);
   std::vector<std::uint32_t> twisting;
   std::uint32_t looks = 0;
   for (const auto& [minus_length, e] : new_edges) {
@@ -366,7 +364,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
           worst = j;
     twisting.push_back(worst);
   }
-  sort_all(twisting.begin(), twisting.end());
+  sort_stoppable(twisting.begin(), twisting.end(), control);
   twisting.erase(std::unique(twisting.begin(), twisting.end()), twisting.end());
   return twisting;
 }

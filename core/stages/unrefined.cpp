@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 
 namespace remesh {
 namespace {
@@ -46,8 +47,10 @@ UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const T
         return found;
       });
   UnrefinedFaces result;
+  StopCheck check(control);
   for (const auto& block : blocks)
     for (const FaceId f : block) {
+      check();
       result.faces.push_back(f);
       result.reasons.push_back(reason[f.value]);
     }
@@ -55,9 +58,11 @@ UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const T
 }
 
 std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std::span<const Vec3> positions,
-                                           std::span<const Triangle> faces) {
+                                           std::span<const Triangle> faces, RunControl& control) {
+  StopCheck check(control);
   std::array<Unrefined, kUnrefinedReasonCount> by_reason;
   for (std::size_t i = 0; i < unrefined.faces.size(); ++i) {
+    check();
     const Triangle& face = faces[unrefined.faces[i].value];
     Vec3 centre;
     for (const VertexId v : face) centre += (1.0 / 3) * positions[v.value];

@@ -30,7 +30,8 @@ UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const T
                               const Goals& goals, RunControl& control);
 
 /// The same by reason, with places.
+/// Errors:  kCancelled, kTimeout - through `control`.
 std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std::span<const Vec3> positions,
-                                           std::span<const Triangle> faces);
+                                           std::span<const Triangle> faces, RunControl& control);
 
 }  // namespace remesh

@@ -5,14 +5,18 @@
 #include <atomic>
 #include <bit>
 #include <cmath>
-#include <limits>
+#include <locale>
 #include <map>
 #include <span>
+#include <sstream>
+#include <string>
 #include <tuple>
-#include <unordered_map>
+#include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/coordinate_range.h"
 #include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/stages/body_labels.h"
 
 namespace remesh {
@@ -102,16 +106,20 @@ class NearWelding {
       largest = std::max({largest, std::fabs(p.position.x), std::fabs(p.position.y), std::fabs(p.position.z)});
     constexpr double kMostCells = 1e300;
     cell_ = std::max(2 * tolerance, largest / kMostCells);
+    heads_.assign(std::bit_ceil(2 * places.size() + 1), kNone);
+    next_.assign(places.size(), kNone);
   }
 
   void run(Numbers& stands_for, Diagnostic& wide) {
     for (std::uint32_t i = 0; i < places_.size(); ++i) {
       if (i % 4096 == 0) control_.check();
       const Near near = find_near(i);
-      if (near.count == 0)
-        grid_[cell_of(places_[i].position)].push_back(i);
-      else
+      if (near.count == 0) {
+        std::uint32_t& head = heads_[slot_of(cell_of(places_[i].position))];
+        next_[i] = std::exchange(head, i);
+      } else {
         stands_for[places_[i].index] = places_[near.first].index;
+      }
     }
     for (std::uint32_t i = 0; i < places_.size(); ++i) {
       if (i % 4096 == 0) control_.check();
@@ -121,16 +129,16 @@ class NearWelding {
 
  private:
   using Cell = std::array<double, 3>;
-  struct CellHash {
-    std::size_t operator()(const Cell& cell) const {
-      std::uint64_t hash = 0;
-      for (const double c : cell) {
-        hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 0x9e3779b97f4a7c15u;
-        hash ^= hash >> 29;
-      }
-      return hash;
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  std::size_t slot_of(const Cell& cell) const {
+    std::uint64_t hash = 0;
+    for (const double c : cell) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 29;
     }
-  };
+    return hash & (heads_.size() - 1);
+  }
   struct Near {
     std::uint32_t first = 0;  ///< the smallest
     std::uint32_t count = 0;
@@ -155,10 +163,9 @@ class NearWelding {
         is_new = is_new && !(is_high && high[axis] == low[axis]);
       }
       if (!is_new) continue;
-      const auto found = grid_.find(cell);
-      if (found == grid_.end()) continue;
-      for (const std::uint32_t other : found->second) {
-        if (!(norm(places_[other].position - p) <= tolerance_)) continue;
+      for (std::uint32_t other = heads_[slot_of(cell)]; other != kNone; other = next_[other]) {
+        // Cells of one slot would count a vertex twice.
+        if (!(norm(places_[other].position - p) <= tolerance_) || cell_of(places_[other].position) != cell) continue;
         near.first = near.count == 0 ? other : std::min(near.first, other);
         ++near.count;
       }
@@ -170,19 +177,75 @@ class NearWelding {
   double tolerance_;
   RunControl& control_;
   double cell_;
-  std::unordered_map<Cell, std::vector<std::uint32_t>, CellHash> grid_;
+  // A hash table of cells that is freed at once, however many they are: the last vertex of each slot, and behind each
+  // vertex the one before it.
+  std::vector<std::uint32_t> heads_;
+  std::vector<std::uint32_t> next_;
 };
 
+std::string number_text(double x) {
+  constexpr int kDigits = 6;
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(kDigits);
+  text << x;
+  return text.str();
+}
+
+std::string place_text(const Vec3& p) {
+  return "(" + number_text(p.x) + ", " + number_text(p.y) + ", " + number_text(p.z) + ")";
+}
+
+/// Names a vertex by its number in the input, and where it is.
+Error out_of_range(const Surface& surface, std::size_t v, const std::string& message) {
+  const std::uint32_t number = surface.vertex_source[VertexId(v)].value;
+  return Error(Code::kCoordinateRange, Stage::kWeld,
+               message + "; vertex " + std::to_string(number) + " is at " + place_text(surface.positions[VertexId(v)]))
+      .at_element(number);
+}
+
 /// Names the first vertex that is so far from the origin: of a box as large, some vertex is.
-[[noreturn]] void throw_too_large(const Surface& surface, double limit) {
+[[noreturn]] void throw_too_large(const Surface& surface) {
   std::size_t v = 0;
   const auto is_far = [&](const Vec3& p) {
-    return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}) >= limit;
+    return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}) >= CoordinateRange::kFarthest;
   };
   while (v + 1 < surface.vertex_count() && !is_far(surface.positions[VertexId(v)])) ++v;
-  throw Error(Code::kInvalidMesh, Stage::kWeld,
-              "a vertex is too far from the mesh's centre to compute with: over 2^1022")
-      .at_element(surface.vertex_source[VertexId(v)].value);
+  throw out_of_range(
+      surface, v,
+      "coordinates differ by more than can be computed with: no vertex may be over 2^1022 (4.5e307) away "
+      "from the middle of the mesh. Scale the mesh down, or correct the vertex that lies far off");
+}
+
+/// Names the vertex that lies farthest from where most are, along the mesh.
+[[noreturn]] void throw_too_narrow(const Surface& surface, int axis, double length, double width) {
+  const std::size_t n = surface.vertex_count();
+  std::vector<double> along(n);
+  for (std::size_t v = 0; v < n; ++v) along[v] = surface.positions[VertexId(v)][axis];
+  const auto middle = along.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  std::nth_element(along.begin(), middle, along.end());
+  const double usual = *middle;
+  std::size_t farthest = 0;
+  const auto distance = [&](std::size_t v) { return std::fabs(surface.positions[VertexId(v)][axis] / 2 - usual / 2); };
+  for (std::size_t v = 1; v < n; ++v)
+    if (distance(v) > distance(farthest)) farthest = v;
+  throw out_of_range(
+      surface, farthest,
+      "the mesh is " + number_text(length) + " long and only " + number_text(width) +
+          " wide. What is narrower than 2^-100 (7.9e-31) of its length is a line to every computation, and "
+          "no result can be proven for it. Correct the vertex that lies far off, or leave its faces out");
+}
+
+/// Of the box's sides the longest and the second longest.
+void refuse_lines(const Surface& surface, const Box3& box) {
+  // Halves do not overflow.
+  const Vec3 half = 0.5 * box.max - 0.5 * box.min;
+  std::array<double, 3> sides{half.x, half.y, half.z};
+  std::sort(sides.begin(), sides.end());
+  // Exactly on a line along an axis there are faces without area only, which is told later.
+  if (sides[1] == 0 || sides[1] >= CoordinateRange::kNarrowest * sides[2]) return;
+  const int axis = half.x == sides[2] ? 0 : half.y == sides[2] ? 1 : 2;
+  throw_too_narrow(surface, axis, 2 * sides[2], 2 * sides[1]);
 }
 
 void set_local_units(Surface& surface, RunControl& control) {
@@ -201,12 +264,13 @@ void set_local_units(Surface& surface, RunControl& control) {
   const double largest = std::max({half.x, half.y, half.z});
   std::frexp(largest, &exponent);
   // Frames are up to twice as large, and have to be numbers still.
-  constexpr int kLargestExponent = 1022;
-  if (exponent > kLargestExponent) throw_too_large(surface, std::ldexp(1.0, kLargestExponent));
+  if (exponent > std::ilogb(CoordinateRange::kFarthest)) throw_too_large(surface);
   // Doubles below that have ever fewer digits, too few for points in a plane.
-  if (largest < std::numeric_limits<double>::min() && box.min != box.max)
-    throw Error(Code::kInvalidMesh, Stage::kWeld,
-                "the mesh is too small to compute with: all its vertices are less than 2^-1022 from its centre");
+  if (largest < CoordinateRange::kSmallest && box.min != box.max)
+    throw out_of_range(surface, 0,
+                       "the mesh is too small to compute with: all its vertices are less than 2^-1022 (2.2e-308) away "
+                       "from its middle. Scale it up");
+  refuse_lines(surface, box);
   surface.unit = std::ldexp(1.0, exponent);
   surface.local = FilledIdVector<VertexId, Vec3>::of_size(n);
   for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -221,10 +285,13 @@ struct Welded {
   Numbers of_input;                           ///< which of them one of the input is
 };
 
-Welded number_welded(const std::vector<std::uint8_t>& is_used, const Numbers& stands_for, Diagnostic& duplicate) {
+Welded number_welded(const std::vector<std::uint8_t>& is_used, const Numbers& stands_for, Diagnostic& duplicate,
+                     RunControl& control) {
   Welded welded;
   welded.of_input.assign(is_used.size(), VertexId::kInvalid);
+  StopCheck check(control);
   for (std::uint32_t i = 0; i < is_used.size(); ++i) {
+    check();
     if (!is_used[i]) continue;
     // With a tolerance, of two vertices with equal coordinates the first knows for which it stands.
     const std::uint32_t one = stands_for[stands_for[i]];
@@ -273,20 +340,26 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
   std::vector<Indexed> sorted;
   if (tolerance > 0 || !find_equal_by_hash(input.positions, is_used, stands_for, control)) {
     sorted.reserve(n);
-    for (std::uint32_t i = 0; i < n; ++i)
+    StopCheck check(control);
+    for (std::uint32_t i = 0; i < n; ++i) {
+      check();
       if (is_used[i]) sorted.push_back({input.positions[VertexId(i)], i});
-    sort_all(sorted.begin(), sorted.end());
-    control.check();
+    }
+    sort_stoppable(sorted.begin(), sorted.end(), control);
     for (std::size_t k = 0; k < sorted.size(); ++k) {
+      check();
       const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;
       stands_for[sorted[k].index] = is_first ? sorted[k].index : stands_for[sorted[k - 1].index];
     }
   }
   if (tolerance > 0) {
     duplicate.message = "vertices within the weld tolerance of another one were made one with it";
-    sorted.erase(
-        std::remove_if(sorted.begin(), sorted.end(), [&](const Indexed& v) { return stands_for[v.index] != v.index; }),
-        sorted.end());
+    StopCheck check(control);
+    const auto is_repeated = [&](const Indexed& v) {
+      check();
+      return stands_for[v.index] != v.index;
+    };
+    sorted.erase(std::remove_if(sorted.begin(), sorted.end(), is_repeated), sorted.end());
     NearWelding(sorted, tolerance, control).run(stands_for, wide);
   }
 
@@ -306,7 +379,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
       for (std::size_t v = begin; v < end; ++v) surface.vertex_source[VertexId(v)] = VertexId(v);
     });
   } else {
-    Welded welded = number_welded(is_used, stands_for, duplicate);
+    Welded welded = number_welded(is_used, stands_for, duplicate, control);
     std::vector<Vec3> positions(welded.source.size());
     for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
       for (std::size_t v = begin; v < end; ++v) positions[v] = input.positions[welded.source[VertexId(v)]];
@@ -320,7 +393,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
     surface.vertex_source = std::move(welded.source);
   }
   set_local_units(surface, control);
-  surface.face_label = number_labels(input.labels, barriers, faces);
+  surface.face_label = number_labels(input.labels, barriers, faces, control);
 
   for (Diagnostic* d : {&duplicate, &wide, &unused})
     if (d->count > 0) diagnostics.push_back(std::move(*d));

@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <tuple>
 
+#include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/inside_out.h"
 #include "core/mesh/triangle_corners.h"
 #include "core/stages/body_labels.h"
@@ -14,9 +16,11 @@ namespace remesh {
 namespace {
 
 /// The edges with two faces that look opposite ways: their first half-edges.
-std::vector<std::uint32_t> inconsistent_edges(const Adjacency& edges) {
+std::vector<std::uint32_t> inconsistent_edges(const Adjacency& edges, RunControl& control) {
   std::vector<std::uint32_t> first;
+  StopCheck check(control);
   for (const EdgeId e : edges.odd_edges()) {
+    check();
     const auto around = edges.half_edges(e);
     if (around.size() == 2 && edges.from(around[0]) != edges.to(around[0])) first.push_back(around[0]);
   }
@@ -32,11 +36,14 @@ double area(const Surface& surface, FaceId f) {
   return norm(twice_area) / 2;
 }
 
-void turn_over(Surface& surface, const std::vector<std::uint8_t>& is_turned) {
+void turn_over(Surface& surface, const std::vector<std::uint8_t>& is_turned, RunControl& control) {
   if (std::none_of(is_turned.begin(), is_turned.end(), [](std::uint8_t is) { return is != 0; })) return;
   surface.corners.change([&](std::vector<VertexId>& corners) {
-    for (std::uint32_t f = 0; f < surface.face_count(); ++f)
+    StopCheck check(control);
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+      check();
       if (is_turned[f]) std::reverse(&corners[surface.face_begin[f]], corners.data() + surface.face_begin[f + 1]);
+    }
   });
 }
 
@@ -104,7 +111,9 @@ class Unifying {
       Vec3 place{HUGE_VAL, HUGE_VAL, HUGE_VAL};  ///< decides between equals, whatever the order of the input
     };
     std::array<Side, 2> sides;
+    StopCheck check(control_);
     for (const FaceId f : piece_) {
+      check();
       Side& side = sides[side_[f.value]];
       side.area += area(surface_, f);
       ++side.faces;
@@ -116,7 +125,10 @@ class Unifying {
       return std::tuple(a.area, a.faces, b.place) < std::tuple(b.area, b.faces, a.place);
     };
     const std::uint8_t turned = is_smaller(sides[0], sides[1]) ? 0 : 1;
-    for (const FaceId f : piece_) is_turned[f.value] = side_[f.value] == turned;
+    for (const FaceId f : piece_) {
+      check();
+      is_turned[f.value] = side_[f.value] == turned;
+    }
   }
 
   const Surface& surface_;
@@ -160,7 +172,7 @@ InsideOutFaces find_inside_out_faces(const Surface& surface, const Adjacency& ed
 
 bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
                    RunControl& control) {
-  const std::vector<std::uint32_t> inconsistent = inconsistent_edges(edges);
+  const std::vector<std::uint32_t> inconsistent = inconsistent_edges(edges, control);
   if (inconsistent.empty()) return false;
   if (mend == Mend::kNo) {
     Diagnostic found{DiagnosticCode::kInconsistentWinding,
@@ -180,12 +192,11 @@ bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vec
       0,
       {},
       "pieces of the surface have one side only and stay as they were; elements are the first face of each"};
-  std::vector<FaceId> turned_faces;
-  for (std::uint32_t f = 0; f < surface.face_count(); ++f)
-    if (unifying.is_turned[f]) turned_faces.emplace_back(f);
+  const auto turned_faces = select_ids<FaceId>(surface.face_count(), kItemsPerBlock, control,
+                                               [&](std::size_t f) { return unifying.is_turned[f] != 0; });
   surface.for_each_source(turned_faces, [&](FaceId source) { turned.add(source.value); });
   for (const FaceId f : unifying.one_sided) left.add(surface.face_source[f].value);
-  turn_over(surface, unifying.is_turned);
+  turn_over(surface, unifying.is_turned, control);
   const bool is_changed = turned.count > 0;
   for (Diagnostic* d : {&turned, &left})
     if (d->count > 0) diagnostics.push_back(std::move(*d));
@@ -205,7 +216,7 @@ bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels&
   for (const FaceId f : found.first) inside_out.add(surface.face_source[f].value);
   diagnostics.push_back(std::move(inside_out));
   if (mend == Mend::kNo) return false;
-  turn_over(surface, found.is_inside_out);
+  turn_over(surface, found.is_inside_out, control);
   return true;
 }
 

@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 
 namespace remesh::verification {
 namespace {
@@ -23,14 +23,16 @@ struct Offset {
   double sliver = 0;         ///< area between chain and line
 };
 
-Offset measure(const Points& points, std::span<const VertexId> chain) {
+Offset measure(const Points& points, std::span<const VertexId> chain, RunControl& control) {
   const Vec3 from = points[chain.front().value];
   const Vec3 line = points[chain.back().value] - from;
   const double length = norm(line);
   Offset offset;
   double furthest = 0;
   Vec3 twice_sliver, previous;
+  StopCheck check(control);
   for (std::size_t i = 1; i < chain.size(); ++i) {
+    check();
     const Vec3 d = points[chain[i].value] - from;
     twice_sliver += cross(previous, d);
     previous = d;
@@ -104,7 +106,7 @@ class BoundaryCheck {
   }
 
   void measure_dropped(const Edge& edge, std::span<const VertexId> chain, std::vector<Finding>& found) {
-    const Offset offset = measure(model_.points, chain);
+    const Offset offset = measure(model_.points, chain, control_);
     double reach = 0;
     for (const VertexId v : chain)
       reach = std::fmax(reach, norm(model_.points[v.value] - model_.points[chain[0].value]));
@@ -119,7 +121,7 @@ class BoundaryCheck {
 
   void measure_new(const Edge& edge, std::span<const VertexId> chain, std::vector<Finding>& found,
                    std::vector<double>& slivers) {
-    const Offset offset = measure(model_.points, chain);
+    const Offset offset = measure(model_.points, chain, control_);
     const double reach = std::max(largest_coordinate(model_.points[chain.front().value]),
                                   largest_coordinate(model_.points[chain.back().value]));
     if (!(offset.distance <= Model::rounding(reach)) || !offset.is_ascending)
@@ -151,11 +153,12 @@ class BoundaryCheck {
     while (o < output_chains_.size()) blame_output(o++);
   }
   static std::pair<VertexId, VertexId> ends(const Chain& chain) { return {chain.low, chain.high}; }
-  static void sort_by_ends(std::vector<Chain>& chains) {
+  void sort_by_ends(std::vector<Chain>& chains) const {
     const auto by_ends = [](const Chain& a, const Chain& b) {
       return ends(a) != ends(b) ? ends(a) < ends(b) : a.edge < b.edge;
     };
-    if (!std::is_sorted(chains.begin(), chains.end(), by_ends)) sort_all(chains.begin(), chains.end(), by_ends);
+    if (!std::is_sorted(chains.begin(), chains.end(), by_ends))
+      sort_stoppable(chains.begin(), chains.end(), control_, by_ends);
   }
   void blame_output(std::size_t o) {
     blame(output_.edges()[output_chains_[o].edge], Fault::kBoundary, output_chains_[o].low);
@@ -198,7 +201,7 @@ using Joints = std::vector<std::uint64_t>;
 /// All of them, ascending, each once.
 auto in_order(const std::vector<Joints>& blocks, RunControl& control) {
   auto all = concatenate<std::uint64_t>(blocks, control);
-  sort_all(all.begin(), all.end());
+  sort_stoppable(all.begin(), all.end(), control);
   all.erase(std::unique(all.begin(), all.end()), all.end());
   return all;
 }
@@ -241,6 +244,7 @@ void BoundaryCheck::check_joints() {
   });
   std::vector<Joints> kept;
   for (OfOutput& found : of_output) {
+    control_.check();
     kept.push_back(std::move(found.joints));
     findings_.add(found.foreign);
   }
@@ -281,8 +285,11 @@ void BoundaryCheck::check_new_vertices() {
       if (output_.has(v) ? !output_.is_passage_of(v, p) : only != p) findings_.add(p, Fault::kNewVertex, v.value);
     }
   }
-  for (std::size_t i = 0; i < only_patch.size(); ++i)
+  StopCheck check(control_);
+  for (std::size_t i = 0; i < only_patch.size(); ++i) {
+    check();
     if (!only_patch[i].is_valid()) findings_.add(PatchId(), Fault::kNewVertex, static_cast<std::uint32_t>(first + i));
+  }
 }
 
 }  // namespace

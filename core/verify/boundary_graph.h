@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/base/run_control.h"
+#include "core/base/stoppable.h"
 #include "core/verify/edge_table.h"
 
 namespace remesh::verification {
@@ -27,7 +28,8 @@ enum class Stray {
 
 class BoundaryGraph {
  public:
-  BoundaryGraph(std::size_t vertex_count, BoundingEdges bounding);
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  BoundaryGraph(std::size_t vertex_count, BoundingEdges bounding, RunControl& control);
 
   std::span<const Edge> edges() const { return bounding_.edges; }
   /// Does a bounding edge end there?
@@ -52,11 +54,13 @@ class BoundaryGraph {
                       const OnStray& on_stray) const {
     std::vector<bool> is_walked(edges().size(), false);
     std::vector<VertexId> run;
+    StopCheck check(control);
     const auto walk = [&](VertexId start, std::uint32_t first) {
       run.assign(1, start);
       std::uint32_t e = first;
       VertexId v = start;
       for (;;) {
+        check();
         is_walked[e] = true;
         v = edges()[e].other(v);
         run.push_back(v);
@@ -75,7 +79,7 @@ class BoundaryGraph {
       on_chain(Chain{std::min(start, v), std::max(start, v), first, is_flipped}, std::span<const VertexId>(run));
     };
     for (std::uint32_t e = 0; e < edges().size(); ++e) {
-      if (e % kCheckEvery == 0) control.check();
+      check();
       if (is_walked[e]) continue;
       if (!is_inner(edges()[e].low))
         walk(edges()[e].low, e);
@@ -83,13 +87,13 @@ class BoundaryGraph {
         walk(edges()[e].high, e);
     }
     // No vertex that counts leads to the others.
-    for (std::uint32_t e = 0; e < edges().size(); ++e)
+    for (std::uint32_t e = 0; e < edges().size(); ++e) {
+      check();
       if (!is_walked[e]) on_stray(edges()[e], edges()[e].low, Stray::kLoop);
+    }
   }
 
  private:
-  static constexpr std::size_t kCheckEvery = 8192;
-
   /// Both edges have v as an end; they are walked in one sense if v is the larger end of one and the smaller of the
   /// other.
   bool is_passage(VertexId v, std::uint32_t a, std::uint32_t b) const {

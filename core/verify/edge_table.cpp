@@ -73,7 +73,7 @@ struct EdgeTable::Part {
 
 EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, std::span<const std::uint32_t> order,
                      RunControl& control)
-    : faces_(faces), bucket_(vertex_count + 1), order_(order) {
+    : faces_(faces), control_(control), bucket_(vertex_count + 1), order_(order) {
   if (faces.corners.size() != 3 * faces.count()) {
     face_of_.resize(faces.corners.size());
     for_blocks(faces.count(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -121,7 +121,7 @@ std::optional<EdgeTable::Part> EdgeTable::read_part(std::size_t begin, std::size
     }
     uses.clear();
     for (std::size_t i = first; i < last; ++i) uses.push_back(use(order_[i]));
-    std::sort(uses.begin(), uses.end());
+    sort_stoppable(uses.begin(), uses.end(), control_);
     part.add({edge.first, edge.second, uses});
   };
   std::size_t next_bucket = 0, first = end;  // of the edge that is being read, if it began here
@@ -153,7 +153,11 @@ std::optional<EdgeTable::Part> EdgeTable::read_part(std::size_t begin, std::size
   }
   if (first < end) {
     std::size_t last = end;
-    while (last < order_.size() && is_half_edge(order_[last]) && ends(order_[last]) == last_ends) ++last;
+    StopCheck check(control_);
+    while (last < order_.size() && is_half_edge(order_[last]) && ends(order_[last]) == last_ends) {
+      check();
+      ++last;
+    }
     add_edge(first, last, last_ends);
   }
   if (end == order_.size())
@@ -212,7 +216,9 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
   std::vector<std::uint16_t, LeftUnset<std::uint16_t>> bucket_of(half_edges.size());
   static_assert(2 * kVerticesOfPart <= 1 << 16);
   std::vector<std::uint32_t> place(2 * (last - first) + 1, 0);
+  StopCheck check(control_);
   for (std::size_t i = 0; i < half_edges.size(); ++i) {
+    check();
     const std::uint32_t h = half_edges[i];
     const VertexId a = from(h), b = to(h);
     gathered[i] = key_of(std::max(a, b), h);
@@ -221,13 +227,16 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
   }
   std::partial_sum(place.begin(), place.end(), place.begin());
   for (std::size_t v = first; v < last; ++v) bucket_[v] = begin + place[2 * (v - first)];
-  for (std::size_t i = 0; i < gathered.size(); ++i) bucketed[place[bucket_of[i]]++] = gathered[i];
+  for (std::size_t i = 0; i < gathered.size(); ++i) {
+    check();
+    bucketed[place[bucket_of[i]]++] = gathered[i];
+  }
   Part part;
   std::vector<Use> uses;
   const auto add_edge = [&](std::size_t v, VertexId high, std::span<std::uint32_t> around) {
     uses.clear();
     for (const std::uint32_t h : around) uses.push_back(use(h));
-    std::sort(uses.begin(), uses.end());
+    sort_stoppable(uses.begin(), uses.end(), control_);
     std::transform(uses.begin(), uses.end(), around.begin(), [](const Use& u) { return u.half_edge; });
     part.add({VertexId(v), high, uses});
   };
@@ -236,10 +245,11 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
   for (std::size_t v = first; v < last; ++v) {
     const std::size_t middle = place[2 * (v - first)], stop = place[2 * (v - first) + 1];
     const auto forward = sorted.subspan(start, middle - start), backward = sorted.subspan(middle, stop - middle);
-    put_in_order(all.subspan(start, forward.size()), forward);
-    put_in_order(all.subspan(middle, backward.size()), backward);
+    put_in_order(all.subspan(start, forward.size()), forward, control_);
+    put_in_order(all.subspan(middle, backward.size()), backward, control_);
     if (have_same_edges(forward, backward)) {
       for (std::size_t i = 0; i < forward.size(); ++i) {
+        check();
         const auto around = half_edges.subspan(start + 2 * i, 2);
         const std::uint32_t g = half_edge_of(forward[i]), h = half_edge_of(backward[i]);
         around[0] = std::min(g, h);
@@ -251,8 +261,9 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
       }
     } else {
       const auto both = sorted.subspan(start, stop - start);
-      std::sort(both.begin(), both.end());
+      sort_stoppable(both.begin(), both.end(), control_);
       for (std::size_t i = 0, j; i < both.size(); i = j) {
+        check();
         for (j = i + 1; j < both.size() && high_of(both[j]) == high_of(both[i]);) ++j;
         const auto around = half_edges.subspan(start + i, j - i);
         std::transform(both.begin() + static_cast<std::ptrdiff_t>(i), both.begin() + static_cast<std::ptrdiff_t>(j),
@@ -265,14 +276,23 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
   return part;
 }
 
-std::vector<Use> EdgeTable::find(VertexId a, VertexId b) const {
+std::span<const std::uint32_t> EdgeTable::half_edges_of(VertexId a, VertexId b) const {
   const VertexId low = std::min(a, b), high = std::max(a, b);
   const auto high_of = [&](std::uint32_t h) { return std::max(from(h), to(h)); };
   const auto around = order_.subspan(bucket_[low.value], bucket_[low.value + 1] - bucket_[low.value]);
-  auto found = std::partition_point(around.begin(), around.end(), [&](std::uint32_t h) { return high_of(h) < high; });
+  const auto first =
+      std::partition_point(around.begin(), around.end(), [&](std::uint32_t h) { return high_of(h) < high; });
+  return {first, std::partition_point(first, around.end(), [&](std::uint32_t h) { return high_of(h) == high; })};
+}
+
+std::vector<Use> EdgeTable::find(VertexId a, VertexId b) const {
   std::vector<Use> uses;
-  for (; found != around.end() && high_of(*found) == high; ++found) uses.push_back(use(*found));
-  if (is_order_given()) std::sort(uses.begin(), uses.end());
+  StopCheck check(control_);
+  for (const std::uint32_t h : half_edges_of(a, b)) {
+    check();
+    uses.push_back(use(h));
+  }
+  if (is_order_given()) sort_stoppable(uses.begin(), uses.end(), control_);
   return uses;
 }
 

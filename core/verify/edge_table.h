@@ -12,6 +12,7 @@
 
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
+#include "core/base/stoppable.h"
 
 namespace remesh::verification {
 
@@ -102,18 +103,32 @@ class EdgeTable {
 
   /// Calls visit(Edge) for each edge whose smaller vertex is in [begin, end), by (smaller, larger vertex). The edge's
   /// uses are there during the call.
+  /// Errors: kCancelled, kTimeout - asked to stop through the table's control.
   template <class Visit>
   void for_each_edge(std::size_t begin, std::size_t end, const Visit& visit) const {
     std::vector<Use> uses;
+    StopCheck check(control_);
     for (std::size_t v = begin; v < end; ++v) {
       uses.clear();
-      for (std::size_t i = bucket_[v]; i < bucket_[v + 1]; ++i) uses.push_back(use(order_[i]));
-      if (is_order_given()) std::sort(uses.begin(), uses.end());
+      for (std::size_t i = bucket_[v]; i < bucket_[v + 1]; ++i) {
+        check();
+        uses.push_back(use(order_[i]));
+      }
+      if (is_order_given()) sort_stoppable(uses.begin(), uses.end(), control_);
       visit_edges(VertexId(v), uses, visit);
     }
   }
   /// The uses of the edge between a and b; empty if there is none.
+  /// Cost: O(log n) for the edges at the smaller vertex, and the uses.
   std::vector<Use> find(VertexId a, VertexId b) const;
+  /// How many uses the edge between a and b has.
+  /// Cost: O(log n), however many they are.
+  std::size_t count_uses(VertexId a, VertexId b) const { return half_edges_of(a, b).size(); }
+  /// Whether the edge between a and b is inside a patch. One that does not exist is not.
+  /// Cost: O(log n), however many uses it has.
+  bool is_interior(VertexId a, VertexId b) const {
+    return count_uses(a, b) == 2 && Edge{std::min(a, b), std::max(a, b), find(a, b)}.is_interior();
+  }
 
  private:
   struct Part;
@@ -147,8 +162,11 @@ class EdgeTable {
   std::vector<Part> sort(RunControl& control);
   void add_parts(const std::vector<Part>& parts, RunControl& control);
   Part sort_part(std::size_t first, std::size_t last, std::uint32_t begin, std::span<std::uint32_t> half_edges);
+  /// Those of the edge between a and b.
+  std::span<const std::uint32_t> half_edges_of(VertexId a, VertexId b) const;
 
   Faces faces_;
+  const RunControl& control_;
   std::vector<std::uint32_t> face_of_;  ///< of each half-edge; empty where all faces are triangles
   using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
   Numbers bucket_;      ///< uses of vertex v's edges: [bucket_[v], bucket_[v + 1])

@@ -13,7 +13,7 @@
 namespace remesh::verification {
 namespace {
 
-/// Margins of what is clear: a hundred times more than rounding makes of well-shaped triangles.
+/// A margin of what is clear, relatively: far more than rounding makes of well-shaped triangles.
 constexpr double kMargin = 1e-6;
 /// More than rounding moves a point by, in local units.
 constexpr double kRounding = 0x1p-44;
@@ -214,12 +214,15 @@ bool FacingFacets::is_any_nearer(PatchId q, const Vec3& to, double squared, std:
 /// `there`: the nearest point of a triangle of q.
 bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const {
   const Vec3 way = there - from;
-  const double squared = norm_squared(way), height = dot(way, normal(p));
-  if (!(height * height > kSteep * (1 + kMargin) * squared)) return false;
+  const double squared = norm_squared(way), d = std::sqrt(squared);
+  // Both ends may be off the places that sizes were made for by the tolerance.
+  const double off = 2 * unit_ * model_.tolerance + kMargin * d;
+  const double height = std::fabs(dot(way, normal(p))) - off;
+  if (!(height > 0 && height * height > kSteep * (d + off) * (d + off))) return false;
   const bool is_one_body = body_[p.value] != kOpen && body_[p.value] == body_[q.value];
-  if (is_one_body && !(height * dot(way, normal(q)) < -kMargin * squared)) return false;
+  if (is_one_body && !(dot(way, normal(p)) * dot(way, normal(q)) < -off * d)) return false;
   if (are_crossing(p, q)) return false;
-  return !is_over_surface(p, from, q, there, kDetour * std::sqrt(squared) * (1 + kMargin), looks) &&
+  return !is_over_surface(p, from, q, there, kDetour * (d + off) + 2 * off, looks) &&
          !is_any_nearer(q, from, squared, looks);
 }
 

@@ -87,11 +87,11 @@ void Findings::write_to(Verdict& verdict) const {
   if (is_refined_) verdict.quality = (faults & kAgainstQuality) == 0;
 
   // The whole first: its patch is invalid, and so the largest number.
-  std::vector<Finding> sorted = findings_;
+  std::vector<Finding> first(std::min(kMaxFailures, findings_.size()));
   const auto key = [](const Finding& f) { return std::tuple(f.patch.value + 1, f.fault); };
-  std::sort(sorted.begin(), sorted.end(), [&](const Finding& a, const Finding& b) { return key(a) < key(b); });
-  for (const Finding& f : sorted) {
-    if (verdict.failures.size() == kMaxFailures) break;
+  std::partial_sort_copy(findings_.begin(), findings_.end(), first.begin(), first.end(),
+                         [&](const Finding& a, const Finding& b) { return key(a) < key(b); });
+  for (const Finding& f : first) {
     verdict.failures.push_back((f.patch.is_valid() ? "patch " + std::to_string(f.patch.value) + ": " : "") + words(f));
   }
 }

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/base/stoppable.h"
 #include "core/geometry/box_tree.h"
 #include "core/geometry/distances.h"
 
@@ -22,17 +23,22 @@ Corners3 corners_of(const Model& model, std::uint32_t output_face) {
 double farthest_of_folded(const Model& model, std::size_t patch, std::span<const std::uint32_t> folded,
                           RunControl& control) {
   std::vector<VertexId> gone;
+  StopCheck check(control);
   for (const std::uint32_t f : folded)
-    for (const VertexId v : model.input.face(f))
+    for (const VertexId v : model.input.face(f)) {
+      check();
       if (model.is_kept[v.value] == 0) gone.push_back(v);
+    }
   if (gone.empty()) return 0;
-  std::sort(gone.begin(), gone.end());
+  sort_stoppable(gone.begin(), gone.end(), control);
   gone.erase(std::unique(gone.begin(), gone.end()), gone.end());
 
   const auto faces = model.output_by_patch[patch];
   std::vector<Boxes::Entry> entries(faces.size());
-  for (std::size_t i = 0; i < faces.size(); ++i)
+  for (std::size_t i = 0; i < faces.size(); ++i) {
+    check();
     for (const Vec3& p : corners_of(model, faces[i])) entries[i].box.add(p);
+  }
   const Boxes boxes(entries, control);
   double farthest = 0;
   for (const VertexId v : gone) {

@@ -182,9 +182,7 @@ class GoalCheck {
     return false;
   }
 
-  bool is_bounding(VertexId a, VertexId b) const {
-    return !Edge{std::min(a, b), std::max(a, b), edges_.find(a, b)}.is_interior();
-  }
+  bool is_bounding(VertexId a, VertexId b) const { return !edges_.is_interior(a, b); }
 
   /// The ends of the shortest side are on two lines that meet, equally far from there, and nearer to each other.
   bool is_across_input_angle(std::uint32_t f, const Triangle3& face) const {

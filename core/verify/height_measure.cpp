@@ -6,12 +6,11 @@
 #include <set>
 #include <vector>
 
+#include "core/base/stoppable.h"
 #include "core/verify/exact.h"
 
 namespace remesh::verification {
 namespace {
-
-constexpr std::size_t kCheckEvery = 4096;
 
 /// A point over the plane.
 struct Raised {
@@ -59,29 +58,36 @@ class HeightMeasure {
  public:
   /// Input:  triangles that turn counter-clockwise, with coordinates on the grid, next to each other as in a
   ///         triangulation.
-  HeightMeasure(std::vector<Facet> facets, double grid) : facets_(std::move(facets)), grid_(grid) {
+  HeightMeasure(std::vector<Facet> facets, double grid, RunControl& control)
+      : facets_(std::move(facets)), grid_(grid), control_(control) {
+    StopCheck check(control_);
     for (std::uint32_t f = 0; f < facets_.size(); ++f)
       for (std::size_t i = 0; i < 3; ++i) {
+        check();
         const Vec2 from = facets_[f][i].at, to = facets_[f][(i + 1) % 3].at;
         if (from.x < to.x) edges_.push_back({from, to, f});
       }
-    std::sort(edges_.begin(), edges_.end(), [](const LowerEdge& a, const LowerEdge& b) {
+    sort_stoppable(edges_.begin(), edges_.end(), control_, [](const LowerEdge& a, const LowerEdge& b) {
       return a.left != b.left ? a.left < b.left : a.right < b.right;
     });
   }
 
   /// The largest difference; infinity if one of the probes is over no facet.
-  double run(std::vector<Raised> probes, RunControl& control) const {
-    std::sort(probes.begin(), probes.end(), [](const Raised& a, const Raised& b) { return a.at < b.at; });
+  double run(std::vector<Raised> probes) const {
+    sort_stoppable(probes.begin(), probes.end(), control_,
+                   [](const Raised& a, const Raised& b) { return a.at < b.at; });
     Active active((Below(grid_)));
     std::vector<const LowerEdge*> by_right;
     for (const LowerEdge& e : edges_) by_right.push_back(&e);
-    std::sort(by_right.begin(), by_right.end(),
-              [](const LowerEdge* a, const LowerEdge* b) { return a->right.x < b->right.x; });
+    sort_stoppable(by_right.begin(), by_right.end(), control_,
+                   [](const LowerEdge* a, const LowerEdge* b) { return a->right.x < b->right.x; });
+    // An edge that comes or goes costs a search among those that are there.
+    StopCheck check(control_);
 
     std::size_t next_edge = 0, next_end = 0;
     const auto remove_ended = [&](double x, bool is_inclusive) {
       for (; next_end < by_right.size(); ++next_end) {
+        check();
         const double right = by_right[next_end]->right.x;
         if (is_inclusive ? right > x : right >= x) return;
         active.erase(by_right[next_end]);
@@ -89,6 +95,7 @@ class HeightMeasure {
     };
     const auto insert_before = [&](double x, bool is_inclusive) {
       for (; next_edge < edges_.size(); ++next_edge) {
+        check();
         const LowerEdge& e = edges_[next_edge];
         if (is_inclusive ? e.left.x > x : e.left.x >= x) return;
         // Those that end where this one begins go first: only edges over a common line have an order.
@@ -98,7 +105,7 @@ class HeightMeasure {
     };
     double largest = 0;
     for (std::size_t i = 0; i < probes.size(); ++i) {
-      if (i % kCheckEvery == 0) control.check();
+      check();
       const Raised& probe = probes[i];
       // On a vertical line of the triangulation, the triangles on its left are asked first, then those on its right.
       insert_before(probe.at.x, false);
@@ -140,6 +147,7 @@ class HeightMeasure {
   std::vector<Facet> facets_;
   std::vector<LowerEdge> edges_;  ///< by their left end
   double grid_;
+  RunControl& control_;
 };
 
 Raised raise(const Model& model, const Frame& frame, VertexId v) {
@@ -150,16 +158,23 @@ Raised raise(const Model& model, const Frame& frame, VertexId v) {
 /// The vertices of some faces that are wanted, once each.
 template <class IsWanted>
 std::vector<Raised> collect_probes(const Model& model, const Frame& frame, const Faces& faces,
-                                   std::span<const std::uint32_t> of_patch, const IsWanted& is_wanted) {
+                                   std::span<const std::uint32_t> of_patch, const IsWanted& is_wanted,
+                                   RunControl& control) {
   std::vector<VertexId> wanted;
+  StopCheck check(control);
   for (const std::uint32_t f : of_patch)
-    for (const VertexId v : faces.face(f))
+    for (const VertexId v : faces.face(f)) {
+      check();
       if (is_wanted(v)) wanted.push_back(v);
-  std::sort(wanted.begin(), wanted.end());
+    }
+  sort_stoppable(wanted.begin(), wanted.end(), control);
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   std::vector<Raised> probes;
   probes.reserve(wanted.size());
-  for (const VertexId v : wanted) probes.push_back(raise(model, frame, v));
+  for (const VertexId v : wanted) {
+    check();
+    probes.push_back(raise(model, frame, v));
+  }
   return probes;
 }
 
@@ -169,15 +184,17 @@ double largest_height_of_dropped(const Model& model, std::size_t patch, const Bo
                                  RunControl& control) {
   const Frame& frame = model.frames[patch];
   std::vector<Facet> facets;
+  StopCheck check(control);
   for (const std::uint32_t f : model.output_by_patch[patch]) {
+    check();
     const auto face = model.output.face(f);
     Facet& facet = facets.emplace_back();
     for (std::size_t i = 0; i < 3; ++i) facet[i] = {model.corner_uv[3 * f + i], raise(model, frame, face[i]).height};
   }
-  return HeightMeasure(std::move(facets), frame.grid)
-      .run(collect_probes(model, frame, model.input, model.input_by_patch[patch],
-                          [&](VertexId v) { return !model.is_kept[v.value] && !input_seams.has(v); }),
-           control);
+  return HeightMeasure(std::move(facets), frame.grid, control)
+      .run(collect_probes(
+          model, frame, model.input, model.input_by_patch[patch],
+          [&](VertexId v) { return !model.is_kept[v.value] && !input_seams.has(v); }, control));
 }
 
 double largest_height_of_new(const Model& model, std::size_t patch, const BoundaryGraph& output_seams,
@@ -189,7 +206,9 @@ double largest_height_of_new(const Model& model, std::size_t patch, const Bounda
   };
   const auto is_near = [](Vec2 uv) { return std::fabs(uv.x) < 2 && std::fabs(uv.y) < 2; };
   std::vector<Facet> facets;
+  StopCheck check(control);
   for (const std::uint32_t f : model.input_by_patch[patch]) {
+    check();
     const auto face = model.input.face(f);
     if (face.size() != 3) return HUGE_VAL;
     Facet& facet = facets.emplace_back();
@@ -200,10 +219,10 @@ double largest_height_of_new(const Model& model, std::size_t patch, const Bounda
     }
     if (orientation(facet[0].at, facet[1].at, facet[2].at, frame.grid) <= 0) return HUGE_VAL;
   }
-  return HeightMeasure(std::move(facets), frame.grid)
-      .run(collect_probes(model, frame, model.output, model.output_by_patch[patch],
-                          [&](VertexId v) { return model.is_new(v) && !output_seams.has(v); }),
-           control);
+  return HeightMeasure(std::move(facets), frame.grid, control)
+      .run(collect_probes(
+          model, frame, model.output, model.output_by_patch[patch],
+          [&](VertexId v) { return model.is_new(v) && !output_seams.has(v); }, control));
 }
 
 }  // namespace remesh::verification

@@ -9,7 +9,7 @@
 #include <functional>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/mesh/triangle_corners.h"
 
 namespace remesh::verification {
@@ -42,15 +42,18 @@ Matches match_vertices(const Claim& claim, RunControl& control) {
   };
   std::vector<Place> places;
   places.reserve(claim.positions.size());
-  for (std::size_t v = 0; v < claim.positions.size(); ++v)
+  StopCheck check(control);
+  for (std::size_t v = 0; v < claim.positions.size(); ++v) {
+    check();
     if (is_finite(claim.positions[v])) places.push_back({claim.positions[v], static_cast<std::uint32_t>(v)});
-  sort_all(places.begin(), places.end(), [](const Place& a, const Place& b) {
+  }
+  sort_stoppable(places.begin(), places.end(), control, [](const Place& a, const Place& b) {
     return a.position != b.position ? a.position < b.position : a.vertex < b.vertex;
   });
-  control.check();
   Matches match;
   match.is_single.assign(claim.positions.size(), 0);
   for (std::size_t i = 0; i < places.size(); ++i) {
+    check();
     const bool is_repeated = (i > 0 && places[i - 1].position == places[i].position) ||
                              (i + 1 < places.size() && places[i + 1].position == places[i].position);
     match.is_single[places[i].vertex] = is_repeated ? 0 : 1;
@@ -161,11 +164,15 @@ Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
     match[v] = VertexId(model.points.size());
     model.points.push_back(claim.positions[v]);
   };
-  for (std::size_t v = 0; v < match.size(); ++v)
+  StopCheck check(control);
+  for (std::size_t v = 0; v < match.size(); ++v) {
+    check();
     if (claim.has_new_vertices && !match[v].is_valid() && matches.is_single[v] && is_finite(scale * claim.positions[v]))
       append(v);
+  }
   model.new_vertex_end = model.points.size();
   for (std::size_t v = 0; v < match.size(); ++v) {
+    check();
     if (match[v].is_valid()) continue;
     findings.add(PatchId(), Fault::kMovedVertex, static_cast<std::uint32_t>(v));
     append(v);

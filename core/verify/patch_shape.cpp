@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/verify/exact.h"
 #include "core/verify/folded.h"
 #include "core/verify/height_measure.h"
@@ -232,21 +233,33 @@ class PatchCheck {
 
   /// Has the input this triangle, in this patch and the same way round?
   bool is_input_triangle(std::span<const VertexId> face) const {
-    if (face[0].value >= model_.surface_vertex_count || face[1].value >= model_.surface_vertex_count) return false;
-    for (const Use& use : input_edges_.find(face[0], face[1])) {
-      if (use.patch().value != patch_ || use.is_forward() != (face[0] < face[1])) continue;
+    if (std::any_of(face.begin(), face.end(), [&](VertexId v) { return v.value >= model_.surface_vertex_count; }))
+      return false;
+    // The edge with the fewest faces: another one may have a million.
+    std::size_t i = 0;
+    for (const std::size_t k : {1, 2})
+      if (count_input_uses(face, k) < count_input_uses(face, i)) i = k;
+    const VertexId from = face[i], to = face[(i + 1) % 3], apex = face[(i + 2) % 3];
+    for (const Use& use : input_edges_.find(from, to)) {
+      if (use.patch().value != patch_ || use.is_forward() != (from < to)) continue;
       const auto after =
           std::upper_bound(model_.input.face_begin.begin(), model_.input.face_begin.end(), use.half_edge);
       const auto same = model_.input.face(static_cast<std::size_t>(after - model_.input.face_begin.begin() - 1));
-      if (same.size() == 3 && std::find(same.begin(), same.end(), face[2]) != same.end()) return true;
+      if (same.size() == 3 && std::find(same.begin(), same.end(), apex) != same.end()) return true;
     }
     return false;
+  }
+  std::size_t count_input_uses(std::span<const VertexId> face, std::size_t side) const {
+    return input_edges_.count_uses(face[side], face[(side + 1) % 3]);
   }
 
   bool is_unchanged() const {
     if (input_faces_.size() != output_faces_.size()) return false;
-    return std::all_of(output_faces_.begin(), output_faces_.end(),
-                       [&](std::uint32_t f) { return is_input_triangle(model_.output.face(f)); });
+    StopCheck check(control_);
+    return std::all_of(output_faces_.begin(), output_faces_.end(), [&](std::uint32_t f) {
+      check();
+      return is_input_triangle(model_.output.face(f));
+    });
   }
 
   /// The area vector depends on the boundary alone (Stokes), so it may change by the slivers there, and by rounding.
@@ -282,12 +295,15 @@ class PatchCheck {
   /// chords, and these have been held against the input.
   double bound_of_new_heights() {
     double bound = 0;
-    for (const std::uint32_t f : output_faces_)
+    StopCheck check(control_);
+    for (const std::uint32_t f : output_faces_) {
+      check();
       for (const VertexId v : model_.output.face(f))
         if (model_.is_new(v) && !seams_.output.has(v)) {
           const double h = height(model_.points[v.value]);
           bound = std::max({bound, input_.heights.high - h, h - input_.heights.low});
         }
+    }
     if (model_.is_within_tolerance(bound, reach_)) return bound;
     return std::min(bound, largest_height_of_new(model_, patch_, seams_.output, control_));
   }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 
 namespace remesh::verification {
 namespace {
@@ -39,7 +39,7 @@ StraightLines::StraightLines(const Model& model, const BoundaryGraph& seams, Run
         }
       },
       [](const Edge&, VertexId, Stray) {});
-  sort_all(reaches_.begin(), reaches_.end());
+  sort_stoppable(reaches_.begin(), reaches_.end(), control);
 }
 
 std::span<const StraightLines::Reach> StraightLines::reaches(VertexId v, PatchId patch,

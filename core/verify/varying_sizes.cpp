@@ -94,7 +94,9 @@ bool VaryingSizes::is_missed(std::uint32_t f, FacingFacets::Doubt doubt) const {
   const auto is_missed_at = [&](const Vec3& place) {
     double size = 0;  // below this, an edge is too long
     for (std::size_t k = 0; k < 3; ++k) size = std::max(size, length[k] / slack - slope_ * norm(middle[k] - place));
-    return facets_->is_any_within(place, patch, size * proximity_ - model_.tolerance, doubt);
+    // Both sides of the gap may be off the places that sizes were made for by the tolerance.
+    const double off = (must_be_clear ? -2 : 2) * model_.tolerance;
+    return facets_->is_any_within(place, patch, size * proximity_ - model_.tolerance + off, doubt);
   };
   return is_missed_at((1.0 / 3) * (middle[0] + middle[1] + middle[2])) ||
          std::any_of(middle.begin(), middle.end(), is_missed_at);

@@ -272,6 +272,19 @@ TEST(even_fill, a_needle_stays_empty_and_takes_no_time) {
     }
 }
 
+TEST(even_fill, what_needs_far_more_cells_than_points_is_given_up_at_once) {
+  // The boundary is not cut, as where no length is asked for: a point of each column is far from its corners.
+  for (const double height : {1e-3, 1e-9, 1e-30, 1e-150}) {
+    Region strip;
+    const Vec2 a{0, 0}, b{1, 0}, c{1, height}, d{0, height};
+    strip.triangles = {{a, b, c}, {a, c, d}};
+    strip.boundary = {a, b, c, d};
+    strip.vertex_count = 4;
+    EXPECT_TRUE(fill(strip, uniform(height), 100).empty()) << height;
+    EXPECT_TRUE(fill(strip, uniform(height / 1e9), 100).empty()) << height;
+  }
+}
+
 TEST(even_fill, it_can_be_stopped) {
   const Region square_region = region(square(), uniform(0.01));
   RunControl control;

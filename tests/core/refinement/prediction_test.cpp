@@ -21,7 +21,7 @@ double least(const PolygonMesh& mesh, const Options& options, PatchId frozen = {
   std::vector<std::uint8_t> is_frozen(chain.meshes.size(), 0);
   if (frozen.is_valid()) is_frozen[frozen.value] = 1;
   const SegmentTable segments(chain.surface, chain.meshes, is_frozen, sizes, goals, chain.control);
-  return least_faces(chain.meshes, segments, goals, sizes, chain.control);
+  return least_faces(chain.meshes, is_frozen, segments, goals, sizes, chain.control);
 }
 
 TEST(prediction, the_least_is_the_area_over_that_of_the_largest_triangles) {
@@ -50,6 +50,26 @@ TEST(prediction, sizes_near_the_shortest_edge_ask_for_nothing) {
   EXPECT_GT(least(shapes::box({1, 1, 1}), options), 100'000);
   options.min_edge_length = 1e-3;
   EXPECT_EQ(least(shapes::box({1, 1, 1}), options), 12);
+}
+
+TEST(prediction, sizes_without_measure_count_though_rounding_leaves_some_triangles_larger) {
+  // As long as that, its sides can be cut into pieces of a unit at least.
+  const double length = 1e9;
+  Options by_area;
+  by_area.max_area = 0.5;
+  EXPECT_GT(least(shapes::polygon({{0, 0}, {length, 0}, {length, 1}, {0, 1}}), by_area), 5e7);
+  // So thin that no side can be cut; but far from them there is room on the large faces.
+  by_area.max_area = 1e-16;
+  const double of_plate = least(shapes::box({1, 1, 1e-9}), by_area);
+  EXPECT_GT(of_plate, 1e6);
+  EXPECT_LT(of_plate, 2.1 / 1e-16);
+}
+
+TEST(prediction, what_is_asked_for_beside_locked_sides_of_a_strip_counts_for_nothing) {
+  // All of it is nearer to the long sides than these are long.
+  Options options = with_length(1e-6);
+  options.split_boundaries = false;
+  EXPECT_EQ(least(shapes::polygon({{0, 0}, {10, 0}, {10, 0.1}, {0, 0.1}}), options), 2);
 }
 
 }  // namespace

@@ -275,7 +275,7 @@ TEST(segment_table, sizes_that_grow_are_followed_along_a_segment) {
   options.gradation = 1.3;
   const Goals graded = goals_of(options, 1);
   StageChain chain(mesh);
-  const SizeField sizes(chain.surface, nullptr, segment_ends(chain.meshes), graded, 1e-6, chain.control);
+  const SizeField sizes(chain.surface, nullptr, segment_ends(chain.meshes, chain.control), graded, 1e-6, chain.control);
   SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(1, 0), sizes, graded, chain.control);
   table.plan_cuts(chain.meshes, sizes, graded, chain.control);
   std::size_t cuts_in_all = 0;
@@ -474,7 +474,7 @@ TEST(segment_table, it_scales_by_powers_of_two) {
 
 TEST(segment_ends, each_segment_is_named_once) {
   const StageChain chain(shapes::box({1, 1, 1}, 3));
-  const auto ends = segment_ends(chain.meshes);
+  const auto ends = segment_ends(chain.meshes, chain.control);
   EXPECT_EQ(ends.size(), 12u);
   EXPECT_TRUE(std::is_sorted(ends.begin(), ends.end()));
   for (const auto& [a, b] : ends) EXPECT_LT(a, b);

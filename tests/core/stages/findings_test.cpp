@@ -20,7 +20,7 @@ std::map<DiagnosticCode, Diagnostic> defects_of(const PolygonMesh& mesh) {
   const Surface surface = weld(mesh, {}, diagnostics, control);
   const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
   diagnostics.clear();
-  find_defects(surface, edges, pinched_vertices(surface, edges, control), diagnostics);
+  find_defects(surface, edges, pinched_vertices(surface, edges, control), diagnostics, control);
   std::map<DiagnosticCode, Diagnostic> found;
   for (const Diagnostic& d : diagnostics) found[d.code] = d;
   return found;

@@ -1,0 +1,32 @@
+/// The end of what is made of a million parts.
+#pragma once
+
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+namespace remesh {
+
+/// Empties a vector whose items have memory of their own, in parallel: to free that of a million patches takes a tenth
+/// of a second, and somebody who has stopped the work waits for it.
+/// Holds:  nothing is thrown. Where the caller's group of tasks has been cancelled, nothing is done in parallel, and the
+///         items end with the vector.
+template <class T>
+void drop_all(std::vector<T>& items) noexcept {
+  constexpr std::size_t kFew = 1 << 12;
+  if (items.size() > kFew)
+    tbb::this_task_arena::isolate([&] {
+      tbb::parallel_for(tbb::blocked_range<std::size_t>(0, items.size(), kFew), [&](const auto& range) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          const T gone = std::move(items[i]);
+        }
+      });
+    });
+  std::vector<T>().swap(items);
+}
+
+}  // namespace remesh

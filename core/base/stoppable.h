@@ -1,0 +1,48 @@
+/// Serial work on many items that a stop can end.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+
+#include "core/base/parallel.h"
+#include "core/base/run_control.h"
+
+namespace remesh {
+
+/// Serial loops over the input call this once an item. It looks for a stop once in `kCalls` calls, so that it costs a
+/// few instructions, and items that cost up to a microsecond each end within some ten milliseconds.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+class StopCheck {
+ public:
+  explicit StopCheck(const RunControl& control) : control_(control) {}
+  void operator()() {
+    if (--left_ != 0) return;
+    left_ = kCalls;
+    control_.check();
+  }
+
+ private:
+  static constexpr std::uint32_t kCalls = 1 << 13;
+
+  const RunControl& control_;
+  std::uint32_t left_ = kCalls;
+};
+
+/// Sorts like std::sort, in parallel where there are many items, and ends at a stop: then the items are in no order,
+/// and some may be missing. Sorting ten million items takes seconds otherwise.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+template <class Iterator, class Less = std::less<>>
+void sort_stoppable(Iterator begin, Iterator end, const RunControl& control, const Less& less = {}) {
+  constexpr std::ptrdiff_t kFew = 1 << 13;
+  control.check();
+  if (end - begin <= kFew) return std::sort(begin, end, less);
+  // A look is one read of memory that hardly ever changes. Most comparisons cost more.
+  sort_all(begin, end, [&](const auto& a, const auto& b) {
+    control.check();
+    return less(a, b);
+  });
+}
+
+}  // namespace remesh
