@@ -105,8 +105,8 @@ TEST(plane_tolerance, an_edge_bumped_by_exact_decimals_keeps_its_bump) {
 
 TEST(plane_tolerance, a_cube_with_the_last_digits_of_printing_is_a_cube) {
   PolygonMesh cube = shapes::box({2, 2, 2});
-  cube.positions[3].x += 1e-6;
-  cube.positions[6].z -= 1e-6;
+  cube.positions[VertexId(3)].x += 1e-6;
+  cube.positions[VertexId(6)].z -= 1e-6;
   const Result result = remeshed(shapes::rounded(cube, 1e-6));
   EXPECT_EQ(result.report.patches.size(), 6u);
   EXPECT_EQ(result.mesh.faces.size(), 12u);
