@@ -114,8 +114,8 @@ bool passes_through(const Corners3& s, const Corners3& t) {
 
 }  // namespace
 
-/// Points of a shell, the same for any order of its faces: outermost vertices, then middles, to rounding, of its longest
-/// edge and of its largest face of each direction.
+/// Points of a shell, the same for any order of its faces: outermost vertices, then middles, to rounding, of its
+/// longest edge and of its largest face of each direction.
 struct ShellNesting::Samples {
   std::array<Vec3, kDirections.size()> vertices;
   std::vector<Vec3> middles;
