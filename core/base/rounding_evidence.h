@@ -21,8 +21,8 @@ namespace remesh {
 /// A model's exact dimensions prove nothing either: they agree in any case. But such dimensions are multiples of a
 /// coarser decimal step, so only the values that are no multiples of it count. A claim between the true decimal place
 /// and that of the dimensions is wrong in one of two ways:
-/// - by m = 2, for example 0.02 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are no multiples
-///   of five claimed steps count one bit each.
+/// - by m = 2, for example 0.02 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are no
+///   multiples of five claimed steps count one bit each.
 /// - by m = 5, for example 0.05 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are odd
 ///   multiples of the claimed step count log2(5) bits each.
 /// The smaller sum must reach 18 bits. Any other m (ten, a thousand, a float's or a double's last place) makes the

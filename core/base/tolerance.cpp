@@ -318,7 +318,7 @@ std::vector<Factors> longest_numbers(const Coordinates& coordinates, const Latti
   return sorted;
 }
 
-/// A rule by which numbers may be limited in significant digits. The place of a number's last digit depends on its size.
+/// A rule by which digits may be limited: the place of a number's last digit depends on the number's size.
 class SignificantDigits {
  public:
   /// A longest number tells how many digits there are, and by its last one to which power of two times ten they refer.

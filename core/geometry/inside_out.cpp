@@ -96,6 +96,7 @@ class Judging {
 
   /// The way that a shell is to look whose next one outside has been judged.
   Side right_side(std::uint32_t shell, std::uint32_t outer) const {
+    if (shells_.all[shell].has_open_neighbours) return side(shell);
     if (outer == kNone) return Side::kOut;
     const bool is_outer_wrong = is_wrong_[outer] != 0;
     const bool is_in_solid = (side(outer) == Side::kOut) != is_outer_wrong;

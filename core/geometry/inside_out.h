@@ -27,7 +27,8 @@ struct InsideOut {
 /// A shell is judged as if those around it looked the right way, so turning over what is found leaves none. Two shells
 /// share a label where a face of one and a face of the other belong to the same object, group and material.
 /// Input:   triangles, three corners each, and their labels; coordinates within [-2^250, 2^250].
-/// Holds:   a shell that crosses others is no cavity of theirs. Of shells that coincide, those that look the right way
+/// Holds:   a shell on whose edges open pieces stand is not judged: they may be of a body that it lies in. A shell that
+///          crosses others is no cavity of theirs. Of shells that coincide, those that look the right way
 ///          count as the outer ones. For nothing else see ShellNesting.
 /// Cost:    O(n) for separate bodies; see ShellNesting.
 InsideOut find_inside_out(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& edges,

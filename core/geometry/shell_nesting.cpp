@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/box_tree.h"
 #include "core/geometry/distances.h"
 #include "core/geometry/predicates.h"
@@ -113,8 +114,8 @@ bool passes_through(const Corners3& s, const Corners3& t) {
 
 }  // namespace
 
-/// Points of a shell, the same for any order of its faces: outermost vertices, then middles, to rounding, of its longest
-/// edge and of its largest face of each direction.
+/// Points of a shell, the same for any order of its faces: outermost vertices, then middles, to rounding, of its
+/// longest edge and of its largest face of each direction.
 struct ShellNesting::Samples {
   std::array<Vec3, kDirections.size()> vertices;
   std::vector<Vec3> middles;
@@ -144,8 +145,7 @@ void ShellNesting::group_by_place() {
     if (shells_.all[s].is_solid()) solids.push_back(s);
   const auto volume = [&](std::uint32_t s) { return std::fabs(shells_.all[s].volume); };
   const auto box = [&](std::uint32_t s) { return box_key(shells_.all[s].box); };
-  control_.check();
-  std::sort(solids.begin(), solids.end(), [&](std::uint32_t a, std::uint32_t b) {
+  sort_stoppable(solids.begin(), solids.end(), control_, [&](std::uint32_t a, std::uint32_t b) {
     return std::tuple(box(a), -volume(a), a) < std::tuple(box(b), -volume(b), b);
   });
   control_.check();
@@ -172,7 +172,7 @@ void ShellNesting::group_by_place() {
       nests_.push_back({{solids[i]}, kNone});
     samples_of_last = std::move(samples);
   }
-  std::sort(nests_.begin(), nests_.end(), [&](const Nest& a, const Nest& b) {
+  sort_stoppable(nests_.begin(), nests_.end(), control_, [&](const Nest& a, const Nest& b) {
     const std::uint32_t s = a.shells[0], t = b.shells[0];
     return std::tuple(-volume(s), box(s), s) < std::tuple(-volume(t), box(t), t);
   });

@@ -61,15 +61,11 @@ class ShellSearch {
   template <class Join>
   void join_by_labels(const Join& join) const {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> by_label;
-    std::size_t looks = 0;
-    for (const EdgeId e : edges_.odd_edges()) {
-      const auto around = edges_.half_edges(e);
-      if (looks++ % kLooksBetweenChecks == 0) control_.check();
-      if (around.size() <= 2 || is_point(e)) continue;
+    for_odd_edges([&](std::span<const std::uint32_t> around) {
+      if (around.size() <= 2) return;
       by_label.clear();
       for (const std::uint32_t h : around) by_label.push_back({labels_.set_of[edges_.face_of(h).value], h});
       std::sort(by_label.begin(), by_label.end());
-      looks += around.size();
       for (std::size_t i = 0; i < by_label.size();) {
         std::size_t end = i + 1;
         while (end < by_label.size() && by_label[end].first == by_label[i].first) ++end;
@@ -77,7 +73,7 @@ class ShellSearch {
         if (end - i == 2 && edges_.from(h) == edges_.to(g)) join(h, g);
         i = end;
       }
-    }
+    });
   }
 
   void number(const UnionFind& sets) {
@@ -96,26 +92,40 @@ class ShellSearch {
     });
   }
 
+  /// Calls visit(around) with the half-edges of each edge that has not two faces that run in opposite directions.
+  template <class Visit>
+  void for_odd_edges(const Visit& visit) const {
+    std::size_t looks = 0;
+    for (const EdgeId e : edges_.odd_edges()) {
+      if (looks++ % kLooksBetweenChecks == 0) control_.check();
+      const auto around = edges_.half_edges(e);
+      if (!is_point(e)) visit(around);
+      looks += around.size();
+    }
+  }
+
+  std::uint32_t shell_of(std::uint32_t half_edge) const { return shells_.of_face[edges_.face_of(half_edge).value]; }
+
   void find_open_ones() {
     // The faces of each shell that run along the edge from its first half-edge's start, less those that run back.
     std::vector<std::pair<std::uint32_t, int>> runs;
-    std::size_t looks = 0;
-    for (const EdgeId e : edges_.odd_edges()) {
-      const auto around = edges_.half_edges(e);
-      if (looks++ % kLooksBetweenChecks == 0) control_.check();
-      if (is_point(e)) continue;
+    for_odd_edges([&](std::span<const std::uint32_t> around) {
       runs.clear();
       for (const std::uint32_t h : around)
-        runs.push_back({shells_.of_face[edges_.face_of(h).value], edges_.from(h) == edges_.from(around[0]) ? 1 : -1});
+        runs.push_back({shell_of(h), edges_.from(h) == edges_.from(around[0]) ? 1 : -1});
       std::sort(runs.begin(), runs.end());
-      looks += around.size();
       for (std::size_t i = 0; i < runs.size();) {
         const std::uint32_t shell = runs[i].first;
         int sum = 0;
         for (; i < runs.size() && runs[i].first == shell; ++i) sum += runs[i].second;
         if (sum != 0) shells_.all[shell].is_closed = false;
       }
-    }
+    });
+    const auto is_open = [&](std::uint32_t h) { return !shells_.all[shell_of(h)].is_closed; };
+    for_odd_edges([&](std::span<const std::uint32_t> around) {
+      if (std::none_of(around.begin(), around.end(), is_open)) return;
+      for (const std::uint32_t h : around) shells_.all[shell_of(h)].has_open_neighbours = !is_open(h);
+    });
   }
 
   Vec3 twice_area(std::size_t f) const { return cross(corner(f, 1) - corner(f, 0), corner(f, 2) - corner(f, 0)); }

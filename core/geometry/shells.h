@@ -26,7 +26,8 @@ struct BodyLabels {
 struct Shell {
   FaceId first;  ///< its smallest face
   bool is_closed = true;
-  double volume = 0;  ///< signed; this and the rest of closed ones only
+  bool has_open_neighbours = false;  ///< closed, but faces of shells that are not stand on its edges
+  double volume = 0;                 ///< signed; this and the rest of closed ones only
   double area = 0;
   Box3 box;
 

@@ -19,8 +19,8 @@ bool is_binary_stl(std::string_view content);
 /// Input:   binary: 80 bytes of header, a count, 50 bytes a triangle. Text: keywords in upper or lower case, those that
 ///          end something in one word or in two (`end loop`). What stands behind a keyword that takes no value is
 ///          skipped, as are the normals, comments (from `#`, `;`, `!` or `//` on), and lines that begin with no keyword
-///          before the first solid or before a solid's first facet. A name is the rest of its line, whatever that holds.
-///          The end of the text or the next `solid` may end a solid, too.
+///          before the first solid or before a solid's first facet. A name is the rest of its line, whatever that
+///          holds. The end of the text or the next `solid` may end a solid, too.
 /// Output:  triangles as listed. STL repeats a vertex for each triangle: those with equal coordinates are one, numbered
 ///          by first appearance. Each solid of a text becomes an object of that name, also where several have one name.
 ///          Floats are kept exactly, numbers of text are read as doubles. Attribute bytes (colours) are counted as

@@ -105,8 +105,8 @@ TEST(plane_tolerance, an_edge_bumped_by_exact_decimals_keeps_its_bump) {
 
 TEST(plane_tolerance, a_cube_with_the_last_digits_of_printing_is_a_cube) {
   PolygonMesh cube = shapes::box({2, 2, 2});
-  cube.positions[3].x += 1e-6;
-  cube.positions[6].z -= 1e-6;
+  cube.positions[VertexId(3)].x += 1e-6;
+  cube.positions[VertexId(6)].z -= 1e-6;
   const Result result = remeshed(shapes::rounded(cube, 1e-6));
   EXPECT_EQ(result.report.patches.size(), 6u);
   EXPECT_EQ(result.mesh.faces.size(), 12u);
@@ -162,11 +162,11 @@ TEST(plane_tolerance, the_automatic_tolerance_given_as_an_option_does_the_same) 
 }
 
 TEST(plane_tolerance, a_house_in_whole_centimetres_is_told_which_tolerance_would_do) {
-  // Five blocks of some metres, turned, and rounded to a hundredth.
+  // Five small blocks, turned, and rounded to a hundredth.
   PolygonMesh house;
   for (int i = 0; i < 5; ++i) {
-    PolygonMesh block = shapes::rotated(shapes::box({4.0 + i, 5, 2.7}), {1, 2, 3}, 20 + 5.0 * i);
-    for (Vec3& p : block.positions) p = p + Vec3{12.0 * i, 3.0 * i, 0};
+    PolygonMesh block = shapes::rotated(shapes::box({1.0 + 0.2 * i, 1.5, 0.8}), {1, 2, 3}, 20 + 5.0 * i);
+    for (Vec3& p : block.positions) p = p + Vec3{3.0 * i, 1.0 * i, 0};
     house = i == 0 ? block : shapes::joined(house, block);
   }
   house = shapes::rounded(house, 0.01);
@@ -188,7 +188,7 @@ TEST(plane_tolerance, a_house_in_whole_centimetres_is_told_which_tolerance_would
 }
 
 TEST(plane_tolerance, what_bends_nowhere_is_not_told_of) {
-  // A block of unit cubes' corners, all of it whole numbers.
+  // A block whose sides are cut into equal squares.
   const Result result = remeshed(shapes::box({40, 37, 41}, 5));
   for (const Diagnostic& d : result.report.diagnostics) EXPECT_NE(d.code, DiagnosticCode::kRoundingCapped);
 }

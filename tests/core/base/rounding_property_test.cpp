@@ -275,7 +275,7 @@ TEST(rounding_estimate, the_step_is_right_or_not_told_and_never_coarser_than_the
       is_right = is_right && is(truth.steps[axis]);
       is_not_told = is_not_told && (is(truth.as_floats[axis]) || is(truth.as_doubles[axis]));
       is_finer = is_finer && steps[axis] <= truth.steps[axis] * (1 + 1e-9) &&
-                 certain[axis] <= coarsest * (1 + 1e-9) * (model.are_few ? 8 : 1);
+                 certain[axis] <= coarsest * (1 + 1e-9) * (model.are_few ? 64 : 1);
     }
     const auto description = [&] {
       return "trial " + std::to_string(trial) + ": " + model.name + " of " + std::to_string(model.points.size()) +

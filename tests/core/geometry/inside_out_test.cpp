@@ -63,8 +63,8 @@ PolygonMesh all(const std::vector<PolygonMesh>& meshes) {
   return joined;
 }
 
-/// Cubes in each other, the outermost first, with these ways and bodies: "O" and "I" say how one looks, the digit behind
-/// it what its label is. Output: the numbers of those that look the wrong way.
+/// Cubes in each other, the outermost first, with these ways and bodies: "O" and "I" say how one looks, the digit
+/// behind it what its label is. Output: the numbers of those that look the wrong way.
 std::string wrong_of(const std::string& nest) {
   const std::size_t count = nest.size() / 2;
   std::vector<PolygonMesh> cubes;
@@ -192,8 +192,8 @@ TEST(find_inside_out, a_nest_of_any_number_of_shells_is_judged_right) {
   }
 }
 
-/// Bodies and cavities in each other at random, and what is wrong of them by the rule alone: which lies in which is known
-/// from how they were made.
+/// Bodies and cavities in each other at random, and what is wrong of them by the rule alone: which lies in which is
+/// known from how they were made.
 class RandomNest {
  public:
   explicit RandomNest(std::uint64_t seed, bool has_labels) : random_(seed), has_labels_(has_labels) {
@@ -362,12 +362,20 @@ TEST(find_inside_out, bodies_that_touch_from_outside_are_no_cavities) {
   }
 }
 
-TEST(find_inside_out, a_fin_or_a_second_body_along_an_edge_leaves_a_shell_closed) {
+TEST(find_inside_out, a_second_body_along_an_edge_leaves_a_shell_closed) {
   const PolygonMesh body = shapes::turned_over(shapes::box({1, 1, 1}));
-  const PolygonMesh fin = shapes::from_lists({{0, 0, 0}, {0, 0, 1}, {-1, -1, 0}}, {{0, 1, 2}});
-  EXPECT_EQ(found_in(shapes::welded(shapes::joined(body, fin))), Found{FaceId(0)});
   const PolygonMesh beside = shapes::welded(shapes::joined(shapes::moved(shapes::box({1, 1, 1}), {-1, -1, 0}), body));
   EXPECT_EQ(found_in(beside), Found{FaceId(12)});
+}
+
+TEST(find_inside_out, a_shell_with_open_pieces_on_its_edges_is_not_judged_but_what_lies_in_it_is) {
+  const PolygonMesh fin = shapes::from_lists({{0, 0, 0}, {0, 0, 3}, {-1, -1, 0}}, {{0, 1, 2}});
+  const PolygonMesh body = shapes::welded(shapes::joined(shapes::box({3, 3, 3}), fin));
+  EXPECT_EQ(found_in(body), Found{});
+  EXPECT_EQ(found_in(shapes::turned_over(body)), Found{});
+  const PolygonMesh inner = shapes::moved(shapes::box({1, 1, 1}), {1, 1, 1});
+  EXPECT_EQ(found_in(shapes::joined(body, inner)), Found{FaceId(13)});
+  EXPECT_EQ(found_in(shapes::joined(body, shapes::turned_over(inner))), Found{});
 }
 
 TEST(find_inside_out, two_bodies_with_a_wall_each_between_them_are_told_apart_by_their_labels) {
