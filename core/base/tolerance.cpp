@@ -371,7 +371,9 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
   };
   constexpr double kOverDecimal = 4.99;
   const double least_coarser = fixed_step > 0 ? kOverDecimal * significant.not_above(fixed_step) : 0;
-  const double lower = 0.5 * significant.place(coordinates.largest_of_all()).step();
+  const Lattice place_of_largest = significant.place(coordinates.largest_of_all());
+  if (!place_of_largest.is_within_reach()) return std::nullopt;
+  const double lower = 0.5 * place_of_largest.step();
   const auto found = coordinates.found_in_all(
       Found{},
       [&](Found& f, double x, int axis) {
