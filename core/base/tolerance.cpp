@@ -74,6 +74,9 @@ double times_power_of_five(double x, int d) {
     for (std::size_t i = 1; i < p.size(); ++i) p[i] = 5 * p[i - 1];
     return p;
   }();
+  // Of coordinates that differ by hundreds of powers of ten the places do, too.
+  for (; d > kAny.most; d -= kAny.most) x *= powers.back();
+  for (; d < -kAny.most; d += kAny.most) x /= powers.back();
   return d >= 0 ? x * powers[static_cast<std::size_t>(d)] : x / powers[static_cast<std::size_t>(-d)];
 }
 
