@@ -149,7 +149,7 @@ std::string reason_text(const FloatForm& form, double allowed_move) {
       return "rounding to them moves a vertex by " + short_text(verdict.largest_move) + ", where at most " +
              short_text(allowed_move) + " is allowed (the larger of plane_tolerance and 1e-6 of the diagonal)";
     case StoredFault::kMerged:
-      return "rounding to them makes one place of the vertices of " + count_of(verdict.count, "pair", "pairs");
+      return "rounding to them makes one place of " + count_of(verdict.count, "pair", "pairs") + " of vertices";
     case StoredFault::kTurnedOver:
       return "rounding to them takes the area of " + count_of(verdict.count, "triangle", "triangles") +
              " or turns them over";
