@@ -43,7 +43,8 @@ void append_facet(std::string& out, const TriangleMesh& mesh, FaceId f) {
   for (const float coordinate : nearest_floats(normal_of(p, q, r))) {
     char digits[32];
     out += ' ';
-    out.append(digits, std::to_chars(digits, digits + sizeof digits, coordinate).ptr);
+    // Zero has no sign here.
+    out.append(digits, std::to_chars(digits, digits + sizeof digits, coordinate + 0.0F).ptr);
   }
   out += "\n outer loop\n";
   for (const Vec3* corner : {&p, &q, &r}) {

@@ -64,9 +64,10 @@ struct StoredVerdict {
 ///           - no vertex moved by more than allowed, measured on what a reader gets: origin + stored, in doubles;
 ///           - no two vertices are one place;
 ///           - every triangle has an area and looks along its patch's normal, but for those that did not before;
-///           - the faces that miss the goals are listed, and besides them only those that were listed before though they
-///             met the goals (they are larger than gaps or short edges ask for); what is listed for kOutputRounding met
-///             the goals before and was not listed, and every other reason is the one that the face had before;
+///           - the faces that miss the goals are listed, and besides them only those that were listed before though
+///             they met the goals (they are larger than gaps or short edges ask for); what is listed for
+///             kOutputRounding met the goals before and was not listed, and every other reason is the one that the
+///             face had before;
 ///           - faces intersect (geometry/patch_intersections.h) only where their patches do in the verified mesh.
 /// Holds:   the same verdict for any number of threads. Where no vertex moved nothing but the first two is tested.
 /// Errors:  kCancelled, kTimeout - through `control`.
