@@ -92,7 +92,9 @@ TEST(Capabilities, every_limit_is_told_under_its_own_name) {
   EXPECT_EQ(response.content_type, "application/json");
   EXPECT_EQ(json::parse(response.body)["limits"],
             json::parse(R"({"max_body": 1, "max_decompressed": 2, "max_ratio": 3, "max_vertices": 4, "max_faces": 5,
-                            "max_output_faces": 6, "workers": 7, "request_timeout_s": 8.5})"));
+                            "max_output_faces": 6, "workers": 7, "request_timeout_s": 8.5,
+                            "max_distance_from_middle": 4.49423283715579e307, "min_extent": 2.2250738585072014e-308,
+                            "min_width_of_length": 7.888609052210118e-31})"));
 }
 
 TEST(Openapi, its_parameters_are_the_table_of_options) {

@@ -55,10 +55,11 @@ std::optional<Error> error_of_run(const PolygonMesh& mesh, const Options& option
   return ended;
 }
 
-/// Either it holds, or coordinates are named as the reason, with the vertex or face that it is about.
+/// Either it holds, or coordinates are named as the reason, with the vertex or face that it is about. What rounding has
+/// left no width has no area.
 void expect_held_or_refused(const PolygonMesh& mesh, const Options& options, const std::string& what) {
   const auto error = error_of_run(mesh, options);
-  if (!error) return;
+  if (!error || error->code == Code::kEmptyMesh) return;
   EXPECT_EQ(error->code, Code::kCoordinateRange) << what << ": " << error->what();
   EXPECT_TRUE(error->element.has_value()) << what;
 }
