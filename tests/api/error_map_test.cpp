@@ -22,6 +22,7 @@ TEST(ErrorMap, every_code_has_the_status_of_the_contract) {
                                             {"invalid_mesh", 422},
                                             {"index_out_of_range", 422},
                                             {"nonfinite_coordinate", 422},
+                                            {"coordinate_range", 422},
                                             {"empty_mesh", 422},
                                             {"output_too_large", 422},
                                             {"cancelled", 499},

@@ -46,6 +46,7 @@ TEST(Options, the_table_has_every_option_of_the_contract_with_its_default) {
                                                          {"weld_tolerance", "0"},
                                                          {"repair", "duplicates,degenerate,t_junctions,winding,seams"},
                                                          {"barriers", "object,group,material"},
+                                                         {"local_origin", "false"},
                                                          {"reference_axis", "dominant_edge"},
                                                          {"format", "auto"}};
   std::map<std::string_view, std::string> table;

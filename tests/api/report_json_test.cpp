@@ -35,7 +35,7 @@ TEST(ReportJson, what_is_unrefined_has_its_reason_its_count_and_its_places) {
 
 TEST(ReportJson, every_reason_has_its_name_of_the_contract) {
   const char* names[] = {"input_angle", "across_input_angle", "size_floor", "min_edge_length",
-                         "budget",      "boundary_locked"};
+                         "budget",      "boundary_locked",    "effort",     "output_rounding"};
   Report report;
   for (int reason = 0; reason < kUnrefinedReasonCount; ++reason)
     report.unrefined.push_back({static_cast<UnrefinedReason>(reason), 1, {{0, 0, 0}}});

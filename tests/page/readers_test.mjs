@@ -250,7 +250,10 @@ test("a curl line survives any file name", () => {
     `curl --fail-with-body -H "Authorization: Bearer $REMESHD_API_KEY" --data-binary '@a b.stl' ` +
       `'http://h:1/v1/remesh?barriers=object,group&format=ply' -o 'a b-remeshed.ply'`,
   );
-  assert.match(page.curlLine("http://h:1", "a.obj", [], "stl_ascii", "stl", false), /format=stl_ascii' -o a-remeshed.stl$/);
+  assert.match(
+    page.curlLine("http://h:1", "a.obj", [], "stl_ascii", "stl", false),
+    /format=stl_ascii' -o a-remeshed.stl$/,
+  );
 });
 
 test("the bounds of an option are the ones that the service names", async () => {

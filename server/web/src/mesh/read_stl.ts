@@ -52,7 +52,10 @@ export function readTextStl(bytes: Uint8Array): Surface {
   // Lines that begin with no keyword may stand before the first solid, and between a solid's name and its first facet.
   let isInHead = true;
   while (!scanner.isAtEnd) {
-    let word = scanner.word().toLowerCase().replace(/^\u00ef\u00bb\u00bf/, "");
+    let word = scanner
+      .word()
+      .toLowerCase()
+      .replace(/^\u00ef\u00bb\u00bf/, "");
     if (word === "end") word += scanner.word().toLowerCase();
     if (word === "vertex") {
       surface.addCorner(surface.pointCount);
