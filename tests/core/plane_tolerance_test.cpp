@@ -83,9 +83,8 @@ TEST(plane_tolerance, a_crown_stays_among_many_exact_dimensions) {
   PolygonMesh mesh = crowned_plate(0.01);
   for (int i = 0; i < 40; ++i) {
     const double size = 0.01 * random.integer(31, 99);
-    PolygonMesh cube = shapes::box({size, size, size});
-    for (Vec3& p : cube.positions)
-      p = p + Vec3{3.0 * i, 120 + 0.01 * random.integer(0, 999), 0.01 * random.integer(0, 999)};
+    const double y = 120 + 0.01 * random.integer(0, 999), z = 0.01 * random.integer(0, 999);
+    const PolygonMesh cube = shapes::moved(shapes::box({size, size, size}), {3.0 * i, y, z});
     mesh = shapes::joined(mesh, shapes::rounded(cube, 0.01));
   }
   const Result result = remeshed(mesh);

@@ -132,10 +132,12 @@ TEST(essential_vertices, a_round_boundary_without_a_corner_keeps_three_or_more) 
 }
 
 TEST(essential_vertices, a_closed_boundary_within_the_tolerance_of_a_line_stays_whole) {
-  // A hole 1 long and 1e-4 wide: its two sides are one chord within the tolerance.
+  // A hole 1 long and 2e-4 wide: its two sides are one chord within the tolerance. The sheet around it is given in
+  // triangles, because an outline that runs around the hole would be cut there as a spike.
   const StageChain chain(
-      shapes::polygon(
-          {{-1, -1}, {2, -1}, {2, 1}, {-1, 1}, {-1, -1}, {0, 0}, {0.5, 1e-4}, {1, 0}, {0.5, -1e-4}, {0, 0}}),
+      shapes::from_lists(
+          {{-1, -1, 0}, {2, -1, 0}, {2, 1, 0}, {-1, 1, 0}, {0, 0, 0}, {0.5, 1e-4, 0}, {1, 0, 0}, {0.5, -1e-4, 0}},
+          {{0, 1, 7}, {1, 6, 7}, {1, 2, 6}, {2, 5, 6}, {2, 3, 5}, {3, 4, 5}, {3, 0, 4}, {0, 7, 4}}),
       1e-3);
   EXPECT_EQ(chain.kept().size(), 8u);
 }
@@ -161,8 +163,11 @@ TEST(essential_vertices, a_thin_patch_does_not_vanish) {
 }
 
 TEST(essential_vertices, a_boundary_that_folds_back_keeps_its_vertices) {
-  // Along x: 0, 2, 1, 3 within the tolerance of one line.
-  const StageChain chain(shapes::polygon({{0, 0}, {2, 1e-5}, {1, 2e-5}, {3, 3e-5}, {3, 2}, {0, 2}}), 1e-3);
+  // Along x: 0, 2, 1, 3 within the tolerance of one line. It is given in triangles, because a polygon with this outline
+  // would be cut there as one with a spike.
+  const StageChain chain(shapes::from_lists({{0, 0, 0}, {2, 1e-5, 0}, {1, 2e-5, 0}, {3, 3e-5, 0}, {3, 2, 0}, {0, 2, 0}},
+                                            {{0, 1, 2}, {2, 3, 4}, {2, 4, 5}, {2, 5, 0}}),
+                         1e-3);
   EXPECT_TRUE(chain.is_essential({2, 1e-5, 0}));
   EXPECT_TRUE(chain.is_essential({1, 2e-5, 0}));
 }
