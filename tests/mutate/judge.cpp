@@ -178,7 +178,7 @@ class Judge {
     for (int i = 0; i < kSamples; ++i) {
       const std::size_t f = below(input_.face_count());
       // What has no area may be dropped, and what is not plane is cut in one of several ways.
-      if (input_.height(f) <= 2 * reach_ || input_.thickness(f) > reach_) continue;
+      if (input_.height(f) <= 2 * reach_ || input_.thickness(f) > reach_ || input_.has_spike(f, reach_)) continue;
       const Vec3 p = i % 2 == 0 ? input_.positions()[input_.face(f)[0]] : input_.sample(f, random_);
       furthest = std::max(furthest, output_.distance(p));
     }

@@ -190,6 +190,17 @@ bool SurfaceModel::is_over(std::size_t f, const Vec3& p) const {
   return winding != 0;
 }
 
+bool SurfaceModel::has_spike(std::size_t f, double reach) const {
+  const auto& face = faces_[f];
+  for (std::size_t k = 0; k < face.size(); ++k) {
+    const Vec3 &before = positions_[face[k]], &tip = positions_[face[(k + 1) % face.size()]],
+               &after = positions_[face[(k + 2) % face.size()]];
+    if (distance_to_segment(before, tip, after) <= reach || distance_to_segment(after, tip, before) <= reach)
+      return true;
+  }
+  return false;
+}
+
 Vec3 SurfaceModel::sample(std::size_t f, Random& random) const {
   const auto& face = faces_[f];
   const auto corner = [&](std::size_t k) { return positions_[face[k % face.size()]]; };

@@ -62,6 +62,8 @@ class SurfaceModel {
   double thickness(std::size_t f) const { return thickness_[f]; }
   /// Twice the area over the longest extent: small for needles and for nothing.
   double height(std::size_t f) const;
+  /// Whether the outline turns back over itself at a corner: that spike has no area, and is dropped.
+  bool has_spike(std::size_t f, double reach) const;
   /// A point of a face; a plane one's is within it.
   Vec3 sample(std::size_t f, Random& random) const;
   /// The distance from a point to the nearest face, or to the box of one without a plane.

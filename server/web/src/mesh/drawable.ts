@@ -65,7 +65,8 @@ export class Draft {
     this.twin = twins(corners, mergeEqualPoints(surface.points));
     this.measured = new Float32Array(kValue.count * this.triangles.face.length);
     measureAll(surface.points, corners, this.measured);
-    this.box = boundingBox(surface.points, corners);
+    // As the daemon measures it: a spike of a polygon counts, though no triangle shows it.
+    this.box = boundingBox(surface.points, surface.corners);
     this.frame = frame ?? frameOf(this.box);
   }
 
