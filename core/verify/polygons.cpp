@@ -34,23 +34,63 @@ bool is_flat(std::span<const Vec3> loop, const Vec3& normal, double tolerance) {
                      [&](const Vec3& p) { return std::fabs(dot(p - loop[0], normal)) <= tolerance; });
 }
 
-/// Whether two edges of a flat outline cross, each with its ends clearly on both sides of the other one.
-bool do_edges_cross(std::span<const Vec3> loop, const Vec3& normal, double tolerance, RunControl& control) {
-  const std::size_t n = loop.size();
-  const auto end = [&](std::size_t i) { return loop[i + 1 == n ? 0 : i + 1]; };
-  // How far p is to the left of edge i.
-  const auto side = [&](std::size_t i, const Vec3& p) {
-    const Vec3 way = end(i) - loop[i];
-    const double length = norm(way);
-    return length > 0 ? dot(cross(way, p - loop[i]), normal) / length : 0;
+/// Takes away the corners at which the outline turns back over itself within the tolerance: a spike encloses nothing.
+void cut_spikes(std::vector<Vec3>& loop, double tolerance, RunControl& control) {
+  const auto is_tip = [&](const Vec3& before, const Vec3& tip, const Vec3& after) {
+    const Vec3 a = before - tip, b = after - tip;
+    const double to_a = norm(a), to_b = norm(b);
+    if (std::min(to_a, to_b) <= tolerance) return true;
+    return dot(a, b) > 0 && norm(cross(a, b)) <= tolerance * std::max(to_a, to_b);
   };
-  const auto are_apart = [&](double a, double b) { return std::min(a, b) < -tolerance && std::max(a, b) > tolerance; };
+  std::size_t kept = 0;  // the corners before this one stay so far
+  for (std::size_t i = 0; i < loop.size(); ++i) {
+    if (i % kCheckEvery == 0) control.check();
+    while (kept > 1 && is_tip(loop[kept - 2], loop[kept - 1], loop[i])) --kept;
+    loop[kept++] = loop[i];
+  }
+  // The ends meet: what turns back there is taken away from both sides.
+  std::size_t first = 0;
+  for (bool is_cut = true; is_cut && kept - first > 2;) {
+    is_cut = true;
+    if (is_tip(loop[kept - 2], loop[kept - 1], loop[first]))
+      --kept;
+    else if (is_tip(loop[kept - 1], loop[first], loop[first + 1]))
+      ++first;
+    else
+      is_cut = false;
+  }
+  loop.resize(kept);
+  loop.erase(loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(first));
+}
+
+/// Whether a flat outline clearly neither crosses nor touches itself: no corner is within the tolerance of an edge that
+/// does not end there, and no two edges cross.
+bool is_clearly_simple(std::span<const Vec3> loop, const Vec3& normal, double tolerance, RunControl& control) {
+  const std::size_t n = loop.size();
+  if (n < 3) return false;
+  const auto after = [&](std::size_t i) { return i + 1 == n ? 0 : i + 1; };
+  // The answers are positive to the left of edge i.
+  const auto side = [&](std::size_t i, const Vec3& p) {
+    return dot(cross(loop[after(i)] - loop[i], p - loop[i]), normal);
+  };
+  const auto distance = [&](std::size_t i, const Vec3& p) {
+    const Vec3 way = loop[after(i)] - loop[i];
+    const double squared = norm_squared(way);
+    const double share = squared > 0 ? std::clamp(dot(p - loop[i], way) / squared, 0.0, 1.0) : 0;
+    return norm(p - loop[i] - share * way);
+  };
+  const auto are_apart = [](double a, double b) { return (a < 0) != (b < 0); };
   for (std::size_t i = 0; i < n; ++i) {
     control.check();
-    for (std::size_t j = i + 2; j < n; ++j)
-      if (are_apart(side(i, loop[j]), side(i, end(j))) && are_apart(side(j, loop[i]), side(j, end(i)))) return true;
+    for (std::size_t j = 0; j < n; ++j) {
+      if (j == i || j == after(i)) continue;
+      if (!(distance(i, loop[j]) > tolerance)) return false;
+      if (j > i && after(j) != i && are_apart(side(i, loop[j]), side(i, loop[after(j)])) &&
+          are_apart(side(j, loop[i]), side(j, loop[after(i)])))
+        return false;
+    }
   }
-  return false;
+  return true;
 }
 
 class PolygonCheck {
@@ -94,19 +134,23 @@ class PolygonCheck {
     }
     const double twice_area = norm(outline.twice_area);
     const double allowed = 2 * moved_ * outline.length + 0x1p-45 * magnitude;
-    if (!(std::fabs(norm(twice_sum) - twice_area) <= allowed)) return report(begin, source);
-    if (twice_covered <= twice_area + allowed || twice_area == 0) return;
+    const bool is_area_kept = std::fabs(norm(twice_sum) - twice_area) <= allowed;
+    if ((is_area_kept && twice_covered <= twice_area + allowed) || !(twice_area > 0)) return;
     const Vec3 normal = (1 / twice_area) * outline.twice_area;
     const double reach = moved_ + 0x1p-45 * outline.length;
-    if (!is_flat(loop_, normal, reach)) return;
-    if (loop_.size() <= kMostCorners && !do_edges_cross(loop_, normal, reach, control_)) report(begin, source);
+    // Triangles of a bent polygon may face in many directions, but their sum is its area.
+    if (is_area_kept && !is_flat(loop_, normal, reach)) return;
+    const Vec3 origin = loop_[0];
+    for (Vec3& p : loop_) p = p - dot(p - origin, normal) * normal;
+    cut_spikes(loop_, reach, control_);
+    if (loop_.size() <= kMaxCorners && is_clearly_simple(loop_, normal, reach, control_)) report(begin, source);
   }
 
   void report(std::size_t face, FaceId source) {
     findings_.add(claim_.surface_patch[face], Fault::kPolygon, source.value);
   }
 
-  static constexpr std::size_t kMostCorners = 4096;
+  static constexpr std::size_t kMaxCorners = 4096;
 
   const Claim& claim_;
   const Model& model_;

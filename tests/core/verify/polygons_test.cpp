@@ -64,6 +64,34 @@ TEST(check_polygons, a_polygon_that_crosses_itself_has_no_right_triangles) {
   EXPECT_FALSE(is_refuted(verdict_on(tie, cut_into(tie, {{0, 1, 2}, {0, 2, 3}}))));
 }
 
+TEST(check_polygons, a_fan_that_covers_a_spike_twice_is_found) {
+  // The spike runs out from (6, 3) and back, and the fan from the corner (0, 0) has it in two triangles.
+  const PolygonMesh spiked =
+      shapes::from_lists({{0, 0, 0}, {10, 0, 0}, {10, 3, 0}, {6, 3, 0}, {7, 5, 0}, {0, 3, 0}}, {{0, 1, 2, 3, 4, 3, 5}});
+  EXPECT_TRUE(
+      is_refuted(verdict_on(spiked, cut_into(spiked, {{0, 1, 2}, {0, 2, 3}, {0, 3, 4}, {0, 4, 3}, {0, 3, 5}}))));
+  EXPECT_FALSE(is_refuted(verdict_on(spiked, cut_into(spiked, {{0, 1, 2}, {0, 2, 5}}))));
+}
+
+TEST(check_polygons, a_polygon_that_touches_its_own_edge_is_not_judged) {
+  const PolygonMesh touching = shapes::polygon({{0, 1}, {0, 0}, {1, 1}, {1, 0}, {2, 1}});
+  EXPECT_FALSE(is_refuted(verdict_on(touching, cut_into(touching, {{1, 2, 3}, {1, 3, 4}, {1, 4, 0}}))));
+}
+
+TEST(check_polygons, a_polygon_that_takes_one_way_twice_is_not_judged) {
+  const PolygonMesh twice = shapes::from_lists({{2, 1, 0}, {1, 2, 1}, {2, 2, 1}, {1, 2, 0}}, {{0, 1, 2, 0, 1, 3}});
+  EXPECT_FALSE(is_refuted(verdict_on(twice, cut_into(twice, {{0, 1, 3}}))));
+}
+
+TEST(check_polygons, a_hole_that_runs_the_same_way_as_the_outline_around_it_is_not_judged) {
+  const PolygonMesh ring =
+      shapes::from_lists({{0, 0, 0}, {9, 0, 0}, {9, 9, 0}, {0, 9, 0}, {3, 3, 0}, {6, 3, 0}, {6, 6, 0}, {3, 6, 0}},
+                         {{0, 1, 2, 3, 0, 4, 5, 6, 7, 4}});
+  const PolygonMesh triangles =
+      cut_into(ring, {{0, 1, 5}, {0, 5, 4}, {1, 2, 6}, {1, 6, 5}, {2, 3, 7}, {2, 7, 6}, {3, 0, 4}, {3, 4, 7}});
+  EXPECT_FALSE(is_refuted(verdict_on(ring, triangles)));
+}
+
 TEST(check_polygons, a_bent_polygon_may_be_cut_either_way) {
   const PolygonMesh bent = shapes::from_lists({{0, 0, 0}, {1, 0, 0.5}, {1, 1, 0}, {0, 1, 0.5}}, {{0, 1, 2, 3}});
   EXPECT_FALSE(is_refuted(verdict_on(bent, cut_into(bent, {{0, 1, 2}, {0, 2, 3}}))));
