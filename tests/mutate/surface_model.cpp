@@ -43,6 +43,11 @@ int smallest_axis(const Vec3& v) {
   return a.x <= a.y && a.x <= a.z ? 0 : a.y <= a.z ? 1 : 2;
 }
 
+int largest_axis(const Vec3& v) {
+  const Vec3 a{std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)};
+  return a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+}
+
 }  // namespace
 
 Vec3 Scale::apply(const Vec3& p) const {
@@ -93,6 +98,23 @@ void SurfaceModel::add_face(std::vector<std::uint32_t> face) {
   faces_.push_back(std::move(face));
 }
 
+bool SurfaceModel::crosses_itself(const std::vector<std::uint32_t>& face, const Vec3& normal) const {
+  const std::size_t n = face.size();
+  if (n < 4) return false;
+  const int axis = largest_axis(normal);
+  const auto seen = [&](std::size_t k) {
+    const Vec3& p = positions_[face[k % n]];
+    return Vec2{p[(axis + 1) % 3], p[(axis + 2) % 3]};
+  };
+  const auto side = [](const Vec2& a, const Vec2& b, const Vec2& c) { return cross(b - a, c - a); };
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 2; j < n; ++j) {
+      const Vec2 a = seen(i), b = seen(i + 1), c = seen(j), d = seen(j + 1);
+      if (side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0) return true;
+    }
+  return false;
+}
+
 void SurfaceModel::finish() {
   for (const auto& face : faces_) {
     Vec3 normal;
@@ -104,6 +126,8 @@ void SurfaceModel::finish() {
     double thickness = 0;
     for (const std::uint32_t v : face)
       if (face.size() > 3) thickness = std::max(thickness, std::fabs(dot(positions_[v] - positions_[face[0]], unit)));
+    // An outline that crosses itself has no surface that all would agree on, as one without a plane has none.
+    if (crosses_itself(face, normal)) thickness = std::max(thickness, box.diagonal());
     normals_.push_back(normal);
     boxes_.push_back(box);
     thickness_.push_back(thickness);

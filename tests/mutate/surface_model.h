@@ -58,7 +58,7 @@ class SurfaceModel {
   double volume() const;
   double length_of_edges() const;
 
-  /// How far the corners of a face are from its own plane.
+  /// How far the corners of a face are from its own plane; the extent of one whose outline crosses itself.
   double thickness(std::size_t f) const { return thickness_[f]; }
   /// Twice the area over the longest extent: small for needles and for nothing.
   double height(std::size_t f) const;
@@ -71,6 +71,7 @@ class SurfaceModel {
 
  private:
   void add_face(std::vector<std::uint32_t> face);
+  bool crosses_itself(const std::vector<std::uint32_t>& face, const Vec3& normal) const;
   void finish();
   bool is_over(std::size_t f, const Vec3& p) const;
   double distance(std::size_t f, const Vec3& p) const;
