@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "core/base/drop.h"
 #include "core/base/large_first.h"
 #include "core/base/pages.h"
 #include "core/base/parallel.h"
@@ -245,7 +246,8 @@ std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adj
                                     const BoundaryLoops& loops, const EssentialVertices& essential,
                                     const ProjectionRule& rule, RunControl& control) {
   const std::size_t n = patches.count();
-  std::vector<PatchMesh> meshes;
+  Dropped<PatchMesh> all;
+  std::vector<PatchMesh>& meshes = all.items;
   reserve_pages(meshes, n, control);
   meshes.resize(n);
   // The small ones in groups.
@@ -261,7 +263,7 @@ std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adj
   for_all(std::size_t{0}, by_size.large, [&](std::size_t i) { run(i, i + 1); });
   for_all(tbb::blocked_range<std::size_t>(by_size.large, n, 256),
           [&](const auto& range) { run(range.begin(), range.end()); });
-  return meshes;
+  return std::move(meshes);
 }
 
 }  // namespace remesh
