@@ -115,6 +115,14 @@ bool PatchRefiner::is_too_large_anywhere(double longest_squared, double twice_ar
   return std::sqrt(longest_squared) * scale > criteria_.sizes.largest() * kSizeMargin;
 }
 
+/// Is a triangle larger than any is asked to be, whether or not a side stays?
+bool PatchRefiner::is_larger_than_asked(std::uint32_t t) const {
+  const Shape shape = shape_of(t);
+  const double scale = patch_.frame.scale;
+  return shape.twice_area / 2 * scale * scale > criteria_.max_area ||
+         std::sqrt(shape.longest_squared) * scale > criteria_.sizes.largest();
+}
+
 bool PatchRefiner::is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const {
   if (is_too_large_anywhere(longest_squared, twice_area)) return true;
   if (!do_sizes_vary()) return false;
@@ -606,8 +614,13 @@ PatchRefiner::Refined PatchRefiner::finish() const {
   }
   // What is good may be larger than asked for, for the sake of a side that stays.
   const State of_good = held_ ? held_as_ : State::kSizeFloor;
-  for (const std::uint32_t t : triangle)
-    result.reason.push_back(reason_of(state_[t] == State::kGood ? of_good : state_[t]));
+  for (const std::uint32_t t : triangle) {
+    const State state = state_[t];
+    // Input angles excuse small angles, not sizes.
+    const bool is_excused = state == State::kInputAngle || state == State::kAcrossInputAngle;
+    const bool is_held_large = held_ && is_excused && is_larger_than_asked(t);
+    result.reason.push_back(reason_of(state == State::kGood ? of_good : is_held_large ? held_as_ : state));
+  }
   return result;
 }
 

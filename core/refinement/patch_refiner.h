@@ -167,6 +167,7 @@ class PatchRefiner {
   Shape shape_of(std::uint32_t t) const;
   bool is_sharp(double squares, double shortest_squared, double twice_area) const;
   bool is_too_large_anywhere(double longest_squared, double twice_area) const;
+  bool is_larger_than_asked(std::uint32_t t) const;
   bool is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const;
   bool is_too_long(Vec2 a, Vec2 b) const;
   bool do_sizes_vary() const { return held_ != nullptr || !criteria_.sizes.is_uniform(); }

@@ -4,6 +4,7 @@
 #include <numeric>
 
 #include "core/stages/mend_faces.h"
+#include "core/stages/projection.h"
 
 namespace remesh {
 namespace {
@@ -42,6 +43,7 @@ class Ring {
       before_[next_[i]] = i;
     }
     is_there_.assign(count_, 1);
+    if (reversals_ == Reversals::kKeepSlits) area_vector_ = newell_normal(points);
     waiting_.resize(count_);
     std::iota(waiting_.rbegin(), waiting_.rend(), 0u);
   }
@@ -52,9 +54,10 @@ class Ring {
       const std::uint32_t tip = waiting_.back();
       waiting_.pop_back();
       if (!is_there_[tip]) continue;
-      if (reversals_ == Reversals::kKeep && points_[before_[tip]] == points_[next_[tip]]) continue;
+      if (reversals_ != Reversals::kCut && points_[before_[tip]] == points_[next_[tip]]) continue;
       const auto [from, to] = sides_of(tip);
       if (!turns_back(from, tip, to)) continue;
+      if (reversals_ == Reversals::kKeepSlits && is_slit(from, tip, to)) continue;
       // Where the tip is blunt, what is beside it goes first.
       while (next_[from] != tip) take(next_[from], spikes);
       while (next_[tip] != to) take(next_[tip], spikes);
@@ -95,6 +98,12 @@ class Ring {
     return does_turn_back(points_[from], points_[tip], points_[to], count_ > 3 ? tolerance_ : 0);
   }
 
+  /// Whether the outline comes back to where it left, with its inside around the tip.
+  bool is_slit(std::uint32_t from, std::uint32_t tip, std::uint32_t to) const {
+    const Vec3 turn = cross(points_[tip] - points_[from], points_[to] - points_[tip]);
+    return are_one(from, to) && dot(turn, area_vector_) < 0;
+  }
+
   void take(std::uint32_t corner, Spikes& spikes) {
     spikes.needles.push_back({before_[corner], corner, next_[corner]});
     next_[before_[corner]] = next_[corner];
@@ -106,6 +115,7 @@ class Ring {
   std::span<const Vec3> points_;
   double tolerance_;
   Reversals reversals_;
+  Vec3 area_vector_;  ///< in proportion to it; where slits are looked for
   std::uint32_t count_;
   std::vector<std::uint32_t> next_, before_;
   std::vector<std::uint8_t> is_there_;

@@ -12,7 +12,12 @@ namespace remesh {
 
 /// A corner whose two neighbours coincide is the tip of a reversal: the outline goes out and comes back along one edge.
 /// Inside the polygon that is a slit, which a triangulation can keep; outside it cannot be kept.
-enum class Reversals { kKeep, kCut };
+/// The sides of a narrow slit are within the tolerance of each other. Which of them stay:
+enum class Reversals {
+  kKeep,       ///< exact ones
+  kCut,        ///< none
+  kKeepSlits,  ///< exact ones, and narrow ones where the outline turns right at the tip
+};
 
 /// Without a spike both lists are empty.
 struct Spikes {
@@ -28,7 +33,7 @@ struct Spikes {
 /// Input:   the corners of a polygon. A tip turns back if its neighbours are on one side of it and exactly on one line
 ///          with it, or if the nearer one is within `tolerance` of the edge to the other one and further than twice
 ///          that from the tip. Corners within the tolerance of each other are one tip, or one foot. The tolerance is in
-///          the points' units; 0: only what is exact.
+///          the points' units; 0: only what is exact. The area vector of the polygon says what a right turn is.
 /// Holds:   the area vector of the outline is the polygon's, less those of the needles.
 /// Cost:    O(n).
 Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals);

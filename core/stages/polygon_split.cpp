@@ -184,6 +184,13 @@ double spike_tolerance(std::span<const Vec3> points, double plane_tolerance) {
 
 PolygonSplit split_canonical(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
   const double tolerance = spike_tolerance(points, plane_tolerance);
+  // A polygon with slits alone stays as it is: to cut off a narrow one would close it.
+  const bool has_slits_alone = tolerance > 0 && cut_spikes(points, tolerance, Reversals::kKeepSlits).needles.empty();
+  if (has_slits_alone) {
+    PolygonSplit result = split_outline(points, plane_tolerance, control);
+    result.spike_tolerance = tolerance;
+    if (result.kind != PolygonKind::kSelfCrossing) return result;
+  }
   Spikes spikes = cut_spikes(points, tolerance, Reversals::kKeep);
   const std::size_t needles = spikes.needles.size();
   PolygonSplit result = split_without(std::move(spikes), points, plane_tolerance, control);

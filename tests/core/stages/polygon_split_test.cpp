@@ -162,6 +162,18 @@ TEST(polygon_split, a_spike_that_runs_outwards_is_cut_off_and_one_that_runs_inwa
   EXPECT_FALSE(slit.has_spikes());
 }
 
+TEST(polygon_split, a_slit_that_is_narrower_than_the_tolerance_stays_open) {
+  for (const double width : {1e-13, 1e-10}) {
+    const auto inwards = lifted({{0, 0}, {9, 0}, {9, 3}, {6 + width, 3}, {6 + width, 1}, {6, 1}, {6, 3}, {0, 3}});
+    const PolygonSplit slit = split(inwards, 1e-9);
+    EXPECT_EQ(slit.kind, PolygonKind::kPlanar) << width;
+    EXPECT_FALSE(slit.has_spikes()) << width;
+    EXPECT_EQ(slit.triangles.size(), 6u) << width;
+    const auto outwards = lifted({{0, 0}, {9, 0}, {9, 3}, {6 + width, 3}, {6 + width, 5}, {6, 5}, {6, 3}, {0, 3}});
+    EXPECT_TRUE(split(outwards, 1e-9).has_spikes()) << width;
+  }
+}
+
 TEST(polygon_split, a_polygon_that_is_hardly_higher_than_the_tolerance_is_no_spike) {
   for (const double height : {0.5e-9, 1e-9, 3e-9}) {
     const auto strip = lifted({{0, 0}, {9, 0}, {9, height}, {4, height}, {0, height}});
