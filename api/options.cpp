@@ -123,8 +123,8 @@ const std::array<OptionSpec, 20> kTable{{
     {.name = "plane_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::plane_tolerance,
-     .help = "how far a patch's vertices may lie from its plane, in model units; auto: what the rounding of the coordinates "
-             "explains, from 1e-9 to 1e-4 of the bounding box's diagonal",
+     .help = "how far a patch's vertices may lie from its plane, in model units; auto: what the rounding of the "
+             "coordinates explains, from 1e-9 to 1e-4 of the bounding box's diagonal",
      .unset = "auto",
      .minimum = 0,
      .above_minimum = true,

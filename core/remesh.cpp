@@ -196,7 +196,8 @@ class Run {
   }
 
   /// Vertices that were put into faces where sheets nearly touch, or seams that were closed there, may be what keeps a
-  /// result from holding. Output: whether there were such; both are left alone from now on.
+  /// result from holding.
+  /// Output: whether there were such; both are left alone from now on.
   bool give_up_joining() {
     const auto is_joining = [&](const Diagnostic& d) {
       return (d.code == DiagnosticCode::kTJunction && options_.repair.t_junctions) ||

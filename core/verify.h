@@ -80,9 +80,9 @@ struct Claim {
 ///              at a surface vertex, between two boundary edges of the patch, and the other two meet the bound;
 ///              kAcrossInputAngle - the ends of the shortest edge lie on two boundary chains (of the patch, between
 ///              vertices that stay) that meet in a vertex, equally far from there to 1e-9, and nearer to each other
-///              than to it (an angle under 60 degrees); kBoundaryLocked - boundaries are not to be split, or the patch or
-///              one beside it is frozen. What gaps and short edges ask for is measured anew (verify/varying_sizes.h).
-///              Edges that refinement made are at least min_edge_length long.
+///              than to it (an angle under 60 degrees); kBoundaryLocked - boundaries are not to be split, or the patch
+///              or one beside it is frozen. What gaps and short edges ask for is measured anew
+///              (verify/varying_sizes.h). Edges that refinement made are at least min_edge_length long.
 /// Holds:   the same verdict for any number of threads.
 /// Cost:    O(n log n).
 Verdict verify(const Claim& claim, RunControl& control);

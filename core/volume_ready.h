@@ -21,8 +21,8 @@ inline constexpr double kSmallDihedralDeg = 0.1;
 ///          duplicate_face (faces over the same vertices as an earlier one), self_intersection and overlapping_faces
 ///          (the given pairs, but for duplicates), small_dihedral (edges at which two faces nearly lie on each other),
 ///          inside_out (closed shells that look the wrong way, by their first faces). None: the surface bounds volumes.
-/// Input:   three corners a face; their edges and labels; `intersections` of the faces, sorted; coplanar ones within the
-///          tolerance count as overlapping.
+/// Input:   three corners a face; their edges and labels; `intersections` of the faces, sorted; coplanar ones within
+///          the tolerance count as overlapping.
 /// Holds:   the same for any number of threads.
 /// Cost:    O(n log n).
 std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const VertexId> corners,

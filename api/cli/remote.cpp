@@ -204,9 +204,7 @@ class Remote::Client {
     if (answer.status != 200) throw problem_of(answer);
     return answer;
   }
-  std::string fetch(const std::string& path, const RunControl& control) {
-    return fetch_response(path, control).body;
-  }
+  std::string fetch(const std::string& path, const RunControl& control) { return fetch_response(path, control).body; }
 
   void tell(const std::string& stage, double fraction) {
     const std::lock_guard lock(mutex_);

@@ -108,7 +108,8 @@ class Judging {
     return side(shell) == Side::kIn && is_outer_wrong ? Side::kOut : side(shell);
   }
 
-  /// Puts shells in one place in order: first those of the body around them, and of these those that look as they should.
+  /// Puts shells in one place in order: first those of the body around them, and of these those that look as they
+  /// should.
   std::vector<std::uint32_t> from_outside(std::vector<std::uint32_t> shells, std::uint32_t outer) const {
     if (shells.size() == 1) return shells;
     using Key = std::tuple<bool, bool, std::uint32_t>;

@@ -30,10 +30,10 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
 
 /// A lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its triangles
 /// as they are, what the pieces of its boundary take, and its area over the largest triangle that is allowed. Near
-/// floors, triangles may stay larger than sizes ask for, and so they are taken here. Beside segments that are to stay as
-/// they are, only what is far enough from them counts, and only where very many faces are asked for. It is not foreseen
-/// that a refined patch fails the check, as may happen where the input intersects or touches itself, and stays as it
-/// was.
+/// floors, triangles may stay larger than sizes ask for, and so they are taken here. Beside segments that are to stay
+/// as they are, only what is far enough from them counts, and only where very many faces are asked for. It is not
+/// foreseen that a refined patch fails the check, as may happen where the input intersects or touches itself, and
+/// stays as it was.
 /// Input:  the patches' segments, as they are limited; cuts need not be planned. `is_frozen`: the patches that are not
 ///         refined.
 /// Cost:   O(n).

@@ -21,8 +21,8 @@ namespace remesh {
 /// Cost:    O(b log b) in open edges.
 std::vector<double> crack_widths(const Surface& surface, const Adjacency& edges, double tolerance, RunControl& control);
 
-/// Says of cracks how wide they are, and which `weld_tolerance` closes how many edges. That is not guessed: the input is
-/// welded with it and its open edges are counted.
+/// Says of cracks how wide they are, and which `weld_tolerance` closes how many edges. That is not guessed: the input
+/// is welded with it and its open edges are counted.
 /// Input:   the mesh as read and the options that it was prepared with; the widths, ascending, in model units.
 /// Output:  the text; empty without a crack. A tolerance is named only if it leaves fewer open edges than there were,
 ///          makes no edge of three or more faces, and takes no edge of a face away.

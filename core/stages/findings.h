@@ -23,8 +23,8 @@ namespace remesh {
 void find_defects(const Surface& welded, const Adjacency& edges, std::span<const VertexId> pinched,
                   std::vector<Diagnostic>& diagnostics, RunControl& control);
 
-/// A surface's faces as triangles, polygons split by split_polygon, less their spikes. Looks into the surface: where that has nothing but
-/// triangles, they are its own.
+/// A surface's faces as triangles, polygons split by split_polygon, less their spikes. Looks into the surface: where
+/// that has nothing but triangles, they are its own.
 class Triangulated {
  public:
   Triangulated(const Surface& surface, RunControl& control);

@@ -35,8 +35,8 @@ class FacingFacets {
   enum class Doubt {
     /// A patch counts only if it does by a clear margin; what was not looked at does not count.
     kIsNone,
-    /// A triangle that is so near counts as soon as some way to its height would be steep. Which of its points are seen,
-    /// and what is between, is not asked; what was not looked at counts.
+    /// A triangle that is so near counts as soon as some way to its height would be steep. Which of its points are
+    /// seen, and what is between, is not asked; what was not looked at counts.
     kCounts,
   };
 

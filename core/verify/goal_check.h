@@ -14,8 +14,8 @@ namespace remesh::verification {
 /// Reports kUnlisted, kListedInVain, kCertificate, kShortEdge, kLockedBoundary, kTooManyFaces.
 /// Measures are of the output's doubles. Two that compute them differ in the last places; what is within 1e-9 of a
 /// bound may be listed or not, and what is within VaryingSizes::kClearly of a bound that differs from place to place.
-/// Input:  the output's edges, and those of them that bound patches; the bounds that differ from place to place, null if
-///         the goals have none.
+/// Input:  the output's edges, and those of them that bound patches; the bounds that differ from place to place, null
+///         if the goals have none.
 /// Cost:   O(n log n).
 void check_goals(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges,
                  const BoundaryGraph& seams, const VaryingSizes* sizes, Findings& findings, RunControl& control);

@@ -9,27 +9,14 @@ namespace remesh::api {
 namespace {
 
 TEST(ErrorMap, every_code_has_the_status_of_the_contract) {
-  const std::map<std::string, int> contract{{"malformed_request", 400},
-                                            {"malformed_json", 400},
-                                            {"malformed_multipart", 400},
-                                            {"invalid_option", 400},
-                                            {"unknown_option", 400},
-                                            {"not_acceptable", 406},
-                                            {"body_too_large", 413},
-                                            {"mesh_too_large", 413},
-                                            {"decompressed_too_large", 413},
-                                            {"unsupported_media_type", 415},
-                                            {"invalid_mesh", 422},
-                                            {"index_out_of_range", 422},
-                                            {"nonfinite_coordinate", 422},
-                                            {"coordinate_range", 422},
-                                            {"empty_mesh", 422},
-                                            {"output_too_large", 422},
-                                            {"cancelled", 499},
-                                            {"internal", 500},
-                                            {"verification_failed", 500},
-                                            {"not_implemented", 501},
-                                            {"timeout", 504}};
+  const std::map<std::string, int> contract{
+      {"malformed_request", 400},      {"malformed_json", 400},   {"malformed_multipart", 400},
+      {"invalid_option", 400},         {"unknown_option", 400},   {"not_acceptable", 406},
+      {"body_too_large", 413},         {"mesh_too_large", 413},   {"decompressed_too_large", 413},
+      {"unsupported_media_type", 415}, {"invalid_mesh", 422},     {"index_out_of_range", 422},
+      {"nonfinite_coordinate", 422},   {"coordinate_range", 422}, {"empty_mesh", 422},
+      {"output_too_large", 422},       {"cancelled", 499},        {"internal", 500},
+      {"verification_failed", 500},    {"not_implemented", 501},  {"timeout", 504}};
   std::map<std::string, int> table;
   for (int c = 0; c <= static_cast<int>(Code::kInternal); ++c) {
     const Problem problem = to_problem(Error(static_cast<Code>(c), Stage::kRead, "x"));

@@ -46,8 +46,8 @@ std::vector<Vec3> new_vertices(const PolygonMesh& input, const TriangleMesh& out
 
 /// Promises 1 to 3 of the design, for an input of exact planes (to rounding): verified; the same area, volume, Euler
 /// number and length of open and non-manifold edges; every vertex on the other surface; no new self-intersection; no
-/// edge inside a patch that a flip would improve; the faces beyond the bounds are as many as are listed, or no more where
-/// sizes vary.
+/// edge inside a patch that a flip would improve; the faces beyond the bounds are as many as are listed, or no more
+/// where sizes vary.
 /// `tolerance`: how far rounding has moved the input off its planes, of its size.
 /// Cost:  vertices times faces.
 void expect_promises(const PolygonMesh& input, const Options& options, const Result& result, double tolerance = 1e-9);

@@ -64,7 +64,8 @@ PolygonMesh all(const std::vector<PolygonMesh>& meshes) {
 }
 
 /// Cubes in each other, the outermost first, with these ways and bodies: "O" and "I" say how one looks, the digit
-/// behind it what its label is. Output: the numbers of those that look the wrong way.
+/// behind it what its label is.
+/// Output: the numbers of those that look the wrong way.
 std::string wrong_of(const std::string& nest) {
   const std::size_t count = nest.size() / 2;
   std::vector<PolygonMesh> cubes;
