@@ -43,19 +43,6 @@ std::optional<PolygonSoup> read_soup(const std::string& bytes, Format format) {
   }
 }
 
-Format format_of(SoupFormat format) {
-  switch (format) {
-    case SoupFormat::kOff: return Format::kOff;
-    case SoupFormat::kStlText:
-    case SoupFormat::kStlBinary: return Format::kStl;
-    case SoupFormat::kPlyText:
-    case SoupFormat::kPlyBinary: return Format::kPly;
-    case SoupFormat::kJson: return Format::kJson;
-    case SoupFormat::kObj: break;
-  }
-  return Format::kObj;
-}
-
 /// As a mesh: changed, and written in any format.
 void mutate_as_mesh(Case& c, PolygonSoup soup, const std::vector<CorpusFile>& corpus, Random& random) {
   if (random.chance(0.15)) {

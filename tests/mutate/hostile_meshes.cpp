@@ -313,19 +313,6 @@ constexpr std::array<Kind, 19> kKinds{{{"many components", many_components},
                                        {"rough ball", rough_ball},
                                        {"plane grid", plane_grid}}};
 
-Format format_of(SoupFormat format) {
-  switch (format) {
-    case SoupFormat::kOff: return Format::kOff;
-    case SoupFormat::kStlText:
-    case SoupFormat::kStlBinary: return Format::kStl;
-    case SoupFormat::kPlyText:
-    case SoupFormat::kPlyBinary: return Format::kPly;
-    case SoupFormat::kJson: return Format::kJson;
-    case SoupFormat::kObj: break;
-  }
-  return Format::kObj;
-}
-
 }  // namespace
 
 Case make_hostile_case(double size, Random& random) {

@@ -182,4 +182,17 @@ std::string write_soup(const PolygonSoup& soup, SoupFormat format) {
   return {};
 }
 
+Format format_of(SoupFormat format) {
+  switch (format) {
+    case SoupFormat::kOff: return Format::kOff;
+    case SoupFormat::kStlText:
+    case SoupFormat::kStlBinary: return Format::kStl;
+    case SoupFormat::kPlyText:
+    case SoupFormat::kPlyBinary: return Format::kPly;
+    case SoupFormat::kJson: return Format::kJson;
+    case SoupFormat::kObj: break;
+  }
+  return Format::kObj;
+}
+
 }  // namespace remesh::mutate

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/io/formats.h"
 #include "core/mesh/mesh.h"
 
 namespace remesh::mutate {
@@ -17,6 +18,8 @@ struct PolygonSoup {
 
 enum class SoupFormat { kObj, kOff, kStlText, kStlBinary, kPlyText, kPlyBinary, kJson };
 inline constexpr int kSoupFormatCount = 7;
+/// The format that a reader of such text is asked for.
+Format format_of(SoupFormat format);
 
 PolygonSoup soup_of(const PolygonMesh& mesh);
 
