@@ -1,0 +1,81 @@
+// Small files after reports of faults: each result is what geometry says, not what a program said before.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include "core/io/mesh_files.h"
+#include "core/remesh.h"
+#include "tests/support/shared_meshes.h"
+#include "tests/support/unrefined_options.h"
+
+namespace remesh {
+namespace {
+
+class ReportFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!std::filesystem::exists(folder())) GTEST_SKIP() << "SKIPPED: the shared collection of meshes is not there";
+  }
+
+  static Report remeshed(const char* name, Format format, const Options& options = unrefined()) {
+    std::ifstream file(folder() / name, std::ios::binary);
+    const std::string text{std::istreambuf_iterator<char>(file), {}};
+    RunControl control;
+    return remesh_surface(read_mesh(format, text, {}, control).mesh, options, {}, control).report;
+  }
+
+  static std::uint64_t listed(const Report& report) {
+    std::uint64_t count = 0;
+    for (const Unrefined& left : report.unrefined) count += left.count;
+    return count;
+  }
+
+ private:
+  static std::filesystem::path folder() { return test::shared_meshes_folder() / "reports"; }
+};
+
+TEST_F(ReportFiles, the_crown_of_a_plate_stays) {
+  // A plate of 200 x 100 x 10 with a roof that is 0.01 high over its long middle line: 200 * 100 * 0.01 / 2 more.
+  const Report report = remeshed("crowned-plate.obj", Format::kObj);
+  EXPECT_TRUE(report.verified.all_true());
+  EXPECT_EQ(report.patches.size(), 7u);
+  EXPECT_NEAR(report.output.volume.value_or(0), 200 * 100 * 10 + 100, 1e-6);
+}
+
+TEST_F(ReportFiles, the_bump_of_an_edge_stays) {
+  const Report report = remeshed("bumped-edge.obj", Format::kObj);
+  EXPECT_TRUE(report.verified.all_true());
+  EXPECT_EQ(report.output.faces, 4u);
+  EXPECT_LE(report.rounding_step, 0.005);
+}
+
+TEST_F(ReportFiles, text_stl_with_words_apart_is_the_box_that_it_tells_of) {
+  for (const char* name : {"end-loop.stl", "end-solid.stl"}) {
+    SCOPED_TRACE(name);
+    const Report report = remeshed(name, Format::kStl);
+    EXPECT_TRUE(report.output.closed);
+    EXPECT_EQ(report.output.faces, 12u);
+    EXPECT_NEAR(report.output.volume.value_or(0), 6000, 1e-9);
+  }
+}
+
+TEST_F(ReportFiles, thin_sheets_and_wedges_list_what_gaps_ask_for_in_vain) {
+  // So many triangles as the gaps ask for are not allowed: nearly all are larger, and all these must be listed.
+  for (const char* name : {"sheet-metal.stl", "tetgen-knife.obj"}) {
+    SCOPED_TRACE(name);
+    Options options;
+    options.proximity = 1;
+    options.max_output_faces = 5'000;
+    const Report report = remeshed(name, std::string(name).ends_with(".stl") ? Format::kStl : Format::kObj, options);
+    EXPECT_TRUE(report.verified.all_true());
+    EXPECT_GT(2 * listed(report), report.output.faces);
+  }
+}
+
+}  // namespace
+}  // namespace remesh
