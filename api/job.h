@@ -48,10 +48,10 @@ struct Remeshed {
   StageTimes times;
 };
 
-/// What a result is made for.
+/// A result is made for one of two purposes.
 enum class Purpose {
-  kAnswer,   ///< to be written at once: in the numbers of the job's format, and with what that format tells
-  kKeeping,  ///< to be written in any format, later: in doubles, with all that some format tells
+  kAnswer,   ///< it is written at once: in the numbers of the job's format, and with what that format tells
+  kKeeping,  ///< it is written in any format, later: in doubles, with all that some format tells
 };
 
 /// What can be refused before the mesh is read. Errors: of options, of the formats.

@@ -155,7 +155,7 @@ Fields result_headers(std::string_view summary, std::string_view timing, std::st
   return headers;
 }
 
-/// What rounding changes in a summary.
+/// Updates the members of a summary that rounding changes.
 void update_summary(const Result& rounded, Summary& summary, RunControl& control) {
   summary.min_angle_deg = measure_surface(rounded.mesh, control).quality.min_angle_deg;
   summary.origin = rounded.report.output_origin;
@@ -229,7 +229,7 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
   if (storage_of(format) != Storage::kDouble) kept.exact_report = answer.report;
   kept.result = std::move(remeshed.result);
   answer.mesh = pack_result(kept);
-  // What the job itself asked for is known to be possible before it has succeeded, and its report is about that.
+  // A job succeeds only if its own format can hold the result, and the report is about the result in that format.
   if (round_output(storage_of(format), kept.local_origin, kept.result, control)) {
     measure_output(kept.result, control);
     answer.report = report_text(kept.result.report);

@@ -1,4 +1,4 @@
-/// What an answer says of itself in one line, and in the comments of mesh formats.
+/// An answer describes itself in one line, and in the comments of mesh formats.
 #pragma once
 
 #include <cstdint>

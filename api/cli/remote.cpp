@@ -50,7 +50,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-/// What a summary says of the origin: `..., origin=1 2 3`.
+/// This is how a summary names the origin: `..., origin=1 2 3`.
 std::string origin_in(const std::string& summary) {
   constexpr std::string_view kName = ", origin=";
   const std::size_t at = summary.find(kName);

@@ -38,7 +38,7 @@ struct RemoteJob {
 struct RemoteAnswer {
   std::string mesh;
   std::string report;  ///< JSON; empty unless asked for
-  std::string origin;  ///< that the mesh's coordinates are relative to, as in the summary; empty: none
+  std::string origin;  ///< the summary's origin of the mesh; empty: none
 };
 
 /// One remeshing by a server. `run` is called once; `progress_line` from any thread meanwhile.
