@@ -206,7 +206,7 @@ struct Report {
   Options options;             ///< as used
   double plane_tolerance = 0;  ///< as used, model units
   bool plane_tolerance_is_automatic = true;
-  double rounding_step = 0;  ///< read from the coordinates; 0 if they are full doubles
+  double rounding_step = 0;  ///< to which coordinates are proven to be rounded; else the last place of the largest one
   double volume_bound = 0;   ///< of the change of volume: the verdict's; of an analysis, PatchSummaries'
   MeshStatistics input;
   MeshStatistics output;

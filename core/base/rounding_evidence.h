@@ -20,18 +20,17 @@ namespace remesh {
 /// n * log2(m) bits. Equal values count once, and values that follow from others do not count (see IndependentNumbers).
 /// A model's exact dimensions prove nothing either: they agree in any case. But such dimensions are multiples of a
 /// coarser decimal step, so only the values that are no multiples of it count. A claim between the true decimal place
-/// and that of the dimensions is wrong in one of two ways:
-/// - by m = 2, for example 0.02 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are no
-///   multiples of five claimed steps count one bit each.
-/// - by m = 5, for example 0.05 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are odd
-///   multiples of the claimed step count log2(5) bits each.
-/// The smaller sum must reach 18 bits. Any other m (ten, a thousand, a float's or a double's last place) makes the
-/// probability smaller still. Of 33 values that were rounded at random both sums reach it in 99.9 % of all cases.
+/// and that of the dimensions is wrong in one of two ways, by m = 2^a * 5^b:
+/// - a > b, for example 0.02 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are no multiples
+///   of five claimed steps count, with one bit each where m = 2.
+/// - a < b, for example 0.05 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are odd multiples
+///   of the claimed step count, with log2(5) bits each where m = 5.
+/// The smaller sum must reach 18 bits. Of 33 values that were rounded at random both sums reach it in 99.9 % of all
+/// cases.
 inline constexpr int kEvidence = 18;
 
-/// The bits that an odd multiple counts, log2(5), and how many odd multiples are enough.
-inline constexpr double kBitsOfOdd = 2.32;
-inline constexpr int kEnoughOdd = 8;
+/// The bits that make a step likely: one in 4,096 such claims may be too coarse.
+inline constexpr int kLikely = 12;
 
 /// Collects different absolute values up to the number that is needed. A value that is repeated proves no more.
 template <std::size_t kEnough>
@@ -170,6 +169,28 @@ class Signs {
   std::array<LowestNumbers, 3> lowest_;
 };
 
+/// How many independent values there are that say something about a claimed step.
+struct Weight {
+  int not_of_five = 0;  ///< values that are no multiples of five claimed steps
+  int odd = 0;          ///< values that are odd multiples of the claimed step
+
+  /// The bits that the true step is not finer than the claimed one's part 2^-k.
+  double bits(int k) const { return std::min(not_of_five * bits_each(k, true), odd * bits_each(k, false)); }
+
+ private:
+  /// The bits of one value: log2 of the smallest m = 2^a * 5^b above 2^k with a > b, or else a < b.
+  static double bits_each(int k, bool are_more_twos) {
+    double least = std::numeric_limits<double>::infinity();
+    const double log2_of_5 = std::log2(5.0);
+    for (int a = 0; a <= k + 1; ++a)
+      for (int b = 0; b <= k + 1; ++b) {
+        const double log2_of_m = a + b * log2_of_5;
+        if ((are_more_twos ? a > b : a < b) && log2_of_m > k) least = std::min(least, log2_of_m);
+      }
+    return least;
+  }
+};
+
 /// The values that show a step (see kEvidence).
 class Evidence {
  public:
@@ -184,15 +205,15 @@ class Evidence {
   }
   /// `step(n)` is the step of numbers near the n-th unit.
   template <class Step>
-  int bits(const Step& step) const {
+  Weight weight(const Step& step) const {
     const int odd = odd_.count([&](std::int64_t n) { return 2 * step(n); });
     const int not_of_five = not_of_five_.count([&](std::int64_t n) { return 1.25 * step(n); });
-    return std::min(not_of_five, odd >= kEnoughOdd ? kEvidence : static_cast<int>(kBitsOfOdd * odd));
+    return {not_of_five, odd};
   }
 
  private:
   Signs<kEvidence> not_of_five_;
-  Signs<kEnoughOdd> odd_;
+  Signs<kEvidence> odd_;
 };
 
 }  // namespace remesh

@@ -211,17 +211,18 @@ std::optional<Lattice> common_lattice(const Coordinates& coordinates, Decimals d
   return std::nullopt;
 }
 
-/// Steps of which all coordinates are multiples, with the evidence in bits that they were rounded to them.
+/// Steps of which all coordinates are multiples, with the evidence that they were rounded to them.
 struct Claim {
   Vec3 steps = {};
-  int bits = 0;
+  Weight weight = {};
+  bool is_in_doubt = false;  ///< for another reason than the number of values
 
-  bool is_proven() const { return bits >= kEvidence; }
-  /// The largest part of the steps, by powers of two, that the evidence proves. If the part 2^-k were still too coarse,
-  /// the true step would be finer than the claimed one by 2^(k+1) at least, and each number would count k + 1 bits.
-  Vec3 certain_steps() const {
-    if (bits == 0) return {};
-    return std::ldexp(1.0, 1 - (kEvidence + bits - 1) / bits) * steps;
+  bool is_proven() const { return !is_in_doubt && weight.bits(0) >= kEvidence; }
+  /// The largest part of the steps, by powers of two, that is not too coarse in all likelihood.
+  Vec3 likely_steps() const {
+    for (int k = 0; k <= kEvidence; ++k)
+      if (weight.bits(k) >= kLikely) return std::ldexp(1.0, -k) * steps;
+    return {};
   }
 };
 
@@ -261,7 +262,7 @@ Fixed fixed_decimals(const Coordinates& coordinates, const Lattice& lattice) {
       });
   const double step = lattice.step();
   const int shown = count_digits(std::min(found.largest_odd, found.largest_not_of_five));
-  return {{{step, step, step}, found.evidence.bits([](std::int64_t) { return 1.0; })},
+  return {{{step, step, step}, found.evidence.weight([](std::int64_t) { return 1.0; })},
           shown == count_digits(found.largest)};
 }
 
@@ -423,7 +424,7 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
   const bool are_large_exact = found->shown.count() == 0 && found->lacking.count() >= kFew;
   const double coarsest = are_large_exact ? found->coarsest_last : found->coarsest_shown;
   Significant result{
-      {{}, found->evidence.bits(step_near)}, coarsest, is_alike && (found->coarser.are_enough() || fixed_step == 0)};
+      {{}, found->evidence.weight(step_near)}, coarsest, is_alike && (found->coarser.are_enough() || fixed_step == 0)};
   for (int axis = 0; axis < 3; ++axis) {
     const double of_long = found->largest_of_long[axis], largest = of_long > 0 ? of_long : coordinates.largest()[axis];
     const Lattice place = largest > 0 ? significant.place(largest) : Lattice{};
@@ -501,7 +502,7 @@ std::optional<Claim> claim_of_decimals(const Coordinates& coordinates, Decimals 
       return significant->claim;
     }
     // The largest numbers lack the last digits of the others, but they are so few that this may be chance.
-    fixed.claim.bits = std::min(fixed.claim.bits, kEvidence - 1);
+    fixed.claim.is_in_doubt = true;
     return fixed.claim;
   }
   // The smallest ones may have more decimals than a double of the largest one's size.
@@ -511,7 +512,7 @@ std::optional<Claim> claim_of_decimals(const Coordinates& coordinates, Decimals 
   const auto significant = find_significant_digits(coordinates, *lattice, cutoff, 0, unit);
   if (!significant) return std::nullopt;
   Claim claim = significant->claim;
-  if (!significant->is_apart) claim.bits = 0;
+  if (!significant->is_apart) claim.weight = {};
   return claim;
 }
 
@@ -533,7 +534,7 @@ Rounding rounding_of(const Coordinates& coordinates) {
     if (are_floats) steps = larger_of(steps, float_steps(coordinates));
     const Vec3 possible = larger_of(steps, claim->steps);
     if (claim->is_proven()) return {possible, possible, possible, !are_floats};
-    return {steps, larger_of(steps, claim->certain_steps()), possible, !are_floats};
+    return {steps, larger_of(steps, claim->likely_steps()), possible, !are_floats};
   }
   return {steps, steps, steps, false};
 }
@@ -550,7 +551,7 @@ double mean_step(const Vec3& steps) {
 }  // namespace
 
 double Rounding::step() const { return mean_step(steps); }
-double Rounding::certain_step() const { return mean_step(certain_steps); }
+double Rounding::likely_step() const { return mean_step(likely_steps); }
 double Rounding::possible_step() const { return mean_step(possible_steps); }
 
 Rounding rounding_of(std::span<const Vec3> positions, RunControl& control) {
@@ -558,7 +559,7 @@ Rounding rounding_of(std::span<const Vec3> positions, RunControl& control) {
   if (coordinates.largest_of_all() == 0) return {};
   Rounding rounding = rounding_of(coordinates);
   rounding.steps = coordinates.unit() * rounding.steps;
-  rounding.certain_steps = coordinates.unit() * rounding.certain_steps;
+  rounding.likely_steps = coordinates.unit() * rounding.likely_steps;
   rounding.possible_steps = coordinates.unit() * rounding.possible_steps;
   return rounding;
 }
@@ -571,7 +572,7 @@ AutomaticTolerance automatic_tolerance(const Rounding& rounding, double diagonal
   tolerance.is_capped = tolerance.explained > ceiling;
   tolerance.value = tolerance.explained <= unquestioned ? tolerance.explained : floor;
   tolerance.if_bent = std::min(tolerance.explained, unquestioned);
-  tolerance.if_noisy = std::clamp(kToleranceSteps * rounding.certain_step(), tolerance.if_bent, ceiling);
+  tolerance.if_noisy = std::clamp(kToleranceSteps * rounding.likely_step(), tolerance.if_bent, ceiling);
   return tolerance;
 }
 

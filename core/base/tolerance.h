@@ -39,14 +39,14 @@ inline constexpr double kLadderFactor = 0.1;
 /// The steps to which coordinates are rounded.
 struct Rounding {
   Vec3 steps = {};           ///< of each coordinate where it is largest; 0: it is 0 everywhere
-  Vec3 certain_steps = {};   ///< the same if they are proven; else what few numbers prove, never less than `steps`
+  Vec3 likely_steps = {};    ///< the same if they are proven; else what few numbers make likely; at least `steps`
   Vec3 possible_steps = {};  ///< the largest that the digits allow, proven or not; never less than `steps`
   bool is_decimal = false;   ///< `possible_steps` come from printing; else from floats or doubles, which arithmetic may
                              ///< have rounded many times
 
   /// One for the three coordinates: the root of the mean of the squares of `steps`.
   double step() const;
-  double certain_step() const;
+  double likely_step() const;
   double possible_step() const;
 };
 
@@ -59,9 +59,9 @@ struct Rounding {
 /// A decimal step needs evidence: exact dimensions are short decimals too, and few numbers share a step by chance. The
 /// evidence is enough if numbers with a finer step would give it with a probability of at most 2^-18 (see kEvidence);
 /// 33 independent values that were rounded nearly always do so. Without it the coordinates count as not rounded, which
-/// is the answer for floats or doubles. Then `certain_steps` has the largest parts of the decimal steps that the few
-/// numbers do prove: a box that was turned and printed has 12 or 24 numbers, and they prove a half or a quarter of its
-/// step.
+/// is the answer for floats or doubles. Then `likely_steps` has the largest parts of the decimal steps that are too
+/// coarse with a probability of at most 2^-12 (see kLikely): a box that was turned and printed has 12 or 24 numbers, and
+/// they make all or a half of its step likely.
 ///
 /// What is nearer to 0 than any tolerance counts as 0.
 /// Holds:  depends only on the set of each coordinate's values, be they repeated or in another order. Scales with the

@@ -42,6 +42,9 @@ constexpr double kWide = 0.12;  ///< how far apart the sides are at the distance
 constexpr double kLeastPiece = 0x1p-5;
 /// In pieces: what is left of a side behind its last shell is no shorter.
 constexpr double kLeastRest = 0.5;
+/// Sides are cut together for so many pieces at most, and each on its own behind that. No part needs more, but a strip
+/// of a billion sizes would fill the memory before the limit on faces is reached.
+constexpr std::size_t kMaxStops = std::size_t{1} << 20;
 
 /// How far apart the sides of a corner are at the distance 1 from it.
 double width_of(double angle) { return 2 * std::sin(angle / 2); }
@@ -137,7 +140,12 @@ class Way {
         piece.length = nearest_end / 2;
     }
     double step = piece.length;
-    for (Stop from;; from = stops_.back()) {
+    // Where no side is cut, only the first distance is read: other sides at the vertex begin with it.
+    const bool is_any_cut = std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
+      return !table_[SegmentId(sides[i].end / 2)].is_locked();
+    });
+    const std::size_t max_stops = is_any_cut ? kMaxStops : 1;
+    for (Stop from; stops_.size() < max_stops; from = stops_.back()) {
       std::erase_if(members, [&](std::uint32_t i) {
         return !(sides[i].reach > from.distance) || !(sides[i].width * from.distance < kFarApart * size);
       });

@@ -103,6 +103,12 @@ def with_meshio(labelled, plain):
             groups = [names[tag] for tag in mesh.cell_data["gmsh:physical"][0]]
             check(groups == [n.replace('"', "'") for n in expected.group_names()], f"{what}: the groups differ")
         print(f"ok: {what}")
+    # As text, all digits of the doubles are there.
+    expected, path = labelled
+    mesh = meshio.read(path["stl_ascii"], file_format="stl")
+    found = [tuple(tuple(map(float, mesh.points[v])) for v in face) for face in mesh.cells_dict["triangle"]]
+    check(found == [tuple(expected.points[v] for v in face) for face in expected.faces], "meshio, stl_ascii differs")
+    print("ok: meshio, stl_ascii")
 
 
 def with_vtk(labelled, _):
@@ -227,9 +233,10 @@ def remesh_to_all(remesh, folder, part):
     with open(source, "w", encoding="utf-8") as file:
         file.write(part)
     path = {}
-    for kind in FORMATS + ["json"]:
+    for kind in FORMATS + ["stl_ascii", "json"]:
         path[kind] = os.path.join(folder, "out." + kind)
-        subprocess.run([remesh, source, "-o", path[kind], "--max-edge-length", "0.3"], check=True, timeout=60)
+        command = [remesh, source, "-o", path[kind], "--format", kind, "--max-edge-length", "0.3"]
+        subprocess.run(command, check=True, timeout=60)
     with open(path["json"], encoding="utf-8") as file:
         answer = json.load(file)
     expected = Expected(answer["mesh"], answer["report"])
