@@ -10,8 +10,8 @@
 #include <variant>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/io/formats.h"
-#include "core/options.h"
 
 namespace remesh::api {
 

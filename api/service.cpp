@@ -11,8 +11,8 @@
 #include "api/text.h"
 #include "core/io/gzip.h"
 #include "core/io/mesh_files.h"
-#include "core/output_form.h"
-#include "core/quality.h"
+#include "core/mesh/quality.h"
+#include "core/output/output_form.h"
 
 namespace remesh::api {
 namespace {

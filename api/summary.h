@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/report.h"
+#include "core/output/report.h"
 
 namespace remesh::api {
 

@@ -10,36 +10,42 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/diagnostic.h"
 #include "core/base/drop.h"
 #include "core/base/parallel.h"
 #include "core/base/stoppable.h"
+#include "core/base/stopwatch.h"
 #include "core/base/tolerance.h"
-#include "core/goal_refinement.h"
+#include "core/geometry/patch_mesh.h"
+#include "core/geometry/patch_reason.h"
+#include "core/geometry/patch_set.h"
+#include "core/mending/body_labels.h"
+#include "core/mending/preparation.h"
+#include "core/mending/resolution.h"
+#include "core/mending/triangulated.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/triangle_corners.h"
-#include "core/output_form.h"
-#include "core/preparation.h"
+#include "core/output/assembly.h"
+#include "core/output/face_source.h"
+#include "core/output/output_form.h"
+#include "core/output/volume_ready.h"
+#include "core/patches/boundary_loops.h"
+#include "core/patches/coplanar_regions.h"
+#include "core/patches/essential_vertices.h"
+#include "core/patches/input_intersections.h"
+#include "core/patches/ladder.h"
+#include "core/patches/patch_meshing.h"
+#include "core/patches/patches.h"
+#include "core/refinement/chords.h"
 #include "core/refinement/gap_search.h"
-#include "core/stages/assembly.h"
-#include "core/stages/body_labels.h"
-#include "core/stages/boundary_loops.h"
-#include "core/stages/chords.h"
-#include "core/stages/coplanar_regions.h"
-#include "core/stages/essential_vertices.h"
-#include "core/stages/face_source.h"
-#include "core/stages/findings.h"
-#include "core/stages/ladder.h"
-#include "core/stages/lifting.h"
-#include "core/stages/patch_meshing.h"
-#include "core/stages/patch_summary.h"
-#include "core/stages/patches.h"
-#include "core/stages/refinement.h"
-#include "core/stages/resolution.h"
-#include "core/stages/separation.h"
-#include "core/stages/unrefined.h"
-#include "core/stopwatch.h"
-#include "core/verify.h"
-#include "core/volume_ready.h"
+#include "core/refinement/goal_refinement.h"
+#include "core/refinement/lifting.h"
+#include "core/refinement/rounds.h"
+#include "core/refinement/separation.h"
+#include "core/refinement/unrefined.h"
+#include "core/refinement/unrefined_reason.h"
+#include "core/verify/verdict.h"
+#include "core/verify/verify.h"
 
 namespace remesh {
 namespace {
@@ -93,8 +99,14 @@ class Run {
   PatchedSurface patched() { return {surface(), adjacency(), patches_, report_.plane_tolerance}; }
 
   void prepare() {
-    report_.diagnostics = diagnostics_of_reader_;
-    prepared_ = remesh::prepare(input_, options_, limits_, report_, watch_, control_);
+    InputSummary summary;
+    summary.diagnostics = diagnostics_of_reader_;
+    prepared_ = remesh::prepare(input_, options_, limits_, summary, watch_, control_);
+    report_.input = std::move(summary.statistics);
+    report_.plane_tolerance = summary.plane_tolerance;
+    report_.plane_tolerance_is_automatic = summary.plane_tolerance_is_automatic;
+    report_.rounding_step = summary.rounding_step;
+    report_.diagnostics = std::move(summary.diagnostics);
     regions_ = {};
     const double diagonal = report_.input.bounding_box.diagonal();
     check_options(options_, diagonal);

@@ -3,26 +3,14 @@
 
 #include <vector>
 
+#include "core/base/diagnostic.h"
+#include "core/base/options.h"
 #include "core/base/run_control.h"
+#include "core/base/version.h"
 #include "core/mesh/mesh.h"
-#include "core/options.h"
-#include "core/output_basis.h"
-#include "core/report.h"
+#include "core/output/result.h"
 
 namespace remesh {
-
-struct Result {
-  TriangleMesh mesh;
-  IdVector<FaceId, PatchId> face_patch;  ///< one per output face; indexes report.patches
-  IdVector<FaceId, FaceId> face_source;  ///< the input face under each face's centroid; empty unless asked for
-  /// The patch of each input face, or of its first piece; invalid where it was dropped. Empty like face_source.
-  IdVector<FaceId, PatchId> input_face_patch;
-  Report report;
-  OutputBasis basis;  ///< for round_output
-};
-
-/// The version of the project, as in the report and in `--version`.
-const char* version();
 
 /// How many threads a run takes: as many as its settings and the process (tbb::global_control) allow, and as the input
 /// is worth (RunSettings::serial_corners).

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "core/base/blocks.h"
-#include "core/geometry/largest_coordinate.h"
+#include "core/base/largest_coordinate.h"
 #include "core/geometry/plane_fit.h"
 
 namespace remesh {

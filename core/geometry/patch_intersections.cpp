@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "core/base/blocks.h"
+#include "core/base/largest_coordinate.h"
 #include "core/base/stoppable.h"
-#include "core/geometry/largest_coordinate.h"
 #include "core/geometry/pair_search.h"
 #include "core/geometry/predicates_3d.h"
 #include "core/geometry/triangle_intersection.h"

@@ -1,8 +1,8 @@
 #include "core/geometry/predicates_3d.h"
 
 #include "core/base/blocks.h"
+#include "core/base/largest_coordinate.h"
 #include "core/geometry/expansion.h"
-#include "core/geometry/largest_coordinate.h"
 
 namespace remesh {
 namespace {

@@ -8,9 +8,9 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/diagnostic.h"
 #include "core/base/run_control.h"
 #include "core/mesh/mesh.h"
-#include "core/report.h"
 
 namespace remesh {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "core/io/label_collector.h"
-#include "core/io/obj_findings.h"
+#include "core/io/obj_dropped_records.h"
 #include "core/io/obj_readers.h"
 #include "core/io/obj_records.h"
 #include "core/io/read_errors.h"

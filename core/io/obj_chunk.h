@@ -8,7 +8,7 @@
 
 #include "core/base/ids.h"
 #include "core/base/vec.h"
-#include "core/io/obj_findings.h"
+#include "core/io/obj_dropped_records.h"
 
 namespace remesh {
 

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
+#include "core/base/diagnostic.h"
 #include "core/base/error.h"
-#include "core/report.h"
 
 namespace remesh {
 

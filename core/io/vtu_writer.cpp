@@ -8,7 +8,7 @@
 #include "core/io/text.h"
 #include "core/io/vtu.h"
 #include "core/io/write_text.h"
-#include "core/quality.h"
+#include "core/mesh/quality.h"
 
 namespace remesh {
 namespace {

@@ -12,11 +12,11 @@
 #include "core/base/union_find.h"
 #include "core/geometry/box_tree.h"
 #include "core/geometry/distances.h"
+#include "core/geometry/projection.h"
 #include "core/geometry/triangle_intersection.h"
+#include "core/mending/polygon_split.h"
 #include "core/refinement/patch_contacts.h"
 #include "core/refinement/steepness.h"
-#include "core/stages/polygon_split.h"
-#include "core/stages/projection.h"
 
 namespace remesh {
 namespace {

@@ -7,11 +7,11 @@
 
 #include "core/base/run_control.h"
 #include "core/geometry/frame.h"
+#include "core/geometry/patch_mesh.h"
+#include "core/geometry/patch_set.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
-#include "core/stages/patch_meshing.h"
-#include "core/stages/patches.h"
 
 namespace remesh {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include "core/options.h"
+#include "core/base/options.h"
 
 namespace remesh {
 

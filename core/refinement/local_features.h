@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/run_control.h"
-#include "core/stages/patch_meshing.h"
+#include "core/geometry/patch_mesh.h"
 
 namespace remesh {
 

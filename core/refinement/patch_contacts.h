@@ -10,9 +10,9 @@
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/box_tree.h"
+#include "core/geometry/patch_set.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
-#include "core/stages/patches.h"
 
 namespace remesh {
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "core/geometry/predicates.h"
-#include "core/stages/projection.h"
+#include "core/geometry/projection.h"
 
 namespace remesh {
 namespace {

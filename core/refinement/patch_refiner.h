@@ -12,6 +12,7 @@
 
 #include "core/base/run_control.h"
 #include "core/base/small_blocks.h"
+#include "core/geometry/patch_mesh.h"
 #include "core/refinement/delaunay_mesh.h"
 #include "core/refinement/floor.h"
 #include "core/refinement/goals.h"
@@ -20,9 +21,8 @@
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
 #include "core/refinement/task_queues.h"
+#include "core/refinement/unrefined_reason.h"
 #include "core/refinement/workplace.h"
-#include "core/report.h"
-#include "core/stages/patch_meshing.h"
 
 namespace remesh {
 

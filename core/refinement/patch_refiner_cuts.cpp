@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "core/geometry/projection.h"
 #include "core/refinement/patch_refiner.h"
-#include "core/stages/projection.h"
 
 namespace remesh {
 

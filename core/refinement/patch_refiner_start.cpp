@@ -8,10 +8,10 @@
 #include <tuple>
 
 #include "core/base/stoppable.h"
+#include "core/geometry/projection.h"
 #include "core/refinement/even_fill.h"
 #include "core/refinement/patch_refiner.h"
-#include "core/stages/patch_triangulation.h"
-#include "core/stages/projection.h"
+#include "core/triangulation/patch_triangulation.h"
 
 namespace remesh {
 namespace {

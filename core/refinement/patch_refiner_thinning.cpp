@@ -6,8 +6,8 @@
 #include <utility>
 
 #include "core/geometry/predicates.h"
+#include "core/geometry/projection.h"
 #include "core/refinement/patch_refiner.h"
-#include "core/stages/projection.h"
 
 namespace remesh {
 namespace {

@@ -9,9 +9,9 @@
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
+#include "core/geometry/projection.h"
 #include "core/refinement/held_sizes.h"
 #include "core/refinement/strips.h"
-#include "core/stages/projection.h"
 
 namespace remesh {
 namespace {

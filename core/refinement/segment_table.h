@@ -11,11 +11,11 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/union_find.h"
+#include "core/geometry/patch_mesh.h"
 #include "core/mesh/surface.h"
 #include "core/refinement/corner_shells.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/size_field.h"
-#include "core/stages/patch_meshing.h"
 
 namespace remesh {
 

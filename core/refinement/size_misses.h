@@ -7,12 +7,12 @@
 #include <vector>
 
 #include "core/base/run_control.h"
+#include "core/geometry/patch_mesh.h"
 #include "core/mesh/surface.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goals.h"
+#include "core/refinement/rounds.h"
 #include "core/refinement/size_field.h"
-#include "core/stages/patch_meshing.h"
-#include "core/stages/refinement.h"
 
 namespace remesh {
 

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include "core/base/run_control.h"
+#include "core/geometry/patch_mesh.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
-#include "core/stages/patch_meshing.h"
 
 namespace remesh {
 

@@ -15,8 +15,8 @@
 
 #include "core/base/run_control.h"
 #include "core/verify/boundary_graph.h"
-#include "core/verify/findings.h"
 #include "core/verify/model.h"
+#include "core/verify/verification_faults.h"
 
 namespace remesh::verification {
 

@@ -8,7 +8,7 @@
 #include "core/base/grouping.h"
 #include "core/base/parallel.h"
 #include "core/base/union_find.h"
-#include "core/stages/polygon_split.h"
+#include "core/mending/polygon_split.h"
 
 namespace remesh::verification {
 namespace {

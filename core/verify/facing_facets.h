@@ -11,9 +11,9 @@
 #include "core/base/run_control.h"
 #include "core/geometry/box_tree.h"
 #include "core/geometry/distances.h"
-#include "core/verify.h"
 #include "core/verify/boundary_graph.h"
 #include "core/verify/model.h"
+#include "core/verify/verify.h"
 
 namespace remesh::verification {
 

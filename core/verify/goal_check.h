@@ -2,12 +2,12 @@
 #pragma once
 
 #include "core/base/run_control.h"
-#include "core/verify.h"
 #include "core/verify/boundary_graph.h"
 #include "core/verify/edge_table.h"
-#include "core/verify/findings.h"
 #include "core/verify/model.h"
 #include "core/verify/varying_sizes.h"
+#include "core/verify/verification_faults.h"
+#include "core/verify/verify.h"
 
 namespace remesh::verification {
 

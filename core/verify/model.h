@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "core/base/grouping.h"
-#include "core/geometry/largest_coordinate.h"
-#include "core/verify.h"
+#include "core/base/largest_coordinate.h"
 #include "core/verify/edge_table.h"
-#include "core/verify/findings.h"
+#include "core/verify/verification_faults.h"
+#include "core/verify/verify.h"
 
 namespace remesh::verification {
 

@@ -20,8 +20,8 @@
 #include "core/base/run_control.h"
 #include "core/verify/boundary.h"
 #include "core/verify/edge_table.h"
-#include "core/verify/findings.h"
 #include "core/verify/model.h"
+#include "core/verify/verification_faults.h"
 
 namespace remesh::verification {
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "core/base/run_control.h"
-#include "core/verify.h"
-#include "core/verify/findings.h"
 #include "core/verify/model.h"
+#include "core/verify/verification_faults.h"
+#include "core/verify/verify.h"
 
 namespace remesh::verification {
 

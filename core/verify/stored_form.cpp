@@ -8,9 +8,9 @@
 #include <numeric>
 
 #include "core/base/blocks.h"
+#include "core/base/largest_coordinate.h"
 #include "core/base/parallel.h"
 #include "core/base/rounded_to_float.h"
-#include "core/geometry/largest_coordinate.h"
 #include "core/geometry/patch_intersections.h"
 #include "core/geometry/predicates.h"
 #include "core/geometry/self_intersections.h"

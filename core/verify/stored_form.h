@@ -8,12 +8,12 @@
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/options.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/mesh/mesh.h"
-#include "core/options.h"
-#include "core/report.h"
-#include "core/verify.h"
+#include "core/refinement/unrefined_reason.h"
+#include "core/verify/verify.h"
 
 namespace remesh {
 

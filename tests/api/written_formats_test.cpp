@@ -15,7 +15,7 @@
 #include "api/job.h"
 #include "api/service.h"
 #include "core/io/obj.h"
-#include "core/output_form.h"
+#include "core/output/output_form.h"
 #include "tests/support/cgal_space.h"
 #include "tests/support/errors.h"
 #include "tests/support/plain_readers.h"

@@ -25,7 +25,7 @@
 #include "core/geometry/delaunay_divide_conquer.h"
 #include "core/io/obj.h"
 #include "core/remesh.h"
-#include "core/stages/patch_triangulation.h"
+#include "core/triangulation/patch_triangulation.h"
 #include "tests/bench/inputs.h"
 #include "tests/bench/json_text.h"
 #include "tests/support/polygons.h"

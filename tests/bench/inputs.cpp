@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/run_control.h"
-#include "core/stages/patch_triangulation.h"
+#include "core/triangulation/patch_triangulation.h"
 #include "tests/support/random.h"
 
 namespace remesh::bench {

@@ -24,9 +24,9 @@
 
 #include "core/geometry/delaunay_divide_conquer.h"
 #include "core/remesh.h"
-#include "core/stages/delaunay_flips.h"
-#include "core/stages/lexicographic_triangulation.h"
-#include "core/stages/patch_triangulation.h"
+#include "core/triangulation/delaunay_flips.h"
+#include "core/triangulation/lexicographic_triangulation.h"
+#include "core/triangulation/patch_triangulation.h"
 #include "tests/bench/inputs.h"
 #include "tests/bench/refinement.h"
 #include "tests/bench/rows.h"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "core/remesh.h"
-#include "core/stages/patch_triangulation.h"
+#include "core/triangulation/patch_triangulation.h"
 #include "tests/bench/inputs.h"
 #include "tests/bench/timing.h"
 #include "tests/support/polygons.h"

@@ -13,16 +13,16 @@
 #include <utility>
 #include <vector>
 
+#include "core/geometry/projection.h"
 #include "core/io/obj.h"
 #include "core/mesh/pinched_vertices.h"
+#include "core/patches/boundary_loops.h"
+#include "core/patches/essential_vertices.h"
 #include "core/remesh.h"
-#include "core/stages/boundary_loops.h"
-#include "core/stages/carving.h"
-#include "core/stages/constraint_recovery.h"
-#include "core/stages/delaunay_flips.h"
-#include "core/stages/essential_vertices.h"
-#include "core/stages/lexicographic_triangulation.h"
-#include "core/stages/projection.h"
+#include "core/triangulation/carving.h"
+#include "core/triangulation/constraint_recovery.h"
+#include "core/triangulation/delaunay_flips.h"
+#include "core/triangulation/lexicographic_triangulation.h"
 #include "tests/figures/bracket.h"
 #include "tests/figures/part.h"
 #include "tests/figures/refined_patch.h"

@@ -4,12 +4,12 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/options.h"
+#include "core/mending/mend_faces.h"
+#include "core/mending/weld.h"
 #include "core/mesh/face_geometry.h"
-#include "core/options.h"
-#include "core/report.h"
-#include "core/stages/coplanar_regions.h"
-#include "core/stages/mend_faces.h"
-#include "core/stages/weld.h"
+#include "core/output/report.h"
+#include "core/patches/coplanar_regions.h"
 
 namespace remesh::figures {
 

@@ -9,15 +9,15 @@
 #include <vector>
 
 #include "core/mesh/pinched_vertices.h"
+#include "core/patches/boundary_loops.h"
+#include "core/patches/essential_vertices.h"
+#include "core/patches/patch_meshing.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/patch_refiner.h"
+#include "core/refinement/rounds.h"
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
 #include "core/remesh.h"
-#include "core/stages/boundary_loops.h"
-#include "core/stages/essential_vertices.h"
-#include "core/stages/patch_meshing.h"
-#include "core/stages/refinement.h"
 #include "tests/figures/style.h"
 #include "tests/figures/svg.h"
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "core/base/vec.h"
-#include "core/stages/constraint_recovery.h"
+#include "core/triangulation/constraint_recovery.h"
 #include "tests/support/polygons.h"
 #include "tests/support/triangulation_checks.h"
 

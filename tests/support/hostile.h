@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/mesh/mesh.h"
-#include "core/options.h"
 
 namespace remesh::hostile {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "core/base/vec.h"
-#include "core/stages/constraint_recovery.h"
+#include "core/triangulation/constraint_recovery.h"
 #include "tests/support/random.h"
 
 namespace remesh::polygons {

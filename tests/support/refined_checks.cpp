@@ -13,7 +13,7 @@
 #include "core/geometry/patch_intersections.h"
 #include "core/geometry/self_intersections.h"
 #include "core/mesh/triangle_corners.h"
-#include "core/stages/findings.h"
+#include "core/patches/input_intersections.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 

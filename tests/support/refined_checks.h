@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "core/base/options.h"
 #include "core/mesh/mesh.h"
-#include "core/options.h"
 #include "core/remesh.h"
 
 namespace remesh {

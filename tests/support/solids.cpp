@@ -6,7 +6,7 @@
 #include <numbers>
 #include <set>
 
-#include "core/stages/patch_triangulation.h"
+#include "core/triangulation/patch_triangulation.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 

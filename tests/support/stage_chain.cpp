@@ -4,10 +4,10 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/mending/mend_faces.h"
+#include "core/mending/weld.h"
 #include "core/mesh/pinched_vertices.h"
-#include "core/stages/essential_vertices.h"
-#include "core/stages/mend_faces.h"
-#include "core/stages/weld.h"
+#include "core/patches/essential_vertices.h"
 
 namespace remesh {
 

@@ -8,12 +8,12 @@
 #include "core/mesh/face_geometry.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
-#include "core/report.h"
-#include "core/stages/boundary_loops.h"
-#include "core/stages/coplanar_regions.h"
-#include "core/stages/essential_vertices.h"
-#include "core/stages/patch_meshing.h"
-#include "core/stages/patches.h"
+#include "core/output/report.h"
+#include "core/patches/boundary_loops.h"
+#include "core/patches/coplanar_regions.h"
+#include "core/patches/essential_vertices.h"
+#include "core/patches/patch_meshing.h"
+#include "core/patches/patches.h"
 
 namespace remesh {
 

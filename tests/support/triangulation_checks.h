@@ -10,7 +10,7 @@
 
 #include "core/base/vec.h"
 #include "core/geometry/triangulation_2d.h"
-#include "core/stages/constraint_recovery.h"
+#include "core/triangulation/constraint_recovery.h"
 
 namespace remesh {
 

@@ -1,7 +1,7 @@
 /// Options of a run that stops at the triangulation of what stays.
 #pragma once
 
-#include "core/options.h"
+#include "core/base/options.h"
 
 namespace remesh {
 

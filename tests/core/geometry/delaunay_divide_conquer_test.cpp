@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "core/geometry/predicates.h"
-#include "core/stages/delaunay_flips.h"
-#include "core/stages/lexicographic_triangulation.h"
+#include "core/triangulation/delaunay_flips.h"
+#include "core/triangulation/lexicographic_triangulation.h"
 #include "tests/support/cgal_plane.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"

@@ -9,7 +9,7 @@
 #include <optional>
 #include <set>
 
-#include "core/stages/patch_triangulation.h"
+#include "core/triangulation/patch_triangulation.h"
 #include "tests/support/polygons.h"
 #include "tests/support/random.h"
 #include "tests/support/triangulation_checks.h"

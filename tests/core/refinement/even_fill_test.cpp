@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/stages/patch_triangulation.h"
+#include "core/triangulation/patch_triangulation.h"
 #include "tests/support/polygons.h"
 
 namespace remesh {

@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "core/verify.h"
+#include "core/verify/verify.h"
 #include "tests/support/cgal_plane.h"
 #include "tests/support/shapes.h"
 

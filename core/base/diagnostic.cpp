@@ -1,0 +1,30 @@
+#include "core/base/diagnostic.h"
+
+namespace remesh {
+
+std::string_view diagnostic_name(DiagnosticCode code) {
+  switch (code) {
+    case DiagnosticCode::kDuplicateVertex: return "duplicate_vertex";
+    case DiagnosticCode::kDuplicateFace: return "duplicate_face";
+    case DiagnosticCode::kZeroAreaFace: return "zero_area_face";
+    case DiagnosticCode::kTJunction: return "t_junction";
+    case DiagnosticCode::kInconsistentWinding: return "inconsistent_winding";
+    case DiagnosticCode::kInsideOut: return "inside_out";
+    case DiagnosticCode::kNonManifoldEdge: return "non_manifold_edge";
+    case DiagnosticCode::kNonManifoldVertex: return "non_manifold_vertex";
+    case DiagnosticCode::kOpenBoundary: return "open_boundary";
+    case DiagnosticCode::kSelfIntersection: return "self_intersection";
+    case DiagnosticCode::kOverlappingFaces: return "overlapping_faces";
+    case DiagnosticCode::kUnusedVertex: return "unused_vertex";
+    case DiagnosticCode::kNonplanarPolygon: return "nonplanar_polygon";
+    case DiagnosticCode::kAttributeDropped: return "attribute_dropped";
+    case DiagnosticCode::kTrailingBytes: return "trailing_bytes";
+    case DiagnosticCode::kCurvedSurface: return "curved_surface";
+    case DiagnosticCode::kSmallDihedral: return "small_dihedral";
+    case DiagnosticCode::kSeam: return "seam";
+    case DiagnosticCode::kRoundingCapped: return "rounding_capped";
+  }
+  return "";
+}
+
+}  // namespace remesh

@@ -1,0 +1,63 @@
+/// What is told about an input: what was found in it, and what was done about it.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace remesh {
+
+enum class DiagnosticCode {
+  kDuplicateVertex,
+  kDuplicateFace,
+  kZeroAreaFace,
+  kTJunction,
+  kInconsistentWinding,
+  kInsideOut,
+  kNonManifoldEdge,
+  kNonManifoldVertex,
+  kOpenBoundary,
+  kSelfIntersection,
+  kOverlappingFaces,
+  kUnusedVertex,
+  kNonplanarPolygon,
+  kAttributeDropped,
+  kTrailingBytes,
+  kCurvedSurface,
+  kSmallDihedral,
+  kSeam,
+  kRoundingCapped,
+};
+
+/// Something that was found, dropped, merged or split. `elements` holds the first 100, in the input's numbering from 0.
+struct Diagnostic {
+  static constexpr std::size_t kMaxElements = 100;
+
+  DiagnosticCode code = DiagnosticCode::kDuplicateVertex;
+  std::uint64_t count = 0;
+  std::vector<std::uint64_t> elements;
+  std::string message;
+
+  /// Elements may come in any order: the first in the input's are kept, in that order.
+  void add(std::uint64_t element) {
+    ++count;
+    if (elements.size() == kMaxElements) {
+      if (element >= elements.back()) return;
+      elements.pop_back();
+    }
+    elements.insert(std::upper_bound(elements.begin(), elements.end(), element), element);
+  }
+  /// Counts once for both, which are listed next to each other.
+  void add_pair(std::uint64_t first, std::uint64_t second) {
+    ++count;
+    if (elements.size() + 2 <= kMaxElements) elements.insert(elements.end(), {first, second});
+  }
+};
+
+/// The stable name.
+std::string_view diagnostic_name(DiagnosticCode code);
+
+}  // namespace remesh

@@ -1,0 +1,101 @@
+#include "core/mending/bending_noise.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+
+#include "core/base/blocks.h"
+#include "core/geometry/plane.h"
+
+namespace remesh {
+namespace {
+
+/// Neighbours must be this many tolerances high to bear witness of noise.
+constexpr double kWitness = 8;
+/// Where more faces than this meet at an edge, none of them bears witness.
+constexpr std::size_t kMostAround = 8;
+
+constexpr std::size_t kBlock = 4096;
+
+/// Distances that differ by more than their own rounding, up to as many as tell noise from shape.
+class DifferentBends {
+ public:
+  void add(double distance, double floor, double tolerance) {
+    if (distance > floor && distance <= tolerance) add(std::bit_cast<std::uint64_t>(distance) >> kForgotten);
+  }
+  void add(const DifferentBends& others) {
+    for (std::size_t i = 0; i < others.count_; ++i) add(others.keys_[i]);
+  }
+  std::size_t count() const { return count_; }
+
+ private:
+  /// The bits of a double that are left tell one part in a thousand.
+  static constexpr int kForgotten = 42;
+
+  void add(std::uint64_t key) {
+    const auto end = keys_.begin() + static_cast<std::ptrdiff_t>(count_);
+    if (count_ < keys_.size() && std::find(keys_.begin(), end, key) == end) keys_[count_++] = key;
+  }
+
+  std::array<std::uint64_t, kBendsOfNoise> keys_{};
+  std::size_t count_ = 0;
+};
+
+}  // namespace
+
+bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, double floor,
+                      double tolerance, std::size_t amounts, RunControl& control) {
+  const auto is_witness = [&](FaceId f) { return geometry[f].height >= kWitness * tolerance; };
+  const auto bend = [&](FaceId of, FaceId against) {
+    const Plane plane{face_centre(surface, against), geometry[against].normal};
+    double most = 0;
+    for (const VertexId v : surface.face(of)) {
+      most = std::max(most, std::fabs(plane.distance(surface.local[v])));
+      if (most > tolerance) break;  // a bend of another kind, however large
+    }
+    return most;
+  };
+  const auto look_at_polygon = [&](DifferentBends& bends, FaceId f) {
+    if (surface.face(f).size() > 3 && is_witness(f)) bends.add(bend(f, f), floor, tolerance);
+  };
+  const auto look_at_pair = [&](DifferentBends& bends, std::uint32_t h, std::uint32_t k) {
+    const FaceId f = adjacency.face_of(h), g = adjacency.face_of(k);
+    if (f == g || !is_witness(f) || !is_witness(g)) return;
+    // Whichever way they look: they are on either side of the edge, not one on the other.
+    const double cosine = dot(geometry[f].normal, geometry[g].normal);
+    if (!((adjacency.from(h) == adjacency.from(k) ? -cosine : cosine) > 0)) return;
+    // A corner's rounding moves it from the other face's plane by as much; of a large face off the plane of a small
+    // one it explains more.
+    bends.add(std::min(bend(f, g), bend(g, f)), floor, tolerance);
+  };
+  const auto look_at_edge = [&](DifferentBends& bends, EdgeId e) {
+    const auto around = adjacency.half_edges(e);
+    if (around.size() > kMostAround) return;
+    for (std::size_t i = 1; i < around.size(); ++i)
+      for (std::size_t j = 0; j < i; ++j) look_at_pair(bends, around[i], around[j]);
+  };
+  DifferentBends all;
+  const auto look_at_all = [&](std::size_t count, const auto& look_at) {
+    // Once a block has enough, the others do not matter.
+    std::atomic<bool> is_over = all.count() >= amounts;
+    const auto blocks = map_blocks<DifferentBends>(count, kBlock, control, [&](std::size_t i, std::size_t end) {
+      DifferentBends bends;
+      for (; i < end && !is_over; ++i) {
+        control.check();  // large polygons take a while
+        look_at(bends, i);
+        if (bends.count() >= amounts) is_over = true;
+      }
+      return bends;
+    });
+    for (const DifferentBends& bends : blocks) all.add(bends);
+  };
+  look_at_all(adjacency.edge_count(), [&](DifferentBends& bends, std::size_t i) { look_at_edge(bends, EdgeId(i)); });
+  if (!adjacency.are_triangles())
+    look_at_all(surface.face_count(), [&](DifferentBends& bends, std::size_t i) { look_at_polygon(bends, FaceId(i)); });
+  return all.count() >= amounts;
+}
+
+}  // namespace remesh

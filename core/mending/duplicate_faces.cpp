@@ -1,0 +1,226 @@
+#include "core/mending/duplicate_faces.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include "core/base/blocks.h"
+#include "core/base/stoppable.h"
+#include "core/base/union_find.h"
+
+namespace remesh {
+namespace {
+
+class Duplicates {
+ public:
+  Duplicates(const Surface& surface, const Adjacency& edges, RunControl& control)
+      : surface_(surface), edges_(edges), control_(control) {}
+
+  /// Output: what to do with each face; empty if none repeats another.
+  const std::vector<std::uint8_t>& find() {
+    const std::vector<FaceId> suspects = find_suspects();
+    if (suspects.empty()) return fate_;
+    find_first_half_edges();
+    std::vector<EdgeId> edges;
+    StopCheck check(control_);
+    for (const FaceId f : suspects) {
+      check();
+      if (first_[f.value] != Adjacency::kNone) edges.push_back(edges_.edge_of(first_[f.value]));
+    }
+    sort_stoppable(edges.begin(), edges.end(), control_);
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    for (const EdgeId e : edges) {
+      faces_.clear();
+      for (const std::uint32_t h : edges_.half_edges(e)) {
+        check();
+        if (is_first(h)) faces_.push_back(edges_.face_of(h));
+      }
+      if (faces_.size() > 1) compare();
+    }
+    if (!fate_.empty()) decide_on_backs();
+    return fate_;
+  }
+
+  static constexpr std::uint8_t kStays = 0, kDropped = 1, kBack = 2;
+
+ private:
+  /// All faces that may repeat another one: this one is at each of its edges then, so that one of them tells.
+  std::vector<FaceId> find_suspects() const {
+    auto suspects = select_ids<FaceId>(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t f) {
+      const std::uint32_t h = surface_.face_begin[f], twin = edges_.twin(h);
+      return twin != Adjacency::kNone && do_go_on_alike(h, twin);
+    });
+    StopCheck check(control_);
+    for (const EdgeId e : edges_.odd_edges()) {
+      check();
+      const auto around = edges_.half_edges(e);
+      // Between a corner and its repetition there is no direction to look in.
+      const bool is_point = edges_.from(around[0]) == edges_.to(around[0]);
+      if (around.size() > 2 || (around.size() == 2 && (is_point || do_go_on_alike(around[0], around[1]))))
+        for (const std::uint32_t h : around) suspects.push_back(edges_.face_of(h));
+    }
+    return suspects;
+  }
+
+  /// Whether two faces at an edge have the same vertex after it, seen in one direction: as most have not, nobody has to
+  /// look at them any closer.
+  bool do_go_on_alike(std::uint32_t g, std::uint32_t h) const {
+    const VertexId after = edges_.to(edges_.next(g));
+    return edges_.from(g) == edges_.from(h) ? after == edges_.to(edges_.next(h)) : after == edges_.from(before(h));
+  }
+  std::uint32_t before(std::uint32_t h) const {
+    const std::uint32_t f = edges_.face_of(h).value;
+    return h == surface_.face_begin[f] ? surface_.face_begin[f + 1] - 1 : h - 1;
+  }
+
+  /// Of each face the half-edge between its smallest vertex and the smaller of that one's neighbours: the same edge for
+  /// all faces over the same loop, whichever way they run.
+  void find_first_half_edges() {
+    first_.resize(surface_.face_count());
+    for_blocks(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) first_[f] = first_half_edge(f);
+    });
+  }
+
+  std::uint32_t first_half_edge(std::size_t f) const {
+    const std::uint32_t begin = surface_.face_begin[f], end = surface_.face_begin[f + 1];
+    std::uint32_t least = begin;
+    std::size_t times = 1;
+    for (std::uint32_t h = begin + 1; h < end; ++h) {
+      if (surface_.corners[h] == surface_.corners[least]) ++times;
+      if (surface_.corners[h] < surface_.corners[least]) {
+        least = h;
+        times = 1;
+      }
+    }
+    if (times > 1) return Adjacency::kNone;
+    const std::uint32_t before = least == begin ? end - 1 : least - 1, after = least + 1 == end ? begin : least + 1;
+    return surface_.corners[before] < surface_.corners[after] ? before : least;
+  }
+
+  bool is_first(std::uint32_t h) const { return first_[edges_.face_of(h).value] == h; }
+
+  bool runs_forward(FaceId f) const {
+    const std::uint32_t h = first_[f.value];
+    return edges_.from(h) < edges_.to(h);
+  }
+
+  /// Vertex number i of the loop, begun at its smallest vertex towards the smaller neighbour.
+  VertexId vertex(FaceId f, std::size_t i) const {
+    const auto loop = surface_.face(f);
+    const std::size_t first = first_[f.value] - surface_.face_begin[f.value], n = loop.size();
+    return runs_forward(f) ? loop[(first + i) % n] : loop[(first + 1 + n - i) % n];
+  }
+
+  int order(FaceId f, FaceId g) const {
+    const std::size_t n = surface_.face(f).size(), m = surface_.face(g).size();
+    if (n != m) return n < m ? -1 : 1;
+    for (std::size_t i = 0; i < n; ++i)
+      if (const VertexId a = vertex(f, i), b = vertex(g, i); a != b) return a < b ? -1 : 1;
+    return 0;
+  }
+
+  /// The faces that begin on one edge.
+  void compare() {
+    sort_stoppable(faces_.begin(), faces_.end(), control_, [&](FaceId f, FaceId g) {
+      const int sign = order(f, g);
+      return sign != 0 ? sign < 0 : f < g;
+    });
+    StopCheck check(control_);
+    for (std::size_t i = 0; i < faces_.size();) {
+      const FaceId first = faces_[i];
+      bool has_back = false;
+      for (++i; i < faces_.size() && order(first, faces_[i]) == 0; ++i) {
+        check();
+        if (fate_.empty()) fate_.assign(surface_.face_count(), kStays);
+        const bool is_back = runs_forward(faces_[i]) != runs_forward(first) && !has_back;
+        has_back = has_back || is_back;
+        fate_[faces_[i].value] = is_back ? kBack : kDropped;
+      }
+    }
+  }
+
+  /// The edges of the faces that are seen from behind, each once: many such faces may have one edge in common.
+  std::vector<EdgeId> edges_of_backs() const {
+    std::vector<EdgeId> edges;
+    StopCheck check(control_);
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      check();
+      if (fate_[f] == kBack)
+        for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
+          edges.push_back(edges_.edge_of(h));
+    }
+    sort_stoppable(edges.begin(), edges.end(), control_);
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    return edges;
+  }
+
+  void decide_on_backs() {
+    UnionFind cluster(surface_.face_count());
+    const std::vector<EdgeId> edges = edges_of_backs();
+    StopCheck check(control_);
+    std::vector<std::uint32_t> first_back;
+    std::vector<std::uint8_t> would_be_odd;
+    for (const EdgeId e : edges) {
+      std::uint32_t first = Adjacency::kNone;
+      std::size_t left = 0;
+      for (const std::uint32_t h : edges_.half_edges(e)) {
+        check();
+        const std::uint32_t f = edges_.face_of(h).value;
+        left += fate_[f] == kStays;
+        if (fate_[f] != kBack) continue;
+        if (first == Adjacency::kNone)
+          first = f;
+        else
+          cluster.join(first, f);
+      }
+      first_back.push_back(first);
+      would_be_odd.push_back(left != 2);
+    }
+    std::vector<std::uint8_t> has_to_stay(surface_.face_count(), 0);
+    for (std::size_t i = 0; i < edges.size(); ++i)
+      if (would_be_odd[i] != 0) has_to_stay[cluster.find(first_back[i])] = 1;
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f)
+      if (fate_[f] == kBack && !has_to_stay[cluster.find(f)]) fate_[f] = kDropped;
+  }
+
+  const Surface& surface_;
+  const Adjacency& edges_;
+  RunControl& control_;
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< of each face
+  std::vector<std::uint8_t> fate_;
+  std::vector<FaceId> faces_;
+};
+
+}  // namespace
+
+bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
+                          RunControl& control) {
+  Duplicates duplicates(surface, edges, control);
+  const std::vector<std::uint8_t>& fate = duplicates.find();
+  if (fate.empty()) return false;
+  Diagnostic dropped{DiagnosticCode::kDuplicateFace, 0, {}, "faces that repeat another one were dropped"};
+  Diagnostic left{
+      DiagnosticCode::kDuplicateFace, 0, {}, "faces repeat another one, and stay as they were not to be mended"};
+  Diagnostic back{DiagnosticCode::kDuplicateFace,
+                  0,
+                  {},
+                  "faces repeat another one, seen from behind, and stay: without them the surface would be open or "
+                  "have edges of three faces"};
+  FaceList kept;
+  StopCheck check(control);
+  for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
+    check();
+    const FaceId f(i);
+    const std::uint32_t source = surface.face_source[f].value;
+    const bool is_dropped = fate[i] == Duplicates::kDropped && mend == Mend::kYes;
+    if (fate[i] != Duplicates::kStays) (is_dropped ? dropped : mend == Mend::kYes ? back : left).add(source);
+    if (!is_dropped) kept.add_face(surface.face(f), surface.face_source[f], surface.label(f));
+  }
+  const bool is_changed = dropped.count > 0;
+  for (Diagnostic* d : {&dropped, &back, &left})
+    if (d->count > 0) diagnostics.push_back(std::move(*d));
+  if (is_changed) surface.take_faces(std::move(kept));
+  return is_changed;
+}
+
+}  // namespace remesh

@@ -1,0 +1,139 @@
+#include "core/mending/polygon_spikes.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "core/geometry/projection.h"
+#include "core/mending/mend_faces.h"
+
+namespace remesh {
+namespace {
+
+/// Whether the way over three places turns back at the second one. Tolerance 0: exactly.
+bool does_turn_back(const Vec3& from, const Vec3& tip, const Vec3& to, double tolerance) {
+  const Vec3 back = from - tip, on = to - tip;
+  if (!(dot(back, on) > 0)) return false;
+  if (is_collinear(from, tip, to)) return true;
+  const double shorter = std::min(norm(back), norm(on)), longer = std::max(norm(back), norm(on));
+  return tolerance > 0 && shorter > 2 * tolerance && norm(cross(back, on)) <= tolerance * longer;
+}
+
+/// Whether a polygon has a spike, or corners within the tolerance of each other, where one may hide. Most have neither.
+bool may_have_spikes(std::span<const Vec3> points, double tolerance) {
+  const std::size_t n = points.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vec3 &from = points[i == 0 ? n - 1 : i - 1], &tip = points[i], &to = points[i + 1 == n ? 0 : i + 1];
+    if (norm_squared(to - tip) <= tolerance * tolerance || does_turn_back(from, tip, to, tolerance)) return true;
+  }
+  return false;
+}
+
+/// The corners of a polygon as a ring from which corners can be taken.
+class Ring {
+ public:
+  Ring(std::span<const Vec3> points, double tolerance, Reversals reversals)
+      : points_(points),
+        tolerance_(tolerance),
+        reversals_(reversals),
+        count_(static_cast<std::uint32_t>(points.size())) {
+    next_.resize(count_);
+    before_.resize(count_);
+    for (std::uint32_t i = 0; i < count_; ++i) {
+      next_[i] = i + 1 == count_ ? 0 : i + 1;
+      before_[next_[i]] = i;
+    }
+    is_there_.assign(count_, 1);
+    if (reversals_ == Reversals::kKeepSlits) area_vector_ = newell_normal(points);
+    waiting_.resize(count_);
+    std::iota(waiting_.rbegin(), waiting_.rend(), 0u);
+  }
+
+  Spikes cut() {
+    Spikes spikes;
+    while (!waiting_.empty() && count_ >= 3) {
+      const std::uint32_t tip = waiting_.back();
+      waiting_.pop_back();
+      if (!is_there_[tip]) continue;
+      if (reversals_ != Reversals::kCut && points_[before_[tip]] == points_[next_[tip]]) continue;
+      const auto [from, to] = sides_of(tip);
+      if (!turns_back(from, tip, to)) continue;
+      if (reversals_ == Reversals::kKeepSlits && is_slit(from, tip, to)) continue;
+      // Where the tip is blunt, what is beside it goes first.
+      while (next_[from] != tip) take(next_[from], spikes);
+      while (next_[tip] != to) take(next_[tip], spikes);
+      take(tip, spikes);
+      // The foot of a spike is one corner.
+      if (are_one(from, to)) take(to, spikes);
+      waiting_.push_back(next_[from]);
+      waiting_.push_back(from);
+    }
+    if (count_ < 3) return spikes;
+    for (std::uint32_t i = 0; i < is_there_.size(); ++i)
+      if (is_there_[i]) spikes.outline.push_back(i);
+    return spikes;
+  }
+
+ private:
+  struct Sides {
+    std::uint32_t from, to;
+  };
+
+  bool are_one(std::uint32_t i, std::uint32_t j) const {
+    return points_[i] == points_[j] || norm(points_[i] - points_[j]) <= tolerance_;
+  }
+
+  /// The corners next to a tip, on both sides, that are not one with it; but for a few, they are its neighbours.
+  Sides sides_of(std::uint32_t tip) const {
+    constexpr int kMostSteps = 3;
+    Sides sides{before_[tip], next_[tip]};
+    for (int i = 0; i < kMostSteps && are_one(sides.from, tip) && before_[sides.from] != sides.to; ++i)
+      sides.from = before_[sides.from];
+    for (int i = 0; i < kMostSteps && are_one(sides.to, tip) && next_[sides.to] != sides.from; ++i)
+      sides.to = next_[sides.to];
+    return sides;
+  }
+
+  bool turns_back(std::uint32_t from, std::uint32_t tip, std::uint32_t to) const {
+    // Of a triangle nothing would be left; if it has an area, that stays.
+    return does_turn_back(points_[from], points_[tip], points_[to], count_ > 3 ? tolerance_ : 0);
+  }
+
+  /// Whether the outline comes back to where it left, with its inside around the tip.
+  bool is_slit(std::uint32_t from, std::uint32_t tip, std::uint32_t to) const {
+    const Vec3 turn = cross(points_[tip] - points_[from], points_[to] - points_[tip]);
+    return are_one(from, to) && dot(turn, area_vector_) < 0;
+  }
+
+  void take(std::uint32_t corner, Spikes& spikes) {
+    spikes.needles.push_back({before_[corner], corner, next_[corner]});
+    next_[before_[corner]] = next_[corner];
+    before_[next_[corner]] = before_[corner];
+    is_there_[corner] = 0;
+    --count_;
+  }
+
+  std::span<const Vec3> points_;
+  double tolerance_;
+  Reversals reversals_;
+  Vec3 area_vector_;  ///< in proportion to it; where slits are looked for
+  std::uint32_t count_;
+  std::vector<std::uint32_t> next_, before_;
+  std::vector<std::uint8_t> is_there_;
+  std::vector<std::uint32_t> waiting_;  ///< the corners to look at, the first one last
+};
+
+}  // namespace
+
+Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals) {
+  if (!may_have_spikes(points, tolerance)) return {};
+  Spikes spikes = Ring(points, tolerance, reversals).cut();
+  if (spikes.needles.empty()) spikes.outline.clear();
+  return spikes;
+}
+
+bool is_needle(const Vec3& a, const Vec3& b, const Vec3& c, double tolerance) {
+  const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
+  return norm(cross(b - a, c - a)) <= tolerance * longest;
+}
+
+}  // namespace remesh

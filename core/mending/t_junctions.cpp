@@ -1,0 +1,436 @@
+#include "core/mending/t_junctions.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <span>
+#include <tuple>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/base/stoppable.h"
+#include "core/base/tolerance.h"
+#include "core/geometry/box_tree.h"
+#include "core/geometry/expansion.h"
+#include "core/mending/mend_faces.h"
+#include "core/mesh/face_geometry.h"
+
+namespace remesh {
+namespace {
+
+constexpr std::size_t kBlock = 256;
+
+/// So many looks at vertices near open edges, a corner of the surface: of ordinary surfaces it is one or two. Where
+/// edges and vertices lie along one line by the thousand, splitting them would take quadratic time and memory.
+constexpr std::size_t kMostLooksPerCorner = 4;
+constexpr std::size_t kFewLooks = 4096;
+
+/// Noted on the boxes of the tree: the same in full precision. The tolerance is far less than single precision tells.
+struct ExactBox {
+  Box3 box;
+  void join(const ExactBox& other) { box.add(other.box); }
+};
+using VertexTree = BoxTree<ExactBox>;
+
+/// A vertex on an open edge: its place in the edge's order, and how far off.
+struct Junction {
+  FaceId face;
+  VertexId vertex;
+  double distance = 0;
+  std::uint32_t half_edge = 0;
+  double place = 0;
+};
+
+/// In which order vertices come along an edge. Two edges that run along each other are handed the same vertices and
+/// must have them in the same order, or they meet twisted, as in a Moebius strip. Their directions differ by noise, so
+/// vertices beside each other, as on both sides of a seam, would come in any order: the direction is tilted a little,
+/// the same way for an edge and one that runs back, and decides between these by more than noise. Then the order is
+/// exact, however near vertices are to each other.
+class Order {
+ public:
+  explicit Order(const Vec3& way) : is_backwards_(dot(way, kTowards) < 0) {
+    const Vec3 tilted = (1 / norm(way)) * way + (is_backwards_ ? -kTilt : kTilt) * kTowards;
+    for (int axis = 0; axis < 3; ++axis) direction_[axis] = std::round(tilted[axis] * kSteps) * (kUnit / kSteps);
+  }
+
+  /// A first look, in local units times kUnit.
+  double place(const Vec3& p) const { return dot(p, direction_); }
+  /// Whether places are so far apart that rounding did not decide between them.
+  static bool is_clear(double a, double b) { return std::fabs(a - b) > 1e-14 * kUnit; }
+
+  bool is_before(const Surface& surface, VertexId p, VertexId q) const {
+    const auto along = [&](int axis) {
+      return exact::difference(surface.local[q][axis], surface.local[p][axis]) * direction_[axis];
+    };
+    const int sign = (along(0) + along(1) + along(2)).sign();
+    if (sign != 0) return sign > 0;
+    // Local units may not tell them apart.
+    return is_backwards_ ? surface.positions[q] < surface.positions[p] : surface.positions[p] < surface.positions[q];
+  }
+
+ private:
+  /// Far more than noise, and so little that only vertices which lie this part of the tolerance apart are swapped.
+  static constexpr double kTilt = 1.0 / 64;
+  /// No simple ratios, so that edges at right angles to it are rare.
+  static constexpr Vec3 kTowards{1, 0.7548776662466927, 0.5698402909980532};
+  /// In these steps and units no product underflows, whatever the coordinates.
+  static constexpr double kSteps = 0x1p30, kUnit = 0x1p900;
+
+  bool is_backwards_;
+  Vec3 direction_;
+};
+
+/// Does the segment come within `margin` of the box? Never no by rounding alone if it does by more than that.
+bool is_near(const Vec3& a, const Vec3& b, double margin, const Box3& box) {
+  double from = 0, to = 1;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double low = box.min[axis] - margin, high = box.max[axis] + margin, way = b[axis] - a[axis];
+    if (way == 0) {
+      if (a[axis] < low || a[axis] > high) return false;
+      continue;
+    }
+    const double first = (low - a[axis]) / way, second = (high - a[axis]) / way;
+    from = std::max(from, std::min(first, second));
+    to = std::min(to, std::max(first, second));
+  }
+  constexpr double kRounding = 1e-12;
+  return from <= to + kRounding;
+}
+
+/// Is all of the box within `distance` of the place? Monotone in the box, rounding included.
+bool is_within(const Vec3& place, double distance, const Box3& box) {
+  if (std::fabs(box.min.x - place.x) > distance) return false;  // as nearly always
+  Vec3 farthest;
+  for (int axis = 0; axis < 3; ++axis)
+    farthest[axis] = std::max(std::fabs(box.min[axis] - place[axis]), std::fabs(box.max[axis] - place[axis]));
+  return norm(farthest) <= distance;
+}
+
+struct Found {
+  std::vector<Junction> junctions;  ///< by half-edge, in order along it; every vertex once a face
+  bool is_complete = true;          ///< false: there are more
+};
+
+class Search {
+ public:
+  Search(const Surface& surface, const Adjacency& edges, double tolerance, const std::vector<std::uint8_t>& as_it_is,
+         RunControl& control)
+      : surface_(surface), edges_(edges), tolerance_(tolerance), as_it_is_(as_it_is), control_(control) {}
+
+  Found run() {
+    Found result;
+    find_boundary();
+    if (open_.empty()) return result;
+    std::vector<VertexTree::Entry> entries(vertices_.size());
+    for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      entries[i].box.add(surface_.local[vertices_[i]]);
+      entries[i].tag.box.add(surface_.local[vertices_[i]]);
+    }
+    const VertexTree tree(entries, control_);
+    const std::size_t most_looks = kFewLooks + kMostLooksPerCorner * surface_.corners.size();
+    std::atomic<std::size_t> looks{0};
+    const auto found =
+        map_blocks<std::vector<Junction>>(open_.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+          std::vector<Junction> junctions;
+          for (std::size_t i = begin; i < end && looks.load(std::memory_order_relaxed) <= most_looks; ++i)
+            looks.fetch_add(find_on(open_[i], tree, [&](const Junction& j) { junctions.push_back(j); }),
+                            std::memory_order_relaxed);
+          return junctions;
+        });
+    // Where it is more, it is so whatever the order in which edges are looked at.
+    result.is_complete = looks.load(std::memory_order_relaxed) <= most_looks;
+    std::vector<Junction>& all = result.junctions;
+    if (result.is_complete)
+      for (const auto& junctions : found) all.insert(all.end(), junctions.begin(), junctions.end());
+    else
+      all = find_first(tree, most_looks);
+    const auto key = [](const Junction& j) { return std::tuple(j.face, j.vertex, j.distance, j.half_edge); };
+    sort_stoppable(all.begin(), all.end(), control_,
+                   [&](const Junction& a, const Junction& b) { return key(a) < key(b); });
+    drop_own_vertices(all);
+    // On the nearest edge only, if a face has several such.
+    all.erase(
+        std::unique(all.begin(), all.end(),
+                    [](const Junction& a, const Junction& b) { return a.face == b.face && a.vertex == b.vertex; }),
+        all.end());
+    sort_stoppable(all.begin(), all.end(), control_, [&](const Junction& a, const Junction& b) {
+      return a.half_edge != b.half_edge          ? a.half_edge < b.half_edge
+             : Order::is_clear(a.place, b.place) ? a.place < b.place
+                                                 : Order(way(a.half_edge)).is_before(surface_, a.vertex, b.vertex);
+    });
+    return result;
+  }
+
+ private:
+  void find_boundary() {
+    std::uint32_t looks = 0;
+    for (const EdgeId e : edges_.odd_edges()) {
+      if (looks++ % 4096 == 0) control_.check();
+      const std::uint32_t h = edges_.half_edges(e)[0];
+      if (edges_.half_edges(e).size() > 1 || edges_.from(h) == edges_.to(h)) continue;
+      vertices_.insert(vertices_.end(), {edges_.from(h), edges_.to(h)});
+      const FaceId f = edges_.face_of(h);
+      const bool takes_vertices = as_it_is_.empty() || as_it_is_[surface_.face_source[f].value] == 0;
+      if (takes_vertices && !is_without_area(surface_, f)) open_.push_back(h);
+    }
+    if (open_.empty()) return;
+    sort_stoppable(vertices_.begin(), vertices_.end(), control_);
+    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+  }
+
+  Vec3 way(std::uint32_t h) const { return surface_.local[edges_.to(h)] - surface_.local[edges_.from(h)]; }
+
+  /// Calls visit(junction) for the vertices on an edge, those of its own face included. Returns how many were looked
+  /// at.
+  template <class Visit>
+  std::size_t find_on(std::uint32_t h, const VertexTree& tree, const Visit& visit) const {
+    const Vec3 a = surface_.local[edges_.from(h)], b = surface_.local[edges_.to(h)];
+    const Vec3 ab = way(h);
+    const double length = norm(ab);
+    if (!(length > 2 * tolerance_)) return 0;
+    const auto bound = [&](const VertexTree::Entry& entry) {
+      const Box3& box = entry.tag.box;
+      const bool is_of_interest =
+          is_near(a, b, tolerance_, box) && !is_within(a, tolerance_, box) && !is_within(b, tolerance_, box);
+      return is_of_interest ? 0 : HUGE_VAL;
+    };
+    const Order order(ab);
+    const double all = 1;
+    std::size_t looks = 0;
+    tree.search(all, bound, [&](std::size_t slot) {
+      if (++looks % 4096 == 0) control_.check();
+      const VertexId v = vertices_[tree.number(slot)];
+      const Vec3 p = surface_.local[v];
+      const double along = dot(p - a, ab) / (length * length);
+      const double distance = norm(p - (a + along * ab));
+      if (!(distance <= tolerance_) || !(norm(p - a) > tolerance_) || !(norm(p - b) > tolerance_)) return;
+      if (!(along > 0 && along < 1)) return;
+      visit({edges_.face_of(h), v, distance, h, order.place(p)});
+    });
+    return looks;
+  }
+
+  /// Those found until there were more looks than are allowed: the same ones whatever threads have looked at.
+  std::vector<Junction> find_first(const VertexTree& tree, std::size_t most_looks) const {
+    std::vector<Junction> junctions;
+    std::size_t looks = 0;
+    for (std::size_t i = 0; i < open_.size() && looks <= most_looks; ++i) {
+      control_.check();
+      looks += find_on(open_[i], tree, [&](const Junction& j) { junctions.push_back(j); });
+    }
+    return junctions;
+  }
+
+  /// Those that lie on an edge of a face that has them. Input:  sorted by face.
+  void drop_own_vertices(std::vector<Junction>& junctions) const {
+    std::vector<VertexId> corners;
+    FaceId last;
+    std::size_t looks = 0;
+    const auto is_own = [&](const Junction& j) {
+      if (++looks % 4096 == 0) control_.check();
+      if (j.face != last) {
+        last = j.face;
+        const auto loop = surface_.face(j.face);
+        corners.assign(loop.begin(), loop.end());
+        sort_stoppable(corners.begin(), corners.end(), control_);
+      }
+      return std::binary_search(corners.begin(), corners.end(), j.vertex);
+    };
+    junctions.erase(std::remove_if(junctions.begin(), junctions.end(), is_own), junctions.end());
+  }
+
+  const Surface& surface_;
+  const Adjacency& edges_;
+  double tolerance_;
+  const std::vector<std::uint8_t>& as_it_is_;
+  RunControl& control_;
+  std::vector<std::uint32_t> open_;  ///< half-edges
+  std::vector<VertexId> vertices_;   ///< of the open boundary
+};
+
+/// Which faces look the same way, as far as edges tell that they were joined over.
+class Sides {
+ public:
+  explicit Sides(std::size_t faces) : parent_(faces), size_(faces, 1), is_turned_(faces, 0) {
+    for (std::uint32_t f = 0; f < faces; ++f) parent_[f] = f;
+  }
+
+  struct Side {
+    std::uint32_t piece;
+    std::uint8_t is_turned;
+  };
+  Side of(FaceId face) const {
+    Side side{face.value, 0};
+    for (; parent_[side.piece] != side.piece; side.piece = parent_[side.piece])
+      side.is_turned ^= is_turned_[side.piece];
+    return side;
+  }
+
+  /// Joins the pieces of two faces, which look opposite ways or not.
+  void join(Side a, Side b, std::uint8_t is_opposite) {
+    if (a.piece == b.piece) return;
+    if (size_[a.piece] < size_[b.piece]) std::swap(a, b);
+    parent_[b.piece] = a.piece;
+    size_[a.piece] += size_[b.piece];
+    is_turned_[b.piece] = a.is_turned ^ b.is_turned ^ is_opposite;
+  }
+
+ private:
+  std::vector<std::uint32_t> parent_, size_;
+  std::vector<std::uint8_t> is_turned_;  ///< against the parent
+};
+
+/// The surface with its open edges split, and what came of it.
+struct Split {
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  FaceList faces;
+  std::vector<std::uint32_t> junction_of;  ///< of each corner, kNone for those that the face had
+
+  Split(const Surface& surface, const std::vector<Junction>& junctions, RunControl& control) {
+    std::vector<VertexId> loop;
+    std::uint32_t next = 0;
+    StopCheck check(control);
+    for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
+      loop.clear();
+      for (std::uint32_t h = surface.face_begin[f]; h < surface.face_begin[f + 1]; ++h) {
+        check();
+        loop.push_back(surface.corners[h]);
+        junction_of.push_back(kNone);
+        for (; next < junctions.size() && junctions[next].half_edge == h; ++next) {
+          loop.push_back(junctions[next].vertex);
+          junction_of.push_back(next);
+        }
+      }
+      faces.add_face(loop, surface.face_source[FaceId(f)], surface.label(FaceId(f)));
+    }
+  }
+};
+
+/// Finds the vertices that would join faces so that a piece with two sides had one only, or that would have faces
+/// turned over for an edge too short to tell which way they look.
+/// Output: a junction for each new edge that does; empty as good as always.
+std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Split& split,
+                                              const std::vector<Junction>& junctions, double tolerance,
+                                              RunControl& control) {
+  constexpr double kShort = 4;
+  const Adjacency edges(surface.vertex_count(), split.faces.face_begin, split.faces.corners, control);
+  const auto of_edge = [&](std::uint32_t h) {
+    return std::array{split.junction_of[h], split.junction_of[edges.next(h)]};
+  };
+  const auto is_new = [&](std::uint32_t h) { return of_edge(h) != std::array{Split::kNone, Split::kNone}; };
+  const auto runs_one_way = [&](std::span<const std::uint32_t> around) {
+    return edges.from(around[0]) == edges.from(around[1]);
+  };
+  const auto odd = edges.odd_edges();
+  if (std::none_of(odd.begin(), odd.end(), [&](EdgeId e) {
+        const auto around = edges.half_edges(e);
+        return around.size() == 2 && runs_one_way(around) && (is_new(around[0]) || is_new(around[1]));
+      }))
+    return {};
+  // First what the surface says by itself, then the new edges, the long ones before the short ones.
+  Sides sides(split.faces.face_count());
+  std::vector<std::pair<double, EdgeId>> new_edges;
+  for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
+    if (e % 4096 == 0) control.check();
+    const auto around = edges.half_edges(EdgeId(e));
+    if (around.size() != 2) continue;
+    const std::uint32_t h = around[0], other = around[1];
+    if (is_new(h) || is_new(other))
+      new_edges.emplace_back(-norm(surface.local[edges.to(h)] - surface.local[edges.from(h)]), EdgeId(e));
+    else
+      sides.join(sides.of(edges.face_of(h)), sides.of(edges.face_of(other)), runs_one_way(around));
+  }
+  sort_stoppable(new_edges.begin(), new_edges.end(), control);
+  std::vector<std::uint32_t> twisting;
+  std::uint32_t looks = 0;
+  for (const auto& [minus_length, e] : new_edges) {
+    if (looks++ % 4096 == 0) control.check();
+    const auto around = edges.half_edges(e);
+    const Sides::Side a = sides.of(edges.face_of(around[0])), b = sides.of(edges.face_of(around[1]));
+    const bool is_opposite = runs_one_way(around);
+    const bool is_twisted = a.piece == b.piece ? (a.is_turned != b.is_turned) != is_opposite
+                                               : is_opposite && -minus_length < kShort * tolerance;
+    if (!is_twisted) {
+      sides.join(a, b, is_opposite);
+      continue;
+    }
+    // Of the vertices that made it the one that lies furthest off its edge.
+    std::uint32_t worst = Split::kNone;
+    for (const std::uint32_t h : around)
+      for (const std::uint32_t j : of_edge(h))
+        if (j != Split::kNone && (worst == Split::kNone || junctions[worst].distance < junctions[j].distance))
+          worst = j;
+    twisting.push_back(worst);
+  }
+  sort_stoppable(twisting.begin(), twisting.end(), control);
+  twisting.erase(std::unique(twisting.begin(), twisting.end()), twisting.end());
+  return twisting;
+}
+
+Diagnostic told(const Surface& surface, const std::vector<Junction>& junctions, const char* message) {
+  Diagnostic found{DiagnosticCode::kTJunction, 0, {}, message};
+  for (const Junction& j : junctions) found.add(surface.vertex_source[j.vertex].value);
+  return found;
+}
+
+}  // namespace
+
+bool split_t_junctions(Surface& surface, const Adjacency& edges, double tolerance,
+                       const std::vector<std::uint8_t>& as_it_is, Mend mend, std::vector<Diagnostic>& diagnostics,
+                       RunControl& control) {
+  Found found = Search(surface, edges, tolerance, as_it_is, control).run();
+  std::vector<Junction>& junctions = found.junctions;
+  if (!found.is_complete) {
+    diagnostics.push_back(told(surface, junctions,
+                               "vertices lie on an open edge of a face without them, so many that none was split; "
+                               "elements are vertices; there are more"));
+    return false;
+  }
+  if (junctions.empty()) return false;
+  const FaceGeometries geometry = face_geometry(surface, control);
+  junctions.erase(std::remove_if(junctions.begin(), junctions.end(),
+                                 [&](const Junction& j) { return geometry[j.face].height < kThinFace * tolerance; }),
+                  junctions.end());
+  if (junctions.empty()) return false;
+  if (mend == Mend::kNo) {
+    diagnostics.push_back(
+        told(surface, junctions, "vertices lie on an open edge of a face without them; elements are vertices"));
+    return false;
+  }
+  Split split(surface, junctions, control);
+  std::vector<Junction> left;
+  // What one vertex spoils another may mend or spoil anew; where that goes on and on, all are left.
+  constexpr int kMostPasses = 16;
+  for (int pass = 0;; ++pass) {
+    const auto twisting = twisting_junctions(surface, split, junctions, tolerance, control);
+    if (twisting.empty()) break;
+    if (pass == kMostPasses) {
+      left.insert(left.end(), junctions.begin(), junctions.end());
+      junctions.clear();
+      break;
+    }
+    std::vector<Junction> rest;
+    auto next = twisting.begin();
+    for (std::uint32_t j = 0; j < junctions.size(); ++j) {
+      const bool is_twisting = next != twisting.end() && *next == j;
+      (is_twisting ? left : rest).push_back(junctions[j]);
+      next += is_twisting;
+    }
+    junctions = std::move(rest);
+    split = Split(surface, junctions, control);
+  }
+  if (!left.empty())
+    diagnostics.push_back(told(surface, left,
+                               "vertices lie on an open edge of a face without them and were left there: the surface "
+                               "would be twisted; elements are vertices"));
+  if (junctions.empty()) return false;
+  diagnostics.push_back(
+      told(surface, junctions,
+           "vertices lie on an open edge of a face without them: it was split there; elements are vertices"));
+  surface.take_faces(std::move(split.faces));
+  return true;
+}
+
+}  // namespace remesh

@@ -1,0 +1,403 @@
+#include "core/mending/weld.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <locale>
+#include <map>
+#include <span>
+#include <sstream>
+#include <string>
+#include <tuple>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/base/coordinate_range.h"
+#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
+#include "core/mending/body_labels.h"
+
+namespace remesh {
+namespace {
+
+struct Indexed {
+  Vec3 position;
+  std::uint32_t index;
+
+  friend bool operator<(const Indexed& a, const Indexed& b) {
+    return a.position != b.position ? a.position < b.position : a.index < b.index;
+  }
+};
+
+/// By vertex of the input; nothing for one that no face uses.
+using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
+
+/// Finds, for each vertex that is used, the first one with its coordinates.
+/// Output: false if that takes too long: someone has chosen coordinates that collide. Sorting takes its time always.
+bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::vector<std::uint8_t>& is_used,
+                        Numbers& stands_for, RunControl& control) {
+  constexpr std::uint64_t kFree = 0xffffffffffffffffu;
+  constexpr std::size_t kMostLooks = 16;  // a vertex, on average
+  // Adding 0 makes -0 0, which it equals.
+  const auto hash = [](const Vec3& p) {
+    std::uint64_t h = 0;
+    for (const double c : {p.x, p.y, p.z}) {
+      h = (h ^ std::bit_cast<std::uint64_t>(c + 0.0)) * 0x9e3779b97f4a7c15u;
+      h ^= h >> 32;
+    }
+    return h;
+  };
+  // All threads fill one table, of vertices behind the upper halves of their hashes: these tell most others apart,
+  // whose places are far off in memory. Which slot a place gets depends on them; that its first vertex stays in it does
+  // not.
+  std::vector<std::uint64_t, LeftUnset<std::uint64_t>> table(std::bit_ceil(2 * positions.size() + 1));
+  for_blocks(table.size(), kItemsPerBlock, control,
+             [&](std::size_t begin, std::size_t end) { std::fill_n(&table[begin], end - begin, kFree); });
+  const std::size_t mask = table.size() - 1;
+  std::atomic<bool> is_colliding = false;
+  constexpr int kHalf = 32;
+  const auto enter = [&](std::uint32_t i, std::uint64_t of_place, std::size_t& looks) {
+    const Vec3 p = positions[VertexId(i)];
+    const std::uint64_t own = of_place >> kHalf << kHalf | i;
+    for (std::size_t slot = of_place & mask;; slot = (slot + 1) & mask, ++looks) {
+      const std::atomic_ref entry(table[slot]);
+      std::uint64_t other = entry.load(std::memory_order_relaxed);
+      if (other == kFree && entry.compare_exchange_strong(other, own, std::memory_order_relaxed)) return slot;
+      if ((other ^ own) >> kHalf != 0 || positions[VertexId(static_cast<std::uint32_t>(other))] != p) continue;
+      while (own < other && !entry.compare_exchange_weak(other, own, std::memory_order_relaxed)) continue;
+      return slot;
+    }
+  };
+  for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    std::size_t looks = 0;
+    // Some at once: the table is large, so that each slot takes its time to come.
+    std::array<std::uint64_t, 16> hashes;
+    for (std::size_t i = begin; i < end && !is_colliding; begin = i) {
+      const std::size_t stop = std::min(end, begin + hashes.size());
+      for (std::size_t k = begin; k < stop; ++k) {
+        hashes[k - begin] = hash(positions[VertexId(k)]);
+        __builtin_prefetch(&table[hashes[k - begin] & mask], 1);
+      }
+      for (; i < stop; ++i)
+        if (is_used[i])
+          stands_for[i] = static_cast<std::uint32_t>(enter(static_cast<std::uint32_t>(i), hashes[i - begin], looks));
+      if (looks > kMostLooks * kItemsPerBlock) is_colliding = true;
+    }
+  });
+  if (is_colliding) return false;
+  for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (is_used[i]) stands_for[i] = static_cast<std::uint32_t>(table[stands_for[i]]);
+  });
+  return true;
+}
+
+/// Welding within a tolerance. Those that others stand for are further apart than the tolerance, so there are few of
+/// them in a cell of a grid as wide as it twice, and few cells are within reach.
+class NearWelding {
+ public:
+  /// Input:  places, pairwise different, in lexicographic order.
+  NearWelding(std::span<const Indexed> places, double tolerance, RunControl& control)
+      : places_(places), tolerance_(tolerance), control_(control) {
+    double largest = 0;
+    for (const Indexed& p : places)
+      largest = std::max({largest, std::fabs(p.position.x), std::fabs(p.position.y), std::fabs(p.position.z)});
+    constexpr double kMostCells = 1e300;
+    cell_ = std::max(2 * tolerance, largest / kMostCells);
+    heads_.assign(std::bit_ceil(2 * places.size() + 1), kNone);
+    next_.assign(places.size(), kNone);
+  }
+
+  void run(Numbers& stands_for, Diagnostic& wide) {
+    for (std::uint32_t i = 0; i < places_.size(); ++i) {
+      if (i % 4096 == 0) control_.check();
+      const Near near = find_near(i);
+      if (near.count == 0) {
+        std::uint32_t& head = heads_[slot_of(cell_of(places_[i].position))];
+        next_[i] = std::exchange(head, i);
+      } else {
+        stands_for[places_[i].index] = places_[near.first].index;
+      }
+    }
+    for (std::uint32_t i = 0; i < places_.size(); ++i) {
+      if (i % 4096 == 0) control_.check();
+      if (stands_for[places_[i].index] != places_[i].index && find_near(i).count > 1) wide.add(places_[i].index);
+    }
+  }
+
+ private:
+  using Cell = std::array<double, 3>;
+  static constexpr std::uint32_t kNone = 0xffffffffu;
+
+  std::size_t slot_of(const Cell& cell) const {
+    std::uint64_t hash = 0;
+    for (const double c : cell) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 29;
+    }
+    return hash & (heads_.size() - 1);
+  }
+  struct Near {
+    std::uint32_t first = 0;  ///< the smallest
+    std::uint32_t count = 0;
+  };
+
+  // Adding 0 makes -0 0.
+  Cell cell_of(const Vec3& p) const {
+    return {std::floor(p.x / cell_) + 0.0, std::floor(p.y / cell_) + 0.0, std::floor(p.z / cell_) + 0.0};
+  }
+
+  /// Those within the tolerance that others stand for.
+  Near find_near(std::uint32_t i) const {
+    const Vec3 p = places_[i].position, reach{tolerance_, tolerance_, tolerance_};
+    const Cell low = cell_of(p - reach), high = cell_of(p + reach);
+    Near near;
+    for (int corner = 0; corner < 8; ++corner) {
+      Cell cell;
+      bool is_new = true;
+      for (std::size_t axis = 0; axis < 3; ++axis) {
+        const bool is_high = (corner >> axis & 1) != 0;
+        cell[axis] = is_high ? high[axis] : low[axis];
+        is_new = is_new && !(is_high && high[axis] == low[axis]);
+      }
+      if (!is_new) continue;
+      for (std::uint32_t other = heads_[slot_of(cell)]; other != kNone; other = next_[other]) {
+        // Cells of one slot would count a vertex twice.
+        if (!(norm(places_[other].position - p) <= tolerance_) || cell_of(places_[other].position) != cell) continue;
+        near.first = near.count == 0 ? other : std::min(near.first, other);
+        ++near.count;
+      }
+    }
+    return near;
+  }
+
+  std::span<const Indexed> places_;
+  double tolerance_;
+  RunControl& control_;
+  double cell_;
+  // A hash table of cells that is freed at once, however many they are: the last vertex of each slot, and behind each
+  // vertex the one before it.
+  std::vector<std::uint32_t> heads_;
+  std::vector<std::uint32_t> next_;
+};
+
+std::string number_text(double x) {
+  constexpr int kDigits = 6;
+  std::ostringstream text;
+  text.imbue(std::locale::classic());
+  text.precision(kDigits);
+  text << x;
+  return text.str();
+}
+
+std::string place_text(const Vec3& p) {
+  return "(" + number_text(p.x) + ", " + number_text(p.y) + ", " + number_text(p.z) + ")";
+}
+
+/// Names a vertex by its number in the input, and where it is.
+Error out_of_range(const Surface& surface, std::size_t v, const std::string& message) {
+  const std::uint32_t number = surface.vertex_source[VertexId(v)].value;
+  return Error(Code::kCoordinateRange, Stage::kWeld,
+               message + "; vertex " + std::to_string(number) + " is at " + place_text(surface.positions[VertexId(v)]))
+      .at_element(number);
+}
+
+/// Names the first vertex that is so far from the origin: of a box as large, some vertex is.
+[[noreturn]] void throw_too_large(const Surface& surface) {
+  std::size_t v = 0;
+  const auto is_far = [&](const Vec3& p) {
+    return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}) >= CoordinateRange::kFarthest;
+  };
+  while (v + 1 < surface.vertex_count() && !is_far(surface.positions[VertexId(v)])) ++v;
+  throw out_of_range(
+      surface, v,
+      "coordinates differ by more than can be computed with: no vertex may be over 2^1022 (4.5e307) away "
+      "from the middle of the mesh. Scale the mesh down, or correct the vertex that lies far off");
+}
+
+/// Names the vertex that lies farthest from where most are, along the mesh.
+[[noreturn]] void throw_too_narrow(const Surface& surface, int axis, double length, double width) {
+  const std::size_t n = surface.vertex_count();
+  std::vector<double> along(n);
+  for (std::size_t v = 0; v < n; ++v) along[v] = surface.positions[VertexId(v)][axis];
+  const auto middle = along.begin() + static_cast<std::ptrdiff_t>(n / 2);
+  std::nth_element(along.begin(), middle, along.end());
+  const double usual = *middle;
+  std::size_t farthest = 0;
+  const auto distance = [&](std::size_t v) { return std::fabs(surface.positions[VertexId(v)][axis] / 2 - usual / 2); };
+  for (std::size_t v = 1; v < n; ++v)
+    if (distance(v) > distance(farthest)) farthest = v;
+  throw out_of_range(
+      surface, farthest,
+      "the mesh is " + number_text(length) + " long and only " + number_text(width) +
+          " wide. What is narrower than 2^-100 (7.9e-31) of its length is a line to every computation, and "
+          "no result can be proven for it. Correct the vertex that lies far off, or leave its faces out");
+}
+
+/// Of the box's sides the longest and the second longest.
+void refuse_lines(const Surface& surface, const Box3& box) {
+  // Halves do not overflow.
+  const Vec3 half = 0.5 * box.max - 0.5 * box.min;
+  std::array<double, 3> sides{half.x, half.y, half.z};
+  std::sort(sides.begin(), sides.end());
+  // Exactly on a line along an axis there are faces without area only, which is told later.
+  if (sides[1] == 0 || sides[1] >= CoordinateRange::kNarrowest * sides[2]) return;
+  const int axis = half.x == sides[2] ? 0 : half.y == sides[2] ? 1 : 2;
+  throw_too_narrow(surface, axis, 2 * sides[2], 2 * sides[1]);
+}
+
+void set_local_units(Surface& surface, RunControl& control) {
+  const std::size_t n = surface.vertex_count();
+  Box3 box;
+  for (const Box3& part : map_blocks<Box3>(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+         Box3 of_block;
+         for (std::size_t v = begin; v < end; ++v) of_block.add(surface.positions[VertexId(v)]);
+         return of_block;
+       }))
+    box.add(part);
+  const Vec3 centre = 0.5 * box.min + 0.5 * box.max;
+  surface.centre = centre;
+  const Vec3 half = box.max - centre;
+  int exponent = 0;
+  const double largest = std::max({half.x, half.y, half.z});
+  std::frexp(largest, &exponent);
+  // Frames are up to twice as large, and have to be numbers still.
+  if (exponent > std::ilogb(CoordinateRange::kFarthest)) throw_too_large(surface);
+  // Doubles below that have ever fewer digits, too few for points in a plane.
+  if (largest < CoordinateRange::kSmallest && box.min != box.max)
+    throw out_of_range(surface, 0,
+                       "the mesh is too small to compute with: all its vertices are less than 2^-1022 (2.2e-308) away "
+                       "from its middle. Scale it up");
+  refuse_lines(surface, box);
+  surface.unit = std::ldexp(1.0, exponent);
+  surface.local = FilledIdVector<VertexId, Vec3>::of_size(n);
+  for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t v = begin; v < end; ++v)
+      surface.local[VertexId(v)] = surface.to_local(surface.positions[VertexId(v)]);
+  });
+}
+
+/// Vertices in the input's order, each where the first of those comes that are welded to it.
+struct Welded {
+  FilledIdVector<VertexId, VertexId> source;  ///< in the input
+  Numbers of_input;                           ///< which of them one of the input is
+};
+
+Welded number_welded(const std::vector<std::uint8_t>& is_used, const Numbers& stands_for, Diagnostic& duplicate,
+                     RunControl& control) {
+  Welded welded;
+  welded.of_input.assign(is_used.size(), VertexId::kInvalid);
+  StopCheck check(control);
+  for (std::uint32_t i = 0; i < is_used.size(); ++i) {
+    check();
+    if (!is_used[i]) continue;
+    // With a tolerance, of two vertices with equal coordinates the first knows for which it stands.
+    const std::uint32_t one = stands_for[stands_for[i]];
+    if (one != i) duplicate.add(i);
+    if (welded.of_input[one] == VertexId::kInvalid) {
+      welded.of_input[one] = static_cast<std::uint32_t>(welded.source.size());
+      welded.source.push_back(VertexId(one));
+    }
+    welded.of_input[i] = welded.of_input[one];
+  }
+  return welded;
+}
+
+/// Whether all vertices are used, and none stands for another one.
+bool are_all_single(const std::vector<std::uint8_t>& is_used, const Numbers& stands_for, RunControl& control) {
+  const auto are_single = map_blocks<std::uint8_t>(is_used.size(), kItemsPerBlock, control,
+                                                   [&](std::size_t begin, std::size_t end) -> std::uint8_t {
+                                                     for (std::size_t i = begin; i < end; ++i)
+                                                       if (is_used[i] == 0 || stands_for[i] != i) return 0;
+                                                     return 1;
+                                                   });
+  return std::find(are_single.begin(), are_single.end(), 0) == are_single.end();
+}
+
+}  // namespace
+
+Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Diagnostic>& diagnostics,
+             RunControl& control, double tolerance) {
+  if (input.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "the mesh has no face");
+  const std::size_t n = input.vertex_count();
+  Diagnostic unused{DiagnosticCode::kUnusedVertex, 0, {}, "vertices that no face uses were dropped"};
+  Diagnostic duplicate{DiagnosticCode::kDuplicateVertex, 0, {}, "vertices with equal coordinates were made one"};
+  Diagnostic wide{DiagnosticCode::kDuplicateVertex,
+                  0,
+                  {},
+                  "vertices that were welded lie within the weld tolerance of one that was not made one with them"};
+
+  std::vector<std::uint8_t> is_used(n, 0);
+  for_blocks(input.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t c = begin; c < end; ++c)
+      std::atomic_ref(is_used[input.corners[c].value]).store(1, std::memory_order_relaxed);
+  });
+  for (const VertexId v : select_ids<VertexId>(n, kItemsPerBlock, control, [&](std::size_t v) { return !is_used[v]; }))
+    unused.add(v.value);
+  Numbers stands_for(n);
+  std::vector<Indexed> sorted;
+  if (tolerance > 0 || !find_equal_by_hash(input.positions, is_used, stands_for, control)) {
+    sorted.reserve(n);
+    StopCheck check(control);
+    for (std::uint32_t i = 0; i < n; ++i) {
+      check();
+      if (is_used[i]) sorted.push_back({input.positions[VertexId(i)], i});
+    }
+    sort_stoppable(sorted.begin(), sorted.end(), control);
+    for (std::size_t k = 0; k < sorted.size(); ++k) {
+      check();
+      const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;
+      stands_for[sorted[k].index] = is_first ? sorted[k].index : stands_for[sorted[k - 1].index];
+    }
+  }
+  if (tolerance > 0) {
+    duplicate.message = "vertices within the weld tolerance of another one were made one with it";
+    StopCheck check(control);
+    const auto is_repeated = [&](const Indexed& v) {
+      check();
+      return stands_for[v.index] != v.index;
+    };
+    sorted.erase(std::remove_if(sorted.begin(), sorted.end(), is_repeated), sorted.end());
+    NearWelding(sorted, tolerance, control).run(stands_for, wide);
+  }
+
+  control.check();
+  Surface surface;
+  const std::size_t faces = input.face_count();
+  surface.face_begin = CopyOnWrite<std::size_t, std::uint32_t>::of(input.face_begin);
+  surface.face_source = FilledIdVector<FaceId, FaceId>::of_size(faces);
+  for_blocks(faces, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) surface.face_source[FaceId(f)] = FaceId(f);
+  });
+  if (are_all_single(is_used, stands_for, control)) {  // as most often
+    surface.positions = CopyOnWrite<VertexId, Vec3>::of(input.positions.items());
+    surface.corners = CopyOnWrite<std::size_t, VertexId>::of(input.corners);
+    surface.vertex_source = FilledIdVector<VertexId, VertexId>::of_size(n);
+    for_blocks(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) surface.vertex_source[VertexId(v)] = VertexId(v);
+    });
+  } else {
+    Welded welded = number_welded(is_used, stands_for, duplicate, control);
+    std::vector<Vec3> positions(welded.source.size());
+    for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) positions[v] = input.positions[welded.source[VertexId(v)]];
+    });
+    std::vector<VertexId> corners(input.corners.size());
+    for_blocks(corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t c = begin; c < end; ++c) corners[c] = VertexId(welded.of_input[input.corners[c].value]);
+    });
+    surface.positions = std::move(positions);
+    surface.corners = std::move(corners);
+    surface.vertex_source = std::move(welded.source);
+  }
+  set_local_units(surface, control);
+  surface.face_label = number_labels(input.labels, barriers, faces, control);
+
+  for (Diagnostic* d : {&duplicate, &wide, &unused})
+    if (d->count > 0) diagnostics.push_back(std::move(*d));
+  return surface;
+}
+
+}  // namespace remesh

@@ -1,0 +1,29 @@
+/// Joins the patches' triangles into one mesh.
+#pragma once
+
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/geometry/patch_mesh.h"
+#include "core/mesh/mesh.h"
+
+namespace remesh {
+
+/// The output's triangles, by patch, over the essential vertices in their input order.
+struct Assembled {
+  IdVector<VertexId, VertexId> vertex;  ///< the surface vertex of each output vertex, ascending
+  IdVector<FaceId, Triangle> faces;
+  IdVector<FaceId, PatchId> face_patch;
+  std::vector<Vec2, LeftUnset<Vec2>> corner_uv;  ///< three per face
+};
+
+/// Joins the triangles of all patches over the vertices that they share.
+/// Input:   `surface_vertices`: the number of those that the patches' vertices are among, with those that refinement
+///          made; a mesh for each patch.
+/// Output:  the triangles as they stand in the meshes, patch by patch; vertices that none uses are left out.
+/// Holds:   the same for any number of threads.
+/// Errors:  kCancelled, kTimeout - through `control`.
+/// Cost:    O(vertices + triangles).
+Assembled assembly(std::size_t surface_vertices, const std::vector<PatchMesh>& meshes, RunControl& control);
+
+}  // namespace remesh

@@ -1,0 +1,19 @@
+/// Which input face lies under each output face.
+#pragma once
+
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/geometry/patch_mesh.h"
+#include "core/geometry/patch_set.h"
+#include "core/mesh/surface.h"
+
+namespace remesh {
+
+/// Output: for each output face, in assembly's order, the input face (in the input's numbering) that contains its
+///         centroid in the plane of their patch; the nearest one where rounding or a dropped vertex leaves none.
+/// Cost:   O((n + m) log n) for n input and m output faces of a patch, by a tree of boxes.
+IdVector<FaceId, FaceId> face_source(const Surface& surface, const PatchSet& patches,
+                                     const std::vector<PatchMesh>& meshes, RunControl& control);
+
+}  // namespace remesh

@@ -1,0 +1,279 @@
+#include "core/output/output_form.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/base/largest_coordinate.h"
+#include "core/base/parallel.h"
+#include "core/base/rounded_to_float.h"
+#include "core/io/formats.h"
+#include "core/mending/body_labels.h"
+#include "core/mesh/adjacency.h"
+#include "core/mesh/quality.h"
+#include "core/mesh/triangle_corners.h"
+#include "core/output/volume_ready.h"
+#include "core/verify/goal_check.h"
+#include "core/verify/stored_form.h"
+
+namespace remesh {
+namespace {
+
+/// For messages: three digits are enough.
+std::string short_text(double value) {
+  char digits[32];
+  const auto written = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 3);
+  return {digits, written.ptr};
+}
+
+/// The distance from a number's float to the next one away from zero.
+double step_of_floats(double value) {
+  const auto nearest = static_cast<float>(std::fabs(value));
+  return static_cast<double>(std::nextafter(nearest, std::numeric_limits<float>::infinity())) - nearest;
+}
+
+/// `digits` times a power of ten, as a reader of these digits gets it.
+double decimal(double digits, int exponent) {
+  char text[64];
+  auto end = std::to_chars(text, text + sizeof text, digits, std::chars_format::fixed, 0).ptr;
+  *end++ = 'e';
+  end = std::to_chars(end, text + sizeof text, exponent).ptr;
+  double value = 0;
+  std::from_chars(text, end, value);
+  return value;
+}
+
+/// A point near the middle of a box with few digits: multiples of the largest power of ten that is at most half the
+/// box's longest side. An axis on which the box is no further from 0 than it is long keeps its coordinates.
+Vec3 origin_near(const Box3& box) {
+  const Vec3 sides = box.max - box.min;
+  const double longest = std::max({sides.x, sides.y, sides.z});
+  Vec3 origin;
+  if (!(longest > 0) || !std::isfinite(longest)) return origin;
+  const int exponent = static_cast<int>(std::floor(std::log10(longest / 2)));
+  const double step = decimal(1, exponent);
+  for (int axis = 0; axis < 3; ++axis) {
+    if (std::max(std::fabs(box.min[axis]), std::fabs(box.max[axis])) <= longest) continue;
+    const double steps = std::round((box.min[axis] / 2 + box.max[axis] / 2) / step);
+    // What has more digits than a double has no origin of few digits.
+    if (std::fabs(steps) < 0x1p53) origin[axis] = decimal(steps, exponent);
+  }
+  return origin;
+}
+
+/// A result's points in floats relative to an origin, and what the check says of them.
+struct FloatForm {
+  Vec3 origin;
+  std::vector<Vec3> stored;
+  UnrefinedFaces unrefined;
+  StoredVerdict verdict;
+
+  bool is_good() const { return !verdict.fault; }
+};
+
+class FloatRounding {
+ public:
+  FloatRounding(const Result& result, RunControl& control) : result_(result), control_(control) {}
+
+  FloatForm about(const Vec3& origin) {
+    FloatForm form;
+    form.origin = origin;
+    const std::vector<Vec3>& positions = result_.mesh.positions.items();
+    form.stored.resize(positions.size());
+    for_blocks(positions.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t v = begin; v < end; ++v) form.stored[v] = rounded_to_float(positions[v] - origin);
+    });
+    check(form);
+    return form;
+  }
+
+ private:
+  void check(FloatForm& form) {
+    const OutputBasis& basis = result_.basis;
+    const std::span<const Triangle> faces = result_.mesh.faces.items();
+    if (basis.is_refined) list_unrefined(form);
+    const RefinementClaim refined{basis.goals, form.unrefined.faces, form.unrefined.reasons};
+    StoredClaim claim;
+    claim.positions = result_.mesh.positions.items();
+    claim.stored = form.stored;
+    claim.origin = form.origin;
+    claim.storage = Storage::kFloat;
+    claim.faces = faces;
+    claim.face_patch = result_.face_patch.items();
+    claim.normals = basis.normals.items();
+    claim.allowed_move = basis.allowed_move;
+    claim.intersections = &basis.intersections;
+    claim.refinement = basis.is_refined ? &refined : nullptr;
+    claim.unrefined_before = basis.unrefined.faces;
+    claim.reasons_before = basis.unrefined.reasons;
+    form.verdict = check_stored_form(claim, control_);
+  }
+
+  /// Faces that miss the goals now. Those that did before keep their reason. Those that were listed although they met
+  /// the goals are larger than gaps or short edges ask for, and rounding does not change that.
+  void list_unrefined(FloatForm& form) const {
+    const UnrefinedFaces& before = result_.basis.unrefined;
+    const auto& faces = result_.mesh.faces;
+    std::vector<UnrefinedReason> reason(faces.size(), UnrefinedReason::kOutputRounding);
+    std::vector<std::uint8_t> misses_sizes(faces.size(), 0);
+    for (std::size_t i = 0; i < before.faces.size(); ++i) {
+      if (i % kItemsPerBlock == 0) control_.check();
+      const FaceId f = before.faces[i];
+      reason[f.value] = before.reasons[i];
+      const auto& at = result_.mesh.positions;
+      misses_sizes[f.value] = verification::standing_of(result_.basis.goals, at[faces[f][0]], at[faces[f][1]],
+                                                        at[faces[f][2]]) == verification::Standing::kMeets;
+    }
+    form.unrefined = find_unrefined(form.stored, faces.items(), reason, misses_sizes, result_.basis.goals, control_);
+  }
+
+  const Result& result_;
+  RunControl& control_;
+};
+
+std::string count_of(std::uint64_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string reason_text(const FloatForm& form, double allowed_move) {
+  const StoredVerdict& verdict = form.verdict;
+  switch (*verdict.fault) {
+    case StoredFault::kMoved:
+      return "rounding to them moves a vertex by " + short_text(verdict.largest_move) + ", where at most " +
+             short_text(allowed_move) + " is allowed (the larger of plane_tolerance and 1e-6 of the diagonal)";
+    case StoredFault::kMerged:
+      return "rounding to them makes one place of " + count_of(verdict.count, "pair", "pairs") + " of vertices";
+    case StoredFault::kTurnedOver:
+      return "rounding to them takes the area of " + count_of(verdict.count, "triangle", "triangles") +
+             " or turns them over";
+    case StoredFault::kNewIntersections:
+      return "rounding to them makes " + count_of(verdict.count, "pair", "pairs") +
+             " of faces intersect that were apart";
+    case StoredFault::kBeyondRange:
+    case StoredFault::kMalformed:
+    case StoredFault::kNotStorable:
+    case StoredFault::kUnlisted:
+    case StoredFault::kListedInVain:
+    case StoredFault::kWrongReason: break;
+  }
+  return "a coordinate is beyond the largest float";
+}
+
+std::string names_of_formats(Storage storage) {
+  std::string names;
+  for (const Format format : kFormats)
+    if (storage_of(format) == storage) names.append(names.empty() ? "" : ", ").append(format_name(format));
+  return names;
+}
+
+[[noreturn]] void refuse(const Result& result, const FloatForm& form, bool would_do_about_origin) {
+  double largest = 0;
+  for (const Vec3& p : result.mesh.positions) largest = std::max(largest, largest_coordinate(p - form.origin));
+  std::string message = names_of_formats(Storage::kFloat) + " has floats only, ";
+  if (form.verdict.fault == StoredFault::kBeyondRange)
+    message += "and a coordinate, " + short_text(largest) + ", is beyond the largest one";
+  else
+    message += "which are " + short_text(step_of_floats(largest)) + " apart at these coordinates (up to " +
+               short_text(largest) + (form.origin != Vec3{} ? " from a local origin): " : "): ") +
+               reason_text(form, result.basis.allowed_move);
+  message += "; the result can be had as it is in " + names_of_formats(Storage::kDouble);
+  if (would_do_about_origin)
+    message += ", or with local_origin=true relative to an origin near the part";
+  else if (result.basis.is_refined && form.verdict.fault != StoredFault::kBeyondRange)
+    message += "; longer edges, by min_edge_length, may do, too";
+  throw Error(Code::kNotAcceptable, Stage::kWrite, message).for_option("format");
+}
+
+/// The words for what rounding must not bring about, whatever the result is; empty where the check found none of it.
+std::string_view own_mistake(const StoredVerdict& verdict) {
+  if (!verdict.fault) return {};
+  switch (*verdict.fault) {
+    case StoredFault::kMalformed: return "its arrays do not fit together";
+    case StoredFault::kNotStorable: return "a coordinate was not rounded";
+    case StoredFault::kUnlisted: return "a face misses the goals and is not listed";
+    case StoredFault::kListedInVain: return "a face is listed that meets the goals";
+    case StoredFault::kWrongReason: return "a face is listed for a reason that it has not";
+    case StoredFault::kBeyondRange:
+    case StoredFault::kMoved:
+    case StoredFault::kMerged:
+    case StoredFault::kTurnedOver:
+    case StoredFault::kNewIntersections: break;
+  }
+  return {};
+}
+
+FloatForm float_form(bool local_origin, const Result& result, RunControl& control) {
+  FloatRounding rounding(result, control);
+  FloatForm own = rounding.about({});
+  if (own.is_good()) return own;
+  Box3 box;
+  for (const Vec3& p : result.mesh.positions) box.add(p);
+  const Vec3 origin = origin_near(box);
+  FloatForm local;
+  const bool has_origin = origin != Vec3{};
+  if (has_origin) local = rounding.about(origin);
+  for (const FloatForm* form : {&own, &local})
+    if (const std::string_view mistake = own_mistake(form->verdict); !mistake.empty())
+      throw Error(Code::kVerificationFailed, Stage::kVerify,
+                  "the result failed its check once it was rounded: " + std::string(mistake));
+  if (has_origin && local.is_good() && local_origin) return local;
+  refuse(result, has_origin && local_origin ? local : own, has_origin && local.is_good());
+}
+
+}  // namespace
+
+bool round_output(Storage storage, bool local_origin, Result& result, RunControl& control) {
+  if (storage == Storage::kDouble) return false;
+  FloatForm form = float_form(local_origin, result, control);
+  StoredVerdict& verdict = form.verdict;
+  if (form.origin == Vec3{} && verdict.largest_move == 0) return false;
+  Report& report = result.report;
+  report.output_rounding = verdict.largest_move;
+  if (form.origin != Vec3{}) report.output_origin = form.origin;
+  report.verified.deviation += verdict.largest_move;
+  report.verified.volume_bound += verdict.volume_bound;
+  report.volume_bound = report.verified.volume_bound;
+  for (std::size_t p = 0; p < std::min(report.patches.size(), verdict.patch_moves.size()); ++p)
+    report.patches[p].deviation += verdict.patch_moves[p];
+  if (verdict.has_intersections) {
+    report.verified.intersections = std::move(verdict.intersections);
+    report.verified.are_all_intersections_known = verdict.are_all_intersections_known;
+  }
+  result.mesh.positions.items() = std::move(form.stored);
+  if (result.basis.is_refined) result.basis.unrefined = std::move(form.unrefined);
+  return true;
+}
+
+void measure_output(Result& result, RunControl& control) {
+  Report& report = result.report;
+  const std::span<const Vec3> positions = result.mesh.positions.items();
+  const std::span<const VertexId> corners = corners_of(result.mesh.faces.items());
+  const auto begins = triangle_begins(result.mesh.faces.size(), control);
+  const Adjacency edges(positions.size(), begins, corners, control);
+  // Each has its parts that wait for nothing but themselves.
+  do_all([&] { report.output = measure_surface(positions, begins, corners, edges, corners, control); },
+         [&] {
+           const BodyLabels labels = labels_of_result(result.basis.patch_labels, result.face_patch.items(), control);
+           report.volume_obstacles = find_volume_obstacles(
+               positions, corners, edges, labels, report.verified.intersections, report.plane_tolerance, control);
+         });
+  report.output.intersecting_pairs = report.verified.intersections.size();
+  report.unrefined = summarise_unrefined(result.basis.unrefined, positions, result.mesh.faces.items(), control);
+  if (!report.output_origin) return;
+  const Vec3 origin = *report.output_origin;
+  Box3& box = report.output.bounding_box;
+  if (!box.is_empty()) box = {box.min + origin, box.max + origin};
+  for (VolumeObstacle& obstacle : report.volume_obstacles)
+    for (Vec3& place : obstacle.places) place += origin;
+  for (Unrefined& left : report.unrefined)
+    for (Vec3& place : left.places) place += origin;
+}
+
+}  // namespace remesh

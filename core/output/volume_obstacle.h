@@ -1,0 +1,35 @@
+/// What keeps a surface from bounding a volume.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "core/base/diagnostic.h"
+#include "core/base/vec.h"
+
+namespace remesh {
+
+/// Something that keeps a surface from bounding a volume. `places` holds the first 100: middles of edges, of faces, of
+/// where two faces meet.
+struct VolumeObstacle {
+  static constexpr std::size_t kMaxPlaces = 100;
+
+  DiagnosticCode code = DiagnosticCode::kOpenBoundary;
+  std::uint64_t count = 0;
+  std::vector<Vec3> places;
+
+  void add(const Vec3& place) {
+    ++count;
+    if (places.size() < kMaxPlaces) places.push_back(place);
+  }
+  /// What comes after.
+  void add(const VolumeObstacle& other) {
+    count += other.count;
+    const std::size_t more = std::min(kMaxPlaces - places.size(), other.places.size());
+    places.insert(places.end(), other.places.begin(), other.places.begin() + static_cast<std::ptrdiff_t>(more));
+  }
+};
+
+}  // namespace remesh

@@ -1,0 +1,35 @@
+/// The open edges of each patch, as oriented loops.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/geometry/patch_set.h"
+#include "core/mesh/adjacency.h"
+
+namespace remesh {
+
+/// Loops of half-edges, with the patch on their left: outer loops run counter-clockwise about the patch's normal, holes
+/// clockwise. A loop may touch itself in a vertex; a slit is walked on both sides.
+struct BoundaryLoops {
+  std::vector<std::uint32_t> half_edges;      ///< loop after loop
+  std::vector<std::uint32_t> loop_begin{0};   ///< half-edges of loop l: [loop_begin[l], loop_begin[l + 1])
+  std::vector<std::uint32_t> patch_begin{0};  ///< loops of patch p: [patch_begin[p], patch_begin[p + 1])
+  std::vector<bool> is_boundary;              ///< per half-edge: some loop has it
+
+  std::span<const std::uint32_t> loop(std::uint32_t l) const {
+    return std::span(half_edges).subspan(loop_begin[l], loop_begin[l + 1] - loop_begin[l]);
+  }
+};
+
+/// Output: the loops of each patch in the order of their first half-edges, each from its first half-edge on.
+/// Holds:  every patch-boundary half-edge is in exactly one loop; consecutive ones share a vertex around which the
+///         patch's faces are connected, so loops that touch stay apart.
+/// Cost:   O(n).
+/// Source: the 2018 report, section 4, as amended: an open edge is one with one face of this patch.
+BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
+                             RunControl& control);
+
+}  // namespace remesh

@@ -1,0 +1,457 @@
+#include "core/patches/coplanar_regions.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/base/grouping.h"
+#include "core/base/large_first.h"
+#include "core/base/stoppable.h"
+#include "core/base/tolerance.h"
+#include "core/base/union_find.h"
+#include "core/geometry/plane_fit.h"
+#include "core/patches/coplanarity.h"
+#include "core/patches/region_merging.h"
+#include "core/patches/region_seeds.h"
+
+namespace remesh {
+namespace {
+
+/// A face is looked at by at most this many growths that end up without it; then only by those that have their plane.
+constexpr std::uint8_t kMostTrials = 8;
+
+/// Growing and merging fewer faces costs less than fitting a plane to their corners.
+constexpr std::size_t kFewFaces = 32;
+
+constexpr std::size_t kBlock = 4096;
+
+/// Faces accepted so far, for the plane through them: area-weighted, so that the normal depends on the rim alone.
+struct Fit {
+  Vec3 area_vector, moment;
+  double area = 0;
+
+  void add(const FaceGeometry& g, const Vec3& centre) {
+    area_vector += g.area * g.normal;
+    moment += g.area * centre;
+    area += g.area;
+  }
+  void add(const Fit& other) {
+    area_vector += other.area_vector;
+    moment += other.moment;
+    area += other.area;
+  }
+  Plane plane() const { return {(1 / area) * moment, normalized(area_vector)}; }
+};
+
+class Growth {
+ public:
+  Growth(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+         const CoplanarityRule& rule, Regions& regions, RunControl& control)
+      : surface_(surface),
+        adjacency_(adjacency),
+        geometry_(geometry),
+        rule_(surface, adjacency, geometry, rule, control),
+        regions_(regions),
+        control_(control),
+        stamp_(surface.face_count()),
+        trials_(surface.face_count(), 0) {
+    first_region_ = static_cast<std::uint32_t>(regions.planes.size());
+    for_blocks(surface.face_count(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) stamp_[f] = regions.of_face[FaceId(f)].is_valid() ? kTaken : 0;
+    });
+  }
+
+  void run() {
+    find_joints();
+    grow();
+    merge_regions(surface_, adjacency_, rule_, first_region_, seeds_, heights_, regions_, control_);
+  }
+
+ private:
+  /// What a region's faces come to, in its plane.
+  struct Extent {
+    double deviation = 0;  ///< of the farthest corner
+    double height = 0;     ///< of the highest face
+    void add(const Extent& other) {
+      deviation = std::max(deviation, other.deviation);
+      height = std::max(height, other.height);
+    }
+  };
+
+  struct NewRegion {
+    bool is_thin;  ///< these after all others
+    Seed seed;
+    Plane plane;
+    Extent extent;
+    bool is_before(const NewRegion& b) const { return is_thin != b.is_thin ? b.is_thin : seed.is_before(b.seed); }
+  };
+
+  struct InPlane {
+    Plane plane;
+    Extent extent;
+  };
+
+  /// What one thread has while it grows regions.
+  struct Walk {
+    Seeds seeds;
+    std::vector<std::uint32_t> found = {};  ///< faces, by the growth that is going on
+    std::uint32_t now = 0;                  ///< its number
+    std::vector<NewRegion> regions = {};
+  };
+
+  /// Over which edges regions may grow at all.
+  void find_joints() {
+    static_assert(kBlock % kBits == 0, "no word belongs to two blocks");
+    joints_.resize((surface_.corners.size() + kBits - 1) / kBits);
+    for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+        const std::uint32_t twin = adjacency_.twin(h);
+        if (twin == Adjacency::kNone || twin < h) continue;
+        const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
+        if (stamp_[f.value] != kTaken && stamp_[g.value] != kTaken && rule_.may_be_joined(h, f, g))
+          joints_[h / kBits] |= std::uint64_t{1} << h % kBits;
+      }
+    });
+  }
+
+  /// Input:  of the edge's half-edges the smaller one.
+  bool is_joint(std::uint32_t h) const { return (joints_[h / kBits] >> h % kBits & 1) != 0; }
+
+  /// Gives each face without a region the number of its island for one: of those that hang together over joints.
+  /// Output: how many islands there are.
+  std::size_t number_islands() {
+    const std::size_t n = surface_.face_count();
+    UnionFind sets(n);
+    for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+        if (!is_joint(h)) continue;
+        sets.join(adjacency_.face_of(h).value, adjacency_.face_of(adjacency_.twin(h)).value);
+      }
+    });
+    for_blocks(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) sets.flatten(static_cast<std::uint32_t>(f));
+    });
+    const auto roots = select_ids<std::uint32_t>(n, kBlock, control_, [&](std::size_t f) {
+      return sets.root_of(static_cast<std::uint32_t>(f)) == f && stamp_[f] != kTaken;
+    });
+    // A root has its island's number for a stamp, until all know theirs; that stands where their region's will.
+    for_blocks(roots.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) stamp_[roots[i]] = static_cast<std::uint32_t>(i);
+    });
+    for_blocks(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (FaceId f(begin); f.value < end; ++f.value)
+        if (const std::uint32_t number = stamp_[sets.root_of(f.value)]; number != kTaken)
+          regions_.of_face[f] = RegionId(number);
+    });
+    for_blocks(roots.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) stamp_[roots[i]] = 0;
+    });
+    return roots.size();
+  }
+
+  /// The faces without a region, by islands. All other faces come last.
+  Grouping find_islands() {
+    const std::size_t count = number_islands();
+    const auto key = [&](std::uint32_t f) { return stamp_[f] == kTaken ? count : regions_.of_face[FaceId(f)].value; };
+    return group_by(surface_.face_count(), count + 1, key, control_);
+  }
+
+  /// Gives every face a region, island by island; then regions are numbered in the order of their seeds.
+  void grow() {
+    const Grouping islands = find_islands();
+    const std::size_t count = islands.begin.size() - 2;
+    const LargeFirst by_size = large_first(count, kBlock, [&](std::uint32_t i) { return islands[i].size(); });
+    const auto grow_some = [&](std::size_t begin, std::size_t end) {
+      Walk walk{Seeds(surface_, geometry_, control_)};
+      for (std::size_t i = begin; i < end; ++i) grow_on(islands[by_size.order[i]], walk);
+      return std::move(walk.regions);
+    };
+    std::vector<std::vector<NewRegion>> found(by_size.large);
+    for_all(std::size_t{0}, by_size.large, [&](std::size_t i) { found[i] = grow_some(i, i + 1); });
+    for (auto& of_block : map_blocks<std::vector<NewRegion>>(
+             count - by_size.large, 256, control_,
+             [&](std::size_t i, std::size_t end) { return grow_some(by_size.large + i, by_size.large + end); }))
+      found.push_back(std::move(of_block));
+    number_regions(found, std::span(islands.items).first(islands.begin[count]));
+  }
+
+  void number_regions(const std::vector<std::vector<NewRegion>>& found, std::span<const std::uint32_t> faces) {
+    // What is asked most often is at hand.
+    struct Place {
+      bool is_thin;
+      double area;
+      const NewRegion* region;
+    };
+    auto all = concatenate<Place>(found, control_, [](const NewRegion& region) {
+      return Place{region.is_thin, region.seed.area, &region};
+    });
+    sort_stoppable(all.begin(), all.end(), control_, [](const Place& a, const Place& b) {
+      if (a.is_thin == b.is_thin && a.area != b.area) return a.area > b.area;
+      return a.region->is_before(*b.region);
+    });
+    // All faces are taken: a seed may have its region's number for a stamp.
+    // By way of `items`: for all threads to fill, not for one to clear.
+    regions_.planes.items().resize(first_region_ + all.size());
+    regions_.deviation.items().resize(first_region_ + all.size());
+    seeds_.resize(all.size());
+    heights_.resize(all.size());
+    for_blocks(all.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const RegionId r(first_region_ + i);
+        const NewRegion& region = *all[i].region;
+        seeds_[i] = region.seed.face;
+        heights_[i] = region.extent.height;
+        regions_.planes[r] = region.plane;
+        regions_.deviation[r] = region.extent.deviation;
+        stamp_[seeds_[i].value] = r.value;
+      }
+    });
+    for_blocks(faces.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        RegionId& of_face = regions_.of_face[FaceId(faces[i])];
+        of_face = RegionId(stamp_[of_face.value]);
+      }
+    });
+  }
+
+  void grow_on(std::span<const std::uint32_t> island, Walk& walk) {
+    std::size_t left = island.size();
+    // Thin faces seed only what no other face has taken.
+    for (const bool thin : {false, true}) {
+      const auto is_open = [&](FaceId f) { return stamp_[f.value] != kTaken && rule_.is_thin(f) == thin; };
+      walk.seeds.begin(island);
+      while (left > 0) {
+        const FaceId seed = walk.seeds.next(is_open);
+        if (!seed.is_valid()) break;
+        std::optional<InPlane> region;
+        if (left == island.size()) region = plane_of_all(seed, island);
+        std::span<const std::uint32_t> found = island;
+        if (!region) {
+          region = grow_from(seed, walk);
+          found = walk.found;
+        }
+        walk.regions.push_back({thin, walk.seeds.placed(seed), region->plane, region->extent});
+        take(found, seed);
+        left -= found.size();
+      }
+    }
+  }
+
+  /// The plane of an island that fits one, as most do: growing could only come to the same.
+  std::optional<InPlane> plane_of_all(FaceId seed, std::span<const std::uint32_t> island) const {
+    if (rule_.is_single(seed)) return std::nullopt;
+    const Fit fit = fit_of(seed, island);
+    if (!(fit.area > 0)) return std::nullopt;
+    const double band = kBand * rule_.tolerance(seed);
+    Plane plane = fit.plane();
+    std::optional<Extent> extent = extent_if_all_fit(island, plane, band);
+    if (!extent && island.size() >= kFewFaces && move_to_corners(plane, island, band))
+      extent = extent_if_all_fit(island, plane, band);
+    return extent ? std::optional(InPlane{plane, *extent}) : std::nullopt;
+  }
+
+  /// Makes a plane the one nearest to all corners, and moves that to their middle: few of them may be far on one side.
+  /// Output: whether they might lie in a band about it.
+  bool move_to_corners(Plane& plane, std::span<const std::uint32_t> faces, double band) const {
+    struct Moments : PointMoments {
+      void add(const PointMoments& other) { merge(other); }
+      using PointMoments::add;
+    };
+    const auto moments = sum_over<Moments>(faces, [&](FaceId f, Moments& sum) {
+      for (const VertexId v : surface_.face(f)) sum.add(surface_.local[v]);
+    });
+    const PlaneFit fit = fit_plane(moments);
+    if (fit.rms > band + kFitRounding) return false;
+    const bool is_turned = dot(fit.normal, plane.normal) < 0;
+    plane = {moments.mean(), is_turned ? -fit.normal : fit.normal};
+    struct Range {
+      double low = HUGE_VAL, high = -HUGE_VAL;
+      void add(const Range& other) {
+        low = std::min(low, other.low);
+        high = std::max(high, other.high);
+      }
+    };
+    const auto range = sum_over<Range>(faces, [&](FaceId f, Range& sum) {
+      for (const VertexId v : surface_.face(f)) {
+        const double distance = plane.distance(surface_.local[v]);
+        sum.add({distance, distance});
+      }
+    });
+    plane.origin += (range.low + range.high) / 2 * plane.normal;
+    return range.high - range.low <= 2 * band;
+  }
+
+  template <class Accept>
+  void for_each_open_neighbour(FaceId f, const Walk& walk, Accept accept) {
+    for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
+      const std::uint32_t twin = adjacency_.twin(h);
+      if (twin == Adjacency::kNone || !is_joint(std::min(h, twin))) continue;
+      const FaceId g = adjacency_.face_of(twin);
+      if (stamp_[g.value] != kTaken && stamp_[g.value] != walk.now) accept(g);
+    }
+  }
+
+  /// Finds the plane of the seed's region by growing while fitting, then the region by growing in that plane.
+  InPlane grow_from(FaceId seed, Walk& walk) {
+    const Plane seed_plane = Plane{face_centre(surface_, seed), geometry_[seed].normal};
+    if (rule_.is_single(seed)) {
+      walk.found.assign(1, seed.value);
+      return {seed_plane, extent_of(walk.found, seed_plane)};
+    }
+    const double tol = rule_.tolerance(seed);
+    Plane plane = grow_fitting(seed, seed_plane, tol, walk);
+    const double band = kBand * tol;
+    if (const auto extent = extent_if_all_fit(walk.found, plane, band)) return {plane, *extent};
+    for (const std::uint32_t f : walk.found)
+      if (trials_[f] < kMostTrials) ++trials_[f];
+    if (!rule_.fits(seed, plane, band)) plane = seed_plane;
+    grow_in_plane(seed, plane, band, walk);
+    return {plane, extent_of(walk.found, plane)};
+  }
+
+  /// Output: nothing if some face does not fit the plane.
+  std::optional<Extent> extent_if_all_fit(std::span<const std::uint32_t> faces, const Plane& plane, double tol) const {
+    std::atomic<bool> do_fit = true;
+    const auto extent = sum_over<Extent>(faces, [&](FaceId f, Extent& sum) {
+      if (!do_fit) return;
+      if (!rule_.fits(f, plane, tol, sum.deviation)) do_fit = false;
+      sum.height = std::max(sum.height, rule_.height(f));
+    });
+    return do_fit ? std::optional(extent) : std::nullopt;
+  }
+
+  Extent extent_of(std::span<const std::uint32_t> faces, const Plane& plane) const {
+    return sum_over<Extent>(faces, [&](FaceId f, Extent& sum) {
+      sum.add({rule_.distance(f, plane), rule_.height(f)});
+    });
+  }
+
+  /// Sums by blocks of faces, these in their order.
+  template <class Sum, class Add>
+  Sum sum_over(std::span<const std::uint32_t> faces, const Add& add) const {
+    const auto sum_block = [&](std::size_t begin, std::size_t end) {
+      Sum sum;
+      for (std::size_t i = begin; i < end; ++i) add(FaceId(faces[i]), sum);
+      return sum;
+    };
+    if (faces.size() <= kBlock) return sum_block(0, faces.size());
+    Sum all;
+    for (const Sum& sum : map_blocks<Sum>(faces.size(), kBlock, control_, sum_block)) all.add(sum);
+    return all;
+  }
+
+  /// A layer is tested against one plane, and the plane is fitted anew when the region has doubled: so the order within
+  /// a layer does not matter.
+  Plane grow_fitting(FaceId seed, Plane plane, double tol, Walk& walk) {
+    std::vector<std::uint32_t>& found = walk.found;
+    begin_growth(seed, walk);
+    Fit fit;
+    std::size_t summed = 0, fitted = 1;
+    const auto add_found = [&] {
+      fit.add(fit_of(seed, std::span(found).subspan(summed)));
+      summed = found.size();
+    };
+    for (std::size_t layer_begin = 0; layer_begin < found.size();) {
+      const std::size_t layer_end = found.size();
+      for (std::size_t i = layer_begin; i < layer_end; ++i) {
+        if (i % 4096 == 0) control_.check();
+        for_each_open_neighbour(FaceId(found[i]), walk, [&](FaceId g) {
+          if (trials_[g.value] >= kMostTrials || !rule_.fits(g, plane, tol)) return;
+          stamp_[g.value] = walk.now;
+          found.push_back(g.value);
+        });
+      }
+      layer_begin = layer_end;
+      if (found.size() < 2 * fitted) continue;
+      add_found();
+      if (fit.area == 0) continue;
+      plane = fit.plane();
+      fitted = found.size();
+    }
+    add_found();
+    return fit.area > 0 ? fit.plane() : plane;
+  }
+
+  /// Thin faces say nothing, but the seed has to.
+  Fit fit_of(FaceId seed, std::span<const std::uint32_t> faces) const {
+    return sum_over<Fit>(faces, [&](FaceId f, Fit& sum) {
+      if (!rule_.is_thin(f) || f == seed) sum.add(geometry_[f], face_centre(surface_, f));
+    });
+  }
+
+  void begin_growth(FaceId seed, Walk& walk) {
+    ++walk.now;
+    walk.found.assign(1, seed.value);
+    stamp_[seed.value] = walk.now;
+  }
+
+  void grow_in_plane(FaceId seed, const Plane& plane, double tol, Walk& walk) {
+    begin_growth(seed, walk);
+    for (std::size_t i = 0; i < walk.found.size(); ++i) {
+      if (i % 4096 == 0) control_.check();
+      for_each_open_neighbour(FaceId(walk.found[i]), walk, [&](FaceId g) {
+        if (!rule_.fits(g, plane, tol)) return;
+        stamp_[g.value] = walk.now;
+        walk.found.push_back(g.value);
+      });
+    }
+  }
+
+  /// The seed's number stands for the region's until all are known.
+  void take(std::span<const std::uint32_t> faces, FaceId seed) {
+    for_blocks(faces.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        regions_.of_face[FaceId(faces[i])] = RegionId(seed.value);
+        stamp_[faces[i]] = kTaken;
+      }
+    });
+    const std::size_t taken = faces_taken_ += faces.size();
+    control_.progress(static_cast<double>(taken) / static_cast<double>(surface_.face_count()));
+  }
+
+  const Surface& surface_;
+  const Adjacency& adjacency_;
+  const FaceGeometries& geometry_;
+  const Coplanarity rule_;
+  Regions& regions_;
+  RunControl& control_;
+  std::uint32_t first_region_ = 0;  // older ones are not touched
+  std::atomic<std::size_t> faces_taken_ = 0;
+  /// Per face: the growth on its island that found it last, or that it has its region.
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> stamp_;
+  static constexpr std::uint32_t kTaken = 0xffffffffu;
+  std::vector<std::uint8_t> trials_;
+  static constexpr std::size_t kBits = 64;
+  std::vector<std::uint64_t> joints_;  ///< a bit a half-edge; set for the smaller one of an edge
+  // Of the new regions.
+  std::vector<FaceId> seeds_;
+  std::vector<double> heights_;  ///< of each one's highest face
+};
+
+}  // namespace
+
+double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor) {
+  if (rung == 0) return tolerance;
+  const double tighter = kLadderFactor * tolerance;
+  return rung == 1 ? tighter : std::min(kLadderFactor * tighter, floor);
+}
+
+void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
+                      const CoplanarityRule& rule, Regions& regions, RunControl& control) {
+  if (const std::size_t n = surface.face_count(); regions.of_face.size() != n) {
+    regions.of_face = FilledIdVector<FaceId, RegionId>::of_size(n);
+    for_blocks(n, kBlock, control, [&](std::size_t begin, std::size_t end) {
+      std::fill_n(&regions.of_face[FaceId(begin)], end - begin, RegionId());
+    });
+  }
+  regions.are_connected = regions.are_connected || regions.planes.empty();
+  Growth(surface, adjacency, geometry, rule, regions, control).run();
+}
+
+}  // namespace remesh

@@ -1,0 +1,281 @@
+#include "core/patches/essential_vertices.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <span>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/base/stoppable.h"
+
+namespace remesh {
+namespace {
+
+/// Simplification looks at each vertex of a run at most this often on average; what is left then stays.
+constexpr std::size_t kMostLooks = 64;
+
+/// Where a point lies about a chord: how far off it, and how far along it (0 at its start, 1 at its end).
+struct ChordPosition {
+  double distance, along;
+};
+
+ChordPosition about_chord(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const Vec3 ab = b - a, ap = p - a;
+  const double length_squared = norm_squared(ab);
+  if (length_squared == 0) return {norm(ap), 0};
+  const double along = dot(ap, ab) / length_squared;
+  return {norm(cross(ab, ap)) / std::sqrt(length_squared), along};
+}
+
+class Selection {
+ public:
+  Selection(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops,
+            const IdVector<VertexId, std::uint8_t>& forced, std::span<const VertexId> pinched, double tolerance,
+            RunControl& control)
+      : surface_(surface),
+        adjacency_(adjacency),
+        loops_(loops),
+        forced_(forced),
+        pinched_(pinched),
+        tolerance_(tolerance),
+        control_(control),
+        check_(control) {}
+
+  EssentialVertices run() {
+    find_boundary();
+    mark_junctions();
+    // What touches there must go on touching.
+    for (const VertexId v : pinched_) essential_[v] = 1;
+    for (const VertexId v : vertices_) {
+      check_();
+      if (essential_[v])
+        for (const EdgeId e : edges_at(v)) walk(v, e);
+    }
+    for (const VertexId v : vertices_) {
+      check_();
+      if (degree_[v.value] == 2 && !is_walked_[edges_at(v)[0].value]) close_ring(v);
+    }
+    keep_doubled_chords();
+    // Inside a patch, a vertex has a closed fan of that patch's faces: if it is a corner of something else, too, its
+    // faces do not hang together there.
+    return {std::move(essential_), pinched_.empty()};
+  }
+
+ private:
+  const Vec3& at(VertexId v) const { return surface_.local[v]; }
+  VertexId low(EdgeId e) const {
+    const std::uint32_t h = adjacency_.half_edges(e)[0];
+    return std::min(adjacency_.from(h), adjacency_.to(h));
+  }
+  VertexId high(EdgeId e) const {
+    const std::uint32_t h = adjacency_.half_edges(e)[0];
+    return std::max(adjacency_.from(h), adjacency_.to(h));
+  }
+  VertexId other_end(EdgeId e, VertexId v) const { return low(e) == v ? high(e) : low(e); }
+
+  /// Those of the boundary.
+  std::span<const EdgeId> edges_at(VertexId v) const {
+    return std::span(incident_).subspan(first_[v.value], degree_[v.value]);
+  }
+  /// Of the two boundary edges at a vertex.
+  EdgeId other_edge(VertexId v, EdgeId e) const {
+    const auto edges = edges_at(v);
+    return edges[0] == e ? edges[1] : edges[0];
+  }
+
+  /// The patch-boundary edges, and those at each vertex.
+  void find_boundary() {
+    const std::size_t vertices = surface_.vertex_count();
+    degree_.assign(vertices, 0);
+    const auto is_boundary = [&](std::size_t e) { return loops_.is_boundary[adjacency_.half_edges(EdgeId(e))[0]]; };
+    const auto boundary = select_ids<EdgeId>(adjacency_.edge_count(), kItemsPerBlock, control_, is_boundary);
+    for (const EdgeId e : boundary) {
+      check_();
+      ++degree_[low(e).value];
+      ++degree_[high(e).value];
+    }
+    vertices_ = select_ids<VertexId>(vertices, kItemsPerBlock, control_, [&](std::size_t v) { return degree_[v] > 0; });
+    // Most vertices have none: nothing is written for them.
+    first_.resize(vertices);
+    std::uint32_t all = 0;
+    for (const VertexId v : vertices_) {
+      check_();
+      first_[v.value] = all;
+      all += std::exchange(degree_[v.value], 0);
+    }
+    incident_.resize(all);
+    for (const EdgeId e : boundary)
+      for (const VertexId v : {low(e), high(e)}) {
+        check_();
+        incident_[first_[v.value] + degree_[v.value]++] = e;
+      }
+    is_walked_.assign(adjacency_.edge_count(), false);
+  }
+
+  void mark_junctions() {
+    essential_.assign(surface_.vertex_count(), 0);
+    for_blocks(vertices_.size(), kItemsPerBlock, control_, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) {
+        const VertexId v = vertices_[i];
+        const auto edges = edges_at(v);
+        bool stays = forced_[v] != 0 || edges.size() != 2;
+        if (!stays) {
+          const VertexId a = other_end(edges[0], v), b = other_end(edges[1], v);
+          const ChordPosition position = about_chord(at(a), at(b), at(v));
+          stays = position.distance > tolerance_ || position.along <= 0 || position.along >= 1;
+        }
+        essential_[v] = stays;
+      }
+    });
+  }
+
+  /// Follows the boundary from an essential vertex to the next one and simplifies what lies between.
+  void walk(VertexId start, EdgeId e) {
+    if (is_walked_[e.value]) return;
+    run_.assign(1, start);
+    VertexId v = start;
+    while (true) {
+      check_();
+      is_walked_[e.value] = true;
+      v = other_end(e, v);
+      run_.push_back(v);
+      if (essential_[v]) break;
+      e = other_edge(v, e);
+    }
+    simplify(0, run_.size() - 1);
+  }
+
+  /// A closed boundary without a corner: anchored at its smallest vertex and the one farthest from that.
+  void close_ring(VertexId start) {
+    run_.assign(1, start);
+    EdgeId e = edges_at(start)[0];
+    for (VertexId v = other_end(e, start); v != start; v = other_end(e, v)) {
+      check_();
+      is_walked_[e.value] = true;
+      run_.push_back(v);
+      e = other_edge(v, e);
+    }
+    is_walked_[e.value] = true;
+    const auto smaller = [&](VertexId a, VertexId b) { return at(a) != at(b) ? at(a) < at(b) : a < b; };
+    std::rotate(run_.begin(), std::min_element(run_.begin(), run_.end(), smaller), run_.end());
+    const Vec3 anchor = at(run_[0]);
+    const auto nearer = [&](VertexId a, VertexId b) {
+      const double da = norm_squared(at(a) - anchor), db = norm_squared(at(b) - anchor);
+      return da != db ? da < db : smaller(b, a);
+    };
+    const auto farthest = static_cast<std::size_t>(std::max_element(run_.begin(), run_.end(), nearer) - run_.begin());
+    run_.push_back(run_[0]);
+    essential_[run_[0]] = 1;
+    essential_[run_[farthest]] = 1;
+    simplify(0, farthest);
+    simplify(farthest, run_.size() - 1);
+    const auto kept = std::count_if(run_.begin(), run_.end() - 1, [&](VertexId v) { return essential_[v] != 0; });
+    if (kept < 3)
+      for (const VertexId v : run_) essential_[v] = 1;
+  }
+
+  /// Keeps, between two kept vertices of the run, as many as the tolerance asks for: the one farthest from the chord,
+  /// then again on both sides (Douglas and Peucker, 1973). Among equally far ones the smallest place decides.
+  void simplify(std::size_t begin, std::size_t end) {
+    std::size_t looks = 0;
+    spans_.assign(1, {begin, end});
+    while (!spans_.empty()) {
+      const auto [i, j] = spans_.back();
+      spans_.pop_back();
+      if (j - i < 2) continue;
+      looks += j - i;
+      const Vec3 a = at(run_[i]), b = at(run_[j]);
+      double farthest = tolerance_, reached = 0;
+      std::size_t split = 0;
+      bool is_in_order = true;
+      for (std::size_t k = i + 1; k < j; ++k) {
+        check_();
+        const ChordPosition position = about_chord(a, b, at(run_[k]));
+        if (position.distance > farthest ||
+            (split != 0 && position.distance == farthest && at(run_[k]) < at(run_[split]))) {
+          farthest = position.distance;
+          split = k;
+        }
+        is_in_order = is_in_order && position.along > reached && position.along < 1;
+        reached = position.along;
+      }
+      if (split == 0 && is_in_order) continue;
+      if (split == 0 || looks > kMostLooks * (end - begin + 1)) {  // folded back, or too costly: all stay
+        for (std::size_t k = i + 1; k < j; ++k) essential_[run_[k]] = 1;
+        continue;
+      }
+      essential_[run_[split]] = 1;
+      spans_.push_back({i, split});
+      spans_.push_back({split, j});
+    }
+  }
+
+  /// Two boundaries between the same two vertices, both straight within the tolerance, would become one edge: a crack
+  /// would close, or a thin patch vanish. Such runs keep all their vertices.
+  void keep_doubled_chords() {
+    struct Chord {
+      VertexId a, b;      // a < b
+      VertexId from;      // the end where the run begins
+      EdgeId first_edge;  // of the run, at `from`
+    };
+    std::vector<Chord> chords;
+    for (const VertexId v : vertices_) {
+      check_();
+      if (!essential_[v]) continue;
+      for (const EdgeId first : edges_at(v)) {
+        EdgeId e = first;
+        VertexId w = other_end(e, v);
+        while (!essential_[w]) {
+          check_();
+          e = other_edge(w, e);
+          w = other_end(e, w);
+        }
+        if (v < w) chords.push_back({v, w, v, first});
+      }
+    }
+    const auto key = [](const Chord& c) { return std::pair{c.a, c.b}; };
+    sort_stoppable(chords.begin(), chords.end(), control_, [&](const Chord& c, const Chord& d) {
+      return key(c) != key(d) ? key(c) < key(d) : c.first_edge < d.first_edge;
+    });
+    for (std::size_t i = 0; i < chords.size(); ++i) {
+      check_();
+      const bool doubled = (i > 0 && key(chords[i]) == key(chords[i - 1])) ||
+                           (i + 1 < chords.size() && key(chords[i]) == key(chords[i + 1]));
+      if (!doubled) continue;
+      EdgeId e = chords[i].first_edge;
+      for (VertexId w = other_end(e, chords[i].from); w != chords[i].b; w = other_end(e, w)) {
+        check_();
+        essential_[w] = 1;
+        e = other_edge(w, e);
+      }
+    }
+  }
+
+  const Surface& surface_;
+  const Adjacency& adjacency_;
+  const BoundaryLoops& loops_;
+  const IdVector<VertexId, std::uint8_t>& forced_;
+  std::span<const VertexId> pinched_;
+  double tolerance_;
+  RunControl& control_;
+  StopCheck check_;
+  IdVector<VertexId, std::uint8_t> essential_;
+  std::vector<VertexId> vertices_;                              ///< of the boundary
+  std::vector<std::uint32_t> degree_;                           ///< boundary edges at each vertex
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< of them in `incident_`
+  std::vector<EdgeId> incident_;
+  std::vector<bool> is_walked_;
+  std::vector<VertexId> run_;
+  std::vector<std::pair<std::size_t, std::size_t>> spans_;
+};
+
+}  // namespace
+
+EssentialVertices essential_vertices(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops,
+                                     const IdVector<VertexId, std::uint8_t>& forced, std::span<const VertexId> pinched,
+                                     double tolerance, RunControl& control) {
+  return Selection(surface, adjacency, loops, forced, pinched, tolerance, control).run();
+}
+
+}  // namespace remesh

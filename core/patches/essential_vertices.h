@@ -1,0 +1,36 @@
+/// Decides which vertices stay: corners and junctions of patch boundaries, over all patches at once.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/mesh/adjacency.h"
+#include "core/patches/boundary_loops.h"
+
+namespace remesh {
+
+struct EssentialVertices {
+  IdVector<VertexId, std::uint8_t> stays;  ///< 1 for each vertex that does
+  bool are_on_loops = true;                ///< none lies inside a patch
+
+  bool operator[](VertexId v) const { return stays[v] != 0; }
+};
+
+/// Marks the essential vertices.
+/// Input:   vertices in `forced` stay whatever happens (the ladder's, or all with keep_boundary_vertices); those that
+///          pinched_vertices finds; the plane tolerance in local units.
+/// Output:  the vertices that stay. A vertex inside a patch stays only where it is the corner of something else
+///          too: the triangulation of that patch must then have it as a point.
+/// Holds:   a vertex goes only if it has exactly two patch-boundary edges in the whole mesh, its faces are connected
+///          around it, and it lies within the tolerance of the chord between the kept vertices on either side, in order
+///          along it; a closed boundary keeps three or more; no two chords join the same two vertices.
+/// Cost:    O(n log n).
+/// Source:  the 2018 report, section 4, as amended (ERRATA 4).
+EssentialVertices essential_vertices(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops,
+                                     const IdVector<VertexId, std::uint8_t>& forced, std::span<const VertexId> pinched,
+                                     double tolerance, RunControl& control);
+
+}  // namespace remesh

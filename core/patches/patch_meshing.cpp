@@ -1,0 +1,271 @@
+#include "core/patches/patch_meshing.h"
+
+#include <tbb/blocked_range.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "core/base/drop.h"
+#include "core/base/large_first.h"
+#include "core/base/pages.h"
+#include "core/base/parallel.h"
+#include "core/base/ranked_ids.h"
+#include "core/base/stoppable.h"
+#include "core/geometry/patch_reason.h"
+#include "core/geometry/patch_set.h"
+#include "core/geometry/projection.h"
+#include "core/triangulation/patch_triangulation.h"
+
+namespace remesh {
+namespace {
+
+PatchReason reason_for(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::kDone: return PatchReason::kNone;
+    case Outcome::kCrossingConstraints: return PatchReason::kSelfIntersectingLoop;
+    case Outcome::kInconsistentLoops: return PatchReason::kOverlappingFaces;
+    case Outcome::kDegenerate: return PatchReason::kNotPlanar;
+  }
+  return PatchReason::kNotPlanar;
+}
+
+/// Meshes one patch after the other, keeping its scratch memory.
+class Mesher {
+ public:
+  Mesher(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, const BoundaryLoops& loops,
+         const EssentialVertices& essential, const ProjectionRule& rule, RunControl& control)
+      : surface_(surface),
+        adjacency_(adjacency),
+        patches_(patches),
+        loops_(loops),
+        essential_(essential),
+        rule_(rule),
+        control_(control) {}
+
+  PatchMesh run(PatchId p) {
+    PatchMesh result;
+    result.loops = loops_.patch_begin[p.value + 1] - loops_.patch_begin[p.value];
+    collect_vertices(p);
+    collect_sides(p);
+    Outcome outcome = Outcome::kDegenerate;
+    if (vertices_.size() >= 3) {
+      outcome = attempt(p, kPatchGrid, result);
+      if (outcome != Outcome::kDone) outcome = attempt(p, kFineGrid, result);
+    }
+    if (outcome != Outcome::kDone && is_triangle(p)) {
+      lay_out_triangle(p, result);
+      outcome = Outcome::kDone;
+    }
+    result.reason = reason_for(outcome);
+    return result;
+  }
+
+ private:
+  using Side = std::array<VertexId, 2>;
+  /// Where one of the vertices is in the plane.
+  struct Flat {
+    Vec2 uv;
+    std::uint32_t index;
+  };
+
+  /// Essential corners of the patch's faces: those of its loops, and those where something else touches its inside.
+  void collect_vertices(PatchId p) {
+    corners_.clear();
+    StopCheck check(control_);
+    const auto add = [&](VertexId v) {
+      check();
+      if (essential_[v]) corners_.push_back(v);
+    };
+    if (essential_.are_on_loops) {
+      for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l)
+        for (const std::uint32_t h : loops_.loop(l)) add(adjacency_.from(h));
+    } else {
+      for (const FaceId f : patches_.faces_of(p))
+        for (const VertexId v : surface_.face(f)) add(v);
+    }
+    vertices_.assign(corners_, control_);
+  }
+
+  /// The loops, less the vertices that are not essential.
+  void collect_sides(PatchId p) {
+    sides_.clear();
+    StopCheck check(control_);
+    for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l) {
+      VertexId first, last;
+      for (const std::uint32_t h : loops_.loop(l)) {
+        check();
+        const VertexId v = adjacency_.from(h);
+        if (!essential_[v]) continue;
+        if (last.is_valid())
+          sides_.push_back({last, v});
+        else
+          first = v;
+        last = v;
+      }
+      if (last.is_valid()) sides_.push_back({last, first});
+    }
+  }
+
+  Outcome attempt(PatchId p, double grid, PatchMesh& result) {
+    const Plane& plane = patches_.planes[p];
+    points_.clear();
+    for (const VertexId v : vertices_.ids()) points_.push_back(surface_.positions[v]);
+    edges_.clear();
+    for (const auto& [a, b] : sides_) edges_.push_back({surface_.positions[a], surface_.positions[b]});
+    // A vertex as the origin, in model units: differences of the input's own coordinates lose nothing.
+    const Vec3 origin = *std::min_element(points_.begin(), points_.end());
+    result.frame = make_frame(plane.normal, origin, points_, edges_, rule_.axis, rule_.direction, grid);
+
+    const std::size_t n = vertices_.size();
+    order_.resize(n);
+    StopCheck check(control_);
+    for (std::uint32_t i = 0; i < n; ++i) {
+      check();
+      order_[i] = {to_plane(result.frame, points_[i]), i};
+    }
+    sort_stoppable(order_.begin(), order_.end(), control_, [](const Flat& a, const Flat& b) { return a.uv < b.uv; });
+    rank_.resize(n);
+    result.vertices.resize(n);
+    result.uv.resize(n);
+    for (std::uint32_t k = 0; k < n; ++k) {
+      check();
+      const auto& [uv, i] = order_[k];
+      if (k > 0 && uv == order_[k - 1].uv) return Outcome::kCrossingConstraints;
+      rank_[i] = k;
+      result.vertices[k] = vertices_[i];
+      result.uv[k] = uv;
+    }
+    segments_.clear();
+    for (const auto& [a, b] : sides_) {
+      check();
+      segments_.push_back({rank_of(a), rank_of(b)});
+    }
+    PatchTriangulation triangulation = triangulate_patch(result.uv, segments_, control_);
+    result.mesh = std::move(triangulation.mesh);
+    if (triangulation.outcome == Outcome::kDone && result.mesh.triangle_count() == 0)
+      return Outcome::kInconsistentLoops;
+    return triangulation.outcome;
+  }
+
+  /// In the order of the plane.
+  std::uint32_t rank_of(VertexId v) const { return rank_[vertices_.rank(v)]; }
+
+  bool is_triangle(PatchId p) const {
+    return patches_.faces_of(p).size() == 1 && surface_.face(patches_.faces_of(p)[0]).size() == 3 && sides_.size() == 3;
+  }
+
+  /// Lays a triangle into the plane along its longest side. Its height is never 0 there, however thin it is: rounding
+  /// of the projection cannot turn it over.
+  void lay_out_triangle(PatchId p, PatchMesh& result) const {
+    const auto loop = surface_.face(patches_.faces_of(p)[0]);
+    std::array<VertexId, 3> corner{loop[0], loop[1], loop[2]};
+    // Differences first: a small triangle far from the origin loses nothing. In its own unit: of one that is far
+    // smaller than the mesh, products would underflow in the mesh's.
+    const auto difference = [&](int i) {
+      return surface_.positions[corner[(i + 1) % 3]] - surface_.positions[corner[i % 3]];
+    };
+    const double unit = unit_of({difference(0), difference(1), difference(2)});
+    const auto side = [&](int i) { return (1 / unit) * difference(i); };
+    int longest = 0;
+    for (int i = 1; i < 3; ++i)
+      if (norm(side(i)) > norm(side(longest))) longest = i;
+    std::rotate(corner.begin(), corner.begin() + longest, corner.end());
+
+    const Vec3 ab = side(0), ac = -side(2);
+    Frame& frame = result.frame;
+    frame.origin = surface_.positions[corner[0]];
+    frame.x_axis = normalized(ab);
+    frame.normal = normalized(cross(ab, ac));
+    for (const Vec3& other : {patches_.planes[p].normal, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
+      if (!is_across(frame.normal, frame.x_axis)) frame.normal = other;
+    frame.normal = normalized(frame.normal - dot(frame.normal, frame.x_axis) * frame.x_axis);
+    frame.normal = normalized(frame.normal - dot(frame.normal, frame.x_axis) * frame.x_axis);
+    frame.y_axis = cross(frame.normal, frame.x_axis);
+    frame.grid = kFineGrid;
+    int exponent = 0;
+    std::frexp(norm(ab), &exponent);
+    frame.scale = std::ldexp(unit, exponent);
+    const Vec3 b = surface_.positions[corner[1]], c = surface_.positions[corner[2]];
+    // Of a needle the third corner may come to lie before the first one, or behind the second: nearly as long sides are
+    // told from the longest by rounding.
+    const Vec2 uv_b{std::min(to_plane(frame, b).x, 1.0), 0};
+    const Vec2 uv_c{std::clamp(to_plane(frame, c).x, -1.0, 1.0), std::max(to_plane(frame, c).y, kFineGrid)};
+
+    std::array<std::pair<Vec2, VertexId>, 3> points{{{{0, 0}, corner[0]}, {uv_b, corner[1]}, {uv_c, corner[2]}}};
+    std::sort(points.begin(), points.end());
+    result.vertices.clear();
+    result.uv.clear();
+    for (const auto& [uv, v] : points) {
+      result.uv.push_back(uv);
+      result.vertices.push_back(v);
+    }
+    const auto index = [&](VertexId v) {
+      return static_cast<std::uint32_t>(std::find(result.vertices.begin(), result.vertices.end(), v) -
+                                        result.vertices.begin());
+    };
+    result.mesh = {};
+    const std::uint32_t h = result.mesh.add_triangle(index(corner[0]), index(corner[1]), index(corner[2]));
+    for (std::uint32_t k = 0; k < 3; ++k) result.mesh.constrain(h + k);
+  }
+
+  /// The power of two above the largest part of some sides, as far as it has a reciprocal.
+  static double unit_of(const std::array<Vec3, 3>& sides) {
+    double largest = 0;
+    for (const Vec3& s : sides) largest = std::max({largest, std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)});
+    int exponent = 0;
+    std::frexp(largest, &exponent);
+    constexpr int kMost = 1022;
+    return std::ldexp(1.0, std::clamp(exponent, -kMost, kMost));
+  }
+
+  /// Do two unit vectors, or none, stand far from each other's line?
+  static bool is_across(const Vec3& a, const Vec3& b) {
+    constexpr double kClearly = 1e-3;
+    return norm(cross(a, b)) > kClearly;
+  }
+
+  const Surface& surface_;
+  const Adjacency& adjacency_;
+  const PatchSet& patches_;
+  const BoundaryLoops& loops_;
+  const EssentialVertices& essential_;
+  const ProjectionRule& rule_;
+  RunControl& control_;
+  std::vector<VertexId> corners_;
+  RankedIds<VertexId> vertices_;
+  std::vector<Side> sides_;
+  std::vector<Vec3> points_;
+  std::vector<Edge3> edges_;
+  std::vector<Flat> order_;
+  std::vector<std::uint32_t> rank_;
+  std::vector<Segment> segments_;
+};
+
+}  // namespace
+
+std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
+                                    const BoundaryLoops& loops, const EssentialVertices& essential,
+                                    const ProjectionRule& rule, RunControl& control) {
+  const std::size_t n = patches.count();
+  Dropped<PatchMesh> all;
+  std::vector<PatchMesh>& meshes = all.items;
+  reserve_pages(meshes, n, control);
+  meshes.resize(n);
+  // The small ones in groups.
+  const LargeFirst by_size = large_first(
+      n, 1000, [&](std::uint32_t p) -> std::size_t { return patches.face_begin[p + 1] - patches.face_begin[p]; });
+  std::atomic<std::size_t> done{0};
+  const auto run = [&](std::size_t begin, std::size_t end) {
+    control.check();
+    Mesher mesher(surface, adjacency, patches, loops, essential, rule, control);
+    for (std::size_t i = begin; i < end; ++i) meshes[by_size.order[i]] = mesher.run(PatchId(by_size.order[i]));
+    control.progress(static_cast<double>(done += end - begin) / static_cast<double>(n));
+  };
+  for_all(std::size_t{0}, by_size.large, [&](std::size_t i) { run(i, i + 1); });
+  for_all(tbb::blocked_range<std::size_t>(by_size.large, n, 256),
+          [&](const auto& range) { run(range.begin(), range.end()); });
+  return std::move(meshes);
+}
+
+}  // namespace remesh

@@ -1,0 +1,18 @@
+/// Numbers the patches: edge-connected pieces of a plane.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/geometry/patch_set.h"
+#include "core/patches/coplanar_regions.h"
+
+namespace remesh {
+
+/// Input:  `regions.are_connected` is taken at its word: then each region is a piece.
+/// Output: one patch per edge-connected piece of a region, numbered by its first face.
+/// Source: the 2018 report, section 3, as amended: connected over edges.
+PatchSet patches(const Surface& surface, const Adjacency& adjacency, const Regions& regions, RunControl& control);
+
+}  // namespace remesh

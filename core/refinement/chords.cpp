@@ -1,0 +1,239 @@
+#include "core/refinement/chords.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+#include "core/base/blocks.h"
+#include "core/base/grouping.h"
+#include "core/base/stoppable.h"
+#include "core/geometry/predicates.h"
+#include "core/triangulation/delaunay_flips.h"
+
+namespace remesh {
+namespace {
+
+/// An undirected edge by its surface vertices.
+struct Key {
+  VertexId first, second;
+  friend auto operator<=>(const Key&, const Key&) = default;
+};
+
+Key key_of(const PatchMesh& patch, std::uint32_t a, std::uint32_t b) {
+  const auto& [low, high] = std::minmax(patch.vertices[a], patch.vertices[b]);
+  return {low, high};
+}
+Key key_of(const PatchMesh& patch, std::uint32_t half_edge) {
+  return key_of(patch, patch.mesh.from(half_edge), patch.mesh.to(half_edge));
+}
+
+struct Use {
+  Key key;
+  bool is_inside;  ///< of its patch; boundary edges sort first
+  PatchId patch;
+  std::uint32_t half_edge;  ///< in the patch, as long as nothing is changed there
+
+  friend bool operator<(const Use& a, const Use& b) {
+    return std::tie(a.key, a.is_inside, a.patch) < std::tie(b.key, b.is_inside, b.patch);
+  }
+};
+
+using Uses = std::vector<Use, LeftUnset<Use>>;
+
+/// The edges whose two ends are vertices below `vertex_end` and that are wanted, each once a patch, sorted.
+template <class IsWanted>
+Uses edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control,
+               const IsWanted& is_wanted) {
+  const auto blocks = map_blocks<std::vector<Use>>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
+    std::vector<Use> uses;
+    for (; p < end; ++p) {
+      const PatchMesh& patch = meshes[p];
+      for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+        const std::uint32_t twin = patch.mesh.twin(h);
+        if (twin != Triangulation2d::kNone && twin < h) continue;
+        const Key key = key_of(patch, h);
+        if (!key.second.is_valid() || key.second.value >= vertex_end) continue;
+        const bool is_inside = twin != Triangulation2d::kNone && (!patch.mesh.is_constrained(h) || patch.is_held(h));
+        if (is_wanted(key, is_inside)) uses.push_back({key, is_inside, PatchId(p), h});
+      }
+    }
+    return uses;
+  });
+  return sorted_by_key(
+      concatenate<Use>(blocks, control), vertex_end, [](const Use& use) { return use.key.first.value; }, control);
+}
+
+Uses edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+  return edge_uses(meshes, vertex_end, control, [](const Key&, bool) { return true; });
+}
+
+std::vector<Chord> chords_of(const Uses& uses, RunControl& control) {
+  std::vector<Chord> chords;
+  for (std::size_t i = 1; i < uses.size(); ++i) {
+    if (i % 4096 == 0) control.check();
+    // Two equal edges inside one patch do not occur, so an equal predecessor is another patch's or a boundary.
+    if (uses[i].is_inside && uses[i].key == uses[i - 1].key) chords.push_back({uses[i].patch, uses[i].half_edge});
+  }
+  return chords;
+}
+
+bool is_used(const Uses& uses, const Key& key) {
+  const auto found = std::lower_bound(uses.begin(), uses.end(), Use{key, false, PatchId(0), 0});
+  return found != uses.end() && found->key == key;
+}
+
+/// Flips the edge away and holds the new one, so that what follows is Delaunay around it.
+bool flip_away(PatchMesh& patch, std::uint32_t h, const Uses& uses, RunControl& control) {
+  if (patch.mesh.is_constrained(h)) return false;
+  const std::uint32_t g = patch.mesh.twin(h);
+  const std::uint32_t a = patch.mesh.from(h), b = patch.mesh.to(h), c = patch.mesh.apex(h), d = patch.mesh.apex(g);
+  const auto& uv = patch.uv;
+  if (orient2d(uv[d], uv[b], uv[c]) <= 0 || orient2d(uv[c], uv[a], uv[d]) <= 0) return false;
+  if (is_used(uses, key_of(patch, c, d))) return false;
+  patch.mesh.flip(h);
+  patch.mesh.constrain(h);
+  patch.held.insert(std::minmax(c, d));
+  std::vector<std::uint32_t> around{Triangulation2d::next(h), Triangulation2d::previous(h), Triangulation2d::next(g),
+                                    Triangulation2d::previous(g)};
+  delaunay_flips(patch.uv, patch.mesh, around, control);
+  return true;
+}
+
+/// Puts a vertex into the middle of the edge. Returns whether there was room for one.
+bool split(PatchMesh& patch, std::uint32_t h, RunControl& control) {
+  Triangulation2d& mesh = patch.mesh;
+  const std::uint32_t g = mesh.twin(h);
+  const std::uint32_t a = mesh.from(h), b = mesh.to(h), c = mesh.apex(h), d = mesh.apex(g);
+  const auto& uv = patch.uv;
+  const double grid = patch.frame.grid;
+  const Vec2 middle{std::nearbyint((uv[a].x + uv[b].x) / 2 / grid) * grid,
+                    std::nearbyint((uv[a].y + uv[b].y) / 2 / grid) * grid};
+  for (const auto& [from, to] : {std::pair(b, c), {c, a}, {a, d}, {d, b}})
+    if (orient2d(uv[from], uv[to], middle) <= 0) return false;
+  const auto m = static_cast<std::uint32_t>(patch.uv.size());
+  patch.uv.push_back(middle);
+  patch.vertices.emplace_back();
+  // (a, b, c) and (b, a, d) become (a, m, c), (m, b, c), (b, m, d) and (m, a, d).
+  const auto next = [](std::uint32_t e) { return Triangulation2d::next(e); };
+  const std::uint32_t bc = mesh.twin(next(h)), ad = mesh.twin(next(g));
+  const bool is_bc_constrained = mesh.is_constrained(next(h)), is_ad_constrained = mesh.is_constrained(next(g));
+  mesh.set_triangle(h, a, m, c);
+  mesh.set_triangle(g, b, m, d);
+  const std::uint32_t mb = mesh.add_triangle(m, b, c), ma = mesh.add_triangle(m, a, d);
+  mesh.join(h, ma);
+  mesh.join(g, mb);
+  mesh.join(next(h), mb + 2);
+  mesh.join(next(g), ma + 2);
+  mesh.join(mb + 1, bc, is_bc_constrained);
+  mesh.join(ma + 1, ad, is_ad_constrained);
+  std::vector<std::uint32_t> around{mb + 1, ma + 1, Triangulation2d::previous(h), Triangulation2d::previous(g)};
+  delaunay_flips(patch.uv, mesh, around, control);
+  return true;
+}
+
+/// Lets go of what is held and `is_wanted` no more; it gives way to what is Delaunay. Returns whether there was such.
+template <class IsWanted>
+bool release_held(PatchMesh& patch, const IsWanted& is_wanted, RunControl& control) {
+  if (patch.held.empty()) return false;
+  std::vector<std::uint32_t> released;
+  for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
+    const std::uint32_t twin = patch.mesh.twin(h);
+    if (twin == Triangulation2d::kNone || !patch.mesh.is_constrained(h) || !patch.is_held(h) || is_wanted(h)) continue;
+    patch.mesh.join(h, twin);
+    patch.held.erase(std::minmax(patch.mesh.from(h), patch.mesh.to(h)));
+    released.push_back(h);
+  }
+  const bool is_any = !released.empty();
+  delaunay_flips(patch.uv, patch.mesh, released, control);
+  return is_any;
+}
+
+/// Treats chord after chord, where flips for one before it have not changed the edge: the next pass looks at it again.
+/// `treat` says whether it could; where it could not, nothing has changed.
+template <class Treat>
+bool for_chords(std::vector<PatchMesh>& meshes, const std::vector<Chord>& chords, RunControl& control,
+                const Treat& treat) {
+  std::vector<Key> keys;
+  keys.reserve(chords.size());
+  StopCheck check(control);
+  for (const Chord& chord : chords) {
+    check();
+    keys.push_back(key_of(meshes[chord.patch.value], chord.half_edge));
+  }
+  bool is_any = false;
+  for (std::size_t i = 0; i < chords.size(); ++i) {
+    check();
+    PatchMesh& patch = meshes[chords[i].patch.value];
+    if (key_of(patch, chords[i].half_edge) == keys[i]) is_any = treat(patch, chords[i].half_edge) || is_any;
+  }
+  return is_any;
+}
+
+}  // namespace
+
+std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+  if (meshes.size() < 2) return {};
+  // Few edges inside patches join two such vertices, and only what joins the same two could be equal to one of them.
+  Uses uses = edge_uses(meshes, vertex_end, control, [](const Key&, bool is_inside) { return is_inside; });
+  if (uses.empty()) return {};
+  std::vector<std::uint8_t> is_end(vertex_end, 0);
+  StopCheck check(control);
+  for (const Use& use : uses) {
+    check();
+    is_end[use.key.first.value] = is_end[use.key.second.value] = 1;
+  }
+  const Uses boundary = edge_uses(meshes, vertex_end, control, [&](const Key& key, bool is_inside) {
+    return !is_inside && is_end[key.first.value] != 0 && is_end[key.second.value] != 0;
+  });
+  const auto middle = static_cast<std::ptrdiff_t>(uses.size());
+  uses.insert(uses.end(), boundary.begin(), boundary.end());
+  std::inplace_merge(uses.begin(), uses.begin() + middle, uses.end(), [&](const Use& a, const Use& b) {
+    check();
+    return a < b;
+  });
+  return chords_of(uses, control);
+}
+
+bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+  if (std::all_of(meshes.begin(), meshes.end(), [](const PatchMesh& patch) { return patch.held.empty(); }) &&
+      find_chords(meshes, vertex_end, control).empty())
+    return true;
+  // A flip may make edges that conflict anew, or leave another without what it was held for; what goes on doing so is
+  // left.
+  constexpr int kMostPasses = 8;
+  for (int pass = 0;; ++pass) {
+    const Uses uses = edge_uses(meshes, vertex_end, control);
+    bool is_settled = true;
+    StopCheck check(control);
+    for (PatchMesh& patch : meshes) {
+      check();
+      const auto is_wanted = [&](std::uint32_t h) {
+        return is_used(uses, key_of(patch, patch.mesh.apex(h), patch.mesh.apex(patch.mesh.twin(h))));
+      };
+      is_settled = !release_held(patch, is_wanted, control) && is_settled;
+    }
+    const std::vector<Chord> chords = chords_of(uses, control);
+    if (is_settled && chords.empty()) return true;
+    if (pass == kMostPasses) return false;
+    if (!is_settled) continue;
+    const auto flip_one = [&](PatchMesh& patch, std::uint32_t h) { return flip_away(patch, h, uses, control); };
+    if (!for_chords(meshes, chords, control, flip_one)) return false;
+  }
+}
+
+void split_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+  std::vector<Chord> chords = find_chords(meshes, vertex_end, control);
+  if (chords.empty()) return;
+  // A flip for the sake of a chord that is split now would leave an edge that is not Delaunay, without a reason.
+  for (PatchMesh& patch : meshes)
+    release_held(
+        patch, [](std::uint32_t) { return false; }, control);
+  // Each pass leaves fewer: the edges that are new all end at a new vertex.
+  do {
+    chords = find_chords(meshes, vertex_end, control);
+  } while (
+      for_chords(meshes, chords, control, [&](PatchMesh& patch, std::uint32_t h) { return split(patch, h, control); }));
+}
+
+}  // namespace remesh

@@ -1,0 +1,147 @@
+#include "core/refinement/goal_refinement.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <string>
+#include <utility>
+
+#include "core/refinement/gap_search.h"
+#include "core/refinement/prediction.h"
+#include "core/refinement/segment_table.h"
+#include "core/refinement/size_misses.h"
+
+namespace remesh {
+namespace {
+
+constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
+
+/// What is far beyond any result fits, too.
+std::uint64_t whole(double faces) { return static_cast<std::uint64_t>(std::min(faces, 0x1p62)); }
+
+std::string count_text(double count) {
+  return count < 1e15 ? std::to_string(static_cast<std::uint64_t>(count)) : "10^15";
+}
+
+}  // namespace
+
+bool GoalRefinement::has_goals() const {
+  return goals_.min_angle_deg > 0 || std::isfinite(goals_.max_edge_length) || std::isfinite(goals_.max_area) ||
+         goals_.proximity > 0 || goals_.gradation > 0;
+}
+
+std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) {
+  const auto gaps = gap_search(on, meshes);
+  const SizeField& sizes = size_field(on, meshes, gaps.get());
+  if (has_goals()) predicted_faces_ = whole(predict(meshes, goals_, sizes, control_).expected);
+  return predicted_faces_;
+}
+
+Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder,
+                                  std::span<const std::pair<PatchId, PatchId>> crossing,
+                                  std::vector<PatchMesh>& meshes) {
+  frozen_.resize(on.patches.count(), 0);
+  for (std::size_t p = 0; p < on.patches.count(); ++p)
+    if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[p] = 1;
+  if (is_budget_too_small()) frozen_.assign(on.patches.count(), 1);
+  const auto gaps = gap_search(on, meshes);
+  const SizeField& sizes = size_field(on, meshes, gaps.get());
+  const std::optional<SizeField> graded = sizes_without_floor(on, meshes);
+  const Prediction prediction = predict(meshes, goals_, sizes, control_);
+  predicted_faces_ = whole(prediction.expected);
+  const auto attempt = [&](std::uint64_t budget, std::uint64_t most_made) {
+    SegmentTable segments(on.surface, meshes, frozen_, sizes, goals_, control_);
+    refuse_if_hopeless(least_faces(meshes, frozen_, segments, goals_, sizes, control_));
+    segments.plan_cuts(meshes, sizes, goals_, control_);
+    Goals within_budget = goals_;
+    within_budget.max_faces = budget;
+    return remesh::refine(on.surface, on.patches, frozen_, within_budget, sizes, std::move(segments), prediction,
+                          meshes, most_made, control_);
+  };
+  const auto measured = [&](Refinement refined) {
+    if (gaps || graded)
+      note_size_misses(on.surface, meshes, frozen_,
+                       {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr, crossing}, refined,
+                       control_);
+    if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
+    return refined;
+  };
+  needs_budget_ = needs_budget_ || !is_worth_trying_without_budget();
+  if (!needs_budget_) {
+    const std::uint64_t most = std::min(goals_.max_faces, kMostFaces);
+    if (auto refined = attempt(kNoLimit, most + std::min((kMostMade - 1) * most, kMostMadeBeyond)))
+      return measured(*std::move(refined));
+    needs_budget_ = true;
+  }
+  return measured(attempt(budget_, kNoLimit).value());
+}
+
+bool GoalRefinement::is_worth_trying_without_budget() const {
+  return goals_.max_faces != kNoLimit && static_cast<double>(predicted_faces_) <=
+                                             std::max(kFewFaces, kHopeless * static_cast<double>(goals_.max_faces));
+}
+
+/// Before anything is allocated by it: what must have more faces than allowed is not begun.
+void GoalRefinement::refuse_if_hopeless(double least) const {
+  const std::uint64_t most = std::min(goals_.max_faces, kMostFaces);
+  if (least > static_cast<double>(most))
+    throw Error(Code::kOutputTooLarge, Stage::kRefinement,
+                "with these sizes the result has at least " + count_text(least) + " faces, more than allowed")
+        .for_option("max_output_faces")
+        .with_limit(most);
+}
+
+std::unique_ptr<const GapSearch> GoalRefinement::gap_search(const PatchedSurface& on,
+                                                            const std::vector<PatchMesh>& meshes) const {
+  if (!(goals_.proximity > 0)) return nullptr;
+  return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, meshes);
+}
+
+/// Where gradation alone makes sizes vary.
+std::optional<SizeField> GoalRefinement::sizes_without_floor(const PatchedSurface& on,
+                                                             const std::vector<PatchMesh>& meshes) const {
+  if (goals_.proximity > 0 || !(goals_.gradation > 0)) return std::nullopt;
+  return SizeField::without_floor(on.surface, segment_ends(meshes, control_), goals_, control_);
+}
+
+const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes,
+                                            const GapSearch* gaps) {
+  if (sizes_) return *sizes_;
+  if (gaps != nullptr) smallest_gap_ = gaps->smallest(control_);
+  // With proximity it is the gaps' sizes that grow; around short segments the bound on angles sees to it. Alone,
+  // gradation is about these.
+  std::vector<std::array<VertexId, 2>> segments;
+  if (gaps == nullptr && goals_.gradation > 0) segments = segment_ends(meshes, control_);
+  if (gaps != nullptr || goals_.gradation > 0)
+    sizes_.emplace(on.surface, gaps, segments, goals_, on.plane_tolerance, control_);
+  else
+    sizes_.emplace(goals_.max_edge_length);
+  return *sizes_;
+}
+
+bool GoalRefinement::is_over_budget(std::uint64_t faces) {
+  if (!has_goals() || faces <= goals_.max_faces || is_budget_too_small()) return false;
+  if (!std::exchange(needs_budget_, true)) return true;
+  const bool is_in_vain = last_faces_ != 0 && faces >= last_faces_;
+  last_faces_ = faces;
+  retries_ += is_in_vain ? kRetriesInVain : 1;
+  // What comes on top of a budget mostly grows with it; each time a little more is kept back.
+  const double share = static_cast<double>(goals_.max_faces) / static_cast<double>(faces);
+  constexpr double kKeptBack = 1.0 / 32;
+  budget_ = static_cast<std::uint64_t>(static_cast<double>(budget_) * share * (1 - kKeptBack * retries_));
+  return true;
+}
+
+bool GoalRefinement::freeze(const std::vector<PatchId>& failed) {
+  if (!has_goals()) return false;
+  bool is_new = false;
+  for (const PatchId p : failed) {
+    is_new = is_new || frozen_[p.value] == 0;
+    frozen_[p.value] = 1;
+  }
+  return is_new;
+}
+
+}  // namespace remesh

@@ -1,0 +1,112 @@
+#include "core/refinement/lifting.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+
+#include "core/base/blocks.h"
+#include "core/base/large_first.h"
+#include "core/patches/patch_locator.h"
+
+namespace remesh {
+namespace {
+
+/// Shortest edge at which noise of one tolerance turns faces by so little that angles keep their bound: the change is
+/// of second order.
+constexpr double kLeastEdge = 100;
+/// What is flatter than this, of its coordinates, is flat but for rounding.
+constexpr double kFlat = 0x1p-46;
+
+class PatchLift {
+ public:
+  PatchLift(const Surface& surface, const PatchSet& patches, PatchId p, const PatchMesh& mesh)
+      : surface_(surface), faces_(patches.faces_of(p)), mesh_(mesh) {}
+
+  bool is_flat(RunControl& control) const {
+    struct Extent {
+      double low = 0, high = 0, magnitude = 0;
+    };
+    const auto extent_of = [&](std::size_t begin, std::size_t end) {
+      Extent e;
+      for (const FaceId f : faces_.subspan(begin, end - begin))
+        for (const VertexId v : surface_.face(f)) {
+          const Vec3& position = surface_.positions[v];
+          e.low = std::min(e.low, height(position));
+          e.high = std::max(e.high, height(position));
+          e.magnitude = std::max({e.magnitude, std::fabs(position.x), std::fabs(position.y), std::fabs(position.z)});
+        }
+      return e;
+    };
+    Extent all;
+    for (const Extent& e : map_blocks<Extent>(faces_.size(), kItemsPerBlock, control, extent_of))
+      all = {std::min(all.low, e.low), std::max(all.high, e.high), std::max(all.magnitude, e.magnitude)};
+    return all.high - all.low <= kFlat * all.magnitude;
+  }
+
+  void run(std::size_t first_inner, double plane_tolerance, std::vector<Vec3>& new_positions, RunControl& control) {
+    const std::size_t old = surface_.vertex_count();
+    const auto has_short_edge = vertices_with_short_edges(kLeastEdge * plane_tolerance, control);
+    const PatchLocator locator(surface_, faces_, mesh_.frame, control);
+    for_blocks(mesh_.vertices.size(), kLookUps, control, [&](std::size_t i, std::size_t end) {
+      for (; i < end; ++i) {
+        control.check();  // among needles, many are near
+        const std::size_t v = mesh_.vertices[i].value;
+        if (v < old + first_inner || has_short_edge[i]) continue;
+        Vec3& position = new_positions[v - old];
+        const double wanted = height_under(locator.nearest(mesh_.uv[i]), mesh_.uv[i]);
+        position += (wanted - height(position)) * mesh_.frame.normal;
+      }
+    });
+  }
+
+ private:
+  std::vector<std::uint8_t> vertices_with_short_edges(double limit, RunControl& control) const {
+    std::vector<std::uint8_t> has_one(mesh_.vertices.size(), 0);
+    for_blocks(mesh_.mesh.half_edge_count(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+        const std::uint32_t a = mesh_.mesh.from(h), b = mesh_.mesh.to(h);
+        if (!(norm(mesh_.uv[b] - mesh_.uv[a]) * mesh_.frame.scale < limit)) continue;
+        for (const std::uint32_t v : {a, b}) std::atomic_ref(has_one[v]).store(1, std::memory_order_relaxed);
+      }
+    });
+    return has_one;
+  }
+
+  double height(const Vec3& p) const { return dot(p - mesh_.frame.origin, mesh_.frame.normal); }
+
+  /// Between the heights of the triangle's corners.
+  double height_under(const PatchLocator::Place& place, Vec2 p) const {
+    double weight[3], sum = 0;
+    for (int k = 0; k < 3; ++k) {
+      const Vec2 a = place.uv[(k + 1) % 3], b = place.uv[(k + 2) % 3];
+      weight[k] = std::max(0.0, cross(b - a, p - a));
+      sum += weight[k];
+    }
+    double result = 0;
+    for (int k = 0; k < 3; ++k)
+      result += (sum > 0 ? weight[k] / sum : 1.0 / 3) * height(surface_.positions[place.corners[k]]);
+    return result;
+  }
+
+  const Surface& surface_;
+  std::span<const FaceId> faces_;
+  const PatchMesh& mesh_;
+};
+
+}  // namespace
+
+void lift_new_vertices(const Surface& surface, const PatchSet& patches, const std::vector<PatchMesh>& meshes,
+                       std::size_t first_inner, double plane_tolerance, std::vector<Vec3>& new_positions,
+                       RunControl& control) {
+  const auto work = [&](std::size_t p) { return patches.faces_of(PatchId(p)).size() + meshes[p].vertices.size(); };
+  for_large_first(meshes.size(), kLargePatch, work, control, [&](std::size_t p) {
+    const PatchMesh& mesh = meshes[p];
+    const bool has_inner = std::any_of(mesh.vertices.begin(), mesh.vertices.end(),
+                                       [&](VertexId v) { return v.value >= surface.vertex_count() + first_inner; });
+    if (!has_inner || patches.faces_of(PatchId(p)).size() == 1) return;
+    PatchLift lift(surface, patches, PatchId(p), mesh);
+    if (!lift.is_flat(control)) lift.run(first_inner, plane_tolerance, new_positions, control);
+  });
+}
+
+}  // namespace remesh

@@ -1,0 +1,99 @@
+#include "core/verify/verification_faults.h"
+
+#include <algorithm>
+#include <string>
+#include <tuple>
+
+namespace remesh::verification {
+namespace {
+
+constexpr std::size_t kMaxFailures = 20;
+
+constexpr std::uint32_t bit(Fault fault) { return 1u << static_cast<int>(fault); }
+static_assert(kFaultCount <= 32);
+
+// What a fault refutes. Some refute more than one promise: boundaries that do not match are neither conforming, nor is
+// the argument for the surfaces' distance left (see patch_shape.h).
+constexpr std::uint32_t kAgainstSurface =
+    bit(Fault::kMalformed) | bit(Fault::kMovedVertex) | bit(Fault::kForeignVertex) | bit(Fault::kNoFaces) |
+    bit(Fault::kLostLoop) | bit(Fault::kBoundary) | bit(Fault::kChord) | bit(Fault::kDeviation) |
+    bit(Fault::kFacingAway) | bit(Fault::kArea) | bit(Fault::kInverted) | bit(Fault::kEuler) | bit(Fault::kVolume) |
+    bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) | bit(Fault::kPolygon);
+constexpr std::uint32_t kAgainstConforming = bit(Fault::kMalformed) | bit(Fault::kLostVertex) | bit(Fault::kLostLoop) |
+                                             bit(Fault::kBoundary) | bit(Fault::kZeroArea) | bit(Fault::kInverted) |
+                                             bit(Fault::kOpened) | bit(Fault::kNewVertex) | bit(Fault::kNewOffLine) |
+                                             bit(Fault::kNewIntersection);
+constexpr std::uint32_t kAgainstDelaunay =
+    bit(Fault::kMalformed) | bit(Fault::kFrame) | bit(Fault::kPlaneCoordinates) | bit(Fault::kNotDelaunay);
+constexpr std::uint32_t kAgainstQuality = bit(Fault::kMalformed) | bit(Fault::kLockedBoundary) | bit(Fault::kUnlisted) |
+                                          bit(Fault::kListedInVain) | bit(Fault::kCertificate) |
+                                          bit(Fault::kShortEdge) | bit(Fault::kTooManyFaces);
+static_assert((kAgainstSurface | kAgainstConforming | kAgainstDelaunay | kAgainstQuality) == (1u << kFaultCount) - 1);
+
+std::string words(const Finding& finding) {
+  const std::string id = std::to_string(finding.element);
+  switch (finding.fault) {
+    case Fault::kMalformed: return "the claim is malformed";
+    case Fault::kMovedVertex: return "output vertex " + id + " is no vertex of the input, nor a new one by itself";
+    case Fault::kForeignVertex: return "vertex " + id + " is used, and is not the patch's in the input";
+    case Fault::kLostVertex: return "vertex " + id + ", where others meet the patch, is gone";
+    case Fault::kNoFaces: return "no faces are left";
+    case Fault::kLostLoop: return "a boundary loop through vertex " + id + " is gone";
+    case Fault::kBoundary: return "a boundary edge at vertex " + id + " has not the faces that the input has there";
+    case Fault::kChord: return "boundary vertices next to vertex " + id + " are off the edge that replaces them";
+    case Fault::kDeviation: return "input and output are further apart than the tolerance";
+    case Fault::kFacingAway: return "input face " + id + " faces away from the patch's normal";
+    case Fault::kArea: return "the area is not kept";
+    case Fault::kZeroArea: return "output face " + id + " has no area";
+    case Fault::kInverted: return "output face " + id + " is turned over";
+    case Fault::kFrame: return "the frame is not right-handed, orthonormal and on a grid";
+    case Fault::kPlaneCoordinates: return "the plane coordinates of output face " + id + " are not its projection";
+    case Fault::kNotDelaunay: return "an edge of output face " + id + " is not locally Delaunay";
+    case Fault::kEuler: return "the Euler number changed";
+    case Fault::kOpened: return "the surface was closed and is open";
+    case Fault::kVolume: return "the volume changed by more than the deviations explain";
+    case Fault::kNewVertex: return "new vertex " + id + " is neither on one edge nor inside one patch";
+    case Fault::kNewOffLine: return "new vertices next to vertex " + id + " are off their edge, or out of order";
+    case Fault::kLockedBoundary: return "new vertex " + id + " is on a boundary that was not to be split";
+    case Fault::kUnlisted: return "output face " + id + " misses the goals and is not listed";
+    case Fault::kListedInVain: return "output face " + id + " is listed and meets the goals";
+    case Fault::kCertificate: return "output face " + id + " is listed for a reason that it has not";
+    case Fault::kShortEdge: return "an edge at vertex " + id + ", made by refinement, is too short";
+    case Fault::kTooManyFaces: return "there are more faces than allowed";
+    case Fault::kNewIntersection: return "output face " + id + " intersects another one, and the input does not there";
+    case Fault::kPolygon: return "input polygon " + id + " was not cut into triangles that cover it once";
+  }
+  return {};
+}
+
+}  // namespace
+
+void Findings::add(PatchId patch, Fault fault, std::uint32_t element) {
+  std::uint32_t& seen = patch.is_valid() ? of_patch_[patch.value] : of_whole_;
+  if (seen & bit(fault)) return;
+  seen |= bit(fault);
+  findings_.push_back({patch, fault, element});
+}
+
+void Findings::write_to(Verdict& verdict) const {
+  std::uint32_t faults = of_whole_;
+  for (std::size_t p = 0; p < of_patch_.size(); ++p) {
+    faults |= of_patch_[p];
+    if (of_patch_[p] != 0) verdict.failed_patches.push_back(PatchId(p));
+  }
+  verdict.surface = (faults & kAgainstSurface) == 0;
+  verdict.conforming = (faults & kAgainstConforming) == 0;
+  verdict.delaunay = (faults & kAgainstDelaunay) == 0;
+  if (is_refined_) verdict.quality = (faults & kAgainstQuality) == 0;
+
+  // The whole first: its patch is invalid, and so the largest number.
+  std::vector<Finding> first(std::min(kMaxFailures, findings_.size()));
+  const auto key = [](const Finding& f) { return std::tuple(f.patch.value + 1, f.fault); };
+  std::partial_sort_copy(findings_.begin(), findings_.end(), first.begin(), first.end(),
+                         [&](const Finding& a, const Finding& b) { return key(a) < key(b); });
+  for (const Finding& f : first) {
+    verdict.failures.push_back((f.patch.is_valid() ? "patch " + std::to_string(f.patch.value) + ": " : "") + words(f));
+  }
+}
+
+}  // namespace remesh::verification

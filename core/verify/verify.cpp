@@ -1,0 +1,204 @@
+#include "core/verify/verify.h"
+
+#include <algorithm>
+#include <atomic>
+#include <cfloat>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <numeric>
+#include <optional>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "core/base/blocks.h"
+#include "core/base/stoppable.h"
+#include "core/geometry/patch_intersections.h"
+#include "core/mesh/triangle_corners.h"
+#include "core/verify/boundary.h"
+#include "core/verify/edge_table.h"
+#include "core/verify/exact.h"
+#include "core/verify/goal_check.h"
+#include "core/verify/model.h"
+#include "core/verify/patch_shape.h"
+#include "core/verify/polygons.h"
+#include "core/verify/varying_sizes.h"
+#include "core/verify/verification_faults.h"
+
+namespace remesh {
+namespace {
+
+using namespace verification;
+
+/// Tests the edges inside patches, on the stored plane coordinates.
+class DelaunayCheck {
+ public:
+  DelaunayCheck(const Model& model, const EdgeTable& edges, const std::vector<std::uint8_t>& is_positive)
+      : model_(model), edges_(edges), is_positive_(is_positive) {}
+
+  void run(Findings& findings, RunControl& control) const {
+    const auto blocks = map_blocks<std::vector<Finding>>(edges_.vertex_count(), kItemsPerBlock, control,
+                                                         [&](std::size_t begin, std::size_t end) {
+                                                           std::vector<Finding> found;
+                                                           edges_.for_each_edge(begin, end, [&](const Edge& edge) {
+                                                             if (edge.is_interior()) check(edge, found);
+                                                           });
+                                                           return found;
+                                                         });
+    for (const auto& found : blocks) findings.add(found);
+  }
+
+ private:
+  /// One triangle at an edge, by its corners: the edge runs from `from` to `to`.
+  struct Side {
+    std::uint32_t face, from, to, apex;
+    explicit Side(std::uint32_t half_edge)
+        : face(half_edge / 3),
+          from(half_edge),
+          to(3 * face + (half_edge + 1) % 3),
+          apex(3 * face + (half_edge + 2) % 3) {}
+  };
+
+  void check(const Edge& edge, std::vector<Finding>& found) const {
+    const Side left(edge.uses[0].half_edge), right(edge.uses[1].half_edge);
+    // Triangles without sound coordinates have been reported, or are the input's own and may be as they like.
+    if (!is_positive_[left.face] || !is_positive_[right.face]) return;
+    const PatchId patch = edge.uses[0].patch();
+    const auto& uv = model_.corner_uv;
+    if (uv[left.from] != uv[right.to] || uv[left.to] != uv[right.from]) {
+      found.push_back({patch, Fault::kPlaneCoordinates, left.face});
+      return;
+    }
+    const double grid = model_.frames[patch.value].grid;
+    if (!is_inside_circle(uv[left.from], uv[left.to], uv[left.apex], uv[right.apex], grid)) return;
+    // The chord rule: a flip must not make an edge that is there already, in this patch or another.
+    const auto& corners = model_.output.corners;
+    if (edges_.find(corners[left.apex], corners[right.apex]).empty())
+      found.push_back({patch, Fault::kNotDelaunay, left.face});
+  }
+
+  const Model& model_;
+  const EdgeTable& edges_;
+  const std::vector<std::uint8_t>& is_positive_;
+};
+
+/// For how many of 0 .. n-1 is_set(i) holds.
+template <class IsSet>
+std::int64_t count_set(std::size_t n, RunControl& control, const IsSet& is_set) {
+  const auto counts = map_blocks<std::int64_t>(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+    std::int64_t count = 0;
+    for (std::size_t i = begin; i < end; ++i) count += is_set(i);
+    return count;
+  });
+  return std::accumulate(counts.begin(), counts.end(), std::int64_t{0});
+}
+
+void check_whole(const Model& model, const EdgeCounts& input, std::int64_t input_vertices, const EdgeCounts& output,
+                 const ShapeSums& shapes, Findings& findings, RunControl& control) {
+  const auto euler = [](std::int64_t vertices, const Faces& faces, const EdgeCounts& counts) {
+    return vertices - static_cast<std::int64_t>(counts.edges) + static_cast<std::int64_t>(faces.count());
+  };
+  const std::int64_t output_vertices =
+      count_set(model.is_kept.size(), control, [&](std::size_t v) { return model.is_kept[v] != 0; });
+  if (euler(input_vertices, model.input, input) != euler(output_vertices, model.output, output))
+    findings.add(PatchId(), Fault::kEuler);
+  if (input.is_closed && !output.is_closed) findings.add(PatchId(), Fault::kOpened);
+  if (input.is_closed && input.is_consistent && !(std::fabs(shapes.volume_change) <= shapes.volume_bound))
+    findings.add(PatchId(), Fault::kVolume);
+}
+
+/// At most so many intersecting pairs are looked for.
+constexpr std::size_t kMostPairs = 100'000;
+
+/// Writes the pairs of output faces that intersect to the verdict.
+void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is_positive, Findings& findings,
+                         Verdict& verdict, RunControl& control) {
+  // What is nowhere intersects nothing, and has failed already.
+  if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); })) return;
+  std::vector<Vec3> normals;
+  normals.reserve(claim.frames.size());
+  for (const Frame& frame : claim.frames) normals.push_back(frame.normal);
+  // In its plane a patch of positive triangles covers nothing twice that its boundary does not.
+  std::vector<std::uint8_t> is_simple(claim.frames.size(), 1);
+  StopCheck check(control);
+  for (std::size_t f = 0; f < claim.faces.size(); ++f) {
+    check();
+    if (!is_positive[f]) is_simple[claim.face_patch[f].value] = 0;
+  }
+  SelfIntersections found = patch_intersections(
+      {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, kMostPairs, control);
+  static const InputIntersections kNone;
+  const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNone;
+  if (known.is_complete)
+    for (const auto& [f, g] : found.pairs) {
+      check();
+      const auto [p, q] = std::minmax(claim.face_patch[f.value], claim.face_patch[g.value]);
+      if (std::binary_search(known.patches.begin(), known.patches.end(), std::pair(p, q))) continue;
+      findings.add(p, Fault::kNewIntersection, f.value);
+      findings.add(q, Fault::kNewIntersection, g.value);
+    }
+  verdict.are_all_intersections_known = known.is_complete && found.is_complete;
+  verdict.intersections = std::move(found.pairs);
+}
+
+}  // namespace
+
+Verdict verify(const Claim& claim, RunControl& control) {
+  Verdict verdict;
+  Findings findings(claim.frames.size(), claim.refinement != nullptr);
+  if (!is_well_formed(claim, control)) {
+    findings.add(PatchId(), Fault::kMalformed);
+    findings.write_to(verdict);
+    return verdict;
+  }
+
+  // Output faces in the surface's vertex numbers: by exact coordinates.
+  const Model model = make_model(claim, findings, control);
+  control.progress(0.2);
+
+  // What came of the input's polygons before.
+  check_polygons(claim, model, findings, control);
+
+  // Who uses each edge, before and after.
+  std::optional<EdgeTable> edges_before, edges_after;
+  std::optional<BoundaryGraph> seams_before, seams_after;
+  const auto look_at = [&](const Faces& faces, std::span<const std::uint32_t> order, std::optional<EdgeTable>& edges,
+                           std::optional<BoundaryGraph>& seams) {
+    edges.emplace(model.points.size(), faces, order, control);
+    seams.emplace(model.points.size(), edges->take_bounding(), control);
+  };
+  // The input's, as the larger one in most cases, on this thread: its memory comes from where all the rest was.
+  do_all([&] { look_at(model.output, {}, edges_after, seams_after); },
+         [&] { look_at(model.input, claim.surface_edge_order, edges_before, seams_before); });
+  const EdgeTable &input_edges = *edges_before, &output_edges = *edges_after;
+  const Seams seams{*std::move(seams_before), *std::move(seams_after)};
+  control.progress(0.6);
+
+  // Loops kept, edges conforming.
+  const Boundary boundary = check_boundary(model, seams, findings, control);
+  control.progress(0.8);
+
+  // Each patch the same piece of surface, its triangles sound.
+  std::vector<std::uint8_t> is_positive;
+  const ShapeSums shapes = check_shapes(model, input_edges, seams, boundary, is_positive, findings, control);
+  verdict.deviation = shapes.deviation / model.scale;
+  // Of a model near the largest double it stays a number, as its volume does.
+  verdict.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(model.scale)), DBL_MAX);
+  control.progress(0.9);
+
+  DelaunayCheck(model, output_edges, is_positive).run(findings, control);
+  check_intersections(claim, is_positive, findings, verdict, control);
+  if (claim.refinement != nullptr) {
+    const Goals& goals = claim.refinement->goals;
+    std::optional<VaryingSizes> sizes;
+    if (goals.proximity > 0 || goals.gradation > 0) sizes.emplace(claim, model, seams.input, seams.output, control);
+    check_goals(*claim.refinement, model, output_edges, seams.output, sizes ? &*sizes : nullptr, findings, control);
+  }
+  check_whole(model, input_edges.counts(), boundary.input_vertices, output_edges.counts(), shapes, findings, control);
+  findings.write_to(verdict);
+  control.progress(1);
+  return verdict;
+}
+
+}  // namespace remesh

@@ -1,0 +1,179 @@
+// Results in the numbers of binary STL: what comes out is right by geometry, or it is refused and says why.
+#include "core/output/output_form.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/base/rounded_to_float.h"
+#include "tests/support/errors.h"
+#include "tests/support/shapes.h"
+#include "tests/support/unrefined_options.h"
+
+namespace remesh {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+Result in_floats(const PolygonMesh& mesh, Options options = unrefined(), int workers = 1) {
+  RunControl control;
+  return remesh_surface(mesh, options, {.workers = workers, .storage = Storage::kFloat}, control);
+}
+Result in_doubles(const PolygonMesh& mesh, const Options& options = unrefined()) {
+  RunControl control;
+  return remesh_surface(mesh, options, {}, control);
+}
+
+bool are_floats(const Result& result) {
+  return std::all_of(result.mesh.positions.begin(), result.mesh.positions.end(),
+                     [](const Vec3& p) { return p == rounded_to_float(p); });
+}
+
+double largest_difference(const Result& a, const Result& b, const Vec3& origin = {}) {
+  double largest = 0;
+  for (std::uint32_t v = 0; v < a.mesh.positions.size(); ++v)
+    largest = std::max(largest, norm(a.mesh.positions[VertexId(v)] + origin - b.mesh.positions[VertexId(v)]));
+  return largest;
+}
+
+PolygonMesh at_map_coordinates(double size) {
+  return shapes::moved(shapes::scaled(shapes::rotated(shapes::l_bracket(2), {0, 0, 1}, 30), size), {5e5, 5e6, 100});
+}
+
+TEST(OutputForm, the_report_is_about_the_rounded_mesh) {
+  const PolygonMesh turned = shapes::rotated(shapes::l_bracket(2), {1, 2, 3}, 40);
+  const Result exact = in_doubles(turned), rounded = in_floats(turned);
+  EXPECT_TRUE(are_floats(rounded));
+  EXPECT_FALSE(are_floats(exact));
+  EXPECT_EQ(exact.report.output_rounding, 0);
+  EXPECT_DOUBLE_EQ(rounded.report.output_rounding, largest_difference(rounded, exact));
+  EXPECT_GT(rounded.report.output_rounding, 0);
+  EXPECT_FALSE(rounded.report.output_origin);
+  EXPECT_DOUBLE_EQ(rounded.report.verified.deviation, exact.report.verified.deviation + rounded.report.output_rounding);
+  EXPECT_LE(std::fabs(*rounded.report.output.volume - *exact.report.output.volume), rounded.report.volume_bound);
+  EXPECT_GT(rounded.report.volume_bound, exact.report.volume_bound);
+  EXPECT_NE(rounded.report.output.quality.min_angle_deg, exact.report.output.quality.min_angle_deg);
+  for (std::size_t p = 0; p < exact.report.patches.size(); ++p)
+    EXPECT_GT(rounded.report.patches[p].deviation, exact.report.patches[p].deviation);
+  EXPECT_TRUE(rounded.report.volume_obstacles.empty());
+  EXPECT_EQ(rounded.face_patch, exact.face_patch);
+}
+
+TEST(OutputForm, what_floats_hold_is_the_same_in_both) {
+  const Result exact = in_doubles(shapes::l_bracket(2)), rounded = in_floats(shapes::l_bracket(2));
+  EXPECT_EQ(rounded.mesh.positions, exact.mesh.positions);
+  EXPECT_EQ(rounded.report.output_rounding, 0);
+  EXPECT_EQ(rounded.report.verified.deviation, exact.report.verified.deviation);
+}
+
+TEST(OutputForm, a_part_at_map_coordinates_is_refused_with_reason_step_and_formats) {
+  const Error error = test::error_of([] { in_floats(at_map_coordinates(2)); });
+  EXPECT_EQ(error.code, Code::kNotAcceptable);
+  EXPECT_EQ(error.option, "format");
+  // Floats from 2^22 to 2^23 are a half apart.
+  EXPECT_THAT(error.what(), HasSubstr("0.5 apart"));
+  EXPECT_THAT(error.what(), HasSubstr("moves a vertex"));
+  EXPECT_THAT(error.what(), HasSubstr("obj, json, stl_ascii, ply, off, vtu, msh"));
+  EXPECT_THAT(error.what(), HasSubstr("local_origin=true"));
+}
+
+TEST(OutputForm, it_is_written_about_a_named_origin_if_that_is_asked_for) {
+  Options local = unrefined();
+  local.local_origin = true;
+  const Result exact = in_doubles(at_map_coordinates(2)), rounded = in_floats(at_map_coordinates(2), local);
+  ASSERT_TRUE(rounded.report.output_origin);
+  const Vec3 origin = *rounded.report.output_origin;
+  // Few digits: whole numbers, and none on the axis that needs none... but the height is 100, far from a part of 4.
+  for (int axis = 0; axis < 3; ++axis) EXPECT_EQ(origin[axis], std::round(origin[axis]));
+  EXPECT_TRUE(are_floats(rounded));
+  EXPECT_DOUBLE_EQ(rounded.report.output_rounding, largest_difference(rounded, exact, origin));
+  EXPECT_LE(rounded.report.output_rounding, 1e-6 * exact.report.input.bounding_box.diagonal());
+  EXPECT_NEAR(*rounded.report.output.volume, *exact.report.output.volume, rounded.report.volume_bound);
+  // The box is the model's.
+  EXPECT_NEAR(rounded.report.output.bounding_box.min.y, exact.report.output.bounding_box.min.y, 1e-5);
+  EXPECT_TRUE(rounded.report.verified.all_true());
+}
+
+TEST(OutputForm, an_origin_is_used_only_where_it_is_needed) {
+  Options local = unrefined();
+  local.local_origin = true;
+  EXPECT_FALSE(in_floats(shapes::rotated(shapes::l_bracket(2), {1, 2, 3}, 40), local).report.output_origin);
+}
+
+TEST(OutputForm, an_origin_that_does_not_help_is_not_offered) {
+  // Two boxes, tiny and far apart: wherever the origin is, one of them is too far from it.
+  const PolygonMesh tiny = shapes::scaled(shapes::box({1, 1, 1}), 1e-3);
+  const PolygonMesh far = shapes::joined(shapes::moved(tiny, {1e6, 0, 0}), shapes::moved(tiny, {-1e6, 0, 0}));
+  for (const bool local_origin : {false, true}) {
+    Options options = unrefined();
+    options.local_origin = local_origin;
+    const Error error = test::error_of([&] { in_floats(far, options); });
+    EXPECT_EQ(error.code, Code::kNotAcceptable);
+    EXPECT_THAT(error.what(), Not(HasSubstr("local_origin")));
+  }
+}
+
+TEST(OutputForm, coordinates_beyond_floats_and_below_them_are_refused) {
+  const Error large = test::error_of([] { in_floats(shapes::scaled(shapes::box({1, 1, 1}), 1e39)); });
+  EXPECT_EQ(large.code, Code::kNotAcceptable);
+  EXPECT_THAT(large.what(), HasSubstr("beyond"));
+  const Error small = test::error_of([] { in_floats(shapes::scaled(shapes::box({1, 1, 1}), 1e-45)); });
+  EXPECT_EQ(small.code, Code::kNotAcceptable);
+  EXPECT_TRUE(are_floats(in_floats(shapes::scaled(shapes::box({1, 1, 1}), 1e-30))));
+}
+
+TEST(OutputForm, thin_walls_are_kept_or_refused) {
+  // A hollow box with walls of `wall`, one part in a hundred thousand of its size away from 0. Half a step of floats
+  // there is 3.1e-8 of the size.
+  for (const double wall : {1e-3, 1e-6, 1e-7, 3e-8}) {
+    const PolygonMesh hollow = shapes::joined(
+        shapes::box({1, 1, 1}),
+        shapes::moved(shapes::scaled(shapes::turned_over(shapes::box({1, 1, 1})), 1 - 2 * wall), {wall, wall, wall}));
+    const PolygonMesh turned = shapes::moved(shapes::rotated(hollow, {1, 2, 3}, 40), {0.6, 0.7, 0.8});
+    try {
+      const Result rounded = in_floats(turned);
+      EXPECT_EQ(rounded.report.output.intersecting_pairs, 0u) << wall;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code, Code::kNotAcceptable);
+      EXPECT_LT(wall, 5e-7) << error.what();
+    }
+  }
+}
+
+TEST(OutputForm, angles_that_rounding_costs_are_listed) {
+  // Edges of exactly the largest length: some get longer by a rounding.
+  Options options;
+  options.max_edge_length = 0.1;
+  const PolygonMesh box = shapes::box({1, 1, 1});
+  const Result exact = in_doubles(box, options), rounded = in_floats(box, options);
+  ASSERT_TRUE(exact.report.unrefined.empty());
+  std::uint64_t longer = 0;
+  for (const Triangle& t : rounded.mesh.faces) {
+    double longest = 0;
+    for (int i = 0; i < 3; ++i)
+      longest = std::max(longest, norm(rounded.mesh.positions[t[i]] - rounded.mesh.positions[t[(i + 1) % 3]]));
+    if (longest > 0.1 * (1 + 1e-9)) ++longer;
+  }
+  ASSERT_GT(longer, 0u);
+  ASSERT_EQ(rounded.report.unrefined.size(), 1u);
+  EXPECT_EQ(rounded.report.unrefined[0].reason, UnrefinedReason::kOutputRounding);
+  EXPECT_EQ(rounded.report.unrefined[0].count, longer);
+}
+
+TEST(OutputForm, it_is_the_same_for_any_number_of_workers) {
+  Options options;
+  options.max_edge_length = 0.15;
+  options.local_origin = true;
+  const PolygonMesh mesh = at_map_coordinates(1);
+  const Result one = in_floats(mesh, options, 1), three = in_floats(mesh, options, 3);
+  EXPECT_EQ(one.mesh.positions, three.mesh.positions);
+  EXPECT_EQ(one.report.output_origin, three.report.output_origin);
+  EXPECT_EQ(one.report.output_rounding, three.report.output_rounding);
+  EXPECT_EQ(one.report.volume_bound, three.report.volume_bound);
+}
+
+}  // namespace
+}  // namespace remesh

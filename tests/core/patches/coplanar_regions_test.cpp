@@ -1,0 +1,356 @@
+#include "core/patches/coplanar_regions.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/base/tolerance.h"
+#include "core/base/union_find.h"
+#include "core/mending/weld.h"
+#include "tests/support/random.h"
+#include "tests/support/shapes.h"
+#include "tests/support/stage_chain.h"
+
+namespace remesh {
+namespace {
+
+std::size_t region_count(const StageChain& chain) {
+  std::set<RegionId> used(chain.regions.of_face.begin(), chain.regions.of_face.end());
+  return used.size();
+}
+
+/// The regions as sets of faces, each face named by its corners' sum: the same for any numbering.
+std::set<std::set<Vec3>> region_sets(const StageChain& chain) {
+  std::map<RegionId, std::set<Vec3>> sets;
+  for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
+    std::vector<Vec3> corners;
+    for (const VertexId v : chain.surface.face(FaceId(f))) corners.push_back(chain.surface.local[v]);
+    std::sort(corners.begin(), corners.end());
+    Vec3 name;
+    for (std::size_t i = 0; i < corners.size(); ++i) name += static_cast<double>(i + 1) * corners[i];
+    sets[chain.regions.of_face[FaceId(f)]].insert(name);
+  }
+  std::set<std::set<Vec3>> result;
+  for (const auto& [region, faces] : sets) result.insert(faces);
+  return result;
+}
+
+/// What the header holds: corners within half the tolerance, no face turned over, every region in one piece, and how
+/// far its corners are from its plane.
+void expect_holds(const StageChain& chain) {
+  UnionFind pieces(chain.surface.face_count());
+  std::map<RegionId, double> farthest;
+  for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
+    const RegionId region = chain.regions.of_face[FaceId(f)];
+    ASSERT_TRUE(region.is_valid());
+    const Plane& plane = chain.regions.planes[region];
+    EXPECT_NEAR(norm(plane.normal), 1, 1e-12);
+    for (const VertexId v : chain.surface.face(FaceId(f))) {
+      const double distance = std::fabs(plane.distance(chain.surface.local[v]));
+      EXPECT_LE(distance, chain.tolerance / 2 * (1 + 1e-9) + 1e-15) << FaceId(f);
+      farthest[region] = std::max(farthest[region], distance);
+    }
+    if (chain.geometry[FaceId(f)].height > 2 * chain.tolerance) {
+      EXPECT_GT(dot(plane.normal, chain.geometry[FaceId(f)].normal), 0) << FaceId(f);
+    }
+    for (std::uint32_t h = chain.surface.face_begin[f]; h < chain.surface.face_begin[f + 1]; ++h) {
+      const std::uint32_t twin = chain.adjacency.twin(h);
+      if (twin != Adjacency::kNone && chain.regions.of_face[chain.adjacency.face_of(twin)] == region)
+        pieces.join(f, chain.adjacency.face_of(twin).value);
+    }
+  }
+  for (const auto& [region, distance] : farthest) EXPECT_EQ(chain.regions.deviation[region], distance) << region;
+  std::map<RegionId, std::uint32_t> piece_of;
+  for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
+    const auto [it, is_new] = piece_of.try_emplace(chain.regions.of_face[FaceId(f)], pieces.find(f));
+    EXPECT_EQ(it->second, pieces.find(f)) << "region in two pieces";
+  }
+}
+
+/// A strip of quads along x, each turned about y by this angle against the one before.
+PolygonMesh bent_strip(int quads, double angle_deg) {
+  std::vector<Vec3> positions;
+  std::vector<std::vector<std::uint32_t>> faces;
+  Vec3 at;
+  for (int i = 0; i <= quads; ++i) {
+    positions.push_back(at);
+    positions.push_back(at + Vec3{0, 1, 0});
+    const double angle = i * angle_deg * 3.14159265358979 / 180;
+    at += Vec3{std::cos(angle), 0, std::sin(angle)};
+    const auto k = static_cast<std::uint32_t>(2 * i);
+    if (i < quads) faces.push_back({k, k + 2, k + 3, k + 1});
+  }
+  return shapes::from_lists(positions, faces);
+}
+
+TEST(coplanar_regions, a_cube_has_six) {
+  const StageChain chain(shapes::box({1, 2, 3}, 4));
+  EXPECT_EQ(region_count(chain), 6u);
+  expect_holds(chain);
+}
+
+TEST(coplanar_regions, a_box_turned_in_space_and_rounded_has_six) {
+  for (int seed = 0; seed < 10; ++seed) {
+    Random random(static_cast<std::uint64_t>(seed));
+    const Vec3 axis{random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+    const PolygonMesh mesh =
+        shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 5), axis, random.uniform(0, 360)), 1e-6);
+    const StageChain chain(mesh, kToleranceSteps * 1e-6);
+    EXPECT_EQ(region_count(chain), 6u) << seed;
+    expect_holds(chain);
+  }
+}
+
+TEST(coplanar_regions, a_coarse_cylinder_keeps_its_facets) {
+  for (const int sides : {8, 14, 60, 200}) {
+    const StageChain chain(shapes::cylinder(sides, 1, 2), 2.6e-6);
+    EXPECT_EQ(region_count(chain), static_cast<std::size_t>(sides) + 2) << sides;
+    expect_holds(chain);
+  }
+}
+
+TEST(coplanar_regions, a_gently_bent_strip_does_not_creep_into_one_plane) {
+  // Neighbours differ by less than the tolerance explains, the ends by degrees.
+  const StageChain chain(bent_strip(400, 0.01), 1e-3);
+  EXPECT_GT(region_count(chain), 5u);
+  EXPECT_LT(region_count(chain), 200u);
+  expect_holds(chain);
+}
+
+TEST(coplanar_regions, sheets_that_look_opposite_ways_stay_two) {
+  // One square, cut along one diagonal on its upper side and along the other one below.
+  const StageChain chain(
+      shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}}));
+  EXPECT_EQ(region_count(chain), 2u);
+  expect_holds(chain);
+}
+
+TEST(coplanar_regions, a_fold_of_180_degrees_stays_two) {
+  // Two triangles on the same side of their common edge, consistently wound.
+  const StageChain chain(shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {1, 1, 0}, {1, 2, 0}}, {{0, 1, 2}, {1, 0, 3}}));
+  EXPECT_EQ(region_count(chain), 2u);
+}
+
+TEST(coplanar_regions, parallel_planes_a_step_apart_stay_apart) {
+  // Two squares at different heights, joined by a riser.
+  const PolygonMesh stairs = shapes::from_lists(
+      {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 0.01}, {1, 1, 0.01}, {2, 0, 0.01}, {2, 1, 0.01}},
+      {{0, 1, 2, 3}, {1, 4, 5, 2}, {4, 6, 7, 5}});
+  EXPECT_EQ(region_count(StageChain(stairs, 1e-4)), 3u);
+}
+
+TEST(coplanar_regions, coplanar_faces_across_an_edge_of_three_faces_stay_apart) {
+  // A flat sheet of two squares with a fin on their common edge.
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}, {1, 0, 1}, {1, 1, 1}},
+                         {{0, 1, 4, 3}, {1, 2, 5, 4}, {1, 4, 7, 6}});
+  EXPECT_EQ(region_count(StageChain(mesh)), 3u);
+}
+
+TEST(coplanar_regions, a_needle_with_a_noisy_normal_belongs_to_its_plane) {
+  // The middle triangle is 1e-6 high and its tip is 2e-7 off the plane: 11 degrees.
+  const PolygonMesh mesh = shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {2, 1e-6, 2e-7}, {2, -3, 0}, {2, 3, 0}},
+                                              {{0, 1, 2}, {1, 0, 3}, {0, 2, 4}, {2, 1, 4}});
+  const StageChain chain(mesh, 1e-6);
+  EXPECT_EQ(region_count(chain), 1u);
+  expect_holds(chain);
+}
+
+TEST(coplanar_regions, faces_of_different_zones_stay_apart) {
+  const PolygonMesh mesh = with_groups(shapes::sheet(4, 1, 4, 1), {0, 0, 0, 0, 1, 1, 1, 1});
+  EXPECT_EQ(region_count(StageChain(mesh)), 2u);
+}
+
+TEST(coplanar_regions, order_and_powers_of_two_change_nothing) {
+  std::vector<PolygonMesh> meshes = {shapes::box({1, 2, 3}, 3), shapes::noisy_sheet(6, 1), bent_strip(60, 0.05),
+                                     shapes::rounded(shapes::rotated(shapes::l_bracket(4), {1, 2, 3}, 40), 1e-4)};
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const double tolerance = 2.6e-4;
+    const auto expected = region_sets(StageChain(meshes[i], tolerance));
+    for (unsigned seed = 1; seed <= 5; ++seed)
+      EXPECT_EQ(region_sets(StageChain(shapes::renumbered(meshes[i], seed), tolerance)).size(), expected.size()) << i;
+    for (const int k : {-40, -3, 1, 40}) {
+      const double scale = std::ldexp(1.0, k);
+      EXPECT_EQ(region_sets(StageChain(shapes::scaled(meshes[i], scale), scale * tolerance)), expected) << i;
+    }
+  }
+}
+
+TEST(coplanar_regions, renumbering_leaves_the_very_same_sets_of_faces) {
+  const PolygonMesh mesh = shapes::rounded(shapes::rotated(shapes::l_bracket(4), {1, 2, 3}, 40), 1e-4);
+  const auto named = [](const PolygonMesh& m) {
+    const StageChain chain(m, 2.6e-4);
+    std::map<RegionId, std::multiset<Vec3>> sets;
+    for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f)
+      for (const VertexId v : chain.surface.face(FaceId(f)))
+        sets[chain.regions.of_face[FaceId(f)]].insert(chain.surface.positions[v]);
+    std::multiset<std::multiset<Vec3>> result;
+    for (const auto& [region, corners] : sets) result.insert(corners);
+    return result;
+  };
+  const auto expected = named(mesh);
+  EXPECT_EQ(expected.size(), 8u);
+  for (unsigned seed = 1; seed <= 10; ++seed) EXPECT_EQ(named(shapes::renumbered(mesh, seed)), expected) << seed;
+}
+
+TEST(coplanar_regions, two_triangles_bend_where_their_digits_cannot_explain_it) {
+  // A square of side 1 with one corner lifted; the nearest plane is a quarter of that from all four corners.
+  const double step = 0.001;
+  for (const auto& [lift, patches] : {std::pair(1.1, 1u), {1.9, 1u}, {2.2, 2u}, {2.5, 2u}}) {
+    const StageChain chain(
+        shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, lift * step}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}),
+        kToleranceSteps * step);
+    const double local = chain.tolerance / kToleranceSteps;
+    const IdVector<FaceId, std::uint8_t> rung(chain.surface.face_count(), 0);
+    const auto count = [&](const Vec3& printed_steps) {
+      Regions regions;
+      regions.of_face.resize(chain.surface.face_count());
+      coplanar_regions(chain.surface, chain.adjacency, chain.geometry,
+                       {chain.tolerance, 1e-6, &chain.surface.face_label, &rung, printed_steps}, regions,
+                       chain.control);
+      return regions.planes.size();
+    };
+    EXPECT_EQ(count({}), 1u) << lift;
+    EXPECT_EQ(count({local, local, local}), patches) << lift;
+    // It is lifted along z: what the others are printed to explains next to nothing.
+    EXPECT_EQ(count({local / 100, local / 100, local}), patches) << lift;
+    EXPECT_EQ(count({local, local, local / 100}), 2u) << lift;
+  }
+}
+
+TEST(coplanar_regions, digits_are_not_asked_where_neighbours_turn_by_a_milliradian_or_as_allowed) {
+  // As above, with a corner lifted by more than the digits explain. The triangles turn by the lift times sqrt(2).
+  const auto count = [](double step, double normal_tolerance) {
+    const StageChain chain(
+        shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {1, 1, 2.5 * step}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}}),
+        kToleranceSteps * step);
+    const double local = chain.tolerance / kToleranceSteps;
+    const IdVector<FaceId, std::uint8_t> rung(chain.surface.face_count(), 0);
+    Regions regions;
+    coplanar_regions(chain.surface, chain.adjacency, chain.geometry,
+                     {chain.tolerance, normal_tolerance, &chain.surface.face_label, &rung, Vec3{local, local, local}},
+                     regions, chain.control);
+    return regions.planes.size();
+  };
+  for (const double normal_tolerance : {0.0, 1e-9, 1e-6, 1e-4}) {
+    EXPECT_EQ(count(3e-4, normal_tolerance), 1u) << normal_tolerance;
+    EXPECT_EQ(count(5e-4, normal_tolerance), 2u) << normal_tolerance;
+  }
+  // By 0.0018: sqrt(3) times the tolerance is allowed, not its root.
+  EXPECT_EQ(count(5e-4, 0.9e-3), 2u);
+  EXPECT_EQ(count(5e-4, 1.1e-3), 1u);
+}
+
+TEST(coplanar_regions, on_the_last_rung_every_face_is_alone) {
+  // Quads, each with a corner a little off the plane of the others.
+  PolygonMesh mesh = shapes::quad_box({1, 1, 1}, 3);
+  for (std::size_t v = 0; v < mesh.vertex_count(); v += 2) mesh.positions[VertexId(v)].x += 1e-8;
+  const StageChain chain(mesh);
+  const IdVector<FaceId, std::uint8_t> rung(chain.surface.face_count(), kSingleFace);
+  Regions regions;
+  coplanar_regions(chain.surface, chain.adjacency, chain.geometry, {1e-6, 1e-6, &chain.surface.face_label, &rung},
+                   regions, chain.control);
+  std::set<RegionId> used(regions.of_face.begin(), regions.of_face.end());
+  EXPECT_EQ(used.size(), chain.surface.face_count());
+  double most = 0;
+  for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
+    const RegionId r = regions.of_face[FaceId(f)];
+    double farthest = 0;
+    for (const VertexId v : chain.surface.face(FaceId(f)))
+      farthest = std::max(farthest, std::fabs(regions.planes[r].distance(chain.surface.local[v])));
+    EXPECT_EQ(regions.deviation[r], farthest);
+    most = std::max(most, farthest);
+  }
+  EXPECT_GT(most, 1e-10);
+}
+
+TEST(coplanar_regions, faces_that_have_a_region_keep_it) {
+  const StageChain chain(shapes::sheet(4, 1, 4, 1));
+  const IdVector<FaceId, std::uint8_t> rung(chain.surface.face_count(), 0);
+  Regions regions;
+  regions.of_face.resize(chain.surface.face_count());
+  regions.planes.push_back({{0, 0, 0}, {0, 0, 1}});
+  regions.of_face[FaceId(6)] = RegionId(0);  // in a corner: the others hang together without it
+  coplanar_regions(chain.surface, chain.adjacency, chain.geometry, {1e-6, 1e-6, &chain.surface.face_label, &rung},
+                   regions, chain.control);
+  EXPECT_EQ(std::count(regions.of_face.begin(), regions.of_face.end(), RegionId(0)), 1);
+  EXPECT_EQ(regions.planes.size(), 2u);
+}
+
+TEST(tolerance_at_rung, it_falls_by_tenths_to_the_floor) {
+  EXPECT_EQ(tolerance_at_rung(1e-4, 0, 1e-9), 1e-4);
+  EXPECT_DOUBLE_EQ(tolerance_at_rung(1e-4, 1, 1e-9), 1e-5);
+  EXPECT_DOUBLE_EQ(tolerance_at_rung(1e-4, 2, 1e-9), 1e-9);
+  EXPECT_LT(tolerance_at_rung(1e-9, 2, 1e-9), tolerance_at_rung(1e-9, 1, 1e-9));
+}
+
+TEST(is_noise_present, exact_boxes_have_none_and_rounded_turned_ones_do) {
+  const auto is_noisy = [](const PolygonMesh& mesh) {
+    const StageChain chain(mesh);
+    return is_noise_present(chain.surface, chain.adjacency, chain.geometry, 1e-9, 1e-3, kBendsOfNoise, chain.control);
+  };
+  EXPECT_FALSE(is_noisy(shapes::box({1, 2, 3}, 4)));
+  EXPECT_FALSE(is_noisy(shapes::cylinder(12, 1, 2)));
+  EXPECT_TRUE(is_noisy(shapes::rounded(shapes::rotated(shapes::box({1, 2, 3}, 4), {1, 2, 3}, 40), 1e-4)));
+}
+
+TEST(is_noise_present, neither_winding_nor_copies_nor_order_hide_it) {
+  RunControl control;
+  const auto is_noisy = [&](const PolygonMesh& mesh) {
+    std::vector<Diagnostic> diagnostics;
+    const Surface surface = weld(mesh, {}, diagnostics, control);
+    const Adjacency adjacency(surface.vertex_count(), surface.face_begin, surface.corners, control);
+    return is_noise_present(surface, adjacency, face_geometry(surface, control), 1e-9, 1e-3, kBendsOfNoise, control);
+  };
+  for (const bool is_rounded : {false, true}) {
+    PolygonMesh mesh = shapes::rotated(shapes::box({1, 2, 3}), {1, 2, 3}, 40);
+    if (is_rounded) mesh = shapes::rounded(mesh, 1e-4);
+    // Of the two triangles of each side one looks the other way.
+    PolygonMesh flipped = mesh;
+    for (std::size_t f = 0; f < mesh.face_count(); f += 2)
+      std::swap(flipped.corners[3 * f], flipped.corners[3 * f + 1]);
+    const PolygonMesh turned = shapes::turned_over(mesh);
+    for (const PolygonMesh& other : {mesh, flipped, turned, shapes::joined(mesh, mesh), shapes::joined(mesh, turned),
+                                     shapes::joined(shapes::joined(mesh, flipped), mesh)}) {
+      EXPECT_EQ(is_noisy(other), is_rounded);
+      for (unsigned seed = 1; seed <= 5; ++seed) EXPECT_EQ(is_noisy(shapes::renumbered(other, seed)), is_rounded);
+    }
+  }
+}
+
+TEST(is_noise_present, of_a_large_face_and_a_small_one_either_may_come_first) {
+  // The small triangle's corner is off the large one's plane by a step, the large one's by ten: the step explains both.
+  const std::vector<Vec3> points{{0, 0, 0}, {1, 0, 0}, {0.5, 1, 0}, {0.5, -0.1, 1e-3}};
+  for (const auto& faces : {std::vector<std::vector<std::uint32_t>>{{0, 1, 2}, {1, 0, 3}}, {{1, 0, 3}, {0, 1, 2}}}) {
+    const StageChain chain(shapes::from_lists(points, faces));
+    EXPECT_TRUE(is_noise_present(chain.surface, chain.adjacency, chain.geometry, 1e-9, 4e-3 / chain.surface.unit, 1,
+                                 chain.control));
+  }
+}
+
+TEST(is_noise_present, one_bend_in_several_places_is_a_shape_and_several_bends_are_noise) {
+  const auto is_noisy = [](const std::vector<double>& heights) {
+    // A strip of squares, with the heights of its cross lines.
+    PolygonMesh mesh =
+        shapes::sheet(static_cast<double>(heights.size() - 1), 1, static_cast<int>(heights.size()) - 1, 1);
+    for (Vec3& p : mesh.positions) p.z = heights[static_cast<std::size_t>(std::lround(p.x))];
+    const StageChain chain(mesh);
+    return is_noise_present(chain.surface, chain.adjacency, chain.geometry, 1e-9, 1e-3, kBendsOfNoise, chain.control);
+  };
+  EXPECT_FALSE(is_noisy({0, 0, 1e-4, 0, 0, 1e-4, 0, 0, 0}));
+  EXPECT_TRUE(is_noisy({0, 0, 1e-4, 0, 0, 2.3e-4, 0, 0, -3.1e-4}));
+}
+
+TEST(is_noise_present, a_stop_that_was_asked_for_ends_it) {
+  const StageChain chain(shapes::box({1, 2, 3}));
+  chain.control.cancel();
+  EXPECT_THROW(
+      is_noise_present(chain.surface, chain.adjacency, chain.geometry, 1e-9, 1e-3, kBendsOfNoise, chain.control),
+      Error);
+}
+
+}  // namespace
+}  // namespace remesh
