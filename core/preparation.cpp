@@ -5,6 +5,7 @@
 #include <charconv>
 #include <string>
 
+#include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/mesh/pinched_vertices.h"
 #include "core/quality.h"
@@ -69,8 +70,23 @@ class Preparation {
     if (are_digits_noise && report_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.possible_steps;
   }
 
+  /// The diagonal of the bounding box of all faces with an area. A face without one may have a corner anywhere, which
+  /// says nothing about how large the model is.
+  double diagonal_of_faces() {
+    if (report_.input.quality.min_angle_deg > 0) return report_.input.bounding_box.diagonal();
+    const FaceGeometries& of_face = prepared_.geometry(control_);
+    Box3 box;
+    StopCheck check(control_);
+    for (std::uint32_t f = 0; f < surface().face_count(); ++f) {
+      check();
+      if (!(of_face[FaceId(f)].area > 0)) continue;
+      for (const VertexId v : surface().face(FaceId(f))) box.add(surface().positions[v]);
+    }
+    return box.is_empty() ? report_.input.bounding_box.diagonal() : box.diagonal();
+  }
+
   double automatic_tolerance_of(const Rounding& rounding) {
-    const AutomaticTolerance tolerance = automatic_tolerance(rounding, report_.input.bounding_box.diagonal());
+    const AutomaticTolerance tolerance = automatic_tolerance(rounding, diagonal_of_faces());
     const auto are_bent_by = [&](double more_than, double at_most, std::size_t bends) {
       const double unit = surface().unit;
       return more_than < at_most && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),
