@@ -15,7 +15,7 @@ static_assert(std::endian::native == std::endian::little, "archives are little-e
 static_assert(sizeof(Vec3) == 24);
 
 /// The last digit is the version of what follows.
-constexpr std::string_view kMagic = "REMESHD2";
+constexpr std::string_view kMagic = "REMESHD3";
 
 constexpr std::uint32_t value_of(std::uint32_t number) { return number; }
 template <class Tag>
@@ -205,6 +205,7 @@ void pack(const OutputBasis& basis, Packer& out) {
   out.number(basis.goals.split_boundaries);
   out.ids(basis.unrefined.faces);
   for (const UnrefinedReason reason : basis.unrefined.reasons) out.number(static_cast<std::uint64_t>(reason));
+  out.array(basis.unrefined.misses_sizes);
   std::vector<PatchId> pairs;
   for (const auto& [p, q] : basis.intersections.patches) pairs.insert(pairs.end(), {p, q});
   out.ids(pairs);
@@ -221,6 +222,8 @@ void unpack(Unpacker& in, OutputBasis& basis) {
   basis.goals.split_boundaries = in.flag();
   in.ids(basis.unrefined.faces);
   for (std::size_t i = 0; i < basis.unrefined.faces.size(); ++i) basis.unrefined.reasons.push_back(in.reason());
+  in.array(basis.unrefined.misses_sizes);
+  if (basis.unrefined.misses_sizes.size() != basis.unrefined.faces.size()) Unpacker::fail();
   std::vector<PatchId> pairs;
   in.ids(pairs);
   if (pairs.size() % 2 != 0) Unpacker::fail();

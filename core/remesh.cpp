@@ -403,7 +403,9 @@ class Run {
   Result finish(const RunSettings& settings) {
     Result result;
     result.mesh.positions = std::move(positions_);
-    result.basis = output_basis();
+    Box3 box;
+    for (const Vec3& p : result.mesh.positions) box.add(p);
+    result.basis = output_basis(box.diagonal());
     result.mesh.faces = std::move(assembled_.faces);
     result.face_patch = std::move(assembled_.face_patch);
     result.report = std::move(report_);
@@ -429,11 +431,12 @@ class Run {
     return result;
   }
 
-  OutputBasis output_basis() {
+  /// `diagonal`: of the result's bounding box. That of the input may contain corners of faces that are gone.
+  OutputBasis output_basis(double diagonal) {
     OutputBasis basis;
     basis.normals.reserve(meshes_.size());
     for (const PatchMesh& mesh : meshes_) basis.normals.push_back(mesh.frame.normal);
-    basis.allowed_move = std::max(report_.plane_tolerance, kAllowedRounding * report_.input.bounding_box.diagonal());
+    basis.allowed_move = std::max(report_.plane_tolerance, kAllowedRounding * diagonal);
     basis.is_refined = refiner_->has_goals();
     basis.goals = refiner_->goals();
     basis.unrefined = std::move(unrefined_);

@@ -56,12 +56,27 @@ constexpr std::array<Mark, 13> kForeignMarks{{
     {"<?xml", "XML that is not VTU"},
 }};
 
-/// An OBJ's first record could be named "solid", too.
 bool has_stl_keyword(std::string_view text) {
   for (const std::string_view keyword : {"facet", "endsolid"}) {
     const auto found = std::search(text.begin(), text.end(), keyword.begin(), keyword.end(),
                                    [](char c, char lower) { return to_lower(c) == lower; });
     if (found != text.end()) return true;
+  }
+  return false;
+}
+
+/// Whether text is STL: one of its first lines begins with "solid", and after it there is a keyword of STL, since the
+/// record of another format could be named "solid", too. Before it there may be lines of any kind.
+bool is_text_stl(std::string_view text) {
+  constexpr std::size_t kHead = 4096;
+  for (std::size_t begin = 0; begin < std::min(text.size(), kHead);) {
+    std::string_view line = text.substr(begin);
+    line = line.substr(0, line.find_first_of("\r\n"));
+    begin += line.size() + 1;
+    const auto word = std::find_if_not(line.begin(), line.end(), is_blank);
+    line.remove_prefix(static_cast<std::size_t>(word - line.begin()));
+    line = line.substr(0, static_cast<std::size_t>(std::find_if(line.begin(), line.end(), is_blank) - line.begin()));
+    if (equals_ignoring_case(line, "solid")) return has_stl_keyword(text.substr(std::min(begin, text.size())));
   }
   return false;
 }
@@ -133,7 +148,7 @@ Format sniff_format(std::string_view content) {
   if (word == "$MeshFormat") return Format::kMsh;
   if (word.starts_with('<') && text.find("<VTKFile") != std::string_view::npos) return Format::kVtu;
   if (is_binary_stl(content)) return Format::kStl;
-  if (equals_ignoring_case(word, "solid") && has_stl_keyword(text)) return Format::kStl;
+  if (is_text_stl(text)) return Format::kStl;
   return Format::kObj;
 }
 

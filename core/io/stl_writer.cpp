@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <string_view>
 
 #include "core/base/grouping.h"
 #include "core/base/rounded_to_float.h"
@@ -54,6 +55,24 @@ void append_facet(std::string& out, const TriangleMesh& mesh, FaceId f) {
   out += " endloop\nendfacet\n";
 }
 
+/// Says in 80 bytes what fits of the first comment, which is a list. Its last part comes first, since that is what a
+/// reader needs, such as the origin. Half a number is a wrong one, so a part is written as a whole or not at all.
+/// Readers take a header that begins with "solid" for text.
+std::string header_of(const std::vector<std::string>& comments) {
+  constexpr std::string_view kSeparator = ", ";
+  std::string header = "binary STL";
+  if (comments.empty()) return header;
+  const std::string words = without_control_characters(comments.front());
+  for (std::string_view rest = words; !rest.empty();) {
+    const std::size_t found = rest.rfind(kSeparator);
+    const std::size_t begin = found == std::string_view::npos ? 0 : found + kSeparator.size();
+    const std::string_view part = rest.substr(begin);
+    if (header.size() + kSeparator.size() + part.size() <= kHeader) header.append(kSeparator).append(part);
+    rest = rest.substr(0, found == std::string_view::npos ? 0 : found);
+  }
+  return header;
+}
+
 }  // namespace
 
 std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& comments, RunControl& control) {
@@ -62,9 +81,7 @@ std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& 
   if (mesh.faces.size() > kMaxCount) {
     throw Error(Code::kOutputTooLarge, Stage::kWrite, "more triangles than STL counts").with_limit(kMaxCount);
   }
-  // Readers take a header that begins with "solid" for text.
-  std::string out = "binary STL";
-  if (!comments.empty()) out += "; " + without_control_characters(comments.front());
+  std::string out = header_of(comments);
   out.resize(kHeader, ' ');
   out.reserve(kHeader + 4 + 50 * mesh.faces.size());
   append_little_endian(out, static_cast<std::uint32_t>(mesh.faces.size()));

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "core/base/diagnostic.h"
+#include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/mending/bending_noise.h"
 #include "core/mending/cracks.h"
@@ -72,8 +73,23 @@ class Preparation {
     if (are_digits_noise && summary_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.possible_steps;
   }
 
+  /// The diagonal of the bounding box of all faces with an area. A face without one may have a corner anywhere, which
+  /// says nothing about how large the model is.
+  double diagonal_of_faces() {
+    if (summary_.statistics.quality.min_angle_deg > 0) return summary_.statistics.bounding_box.diagonal();
+    const FaceGeometries& of_face = prepared_.geometry(control_);
+    Box3 box;
+    StopCheck check(control_);
+    for (std::uint32_t f = 0; f < surface().face_count(); ++f) {
+      check();
+      if (!(of_face[FaceId(f)].area > 0)) continue;
+      for (const VertexId v : surface().face(FaceId(f))) box.add(surface().positions[v]);
+    }
+    return box.is_empty() ? summary_.statistics.bounding_box.diagonal() : box.diagonal();
+  }
+
   double automatic_tolerance_of(const Rounding& rounding) {
-    const AutomaticTolerance tolerance = automatic_tolerance(rounding, summary_.statistics.bounding_box.diagonal());
+    const AutomaticTolerance tolerance = automatic_tolerance(rounding, diagonal_of_faces());
     const auto are_bent_by = [&](double more_than, double at_most, std::size_t bends) {
       const double unit = surface().unit;
       return more_than < at_most && is_noise_present(surface(), adjacency(), prepared_.geometry(control_),

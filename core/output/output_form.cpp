@@ -20,7 +20,6 @@
 #include "core/mesh/quality.h"
 #include "core/mesh/triangle_corners.h"
 #include "core/output/volume_ready.h"
-#include "core/verify/goal_check.h"
 #include "core/verify/stored_form.h"
 
 namespace remesh {
@@ -72,6 +71,7 @@ Vec3 origin_near(const Box3& box) {
 struct FloatForm {
   Vec3 origin;
   std::vector<Vec3> stored;
+  double largest_move = 0;  ///< of a point
   UnrefinedFaces unrefined;
   StoredVerdict verdict;
 
@@ -87,9 +87,16 @@ class FloatRounding {
     form.origin = origin;
     const std::vector<Vec3>& positions = result_.mesh.positions.items();
     form.stored.resize(positions.size());
-    for_blocks(positions.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t v = begin; v < end; ++v) form.stored[v] = rounded_to_float(positions[v] - origin);
-    });
+    const auto moves =
+        map_blocks<double>(positions.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+          double largest = 0;
+          for (std::size_t v = begin; v < end; ++v) {
+            form.stored[v] = rounded_to_float(positions[v] - origin);
+            largest = std::max(largest, norm((origin + form.stored[v]) - positions[v]));
+          }
+          return largest;
+        });
+    for (const double move : moves) form.largest_move = std::max(form.largest_move, move);
     check(form);
     return form;
   }
@@ -113,11 +120,12 @@ class FloatRounding {
     claim.refinement = basis.is_refined ? &refined : nullptr;
     claim.unrefined_before = basis.unrefined.faces;
     claim.reasons_before = basis.unrefined.reasons;
+    claim.misses_sizes_before = basis.unrefined.misses_sizes;
     form.verdict = check_stored_form(claim, control_);
   }
 
-  /// Faces that miss the goals now. Those that did before keep their reason. Those that were listed although they met
-  /// the goals are larger than gaps or short edges ask for, and rounding does not change that.
+  /// Faces that miss the goals now. Those that did before keep their reason. Those that are larger than gaps or short
+  /// edges ask for stay listed, because rounding does not change that.
   void list_unrefined(FloatForm& form) const {
     const UnrefinedFaces& before = result_.basis.unrefined;
     const auto& faces = result_.mesh.faces;
@@ -126,12 +134,12 @@ class FloatRounding {
     for (std::size_t i = 0; i < before.faces.size(); ++i) {
       if (i % kItemsPerBlock == 0) control_.check();
       const FaceId f = before.faces[i];
+      if (f.value >= faces.size()) continue;  // the check calls this malformed
       reason[f.value] = before.reasons[i];
-      const auto& at = result_.mesh.positions;
-      misses_sizes[f.value] = verification::standing_of(result_.basis.goals, at[faces[f][0]], at[faces[f][1]],
-                                                        at[faces[f][2]]) == verification::Standing::kMeets;
+      misses_sizes[f.value] = before.misses_sizes[i];
     }
-    form.unrefined = find_unrefined(form.stored, faces.items(), reason, misses_sizes, result_.basis.goals, control_);
+    form.unrefined = find_unrefined(form.stored, faces.items(), reason, misses_sizes,
+                                    goals_after_rounding(result_.basis.goals, form.largest_move), control_);
   }
 
   const Result& result_;
@@ -186,7 +194,7 @@ std::string names_of_formats(Storage storage) {
   message += "; the result can be had as it is in " + names_of_formats(Storage::kDouble);
   if (would_do_about_origin)
     message += ", or with local_origin=true relative to an origin near the part";
-  else if (result.basis.is_refined && form.verdict.fault != StoredFault::kBeyondRange)
+  else if (result.basis.is_refined && form.verdict.fault == StoredFault::kTurnedOver)
     message += "; longer edges, by min_edge_length, may do, too";
   throw Error(Code::kNotAcceptable, Stage::kWrite, message).for_option("format");
 }

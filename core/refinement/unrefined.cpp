@@ -53,6 +53,7 @@ UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const T
       check();
       result.faces.push_back(f);
       result.reasons.push_back(reason[f.value]);
+      result.misses_sizes.push_back(misses_sizes.empty() ? 0 : misses_sizes[f.value]);
     }
   return result;
 }

@@ -15,6 +15,7 @@ namespace remesh {
 struct UnrefinedFaces {
   std::vector<FaceId> faces;  ///< ascending
   std::vector<UnrefinedReason> reasons;
+  std::vector<std::uint8_t> misses_sizes;  ///< whether each is larger than gaps or short edges ask for
 };
 
 /// Measures the triangles in space, on the output's doubles.

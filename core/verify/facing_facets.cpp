@@ -6,7 +6,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/grouping.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/mending/polygon_split.h"
 
@@ -100,13 +100,13 @@ void FacingFacets::find_contacts(RunControl& control) {
         if (is_second_time && first[v.value] != p) contacts_.emplace_back(v, p);
       }
     }
-  sort_all(contacts_.begin(), contacts_.end());
+  sort_stoppable(contacts_.begin(), contacts_.end(), control);
   contacts_.erase(std::unique(contacts_.begin(), contacts_.end()), contacts_.end());
   const std::size_t others = contacts_.size();
   for (std::size_t i = 0; i < others; ++i)
     if (const VertexId v = contacts_[i].first; i == 0 || contacts_[i - 1].first != v)
       contacts_.emplace_back(v, first[v.value]);
-  sort_all(contacts_.begin(), contacts_.end());
+  sort_stoppable(contacts_.begin(), contacts_.end(), control);
 }
 
 void FacingFacets::find_borders(const BoundaryGraph& seams, RunControl& control) {
@@ -121,7 +121,7 @@ void FacingFacets::find_borders(const BoundaryGraph& seams, RunControl& control)
   const auto same = [](const auto& x, const auto& y) {
     return std::tie(x.first.a, x.first.b, x.second) == std::tie(y.first.a, y.first.b, y.second);
   };
-  sort_all(edges_.begin(), edges_.end(), before);
+  sort_stoppable(edges_.begin(), edges_.end(), control, before);
   edges_.erase(std::unique(edges_.begin(), edges_.end(), same), edges_.end());
   const auto part = [&](std::uint32_t i) {
     if (i < edges_.size()) return edges_[i];

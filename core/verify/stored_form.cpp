@@ -5,12 +5,13 @@
 #include <atomic>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <numeric>
 
 #include "core/base/blocks.h"
 #include "core/base/largest_coordinate.h"
-#include "core/base/parallel.h"
 #include "core/base/rounded_to_float.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/patch_intersections.h"
 #include "core/geometry/predicates.h"
 #include "core/geometry/self_intersections.h"
@@ -105,7 +106,9 @@ class StoredCheck {
     };
     if (claim_.stored.size() != claim_.positions.size() || claim_.face_patch.size() != claim_.faces.size())
       return false;
-    if (claim_.unrefined_before.size() != claim_.reasons_before.size() || !are_ascending(claim_.unrefined_before))
+    const std::size_t listed = claim_.unrefined_before.size();
+    if (claim_.reasons_before.size() != listed || claim_.misses_sizes_before.size() != listed ||
+        !are_ascending(claim_.unrefined_before))
       return false;
     const RefinementClaim* const now = claim_.refinement;
     if (now != nullptr && (now->unrefined.size() != now->reasons.size() || !are_ascending(now->unrefined)))
@@ -195,11 +198,10 @@ class StoredCheck {
   bool check_places() {
     std::vector<std::uint32_t> order(claim_.stored.size());
     std::iota(order.begin(), order.end(), 0u);
-    sort_all(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+    sort_stoppable(order.begin(), order.end(), control_, [&](std::uint32_t a, std::uint32_t b) {
       const Vec3 &p = claim_.stored[a], &q = claim_.stored[b];
       return p != q ? p < q : a < b;
     });
-    control_.check();
     return check_all(StoredFault::kMerged, order.size(),
                      [&](std::size_t i) { return i > 0 && claim_.stored[order[i]] == claim_.stored[order[i - 1]]; });
   }
@@ -231,32 +233,35 @@ class StoredCheck {
   bool check_goals() {
     if (claim_.refinement == nullptr) return true;
     const RefinementClaim& now = *claim_.refinement;
+    const Goals goals = goals_after_rounding(now.goals, verdict_.largest_move);
+    const auto standing_now = [&](std::size_t f) { return standing(goals, claim_.stored, f); };
     return check_all(StoredFault::kUnlisted, claim_.faces.size(),
                      [&](std::size_t f) {
-                       return is_moved(f) && !is_listed(now.unrefined, f) &&
-                              standing(claim_.stored, f) == Standing::kMisses;
+                       return is_moved(f) && !is_listed(now.unrefined, f) && standing_now(f) == Standing::kMisses;
                      }) &&
            check_all(StoredFault::kListedInVain, now.unrefined.size(),
                      [&](std::size_t i) {
                        const FaceId f = now.unrefined[i];
-                       return standing(claim_.stored, f.value) == Standing::kMeets && !is_listed_for_sizes(f);
+                       return standing_now(f.value) == Standing::kMeets && !is_listed_for_sizes(f);
                      }) &&
            check_all(StoredFault::kWrongReason, now.unrefined.size(),
                      [&](std::size_t i) { return !is_reason(now.unrefined[i], now.reasons[i]); });
   }
 
-  Standing standing(std::span<const Vec3> positions, std::size_t f) const {
+  Standing standing(const Goals& goals, std::span<const Vec3> positions, std::size_t f) const {
     const auto [a, b, c] = corners(positions, f);
-    return verification::standing_of(claim_.refinement->goals, a, b, c);
+    return verification::standing_of(goals, a, b, c);
   }
 
   static bool is_listed(std::span<const FaceId> faces, std::size_t f) {
     return std::binary_search(faces.begin(), faces.end(), FaceId(f));
   }
 
-  /// Was it listed for a bound that is not the same everywhere? The check of the verified mesh has tested that.
+  /// Was it listed for a bound that is not the same everywhere? The check of the verified mesh has tested that it may.
   bool is_listed_for_sizes(FaceId f) const {
-    return is_listed(claim_.unrefined_before, f.value) && standing(claim_.positions, f.value) == Standing::kMeets;
+    const auto before = std::lower_bound(claim_.unrefined_before.begin(), claim_.unrefined_before.end(), f);
+    return before != claim_.unrefined_before.end() && *before == f &&
+           claim_.misses_sizes_before[before - claim_.unrefined_before.begin()] != 0;
   }
 
   bool is_reason(FaceId f, UnrefinedReason reason) const {
@@ -264,7 +269,8 @@ class StoredCheck {
     const bool was_listed = before != claim_.unrefined_before.end() && *before == f;
     if (reason != UnrefinedReason::kOutputRounding)
       return was_listed && claim_.reasons_before[before - claim_.unrefined_before.begin()] == reason;
-    return !was_listed && is_moved(f.value) && standing(claim_.positions, f.value) != Standing::kMisses;
+    return !was_listed && is_moved(f.value) &&
+           standing(claim_.refinement->goals, claim_.positions, f.value) != Standing::kMisses;
   }
 
   bool is_known(PatchId p, PatchId q) const {
@@ -334,7 +340,7 @@ class StoredCheck {
     keys.reserve(3 * rim.size());
     for (const FaceId f : rim)
       for (const VertexId v : claim_.faces[f.value]) keys.emplace_back(claim_.face_patch[f.value], v);
-    sort_all(keys.begin(), keys.end());
+    sort_stoppable(keys.begin(), keys.end(), control_);
     keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
     control_.check();
     const double unit = std::exp2(std::ilogb(std::max(largest_coordinate(claim_.stored, control_), 0x1p-900)));
@@ -402,6 +408,16 @@ class StoredCheck {
 };
 
 }  // namespace
+
+Goals goals_after_rounding(const Goals& goals, double move) {
+  Goals after = goals;
+  after.max_edge_length += 2 * move;
+  // The height over each side grows by no more than twice the move. All sides are counted as those of the equilateral
+  // triangle are: in a triangle with longer ones the bound on edges or angles is the stricter.
+  const double side = std::sqrt(4 / std::numbers::sqrt3 * goals.max_area) + 2 * move;
+  if (std::isfinite(side)) after.max_area = std::numbers::sqrt3 / 4 * side * side;
+  return after;
+}
 
 StoredVerdict check_stored_form(const StoredClaim& claim, RunControl& control) {
   return StoredCheck(claim, control).run();

@@ -32,7 +32,14 @@ struct StoredClaim {
   /// The faces that were listed before, ascending, and why; with `refinement`.
   std::span<const FaceId> unrefined_before = {};
   std::span<const UnrefinedReason> reasons_before = {};
+  /// Whether each of them is larger than gaps or short edges ask for. Rounding does not change that.
+  std::span<const std::uint8_t> misses_sizes_before = {};
 };
+
+/// The goals that a triangle must meet once its corners have moved by up to `move`. Edges and areas may be larger by what
+/// such a move can make of those that are as large as allowed, so that a rounded edge length is no fault of a cube with
+/// ten edges to a side. Angles may not change.
+Goals goals_after_rounding(const Goals& goals, double move);
 
 enum class StoredFault {
   kMalformed,         ///< the claim's arrays do not fit together
@@ -64,8 +71,8 @@ struct StoredVerdict {
 ///           - no vertex moved by more than allowed, measured on what a reader gets: origin + stored, in doubles;
 ///           - no two vertices are one place;
 ///           - every triangle has an area and looks along its patch's normal, but for those that did not before;
-///           - the faces that miss the goals are listed, and besides them only those that were listed before though
-///             they met the goals (they are larger than gaps or short edges ask for); what is listed for
+///           - the faces that miss the goals (see goals_after_rounding) are listed, and besides them only those that
+///             were listed before because they are larger than gaps or short edges ask for; what is listed for
 ///             kOutputRounding met the goals before and was not listed, and every other reason is the one that the
 ///             face had before;
 ///           - faces intersect (geometry/patch_intersections.h) only where their patches do in the verified mesh.

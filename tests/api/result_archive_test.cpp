@@ -92,7 +92,7 @@ TEST(ResultArchive, every_number_and_label_comes_back) {
                  .gradation = 6,
                  .max_faces = 7,
                  .split_boundaries = false};
-  basis.unrefined = {{FaceId(0), FaceId(9)}, {UnrefinedReason::kSizeFloor, UnrefinedReason::kOutputRounding}};
+  basis.unrefined = {{FaceId(0), FaceId(9)}, {UnrefinedReason::kSizeFloor, UnrefinedReason::kOutputRounding}, {1, 0}};
   basis.intersections = {{{PatchId(0), PatchId(1)}, {PatchId(4), PatchId(4)}}, false};
   basis.patch_labels = {{1, 0}, {0, 1, 3}, {0, 0, 1}};
   kept.result.mesh.positions.items() = {{-0.0, std::numeric_limits<double>::denorm_min(), 1e308}, {0.1, 0.2, 0.3}, {}};
@@ -121,6 +121,7 @@ TEST(ResultArchive, every_number_and_label_comes_back) {
   EXPECT_EQ(back.result.basis.unrefined.faces, basis.unrefined.faces);
   EXPECT_EQ(back.result.basis.patch_labels, basis.patch_labels);
   EXPECT_EQ(back.result.basis.unrefined.reasons, basis.unrefined.reasons);
+  EXPECT_EQ(back.result.basis.unrefined.misses_sizes, basis.unrefined.misses_sizes);
   EXPECT_EQ(back.result.basis.intersections.patches, basis.intersections.patches);
   EXPECT_EQ(back.result.basis.intersections.is_complete, basis.intersections.is_complete);
   EXPECT_EQ(back.result.mesh.positions, kept.result.mesh.positions);

@@ -301,6 +301,91 @@ TEST_F(SharedMeshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused_
   }
 }
 
+/// A box of 10 x 13 x 3 at map coordinates, where floats are 0.5 apart.
+std::string box_on_a_map() {
+  std::string text;
+  for (const char* z : {"312", "315"})
+    for (const char* xy : {"453008.3 5412345.3", "453018.3 5412345.3", "453018.3 5412358.3", "453008.3 5412358.3"})
+      text += std::string("v ") + xy + " " + z + "\n";
+  return text + "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+}
+
+TEST(WrittenFormats, a_face_that_is_gone_allows_no_larger_rounding) {
+  // Its corner makes the input's bounding box a thousand times as large.
+  for (const std::string more : {"", "v 0 0 0\n", "v 0 0 0\nf 9 9 1\n"}) {
+    const Error error = test::error_of([&] { written(box_on_a_map() + more, {{"refine", "false"}}, Format::kStl); });
+    EXPECT_EQ(error.code, Code::kNotAcceptable) << more;
+  }
+}
+
+TEST(WrittenFormats, the_header_of_binary_stl_has_a_whole_origin_or_none) {
+  for (const double size : {1.0, 1e-3, 1e-5, 1e-7}) {
+    std::string text;
+    for (const int corner : {0, 1, 2, 3}) {
+      const Vec3 at = Vec3{-512345678.123452, -412345678.765427, -612345678.123451} +
+                      size * Vec3{corner == 1 ? 1.0 : 0, corner == 2 ? 1.0 : 0, corner == 3 ? 1.0 : 0};
+      text += "v " + origin_text(at) + "\n";
+    }
+    text += "f 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    try {
+      const RemeshAnswer answer = written(text, {{"refine", "false"}, {"local_origin", "true"}}, Format::kStl);
+      const std::string header = answer.body.substr(0, 80);
+      ASSERT_TRUE(answer.report.output_origin);
+      const std::string origin = "origin " + origin_text(*answer.report.output_origin);
+      const std::size_t found = header.find("origin");
+      if (found != std::string::npos) {
+        EXPECT_EQ(header.substr(found, origin.size()), origin);
+        EXPECT_THAT(header.substr(found + origin.size(), 1), testing::AnyOf("", " ", ","));
+      }
+      EXPECT_THAT(header, testing::StartsWith("binary STL"));
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code, Code::kNotAcceptable) << error.what();
+    }
+  }
+}
+
+std::uint64_t count_unrefined(const Report& report) {
+  std::uint64_t count = 0;
+  for (const Unrefined& left : report.unrefined) count += left.count;
+  return count;
+}
+
+TEST(WrittenFormats, binary_stl_lists_all_faces_that_doubles_list) {
+  // A thin plate whose rim stays: its edges are as long as allowed, and far longer than the gap asks for.
+  std::string text;
+  for (const int z : {0, 1})
+    for (int i = 0; i < 40; ++i) {
+      const int side = i / 10;
+      const double along = 0.1 * (i % 10);
+      const double x = side == 0 ? along : side == 1 ? 1 : side == 2 ? 1 - along : 0;
+      const double y = side == 0 ? 0 : side == 1 ? along : side == 2 ? 1 : 1 - along;
+      text += "v " + origin_text({x, y, 0.02 * z}) + "\n";
+    }
+  std::string top = "f", bottom = "f";
+  for (int i = 1; i <= 40; ++i) {
+    const int next = i % 40 + 1;
+    top += " " + std::to_string(40 + i);
+    bottom += " " + std::to_string(41 - i);
+    text += "f " + std::to_string(i) + " " + std::to_string(next) + " " + std::to_string(40 + next) + " " +
+            std::to_string(40 + i) + "\n";
+  }
+  text += top + "\n" + bottom + "\n";
+  const Fields options{{"proximity", "1"},
+                       {"split_boundaries", "false"},
+                       {"keep_boundary_vertices", "true"},
+                       {"max_edge_length", "0.1"}};
+  const std::uint64_t listed = count_unrefined(written(text, options, Format::kObj).report);
+  EXPECT_GT(listed, 100u);
+  EXPECT_GE(count_unrefined(written(text, options, Format::kStl).report), listed);
+}
+
+TEST(WrittenFormats, ten_edges_to_a_side_are_no_fault_of_binary_stl) {
+  const std::string cube =
+      "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
+      "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
+  EXPECT_EQ(count_unrefined(written(cube, {{"max_edge_length", "0.1"}}, Format::kStl).report), 0u);
+}
+
 TEST_F(SharedMeshes, ordinary_parts_come_out_as_binary_stl) {
   for (const char* name :
        {"curved-cad/sv_cylinder.stl", "curved-cad/tube.obj", "curved-cad/hx_shell_to_solid.stl.gz"}) {

@@ -59,7 +59,10 @@ TEST(formats, text_stl_has_solid_first_and_a_facet_later) {
   EXPECT_EQ(sniff_format("solid part\n facet normal 0 0 1\n"), Format::kStl);
   EXPECT_EQ(sniff_format("solid\nfacet normal 0 0 1\n"), Format::kStl);
   EXPECT_EQ(sniff_format("# exported\nSolid\nFacet Normal 0 0 1\n"), Format::kStl);
+  for (const char* head : {"; written by a program\n", "Written by a Program\n\n", "!\r\n// head\r\n  "})
+    EXPECT_EQ(sniff_format(std::string(head) + "solid part\n facet normal 0 0 1\n"), Format::kStl) << head;
   EXPECT_EQ(sniff_format("solid ground\nv 0 0 0\n"), Format::kObj);
+  EXPECT_EQ(sniff_format("v 0 0 0\n# solid\nfacet\n"), Format::kObj);
   EXPECT_EQ(sniff_format("solids\nfacet normal\n"), Format::kObj);
 }
 

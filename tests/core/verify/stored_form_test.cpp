@@ -49,6 +49,7 @@ struct Stored {
     claim.refinement = result.basis.is_refined ? &refined : nullptr;
     claim.unrefined_before = result.basis.unrefined.faces;
     claim.reasons_before = result.basis.unrefined.reasons;
+    claim.misses_sizes_before = result.basis.unrefined.misses_sizes;
     RunControl control;
     return check_stored_form(claim, control);
   }
@@ -168,15 +169,20 @@ TEST(StoredForm, patches_that_come_to_lie_in_each_other_are_seen_and_known_ones_
 TEST(StoredForm, what_rounding_costs_is_listed_and_nothing_else) {
   Stored box(shapes::box({3, 3, 3}), with_edges(1.5));
   ASSERT_TRUE(box.result.basis.unrefined.faces.empty());
-  for (Vec3& p : box.points) p = 1.001 * p;
+  box.allowed = 10;
+  for (Vec3& p : box.points) p.z *= 0.3;
   EXPECT_EQ(box.check().fault, StoredFault::kUnlisted);
   UnrefinedFaces all;
   for (std::uint32_t f = 0; f < box.result.mesh.faces.size(); ++f) {
     const Triangle& t = box.result.mesh.faces[FaceId(f)];
-    double longest = 0;
-    for (int i = 0; i < 3; ++i)
-      longest = std::max(longest, norm(box.points[t[i].value] - box.points[t[(i + 1) % 3].value]));
-    if (longest <= 1.5) continue;
+    double largest_cosine = -1;
+    for (int i = 0; i < 3; ++i) {
+      const Vec3& at = box.points[t[i].value];
+      const Vec3 a = box.points[t[(i + 1) % 3].value] - at, b = box.points[t[(i + 2) % 3].value] - at;
+      largest_cosine = std::max(largest_cosine, dot(a, b) / (norm(a) * norm(b)));
+    }
+    const double least_angle_deg = std::acos(largest_cosine) * 180 / std::numbers::pi;
+    if (least_angle_deg >= box.result.basis.goals.min_angle_deg) continue;
     all.faces.emplace_back(f);
     all.reasons.push_back(UnrefinedReason::kOutputRounding);
   }
@@ -187,8 +193,22 @@ TEST(StoredForm, what_rounding_costs_is_listed_and_nothing_else) {
   box.unrefined->reasons[0] = UnrefinedReason::kSizeFloor;
   EXPECT_EQ(box.check().fault, StoredFault::kWrongReason);
   box.unrefined = all;
-  for (Vec3& p : box.points) p = 0.9 * p;
+  for (Vec3& p : box.points) p.z /= 0.3;
+  box.points[0].z += 1e-9;
   EXPECT_EQ(box.check().fault, StoredFault::kListedInVain);
+}
+
+TEST(StoredForm, an_edge_as_long_as_allowed_may_be_rounded_up) {
+  // Ten edges to a side, and 0.1 is no float: some come out a little longer.
+  Stored box(shapes::box({1, 1, 1}), with_edges(0.1));
+  ASSERT_TRUE(box.result.basis.unrefined.faces.empty());
+  double longest = 0;
+  for (Vec3& p : box.points) p = rounded_to_float(p);
+  for (const Triangle& t : box.result.mesh.faces)
+    for (int i = 0; i < 3; ++i)
+      longest = std::max(longest, norm(box.points[t[i].value] - box.points[t[(i + 1) % 3].value]));
+  ASSERT_GT(longest, 0.1 * (1 + 1e-8));
+  EXPECT_FALSE(box.check().fault);
 }
 
 TEST(StoredForm, a_face_that_missed_the_goals_before_keeps_its_reason) {

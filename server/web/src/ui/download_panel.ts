@@ -141,7 +141,7 @@ export class DownloadPanel {
 /** The origin that the header of a binary STL names, if it is one and names one. */
 async function originOf(blob: Blob): Promise<string | null> {
   const header = await blob.slice(0, 80).text();
-  return /^binary STL.*, origin (\S+ \S+ \S+)/.exec(header)?.[1] ?? null;
+  return /^binary STL.*, origin ([^ ,]+ [^ ,]+ [^ ,]+)/.exec(header)?.[1] ?? null;
 }
 
 /** `stl_ascii` as a title: STL ASCII. */
