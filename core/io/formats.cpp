@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 
+#include "core/base/options.h"
 #include "core/io/off.h"
 #include "core/io/stl.h"
 #include "core/io/text.h"

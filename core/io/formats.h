@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/base/diagnostic.h"
+#include "core/base/options.h"
 #include "core/base/run_control.h"
 #include "core/mesh/mesh.h"
 

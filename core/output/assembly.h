@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "core/base/ids.h"
+#include "core/base/run_control.h"
 #include "core/geometry/patch_mesh.h"
 #include "core/mesh/mesh.h"
 

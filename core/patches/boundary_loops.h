@@ -8,6 +8,7 @@
 #include "core/base/run_control.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/surface.h"
 
 namespace remesh {
 

@@ -8,6 +8,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
+#include "core/mesh/surface.h"
 
 namespace remesh {
 namespace {

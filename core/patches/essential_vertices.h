@@ -8,6 +8,7 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/mesh/adjacency.h"
+#include "core/mesh/surface.h"
 #include "core/patches/boundary_loops.h"
 
 namespace remesh {

@@ -15,6 +15,7 @@
 #include "core/geometry/patch_reason.h"
 #include "core/geometry/patch_set.h"
 #include "core/geometry/projection.h"
+#include "core/mesh/surface.h"
 #include "core/triangulation/patch_triangulation.h"
 
 namespace remesh {

@@ -12,6 +12,7 @@
 #include "core/geometry/patch_mesh.h"
 #include "core/geometry/patch_set.h"
 #include "core/geometry/triangulation_2d.h"
+#include "core/mesh/surface.h"
 #include "core/patches/boundary_loops.h"
 #include "core/patches/essential_vertices.h"
 
