@@ -1,0 +1,84 @@
+#include "core/output/candidate.h"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "core/base/drop.h"
+#include "core/base/stoppable.h"
+
+namespace remesh {
+namespace {
+
+void sort_pairs(std::vector<std::pair<PatchId, PatchId>>& pairs) {
+  std::sort(pairs.begin(), pairs.end());
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+}
+
+}  // namespace
+
+Candidate::~Candidate() { drop_all(meshes); }
+
+void Candidate::clear() {
+  drop_all(meshes);
+  has_chords = false;
+  refinement = {};
+  assembled = {};
+  positions.clear();
+  unrefined = {};
+}
+
+void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, RunControl& control) {
+  const std::vector<Vec3>& made = candidate.refinement.new_positions;
+  candidate.assembled = assembly(surface.vertex_count() + made.size(), candidate.meshes, control);
+  candidate.positions.clear();
+  candidate.positions.reserve(candidate.assembled.vertex.size());
+  StopCheck stop(control);
+  for (const VertexId v : candidate.assembled.vertex) {
+    stop();
+    candidate.positions.push_back(v.value < surface.vertex_count() ? surface.positions[v]
+                                                                   : made[v.value - surface.vertex_count()]);
+  }
+  if (goals != nullptr)
+    candidate.unrefined =
+        find_unrefined(candidate.positions.items(), candidate.assembled.faces.items(), candidate.refinement.reason,
+                       candidate.refinement.misses_sizes, *goals, control);
+}
+
+Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunControl& control) {
+  IdVector<PatchId, Frame> frames;
+  frames.reserve(candidate.meshes.size());
+  StopCheck stop(control);
+  for (const PatchMesh& mesh : candidate.meshes) {
+    stop();
+    frames.push_back(mesh.frame);
+  }
+  std::optional<RefinementClaim> refined;
+  if (against.goals != nullptr)
+    refined = {*against.goals, candidate.unrefined.faces, candidate.unrefined.reasons, against.frozen};
+  return verify(
+      {against.surface, against.patches.of_face, frames, candidate.positions.items(), candidate.assembled.faces.items(),
+       candidate.assembled.face_patch.items(), candidate.assembled.corner_uv, against.plane_tolerance,
+       !candidate.refinement.new_positions.empty(), refined ? &*refined : nullptr, &against.intersections,
+       against.edge_order, &against.input, against.weld_tolerance},
+      control);
+}
+
+InputIntersections intersecting_patches(const FoundIntersections& found, const PatchSet& patches) {
+  InputIntersections known{{}, found.is_complete};
+  for (const auto& [f, g] : found.pairs) known.patches.push_back(std::minmax({patches.of_face[f], patches.of_face[g]}));
+  sort_pairs(known.patches);
+  return known;
+}
+
+InputIntersections patches_that_still_intersect(InputIntersections of_input, const Verdict& verdict,
+                                                const IdVector<FaceId, PatchId>& face_patch) {
+  std::erase_if(of_input.patches, [](const auto& pair) { return pair.first != pair.second; });
+  for (const auto& [f, g] : verdict.intersections)
+    of_input.patches.push_back(std::minmax({face_patch[f], face_patch[g]}));
+  sort_pairs(of_input.patches);
+  of_input.is_complete = verdict.are_all_intersections_known;
+  return of_input;
+}
+
+}  // namespace remesh

@@ -1,0 +1,71 @@
+/// A remeshed surface that is still to be verified.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+#include "core/geometry/patch_mesh.h"
+#include "core/mesh/mesh.h"
+#include "core/mesh/surface.h"
+#include "core/output/assembly.h"
+#include "core/patches/input_intersections.h"
+#include "core/patches/partition.h"
+#include "core/refinement/goals.h"
+#include "core/refinement/rounds.h"
+#include "core/refinement/unrefined.h"
+#include "core/verify/verify.h"
+
+namespace remesh {
+
+/// The triangles of all patches, first by patch and then as one mesh.
+struct Candidate {
+  std::vector<PatchMesh> meshes;  ///< one for each patch
+  bool has_chords = false;        ///< some edges in patches are edges of others too, whatever is flipped
+  Refinement refinement;
+  Assembled assembled;
+  IdVector<VertexId, Vec3> positions;  ///< of `assembled`
+  UnrefinedFaces unrefined;            ///< of `assembled`
+
+  Candidate() = default;
+  /// A million meshes are freed in parallel.
+  ~Candidate();
+  Candidate(const Candidate&) = delete;
+  Candidate& operator=(const Candidate&) = delete;
+
+  /// Has no triangles any more, so that it can take those of another attempt.
+  void clear();
+};
+
+/// Makes one mesh of the patches' meshes. With `goals`, finds the triangles that miss them.
+/// Errors:  kCancelled, kTimeout - through `control`.
+/// Cost:    O(vertices + triangles).
+void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, RunControl& control);
+
+/// What the check is to know besides the candidate.
+struct CheckedAgainst {
+  const PolygonMesh& input;
+  const Surface& surface;
+  const PatchSet& patches;
+  const InputIntersections& intersections;
+  double plane_tolerance = 0;  ///< model units
+  double weld_tolerance = 0;   ///< model units
+  const Goals* goals = nullptr;
+  std::span<const std::uint8_t> frozen;       ///< patches that refinement had to leave; see RefinementClaim
+  std::span<const std::uint32_t> edge_order;  ///< see Claim::surface_edge_order
+};
+
+/// Holds the candidate against the surface that it was made from (see verify).
+Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunControl& control);
+
+/// The pairs of patches that intersect in the input.
+InputIntersections intersecting_patches(const FoundIntersections& found, const PatchSet& patches);
+
+/// Those of the result. Also patches that fold over themselves in the input, since the check does not look into all of
+/// them.
+InputIntersections patches_that_still_intersect(InputIntersections of_input, const Verdict& verdict,
+                                                const IdVector<FaceId, PatchId>& face_patch);
+
+}  // namespace remesh

@@ -1,0 +1,66 @@
+#include "core/patches/partition.h"
+
+#include "core/base/blocks.h"
+#include "core/base/tolerance.h"
+#include "core/patches/patches.h"
+
+namespace remesh {
+namespace {
+
+std::vector<PatchId> find_patches_with_thin_faces(const FaceGeometries& geometry, const PatchSet& patches,
+                                                  double tolerance, RunControl& control) {
+  std::vector<PatchId> found;
+  const auto is_thin = [&](std::size_t f) { return geometry[FaceId(f)].height < kThinFace * tolerance; };
+  for (const FaceId f : select_ids<FaceId>(geometry.size(), kItemsPerBlock, control, is_thin))
+    found.push_back(patches.of_face[f]);
+  return found;
+}
+
+}  // namespace
+
+Partition make_partition(Prepared& prepared, double plane_tolerance, const Options& options, Ladder& ladder,
+                         Regions& regions, Stopwatch& watch, RunControl& control) {
+  const Surface& surface = prepared.surface;
+  const double tolerance = plane_tolerance / surface.unit;
+  const Adjacency& adjacency = prepared.adjacency(control);
+  Partition result;
+  // Section 2: faces that lie in one plane.
+  watch.enter(Stage::kRegions);
+  coplanar_regions(surface, adjacency, prepared.geometry(control),
+                   {tolerance, options.normal_tolerance, &ladder.zone(), &ladder.rung(),
+                    (1 / surface.unit) * prepared.printed_steps},
+                   regions, control);
+  // Section 3: the pieces of these that hang together.
+  watch.enter(Stage::kPatches);
+  result.patches = patches(surface, adjacency, regions, control);
+  const std::vector<double> areas = patch_areas(result.patches, prepared.geometry(control), control);
+  result.with_thin_faces = find_patches_with_thin_faces(prepared.geometry(control), result.patches, tolerance, control);
+  // Most runs do not come back here, and it is as large as all the rest of the surface.
+  prepared.release_geometry();
+  // Section 4: their boundaries, and the vertices of these that cannot be left out.
+  watch.enter(Stage::kLoops);
+  result.loops = boundary_loops(surface, adjacency, result.patches, control);
+  watch.enter(Stage::kEssentialVertices);
+  result.essential = essential_vertices(surface, adjacency, result.loops, ladder.forced(), prepared.pinched(control),
+                                        tolerance, control);
+  result.summaries =
+      summarise_patches(surface, adjacency, areas, result.patches, result.loops, result.essential, ladder, control);
+  return result;
+}
+
+std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const std::vector<PatchMesh>& meshes) {
+  std::vector<std::uint8_t> is_simple;
+  is_simple.reserve(meshes.size());
+  for (const PatchMesh& mesh : meshes) is_simple.push_back(mesh.reason == PatchReason::kNone);
+  for (const PatchId p : partition.with_thin_faces) is_simple[p.value] = 0;
+  return is_simple;
+}
+
+std::vector<FailedPatch> find_failed_patches(const std::vector<PatchMesh>& meshes) {
+  std::vector<FailedPatch> failed;
+  for (std::size_t p = 0; p < meshes.size(); ++p)
+    if (meshes[p].reason != PatchReason::kNone) failed.push_back({PatchId(p), meshes[p].reason});
+  return failed;
+}
+
+}  // namespace remesh

@@ -1,0 +1,54 @@
+/// From a prepared surface to its patches, with all that later stages ask of them.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "core/base/options.h"
+#include "core/base/run_control.h"
+#include "core/base/stopwatch.h"
+#include "core/geometry/patch_mesh.h"
+#include "core/geometry/patch_set.h"
+#include "core/mending/preparation.h"
+#include "core/patches/boundary_loops.h"
+#include "core/patches/coplanar_regions.h"
+#include "core/patches/essential_vertices.h"
+#include "core/patches/ladder.h"
+#include "core/patches/patch_summary.h"
+
+namespace remesh {
+
+/// A surface in pieces: its patches, their boundary loops and the vertices of these that stay.
+struct Partition {
+  PatchSet patches;
+  BoundaryLoops loops;
+  EssentialVertices essential;
+  PatchSummaries summaries;
+  std::vector<PatchId> with_thin_faces;  ///< patches with a face that may be turned over, once for each such face
+
+  std::uint64_t face_count_of(const std::vector<FailedPatch>& failed) const {
+    std::uint64_t faces = 0;
+    for (const FailedPatch& f : failed) faces += patches.faces_of(f.patch).size();
+    return faces;
+  }
+};
+
+/// Splits a surface into patches: sections 2 to 4 of the 2018 report.
+/// Input:   `plane_tolerance` in model units; `regions`: those found for an earlier partition. Faces that the ladder
+///          has taken out of their region get a new one.
+/// Output:  the partition; `regions` of all faces.
+/// Holds:   the same for any number of threads.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:    O(n log n).
+Partition make_partition(Prepared& prepared, double plane_tolerance, const Options& options, Ladder& ladder,
+                         Regions& regions, Stopwatch& watch, RunControl& control);
+
+/// Which patches cover nothing twice in their plane: their loops do not cross, and none of their faces is so thin that
+/// it may be turned over.
+/// Input:   a mesh for each patch.
+std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const std::vector<PatchMesh>& meshes);
+
+/// The patches of which there are no triangles, and why.
+std::vector<FailedPatch> find_failed_patches(const std::vector<PatchMesh>& meshes);
+
+}  // namespace remesh
