@@ -1,5 +1,6 @@
 // Results in the numbers of binary STL: what comes out is right by geometry, or it is refused and says why.
 #include "core/output/output_form.h"
+#include "core/remesh.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
