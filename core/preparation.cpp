@@ -48,7 +48,8 @@ class Preparation {
 
   void measure() {
     const auto& positions = surface().positions.items();
-    const Triangulated triangles(surface(), control_);
+    // Local units are about as large as the diagonal. The spikes of a mesh of full doubles are no part of its area.
+    const Triangulated triangles(surface(), control_, kToleranceFloor);
     report_.input =
         measure_surface(positions, surface().face_begin, surface().corners, adjacency(), triangles.corners(), control_);
     const double unit = surface().unit;
@@ -65,6 +66,8 @@ class Preparation {
     const double automatic = automatic_tolerance_of(rounding);
     report_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
     rounding_ = automatic;
+    spike_rounding_ =
+        std::min(kToleranceSteps * rounding.possible_step(), kToleranceCeiling * report_.input.bounding_box.diagonal());
     // Who asks for more than the digits explain wants to flatten what bends by more, too.
     const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.possible_step();
     if (are_digits_noise && report_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.possible_steps;
@@ -142,8 +145,9 @@ class Preparation {
     if_changed(close_seams(surface(), adjacency(), std::min(rounding_, report_.plane_tolerance) / surface().unit,
                            mend_if(repair.seams && limits_.is_joining_allowed), found, control_));
     // Faces without a plane are split, faces without an area dropped; nothing opens.
-    const bool is_mended = !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.as_it_is,
-                                                              mend_if(repair.degenerate), found, control_);
+    const bool is_mended =
+        !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.as_it_is, mend_if(repair.degenerate), found,
+                                           control_, spike_rounding_ / surface().unit);
     if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
     // Neighbours look the same way, and closed shells the way they should if that is asked for.
@@ -191,6 +195,7 @@ class Preparation {
   RunControl& control_;
   Prepared prepared_;
   double rounding_ = 0;         ///< model units: how far the rounding of coordinates may move a point
+  double spike_rounding_ = 0;   ///< model units: the same, by the step that the digits allow without proof
   bool is_as_measured_ = true;  ///< nothing has been mended since
 };
 

@@ -25,9 +25,10 @@ constexpr std::uint32_t kBetweenChecks = 1 << 14;
 class Mending {
  public:
   Mending(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
-          RunControl& control)
+          RunControl& control, double possible_rounding)
       : surface_(surface),
         plane_tolerance_(plane_tolerance),
+        possible_rounding_(possible_rounding),
         as_it_is_(as_it_is),
         degenerate_(degenerate),
         control_(control) {}
@@ -134,7 +135,7 @@ class Mending {
     }
     points_.clear();
     for (const VertexId v : loop_) points_.push_back(surface_.local[v]);
-    PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
+    PolygonSplit split = split_points();
     if (split.has_spikes()) {
       take_spikes(split, f, label);
       if (loop_.size() < 3) return;
@@ -153,6 +154,16 @@ class Mending {
     }
     for (const PolygonCuts::Corners& triangle : cuts().cut(loop_, split))
       emit_triangle(triangle, source, label, are_collinear(triangle));
+  }
+
+  /// Splits the polygon of points_. No triangulation of one that crosses itself is right, but it may do so only because
+  /// a spike was rounded further than is proven.
+  PolygonSplit split_points() {
+    PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
+    if (split.kind != PolygonKind::kSelfCrossing || possible_rounding_ <= plane_tolerance_) return split;
+    PolygonSplit rounded = split_polygon(points_, {plane_tolerance_, possible_rounding_}, control_);
+    const bool is_better = rounded.has_spikes() && rounded.kind != PolygonKind::kSelfCrossing;
+    return is_better ? rounded : split;
   }
 
   PolygonCuts& cuts() {
@@ -283,6 +294,7 @@ class Mending {
 
   Surface& surface_;
   double plane_tolerance_;
+  double possible_rounding_;
   const std::vector<std::uint8_t>& as_it_is_;
   Mend degenerate_;
   RunControl& control_;
@@ -331,8 +343,8 @@ std::vector<FaceId> faces_without_area(const Surface& surface, RunControl& contr
 }
 
 bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
-                std::vector<Diagnostic>& diagnostics, RunControl& control) {
-  return Mending(surface, plane_tolerance, as_it_is, degenerate, control).run(diagnostics);
+                std::vector<Diagnostic>& diagnostics, RunControl& control, double possible_rounding) {
+  return Mending(surface, plane_tolerance, as_it_is, degenerate, control, possible_rounding).run(diagnostics);
 }
 
 }  // namespace remesh

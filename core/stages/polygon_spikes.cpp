@@ -1,6 +1,7 @@
 #include "core/stages/polygon_spikes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "core/stages/mend_faces.h"
@@ -31,10 +32,12 @@ bool may_have_spikes(std::span<const Vec3> points, double tolerance) {
 /// The corners of a polygon as a ring from which corners can be taken.
 class Ring {
  public:
-  Ring(std::span<const Vec3> points, double tolerance, Reversals reversals)
+  /// `leaves` has a flag per corner, or is empty: 1 makes the tip of an exact reversal go, even if such tips are kept.
+  Ring(std::span<const Vec3> points, double tolerance, Reversals reversals, std::span<const std::uint8_t> leaves = {})
       : points_(points),
         tolerance_(tolerance),
         reversals_(reversals),
+        leaves_(leaves),
         count_(static_cast<std::uint32_t>(points.size())) {
     next_.resize(count_);
     before_.resize(count_);
@@ -54,7 +57,7 @@ class Ring {
       const std::uint32_t tip = waiting_.back();
       waiting_.pop_back();
       if (!is_there_[tip]) continue;
-      if (reversals_ != Reversals::kCut && points_[before_[tip]] == points_[next_[tip]]) continue;
+      if (is_kept_reversal(tip)) continue;
       const auto [from, to] = sides_of(tip);
       if (!turns_back(from, tip, to)) continue;
       if (reversals_ == Reversals::kKeepSlits && is_slit(from, tip, to)) continue;
@@ -77,6 +80,11 @@ class Ring {
   struct Sides {
     std::uint32_t from, to;
   };
+
+  bool is_kept_reversal(std::uint32_t tip) const {
+    if (reversals_ == Reversals::kCut || points_[before_[tip]] != points_[next_[tip]]) return false;
+    return leaves_.empty() || leaves_[tip] == 0;
+  }
 
   bool are_one(std::uint32_t i, std::uint32_t j) const {
     return points_[i] == points_[j] || norm(points_[i] - points_[j]) <= tolerance_;
@@ -115,12 +123,56 @@ class Ring {
   std::span<const Vec3> points_;
   double tolerance_;
   Reversals reversals_;
+  std::span<const std::uint8_t> leaves_;
   Vec3 area_vector_;  ///< in proportion to it; where slits are looked for
   std::uint32_t count_;
   std::vector<std::uint32_t> next_, before_;
   std::vector<std::uint8_t> is_there_;
   std::vector<std::uint32_t> waiting_;  ///< the corners to look at, the first one last
 };
+
+/// The plane of an outline, and how far from it a corner may be.
+struct OutlinePlane {
+  Vec3 normal, centre;
+  double reach = 0;
+
+  double distance(const Vec3& p) const { return std::fabs(dot(p - centre, normal)); }
+};
+
+OutlinePlane plane_of(std::span<const Vec3> points, std::span<const std::uint32_t> outline, double plane_tolerance) {
+  std::vector<Vec3> loop;
+  loop.reserve(outline.size());
+  OutlinePlane plane;
+  for (const std::uint32_t i : outline) {
+    loop.push_back(points[i]);
+    plane.centre += (1.0 / static_cast<double>(outline.size())) * points[i];
+  }
+  plane.normal = normalized(newell_normal(loop));
+  plane.reach = plane_tolerance;
+  for (const Vec3& p : loop) plane.reach = std::max(plane.reach, plane.distance(p));
+  return plane;
+}
+
+/// Marks the corners of spikes that are out of reach of the plane, and those that are further out on such a spike.
+/// Output: whether there is one.
+bool mark_leaving(std::span<const Vec3> points, const Spikes& spikes, const OutlinePlane& plane, double tolerance,
+                  std::vector<std::uint8_t>& leaves) {
+  const auto are_one = [&](std::uint32_t i, std::uint32_t j) {
+    return points[i] == points[j] || norm(points[i] - points[j]) <= tolerance;
+  };
+  leaves.assign(points.size(), 0);
+  bool is_any = false;
+  // The last one that was cut is next to the outline. What a spike stands on is known before the spike.
+  for (auto needle = spikes.needles.rbegin(); needle != spikes.needles.rend(); ++needle) {
+    const auto [before, tip, next] = *needle;
+    const bool is_of_leaving = are_one(before, tip) ? leaves[before] != 0
+                               : are_one(tip, next) ? leaves[next] != 0
+                                                    : leaves[before] != 0 || leaves[next] != 0;
+    leaves[tip] = is_of_leaving || plane.distance(points[tip]) > plane.reach;
+    is_any = is_any || leaves[tip] != 0;
+  }
+  return is_any;
+}
 
 }  // namespace
 
@@ -129,6 +181,17 @@ Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reve
   Spikes spikes = Ring(points, tolerance, reversals).cut();
   if (spikes.needles.empty()) spikes.outline.clear();
   return spikes;
+}
+
+PlaneSpikes cut_spikes_out_of_plane(std::span<const Vec3> points, double tolerance, double plane_tolerance) {
+  const Spikes all = cut_spikes(points, tolerance, Reversals::kCut);
+  std::vector<std::uint8_t> leaves;
+  if (all.outline.size() >= 3) {
+    const OutlinePlane plane = plane_of(points, all.outline, plane_tolerance);
+    if (plane.normal != Vec3{} && mark_leaving(points, all, plane, tolerance, leaves))
+      return {Ring(points, tolerance, Reversals::kKeep, leaves).cut(), true};
+  }
+  return {cut_spikes(points, tolerance, Reversals::kKeep), false};
 }
 
 bool is_needle(const Vec3& a, const Vec3& b, const Vec3& c, double tolerance) {

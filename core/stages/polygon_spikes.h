@@ -38,6 +38,17 @@ struct Spikes {
 /// Cost:    O(n).
 Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals);
 
+/// Does the same with Reversals::kKeep, but cuts off also those exact reversals that leave the polygon's plane. A slit
+/// lies in the face that it is in. What sticks out of that face is a spike, though it may lie inside the outline as seen
+/// from above: a triangulation through its tip would be a tent. The plane is that of the outline without any reversal,
+/// through the mean of its corners. Its reach is `plane_tolerance` or, if that outline is bent further, the largest
+/// distance of its own corners. A reversal goes from its first corner on that is beyond the reach.
+struct PlaneSpikes {
+  Spikes spikes;
+  bool has_left_plane = false;  ///< a spike does so, be it a reversal or not; else the spikes are those of kKeep
+};
+PlaneSpikes cut_spikes_out_of_plane(std::span<const Vec3> points, double tolerance, double plane_tolerance);
+
 /// Whether a triangle is no higher than the tolerance over its longest side.
 bool is_needle(const Vec3& a, const Vec3& b, const Vec3& c, double tolerance);
 
