@@ -8,6 +8,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/geometry/predicates.h"
 #include "core/mesh/adjacency.h"
@@ -178,14 +179,18 @@ class Mending {
       return PolygonCuts::Corners{loop_[needle[0]], loop_[needle[1]], loop_[needle[2]]};
     };
     // Needles that are not exactly on a line go if nobody would miss one of them; else all are faces.
+    StopCheck check(control_);
     drops_needles_ = degenerate_ == Mend::kYes && split.spike_tolerance > 0 &&
                      std::all_of(split.spikes.needles.begin(), split.spikes.needles.end(), [&](const auto& needle) {
+                       check();
                        const PolygonCuts::Corners t = corners_of(needle);
                        return are_collinear(t) || is_missed_by_nobody(t, f);
                      });
     bool is_one_gone = false;
-    for (const auto& needle : split.spikes.needles)
+    for (const auto& needle : split.spikes.needles) {
+      check();
       if (take_needle(corners_of(needle), split.spike_tolerance, source, label)) is_one_gone = true;
+    }
     if (is_one_gone) spiked_.add(source.value);
     const std::vector<std::uint32_t>& outline = split.spikes.outline;
     for (auto& triangle : split.triangles)

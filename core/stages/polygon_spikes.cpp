@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/base/stoppable.h"
 #include "core/stages/mend_faces.h"
 #include "core/stages/projection.h"
 
@@ -20,9 +21,11 @@ bool does_turn_back(const Vec3& from, const Vec3& tip, const Vec3& to, double to
 }
 
 /// Whether a polygon has a spike, or corners within the tolerance of each other, where one may hide. Most have neither.
-bool may_have_spikes(std::span<const Vec3> points, double tolerance) {
+bool may_have_spikes(std::span<const Vec3> points, double tolerance, const RunControl& control) {
+  StopCheck check(control);
   const std::size_t n = points.size();
   for (std::size_t i = 0; i < n; ++i) {
+    check();
     const Vec3 &from = points[i == 0 ? n - 1 : i - 1], &tip = points[i], &to = points[i + 1 == n ? 0 : i + 1];
     if (norm_squared(to - tip) <= tolerance * tolerance || does_turn_back(from, tip, to, tolerance)) return true;
   }
@@ -51,9 +54,11 @@ class Ring {
     std::iota(waiting_.rbegin(), waiting_.rend(), 0u);
   }
 
-  Spikes cut() {
+  Spikes cut(const RunControl& control) {
+    StopCheck check(control);
     Spikes spikes;
     while (!waiting_.empty() && count_ >= 3) {
+      check();
       const std::uint32_t tip = waiting_.back();
       waiting_.pop_back();
       if (!is_there_[tip]) continue;
@@ -70,7 +75,7 @@ class Ring {
       waiting_.push_back(next_[from]);
       waiting_.push_back(from);
     }
-    if (count_ < 3) return spikes;
+    if (count_ < 3 || spikes.needles.empty()) return spikes;
     for (std::uint32_t i = 0; i < is_there_.size(); ++i)
       if (is_there_[i]) spikes.outline.push_back(i);
     return spikes;
@@ -139,24 +144,29 @@ struct OutlinePlane {
   double distance(const Vec3& p) const { return std::fabs(dot(p - centre, normal)); }
 };
 
-OutlinePlane plane_of(std::span<const Vec3> points, std::span<const std::uint32_t> outline, double plane_tolerance) {
+OutlinePlane plane_of(std::span<const Vec3> points, std::span<const std::uint32_t> outline, double plane_tolerance,
+                      StopCheck& check) {
   std::vector<Vec3> loop;
   loop.reserve(outline.size());
   OutlinePlane plane;
   for (const std::uint32_t i : outline) {
+    check();
     loop.push_back(points[i]);
     plane.centre += (1.0 / static_cast<double>(outline.size())) * points[i];
   }
   plane.normal = normalized(newell_normal(loop));
   plane.reach = plane_tolerance;
-  for (const Vec3& p : loop) plane.reach = std::max(plane.reach, plane.distance(p));
+  for (const Vec3& p : loop) {
+    check();
+    plane.reach = std::max(plane.reach, plane.distance(p));
+  }
   return plane;
 }
 
 /// Marks the corners of spikes that are out of reach of the plane, and those that are further out on such a spike.
 /// Output: whether there is one.
 bool mark_leaving(std::span<const Vec3> points, const Spikes& spikes, const OutlinePlane& plane, double tolerance,
-                  std::vector<std::uint8_t>& leaves) {
+                  std::vector<std::uint8_t>& leaves, StopCheck& check) {
   const auto are_one = [&](std::uint32_t i, std::uint32_t j) {
     return points[i] == points[j] || norm(points[i] - points[j]) <= tolerance;
   };
@@ -164,6 +174,7 @@ bool mark_leaving(std::span<const Vec3> points, const Spikes& spikes, const Outl
   bool is_any = false;
   // The last one that was cut is next to the outline. What a spike stands on is known before the spike.
   for (auto needle = spikes.needles.rbegin(); needle != spikes.needles.rend(); ++needle) {
+    check();
     const auto [before, tip, next] = *needle;
     const bool is_of_leaving = are_one(before, tip) ? leaves[before] != 0
                                : are_one(tip, next) ? leaves[next] != 0
@@ -176,22 +187,22 @@ bool mark_leaving(std::span<const Vec3> points, const Spikes& spikes, const Outl
 
 }  // namespace
 
-Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals) {
-  if (!may_have_spikes(points, tolerance)) return {};
-  Spikes spikes = Ring(points, tolerance, reversals).cut();
-  if (spikes.needles.empty()) spikes.outline.clear();
-  return spikes;
+Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals, const RunControl& control) {
+  if (!may_have_spikes(points, tolerance, control)) return {};
+  return Ring(points, tolerance, reversals).cut(control);
 }
 
-PlaneSpikes cut_spikes_out_of_plane(std::span<const Vec3> points, double tolerance, double plane_tolerance) {
-  const Spikes all = cut_spikes(points, tolerance, Reversals::kCut);
+PlaneSpikes cut_spikes_out_of_plane(std::span<const Vec3> points, double tolerance, double plane_tolerance,
+                                    const RunControl& control) {
+  StopCheck check(control);
+  const Spikes all = cut_spikes(points, tolerance, Reversals::kCut, control);
   std::vector<std::uint8_t> leaves;
   if (all.outline.size() >= 3) {
-    const OutlinePlane plane = plane_of(points, all.outline, plane_tolerance);
-    if (plane.normal != Vec3{} && mark_leaving(points, all, plane, tolerance, leaves))
-      return {Ring(points, tolerance, Reversals::kKeep, leaves).cut(), true};
+    const OutlinePlane plane = plane_of(points, all.outline, plane_tolerance, check);
+    if (plane.normal != Vec3{} && mark_leaving(points, all, plane, tolerance, leaves, check))
+      return {Ring(points, tolerance, Reversals::kKeep, leaves).cut(control), true};
   }
-  return {cut_spikes(points, tolerance, Reversals::kKeep), false};
+  return {cut_spikes(points, tolerance, Reversals::kKeep, control), false};
 }
 
 bool is_needle(const Vec3& a, const Vec3& b, const Vec3& c, double tolerance) {

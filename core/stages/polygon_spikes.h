@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/run_control.h"
 #include "core/base/vec.h"
 
 namespace remesh {
@@ -35,8 +36,9 @@ struct Spikes {
 ///          that from the tip. Corners within the tolerance of each other are one tip, or one foot. The tolerance is in
 ///          the points' units; 0: only what is exact. The area vector of the polygon says what a right turn is.
 /// Holds:   the area vector of the outline is the polygon's, less those of the needles.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n).
-Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals);
+Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals, const RunControl& control);
 
 /// Does the same with Reversals::kKeep, but cuts off also those exact reversals that leave the polygon's plane. A slit
 /// lies in the face that it is in. What sticks out of that face is a spike, though it may lie inside the outline as seen
@@ -47,7 +49,8 @@ struct PlaneSpikes {
   Spikes spikes;
   bool has_left_plane = false;  ///< a spike does so, be it a reversal or not; else the spikes are those of kKeep
 };
-PlaneSpikes cut_spikes_out_of_plane(std::span<const Vec3> points, double tolerance, double plane_tolerance);
+PlaneSpikes cut_spikes_out_of_plane(std::span<const Vec3> points, double tolerance, double plane_tolerance,
+                                    const RunControl& control);
 
 /// Whether a triangle is no higher than the tolerance over its longest side.
 bool is_needle(const Vec3& a, const Vec3& b, const Vec3& c, double tolerance);

@@ -189,14 +189,15 @@ PolygonSplit split_canonical(std::span<const Vec3> points, const PolygonToleranc
     result.spike_tolerance = tolerance;
     return result;
   };
-  Spikes all = cut_spikes(points, tolerance, Reversals::kCut);
+  Spikes all = cut_spikes(points, tolerance, Reversals::kCut, control);
   if (all.needles.empty()) return without({});
   // A polygon with slits alone stays as it is: to cut off a narrow one would close it.
-  const bool has_slits_alone = tolerance > 0 && cut_spikes(points, tolerance, Reversals::kKeepSlits).needles.empty();
-  PolygonSplit result = without(has_slits_alone ? Spikes() : cut_spikes(points, tolerance, Reversals::kKeep));
+  const bool has_slits_alone =
+      tolerance > 0 && cut_spikes(points, tolerance, Reversals::kKeepSlits, control).needles.empty();
+  PolygonSplit result = without(has_slits_alone ? Spikes() : cut_spikes(points, tolerance, Reversals::kKeep, control));
   if (result.kind == PolygonKind::kPlanar) return result;
   // What sticks out of the plane is no slit. Seen from above, a spike may look like one.
-  PlaneSpikes in_space = cut_spikes_out_of_plane(points, tolerance, tolerances.plane);
+  PlaneSpikes in_space = cut_spikes_out_of_plane(points, tolerance, tolerances.plane, control);
   if (result.kind == PolygonKind::kNotPlanar && !in_space.has_left_plane) return result;
   if (has_slits_alone || in_space.has_left_plane) {
     result = without(std::move(in_space.spikes));
