@@ -116,6 +116,13 @@ double SimpleOutline::distance(std::size_t i, const Vec3& p) const {
   return norm(p - loop_[i] - share * way);
 }
 
+/// Whether edge j is clearly on one side of the line of edge i. This costs less than to measure distances.
+bool SimpleOutline::is_beside(std::size_t i, std::size_t j) const {
+  const double from = side(i, loop_[j]), to = side(i, loop_[after(j)]);
+  const double nearer = std::min(std::fabs(from), std::fabs(to));
+  return (from < 0) == (to < 0) && nearer * nearer > tolerance_ * tolerance_ * norm_squared(loop_[after(i)] - loop_[i]);
+}
+
 /// Whether two edges cross, or the first corner of one is within the tolerance of the other. The second corner of an
 /// edge is the first one of the next edge.
 bool SimpleOutline::do_meet(std::size_t i, std::size_t j) const {
@@ -138,7 +145,7 @@ bool SimpleOutline::is_simple(RunControl& control) const {
       for (std::size_t m = k + 1; m < sorted_.size() && sorted_[m].low <= sorted_[k].high; ++m) {
         check();
         const std::size_t j = sorted_[m].edge;
-        if (are_boxes_apart(i, j) || !do_meet(i, j)) continue;
+        if (are_boxes_apart(i, j) || is_beside(i, j) || is_beside(j, i) || !do_meet(i, j)) continue;
         is_simple = false;
         return;
       }

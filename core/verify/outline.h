@@ -55,6 +55,7 @@ class SimpleOutline {
   bool are_boxes_apart(std::size_t i, std::size_t j) const;
   double side(std::size_t i, const Vec3& p) const;
   double distance(std::size_t i, const Vec3& p) const;
+  bool is_beside(std::size_t i, std::size_t j) const;
   bool do_meet(std::size_t i, std::size_t j) const;
 
   std::vector<Vec3> loop_;
