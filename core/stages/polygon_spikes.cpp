@@ -136,7 +136,7 @@ class Ring {
   std::vector<std::uint32_t> waiting_;  ///< the corners to look at, the first one last
 };
 
-/// The plane of an outline, and how far from it a corner may be.
+/// An outline lies in this plane, and the corners of a slit may be so far from it.
 struct OutlinePlane {
   Vec3 normal, centre;
   double reach = 0;
@@ -164,7 +164,7 @@ OutlinePlane plane_of(std::span<const Vec3> points, std::span<const std::uint32_
 }
 
 /// Marks the corners of spikes that are out of reach of the plane, and those that are further out on such a spike.
-/// Output: whether there is one.
+/// Output: whether it marked one.
 bool mark_leaving(std::span<const Vec3> points, const Spikes& spikes, const OutlinePlane& plane, double tolerance,
                   std::vector<std::uint8_t>& leaves, StopCheck& check) {
   const auto are_one = [&](std::uint32_t i, std::uint32_t j) {

@@ -40,15 +40,19 @@ struct Spikes {
 /// Cost:    O(n).
 Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals, const RunControl& control);
 
-/// Does the same with Reversals::kKeep, but cuts off also those exact reversals that leave the polygon's plane. A slit
-/// lies in the face that it is in. What sticks out of that face is a spike, though it may lie inside the outline as seen
-/// from above: a triangulation through its tip would be a tent. The plane is that of the outline without any reversal,
-/// through the mean of its corners. Its reach is `plane_tolerance` or, if that outline is bent further, the largest
-/// distance of its own corners. A reversal goes from its first corner on that is beyond the reach.
 struct PlaneSpikes {
   Spikes spikes;
-  bool has_left_plane = false;  ///< a spike does so, be it a reversal or not; else the spikes are those of kKeep
+  bool has_left_plane = false;  ///< a spike leaves the plane, be it a reversal or not
 };
+
+/// Does the same as cut_spikes with Reversals::kKeep, but cuts off also those exact reversals that leave the polygon's
+/// plane. A slit lies in its face. What sticks out of the face is a spike, even if it lies inside the outline as seen
+/// from above: a triangulation through its tip would be a tent. The plane is that of the outline without any reversal,
+/// through the mean of its corners. The plane's reach is `plane_tolerance` or, if that outline is bent further, the
+/// largest distance of the outline's own corners. A reversal goes from its first corner on that is out of reach.
+/// Output:  the spikes. If none leaves the plane, they are those of kKeep.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:    O(n).
 PlaneSpikes cut_spikes_out_of_plane(std::span<const Vec3> points, double tolerance, double plane_tolerance,
                                     const RunControl& control);
 

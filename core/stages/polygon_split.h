@@ -34,18 +34,17 @@ struct PolygonSplit {
   bool has_spikes() const { return !spikes.needles.empty(); }
 };
 
-/// In the points' units.
+/// Both are in the points' units.
 struct PolygonTolerances {
   double plane = 0;   ///< how far from its plane the corners of a flat polygon may be
-  double spikes = 0;  ///< within which spikes are looked for; 0: only exact ones
+  double spikes = 0;  ///< how far a spike's way back may be from its way out; 0: only exact ones go
 };
 
-/// Looks at a polygon and triangulates it: by its constrained Delaunay triangulation in
-/// the plane of its Newell normal; one that crosses itself there by a fan from its lexicographically smallest corner,
-/// since no triangulation of it is right. Spikes are cut off before: those that come back a part of the way or within
-/// the tolerance always, exact reversals where they leave the polygon's plane (see cut_spikes_out_of_plane), or where the
-/// polygon would cross itself with them, as it does if they run outwards. A polygon that is hardly higher than the
-/// tolerance has exact spikes only.
+/// Looks at a polygon and triangulates it: by its constrained Delaunay triangulation in the plane of its Newell normal;
+/// one that crosses itself there by a fan from its lexicographically smallest corner, since no triangulation of it is
+/// right. Spikes are cut off before. Those that come back a part of the way or within the tolerance always go. Exact
+/// reversals go if they leave the polygon's plane (see cut_spikes_out_of_plane), or if the polygon would cross itself
+/// with them, as it does if they run outwards. A polygon that is hardly higher than the tolerance has exact spikes only.
 /// Input:  4 or more points, no two consecutive ones equal.
 /// Output: no triangles if nothing but spikes is there.
 /// Holds:  the polygon gets the same triangles wherever it begins and whichever way it runs, ties included.

@@ -104,7 +104,7 @@ bool SimpleOutline::are_boxes_apart(std::size_t i, std::size_t j) const {
   return false;
 }
 
-/// Positive to the left of edge i.
+/// This is positive to the left of edge i.
 double SimpleOutline::side(std::size_t i, const Vec3& p) const {
   return dot(cross(loop_[after(i)] - loop_[i], p - loop_[i]), normal_);
 }

@@ -13,13 +13,13 @@
 namespace remesh::verification {
 namespace {
 
-/// The faces [begin, end) of the surface, which came of one polygon of the input.
+/// The faces [begin, end) of the surface came of one polygon of the input.
 struct PolygonFaces {
   std::size_t begin, end;
   FaceId source;
 };
 
-/// A polygon whose faces do not cover what its outline encloses. Whether that is wrong depends on the outline.
+/// The faces of a polygon do not cover what its outline encloses. Whether that is wrong depends on the outline.
 struct Doubt {
   PolygonFaces faces;
   std::uint64_t pairs;  ///< of edges to compare
