@@ -44,7 +44,8 @@ struct PolygonTolerances {
 /// one that crosses itself there by a fan from its lexicographically smallest corner, since no triangulation of it is
 /// right. Spikes are cut off before. Those that come back a part of the way or within the tolerance always go. Exact
 /// reversals go if they leave the polygon's plane (see cut_spikes_out_of_plane), or if the polygon would cross itself
-/// with them, as it does if they run outwards. A polygon that is hardly higher than the tolerance has exact spikes only.
+/// with them, as it does if they run outwards. A polygon that is hardly higher than the tolerance has exact spikes
+/// only.
 /// Input:  4 or more points, no two consecutive ones equal.
 /// Output: no triangles if nothing but spikes is there.
 /// Holds:  the polygon gets the same triangles wherever it begins and whichever way it runs, ties included.
