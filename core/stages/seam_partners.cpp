@@ -53,10 +53,12 @@ Candidates find_candidates(const OpenEdges& open, const SeamRules& rules, RunCon
   return {concatenate<SeamPair>(blocks, control), true};
 }
 
-/// Which faces are connected over edges of two faces.
+/// Which faces are connected over edges of two faces, or over edges that are each other's partners.
 class Pieces {
  public:
-  Pieces(const Surface& surface, const Adjacency& edges, RunControl& control) : pieces_(surface.face_count()) {
+  Pieces(const Surface& surface, const Adjacency& edges, const OpenEdges& open, std::span<const SeamPair> partners,
+         RunControl& control)
+      : pieces_(surface.face_count()) {
     for_blocks(surface.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
       for (std::size_t h = begin; h < end; ++h) {
         const std::uint32_t twin = edges.twin(static_cast<std::uint32_t>(h));
@@ -68,6 +70,11 @@ class Pieces {
       check();
       if (const auto around = edges.half_edges(e); around.size() == 2) join(edges, around[0], around[1]);
     }
+    add(open, partners);
+  }
+
+  void add(const OpenEdges& open, std::span<const SeamPair> partners) {
+    for (const SeamPair& p : partners) pieces_.join(open[p.i].face.value, open[p.j].face.value);
   }
 
   bool are_one(FaceId f, FaceId g) { return pieces_.find(f.value) == pieces_.find(g.value); }
@@ -100,10 +107,38 @@ class Choice {
  public:
   Choice(const Surface& surface, const Adjacency& edges, const OpenEdges& open, std::vector<SeamPair>& chosen,
          RunControl& control)
-      : surface_(surface), open_(open), pieces_(surface, edges, control), chosen_(chosen), check_(control) {}
+      : surface_(surface),
+        open_(open),
+        pieces_(surface, edges, open, chosen, control),
+        chosen_(chosen),
+        check_(control) {}
 
-  /// Chooses among the pairs of edges that are connected by such pairs.
-  void choose(std::span<const SeamPair> pairs) {
+  /// Input:  groups of pairs: all pairs of edges that are connected by such pairs.
+  void run(std::vector<std::span<const SeamPair>> groups) {
+    // What is clear connects pieces, and this may make other groups clear. Groups of one round do not know of each
+    // other, so that their order decides nothing.
+    constexpr int kMostRounds = 4;
+    bool is_news = true;
+    for (int round = 0; round < kMostRounds && is_news; ++round) {
+      const std::size_t known = chosen_.size();
+      std::vector<std::span<const SeamPair>> unclear;
+      for (const auto& group : groups)
+        if (!choose(group, true)) unclear.push_back(group);
+      groups = std::move(unclear);
+      pieces_.add(open_, std::span(chosen_).subspan(known));
+      is_news = chosen_.size() > known;
+    }
+    for (const auto& group : groups) choose(group, false);
+  }
+
+ private:
+  /// As many edges are paired off in every possible way.
+  static constexpr std::size_t kFew = 8;
+  using Joins = std::vector<std::pair<std::pair<VertexId, VertexId>, std::pair<VertexId, VertexId>>>;
+
+  /// Chooses among the pairs of a group, if something speaks for it that is not chance or if it does not have to.
+  /// Output: whether it has.
+  bool choose(std::span<const SeamPair> pairs, bool has_to_be_clear) {
     pairs_ = pairs;
     nodes_.clear();
     for (const SeamPair& p : pairs) nodes_.insert(nodes_.end(), {p.i, p.j});
@@ -118,16 +153,11 @@ class Choice {
       check_();
       doubts_.push_back(doubts_of(p));
     }
-    if (nodes_.size() <= kFew)
-      choose_best();
-    else
-      choose_one_by_one();
+    if (nodes_.size() <= kFew) return choose_best(has_to_be_clear);
+    if (has_to_be_clear) return false;
+    choose_one_by_one();
+    return true;
   }
-
- private:
-  /// As many edges are paired off in every possible way.
-  static constexpr std::size_t kFew = 8;
-  using Joins = std::vector<std::pair<std::pair<VertexId, VertexId>, std::pair<VertexId, VertexId>>>;
 
   Doubts doubts_of(const SeamPair& p) {
     const OpenEdge &a = open_[p.i], &b = open_[p.j];
@@ -173,10 +203,10 @@ class Choice {
             width};
   }
 
-  void choose_best() {
+  bool choose_best(bool has_to_be_clear) {
     best_.reset();
     behind_.reset();
-    ranks_.clear();
+    rivals_.clear();
     for (auto& row : pair_of_)
       for (std::size_t& pair : row) pair = pairs_.size();
     for (std::size_t k = 0; k < pairs_.size(); ++k) {
@@ -185,22 +215,24 @@ class Choice {
     }
     is_taken_.fill(false);
     way_.clear();
-    try_from(0);
-    if (!is_clear()) return;
+    try_from(0, 0);
+    // Where all edges have partners, others would be as good.
+    if (!is_clear() && (has_to_be_clear || best_->unpaired > 0)) return false;
     for (const std::size_t k : best_way_) chosen_.push_back(pairs_[k]);
+    return true;
   }
 
   std::size_t place_of(std::uint32_t node) const {
     return static_cast<std::size_t>(std::find(nodes_.begin(), nodes_.end(), node) - nodes_.begin());
   }
 
-  /// Tries all ways to pair off the edges from the k-th on. It calls itself eight times deep at most.
-  void try_from(std::size_t k) {
+  /// Tries the ways to pair off the edges from the k-th on, of which so many were left over before it. It calls itself eight times deep at most.
+  void try_from(std::size_t k, std::size_t left_over) {
     while (k < nodes_.size() && is_taken_[k]) ++k;
     check_();
     if (k >= nodes_.size()) {
       const Rank rank = rank_of(way_);
-      ranks_.push_back({rank, joins_of(way_)});
+      if (!best_ || !best_->is_clearly_better_than(rank)) rivals_.push_back({rank, joins_of(way_)});
       if (best_ && !rank.is_better_than(*best_)) return;
       best_ = rank;
       best_way_ = way_;
@@ -210,11 +242,12 @@ class Choice {
       if (is_taken_[other] || pair_of_[k][other] == pairs_.size()) continue;
       is_taken_[other] = true;
       way_.push_back(pair_of_[k][other]);
-      try_from(k + 1);
+      try_from(k + 1, left_over);
       way_.pop_back();
       is_taken_[other] = false;
     }
-    try_from(k + 1);
+    // What leaves more edges than the best way is never better.
+    if (!best_ || left_over < best_->unpaired) try_from(k + 1, left_over + 1);
   }
 
   /// What becomes one, in order. Edges with the same ends are the same edge, whichever of its faces is meant.
@@ -229,11 +262,10 @@ class Choice {
     return joins;
   }
 
-  /// Whether all edges have a partner, or nothing speaks as much for anything else.
+  /// Whether nothing speaks as much for anything else.
   bool is_clear() const {
-    if (best_->unpaired == 0) return true;
     const Joins joins = joins_of(best_way_);
-    return std::all_of(ranks_.begin(), ranks_.end(), [&](const auto& other) {
+    return std::all_of(rivals_.begin(), rivals_.end(), [&](const auto& other) {
       return best_->is_clearly_better_than(other.first) || other.second == joins;
     });
   }
@@ -282,8 +314,8 @@ class Choice {
   std::array<bool, kFew> is_taken_{};
   std::vector<std::size_t> way_, best_way_;
   std::optional<Rank> best_;
-  std::optional<double> behind_;               ///< the angles of the first way that leaves no edge
-  std::vector<std::pair<Rank, Joins>> ranks_;  ///< of all ways
+  std::optional<double> behind_;                ///< the angles of the first way that leaves no edge
+  std::vector<std::pair<Rank, Joins>> rivals_;  ///< ways that were about as good as the best so far
 };
 
 /// Takes out the pairs that run the same way and would make a piece one-sided if their ends became one.
@@ -347,12 +379,13 @@ SeamPartners find_seam_partners(const Surface& surface, const Adjacency& edges, 
     const auto key = [&](const SeamPair& p) { return std::tuple(groups.find(p.i), p.i, p.j); };
     sort_stoppable(contested.begin(), contested.end(), control,
                    [&](const SeamPair& p, const SeamPair& q) { return key(p) < key(q); });
-    Choice choice(surface, edges, open, found.pairs, control);
+    std::vector<std::span<const SeamPair>> of_groups;
     for (std::size_t begin = 0, end = 0; begin < contested.size(); begin = end) {
       for (end = begin + 1; end < contested.size() && groups.find(contested[end].i) == groups.find(contested[begin].i);)
         ++end;
-      choice.choose(std::span(contested).subspan(begin, end - begin));
+      of_groups.push_back(std::span(contested).subspan(begin, end - begin));
     }
+    Choice(surface, edges, open, found.pairs, control).run(std::move(of_groups));
   }
   drop_twisting(surface, edges, open, found.pairs, control);
   return found;

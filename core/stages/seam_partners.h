@@ -34,7 +34,8 @@ struct SeamPartners {
 /// edges lie beside each other, as where two bodies touch along a seam, that way is chosen which
 /// 1. leaves the fewest without a partner,
 /// 2. has the fewest faces turned over,
-/// 3. joins what is connected already, then what has one label,
+/// 3. joins what is connected already (over edges, or over partners where nothing else was beside these), then what has
+///    one label,
 /// 4. has the least angles behind the faces, that is through the bodies: so bodies that touch stay two,
 /// 5. bends least, and then moves least.
 /// If some have no partner, nobody else's may be as good up to 4, nor bend as little: else all stay open. An edge that

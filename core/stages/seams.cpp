@@ -111,8 +111,6 @@ class Closing {
                                   }),
                    pairs_.end());
     }
-    closed_.clear();
-    closed_half_edges_.clear();
     return false;
   }
 
@@ -352,7 +350,7 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
   are_too_many_ = false;
   if (edges.odd_edges().empty()) return false;
   const OpenEdges open(surface, edges, OpenEdges::Which::kUnbalanced, control);
-  if (open.size() < 2) return false;
+  if (open.size() == 0) return false;
   StopCheck check(control);
   const auto add = [&](Diagnostic& to, FaceId f) {
     check();
@@ -367,8 +365,19 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
   }
   Closing closing(surface, edges, open, rules_, places_, control);
   const bool is_any = !partners.pairs.empty() && closing.run(std::move(partners.pairs));
-  for (std::size_t i = 0; i < open.size(); ++i)
-    if (open[i].is_open && partners.is_beside[i] && !closing.is_closed(open[i].half_edge)) add(left_, open[i].face);
+  // An edge stays one that others lie beside if these have closed without it.
+  std::vector<Ends> left_ends;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    check();
+    const auto source = [&](VertexId v) { return surface.vertex_source[is_any ? closing.image(v) : v]; };
+    const Ends before{surface.vertex_source[open[i].from], surface.vertex_source[open[i].to]};
+    const bool is_beside = partners.is_beside[i] || std::binary_search(left_ends_.begin(), left_ends_.end(), before);
+    if (!open[i].is_open || !is_beside || (is_any && closing.is_closed(open[i].half_edge))) continue;
+    add(left_, open[i].face);
+    left_ends.push_back({source(open[i].from), source(open[i].to)});
+  }
+  sort_stoppable(left_ends.begin(), left_ends.end(), control);
+  left_ends_ = std::move(left_ends);
   if (!is_any) return false;
   for (const FaceId f : closing.closed()) add(found_, f);
   width_ = std::max(width_, closing.width() * surface.unit);

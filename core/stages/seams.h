@@ -50,14 +50,16 @@ class Seams {
   bool close(Surface& surface, const Adjacency& edges, Mend mend, RunControl& control);
 
   /// Counts as seam the edges joined by all calls, or with Mend::kNo those that would be; and apart the open edges
-  /// that the last call left although others lie beside them within the tolerance. Elements are a face of each.
+  /// that are left although others lie, or lay, beside them within the tolerance. Elements are a face of each.
   void tell(std::vector<Diagnostic>& diagnostics) const;
 
  private:
   SeamRules rules_;
   JoinedPlaces places_;
   Diagnostic found_, left_;
-  double width_ = 0;  ///< model units
+  using Ends = std::pair<VertexId, VertexId>;
+  std::vector<Ends> left_ends_;  ///< of the edges in left_, by `vertex_source`, ascending
+  double width_ = 0;             ///< model units
   bool is_mended_ = false;
   bool are_too_many_ = false;
 };

@@ -37,9 +37,7 @@ std::vector<double> widths_of(const PolygonMesh& mesh, double tolerance = 1e-9) 
   RunControl control;
   const Surface surface = shapes::surface(mesh);
   const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
-  std::vector<double> widths = crack_widths(surface, edges, tolerance / surface.unit, control);
-  for (double& width : widths) width *= surface.unit;
-  return widths;
+  return find_cracks(surface, edges, tolerance, control).widths;
 }
 
 TEST(cracks, the_weld_tolerance_that_is_named_closes_them) {
