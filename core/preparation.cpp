@@ -136,7 +136,7 @@ class Preparation {
     };
     // Faces that repeat others go.
     const std::size_t place = found.size();
-    std::vector<Diagnostic> repeated, repeated_again;
+    std::vector<Diagnostic> repeated;
     const bool is_repeated =
         drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), repeated, control_);
     if_changed(is_repeated);
@@ -154,11 +154,8 @@ class Preparation {
     if_changed(is_joined_again);
     seams.tell(found);
     // Faces over seams may repeat each other only now.
-    if (is_joined || is_joined_again) {
-      if_changed(drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), repeated_again, control_));
-      repeated.resize(is_repeated ? 1 : 0);
-      for (Diagnostic& d : repeated_again) add_to(repeated, std::move(d));
-    }
+    if ((is_joined || is_joined_again) && repair.duplicates && drop_new_duplicates(repeated, is_repeated ? 1 : 0))
+      if_changed(true);
     found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());
     // Faces without a plane are split, faces without an area dropped; nothing opens.
     const bool is_mended = !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.as_it_is,
@@ -169,6 +166,24 @@ class Preparation {
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
     if (!is_solid())
       if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));
+  }
+
+  /// Drops the faces that repeat others since seams have closed, if that opens nothing: parts of two copies may have
+  /// become one, and others not.
+  /// Input:   what was told of repeated faces before, of which the first `dropped` tell what is no longer there.
+  /// Output:  whether the surface changed; `told` is what is to be told of both times then.
+  bool drop_new_duplicates(std::vector<Diagnostic>& told, std::size_t dropped) {
+    std::vector<Diagnostic> all, again;
+    drop_duplicate_faces(surface(), adjacency(), Mend::kNo, all, control_);
+    if (all.empty()) return false;
+    Surface without = surface();
+    if (!drop_duplicate_faces(without, adjacency(), Mend::kYes, again, control_)) return false;
+    const Adjacency edges(without.vertex_count(), without.face_begin, without.corners, control_);
+    if (edges.odd_edges().size() > adjacency().odd_edges().size()) return false;
+    surface() = std::move(without);
+    told.resize(dropped);
+    for (Diagnostic& d : again) add_to(told, std::move(d));
+    return true;
   }
 
   /// Adds what was found to one that tells of the same, or to the end.

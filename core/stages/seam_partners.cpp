@@ -185,6 +185,11 @@ class Choice {
     }
   };
 
+  struct Rival {
+    Rank rank;
+    std::vector<std::size_t> way;  ///< pairs
+  };
+
   Rank rank_of(std::span<const std::size_t> pairs) {
     Doubts sum;
     double width = 0;
@@ -216,9 +221,18 @@ class Choice {
     is_taken_.fill(false);
     way_.clear();
     try_from(0, 0);
-    // Where all edges have partners, others would be as good.
-    if (!is_clear() && (has_to_be_clear || best_->unpaired > 0)) return false;
-    for (const std::size_t k : best_way_) chosen_.push_back(pairs_[k]);
+    if (is_clear()) {
+      for (const std::size_t k : best_way_) chosen_.push_back(pairs_[k]);
+      return true;
+    }
+    if (has_to_be_clear || best_->unpaired > 0) return false;
+    // As where a surface is there twice. With exact coordinates all would be one edge.
+    std::vector<std::size_t> all;
+    for (const Rival& rival : rivals_)
+      if (!best_->is_clearly_better_than(rival.rank)) all.insert(all.end(), rival.way.begin(), rival.way.end());
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    for (const std::size_t k : all) chosen_.push_back(pairs_[k]);
     return true;
   }
 
@@ -232,7 +246,7 @@ class Choice {
     check_();
     if (k >= nodes_.size()) {
       const Rank rank = rank_of(way_);
-      if (!best_ || !best_->is_clearly_better_than(rank)) rivals_.push_back({rank, joins_of(way_)});
+      if (!best_ || !best_->is_clearly_better_than(rank)) rivals_.push_back({rank, way_});
       if (best_ && !rank.is_better_than(*best_)) return;
       best_ = rank;
       best_way_ = way_;
@@ -265,8 +279,8 @@ class Choice {
   /// Whether nothing speaks as much for anything else.
   bool is_clear() const {
     const Joins joins = joins_of(best_way_);
-    return std::all_of(rivals_.begin(), rivals_.end(), [&](const auto& other) {
-      return best_->is_clearly_better_than(other.first) || other.second == joins;
+    return std::all_of(rivals_.begin(), rivals_.end(), [&](const Rival& rival) {
+      return best_->is_clearly_better_than(rival.rank) || joins_of(rival.way) == joins;
     });
   }
 
@@ -314,8 +328,8 @@ class Choice {
   std::array<bool, kFew> is_taken_{};
   std::vector<std::size_t> way_, best_way_;
   std::optional<Rank> best_;
-  std::optional<double> behind_;                ///< the angles of the first way that leaves no edge
-  std::vector<std::pair<Rank, Joins>> rivals_;  ///< ways that were about as good as the best so far
+  std::optional<double> behind_;  ///< the angles of the first way that leaves no edge
+  std::vector<Rival> rivals_;     ///< ways that were about as good as the best so far, itself included
 };
 
 /// Takes out the pairs that run the same way and would make a piece one-sided if their ends became one.

@@ -24,7 +24,7 @@ struct SeamPair {
 };
 
 struct SeamPartners {
-  std::vector<SeamPair> pairs;          ///< no edge is in two
+  std::vector<SeamPair> pairs;          ///< an edge is in two only where all become one
   std::vector<std::uint8_t> is_beside;  ///< of each edge, whether another one could be its partner
   bool is_complete = true;              ///< false: there were too many edges beside each other to look at
 };
@@ -37,9 +37,10 @@ struct SeamPartners {
 /// 3. joins what is connected already (over edges, or over partners where nothing else was beside these), then what has
 ///    one label,
 /// 4. has the least angles behind the faces, that is through the bodies: so bodies that touch stay two,
-/// 5. bends least, and then moves least.
-/// If some have no partner, nobody else's may be as good up to 4, nor bend as little: else all stay open. An edge that
-/// runs the same way as its partner has none if that would make a piece one-sided.
+/// 5. bends least.
+/// Where several ways are as good, as where a surface is there twice, all these edges become one, as they would if
+/// coordinates were exact; or if some have no partner, all stay open. An edge that runs the same way as its partner has
+/// none if that would make a piece one-sided.
 /// Cost:    O(b log b) in edges; O(n) more if it takes more than positions to decide.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 SeamPartners find_seam_partners(const Surface& surface, const Adjacency& edges, const OpenEdges& open,
