@@ -147,9 +147,12 @@ class Preparation {
     const Mend mend_seams = mend_if(repair.seams && limits_.is_joining_allowed);
     const bool is_joined = mend_seams == Mend::kYes && seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined);
-    if_changed(split_t_junctions(surface(), adjacency(), std::max(tolerance, options_.weld_tolerance / surface().unit),
-                                 limits_.as_it_is, mend_if(repair.t_junctions && limits_.is_joining_allowed), found,
-                                 control_));
+    const Mend mend_t_junctions = mend_if(repair.t_junctions && limits_.is_joining_allowed);
+    if_changed(split_at_vertices(tolerance, mend_t_junctions));
+    // Whoever welds vertices wants them on edges, too. The smaller tolerance comes first: it splits thin faces as well.
+    if (const double near = options_.weld_tolerance / surface().unit;
+        near > tolerance && mend_t_junctions == Mend::kYes)
+      if_changed(split_at_vertices(near, mend_t_junctions));
     const bool is_joined_again = seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined_again);
     seams.tell(found);
@@ -166,6 +169,14 @@ class Preparation {
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
     if (!is_solid())
       if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));
+  }
+
+  bool split_at_vertices(double tolerance, Mend mend) {
+    std::vector<Diagnostic> told;
+    const bool is_changed =
+        split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is, mend, told, control_);
+    for (Diagnostic& d : told) add_to(report_.diagnostics, std::move(d));
+    return is_changed;
   }
 
   /// Drops the faces that repeat others since seams have closed, if that opens nothing: parts of two copies may have

@@ -178,10 +178,9 @@ class Trial {
       if (options_.repair.seams) seams.close(surface, adjacency(), Mend::kYes, control_);
     };
     close();
-    if (options_.repair.t_junctions) {
-      const double near = std::max(rules_.plane_tolerance, tolerance) / surface.unit;
-      split_t_junctions(surface, adjacency(), near, {}, Mend::kYes, untold, control_);
-    }
+    if (options_.repair.t_junctions)
+      for (const double near : {rules_.plane_tolerance, std::max(rules_.plane_tolerance, tolerance)})
+        split_t_junctions(surface, adjacency(), near / surface.unit, {}, Mend::kYes, untold, control_);
     close();
     EdgeKinds kinds = count(adjacency());
     kinds.welded_open = welded.open;

@@ -134,6 +134,18 @@ TEST(cracks, sides_that_are_subdivided_differently_close_with_the_tolerance_that
     }
 }
 
+TEST(cracks, a_weld_tolerance_does_not_keep_thin_faces_from_what_mends_them_without_one) {
+  // A thin strip between two sheets, with a vertex of one of them on its edge.
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 0.1, 0}, {0, 0.1, 0}, {1, 0.1, 0}, {2, 1, 0}, {0, 1, 0}},
+                         {{0, 1, 2, 3}, {3, 4, 5, 6}, {4, 2, 5}});
+  for (const double tolerance : {0.0, 0.07}) {
+    const Report report = remeshed(mesh, tolerance);
+    EXPECT_NEAR(report.output.area, 2, 1e-12);
+    EXPECT_EQ(report.patches.size(), 1u) << tolerance;
+  }
+}
+
 TEST(cracks, sides_that_look_opposite_ways_are_told_and_close) {
   PolygonMesh mesh = shapes::quad_box({1, 1, 1}, 3);
   const PolygonMesh whole = mesh;
