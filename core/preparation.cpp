@@ -148,12 +148,17 @@ class Preparation {
     const bool is_joined = mend_seams == Mend::kYes && seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined);
     const Mend mend_t_junctions = mend_if(repair.t_junctions && limits_.is_joining_allowed);
-    if_changed(split_at_vertices(tolerance, mend_t_junctions));
+    bool is_split = split_at_vertices(tolerance, mend_t_junctions);
+    if_changed(is_split);
     // Whoever welds vertices wants them on edges, too. The smaller tolerance comes first: it splits thin faces as well.
     if (const double near = options_.weld_tolerance / surface().unit;
-        near > tolerance && mend_t_junctions == Mend::kYes)
-      if_changed(split_at_vertices(near, mend_t_junctions));
-    const bool is_joined_again = seams.close(surface(), adjacency(), mend_seams, control_);
+        near > tolerance && mend_t_junctions == Mend::kYes) {
+      const bool is_split_again = split_at_vertices(near, mend_t_junctions);
+      if_changed(is_split_again);
+      is_split = is_split || is_split_again;
+    }
+    const bool is_joined_again =
+        (is_split || mend_seams == Mend::kNo) && seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined_again);
     seams.tell(found);
     // Faces over seams may repeat each other only now.

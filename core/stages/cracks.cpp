@@ -173,15 +173,17 @@ class Trial {
       return Adjacency(surface.vertex_count(), surface.face_begin, surface.corners, control_);
     };
     const EdgeKinds welded = count(adjacency());
+    // Within a larger weld tolerance no seams are left.
+    const bool has_seams = options_.repair.seams && tolerance < rules_.rounding;
     Seams seams({rules_.rounding / surface.unit, options_.repair.winding});
-    const auto close = [&] {
-      if (options_.repair.seams) seams.close(surface, adjacency(), Mend::kYes, control_);
+    if (has_seams) seams.close(surface, adjacency(), Mend::kYes, control_);
+    bool is_split = false;
+    const auto split_at = [&](double near) {
+      is_split |= split_t_junctions(surface, adjacency(), near / surface.unit, {}, Mend::kYes, untold, control_);
     };
-    close();
-    if (options_.repair.t_junctions)
-      for (const double near : {rules_.plane_tolerance, std::max(rules_.plane_tolerance, tolerance)})
-        split_t_junctions(surface, adjacency(), near / surface.unit, {}, Mend::kYes, untold, control_);
-    close();
+    if (options_.repair.t_junctions) split_at(rules_.plane_tolerance);
+    if (options_.repair.t_junctions && tolerance > rules_.plane_tolerance) split_at(tolerance);
+    if (has_seams && is_split) seams.close(surface, adjacency(), Mend::kYes, control_);
     EdgeKinds kinds = count(adjacency());
     kinds.welded_open = welded.open;
     // What rounding makes of a polygon's corners is mended.
