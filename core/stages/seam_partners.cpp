@@ -240,7 +240,8 @@ class Choice {
     return static_cast<std::size_t>(std::find(nodes_.begin(), nodes_.end(), node) - nodes_.begin());
   }
 
-  /// Tries the ways to pair off the edges from the k-th on, of which so many were left over before it. It calls itself eight times deep at most.
+  /// Tries the ways to pair off the edges from the k-th on, of which so many were left over before it.
+  /// It calls itself eight times deep at most.
   void try_from(std::size_t k, std::size_t left_over) {
     while (k < nodes_.size() && is_taken_[k]) ++k;
     check_();
