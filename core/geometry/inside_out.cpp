@@ -87,8 +87,8 @@ class OpenPieces {
   bool are_between(std::uint32_t shell, std::optional<std::uint32_t> outer) {
     if (ends_.empty()) prepare();
     if (!number_ || !contains(number_->box(), shells_.all[shell].box)) return false;
-    // The half of a box with a side missing is still about 2/3 around what is in it.
-    constexpr double kClearly = 0.25;
+    // Each side of a box is around about a sixth, in its middle: this is more than rounding, and less than one side.
+    constexpr double kClearly = 0.1;
     return std::fabs(around(shell) - (outer ? around(*outer) : 0)) > kClearly;
   }
 
@@ -167,7 +167,7 @@ class Judging {
     if (!is_in_solid) return Side::kOut;
     if (labels_.do_share(shell, outer)) {
       const bool is_said_wrong = side(shell) == Side::kOut;
-      return is_said_wrong && nesting_.is_crossing(shell) ? Side::kOut : Side::kIn;
+      return is_said_wrong && nesting_.is_place_in_doubt(shell) ? Side::kOut : Side::kIn;
     }
     return side(shell) == Side::kIn && is_outer_wrong ? Side::kOut : side(shell);
   }
