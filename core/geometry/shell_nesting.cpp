@@ -461,8 +461,11 @@ bool ShellNesting::is_place_in_doubt(std::uint32_t shell) const {
   // It may cross the one around it in edges only.
   const double touch = touch_of(nest);
   const Samples samples = samples_of(nests_[nest].shells[0]);
+  const auto is_told = [&](const Vec3& p, Tellers tellers) {
+    return around(nearest(p, touch, nest, tellers), nest) == nests_[nest].around;
+  };
   const auto is_elsewhere = [&](const Vec3& p) {
-    return !is_touching(p, touch, nest) && around(nearest(p, touch, nest, Tellers::kAll), nest) != nests_[nest].around;
+    return !is_touching(p, touch, nest) && !is_told(p, Tellers::kAll) && !is_told(p, Tellers::kLarger);
   };
   return std::any_of(samples.vertices.begin(), samples.vertices.end(), is_elsewhere) ||
          std::any_of(samples.middles.begin(), samples.middles.end(), is_elsewhere);
