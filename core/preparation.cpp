@@ -135,7 +135,8 @@ class Preparation {
       is_as_measured_ = false;
     };
     // Faces that repeat others go, edges are split at the vertices that lie on them.
-    if_changed(drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), found, control_));
+    if_changed(
+        drop_duplicate_faces(surface(), adjacency(), input_.labels, mend_if(repair.duplicates), found, control_));
     if_changed(split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is,
                                  mend_if(repair.t_junctions && limits_.is_joining_allowed), found, control_));
     // Seams close. Their sides have the same vertices now, so that each edge has its partner.

@@ -1,19 +1,24 @@
 #include "core/stages/duplicate_faces.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <span>
+#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
+#include "core/stages/back_to_back.h"
+#include "core/stages/body_labels.h"
 
 namespace remesh {
 namespace {
 
 class Duplicates {
  public:
-  Duplicates(const Surface& surface, const Adjacency& edges, RunControl& control)
-      : surface_(surface), edges_(edges), control_(control) {}
+  Duplicates(const Surface& surface, const Adjacency& edges, const FaceLabels& labels, RunControl& control)
+      : surface_(surface), edges_(edges), labels_(labels), control_(control) {}
 
   /// Output: what to do with each face; empty if none repeats another.
   const std::vector<std::uint8_t>& find() {
@@ -36,7 +41,10 @@ class Duplicates {
       }
       if (faces_.size() > 1) compare();
     }
-    if (!fate_.empty()) decide_on_backs();
+    if (!fate_.empty()) {
+      decide_on_backs();
+      decide_on_sides();
+    }
     return fate_;
   }
 
@@ -127,17 +135,46 @@ class Duplicates {
     });
     StopCheck check(control_);
     for (std::size_t i = 0; i < faces_.size();) {
-      const FaceId first = faces_[i];
-      bool has_back = false;
-      for (++i; i < faces_.size() && order(first, faces_[i]) == 0; ++i) {
-        check();
-        if (fate_.empty()) fate_.assign(surface_.face_count(), kStays);
-        const bool is_back = runs_forward(faces_[i]) != runs_forward(first) && !has_back;
-        has_back = has_back || is_back;
-        fate_[faces_[i].value] = is_back ? kBack : kDropped;
-      }
+      const std::size_t begin = i;
+      while (++i < faces_.size() && order(faces_[begin], faces_[i]) == 0) check();
+      if (i - begin > 1) decide_on(std::span(faces_).subspan(begin, i - begin));
     }
   }
+
+  /// Of faces over one loop, ascending, one that looks each way is left.
+  void decide_on(std::span<const FaceId> alike) {
+    if (fate_.empty()) {
+      fate_.assign(surface_.face_count(), kStays);
+      measure_labels();
+    }
+    StopCheck check(control_);
+    std::array<FaceId, 2> left;
+    for (const FaceId f : alike) {
+      check();
+      FaceId& best = left[runs_forward(f) ? 1 : 0];
+      if (best.is_valid()) fate_[(extent(f) < extent(best) ? best : f).value] = kDropped;
+      if (!best.is_valid() || extent(f) < extent(best)) best = f;
+    }
+    if (!left[0].is_valid() || !left[1].is_valid()) return;
+    const auto [first, second] = std::minmax(left[0], left[1]);
+    fate_[second.value] = kBack;
+    pairs_.push_back({first, second});
+  }
+
+  void measure_labels() {
+    of_faces_ = labels_of_sources(labels_, surface_.face_source.items(), control_);
+    if (of_faces_.are_alike()) return;
+    std::vector<Box3> boxes(of_faces_.begin.size() - 1);
+    StopCheck check(control_);
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      check();
+      for (const VertexId v : surface_.face(FaceId(f))) boxes[of_faces_.set_of[f]].add(surface_.local[v]);
+    }
+    for (const Box3& box : boxes) extents_.push_back(box.diagonal());
+  }
+
+  /// How large all is that is labelled as a face is. A wall that two bodies have is the smaller one's.
+  double extent(FaceId f) const { return extents_.empty() ? 0 : extents_[of_faces_.set_of[f.value]]; }
 
   /// The edges of the faces that are seen from behind, each once: many such faces may have one edge in common.
   std::vector<EdgeId> edges_of_backs() const {
@@ -183,9 +220,23 @@ class Duplicates {
       if (fate_[f] == kBack && !has_to_stay[cluster.find(f)]) fate_[f] = kDropped;
   }
 
+  void decide_on_sides() {
+    std::erase_if(pairs_, [&](const BackToBack& pair) { return fate_[pair.second.value] != kDropped; });
+    if (pairs_.empty()) return;
+    std::vector<std::uint8_t> is_dropped(fate_.size());
+    for (std::size_t f = 0; f < fate_.size(); ++f) is_dropped[f] = fate_[f] == kDropped;
+    choose_sides(surface_, edges_, labels_, of_faces_, is_dropped, pairs_, control_);
+    for (const BackToBack& pair : pairs_)
+      if (!pair.is_first_kept) std::swap(fate_[pair.first.value], fate_[pair.second.value]);
+  }
+
   const Surface& surface_;
   const Adjacency& edges_;
+  const FaceLabels& labels_;
   RunControl& control_;
+  std::vector<BackToBack> pairs_;
+  BodyLabels of_faces_;
+  std::vector<double> extents_;                                 ///< by label; empty where all are alike
   std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< of each face
   std::vector<std::uint8_t> fate_;
   std::vector<FaceId> faces_;
@@ -193,9 +244,9 @@ class Duplicates {
 
 }  // namespace
 
-bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
-                          RunControl& control) {
-  Duplicates duplicates(surface, edges, control);
+bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+                          std::vector<Diagnostic>& diagnostics, RunControl& control) {
+  Duplicates duplicates(surface, edges, labels, control);
   const std::vector<std::uint8_t>& fate = duplicates.find();
   if (fate.empty()) return false;
   Diagnostic dropped{DiagnosticCode::kDuplicateFace, 0, {}, "faces that repeat another one were dropped"};

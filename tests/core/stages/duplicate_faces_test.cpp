@@ -18,7 +18,7 @@ Dropped drop(const PolygonMesh& mesh, Mend mend = Mend::kYes) {
   RunControl control;
   Dropped result{shapes::surface(mesh), {}, false};
   const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners, control);
-  result.is_changed = drop_duplicate_faces(result.surface, edges, mend, result.diagnostics, control);
+  result.is_changed = drop_duplicate_faces(result.surface, edges, mesh.labels, mend, result.diagnostics, control);
   return result;
 }
 
