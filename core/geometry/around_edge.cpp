@@ -36,7 +36,7 @@ class AngularOrder {
     // Within a half turn the plane of one tells.
     if (const int turn = of_f % 2 == 0 ? 0 : orient3d(a_, b_, f.apex, g.apex); turn != 0) return turn > 0;
     if (f.is_forward != g.is_forward) return f.is_forward;
-    const auto key = [](const FaceAtEdge& face) { return std::tie(face.apex, face.tag); };
+    const auto key = [](const FaceAtEdge& face) { return std::tie(face.layer, face.tag); };
     return f.is_forward ? key(f) < key(g) : key(g) < key(f);
   }
 

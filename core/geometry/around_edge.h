@@ -15,7 +15,8 @@ namespace remesh {
 struct FaceAtEdge {
   Vec3 apex;                ///< its third corner
   bool is_forward = false;  ///< it runs from a to b
-  std::uint32_t tag = 0;    ///< for the caller; tells those in one place apart
+  std::uint32_t layer = 0;  ///< of those in one plane that look the same way, the smallest is next to the solid
+  std::uint32_t tag = 0;    ///< for the caller; where layers are equal this counts
 };
 
 /// Pairs the faces at an edge that have solid between them and no other pair there: as in nested parentheses, where a

@@ -141,7 +141,8 @@ class ShellSearch {
       const VertexId from = edges_.from(around[0]), to = edges_.to(around[0]);
       faces.clear();
       for (const std::uint32_t h : around)
-        if (is_open(h)) faces.push_back({positions_[edges_.to(edges_.next(h)).value], edges_.from(h) == from, h});
+        if (is_open(h))
+          faces.push_back({positions_[edges_.to(edges_.next(h)).value], edges_.from(h) == from, shell_of(h), h});
       for (const auto& [h, g] : pair_around_edge(positions_[from.value], positions_[to.value], faces, control_))
         is_any_joined |= sets.join(edges_.face_of(h).value, edges_.face_of(g).value);
     });

@@ -42,13 +42,14 @@ class Duplicates {
       if (faces_.size() > 1) compare();
     }
     if (!fate_.empty()) {
+      decide_on_copies();
       decide_on_backs();
       decide_on_sides();
     }
     return fate_;
   }
 
-  static constexpr std::uint8_t kStays = 0, kDropped = 1, kBack = 2;
+  static constexpr std::uint8_t kStays = 0, kDropped = 1, kBack = 2, kCopy = 3;
 
  private:
   /// All faces that may repeat another one: this one is at each of its edges then, so that one of them tells.
@@ -155,7 +156,11 @@ class Duplicates {
       if (best.is_valid()) fate_[(extent(f) < extent(best) ? best : f).value] = kDropped;
       if (!best.is_valid() || extent(f) < extent(best)) best = f;
     }
-    if (!left[0].is_valid() || !left[1].is_valid()) return;
+    if (!left[0].is_valid() || !left[1].is_valid()) {
+      for (const FaceId f : alike)
+        if (fate_[f.value] == kDropped) fate_[f.value] = kCopy;
+      return;
+    }
     const auto [first, second] = std::minmax(left[0], left[1]);
     fate_[second.value] = kBack;
     pairs_.push_back({first, second});
@@ -176,13 +181,13 @@ class Duplicates {
   /// How large all is that is labelled as a face is. A wall that two bodies have is the smaller one's.
   double extent(FaceId f) const { return extents_.empty() ? 0 : extents_[of_faces_.set_of[f.value]]; }
 
-  /// The edges of the faces that are seen from behind, each once: many such faces may have one edge in common.
-  std::vector<EdgeId> edges_of_backs() const {
+  /// The edges of the faces with a fate, each once: many such faces may have one edge in common.
+  std::vector<EdgeId> edges_of(std::uint8_t fate) const {
     std::vector<EdgeId> edges;
     StopCheck check(control_);
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
       check();
-      if (fate_[f] == kBack)
+      if (fate_[f] == fate)
         for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
           edges.push_back(edges_.edge_of(h));
     }
@@ -191,33 +196,61 @@ class Duplicates {
     return edges;
   }
 
-  void decide_on_backs() {
+  /// Faces with a fate that are connected are dropped together, unless is_needed(e) holds for an edge of theirs.
+  template <class IsNeeded>
+  void decide(std::uint8_t fate, const IsNeeded& is_needed) {
+    const std::vector<EdgeId> edges = edges_of(fate);
+    if (edges.empty()) return;
     UnionFind cluster(surface_.face_count());
-    const std::vector<EdgeId> edges = edges_of_backs();
     StopCheck check(control_);
-    std::vector<std::uint32_t> first_back;
-    std::vector<std::uint8_t> would_be_odd;
+    std::vector<std::uint32_t> needed;
     for (const EdgeId e : edges) {
       std::uint32_t first = Adjacency::kNone;
-      std::size_t left = 0;
       for (const std::uint32_t h : edges_.half_edges(e)) {
         check();
         const std::uint32_t f = edges_.face_of(h).value;
-        left += fate_[f] == kStays;
-        if (fate_[f] != kBack) continue;
+        if (fate_[f] != fate) continue;
         if (first == Adjacency::kNone)
           first = f;
         else
           cluster.join(first, f);
       }
-      first_back.push_back(first);
-      would_be_odd.push_back(left != 2);
+      if (is_needed(e)) needed.push_back(first);
     }
     std::vector<std::uint8_t> has_to_stay(surface_.face_count(), 0);
-    for (std::size_t i = 0; i < edges.size(); ++i)
-      if (would_be_odd[i] != 0) has_to_stay[cluster.find(first_back[i])] = 1;
+    for (const std::uint32_t f : needed) has_to_stay[cluster.find(f)] = 1;
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f)
-      if (fate_[f] == kBack && !has_to_stay[cluster.find(f)]) fate_[f] = kDropped;
+      if (fate_[f] == fate && !has_to_stay[cluster.find(f)]) fate_[f] = kDropped;
+  }
+
+  /// A copy is the wall of a second body if only with it as many faces run one way as the other along its edges.
+  void decide_on_copies() {
+    StopCheck check(control_);
+    decide(kCopy, [&](EdgeId e) {
+      const auto around = edges_.half_edges(e);
+      int with = 0, without = 0;
+      for (const std::uint32_t h : around) {
+        check();
+        const std::uint8_t fate = fate_[edges_.face_of(h).value];
+        const int run = edges_.from(h) == edges_.from(around[0]) ? 1 : -1;
+        if (fate != kDropped) with += run;
+        if (fate != kDropped && fate != kCopy) without += run;
+      }
+      return with == 0 && without != 0;
+    });
+  }
+
+  void decide_on_backs() {
+    StopCheck check(control_);
+    decide(kBack, [&](EdgeId e) {
+      std::size_t left = 0;
+      for (const std::uint32_t h : edges_.half_edges(e)) {
+        check();
+        const std::uint8_t fate = fate_[edges_.face_of(h).value];
+        left += fate == kStays || fate == kCopy;
+      }
+      return left != 2;
+    });
   }
 
   void decide_on_sides() {
@@ -252,11 +285,12 @@ bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLa
   Diagnostic dropped{DiagnosticCode::kDuplicateFace, 0, {}, "faces that repeat another one were dropped"};
   Diagnostic left{
       DiagnosticCode::kDuplicateFace, 0, {}, "faces repeat another one, and stay as they were not to be mended"};
-  Diagnostic back{DiagnosticCode::kDuplicateFace,
-                  0,
-                  {},
-                  "faces repeat another one, seen from behind, and stay: without them the surface would be open or "
-                  "have edges of three faces"};
+  Diagnostic back{
+      DiagnosticCode::kDuplicateFace,
+      0,
+      {},
+      "faces repeat another one, most of them seen from behind, and stay: without them the surface would be "
+      "open or have edges of three faces"};
   FaceList kept;
   StopCheck check(control);
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {

@@ -18,6 +18,8 @@ namespace remesh {
 /// connected kind gone, each of its edges has exactly two faces. Else it stays: it is the other side of a sheet, or
 /// the wall of a second solid, and without it the surface would be open or would have edges of three faces. Which of
 /// the two is dropped does not depend on their order where their labels or what is around them tells (back_to_back.h).
+/// A face that repeats another one and looks the same way stays only where it is the wall of a second body, one of the
+/// two mirrored: where with it as many faces run one way as the other along an edge, and without it not.
 /// Input:   a welded surface, and the labels of the input that it came from. A polygon that touches itself is not looked
 ///          at.
 /// Output:  the surface without them, with Mend::kYes. Counts duplicate_face, those dropped and those left apart.

@@ -27,7 +27,7 @@ Pairs pairs_of(const std::vector<At>& places, std::uint64_t seed = 0, bool is_re
     const double angle = places[i].degrees * std::numbers::pi / 180;
     // Right angles are exact, so that faces are in one plane.
     const Vec3 apex{std::round(1e6 * std::cos(angle)), std::round(1e6 * std::sin(angle)), 3};
-    faces.push_back({apex, places[i].is_forward != is_reversed, i});
+    faces.push_back({apex, places[i].is_forward != is_reversed, 0, i});
   }
   std::mt19937_64 engine(seed);
   std::shuffle(faces.begin(), faces.end(), engine);
@@ -55,6 +55,11 @@ TEST(pair_around_edge, back_to_back_walls_are_of_two_solids) {
     EXPECT_EQ(pairs_of({{0, false}, {90, true}, {90, false}, {180, true}}, seed), (Pairs{{0, 1}, {2, 3}}));
 }
 
+TEST(pair_around_edge, of_walls_that_look_the_same_way_each_has_its_own_layer) {
+  for (std::uint64_t seed = 0; seed < 10; ++seed)
+    EXPECT_EQ(pairs_of({{0, false}, {0, false}, {90, true}, {90, true}}, seed), (Pairs{{0, 2}, {1, 3}}));
+}
+
 TEST(pair_around_edge, where_one_face_is_too_many_the_nearest_close_and_one_is_left) {
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
     EXPECT_EQ(pairs_of({{0, false}, {90, false}, {180, true}}, seed), (Pairs{{1, 2}}));
@@ -63,7 +68,7 @@ TEST(pair_around_edge, where_one_face_is_too_many_the_nearest_close_and_one_is_l
 }
 
 TEST(pair_around_edge, faces_on_a_line_are_left_out) {
-  std::vector<FaceAtEdge> faces{{{0, 0, 9}, true, 0}, {{1, 0, 0}, false, 1}, {{0, 1, 0}, true, 2}};
+  std::vector<FaceAtEdge> faces{{{0, 0, 9}, true, 0, 0}, {{1, 0, 0}, false, 0, 1}, {{0, 1, 0}, true, 0, 2}};
   RunControl control;
   const auto pairs = pair_around_edge({0, 0, 0}, {0, 0, 5}, faces, control);
   ASSERT_EQ(pairs.size(), 1u);

@@ -90,6 +90,24 @@ TEST(drop_duplicate_faces, the_wall_between_two_solids_stays_double) {
   EXPECT_EQ(result.diagnostics[0].count, 8u);
 }
 
+TEST(drop_duplicate_faces, a_wall_that_two_bodies_have_one_of_them_mirrored_stays_double) {
+  const PolygonMesh mirrored = shapes::moved(shapes::turned_over(shapes::box({1, 1, 1}, 2)), {1, 0, 0});
+  const PolygonMesh mesh = shapes::welded(shapes::joined(shapes::box({1, 1, 1}, 2), mirrored));
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    const Dropped result = drop(shapes::renumbered(mesh, seed));
+    EXPECT_FALSE(result.is_changed);
+    ASSERT_EQ(result.diagnostics.size(), 1u);
+    EXPECT_EQ(result.diagnostics[0].count, 8u);
+    // Both bodies are still closed, so that the mirrored one is found.
+    RunControl control;
+    const Surface& surface = result.surface;
+    const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
+    const InsideOutFaces found = find_inside_out_faces(surface, edges, {}, control);
+    EXPECT_EQ(found.first.size(), 1u);
+    EXPECT_EQ(std::count(found.is_inside_out.begin(), found.is_inside_out.end(), 1), 48);
+  }
+}
+
 TEST(drop_duplicate_faces, where_nothing_is_to_be_mended_they_are_counted_only) {
   const Dropped result = drop(tetrahedron_and({{1, 3, 0}, {1, 0, 3}}), Mend::kNo);
   EXPECT_FALSE(result.is_changed);
