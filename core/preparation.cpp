@@ -141,7 +141,7 @@ class Preparation {
     const std::size_t place = found.size();
     std::vector<Diagnostic> repeated;
     const bool is_repeated =
-        drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), repeated, control_);
+        drop_duplicate_faces(surface(), adjacency(), input_.labels, mend_if(repair.duplicates), repeated, control_);
     if_changed(is_repeated);
     // Seams close, first where both sides have the same vertices: one body's seam may lie on another's edges, and would
     // be split there on one side only. Then edges are split at the vertices that lie on them, so that each edge of
@@ -194,10 +194,10 @@ class Preparation {
   /// Output:  whether the surface changed; `told` is what is to be told of both times then.
   bool drop_new_duplicates(std::vector<Diagnostic>& told, std::size_t dropped) {
     std::vector<Diagnostic> all, again;
-    drop_duplicate_faces(surface(), adjacency(), Mend::kNo, all, control_);
+    drop_duplicate_faces(surface(), adjacency(), input_.labels, Mend::kNo, all, control_);
     if (all.empty()) return false;
     Surface without = surface();
-    if (!drop_duplicate_faces(without, adjacency(), Mend::kYes, again, control_)) return false;
+    if (!drop_duplicate_faces(without, adjacency(), input_.labels, Mend::kYes, again, control_)) return false;
     const Adjacency edges(without.vertex_count(), without.face_begin, without.corners, control_);
     if (edges.odd_edges().size() > adjacency().odd_edges().size()) return false;
     surface() = std::move(without);
