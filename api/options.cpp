@@ -139,7 +139,8 @@ const std::array<OptionSpec, 20> kTable{{
     {.name = "weld_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::weld_tolerance,
-     .help = "vertices this near are one, in model units; 0: those with equal coordinates",
+     .help = "vertices this near are one, in model units, and open edges are split at vertices this near; 0: vertices "
+             "with equal coordinates are one",
      .minimum = 0,
      .example = "1e-6"},
     {.name = "repair",

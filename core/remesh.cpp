@@ -14,6 +14,8 @@
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
 #include "core/base/stopwatch.h"
+#include "core/geometry/patch_mesh.h"
+#include "core/geometry/patch_reason.h"
 #include "core/mending/body_labels.h"
 #include "core/mending/preparation.h"
 #include "core/mending/resolution.h"
@@ -24,8 +26,10 @@
 #include "core/output/face_labels.h"
 #include "core/output/face_source.h"
 #include "core/output/output_form.h"
+#include "core/output/report.h"
 #include "core/output/volume_ready.h"
 #include "core/output/warnings.h"
+#include "core/patches/coplanar_regions.h"
 #include "core/patches/input_intersections.h"
 #include "core/patches/ladder.h"
 #include "core/patches/partition.h"
@@ -36,6 +40,7 @@
 #include "core/refinement/lifting.h"
 #include "core/refinement/rounds.h"
 #include "core/refinement/separation.h"
+#include "core/refinement/unrefined_reason.h"
 
 namespace remesh {
 namespace {

@@ -1,12 +1,15 @@
 #include "core/geometry/inside_out.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 #include <tuple>
 #include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/shell_nesting.h"
+#include "core/geometry/winding_number.h"
 
 namespace remesh {
 namespace {
@@ -67,10 +70,69 @@ class LabelsOfShells {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs_;
 };
 
+bool contains(const Box3& outer, const Box3& inner) {
+  for (int axis = 0; axis < 3; ++axis)
+    if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
+  return true;
+}
+
+/// The shells that are not closed. Nobody can tell what they enclose, but whether they are around a place.
+class OpenPieces {
+ public:
+  OpenPieces(std::span<const Vec3> positions, std::span<const VertexId> corners, const Shells& shells,
+             RunControl& control)
+      : positions_(positions), corners_(corners), shells_(shells), control_(control) {}
+
+  /// Are they around a closed shell more, or less, than around the one that it lies in?
+  bool are_between(std::uint32_t shell, std::optional<std::uint32_t> outer) {
+    if (ends_.empty()) prepare();
+    if (!number_ || !contains(number_->box(), shells_.all[shell].box)) return false;
+    // Each side of a box is around about a sixth, in its middle: this is more than rounding, and less than one side.
+    constexpr double kClearly = 0.1;
+    return std::fabs(around(shell) - (outer ? around(*outer) : 0)) > kClearly;
+  }
+
+ private:
+  Triangle triangle(std::size_t f) const { return {corners_[3 * f], corners_[3 * f + 1], corners_[3 * f + 2]}; }
+
+  void prepare() {
+    ends_.resize(shells_.all.size());
+    StopCheck check(control_);
+    for (std::size_t f = 0; f < shells_.of_face.size(); ++f) {
+      check();
+      const std::uint32_t shell = shells_.of_face[f];
+      if (!shells_.all[shell].is_closed) triangles_.push_back(triangle(f));
+      auto& [first, last] = ends_[shell];
+      const bool is_new = shells_.all[shell].first.value == f;
+      for (const VertexId v : triangle(f)) {
+        const Vec3& p = positions_[v.value];
+        first = is_new && v == corners_[3 * f] ? p : std::min(first, p);
+        last = is_new && v == corners_[3 * f] ? p : std::max(last, p);
+      }
+    }
+    if (!triangles_.empty()) number_.emplace(positions_, triangles_, control_);
+  }
+
+  double around(std::uint32_t shell) const {
+    control_.check();
+    const auto& [first, last] = ends_[shell];
+    return 0.5 * number_->at(first) + 0.5 * number_->at(last);
+  }
+
+  std::span<const Vec3> positions_;
+  std::span<const VertexId> corners_;
+  const Shells& shells_;
+  RunControl& control_;
+  std::vector<std::pair<Vec3, Vec3>> ends_;  ///< of each shell the first and the last vertex in space
+  std::vector<Triangle> triangles_;
+  std::optional<WindingNumber> number_;
+};
+
 class Judging {
  public:
-  Judging(const Shells& shells, const ShellNesting& nesting, const BodyLabels& labels, RunControl& control)
-      : shells_(shells), nesting_(nesting), labels_(shells, labels, control), control_(control) {}
+  Judging(const Shells& shells, const ShellNesting& nesting, OpenPieces& open, const BodyLabels& labels,
+          RunControl& control)
+      : shells_(shells), nesting_(nesting), open_(open), labels_(shells, labels, control), control_(control) {}
 
   /// Output: by shell, whether it looks the wrong way.
   std::vector<std::uint8_t> run() {
@@ -79,9 +141,11 @@ class Judging {
     std::vector<std::uint32_t> innermost(nests.size());
     for (std::size_t n = 0; n < nests.size(); ++n) {
       if (n % kItemsPerBlock == 0) control_.check();
-      std::uint32_t outer = nests[n].around == kNone ? kNone : innermost[nests[n].around];
+      const std::uint32_t around = nests[n].around == kNone ? kNone : innermost[nests[n].around];
+      std::uint32_t outer = around;
       for (const std::uint32_t shell : from_outside(nests[n].shells, outer)) {
-        is_wrong_[shell] = right_side(shell, outer) != side(shell);
+        if (outer != around && is_copy(shell, outer)) continue;
+        is_wrong_[shell] = right_side(shell, outer) != side(shell) && !is_in_doubt(shell, outer);
         outer = shell;
       }
       innermost[n] = outer;
@@ -103,9 +167,19 @@ class Judging {
     if (!is_in_solid) return Side::kOut;
     if (labels_.do_share(shell, outer)) {
       const bool is_said_wrong = side(shell) == Side::kOut;
-      return is_said_wrong && nesting_.is_crossing(shell) ? Side::kOut : Side::kIn;
+      return is_said_wrong && nesting_.is_place_in_doubt(shell) ? Side::kOut : Side::kIn;
     }
     return side(shell) == Side::kIn && is_outer_wrong ? Side::kOut : side(shell);
+  }
+
+  /// May something that is not closed lie between the two?
+  bool is_in_doubt(std::uint32_t shell, std::uint32_t outer) {
+    return open_.are_between(shell, outer == kNone ? std::nullopt : std::optional(outer));
+  }
+
+  /// Is a shell in the place of one that is right nothing but the same once more?
+  bool is_copy(std::uint32_t shell, std::uint32_t other) const {
+    return !is_wrong_[other] && side(shell) == side(other) && labels_.do_share(shell, other);
   }
 
   /// Puts shells in one place in order: first those of the body around them, and of these those that look as they
@@ -125,6 +199,7 @@ class Judging {
 
   const Shells& shells_;
   const ShellNesting& nesting_;
+  OpenPieces& open_;
   LabelsOfShells labels_;
   RunControl& control_;
   std::vector<std::uint8_t> is_wrong_;
@@ -138,7 +213,8 @@ InsideOut find_inside_out(std::span<const Vec3> positions, std::span<const Verte
   if (corners.empty()) return result;
   const Shells shells = find_shells(positions, corners, edges, labels, control);
   const ShellNesting nesting(positions, corners, shells, control);
-  const std::vector<std::uint8_t> is_wrong = Judging(shells, nesting, labels, control).run();
+  OpenPieces open(positions, corners, shells, control);
+  const std::vector<std::uint8_t> is_wrong = Judging(shells, nesting, open, labels, control).run();
   for (std::size_t s = 0; s < is_wrong.size(); ++s)
     if (is_wrong[s]) result.first_faces.push_back(shells.all[s].first);
   if (result.first_faces.empty()) return result;

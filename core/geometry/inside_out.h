@@ -27,9 +27,14 @@ struct InsideOut {
 /// A shell is judged as if those around it looked the right way, so turning over what is found leaves none. Two shells
 /// share a label where a face of one and a face of the other belong to the same object, group and material.
 /// Input:   triangles, three corners each, and their labels; coordinates within [-2^250, 2^250].
-/// Holds:   a shell on whose edges open pieces stand is not judged: they may be of a body that it lies in. A shell that
-///          crosses others is no cavity of theirs. Of shells that coincide, those that look the right way
-///          count as the outer ones. For nothing else see ShellNesting.
+/// Holds:   where it is in doubt, a shell is not called wrong:
+///          - A shell on whose edges open pieces stand is not judged: they may be of a body that it lies in. Nor is one
+///            around which the open pieces wind otherwise than around the shell that it lies in (winding_number.h).
+///          - A shell that crosses the one around it is no cavity of that one. Nor is one that crosses another and has
+///            half its box in the box of that one: a pin in its hole, with other facets.
+///          - Of shells that coincide, those that look the right way count as the outer ones. One that looks as they do
+///            and has a label of theirs is the same once more.
+///          For nothing else see ShellNesting.
 /// Cost:    O(n) for separate bodies; see ShellNesting.
 InsideOut find_inside_out(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& edges,
                           const BodyLabels& labels, RunControl& control);

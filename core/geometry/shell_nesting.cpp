@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -59,6 +59,26 @@ bool contains(const FloatBox& outer, const Box3& inner) {
   for (int axis = 0; axis < 3; ++axis)
     if (inner.min[axis] < outer.min[axis] || inner.max[axis] > outer.max[axis]) return false;
   return true;
+}
+
+double volume(const Box3& box) {
+  return box.is_empty() ? 0 : (box.max.x - box.min.x) * (box.max.y - box.min.y) * (box.max.z - box.min.z);
+}
+
+/// Does a box have half its volume or more in another one?
+bool is_half_in(const Box3& box, const Box3& other) {
+  Box3 both;
+  for (int axis = 0; axis < 3; ++axis) {
+    both.min[axis] = std::max(box.min[axis], other.min[axis]);
+    both.max[axis] = std::min(box.max[axis], other.max[axis]);
+    if (both.min[axis] > both.max[axis]) return false;
+  }
+  return 2 * volume(both) >= volume(box);
+}
+
+void sort_out(std::vector<std::uint32_t>& numbers) {
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
 /// The least number of a nest in a node of a tree.
@@ -118,6 +138,7 @@ bool passes_through(const Corners3& s, const Corners3& t) {
 /// longest edge and of its largest face of each direction.
 struct ShellNesting::Samples {
   std::array<Vec3, kDirections.size()> vertices;
+  /// Never empty. The first is one that faces -x, so that a line from there meets what stands beside.
   std::vector<Vec3> middles;
 };
 
@@ -130,13 +151,59 @@ ShellNesting::ShellNesting(std::span<const Vec3> positions, std::span<const Vert
   make_tree();
   std::vector<Link> links(inner.size());
   for_blocks(inner.size(), kShellsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) links[i] = link_of(inner[i]);
+    for (std::size_t i = begin; i < end; ++i) links[i] = link_of(inner[i], Tellers::kAll);
   });
-  // What a link leads to comes before it.
-  for (std::size_t i = 0; i < inner.size(); ++i) {
-    const Link& link = links[i];
-    if (link.nest != kNone) nests_[inner[i]].around = link.is_within ? link.nest : nests_[link.nest].around;
+  correct(inner, links);
+  follow(inner, links);
+}
+
+/// A shell that crosses one which may contain another tells nothing of where that other one lies.
+void ShellNesting::correct(const std::vector<std::uint32_t>& inner, std::vector<Link>& links) const {
+  const auto is_beside = [&](std::size_t i) { return links[i].nest != kNone && !links[i].is_within; };
+  std::vector<std::uint32_t> beside;
+  for (std::size_t i = 0; i < inner.size(); ++i)
+    if (is_beside(i)) beside.push_back(links[i].nest);
+  sort_stoppable(beside.begin(), beside.end(), control_);
+  beside.erase(std::unique(beside.begin(), beside.end()), beside.end());
+  std::vector<std::vector<std::uint32_t>> crossed(beside.size());
+  for_blocks(beside.size(), kShellsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) crossed[i] = crossed_by(beside[i]);
+  });
+  for_blocks(inner.size(), kShellsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!is_beside(i)) continue;
+      const auto at = std::lower_bound(beside.begin(), beside.end(), links[i].nest) - beside.begin();
+      const std::vector<std::uint32_t>& others = crossed[static_cast<std::size_t>(at)];
+      if (std::any_of(others.begin(), others.end(), [&](std::uint32_t other) { return may_contain(other, inner[i]); }))
+        links[i] = link_of(inner[i], Tellers::kLarger);
+    }
+  });
+}
+
+/// What a link leads to begins further on along -x, or there too and is larger.
+void ShellNesting::follow(const std::vector<std::uint32_t>& inner, const std::vector<Link>& links) {
+  std::vector<std::uint32_t> order(inner.size());
+  std::iota(order.begin(), order.end(), 0u);
+  sort_stoppable(order.begin(), order.end(), control_, [&](std::uint32_t a, std::uint32_t b) {
+    return std::tuple(boxes_[inner[a]].min.x, a) < std::tuple(boxes_[inner[b]].min.x, b);
+  });
+  StopCheck check(control_);
+  for (const std::uint32_t i : order) {
+    check();
+    nests_[inner[i]].around = around(links[i], inner[i]);
   }
+}
+
+/// The nest that a link leads to, for a shell of another one; that one need not have been followed itself.
+std::uint32_t ShellNesting::around(const Link& link, std::uint32_t nest) const {
+  if (link.nest == kNone || link.is_within) return link.nest;
+  // Where shells cross, or touch to rounding, the other one may lie in some that are not around this one.
+  std::uint32_t around = nests_[link.nest].around;
+  while (around != kNone && !may_contain(around, nest)) {
+    control_.check();
+    around = nests_[around].around;
+  }
+  return around;
 }
 
 void ShellNesting::group_by_place() {
@@ -236,7 +303,7 @@ ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
   using Outermost = std::pair<double, Vec3>;
   std::array<Outermost, kDirections.size()> vertices;
   vertices.fill({-HUGE_VAL, {}});
-  std::array<Middle, 7> middles;  // of an edge; of faces by the axis that they face most, either way
+  std::array<Middle, 7> middles;  // of an edge; of faces by the axis that they look along most, or against it
   std::size_t looks = 0;
   for (const std::uint32_t f : (*faces_)[shell]) {
     if (looks++ % kLooksBetweenChecks == 0) control_.check();
@@ -257,6 +324,7 @@ ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
   }
   Samples samples;
   for (std::size_t d = 0; d < vertices.size(); ++d) samples.vertices[d] = vertices[d].second;
+  std::swap(middles[0], middles[shells_.all[shell].volume > 0 ? 2 : 1]);
   for (const Middle& middle : middles)
     if (middle.size > 0) samples.middles.push_back(middle.place);
   return samples;
@@ -264,19 +332,25 @@ ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
 
 /// By a point of the shell that is clear of all that may contain it. Where shells touch in places only, one of its
 /// outermost vertices is clear, or else a middle of an edge or of a face.
-ShellNesting::Link ShellNesting::link_of(std::uint32_t nest) const {
+ShellNesting::Link ShellNesting::link_of(std::uint32_t nest, Tellers tellers) const {
+  const double touch = touch_of(nest);
+  const Samples samples = samples_of(nests_[nest].shells[0]);
+  for (const std::span<const Vec3> points :
+       {std::span(samples.middles).first(1), std::span<const Vec3>(samples.vertices),
+        std::span(samples.middles).subspan(1)})
+    for (const Vec3& p : points)
+      if (!is_touching(p, touch, nest)) return nearest(p, touch, nest, tellers);
+  return nearest(samples.vertices[0], touch, nest, tellers);
+}
+
+/// A point nearer to a nest's shell than this touches it.
+double ShellNesting::touch_of(std::uint32_t nest) const {
   const Box3& box = boxes_[nest];
   double largest = 0;
   for (int axis = 0; axis < 3; ++axis)
     largest = std::max({largest, std::fabs(box.min[axis]), std::fabs(box.max[axis])});
   constexpr double kRounding = 8 * std::numeric_limits<double>::epsilon();
-  const double touch = std::max(kTouch * box.diagonal(), kRounding * largest);
-  const Samples samples = samples_of(nests_[nest].shells[0]);
-  for (const Vec3& p : samples.vertices)
-    if (!is_touching(p, touch, nest)) return nearest(p, touch, nest);
-  for (const Vec3& p : samples.middles)
-    if (!is_touching(p, touch, nest)) return nearest(p, touch, nest);
-  return nearest(samples.vertices[0], touch, nest);
+  return std::max(kTouch * box.diagonal(), kRounding * largest);
 }
 
 bool ShellNesting::is_touching(const Vec3& p, double reach, std::uint32_t nest) const {
@@ -297,9 +371,14 @@ bool ShellNesting::is_touching(const Vec3& p, double reach, std::uint32_t nest) 
   return is_touching;
 }
 
-/// The nearest face, in the direction of -x from p, of a shell that may contain this nest's. Either its shell does, or
-/// both lie in the same: a shell between the two that contains one of them contains both.
-ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_t nest) const {
+/// May a shell tell where this nest's lies? If it is seen from it, and does not contain it, then both lie in the same:
+/// those that contain this one tell, too, and so do those that contain that one.
+bool ShellNesting::may_tell(std::uint32_t other, std::uint32_t nest) const {
+  return may_contain(other, nest) || boxes_[other].min.x < boxes_[nest].min.x;
+}
+
+/// By the nearest face, in the direction of -x from p, of a shell that may tell. It is near where many stand in a row.
+ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_t nest, Tellers tellers) const {
   struct Hit {
     double x;
     Link link;
@@ -315,51 +394,81 @@ ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_
     tree_->visit_meeting({Vec3{begin, p.y, p.z}, p}, 0, [&](std::size_t slot) {
       if (++looks % kLooksBetweenChecks == 0) control_.check();
       const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
-      if (!may_contain(other, nest)) return true;
+      if (other == nest || !(tellers == Tellers::kAll ? may_tell(other, nest) : may_contain(other, nest))) return true;
       // There may be a nearer one outside the box.
       const Corners3 t = corners3(f);
       const double x = where_passed(t, p);
       if (!is_last && x < begin) return true;
       const auto [turns, is_beyond] = crossing(t, p);
-      if (turns != 0 && !is_beyond) hits.push_back({x, {other, (turns < 0) == (shell_of(other).volume > 0)}});
+      if (turns == 0 || is_beyond) return true;
+      const bool is_from_inside = (turns < 0) == (shell_of(other).volume > 0);
+      hits.push_back({x, {other, is_from_inside && may_contain(other, nest)}});
       return true;
     });
   }
   if (hits.empty()) return {};
   double nearest_x = -HUGE_VAL;
   for (const Hit& hit : hits) nearest_x = std::max(nearest_x, hit.x);
-  // Where faces of several shells lie on each other, the innermost that contains this one counts.
+  // Where faces of several shells lie on each other, the innermost that contains this one counts, or else the largest:
+  // the others may lie in it.
   Link best;
   for (const auto& [x, link] : hits) {
     if (x < nearest_x - tie) continue;
-    const auto key = [](const Link& l) { return std::pair(l.is_within, l.nest); };
-    if (best.nest == kNone || key(best) < key(link)) best = link;
+    const bool is_better = link.is_within != best.is_within
+                               ? link.is_within
+                               : (link.is_within ? link.nest > best.nest : link.nest < best.nest);
+    if (best.nest == kNone || is_better) best = link;
   }
   return best;
 }
 
-bool ShellNesting::is_crossing(std::uint32_t shell) const {
-  if (!tree_) return false;
-  const auto faces = (*faces_)[shell];
-  std::atomic<bool> is_crossing = false;
+/// Those of other nests of which an edge passes through a face of this one's first shell, or the other way round,
+/// ascending. Touching does not count.
+std::vector<std::uint32_t> ShellNesting::crossed_by(std::uint32_t nest) const {
+  const auto faces = (*faces_)[nests_[nest].shells[0]];
   constexpr std::size_t kFacesPerBlock = 256;
-  for_blocks(faces.size(), kFacesPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-    std::size_t looks = 0;
-    for (std::size_t i = begin; i < end && !is_crossing; ++i) {
-      const Corners3 s = corners3(faces[i]);
-      Box3 box;
-      for (const Vec3& p : s) box.add(p);
-      tree_->visit_meeting(box, 0, [&](std::size_t slot) {
-        if (++looks % kLooksBetweenChecks == 0) control_.check();
-        const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
-        if (other == nest_of_[shell]) return true;
-        const Corners3 t = corners3(f);
-        if (passes_through(s, t) || passes_through(t, s)) is_crossing = true;
-        return !is_crossing.load();
-      });
-    }
-  });
-  return is_crossing;
+  std::vector<std::uint32_t> crossed;
+  for (const std::vector<std::uint32_t>&of_block : map_blocks<std::vector<std::uint32_t>>(
+           faces.size(), kFacesPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+             std::vector<std::uint32_t> found;
+             std::size_t looks = 0;
+             for (std::size_t i = begin; i < end; ++i) {
+               const Corners3 s = corners3(faces[i]);
+               Box3 box;
+               for (const Vec3& p : s) box.add(p);
+               tree_->visit_meeting(box, 0, [&](std::size_t slot) {
+                 if (++looks % kLooksBetweenChecks == 0) control_.check();
+                 const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
+                 if (other == nest || (!found.empty() && found.back() == other)) return true;
+                 const Corners3 t = corners3(f);
+                 if (passes_through(s, t) || passes_through(t, s)) found.push_back(other);
+                 return true;
+               });
+             }
+             sort_out(found);
+             return found;
+           }))
+    crossed.insert(crossed.end(), of_block.begin(), of_block.end());
+  sort_out(crossed);
+  return crossed;
+}
+
+bool ShellNesting::is_place_in_doubt(std::uint32_t shell) const {
+  const std::uint32_t nest = nest_of_[shell];
+  if (!tree_ || nest == kNone) return false;
+  for (const std::uint32_t other : crossed_by(nest))
+    if (other == nests_[nest].around || is_half_in(boxes_[nest], boxes_[other])) return true;
+  // It may cross the one around it in edges only.
+  const double touch = touch_of(nest);
+  const Samples samples = samples_of(nests_[nest].shells[0]);
+  const auto is_told = [&](const Vec3& p, Tellers tellers) {
+    return around(nearest(p, touch, nest, tellers), nest) == nests_[nest].around;
+  };
+  const auto is_elsewhere = [&](const Vec3& p) {
+    return !is_touching(p, touch, nest) && !is_told(p, Tellers::kAll) && !is_told(p, Tellers::kLarger);
+  };
+  return std::any_of(samples.vertices.begin(), samples.vertices.end(), is_elsewhere) ||
+         std::any_of(samples.middles.begin(), samples.middles.end(), is_elsewhere);
 }
 
 }  // namespace remesh

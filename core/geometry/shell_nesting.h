@@ -21,7 +21,8 @@ namespace remesh {
 /// Holds:   right where shells do not cross each other, whether they touch or not; which of two shells is nearer to a
 ///          third is told to rounding. The same for any number of threads and any order of the faces.
 /// Cost:    O(n) where no shell's box lies in another's; else O(n log n) for a tree, and for each shell in a box of
-///          another one what lies on the way from it to the nearest of those.
+///          another one what lies on the way from it to the nearest shell that is not in it. Where that one crosses
+///          others, what lies on the way to the nearest larger one.
 class ShellNesting {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -37,26 +38,34 @@ class ShellNesting {
 
   /// A nest comes after those that it lies in.
   const std::vector<Nest>& nests() const { return nests_; }
-  /// Does an edge of this shell pass through a face of another one, or an edge of another one through a face of this?
-  /// Touching does not count, nor do shells that coincide.
-  bool is_crossing(std::uint32_t shell) const;
+  /// Does a shell cross the one around it, or, with half its box or more in the box of another one, that one? Then nobody
+  /// can tell in which it lies. Touching does not count, nor do shells that coincide.
+  bool is_place_in_doubt(std::uint32_t shell) const;
 
  private:
-  /// The nearest shell that may contain another, seen from that one.
+  /// The nearest shell that may tell where another one lies, seen from that one.
   struct Link {
     std::uint32_t nest = kNone;
     bool is_within = false;  ///< it does contain it; else both lie in the same
   };
   struct Samples;
+  /// Whose faces count when a link is looked for: of all shells that may tell, or of those only that may contain it.
+  enum class Tellers : std::uint8_t { kAll, kLarger };
 
   void group_by_place();
   std::vector<std::uint32_t> nests_in_boxes() const;
   void make_tree();
   Samples samples_of(std::uint32_t shell) const;
   bool may_contain(std::uint32_t outer, std::uint32_t inner) const;
-  Link link_of(std::uint32_t nest) const;
+  bool may_tell(std::uint32_t other, std::uint32_t nest) const;
+  void follow(const std::vector<std::uint32_t>& inner, const std::vector<Link>& links);
+  std::uint32_t around(const Link& link, std::uint32_t nest) const;
+  void correct(const std::vector<std::uint32_t>& inner, std::vector<Link>& links) const;
+  Link link_of(std::uint32_t nest, Tellers tellers) const;
+  double touch_of(std::uint32_t nest) const;
   bool is_touching(const Vec3& p, double reach, std::uint32_t nest) const;
-  Link nearest(const Vec3& p, double tie, std::uint32_t nest) const;
+  Link nearest(const Vec3& p, double tie, std::uint32_t nest, Tellers tellers) const;
+  std::vector<std::uint32_t> crossed_by(std::uint32_t nest) const;
 
   Triangle triangle(std::uint32_t f) const { return {corners_[3 * f], corners_[3 * f + 1], corners_[3 * f + 2]}; }
   Corners3 corners3(std::uint32_t f) const {

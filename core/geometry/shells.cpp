@@ -7,6 +7,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/union_find.h"
+#include "core/geometry/around_edge.h"
 
 namespace remesh {
 namespace {
@@ -24,8 +25,14 @@ class ShellSearch {
       : positions_(positions), corners_(corners), edges_(edges), labels_(labels), control_(control) {}
 
   Shells run() {
-    number(connected());
+    UnionFind sets = connected();
+    number(sets);
     find_open_ones();
+    if (join_open_ones(sets)) {
+      number(sets);
+      find_open_ones();
+    }
+    find_open_neighbours();
     add_volumes();
     const auto closed =
         std::count_if(shells_.all.begin(), shells_.all.end(), [](const Shell& s) { return s.is_closed; });
@@ -52,9 +59,6 @@ class ShellSearch {
       }
     });
     if (!labels_.are_alike()) join_by_labels(join);
-    for_blocks(face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t f = begin; f < end; ++f) sets.flatten(static_cast<std::uint32_t>(f));
-    });
     return sets;
   }
 
@@ -76,12 +80,15 @@ class ShellSearch {
     });
   }
 
-  void number(const UnionFind& sets) {
+  void number(UnionFind& sets) {
+    for_blocks(face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t f = begin; f < end; ++f) sets.flatten(static_cast<std::uint32_t>(f));
+    });
     const auto firsts = select_ids<FaceId>(face_count(), kItemsPerBlock, control_, [&](std::size_t f) {
       return sets.root_of(static_cast<std::uint32_t>(f)) == f;
     });
     shells_.of_face.resize(face_count());
-    shells_.all.resize(firsts.size());
+    shells_.all.assign(firsts.size(), {});
     for (std::size_t s = 0; s < firsts.size(); ++s) {
       shells_.all[s].first = firsts[s];
       shells_.of_face[firsts[s].value] = static_cast<std::uint32_t>(s);
@@ -121,10 +128,31 @@ class ShellSearch {
         if (sum != 0) shells_.all[shell].is_closed = false;
       }
     });
-    const auto is_open = [&](std::uint32_t h) { return !shells_.all[shell_of(h)].is_closed; };
+  }
+
+  bool is_open(std::uint32_t half_edge) const { return !shells_.all[shell_of(half_edge)].is_closed; }
+
+  /// Joins those that are not closed where they have solid between them. Output: whether there were any.
+  bool join_open_ones(UnionFind& sets) const {
+    bool is_any_joined = false;
+    std::vector<FaceAtEdge> faces;
     for_odd_edges([&](std::span<const std::uint32_t> around) {
-      if (std::none_of(around.begin(), around.end(), is_open)) return;
-      for (const std::uint32_t h : around) shells_.all[shell_of(h)].has_open_neighbours = !is_open(h);
+      if (around.size() <= 2) return;
+      const VertexId from = edges_.from(around[0]), to = edges_.to(around[0]);
+      faces.clear();
+      for (const std::uint32_t h : around)
+        if (is_open(h))
+          faces.push_back({positions_[edges_.to(edges_.next(h)).value], edges_.from(h) == from, shell_of(h), h});
+      for (const auto& [h, g] : pair_around_edge(positions_[from.value], positions_[to.value], faces, control_))
+        is_any_joined |= sets.join(edges_.face_of(h).value, edges_.face_of(g).value);
+    });
+    return is_any_joined;
+  }
+
+  void find_open_neighbours() {
+    for_odd_edges([&](std::span<const std::uint32_t> around) {
+      if (std::none_of(around.begin(), around.end(), [&](std::uint32_t h) { return is_open(h); })) return;
+      for (const std::uint32_t h : around) shells_.all[shell_of(h)].has_open_neighbours |= !is_open(h);
     });
   }
 

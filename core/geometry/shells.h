@@ -42,8 +42,10 @@ struct Shells {
 
 /// Finds the shells: faces are connected over edges of two faces, and at an edge of more over the two that alone have
 /// their labels there and run in opposite directions. A shell is closed if at each edge as many of its faces run one
-/// way as the other. So a cavity that touches the outer shell along an edge, a fin on a body, and two bodies with a
-/// wall each between them leave closed what is; where shells close only together, none of them is.
+/// way as the other. So a cavity that touches the outer shell along an edge, and a fin on a body, leave closed what is.
+/// Those that are not closed then are connected over edges of more faces, too, over each two of them that have solid
+/// between them (around_edge.h). So two bodies with a wall each between them are two closed shells, also without
+/// labels. Where they have one wall between them, it closes the body that it looks out of, and the other one is open.
 /// Input:   three corners a face, their edges and labels; coordinates within [-2^250, 2^250].
 /// Output:  areas and boxes are there where there are several closed shells, or one of negative volume.
 /// Holds:   the same for any number of threads.

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <optional>
+#include <vector>
 
 #include "core/base/blocks.h"
 #include "core/base/diagnostic.h"
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
+#include "core/geometry/box_tree.h"
 #include "core/mending/open_edges.h"
+#include "core/mending/seams.h"
+#include "core/mending/t_junctions.h"
 #include "core/mending/weld.h"
 
 namespace remesh {
@@ -19,61 +22,136 @@ constexpr std::size_t kBlock = 256;
 /// A crack is no wider than this part of its edges, nor of how far its faces reach from them.
 constexpr double kCrackShare = 0.1;
 
-/// The open edge nearest to each that could be its partner.
-class NearestPartners {
- public:
+/// The widest crack that an edge may be a side of.
+double widest(const OpenEdge& edge) { return kCrackShare * std::min(edge.length, edge.depth); }
+
+/// Of each open edge the nearest one of those that it is asked about, and how wide the crack between them is.
+struct Nearest {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  NearestPartners(const OpenEdges& open, double tolerance, RunControl& control) : open_(open), tolerance_(tolerance) {
-    LooksAtEdges looks(open.size());
-    const auto blocks =
-        map_blocks<std::vector<std::uint32_t>>(open.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-          std::vector<std::uint32_t> partners(end - begin, kNone);
-          for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i)
-            looks.add(find(i, control, partners[i - begin]));
-          return partners;
-        });
-    if (!looks.are_too_many())
-      for (const auto& partners : blocks) partner_.insert(partner_.end(), partners.begin(), partners.end());
-  }
+  std::uint32_t partner = kNone;
+  double width = 0;
+};
 
-  /// Ascending.
-  std::vector<double> widths() const {
-    std::vector<double> widths;
-    for (std::uint32_t i = 0; i < partner_.size(); ++i)
-      if (partner_[i] != kNone && i < partner_[i] && partner_[partner_[i]] == i)
-        widths.push_back(open_.width(i, partner_[i], tolerance_));
-    sort_all(widths.begin(), widths.end());
-    return widths;
-  }
+/// Calls find(i, nearest) for all edges, which returns how many others were looked at. Output: empty if it is too many.
+template <class Find>
+std::vector<Nearest> find_all(std::size_t edges, RunControl& control, const Find& find) {
+  LooksAtEdges looks(edges);
+  const auto blocks = map_blocks<std::vector<Nearest>>(edges, kBlock, control, [&](std::size_t begin, std::size_t end) {
+    std::vector<Nearest> nearest(end - begin);
+    for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) looks.add(find(i, nearest[i - begin]));
+    return nearest;
+  });
+  std::vector<Nearest> all;
+  if (looks.are_too_many()) return all;
+  for (const auto& nearest : blocks) all.insert(all.end(), nearest.begin(), nearest.end());
+  return all;
+}
 
- private:
-  static double widest(const OpenEdge& edge) { return kCrackShare * std::min(edge.length, edge.depth); }
+/// Edges whose ends are both near to those of another one.
+class Pairs {
+ public:
+  Pairs(const OpenEdges& open, double tolerance, RunControl& control)
+      : open_(open), tolerance_(tolerance), control_(control) {}
 
-  /// Returns how many edges were looked at.
-  std::size_t find(std::size_t i, RunControl& control, std::uint32_t& partner) const {
-    double width = widest(open_[i]);
-    if (!(width > tolerance_)) return 0;
+  std::size_t find(std::size_t i, Nearest& nearest) const {
+    nearest.width = widest(open_[i]);
+    if (!(nearest.width > tolerance_)) return 0;
     // Edges that are exactly as far have to be seen, too, so that the order of the input decides nothing.
-    double best = std::nextafter(width, HUGE_VAL);
-    return open_.search(i, best, control, [&](std::uint32_t j) {
+    double best = std::nextafter(nearest.width, HUGE_VAL);
+    return open_.search(i, best, control_, [&](std::uint32_t j) {
       if (open_[i].face == open_[j].face) return;
-      const double to_j = open_.width(i, j, tolerance_);
-      if (!(to_j > tolerance_ && to_j <= std::min(width, widest(open_[j])))) return;
-      if (to_j == width && partner != kNone && !open_.is_before(j, partner)) return;
-      partner = j;
-      width = to_j;
-      best = width * (1 + 1e-12);
+      const double to_j = open_.fit(i, j, tolerance_).width;
+      if (!(to_j > tolerance_ && to_j <= std::min(nearest.width, widest(open_[j])))) return;
+      if (to_j == nearest.width && nearest.partner != Nearest::kNone && !open_.is_before(j, nearest.partner)) return;
+      nearest = {j, to_j};
+      best = to_j * (1 + 1e-12);
     });
   }
 
+ private:
   const OpenEdges& open_;
   double tolerance_;
-  std::vector<std::uint32_t> partner_;
+  RunControl& control_;
 };
 
-/// What edges a welded input has.
+/// Edges that run along another one without the same ends.
+class Alongside {
+ public:
+  Alongside(const Surface& surface, const OpenEdges& open, double tolerance, RunControl& control)
+      : surface_(surface), open_(open), tolerance_(tolerance), control_(control) {
+    std::vector<Tree::Entry> entries(open.size());
+    StopCheck check(control);
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      check();
+      for (const VertexId v : {open[i].from, open[i].to}) {
+        entries[i].box.add(surface.local[v]);
+        entries[i].tag.box.add(surface.local[v]);
+      }
+    }
+    tree_ = Tree(entries, control);
+  }
+
+  std::size_t find(std::size_t i, Nearest& nearest) const {
+    nearest.width = widest(open_[i]);
+    if (!(nearest.width > tolerance_)) return 0;
+    double best = std::nextafter(nearest.width, HUGE_VAL);
+    const Vec3 middle = open_.middle(i);
+    const auto bound = [&](const Tree::Entry& entry) {
+      const Box3& box = entry.tag.box;
+      return norm({excess(box.min.x, box.max.x, middle.x), excess(box.min.y, box.max.y, middle.y),
+                   excess(box.min.z, box.max.z, middle.z)});
+    };
+    StopCheck check(control_);
+    std::size_t looks = 0;
+    tree_.search(best, bound, [&](std::size_t slot) {
+      check();
+      ++looks;
+      const std::uint32_t j = tree_.number(slot);
+      if (open_[i].face == open_[j].face) return;
+      const double to_j = width(open_[i], open_[j]);
+      if (!(to_j > tolerance_ && to_j <= std::min(nearest.width, widest(open_[j])))) return;
+      if (open_.do_lie_on_each_other(i, j, to_j)) return;
+      if (to_j == nearest.width && nearest.partner != Nearest::kNone && !open_.is_before(j, nearest.partner)) return;
+      nearest = {j, to_j};
+      best = to_j * (1 + 1e-12);
+    });
+    return looks;
+  }
+
+ private:
+  struct ExactBox {
+    Box3 box;
+    void join(const ExactBox& other) { box.add(other.box); }
+  };
+  using Tree = BoxTree<ExactBox>;
+
+  /// How far an edge is from the line of another one, as far as they run beside each other: for half of the shorter one
+  /// at least, else infinitely far.
+  double width(const OpenEdge& edge, const OpenEdge& other) const {
+    constexpr double kBeside = 0.5;
+    const Vec3 a = surface_.local[other.from], p = surface_.local[edge.from], q = surface_.local[edge.to];
+    const Vec3 way = (1 / other.length) * (surface_.local[other.to] - a);
+    const double at_p = dot(p - a, way), at_q = dot(q - a, way);
+    const double from = std::max(0.0, std::min(at_p, at_q)), to = std::min(other.length, std::max(at_p, at_q));
+    if (!(to - from >= kBeside * std::min(edge.length, other.length))) return HUGE_VAL;
+    const auto distance = [&](double along) {
+      const Vec3 place = p + ((along - at_p) / (at_q - at_p)) * (q - p);
+      return norm(place - (a + along * way));
+    };
+    return std::max(distance(from), distance(to));
+  }
+
+  const Surface& surface_;
+  const OpenEdges& open_;
+  double tolerance_;
+  RunControl& control_;
+  Tree tree_;
+};
+
+/// What edges an input has as it would be joined.
 struct EdgeKinds {
+  std::uint64_t welded_open = 0;  ///< after welding alone
   std::uint64_t open = 0, of_many = 0;
   std::uint64_t lost = 0;  ///< sides of faces that have become a point
 
@@ -82,24 +160,59 @@ struct EdgeKinds {
   }
 };
 
-EdgeKinds edges_if_welded(const PolygonMesh& input, const Barriers& barriers, double tolerance, RunControl& control) {
-  std::vector<Diagnostic> untold;
-  const Surface surface = weld(input, barriers, untold, control, tolerance);
-  const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
-  EdgeKinds kinds;
-  std::uint32_t looks = 0;
-  for (const EdgeId e : edges.odd_edges()) {
-    if (looks++ % 4096 == 0) control.check();
-    const auto around = edges.half_edges(e);
-    if (edges.from(around[0]) == edges.to(around[0]))
-      kinds.lost += around.size();
-    else if (around.size() == 1)
-      ++kinds.open;
-    else if (around.size() > 2)
-      ++kinds.of_many;
+/// Joins the input as it is prepared with a weld tolerance, and counts.
+class Trial {
+ public:
+  Trial(const PolygonMesh& input, const Options& options, const CrackRules& rules, RunControl& control)
+      : input_(input), options_(options), rules_(rules), control_(control) {}
+
+  EdgeKinds run(double tolerance) const {
+    std::vector<Diagnostic> untold;
+    Surface surface = weld(input_, options_.barriers, untold, control_, tolerance);
+    const auto adjacency = [&] {
+      return Adjacency(surface.vertex_count(), surface.face_begin, surface.corners, control_);
+    };
+    const EdgeKinds welded = count(adjacency());
+    // Within a larger weld tolerance no seams are left.
+    const bool has_seams = options_.repair.seams && tolerance < rules_.rounding;
+    Seams seams({rules_.rounding / surface.unit, options_.repair.winding});
+    if (has_seams) seams.close(surface, adjacency(), Mend::kYes, control_);
+    bool is_split = false;
+    const auto split_at = [&](double near) {
+      is_split |= split_t_junctions(surface, adjacency(), near / surface.unit, {}, Mend::kYes, untold, control_);
+    };
+    if (options_.repair.t_junctions) split_at(rules_.plane_tolerance);
+    if (options_.repair.t_junctions && tolerance > rules_.plane_tolerance) split_at(tolerance);
+    if (has_seams && is_split) seams.close(surface, adjacency(), Mend::kYes, control_);
+    EdgeKinds kinds = count(adjacency());
+    kinds.welded_open = welded.open;
+    // What rounding makes of a polygon's corners is mended.
+    kinds.lost = welded.lost;
+    return kinds;
   }
-  return kinds;
-}
+
+ private:
+  EdgeKinds count(const Adjacency& edges) const {
+    EdgeKinds kinds;
+    StopCheck check(control_);
+    for (const EdgeId e : edges.odd_edges()) {
+      check();
+      const auto around = edges.half_edges(e);
+      if (edges.from(around[0]) == edges.to(around[0]))
+        kinds.lost += around.size();
+      else if (around.size() == 1)
+        ++kinds.open;
+      else if (around.size() > 2)
+        ++kinds.of_many;
+    }
+    return kinds;
+  }
+
+  const PolygonMesh& input_;
+  const Options& options_;
+  const CrackRules& rules_;
+  RunControl& control_;
+};
 
 /// The next number of two digits that is clearly above a width.
 double two_digits_above(double width) {
@@ -110,29 +223,54 @@ double two_digits_above(double width) {
 
 }  // namespace
 
-std::vector<double> crack_widths(const Surface& surface, const Adjacency& edges, double tolerance,
-                                 RunControl& control) {
-  if (edges.odd_edges().empty()) return {};
-  return NearestPartners(OpenEdges(surface, edges, control), tolerance, control).widths();
+Cracks find_cracks(const Surface& surface, const Adjacency& edges, double rounding, RunControl& control) {
+  Cracks cracks;
+  if (edges.odd_edges().empty()) return cracks;
+  const OpenEdges open(surface, edges, OpenEdges::Which::kOpen, control);
+  const double tolerance = rounding / surface.unit;
+  const Pairs pairs(open, tolerance, control);
+  const auto partners = find_all(open.size(), control, [&](std::size_t i, Nearest& n) { return pairs.find(i, n); });
+  if (partners.empty()) return cracks;
+  const auto has_partner = [&](std::size_t i) {
+    const std::uint32_t partner = partners[i].partner;
+    return partner != Nearest::kNone && partners[partner].partner == i;
+  };
+  const Alongside alongside(surface, open, tolerance, control);
+  const auto beside = find_all(open.size(), control, [&](std::size_t i, Nearest& n) -> std::size_t {
+    return has_partner(i) ? 0 : alongside.find(i, n);
+  });
+  StopCheck check(control);
+  for (std::uint32_t i = 0; i < open.size(); ++i) {
+    check();
+    const bool is_one_of_two = has_partner(i);
+    if (!is_one_of_two && (beside.empty() || beside[i].partner == Nearest::kNone)) continue;
+    ++cracks.edges;
+    if (is_one_of_two && partners[i].partner < i) continue;
+    cracks.widths.push_back((is_one_of_two ? partners[i].width : beside[i].width) * surface.unit);
+  }
+  sort_stoppable(cracks.widths.begin(), cracks.widths.end(), control);
+  return cracks;
 }
 
-std::string describe_cracks(const std::vector<double>& widths, const PolygonMesh& input, const Options& options,
-                            RunControl& control) {
+std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, const Options& options,
+                            const CrackRules& rules, RunControl& control) {
   // Where the widest are no cracks, as the sides of a slot, a smaller tolerance may still be of use.
   constexpr int kMostTries = 4;
+  const std::vector<double>& widths = cracks.widths;
   if (widths.empty()) return "";
-  std::string text = "; " + std::to_string(2 * widths.size()) + " run beside another one, " +
+  std::string text = "; " + std::to_string(cracks.edges) + " run beside another one, " +
                      (widths.size() > 1 ? few_digits(widths.front()) + " to " : "") + few_digits(widths.back()) +
                      " apart, which is more than rounding explains, and were not joined";
-  const EdgeKinds now = edges_if_welded(input, options.barriers, options.weld_tolerance, control);
+  const Trial trial(input, options, rules, control);
+  const EdgeKinds now = trial.run(options.weld_tolerance);
   auto end = widths.end();
   for (int i = 0; i < kMostTries && end != widths.begin(); ++i) {
     const double tolerance = two_digits_above(*(end - 1));
     if (tolerance > options.weld_tolerance) {
-      const EdgeKinds then = edges_if_welded(input, options.barriers, tolerance, control);
+      const EdgeKinds then = trial.run(tolerance);
       if (then.is_better_than(now))
         return text + ": weld_tolerance=" + few_digits(tolerance) + " would leave " + std::to_string(then.open) +
-               " of the " + std::to_string(now.open) + " edges with one face";
+               " of the " + std::to_string(now.welded_open) + " edges with one face";
     }
     end = std::upper_bound(widths.begin(), end - 1, *(end - 1) / 2);
   }

@@ -1,19 +1,24 @@
 #include "core/mending/duplicate_faces.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
+#include <span>
+#include <utility>
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
 #include "core/base/union_find.h"
+#include "core/mending/back_to_back.h"
+#include "core/mending/body_labels.h"
 
 namespace remesh {
 namespace {
 
 class Duplicates {
  public:
-  Duplicates(const Surface& surface, const Adjacency& edges, RunControl& control)
-      : surface_(surface), edges_(edges), control_(control) {}
+  Duplicates(const Surface& surface, const Adjacency& edges, const FaceLabels& labels, RunControl& control)
+      : surface_(surface), edges_(edges), labels_(labels), control_(control) {}
 
   /// Output: what to do with each face; empty if none repeats another.
   const std::vector<std::uint8_t>& find() {
@@ -36,11 +41,15 @@ class Duplicates {
       }
       if (faces_.size() > 1) compare();
     }
-    if (!fate_.empty()) decide_on_backs();
+    if (!fate_.empty()) {
+      decide_on_copies();
+      decide_on_backs();
+      decide_on_sides();
+    }
     return fate_;
   }
 
-  static constexpr std::uint8_t kStays = 0, kDropped = 1, kBack = 2;
+  static constexpr std::uint8_t kStays = 0, kDropped = 1, kBack = 2, kCopy = 3;
 
  private:
   /// All faces that may repeat another one: this one is at each of its edges then, so that one of them tells.
@@ -127,25 +136,58 @@ class Duplicates {
     });
     StopCheck check(control_);
     for (std::size_t i = 0; i < faces_.size();) {
-      const FaceId first = faces_[i];
-      bool has_back = false;
-      for (++i; i < faces_.size() && order(first, faces_[i]) == 0; ++i) {
-        check();
-        if (fate_.empty()) fate_.assign(surface_.face_count(), kStays);
-        const bool is_back = runs_forward(faces_[i]) != runs_forward(first) && !has_back;
-        has_back = has_back || is_back;
-        fate_[faces_[i].value] = is_back ? kBack : kDropped;
-      }
+      const std::size_t begin = i;
+      while (++i < faces_.size() && order(faces_[begin], faces_[i]) == 0) check();
+      if (i - begin > 1) decide_on(std::span(faces_).subspan(begin, i - begin));
     }
   }
 
-  /// The edges of the faces that are seen from behind, each once: many such faces may have one edge in common.
-  std::vector<EdgeId> edges_of_backs() const {
+  /// Of faces over one loop, ascending, one that looks each way is left.
+  void decide_on(std::span<const FaceId> alike) {
+    if (fate_.empty()) {
+      fate_.assign(surface_.face_count(), kStays);
+      measure_labels();
+    }
+    StopCheck check(control_);
+    std::array<FaceId, 2> left;
+    for (const FaceId f : alike) {
+      check();
+      FaceId& best = left[runs_forward(f) ? 1 : 0];
+      if (best.is_valid()) fate_[(extent(f) < extent(best) ? best : f).value] = kDropped;
+      if (!best.is_valid() || extent(f) < extent(best)) best = f;
+    }
+    if (!left[0].is_valid() || !left[1].is_valid()) {
+      for (const FaceId f : alike)
+        if (fate_[f.value] == kDropped) fate_[f.value] = kCopy;
+      return;
+    }
+    const auto [first, second] = std::minmax(left[0], left[1]);
+    fate_[second.value] = kBack;
+    pairs_.push_back({first, second});
+  }
+
+  void measure_labels() {
+    of_faces_ = labels_of_sources(labels_, surface_.face_source.items(), control_);
+    if (of_faces_.are_alike()) return;
+    std::vector<Box3> boxes(of_faces_.begin.size() - 1);
+    StopCheck check(control_);
+    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
+      check();
+      for (const VertexId v : surface_.face(FaceId(f))) boxes[of_faces_.set_of[f]].add(surface_.local[v]);
+    }
+    for (const Box3& box : boxes) extents_.push_back(box.diagonal());
+  }
+
+  /// How large all is that is labelled as a face is. A wall that two bodies have is the smaller one's.
+  double extent(FaceId f) const { return extents_.empty() ? 0 : extents_[of_faces_.set_of[f.value]]; }
+
+  /// The edges of the faces with a fate, each once: many such faces may have one edge in common.
+  std::vector<EdgeId> edges_of(std::uint8_t fate) const {
     std::vector<EdgeId> edges;
     StopCheck check(control_);
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
       check();
-      if (fate_[f] == kBack)
+      if (fate_[f] == fate)
         for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
           edges.push_back(edges_.edge_of(h));
     }
@@ -154,38 +196,80 @@ class Duplicates {
     return edges;
   }
 
-  void decide_on_backs() {
+  /// Faces with a fate that are connected are dropped together, unless is_needed(e) holds for an edge of theirs.
+  template <class IsNeeded>
+  void decide(std::uint8_t fate, const IsNeeded& is_needed) {
+    const std::vector<EdgeId> edges = edges_of(fate);
+    if (edges.empty()) return;
     UnionFind cluster(surface_.face_count());
-    const std::vector<EdgeId> edges = edges_of_backs();
     StopCheck check(control_);
-    std::vector<std::uint32_t> first_back;
-    std::vector<std::uint8_t> would_be_odd;
+    std::vector<std::uint32_t> needed;
     for (const EdgeId e : edges) {
       std::uint32_t first = Adjacency::kNone;
-      std::size_t left = 0;
       for (const std::uint32_t h : edges_.half_edges(e)) {
         check();
         const std::uint32_t f = edges_.face_of(h).value;
-        left += fate_[f] == kStays;
-        if (fate_[f] != kBack) continue;
+        if (fate_[f] != fate) continue;
         if (first == Adjacency::kNone)
           first = f;
         else
           cluster.join(first, f);
       }
-      first_back.push_back(first);
-      would_be_odd.push_back(left != 2);
+      if (is_needed(e)) needed.push_back(first);
     }
     std::vector<std::uint8_t> has_to_stay(surface_.face_count(), 0);
-    for (std::size_t i = 0; i < edges.size(); ++i)
-      if (would_be_odd[i] != 0) has_to_stay[cluster.find(first_back[i])] = 1;
+    for (const std::uint32_t f : needed) has_to_stay[cluster.find(f)] = 1;
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f)
-      if (fate_[f] == kBack && !has_to_stay[cluster.find(f)]) fate_[f] = kDropped;
+      if (fate_[f] == fate && !has_to_stay[cluster.find(f)]) fate_[f] = kDropped;
+  }
+
+  /// A copy is the wall of a second body if only with it as many faces run one way as the other along its edges.
+  void decide_on_copies() {
+    StopCheck check(control_);
+    decide(kCopy, [&](EdgeId e) {
+      const auto around = edges_.half_edges(e);
+      int with = 0, without = 0;
+      for (const std::uint32_t h : around) {
+        check();
+        const std::uint8_t fate = fate_[edges_.face_of(h).value];
+        const int run = edges_.from(h) == edges_.from(around[0]) ? 1 : -1;
+        if (fate != kDropped) with += run;
+        if (fate != kDropped && fate != kCopy) without += run;
+      }
+      return with == 0 && without != 0;
+    });
+  }
+
+  void decide_on_backs() {
+    StopCheck check(control_);
+    decide(kBack, [&](EdgeId e) {
+      std::size_t left = 0;
+      for (const std::uint32_t h : edges_.half_edges(e)) {
+        check();
+        const std::uint8_t fate = fate_[edges_.face_of(h).value];
+        left += fate == kStays || fate == kCopy;
+      }
+      return left != 2;
+    });
+  }
+
+  void decide_on_sides() {
+    std::erase_if(pairs_, [&](const BackToBack& pair) { return fate_[pair.second.value] != kDropped; });
+    if (pairs_.empty()) return;
+    std::vector<std::uint8_t> is_dropped(fate_.size());
+    for (std::size_t f = 0; f < fate_.size(); ++f) is_dropped[f] = fate_[f] == kDropped;
+    choose_sides(surface_, edges_, labels_, of_faces_, is_dropped, pairs_, control_);
+    for (const BackToBack& pair : pairs_)
+      if (!pair.is_first_kept) std::swap(fate_[pair.first.value], fate_[pair.second.value]);
   }
 
   const Surface& surface_;
   const Adjacency& edges_;
+  const FaceLabels& labels_;
   RunControl& control_;
+  std::vector<BackToBack> pairs_;
+  BodyLabels of_faces_;
+  std::vector<double> extents_;                                 ///< by label; empty where all are alike
   std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< of each face
   std::vector<std::uint8_t> fate_;
   std::vector<FaceId> faces_;
@@ -193,19 +277,20 @@ class Duplicates {
 
 }  // namespace
 
-bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
-                          RunControl& control) {
-  Duplicates duplicates(surface, edges, control);
+bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
+                          std::vector<Diagnostic>& diagnostics, RunControl& control) {
+  Duplicates duplicates(surface, edges, labels, control);
   const std::vector<std::uint8_t>& fate = duplicates.find();
   if (fate.empty()) return false;
   Diagnostic dropped{DiagnosticCode::kDuplicateFace, 0, {}, "faces that repeat another one were dropped"};
   Diagnostic left{
       DiagnosticCode::kDuplicateFace, 0, {}, "faces repeat another one, and stay as they were not to be mended"};
-  Diagnostic back{DiagnosticCode::kDuplicateFace,
-                  0,
-                  {},
-                  "faces repeat another one, seen from behind, and stay: without them the surface would be open or "
-                  "have edges of three faces"};
+  Diagnostic back{
+      DiagnosticCode::kDuplicateFace,
+      0,
+      {},
+      "faces repeat another one, most of them seen from behind, and stay: without them the surface would be "
+      "open or have edges of three faces"};
   FaceList kept;
   StopCheck check(control);
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {

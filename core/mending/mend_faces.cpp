@@ -8,6 +8,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/base/union_find.h"
 #include "core/geometry/predicates.h"
 #include "core/mending/polygon_cuts.h"
@@ -25,9 +26,10 @@ constexpr std::uint32_t kBetweenChecks = 1 << 14;
 class Mending {
  public:
   Mending(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
-          RunControl& control)
+          RunControl& control, double possible_rounding)
       : surface_(surface),
         plane_tolerance_(plane_tolerance),
+        possible_rounding_(possible_rounding),
         as_it_is_(as_it_is),
         degenerate_(degenerate),
         control_(control) {}
@@ -134,7 +136,7 @@ class Mending {
     }
     points_.clear();
     for (const VertexId v : loop_) points_.push_back(surface_.local[v]);
-    PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
+    PolygonSplit split = split_points();
     if (split.has_spikes()) {
       take_spikes(split, f, label);
       if (loop_.size() < 3) return;
@@ -155,6 +157,16 @@ class Mending {
       emit_triangle(triangle, source, label, are_collinear(triangle));
   }
 
+  /// Splits the polygon of points_. No triangulation of one that crosses itself is right, but it may do so only because
+  /// a spike was rounded further than is proven.
+  PolygonSplit split_points() {
+    PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
+    if (split.kind != PolygonKind::kSelfCrossing || possible_rounding_ <= plane_tolerance_) return split;
+    PolygonSplit rounded = split_polygon(points_, {plane_tolerance_, possible_rounding_}, control_);
+    const bool is_better = rounded.has_spikes() && rounded.kind != PolygonKind::kSelfCrossing;
+    return is_better ? rounded : split;
+  }
+
   PolygonCuts& cuts() {
     if (!cuts_) cuts_.emplace(surface_, control_);
     return *cuts_;
@@ -167,14 +179,18 @@ class Mending {
       return PolygonCuts::Corners{loop_[needle[0]], loop_[needle[1]], loop_[needle[2]]};
     };
     // Needles that are not exactly on a line go if nobody would miss one of them; else all are faces.
+    StopCheck check(control_);
     drops_needles_ = degenerate_ == Mend::kYes && split.spike_tolerance > 0 &&
                      std::all_of(split.spikes.needles.begin(), split.spikes.needles.end(), [&](const auto& needle) {
+                       check();
                        const PolygonCuts::Corners t = corners_of(needle);
                        return are_collinear(t) || is_missed_by_nobody(t, f);
                      });
     bool is_one_gone = false;
-    for (const auto& needle : split.spikes.needles)
+    for (const auto& needle : split.spikes.needles) {
+      check();
       if (take_needle(corners_of(needle), split.spike_tolerance, source, label)) is_one_gone = true;
+    }
     if (is_one_gone) spiked_.add(source.value);
     const std::vector<std::uint32_t>& outline = split.spikes.outline;
     for (auto& triangle : split.triangles)
@@ -283,6 +299,7 @@ class Mending {
 
   Surface& surface_;
   double plane_tolerance_;
+  double possible_rounding_;
   const std::vector<std::uint8_t>& as_it_is_;
   Mend degenerate_;
   RunControl& control_;
@@ -331,8 +348,8 @@ std::vector<FaceId> faces_without_area(const Surface& surface, RunControl& contr
 }
 
 bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
-                std::vector<Diagnostic>& diagnostics, RunControl& control) {
-  return Mending(surface, plane_tolerance, as_it_is, degenerate, control).run(diagnostics);
+                std::vector<Diagnostic>& diagnostics, RunControl& control, double possible_rounding) {
+  return Mending(surface, plane_tolerance, as_it_is, degenerate, control, possible_rounding).run(diagnostics);
 }
 
 }  // namespace remesh

@@ -14,7 +14,9 @@ namespace remesh {
 /// Mends the faces of a welded surface.
 /// Input:   the plane tolerance, in local units; `as_it_is`, per input face or empty: 1 forbids to make a polygon of it
 ///          or to hand it a vertex. Later stages ask for it where a polygon turned out to have no triangulation of its
-///          own.
+///          own. `possible_rounding` says in local units how far the corners may have been moved by a rounding that is
+///          not proven. A polygon that crosses itself is searched again for spikes within this distance, before it is
+///          cut into a fan.
 /// Output:  a surface that holds all that Surface promises. A polygon comes as triangles in its place if it is not
 ///          planar within the tolerance, crosses itself in its plane, touches itself, or is to stay as it is; no cut is
 ///          an edge of another face (see PolygonCuts), which may take new vertices. A corner that repeats the one
@@ -29,7 +31,7 @@ namespace remesh {
 /// Cost:    O(n log n).
 /// Source:  REFINEMENT, rules 14 and 17.
 bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
-                std::vector<Diagnostic>& diagnostics, RunControl& control);
+                std::vector<Diagnostic>& diagnostics, RunControl& control, double possible_rounding = 0);
 
 /// Whether a face is a triangle with exactly collinear corners; mend_faces leaves few of them, or none.
 bool is_without_area(const Surface& surface, FaceId f);

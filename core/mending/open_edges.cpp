@@ -3,49 +3,57 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <limits>
+#include <numbers>
 #include <tuple>
 
-#include "core/base/parallel.h"
+#include "core/base/stoppable.h"
 #include "core/geometry/projection.h"
 
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kBetweenChecks = 4096;
+/// Edges of more faces than this are looked at by nobody: all pairs of these would be too many.
+constexpr std::size_t kMostFaces = 8;
 
 }  // namespace
 
-OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, RunControl& control) : surface_(surface) {
-  std::uint32_t looks = 0;
+OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, Which which, RunControl& control)
+    : surface_(surface) {
+  StopCheck check(control);
   for (const EdgeId e : edges.odd_edges()) {
-    if (looks++ % kBetweenChecks == 0) control.check();
+    check();
     const auto around = edges.half_edges(e);
     const VertexId from = edges.from(around[0]), to = edges.to(around[0]);
-    if (around.size() != 1 || from == to) continue;
-    OpenEdge& edge = edges_.emplace_back();
-    edge.half_edge = around[0];
-    edge.face = edges.face_of(around[0]);
-    edge.from = from;
-    edge.to = to;
+    if (around.size() > (which == Which::kOpen ? 1 : kMostFaces) || from == to) continue;
+    const auto forward = static_cast<std::size_t>(
+        std::count_if(around.begin(), around.end(), [&](std::uint32_t h) { return edges.from(h) == from; }));
+    if (2 * forward == around.size()) continue;
+    for (const std::uint32_t h : around) {
+      if ((edges.from(h) == from) != (2 * forward > around.size())) continue;
+      OpenEdge& edge = edges_.emplace_back();
+      edge.half_edge = h;
+      edge.face = edges.face_of(h);
+      edge.from = edges.from(h);
+      edge.to = edges.to(h);
+      edge.is_open = around.size() == 1;
+    }
   }
   if (edges_.empty()) return;
   // By half-edge, so that those of one face are next to each other and a polygon is measured once.
-  sort_all(edges_.begin(), edges_.end(), [&](const OpenEdge& a, const OpenEdge& b) {
-    control.check();
-    return a.half_edge < b.half_edge;
-  });
+  sort_stoppable(edges_.begin(), edges_.end(), control,
+                 [](const OpenEdge& a, const OpenEdge& b) { return a.half_edge < b.half_edge; });
   FaceId last;
   Vec3 twice_area;
   double extent = 0;
   std::vector<Vec3> loop;
   for (OpenEdge& edge : edges_) {
-    if (looks++ % kBetweenChecks == 0) control.check();
+    check();
     if (edge.face != last) {
       last = edge.face;
       loop.clear();
       Box3 box;
       for (const VertexId v : surface.face(last)) {
+        check();
         loop.push_back(surface.local[v]);
         box.add(surface.local[v]);
       }
@@ -57,7 +65,7 @@ OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, RunControl&
   }
   std::vector<Tree::Entry> entries(edges_.size());
   for (std::size_t i = 0; i < edges_.size(); ++i) {
-    if (i % kBetweenChecks == 0) control.check();
+    check();
     entries[i].box.add(middle(i));
     entries[i].tag.box.add(middle(i));
   }
@@ -78,19 +86,35 @@ Vec3 OpenEdges::middle(std::size_t i) const {
   return 0.5 * surface_.local[edges_[i].from] + 0.5 * surface_.local[edges_[i].to];
 }
 
-double OpenEdges::width(std::size_t i, std::size_t j, double reach) const {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
+Fit OpenEdges::fit(std::size_t i, std::size_t j, double reach) const {
+  const OpenEdge &a = edges_[i], &b = edges_[j];
+  if (i == j || (a.face == b.face && surface_.face(a.face).size() == 3)) return {};
+  if (std::minmax(a.from, a.to) == std::minmax(b.from, b.to)) return {};
+  const auto distance = [&](VertexId p, VertexId q) { return norm(surface_.local[p] - surface_.local[q]); };
+  const double opposite = std::max(distance(a.from, b.to), distance(a.to, b.from));
+  const double alike = std::max(distance(a.from, b.from), distance(a.to, b.to));
+  const Fit fit{std::min(opposite, alike), alike < opposite};
+  return do_lie_on_each_other(i, j, std::max(fit.width, reach)) ? Fit{} : fit;
+}
+
+bool OpenEdges::do_lie_on_each_other(std::size_t i, std::size_t j, double reach) const {
   // Of what lies on each other within so many times the distance nobody can tell whether it was meant to be one.
   constexpr double kOnEachOther = 4;
   const OpenEdge &a = edges_[i], &b = edges_[j];
-  if (i == j || (a.face == b.face && surface_.face(a.face).size() == 3)) return kNone;
-  const auto distance = [&](VertexId p, VertexId q) { return norm(surface_.local[p] - surface_.local[q]); };
-  const double width = std::max(distance(a.from, b.to), distance(a.to, b.from));
-  if (dot(a.inward, b.inward) > 0) {
-    const double opening = norm(cross(a.inward, b.inward)) * std::min(a.depth, b.depth);
-    if (opening <= kOnEachOther * std::max(width, reach)) return kNone;
-  }
-  return width;
+  if (!(dot(a.inward, b.inward) > 0)) return false;
+  return norm(cross(a.inward, b.inward)) * std::min(a.depth, b.depth) <= kOnEachOther * reach;
+}
+
+double OpenEdges::turn(std::size_t i, std::size_t j) const {
+  const double cosine = -dot(edges_[i].inward, edges_[j].inward);
+  return std::acos(std::clamp(cosine, -1.0, 1.0));
+}
+
+double OpenEdges::angle_behind(std::size_t i, std::size_t j) const {
+  const OpenEdge &a = edges_[i], &b = edges_[j];
+  const Vec3 normal = cross(normalized(surface_.local[a.to] - surface_.local[a.from]), a.inward);
+  const double angle = std::atan2(-dot(b.inward, normal), dot(b.inward, a.inward));
+  return angle < 0 ? angle + 2 * std::numbers::pi : angle;
 }
 
 std::string few_digits(double length) {

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -14,33 +15,53 @@
 
 namespace remesh {
 
-/// An edge with one face. Lengths are in local units.
+/// A half-edge that lacks a partner. Lengths are in local units.
 struct OpenEdge {
   std::uint32_t half_edge = 0;
   FaceId face;
   VertexId from, to;
   Vec3 inward;  ///< unit: across the edge in the plane of its face, into it
   double length = 0;
-  double depth = 0;   ///< how far the face reaches from the edge; of a polygon, its least height
-  double height = 0;  ///< the face's least height
+  double depth = 0;     ///< how far the face reaches from the edge; of a polygon, its least height
+  double height = 0;    ///< the face's least height
+  bool is_open = true;  ///< its edge has one face
+};
+
+/// How two open edges lie beside each other.
+struct Fit {
+  double width = std::numeric_limits<double>::infinity();  ///< the larger of both distances between their ends
+  bool runs_alike = false;                                 ///< both run the same way, as if one face were turned over
 };
 
 /// Open edges, to be searched by their middles.
 class OpenEdges {
  public:
-  /// Output: all open edges, by half-edge.
+  enum class Which {
+    kOpen,       ///< edges with one face
+    kUnbalanced  ///< also those with some more faces of which most run one way: each of these
+  };
+
+  /// Output: the open edges, by half-edge.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   O(b log b) in open edges, and the corners of their faces.
-  OpenEdges(const Surface& surface, const Adjacency& edges, RunControl& control);
+  OpenEdges(const Surface& surface, const Adjacency& edges, Which which, RunControl& control);
 
   std::size_t size() const { return edges_.size(); }
   const OpenEdge& operator[](std::size_t i) const { return edges_[i]; }
   Vec3 middle(std::size_t i) const;
 
-  /// How far the ends of two edges are apart, the larger of both distances, if these are the two sides of a crack.
-  /// Output: infinity if they are not: they run the same way; they are edges of one triangle; or, told with `reach` as
+  /// How two edges lie beside each other, if these are the two sides of a crack.
+  /// Output: an infinite width if they are not: they are one edge, or edges of one triangle; or, told with `reach` as
   ///         the distance that does not count, their faces lie on each other, as two sheets do or a sheet and its back.
-  double width(std::size_t i, std::size_t j, double reach) const;
+  Fit fit(std::size_t i, std::size_t j, double reach) const;
+
+  /// Whether the faces at two edges lie on each other as far as can be told, with `reach` as the distance that does
+  /// not count.
+  bool do_lie_on_each_other(std::size_t i, std::size_t j, double reach) const;
+  /// By how much a surface of the faces at two edges would bend there: 0 if it goes straight on.
+  double turn(std::size_t i, std::size_t j) const;
+  /// The angle between the faces at two edges that run in opposite directions, behind these: where the body is.
+  double angle_behind(std::size_t i, std::size_t j) const;
 
   /// Calls visit(j) for the edges whose middles are nearer than `best` to that of i, itself included; visit may lower
   /// `best`. Returns how many were visited.

@@ -1,8 +1,10 @@
 #include "core/mending/polygon_spikes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include "core/base/stoppable.h"
 #include "core/geometry/projection.h"
 #include "core/mending/mend_faces.h"
 
@@ -19,9 +21,11 @@ bool does_turn_back(const Vec3& from, const Vec3& tip, const Vec3& to, double to
 }
 
 /// Whether a polygon has a spike, or corners within the tolerance of each other, where one may hide. Most have neither.
-bool may_have_spikes(std::span<const Vec3> points, double tolerance) {
+bool may_have_spikes(std::span<const Vec3> points, double tolerance, const RunControl& control) {
+  StopCheck check(control);
   const std::size_t n = points.size();
   for (std::size_t i = 0; i < n; ++i) {
+    check();
     const Vec3 &from = points[i == 0 ? n - 1 : i - 1], &tip = points[i], &to = points[i + 1 == n ? 0 : i + 1];
     if (norm_squared(to - tip) <= tolerance * tolerance || does_turn_back(from, tip, to, tolerance)) return true;
   }
@@ -31,10 +35,12 @@ bool may_have_spikes(std::span<const Vec3> points, double tolerance) {
 /// The corners of a polygon as a ring from which corners can be taken.
 class Ring {
  public:
-  Ring(std::span<const Vec3> points, double tolerance, Reversals reversals)
+  /// `leaves` has a flag per corner, or is empty: 1 makes the tip of an exact reversal go, even if such tips are kept.
+  Ring(std::span<const Vec3> points, double tolerance, Reversals reversals, std::span<const std::uint8_t> leaves = {})
       : points_(points),
         tolerance_(tolerance),
         reversals_(reversals),
+        leaves_(leaves),
         count_(static_cast<std::uint32_t>(points.size())) {
     next_.resize(count_);
     before_.resize(count_);
@@ -48,13 +54,15 @@ class Ring {
     std::iota(waiting_.rbegin(), waiting_.rend(), 0u);
   }
 
-  Spikes cut() {
+  Spikes cut(const RunControl& control) {
+    StopCheck check(control);
     Spikes spikes;
     while (!waiting_.empty() && count_ >= 3) {
+      check();
       const std::uint32_t tip = waiting_.back();
       waiting_.pop_back();
       if (!is_there_[tip]) continue;
-      if (reversals_ != Reversals::kCut && points_[before_[tip]] == points_[next_[tip]]) continue;
+      if (is_kept_reversal(tip)) continue;
       const auto [from, to] = sides_of(tip);
       if (!turns_back(from, tip, to)) continue;
       if (reversals_ == Reversals::kKeepSlits && is_slit(from, tip, to)) continue;
@@ -67,7 +75,7 @@ class Ring {
       waiting_.push_back(next_[from]);
       waiting_.push_back(from);
     }
-    if (count_ < 3) return spikes;
+    if (count_ < 3 || spikes.needles.empty()) return spikes;
     for (std::uint32_t i = 0; i < is_there_.size(); ++i)
       if (is_there_[i]) spikes.outline.push_back(i);
     return spikes;
@@ -77,6 +85,11 @@ class Ring {
   struct Sides {
     std::uint32_t from, to;
   };
+
+  bool is_kept_reversal(std::uint32_t tip) const {
+    if (reversals_ == Reversals::kCut || points_[before_[tip]] != points_[next_[tip]]) return false;
+    return leaves_.empty() || leaves_[tip] == 0;
+  }
 
   bool are_one(std::uint32_t i, std::uint32_t j) const {
     return points_[i] == points_[j] || norm(points_[i] - points_[j]) <= tolerance_;
@@ -115,6 +128,7 @@ class Ring {
   std::span<const Vec3> points_;
   double tolerance_;
   Reversals reversals_;
+  std::span<const std::uint8_t> leaves_;
   Vec3 area_vector_;  ///< in proportion to it; where slits are looked for
   std::uint32_t count_;
   std::vector<std::uint32_t> next_, before_;
@@ -122,13 +136,73 @@ class Ring {
   std::vector<std::uint32_t> waiting_;  ///< the corners to look at, the first one last
 };
 
+/// An outline lies in this plane, and the corners of a slit may be so far from it.
+struct OutlinePlane {
+  Vec3 normal, centre;
+  double reach = 0;
+
+  double distance(const Vec3& p) const { return std::fabs(dot(p - centre, normal)); }
+};
+
+OutlinePlane plane_of(std::span<const Vec3> points, std::span<const std::uint32_t> outline, double plane_tolerance,
+                      StopCheck& check) {
+  std::vector<Vec3> loop;
+  loop.reserve(outline.size());
+  OutlinePlane plane;
+  for (const std::uint32_t i : outline) {
+    check();
+    loop.push_back(points[i]);
+    plane.centre += (1.0 / static_cast<double>(outline.size())) * points[i];
+  }
+  plane.normal = normalized(newell_normal(loop));
+  plane.reach = plane_tolerance;
+  for (const Vec3& p : loop) {
+    check();
+    plane.reach = std::max(plane.reach, plane.distance(p));
+  }
+  return plane;
+}
+
+/// Marks the corners of spikes that are out of reach of the plane, and those that are further out on such a spike.
+/// Output: whether it marked one.
+bool mark_leaving(std::span<const Vec3> points, const Spikes& spikes, const OutlinePlane& plane, double tolerance,
+                  std::vector<std::uint8_t>& leaves, StopCheck& check) {
+  const auto are_one = [&](std::uint32_t i, std::uint32_t j) {
+    return points[i] == points[j] || norm(points[i] - points[j]) <= tolerance;
+  };
+  leaves.assign(points.size(), 0);
+  bool is_any = false;
+  // The last one that was cut is next to the outline. What a spike stands on is known before the spike.
+  for (auto needle = spikes.needles.rbegin(); needle != spikes.needles.rend(); ++needle) {
+    check();
+    const auto [before, tip, next] = *needle;
+    const bool is_of_leaving = are_one(before, tip) ? leaves[before] != 0
+                               : are_one(tip, next) ? leaves[next] != 0
+                                                    : leaves[before] != 0 || leaves[next] != 0;
+    leaves[tip] = is_of_leaving || plane.distance(points[tip]) > plane.reach;
+    is_any = is_any || leaves[tip] != 0;
+  }
+  return is_any;
+}
+
 }  // namespace
 
-Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals) {
-  if (!may_have_spikes(points, tolerance)) return {};
-  Spikes spikes = Ring(points, tolerance, reversals).cut();
-  if (spikes.needles.empty()) spikes.outline.clear();
-  return spikes;
+Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals, const RunControl& control) {
+  if (!may_have_spikes(points, tolerance, control)) return {};
+  return Ring(points, tolerance, reversals).cut(control);
+}
+
+PlaneSpikes cut_spikes_out_of_plane(std::span<const Vec3> points, double tolerance, double plane_tolerance,
+                                    const RunControl& control) {
+  StopCheck check(control);
+  const Spikes all = cut_spikes(points, tolerance, Reversals::kCut, control);
+  std::vector<std::uint8_t> leaves;
+  if (all.outline.size() >= 3) {
+    const OutlinePlane plane = plane_of(points, all.outline, plane_tolerance, check);
+    if (plane.normal != Vec3{} && mark_leaving(points, all, plane, tolerance, leaves, check))
+      return {Ring(points, tolerance, Reversals::kKeep, leaves).cut(control), true};
+  }
+  return {cut_spikes(points, tolerance, Reversals::kKeep, control), false};
 }
 
 bool is_needle(const Vec3& a, const Vec3& b, const Vec3& c, double tolerance) {

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/run_control.h"
 #include "core/base/vec.h"
 
 namespace remesh {
@@ -35,8 +36,25 @@ struct Spikes {
 ///          that from the tip. Corners within the tolerance of each other are one tip, or one foot. The tolerance is in
 ///          the points' units; 0: only what is exact. The area vector of the polygon says what a right turn is.
 /// Holds:   the area vector of the outline is the polygon's, less those of the needles.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n).
-Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals);
+Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals, const RunControl& control);
+
+struct PlaneSpikes {
+  Spikes spikes;
+  bool has_left_plane = false;  ///< a spike leaves the plane, be it a reversal or not
+};
+
+/// Does the same as cut_spikes with Reversals::kKeep, but cuts off also those exact reversals that leave the polygon's
+/// plane. A slit lies in its face. What sticks out of the face is a spike, even if it lies inside the outline as seen
+/// from above: a triangulation through its tip would be a tent. The plane is that of the outline without any reversal,
+/// through the mean of its corners. The plane's reach is `plane_tolerance` or, if that outline is bent further, the
+/// largest distance of the outline's own corners. A reversal goes from its first corner on that is out of reach.
+/// Output:  the spikes. If none leaves the plane, they are those of kKeep.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:    O(n).
+PlaneSpikes cut_spikes_out_of_plane(std::span<const Vec3> points, double tolerance, double plane_tolerance,
+                                    const RunControl& control);
 
 /// Whether a triangle is no higher than the tolerance over its longest side.
 bool is_needle(const Vec3& a, const Vec3& b, const Vec3& c, double tolerance);

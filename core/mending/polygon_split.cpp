@@ -160,7 +160,7 @@ PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance,
   return result;
 }
 
-/// Of what is left when these spikes have been cut off.
+/// Splits what is left when these spikes have been cut off.
 PolygonSplit split_without(Spikes spikes, std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
   if (spikes.needles.empty()) return split_outline(points, plane_tolerance, control);
   std::vector<Vec3> outline;
@@ -175,42 +175,45 @@ PolygonSplit split_without(Spikes spikes, std::span<const Vec3> points, double p
 
 /// The tolerance within which spikes are looked for. All corners of a polygon that is hardly higher than it would be
 /// tips: of such a polygon only what is exactly a spike is one.
-double spike_tolerance(std::span<const Vec3> points, double plane_tolerance) {
+double usable_tolerance(std::span<const Vec3> points, double spike_tolerance) {
   constexpr double kThin = 2 * kThinFace;
   Box3 box;
   for (const Vec3& p : points) box.add(p);
-  return norm(newell_normal(points)) > kThin * plane_tolerance * box.diagonal() ? plane_tolerance : 0;
+  return norm(newell_normal(points)) > kThin * spike_tolerance * box.diagonal() ? spike_tolerance : 0;
 }
 
-PolygonSplit split_canonical(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
-  const double tolerance = spike_tolerance(points, plane_tolerance);
-  // A polygon with slits alone stays as it is: to cut off a narrow one would close it.
-  const bool has_slits_alone = tolerance > 0 && cut_spikes(points, tolerance, Reversals::kKeepSlits).needles.empty();
-  if (has_slits_alone) {
-    PolygonSplit result = split_outline(points, plane_tolerance, control);
+PolygonSplit split_canonical(std::span<const Vec3> points, const PolygonTolerances& tolerances, RunControl& control) {
+  const double tolerance = usable_tolerance(points, tolerances.spikes);
+  const auto without = [&](Spikes spikes) {
+    PolygonSplit result = split_without(std::move(spikes), points, tolerances.plane, control);
     result.spike_tolerance = tolerance;
+    return result;
+  };
+  Spikes all = cut_spikes(points, tolerance, Reversals::kCut, control);
+  if (all.needles.empty()) return without({});
+  // A polygon with slits alone stays as it is: to cut off a narrow one would close it.
+  const bool has_slits_alone =
+      tolerance > 0 && cut_spikes(points, tolerance, Reversals::kKeepSlits, control).needles.empty();
+  PolygonSplit result = without(has_slits_alone ? Spikes() : cut_spikes(points, tolerance, Reversals::kKeep, control));
+  if (result.kind == PolygonKind::kPlanar) return result;
+  // What sticks out of the plane is no slit. Seen from above, a spike may look like one.
+  PlaneSpikes in_space = cut_spikes_out_of_plane(points, tolerance, tolerances.plane, control);
+  if (result.kind == PolygonKind::kNotPlanar && !in_space.has_left_plane) return result;
+  if (has_slits_alone || in_space.has_left_plane) {
+    result = without(std::move(in_space.spikes));
     if (result.kind != PolygonKind::kSelfCrossing) return result;
   }
-  Spikes spikes = cut_spikes(points, tolerance, Reversals::kKeep);
-  const std::size_t needles = spikes.needles.size();
-  PolygonSplit result = split_without(std::move(spikes), points, plane_tolerance, control);
-  result.spike_tolerance = tolerance;
-  if (result.kind != PolygonKind::kSelfCrossing) return result;
-  spikes = cut_spikes(points, tolerance, Reversals::kCut);
-  if (spikes.needles.size() == needles) return result;
-  result = split_without(std::move(spikes), points, plane_tolerance, control);
-  result.spike_tolerance = tolerance;
-  return result;
+  return all.needles.size() == result.spikes.needles.size() ? result : without(std::move(all));
 }
 
 }  // namespace
 
-PolygonSplit split_polygon(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
+PolygonSplit split_polygon(std::span<const Vec3> points, const PolygonTolerances& tolerances, RunControl& control) {
   const CanonicalLoop loop = canonical_loop(points, control);
   std::vector<Vec3> canonical;
   canonical.reserve(points.size());
   for (const std::uint32_t i : loop.corners) canonical.push_back(points[i]);
-  PolygonSplit result = split_canonical(canonical, plane_tolerance, control);
+  PolygonSplit result = split_canonical(canonical, tolerances, control);
   const auto as_given = [&](std::array<std::uint32_t, 3>& triangle) {
     for (std::uint32_t& corner : triangle) corner = loop.corners[corner];
   };

@@ -51,7 +51,8 @@ class Preparation {
 
   void measure() {
     const auto& positions = surface().positions.items();
-    const Triangulated triangles(surface(), control_);
+    // Local units are about as large as the diagonal. The spikes of a mesh of full doubles are no part of its area.
+    const Triangulated triangles(surface(), control_, kToleranceFloor);
     summary_.statistics =
         measure_surface(positions, surface().face_begin, surface().corners, adjacency(), triangles.corners(), control_);
     const double unit = surface().unit;
@@ -68,6 +69,8 @@ class Preparation {
     const double automatic = automatic_tolerance_of(rounding);
     summary_.plane_tolerance = options_.plane_tolerance.value_or(automatic);
     rounding_ = automatic;
+    spike_rounding_ = std::min(kToleranceSteps * rounding.possible_step(),
+                               kToleranceCeiling * summary_.statistics.bounding_box.diagonal());
     // Who asks for more than the digits explain wants to flatten what bends by more, too.
     const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.possible_step();
     if (are_digits_noise && summary_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.possible_steps;
@@ -137,16 +140,41 @@ class Preparation {
       prepared_.release();
       is_as_measured_ = false;
     };
-    // Faces that repeat others go, edges are split at the vertices that lie on them.
-    if_changed(drop_duplicate_faces(surface(), adjacency(), mend_if(repair.duplicates), found, control_));
-    if_changed(split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is,
-                                 mend_if(repair.t_junctions && limits_.is_joining_allowed), found, control_));
-    // Seams close. Their sides have the same vertices now, so that each edge has its partner.
-    if_changed(close_seams(surface(), adjacency(), std::min(rounding_, summary_.plane_tolerance) / surface().unit,
-                           mend_if(repair.seams && limits_.is_joining_allowed), found, control_));
+    // Faces that repeat others go.
+    const std::size_t place = found.size();
+    std::vector<Diagnostic> repeated;
+    const bool is_repeated =
+        drop_duplicate_faces(surface(), adjacency(), input_.labels, mend_if(repair.duplicates), repeated, control_);
+    if_changed(is_repeated);
+    // Seams close, first where both sides have the same vertices: one body's seam may lie on another's edges, and would
+    // be split there on one side only. Then edges are split at the vertices that lie on them, so that each edge of
+    // other seams has its partner, and these close.
+    Seams seams({std::min(rounding_, summary_.plane_tolerance) / surface().unit, repair.winding});
+    const Mend mend_seams = mend_if(repair.seams && limits_.is_joining_allowed);
+    const bool is_joined = mend_seams == Mend::kYes && seams.close(surface(), adjacency(), mend_seams, control_);
+    if_changed(is_joined);
+    const Mend mend_t_junctions = mend_if(repair.t_junctions && limits_.is_joining_allowed);
+    bool is_split = split_at_vertices(tolerance, mend_t_junctions);
+    if_changed(is_split);
+    // Whoever welds vertices wants them on edges, too. The smaller tolerance comes first: it splits thin faces as well.
+    if (const double near = options_.weld_tolerance / surface().unit;
+        near > tolerance && mend_t_junctions == Mend::kYes) {
+      const bool is_split_again = split_at_vertices(near, mend_t_junctions);
+      if_changed(is_split_again);
+      is_split = is_split || is_split_again;
+    }
+    const bool is_joined_again =
+        (is_split || mend_seams == Mend::kNo) && seams.close(surface(), adjacency(), mend_seams, control_);
+    if_changed(is_joined_again);
+    seams.tell(found);
+    // Faces over seams may repeat each other only now.
+    if ((is_joined || is_joined_again) && repair.duplicates && drop_new_duplicates(repeated, is_repeated ? 1 : 0))
+      if_changed(true);
+    found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());
     // Faces without a plane are split, faces without an area dropped; nothing opens.
-    const bool is_mended = !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.as_it_is,
-                                                              mend_if(repair.degenerate), found, control_);
+    const bool is_mended =
+        !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.as_it_is, mend_if(repair.degenerate), found,
+                                           control_, spike_rounding_ / surface().unit);
     if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
     // Neighbours look the same way, and closed shells the way they should if that is asked for.
@@ -155,17 +183,51 @@ class Preparation {
       if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));
   }
 
+  bool split_at_vertices(double tolerance, Mend mend) {
+    std::vector<Diagnostic> told;
+    const bool is_changed =
+        split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is, mend, told, control_);
+    for (Diagnostic& d : told) add_to(summary_.diagnostics, std::move(d));
+    return is_changed;
+  }
+
+  /// Drops the faces that repeat others since seams have closed, if that opens nothing: parts of two copies may have
+  /// become one, and others not.
+  /// Input:   what was told of repeated faces before, of which the first `dropped` tell what is no longer there.
+  /// Output:  whether the surface changed; `told` is what is to be told of both times then.
+  bool drop_new_duplicates(std::vector<Diagnostic>& told, std::size_t dropped) {
+    std::vector<Diagnostic> all, again;
+    drop_duplicate_faces(surface(), adjacency(), input_.labels, Mend::kNo, all, control_);
+    if (all.empty()) return false;
+    Surface without = surface();
+    if (!drop_duplicate_faces(without, adjacency(), input_.labels, Mend::kYes, again, control_)) return false;
+    const Adjacency edges(without.vertex_count(), without.face_begin, without.corners, control_);
+    if (edges.odd_edges().size() > adjacency().odd_edges().size()) return false;
+    surface() = std::move(without);
+    told.resize(dropped);
+    for (Diagnostic& d : again) add_to(told, std::move(d));
+    return true;
+  }
+
+  /// Adds what was found to one that tells of the same, or to the end.
+  static void add_to(std::vector<Diagnostic>& diagnostics, Diagnostic&& found) {
+    const auto same = std::find_if(diagnostics.begin(), diagnostics.end(),
+                                   [&](const Diagnostic& d) { return d.message == found.message; });
+    if (same == diagnostics.end()) return diagnostics.push_back(std::move(found));
+    const std::uint64_t count = same->count + found.count;
+    for (const std::uint64_t element : found.elements) same->add(element);
+    same->count = count;
+  }
+
   /// Adds to what is told of open edges how wide the cracks are that mending has left.
   void tell_cracks() {
     std::vector<Diagnostic>& found = summary_.diagnostics;
     const auto open = std::find_if(found.begin(), found.end(),
                                    [](const Diagnostic& d) { return d.code == DiagnosticCode::kOpenBoundary; });
     if (open == found.end()) return;
-    const double unit = surface().unit;
-    std::vector<double> widths =
-        crack_widths(surface(), adjacency(), std::min(rounding_, summary_.plane_tolerance) / unit, control_);
-    for (double& width : widths) width *= unit;
-    open->message += describe_cracks(widths, input_, options_, control_);
+    const CrackRules rules{std::min(rounding_, summary_.plane_tolerance), summary_.plane_tolerance};
+    open->message += describe_cracks(find_cracks(surface(), adjacency(), rules.rounding, control_), input_, options_,
+                                     rules, control_);
   }
 
   /// Are all faces triangles, and their angles so far from 0 that the measures show what mend_faces would prove of one
@@ -194,6 +256,7 @@ class Preparation {
   RunControl& control_;
   Prepared prepared_;
   double rounding_ = 0;         ///< model units: how far the rounding of coordinates may move a point
+  double spike_rounding_ = 0;   ///< model units: the same, by the step that the digits allow without proof
   bool is_as_measured_ = true;  ///< nothing has been mended since
 };
 

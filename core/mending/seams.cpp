@@ -1,6 +1,7 @@
 #include "core/mending/seams.h"
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -8,77 +9,24 @@
 #include <utility>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
-#include "core/base/tolerance.h"
-#include "core/mending/open_edges.h"
+#include "core/base/stoppable.h"
 #include "core/mesh/unused_vertices.h"
 
 namespace remesh {
 namespace {
 
-constexpr std::size_t kBlock = 256;
-constexpr std::uint32_t kBetweenChecks = 4096;
-
-/// Two open edges, by their numbers, and how far they are apart.
-struct Pair {
-  std::size_t i, j;
-  double width;
-};
-
-struct Partners {
-  std::vector<Pair> pairs;
-  bool is_complete = true;  ///< false: there were too many to look at
-};
-
-/// The pairs of edges that are partners of each other and of nobody else.
-Partners find_partners(const OpenEdges& open, double tolerance, RunControl& control) {
-  constexpr std::uint32_t kNone = 0xffffffffu, kSeveral = 0xfffffffeu;
-  const auto is_worth_a_look = [&](const OpenEdge& edge) {
-    return edge.length > 2 * tolerance && edge.height > kThinFace * tolerance;
-  };
-  LooksAtEdges looks(open.size());
-  const auto blocks =
-      map_blocks<std::vector<std::uint32_t>>(open.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-        std::vector<std::uint32_t> partners(end - begin, kNone);
-        // So that what is exactly as far is found, rounding of the middles included.
-        const double radius = tolerance * (1 + 1e-6) + 1e-300;
-        for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) {
-          if (!is_worth_a_look(open[i])) continue;
-          std::uint32_t& partner = partners[i - begin];
-          looks.add(open.search(i, radius, control, [&](std::uint32_t j) {
-            if (!is_worth_a_look(open[j]) || !(open.width(i, j, tolerance) <= tolerance)) return;
-            partner = partner == kNone ? j : kSeveral;
-          }));
-        }
-        return partners;
-      });
-  Partners found;
-  found.is_complete = !looks.are_too_many();
-  if (!found.is_complete) return found;
-  const auto partner = concatenate<std::uint32_t>(blocks, control);
-  for (std::uint32_t i = 0; i < partner.size(); ++i) {
-    if (i % kBetweenChecks == 0) control.check();
-    if (partner[i] < kSeveral && i < partner[i] && partner[partner[i]] == i)
-      found.pairs.push_back({i, partner[i], open.width(i, partner[i], tolerance)});
-  }
-  return found;
-}
-
 /// Vertices that become one. Only those at the ends of partners are known here.
 class Clusters {
  public:
-  Clusters(const Surface& surface, std::vector<VertexId> vertices, RunControl& control)
+  Clusters(const Surface& surface, const JoinedPlaces& joined, std::vector<VertexId> vertices, RunControl& control)
       : surface_(surface), vertices_(std::move(vertices)) {
-    sort_all(vertices_.begin(), vertices_.end(), [&](VertexId a, VertexId b) {
-      control.check();
-      return a < b;
-    });
+    sort_stoppable(vertices_.begin(), vertices_.end(), control);
     vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
     clusters_.reserve(vertices_.size());
+    StopCheck check(control);
     for (std::uint32_t k = 0; k < vertices_.size(); ++k) {
-      if (k % kBetweenChecks == 0) control.check();
-      const Vec3& place = surface.local[vertices_[k]];
-      clusters_.push_back({k, 1, vertices_[k], {place, place}});
+      check();
+      clusters_.push_back({k, 1, vertices_[k], joined.box_of(surface, vertices_[k])});
     }
   }
 
@@ -100,12 +48,14 @@ class Clusters {
     smaller.parent = first;
   }
 
-  /// Calls visit(vertex, the one that it becomes) for all those in clusters of two or more.
+  /// Calls visit(vertex, the one that it becomes, the box of all these) for all those in clusters of two or more.
   template <class Visit>
-  void for_each_joined(const Visit& visit) const {
+  void for_each_joined(RunControl& control, const Visit& visit) const {
+    StopCheck check(control);
     for (std::uint32_t k = 0; k < vertices_.size(); ++k) {
+      check();
       const Cluster& cluster = clusters_[root(k)];
-      if (cluster.size > 1) visit(vertices_[k], cluster.least);
+      if (cluster.size > 1) visit(vertices_[k], cluster.least, cluster.box);
     }
   }
 
@@ -132,16 +82,16 @@ class Clusters {
 
 class Closing {
  public:
-  Closing(const Surface& surface, const Adjacency& edges, const OpenEdges& open, double tolerance, RunControl& control)
-      : surface_(surface), edges_(edges), open_(open), tolerance_(tolerance), control_(control) {}
+  Closing(const Surface& surface, const Adjacency& edges, const OpenEdges& open, const SeamRules& rules,
+          const JoinedPlaces& joined, RunControl& control)
+      : surface_(surface), edges_(edges), open_(open), rules_(rules), joined_(joined), control_(control) {}
 
   /// Finds which vertices become one. Output: false if none do.
-  bool run(std::vector<Pair> pairs) {
+  bool run(std::vector<SeamPair> pairs) {
     // The nearest first: whoever comes later joins only if the cluster stays within the tolerance.
-    sort_all(pairs.begin(), pairs.end(), [&](const Pair& a, const Pair& b) {
-      control_.check();
-      if (a.width != b.width) return a.width < b.width;
-      const auto first = [&](const Pair& p) { return open_.is_before(p.i, p.j) ? p.i : p.j; };
+    sort_stoppable(pairs.begin(), pairs.end(), control_, [&](const SeamPair& a, const SeamPair& b) {
+      if (a.fit.width != b.fit.width) return a.fit.width < b.fit.width;
+      const auto first = [&](const SeamPair& p) { return open_.is_before(p.i, p.j) ? p.i : p.j; };
       return open_.is_before(first(a), first(b));
     });
     pairs_ = std::move(pairs);
@@ -151,11 +101,14 @@ class Closing {
     while (!pairs_.empty()) {
       look();
       if (spoilt_.empty()) return true;
+      StopCheck check(control_);
       const auto is_spoilt = [&](VertexId v) { return std::binary_search(spoilt_.begin(), spoilt_.end(), image_[v]); };
-      pairs_.erase(
-          std::remove_if(pairs_.begin(), pairs_.end(),
-                         [&](const Pair& p) { return is_spoilt(open_[p.i].from) || is_spoilt(open_[p.i].to); }),
-          pairs_.end());
+      pairs_.erase(std::remove_if(pairs_.begin(), pairs_.end(),
+                                  [&](const SeamPair& p) {
+                                    check();
+                                    return is_spoilt(open_[p.i].from) || is_spoilt(open_[p.i].to);
+                                  }),
+                   pairs_.end());
     }
     return false;
   }
@@ -163,9 +116,15 @@ class Closing {
   VertexId image(VertexId v) const { return image_[v]; }
   /// A face at each edge that closes.
   const std::vector<FaceId>& closed() const { return closed_; }
+  /// Whether the edge of an open half-edge closes.
+  bool is_closed(std::uint32_t half_edge) const {
+    return std::binary_search(closed_half_edges_.begin(), closed_half_edges_.end(), half_edge);
+  }
+  /// The vertices that others become, and where all these were.
+  const std::vector<std::pair<VertexId, Box3>>& boxes() const { return boxes_; }
   double width() const {
     double width = 0;
-    for (const Pair& pair : pairs_) width = std::max(width, pair.width);
+    for (const SeamPair& pair : pairs_) width = std::max(width, pair.fit.width);
     return width;
   }
 
@@ -178,7 +137,7 @@ class Closing {
     bool is_forward;  ///< from low to high
 
     auto ends() const { return std::tuple(low, high); }
-    bool is_same_edge(const Moved& other) const { return old_low == other.old_low && old_high == other.old_high; }
+    auto old_ends() const { return std::tuple(old_low, old_high); }
     friend bool operator<(const Moved& a, const Moved& b) {
       return std::tie(a.low, a.high, a.old_low, a.old_high, a.half_edge) <
              std::tie(b.low, b.high, b.old_low, b.old_high, b.half_edge);
@@ -188,27 +147,37 @@ class Closing {
   Clusters make_clusters() const {
     std::vector<VertexId> ends;
     ends.reserve(4 * pairs_.size());
-    for (const Pair& p : pairs_)
+    StopCheck check(control_);
+    for (const SeamPair& p : pairs_) {
+      check();
       for (const std::size_t k : {p.i, p.j}) ends.insert(ends.end(), {open_[k].from, open_[k].to});
-    return Clusters(surface_, std::move(ends), control_);
+    }
+    return Clusters(surface_, joined_, std::move(ends), control_);
+  }
+
+  /// The ends of two edges that become one.
+  std::array<std::pair<VertexId, VertexId>, 2> ends_of(const SeamPair& p) const {
+    const OpenEdge &a = open_[p.i], &b = open_[p.j];
+    return {{{a.from, p.fit.runs_alike ? b.from : b.to}, {a.to, p.fit.runs_alike ? b.to : b.from}}};
   }
 
   /// Drops the pairs with an end whose cluster would be larger than the tolerance.
   void choose_pairs() {
     Clusters clusters = make_clusters();
-    std::uint32_t looks = 0;
-    const auto is_refused = [&](const Pair& p) {
-      if (looks++ % kBetweenChecks == 0) control_.check();
-      const OpenEdge &a = open_[p.i], &b = open_[p.j];
+    StopCheck check(control_);
+    const auto is_refused = [&](const SeamPair& p) {
+      check();
       // The edges are longer than any cluster, so that what happens at one end is nothing to the other.
-      const double limit = tolerance_ * (1 + 1e-9);
-      if (!clusters.can_join(a.from, b.to, limit) || !clusters.can_join(a.to, b.from, limit)) return true;
-      clusters.join(a.from, b.to);
-      clusters.join(a.to, b.from);
+      const double limit = rules_.tolerance * (1 + 1e-9);
+      const auto ends = ends_of(p);
+      if (std::any_of(ends.begin(), ends.end(),
+                      [&](const auto& e) { return !clusters.can_join(e.first, e.second, limit); }))
+        return true;
+      for (const auto& [a, b] : ends) clusters.join(a, b);
       return false;
     };
-    std::vector<Pair> chosen;
-    for (const Pair& p : pairs_)
+    std::vector<SeamPair> chosen;
+    for (const SeamPair& p : pairs_)
       if (!is_refused(p)) chosen.push_back(p);
     pairs_ = std::move(chosen);
   }
@@ -217,35 +186,44 @@ class Closing {
   /// something.
   void look() {
     Clusters clusters = make_clusters();
-    std::uint32_t looks = 0;
-    for (const Pair& p : pairs_) {
-      if (looks++ % kBetweenChecks == 0) control_.check();
-      clusters.join(open_[p.i].from, open_[p.j].to);
-      clusters.join(open_[p.i].to, open_[p.j].from);
+    StopCheck check(control_);
+    paired_.clear();
+    for (const SeamPair& p : pairs_) {
+      check();
+      for (const auto& [a, b] : ends_of(p)) clusters.join(a, b);
+      paired_.insert(paired_.end(), {open_[p.i].half_edge, open_[p.j].half_edge});
     }
+    sort_stoppable(paired_.begin(), paired_.end(), control_);
     image_ = FilledIdVector<VertexId, VertexId>::of_size(surface_.vertex_count());
     is_joined_.assign(surface_.vertex_count(), 0);
     for (std::uint32_t v = 0; v < image_.size(); ++v) {
-      if (v % kBetweenChecks == 0) control_.check();
+      check();
       image_[VertexId(v)] = VertexId(v);
     }
-    clusters.for_each_joined([&](VertexId v, VertexId least) {
+    boxes_.clear();
+    clusters.for_each_joined(control_, [&](VertexId v, VertexId least, const Box3& box) {
       image_[v] = least;
       is_joined_[v.value] = 1;
+      if (v == least) boxes_.push_back({v, box});
     });
     spoilt_.clear();
     closed_.clear();
+    closed_half_edges_.clear();
     look_at_edges(moved_edges());
-    sort_all(spoilt_.begin(), spoilt_.end());
+    sort_stoppable(spoilt_.begin(), spoilt_.end(), control_);
     spoilt_.erase(std::unique(spoilt_.begin(), spoilt_.end()), spoilt_.end());
+    sort_stoppable(closed_half_edges_.begin(), closed_half_edges_.end(), control_);
   }
 
   /// The edges of which an end is one with another vertex, in order. Notes what of their faces collapses.
   std::vector<Moved> moved_edges() {
     std::vector<Moved> moved;
-    const auto is_joined = [&](VertexId v) { return is_joined_[v.value] != 0; };
+    StopCheck check(control_);
+    const auto is_joined = [&](VertexId v) {
+      check();
+      return is_joined_[v.value] != 0;
+    };
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
-      if (f % kBetweenChecks == 0) control_.check();
       const auto loop = surface_.face(FaceId(f));
       if (std::none_of(loop.begin(), loop.end(), is_joined)) continue;
       if (does_collapse(loop))
@@ -260,10 +238,7 @@ class Closing {
         moved.push_back({std::min(a, b), std::max(a, b), std::min(from, to), std::max(from, to), half_edge, a < b});
       }
     }
-    sort_all(moved.begin(), moved.end(), [&](const Moved& a, const Moved& b) {
-      control_.check();
-      return a < b;
-    });
+    sort_stoppable(moved.begin(), moved.end(), control_);
     return moved;
   }
 
@@ -275,24 +250,28 @@ class Closing {
     while (loop_.size() > 1 && loop_.front() == loop_.back()) loop_.pop_back();
     if (loop_.size() == loop.size() && loop.size() == 3) return false;
     const std::size_t left = loop_.size();
-    std::sort(loop_.begin(), loop_.end());
+    sort_stoppable(loop_.begin(), loop_.end(), control_);
     const auto different = static_cast<std::size_t>(std::unique(loop_.begin(), loop_.end()) - loop_.begin());
     // A triangle that loses a corner is gone. A quadrilateral with two opposite corners in one place is a spike.
     return loop.size() == 3 || left < 3 || different < 3;
   }
 
-  /// Input: edges in order. Those that come to lie on each other close if they are two open ones that run in opposite
-  /// directions; all else would not be a surface.
+  /// Input: edges in order. Of those that come to lie on each other, not all of which were one before, each way has to
+  /// have as many as the other: they are the edge of one surface, or of several that touch there, as two bodies do.
+  /// All else would not be a surface.
   void look_at_edges(std::span<const Moved> moved) {
+    StopCheck check(control_);
     for (std::size_t begin = 0, end = 0; begin < moved.size(); begin = end) {
-      if (begin % kBetweenChecks == 0) control_.check();
-      bool are_one = true;
-      for (end = begin + 1; end < moved.size() && moved[end].ends() == moved[begin].ends(); ++end)
-        are_one = are_one && moved[end].is_same_edge(moved[begin]);
-      if (are_one) continue;
-      if (end - begin == 2 && moved[begin].is_forward != moved[begin + 1].is_forward) {
-        const FaceId f = edges_.face_of(moved[begin].half_edge), g = edges_.face_of(moved[begin + 1].half_edge);
-        closed_.push_back(std::min(f, g));
+      std::size_t forward = 0, old_edges = 0;
+      for (end = begin; end < moved.size() && moved[end].ends() == moved[begin].ends(); ++end) {
+        check();
+        forward += moved[end].is_forward;
+        old_edges += end == begin || moved[end].old_ends() != moved[end - 1].old_ends();
+      }
+      if (old_edges == 1) continue;
+      const auto group = moved.subspan(begin, end - begin);
+      if (2 * forward == group.size() || may_be_turned(group)) {
+        note_closed(group, old_edges - 1);
         continue;
       }
       for (const VertexId v : {moved[begin].low, moved[begin].high})
@@ -300,50 +279,110 @@ class Closing {
     }
   }
 
+  /// Whether faces may be turned over so that each way has as many: an even number, and if these are two, they are
+  /// known to leave the surface two sides.
+  bool may_be_turned(std::span<const Moved> group) const {
+    if (!rules_.takes_alike || group.size() % 2 != 0) return false;
+    const auto is_paired = [&](const Moved& edge) {
+      return std::binary_search(paired_.begin(), paired_.end(), edge.half_edge);
+    };
+    return group.size() > 2 || std::all_of(group.begin(), group.end(), is_paired);
+  }
+
+  void note_closed(std::span<const Moved> group, std::size_t joins) {
+    FaceId first = edges_.face_of(group.front().half_edge);
+    for (const Moved& edge : group) {
+      first = std::min(first, edges_.face_of(edge.half_edge));
+      closed_half_edges_.push_back(edge.half_edge);
+    }
+    closed_.insert(closed_.end(), joins, first);
+  }
+
   const Surface& surface_;
   const Adjacency& edges_;
   const OpenEdges& open_;
-  double tolerance_;
+  const SeamRules& rules_;
+  const JoinedPlaces& joined_;
   RunControl& control_;
-  std::vector<Pair> pairs_;
+  std::vector<SeamPair> pairs_;
+  std::vector<std::uint32_t> paired_;         ///< half-edges of the pairs, ascending
   FilledIdVector<VertexId, VertexId> image_;  ///< what each vertex becomes
   std::vector<std::uint8_t> is_joined_;       ///< with another vertex
-  std::vector<VertexId> spoilt_;              ///< images that must not be
+  std::vector<std::pair<VertexId, Box3>> boxes_;
+  std::vector<VertexId> spoilt_;  ///< images that must not be
   std::vector<FaceId> closed_;
+  std::vector<std::uint32_t> closed_half_edges_;  ///< ascending
   std::vector<VertexId> loop_;
 };
 
-Diagnostic told(const Surface& surface, std::span<const FaceId> faces, std::string message) {
-  Diagnostic found{DiagnosticCode::kSeam, 0, {}, std::move(message)};
-  for (const FaceId f : faces) found.add(surface.face_source[f].value);
-  return found;
-}
-
 }  // namespace
 
-bool close_seams(Surface& surface, const Adjacency& edges, double tolerance, Mend mend,
-                 std::vector<Diagnostic>& diagnostics, RunControl& control) {
+Box3 JoinedPlaces::box_of(const Surface& surface, VertexId v) const {
+  const VertexId source = surface.vertex_source[v];
+  const auto at = std::lower_bound(boxes_.begin(), boxes_.end(), source,
+                                   [](const auto& box, VertexId other) { return box.first < other; });
+  if (at != boxes_.end() && at->first == source) return at->second;
+  return {surface.local[v], surface.local[v]};
+}
+
+void JoinedPlaces::add(const Surface& surface, const std::vector<std::pair<VertexId, Box3>>& boxes,
+                       RunControl& control) {
+  // What was joined again comes first, so that its larger box stays.
+  std::vector<std::pair<VertexId, Box3>> all;
+  StopCheck check(control);
+  for (const auto& [v, box] : boxes) {
+    check();
+    all.push_back({surface.vertex_source[v], box});
+  }
+  all.insert(all.end(), boxes_.begin(), boxes_.end());
+  std::stable_sort(all.begin(), all.end(), [&](const auto& a, const auto& b) {
+    check();
+    return a.first < b.first;
+  });
+  all.erase(std::unique(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first == b.first; }),
+            all.end());
+  boxes_ = std::move(all);
+}
+
+bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunControl& control) {
+  left_ = {};
+  are_too_many_ = false;
   if (edges.odd_edges().empty()) return false;
-  const OpenEdges open(surface, edges, control);
-  if (open.size() < 2) return false;
-  Partners partners = find_partners(open, tolerance, control);
+  const OpenEdges open(surface, edges, OpenEdges::Which::kUnbalanced, control);
+  if (open.size() == 0) return false;
+  StopCheck check(control);
+  const auto add = [&](Diagnostic& to, FaceId f) {
+    check();
+    to.add(surface.face_source[f].value);
+  };
+  SeamPartners partners = find_seam_partners(surface, edges, open, rules_, control);
   if (!partners.is_complete) {
-    std::vector<FaceId> faces;
-    for (std::size_t i = 0; i < open.size(); ++i) faces.push_back(open[i].face);
-    diagnostics.push_back(told(surface, faces,
-                               "open edges lie beside each other, so many that no seam was looked for; elements are "
-                               "faces"));
+    are_too_many_ = true;
+    for (std::size_t i = 0; i < open.size(); ++i)
+      if (open[i].is_open) add(left_, open[i].face);
     return false;
   }
-  Closing closing(surface, edges, open, tolerance, control);
-  if (partners.pairs.empty() || !closing.run(std::move(partners.pairs))) return false;
-  const std::string apart = ", up to " + few_digits(closing.width() * surface.unit) + " apart";
-  const std::string where = "open edges had a partner beside them within the rounding of the coordinates" + apart;
-  if (mend == Mend::kNo) {
-    diagnostics.push_back(told(surface, closing.closed(), where + ", and were left open; elements are faces"));
-    return false;
+  Closing closing(surface, edges, open, rules_, places_, control);
+  const bool is_any = !partners.pairs.empty() && closing.run(std::move(partners.pairs));
+  // An edge stays one that others lie beside if these have closed without it.
+  std::vector<Ends> left_ends;
+  for (std::size_t i = 0; i < open.size(); ++i) {
+    check();
+    const auto source = [&](VertexId v) { return surface.vertex_source[is_any ? closing.image(v) : v]; };
+    const Ends before{surface.vertex_source[open[i].from], surface.vertex_source[open[i].to]};
+    const bool is_beside = partners.is_beside[i] || std::binary_search(left_ends_.begin(), left_ends_.end(), before);
+    if (!open[i].is_open || !is_beside || (is_any && closing.is_closed(open[i].half_edge))) continue;
+    add(left_, open[i].face);
+    left_ends.push_back({source(open[i].from), source(open[i].to)});
   }
-  diagnostics.push_back(told(surface, closing.closed(), where + ", and were joined with it; elements are faces"));
+  sort_stoppable(left_ends.begin(), left_ends.end(), control);
+  left_ends_ = std::move(left_ends);
+  if (!is_any) return false;
+  for (const FaceId f : closing.closed()) add(found_, f);
+  width_ = std::max(width_, closing.width() * surface.unit);
+  is_mended_ = mend == Mend::kYes;
+  if (!is_mended_) return false;
+  places_.add(surface, closing.boxes(), control);
   surface.corners.change([&](std::vector<VertexId>& corners) {
     for_blocks(corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
       for (VertexId& v : std::span(corners).subspan(begin, end - begin)) v = closing.image(v);
@@ -351,6 +390,23 @@ bool close_seams(Surface& surface, const Adjacency& edges, double tolerance, Men
   });
   drop_unused_vertices(surface, control);
   return true;
+}
+
+void Seams::tell(std::vector<Diagnostic>& diagnostics) const {
+  const auto tell_of = [&](Diagnostic found, std::string message) {
+    if (found.count == 0) return;
+    found.code = DiagnosticCode::kSeam;
+    found.message = std::move(message);
+    diagnostics.push_back(std::move(found));
+  };
+  tell_of(found_, "open edges had a partner beside them within the rounding of the coordinates, up to " +
+                      few_digits(width_) + " apart, and were " +
+                      (is_mended_ ? "joined with it; elements are faces" : "left open; elements are faces"));
+  tell_of(left_, are_too_many_ ? "open edges lie beside each other, so many that no seam was looked for; elements are "
+                                 "faces"
+                               : "open edges lie beside others within the rounding of the coordinates, and were left "
+                                 "open: it is not clear which of these they belong to, or joining them would spoil the "
+                                 "surface; elements are faces");
 }
 
 }  // namespace remesh

@@ -14,6 +14,7 @@
 #include "core/geometry/box_tree.h"
 #include "core/geometry/expansion.h"
 #include "core/mending/mend_faces.h"
+#include "core/mending/sides.h"
 #include "core/mesh/face_geometry.h"
 
 namespace remesh {
@@ -123,7 +124,9 @@ class Search {
     find_boundary();
     if (open_.empty()) return result;
     std::vector<VertexTree::Entry> entries(vertices_.size());
+    StopCheck check(control_);
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
+      check();
       entries[i].box.add(surface_.local[vertices_[i]]);
       entries[i].tag.box.add(surface_.local[vertices_[i]]);
     }
@@ -247,38 +250,6 @@ class Search {
   RunControl& control_;
   std::vector<std::uint32_t> open_;  ///< half-edges
   std::vector<VertexId> vertices_;   ///< of the open boundary
-};
-
-/// Which faces look the same way, as far as edges tell that they were joined over.
-class Sides {
- public:
-  explicit Sides(std::size_t faces) : parent_(faces), size_(faces, 1), is_turned_(faces, 0) {
-    for (std::uint32_t f = 0; f < faces; ++f) parent_[f] = f;
-  }
-
-  struct Side {
-    std::uint32_t piece;
-    std::uint8_t is_turned;
-  };
-  Side of(FaceId face) const {
-    Side side{face.value, 0};
-    for (; parent_[side.piece] != side.piece; side.piece = parent_[side.piece])
-      side.is_turned ^= is_turned_[side.piece];
-    return side;
-  }
-
-  /// Joins the pieces of two faces, which look opposite ways or not.
-  void join(Side a, Side b, std::uint8_t is_opposite) {
-    if (a.piece == b.piece) return;
-    if (size_[a.piece] < size_[b.piece]) std::swap(a, b);
-    parent_[b.piece] = a.piece;
-    size_[a.piece] += size_[b.piece];
-    is_turned_[b.piece] = a.is_turned ^ b.is_turned ^ is_opposite;
-  }
-
- private:
-  std::vector<std::uint32_t> parent_, size_;
-  std::vector<std::uint8_t> is_turned_;  ///< against the parent
 };
 
 /// The surface with its open edges split, and what came of it.

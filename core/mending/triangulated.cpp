@@ -32,17 +32,20 @@ std::size_t Triangulated::first_of(FaceId f) const {
   return static_cast<std::size_t>(std::lower_bound(face_.begin(), face_.end(), f) - face_.begin());
 }
 
-Triangulated::Triangulated(const Surface& surface, RunControl& control)
+Triangulated::Triangulated(const Surface& surface, RunControl& control, double tolerance)
     : surface_(&surface), are_split_(surface.corners.size() != 3 * surface.face_count()) {
   if (!are_split_) return;
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
     if (i % kItemsPerBlock == 0) control.check();
     double area = 0;
-    const PolygonKind kind = visit_triangles(surface, FaceId(i), control, [&](const Triangle& t) {
-      corners_.insert(corners_.end(), t.begin(), t.end());
-      face_.push_back(FaceId(i));
-      area += area_of({surface.local[t[0]], surface.local[t[1]], surface.local[t[2]]});
-    });
+    const PolygonKind kind = visit_triangles(
+        surface, FaceId(i), control,
+        [&](const Triangle& t) {
+          corners_.insert(corners_.end(), t.begin(), t.end());
+          face_.push_back(FaceId(i));
+          area += area_of({surface.local[t[0]], surface.local[t[1]], surface.local[t[2]]});
+        },
+        tolerance);
     if (kind != PolygonKind::kSelfCrossing) continue;
     std::vector<Vec3> outline;
     for (const VertexId v : surface.face(FaceId(i))) outline.push_back(surface.local[v]);

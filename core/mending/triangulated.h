@@ -15,7 +15,8 @@ namespace remesh {
 /// that has nothing but triangles, they are its own.
 class Triangulated {
  public:
-  Triangulated(const Surface& surface, RunControl& control);
+  /// The tolerance is in local units. A surface that has been mended has no spikes, and needs none.
+  explicit Triangulated(const Surface& surface, RunControl& control, double tolerance = 0);
 
   /// Has the surface other polygons?
   bool are_split() const { return are_split_; }

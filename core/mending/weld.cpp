@@ -94,94 +94,199 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
   return true;
 }
 
+/// A grid of cells as wide as the weld tolerance twice. An axis of a cell is a whole number. Where coordinates are so
+/// large that no other one is within the tolerance, it is the coordinate itself.
+class Grid {
+ public:
+  using Cell = std::array<double, 3>;
+
+  explicit Grid(double tolerance) : reach_(tolerance * (1 + 1e-15)), width_(2 * tolerance) {}
+
+  // Adding 0 makes -0 0.
+  Cell cell_of(const Vec3& p) const {
+    Cell cell;
+    for (int axis = 0; axis < 3; ++axis) cell[axis] = (is_alone(p[axis]) ? p[axis] : number_of(p[axis])) + 0.0;
+    return cell;
+  }
+
+  /// Calls visit(cell) for the cells that have something within the tolerance of a place, for each once.
+  template <class Visit>
+  void for_each_near(const Vec3& p, const Visit& visit) const {
+    const Axis x = near(p.x), y = near(p.y), z = near(p.z);
+    for (int i = 0; i < x.count; ++i)
+      for (int j = 0; j < y.count; ++j)
+        for (int k = 0; k < z.count; ++k) visit(Cell{x.numbers[i], y.numbers[j], z.numbers[k]});
+  }
+
+ private:
+  /// Two numbers nearly always. Rounding makes it three where a place is in the middle of its cell, and more where
+  /// coordinates have hardly more digits than the tolerance.
+  static constexpr int kMostNumbers = 5;
+  struct Axis {
+    std::array<double, kMostNumbers> numbers;
+    int count = 0;
+  };
+
+  bool is_alone(double x) const { return !(std::fabs(x) / width_ < 0x1p53); }
+  double number_of(double x) const { return std::floor(x / width_) + 0.0; }
+
+  Axis near(double x) const {
+    Axis axis;
+    if (is_alone(x)) {
+      axis.numbers[axis.count++] = x + 0.0;
+      return axis;
+    }
+    const double high = number_of(x + reach_);
+    for (double number = number_of(x - reach_); number <= high && axis.count < kMostNumbers; ++number)
+      axis.numbers[axis.count++] = number;
+    return axis;
+  }
+
+  double reach_, width_;
+};
+
+/// Finds the list of a cell by a hash of it. Coordinates may have been chosen so that all cells have one hash.
+class HashedCells {
+ public:
+  static constexpr bool kMayCollide = true;
+
+  explicit HashedCells(std::size_t places) : mask_(std::bit_ceil(2 * places + 1) - 1) {}
+
+  std::size_t count() const { return mask_ + 1; }
+  std::size_t operator[](const Grid::Cell& cell) const {
+    std::uint64_t hash = 0;
+    for (const double c : cell) {
+      hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 0x9e3779b97f4a7c15u;
+      hash ^= hash >> 29;
+    }
+    return hash & mask_;
+  }
+
+ private:
+  std::size_t mask_;
+};
+
+/// Finds the list of a cell by a search among all cells in order. That takes longer than a hash, and never much longer.
+class SortedCells {
+ public:
+  static constexpr bool kMayCollide = false;
+
+  SortedCells(std::span<const Indexed> places, const Grid& grid, RunControl& control) {
+    cells_.reserve(places.size());
+    StopCheck check(control);
+    for (const Indexed& place : places) {
+      check();
+      cells_.push_back(grid.cell_of(place.position));
+    }
+    sort_stoppable(cells_.begin(), cells_.end(), control);
+    cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
+  }
+
+  /// The last list is that of all cells without a place.
+  std::size_t count() const { return cells_.size() + 1; }
+  std::size_t operator[](const Grid::Cell& cell) const {
+    const auto at = std::lower_bound(cells_.begin(), cells_.end(), cell);
+    return at != cells_.end() && *at == cell ? static_cast<std::size_t>(at - cells_.begin()) : cells_.size();
+  }
+
+ private:
+  std::vector<Grid::Cell> cells_;
+};
+
 /// Welding within a tolerance. Those that others stand for are further apart than the tolerance, so there are few of
-/// them in a cell of a grid as wide as it twice, and few cells are within reach.
+/// them in a cell, and few cells are within reach.
+template <class Cells>
 class NearWelding {
  public:
   /// Input:  places, pairwise different, in lexicographic order.
-  NearWelding(std::span<const Indexed> places, double tolerance, RunControl& control)
-      : places_(places), tolerance_(tolerance), control_(control) {
-    double largest = 0;
-    for (const Indexed& p : places)
-      largest = std::max({largest, std::fabs(p.position.x), std::fabs(p.position.y), std::fabs(p.position.z)});
-    constexpr double kMostCells = 1e300;
-    cell_ = std::max(2 * tolerance, largest / kMostCells);
-    heads_.assign(std::bit_ceil(2 * places.size() + 1), kNone);
+  NearWelding(std::span<const Indexed> places, double tolerance, const Grid& grid, const Cells& cells,
+              RunControl& control)
+      : places_(places), tolerance_(tolerance), grid_(grid), cells_(cells), check_(control) {
+    heads_.assign(cells.count(), kNone);
     next_.assign(places.size(), kNone);
   }
 
-  void run(Numbers& stands_for, Diagnostic& wide) {
+  /// Output: false, and nothing of use, if lists turned out so long that this would take quadratic time.
+  bool run(Numbers& stands_for, Diagnostic& wide) {
     for (std::uint32_t i = 0; i < places_.size(); ++i) {
-      if (i % 4096 == 0) control_.check();
       const Near near = find_near(i);
+      if (has_too_many_looks()) return false;
       if (near.count == 0) {
-        std::uint32_t& head = heads_[slot_of(cell_of(places_[i].position))];
+        std::uint32_t& head = heads_[cells_[grid_.cell_of(places_[i].position)]];
         next_[i] = std::exchange(head, i);
       } else {
         stands_for[places_[i].index] = places_[near.first].index;
       }
     }
     for (std::uint32_t i = 0; i < places_.size(); ++i) {
-      if (i % 4096 == 0) control_.check();
       if (stands_for[places_[i].index] != places_[i].index && find_near(i).count > 1) wide.add(places_[i].index);
+      if (has_too_many_looks()) return false;
     }
+    return true;
   }
 
  private:
-  using Cell = std::array<double, 3>;
   static constexpr std::uint32_t kNone = 0xffffffffu;
+  /// Around a place that is looked at, on average. Places a tolerance apart fill eight cells with some sixty.
+  static constexpr std::size_t kMostLooks = 128, kFewLooks = 1 << 20;
 
-  std::size_t slot_of(const Cell& cell) const {
-    std::uint64_t hash = 0;
-    for (const double c : cell) {
-      hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * 0x9e3779b97f4a7c15u;
-      hash ^= hash >> 29;
-    }
-    return hash & (heads_.size() - 1);
-  }
   struct Near {
     std::uint32_t first = 0;  ///< the smallest
     std::uint32_t count = 0;
   };
 
-  // Adding 0 makes -0 0.
-  Cell cell_of(const Vec3& p) const {
-    return {std::floor(p.x / cell_) + 0.0, std::floor(p.y / cell_) + 0.0, std::floor(p.z / cell_) + 0.0};
-  }
-
   /// Those within the tolerance that others stand for.
-  Near find_near(std::uint32_t i) const {
-    const Vec3 p = places_[i].position, reach{tolerance_, tolerance_, tolerance_};
-    const Cell low = cell_of(p - reach), high = cell_of(p + reach);
+  Near find_near(std::uint32_t i) {
+    const Vec3 p = places_[i].position;
     Near near;
-    for (int corner = 0; corner < 8; ++corner) {
-      Cell cell;
-      bool is_new = true;
-      for (std::size_t axis = 0; axis < 3; ++axis) {
-        const bool is_high = (corner >> axis & 1) != 0;
-        cell[axis] = is_high ? high[axis] : low[axis];
-        is_new = is_new && !(is_high && high[axis] == low[axis]);
-      }
-      if (!is_new) continue;
-      for (std::uint32_t other = heads_[slot_of(cell)]; other != kNone; other = next_[other]) {
-        // Cells of one slot would count a vertex twice.
-        if (!(norm(places_[other].position - p) <= tolerance_) || cell_of(places_[other].position) != cell) continue;
+    grid_.for_each_near(p, [&](const Grid::Cell& cell) {
+      for (std::uint32_t other = heads_[cells_[cell]]; other != kNone && !has_too_many_looks(); other = next_[other]) {
+        check_();
+        ++looks_;
+        // Cells of one list would count a vertex twice.
+        if (!(norm(places_[other].position - p) <= tolerance_) || grid_.cell_of(places_[other].position) != cell)
+          continue;
         near.first = near.count == 0 ? other : std::min(near.first, other);
         ++near.count;
       }
-    }
+    });
+    check_();
     return near;
   }
 
+  bool has_too_many_looks() const { return Cells::kMayCollide && looks_ > kFewLooks + kMostLooks * places_.size(); }
+
   std::span<const Indexed> places_;
   double tolerance_;
-  RunControl& control_;
-  double cell_;
-  // A hash table of cells that is freed at once, however many they are: the last vertex of each slot, and behind each
-  // vertex the one before it.
+  const Grid& grid_;
+  const Cells& cells_;
+  StopCheck check_;
+  std::size_t looks_ = 0;
+  // Lists that are freed at once, however many they are: the last vertex of each, and behind each vertex the one before
+  // it.
   std::vector<std::uint32_t> heads_;
   std::vector<std::uint32_t> next_;
 };
+
+/// Welds places, pairwise different and in lexicographic order, within a tolerance.
+void weld_near(std::span<const Indexed> places, double tolerance, Numbers& stands_for, Diagnostic& wide,
+               RunControl& control) {
+  const Grid grid(tolerance);
+  Diagnostic found = wide;
+  if (const HashedCells cells(places.size());
+      NearWelding(places, tolerance, grid, cells, control).run(stands_for, found)) {
+    wide = std::move(found);
+    return;
+  }
+  // What was welded so far is forgotten.
+  StopCheck check(control);
+  for (const Indexed& place : places) {
+    check();
+    stands_for[place.index] = place.index;
+  }
+  const SortedCells cells(places, grid, control);
+  NearWelding(places, tolerance, grid, cells, control).run(stands_for, wide);
+}
 
 std::string number_text(double x) {
   constexpr int kDigits = 6;
@@ -360,7 +465,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
       return stands_for[v.index] != v.index;
     };
     sorted.erase(std::remove_if(sorted.begin(), sorted.end(), is_repeated), sorted.end());
-    NearWelding(sorted, tolerance, control).run(stands_for, wide);
+    weld_near(sorted, tolerance, stands_for, wide, control);
   }
 
   control.check();

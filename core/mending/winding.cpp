@@ -139,11 +139,7 @@ class Unifying {
   std::vector<FaceId> piece_;
 };
 
-/// Which faces of a surface are of shells that look the wrong way, and the first of each such shell.
-struct InsideOutFaces {
-  std::vector<std::uint8_t> is_inside_out;
-  std::vector<FaceId> first;
-};
+}  // namespace
 
 InsideOutFaces find_inside_out_faces(const Surface& surface, const Adjacency& edges, const FaceLabels& labels,
                                      RunControl& control) {
@@ -168,8 +164,6 @@ InsideOutFaces find_inside_out_faces(const Surface& surface, const Adjacency& ed
     result.is_inside_out[triangles.face(t).value] |= found.is_inside_out[t];
   return result;
 }
-
-}  // namespace
 
 bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
                    RunControl& control) {

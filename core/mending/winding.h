@@ -1,6 +1,7 @@
 /// Which way faces look: the same way over each edge, and closed shells the way they should.
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "core/base/diagnostic.h"
@@ -21,7 +22,18 @@ namespace remesh {
 bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
                    RunControl& control);
 
-/// Finds the closed shells that look the wrong way (geometry/inside_out.h), and turns them over.
+/// The faces of the closed shells that look the wrong way.
+struct InsideOutFaces {
+  std::vector<std::uint8_t> is_inside_out;  ///< by face; empty if none is
+  std::vector<FaceId> first;                ///< a face of each such shell
+};
+
+/// Finds the closed shells that look the wrong way (geometry/inside_out.h). Polygons are judged as what they cover.
+/// Input:   `labels`: those of the input that the surface came from.
+InsideOutFaces find_inside_out_faces(const Surface& surface, const Adjacency& edges, const FaceLabels& labels,
+                                     RunControl& control);
+
+/// Finds them, and turns them over.
 /// Input:   `labels`: those of the input that the surface came from.
 /// Output:  counts inside_out, the shells; elements are the first face of each.
 /// Returns: whether the surface changed.

@@ -8,6 +8,7 @@
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/patch_mesh.h"
+#include "core/geometry/patch_set.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
 #include "core/output/assembly.h"
@@ -16,6 +17,7 @@
 #include "core/refinement/goals.h"
 #include "core/refinement/rounds.h"
 #include "core/refinement/unrefined.h"
+#include "core/verify/verdict.h"
 #include "core/verify/verify.h"
 
 namespace remesh {

@@ -2,7 +2,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/tolerance.h"
-#include "core/patches/patches.h"
+#include "core/geometry/patch_reason.h"
 
 namespace remesh {
 namespace {

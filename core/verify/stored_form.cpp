@@ -410,12 +410,13 @@ class StoredCheck {
 }  // namespace
 
 Goals goals_after_rounding(const Goals& goals, double move) {
+  constexpr double kMaxShare = 9e-7;
   Goals after = goals;
-  after.max_edge_length += 2 * move;
-  // The height over each side grows by no more than twice the move. All sides are counted as those of the equilateral
-  // triangle are: in a triangle with longer ones the bound on edges or angles is the stricter.
-  const double side = std::sqrt(4 / std::numbers::sqrt3 * goals.max_area) + 2 * move;
-  if (std::isfinite(side)) after.max_area = std::numbers::sqrt3 / 4 * side * side;
+  after.max_edge_length += std::min(2 * move, kMaxShare * goals.max_edge_length);
+  // The height over each side of the largest equilateral triangle grows by no more than twice the move.
+  const double side = std::sqrt(4 / std::numbers::sqrt3 * goals.max_area);
+  const double growth = (side + 2 * move) / side;
+  if (growth > 1) after.max_area *= std::min(growth * growth, 1 + kMaxShare);
   return after;
 }
 

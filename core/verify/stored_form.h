@@ -36,9 +36,9 @@ struct StoredClaim {
   std::span<const std::uint8_t> misses_sizes_before = {};
 };
 
-/// The goals that a triangle must meet once its corners have moved by up to `move`. Edges and areas may be larger by what
-/// such a move can make of those that are as large as allowed, so that a rounded edge length is no fault of a cube with
-/// ten edges to a side. Angles may not change.
+/// The goals that a triangle must meet once its corners have moved by up to `move`. The bound on angles stays. Edges and
+/// areas may be larger by as much as such a move can make those that are as large as allowed, but edges by no more than
+/// a millionth. A cube with ten edges of 0.1 to a side has no fault, though 0.1 is no float.
 Goals goals_after_rounding(const Goals& goals, double move);
 
 enum class StoredFault {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <regex>
 
@@ -37,9 +38,7 @@ std::vector<double> widths_of(const PolygonMesh& mesh, double tolerance = 1e-9) 
   RunControl control;
   const Surface surface = shapes::surface(mesh);
   const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
-  std::vector<double> widths = crack_widths(surface, edges, tolerance / surface.unit, control);
-  for (double& width : widths) width *= surface.unit;
-  return widths;
+  return find_cracks(surface, edges, tolerance, control).widths;
 }
 
 TEST(cracks, the_weld_tolerance_that_is_named_closes_them) {
@@ -106,6 +105,68 @@ TEST(cracks, where_the_widest_is_no_crack_a_smaller_tolerance_is_named) {
   const double tolerance = named_tolerance(told);
   EXPECT_GT(tolerance, 0.001) << told;
   EXPECT_LT(tolerance, 0.01) << told;
+}
+
+/// A wall of a box, moved outwards, and cut into other columns than the rest.
+PolygonMesh box_with_a_wall_off(std::uint32_t columns, double gap) {
+  const PolygonMesh box = shapes::quad_box({1, 1, 1}, 3);
+  const PolygonMesh open = torn::only(box, [&](FaceId f) {
+    const auto loop = box.face(f);
+    return std::any_of(loop.begin(), loop.end(), [&](VertexId v) { return box.positions[v].z < 1; });
+  });
+  const int n = static_cast<int>(columns);
+  return shapes::joined(open, shapes::moved(shapes::sheet(1, 1, n, n), {0, 0, 1 + gap}));
+}
+
+TEST(cracks, sides_that_are_subdivided_differently_close_with_the_tolerance_that_is_named) {
+  for (const std::uint32_t columns : {1u, 2u, 4u, 5u})
+    for (const double gap : {1e-4, 2e-3}) {
+      const PolygonMesh mesh = box_with_a_wall_off(columns, gap);
+      const std::string told = told_of(remeshed(mesh));
+      const double tolerance = named_tolerance(told);
+      ASSERT_GT(tolerance, gap) << told;
+      EXPECT_LT(tolerance, 2 * gap);
+      EXPECT_NE(told.find("would leave 0 of the"), std::string::npos) << told;
+      const Report closed = remeshed(mesh, tolerance);
+      EXPECT_TRUE(closed.output.closed) << columns << " " << gap;
+      EXPECT_TRUE(closed.verified.all_true());
+      EXPECT_NEAR(closed.output.volume.value_or(0), 1, 2 * gap);
+    }
+}
+
+TEST(cracks, a_weld_tolerance_does_not_keep_thin_faces_from_what_mends_them_without_one) {
+  // A thin strip between two sheets, with a vertex of one of them on its edge.
+  const PolygonMesh mesh =
+      shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 0.1, 0}, {0, 0.1, 0}, {1, 0.1, 0}, {2, 1, 0}, {0, 1, 0}},
+                         {{0, 1, 2, 3}, {3, 4, 5, 6}, {4, 2, 5}});
+  for (const double tolerance : {0.0, 0.07}) {
+    const Report report = remeshed(mesh, tolerance);
+    EXPECT_NEAR(report.output.area, 2, 1e-12);
+    EXPECT_EQ(report.patches.size(), 1u) << tolerance;
+  }
+}
+
+TEST(cracks, sides_that_look_opposite_ways_are_told_and_close) {
+  PolygonMesh mesh = shapes::quad_box({1, 1, 1}, 3);
+  const PolygonMesh whole = mesh;
+  const auto is_top = [&](FaceId f) {
+    const auto loop = whole.face(f);
+    return std::all_of(loop.begin(), loop.end(), [&](VertexId v) { return whole.positions[v].z == 1; });
+  };
+  const PolygonMesh top = torn::only(whole, is_top);
+  const PolygonMesh rest = torn::only(whole, [&](FaceId f) { return !is_top(f); });
+  const PolygonMesh torn = shapes::joined(rest, shapes::moved(shapes::turned_over(top), {0, 0, 1e-4}));
+  const std::string told = told_of(remeshed(torn));
+  const double tolerance = named_tolerance(told);
+  ASSERT_GT(tolerance, 1e-4) << told;
+  EXPECT_TRUE(remeshed(torn, tolerance).output.closed);
+}
+
+TEST(cracks, an_edge_that_only_points_at_another_one_is_no_side_of_a_crack) {
+  // A sheet that stands on another one's edge, with its corner a little above it.
+  const PolygonMesh sheet = shapes::sheet(4, 4, 2, 2);
+  const PolygonMesh across = shapes::moved(shapes::rotated(sheet, {0, 0, 1}, 45), {4.01, 2.3, 0});
+  EXPECT_TRUE(widths_of(shapes::joined(sheet, across)).empty());
 }
 
 }  // namespace

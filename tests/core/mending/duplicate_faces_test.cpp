@@ -2,6 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/mending/winding.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
 
@@ -18,7 +25,7 @@ Dropped drop(const PolygonMesh& mesh, Mend mend = Mend::kYes) {
   RunControl control;
   Dropped result{shapes::surface(mesh), {}, false};
   const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners, control);
-  result.is_changed = drop_duplicate_faces(result.surface, edges, mend, result.diagnostics, control);
+  result.is_changed = drop_duplicate_faces(result.surface, edges, mesh.labels, mend, result.diagnostics, control);
   return result;
 }
 
@@ -83,6 +90,24 @@ TEST(drop_duplicate_faces, the_wall_between_two_solids_stays_double) {
   EXPECT_EQ(result.diagnostics[0].count, 8u);
 }
 
+TEST(drop_duplicate_faces, a_wall_that_two_bodies_have_one_of_them_mirrored_stays_double) {
+  const PolygonMesh mirrored = shapes::moved(shapes::turned_over(shapes::box({1, 1, 1}, 2)), {1, 0, 0});
+  const PolygonMesh mesh = shapes::welded(shapes::joined(shapes::box({1, 1, 1}, 2), mirrored));
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    const Dropped result = drop(shapes::renumbered(mesh, seed));
+    EXPECT_FALSE(result.is_changed);
+    ASSERT_EQ(result.diagnostics.size(), 1u);
+    EXPECT_EQ(result.diagnostics[0].count, 8u);
+    // Both bodies are still closed, so that the mirrored one is found.
+    RunControl control;
+    const Surface& surface = result.surface;
+    const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
+    const InsideOutFaces found = find_inside_out_faces(surface, edges, {}, control);
+    EXPECT_EQ(found.first.size(), 1u);
+    EXPECT_EQ(std::count(found.is_inside_out.begin(), found.is_inside_out.end(), 1), 48);
+  }
+}
+
 TEST(drop_duplicate_faces, where_nothing_is_to_be_mended_they_are_counted_only) {
   const Dropped result = drop(tetrahedron_and({{1, 3, 0}, {1, 0, 3}}), Mend::kNo);
   EXPECT_FALSE(result.is_changed);
@@ -96,6 +121,115 @@ TEST(drop_duplicate_faces, polygons_are_compared_as_loops) {
   EXPECT_EQ(drop(shapes::from_lists(square, {{0, 1, 2, 3}, {2, 3, 0, 1}})).surface.face_count(), 1u);
   EXPECT_EQ(drop(shapes::from_lists(square, {{0, 1, 2, 3}, {0, 2, 1, 3}})).surface.face_count(), 2u);
   EXPECT_EQ(drop(shapes::from_lists(square, {{0, 1, 2, 3}, {0, 1, 2}})).surface.face_count(), 2u);
+}
+
+TEST(drop_duplicate_faces, of_a_back_what_looks_as_its_neighbours_do_stays_whichever_comes_first) {
+  for (const Faces& faces : {Faces{{1, 0, 3}, {0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}},
+                             Faces{{1, 0, 3}, {0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {2, 1, 3}},
+                             Faces{{0, 2, 1}, {2, 1, 3}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {1, 0, 3}}}) {
+    const Dropped result = drop(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}, faces));
+    ASSERT_EQ(result.surface.face_count(), 4u);
+    RunControl control;
+    const Adjacency edges(4, result.surface.face_begin, result.surface.corners, control);
+    for (std::uint32_t h = 0; h < 12; ++h) EXPECT_NE(edges.twin(h), Adjacency::kNone);
+  }
+}
+
+/// A cube about the origin with a label, cut into squares of two triangles.
+PolygonMesh cube(double size, bool is_out, std::uint32_t label) {
+  PolygonMesh mesh = shapes::moved(shapes::box({size, size, size}, 2), {-size / 2, -size / 2, -size / 2});
+  if (!is_out) mesh = shapes::turned_over(mesh);
+  mesh.labels.group.names = {"a", "b", "c", "d", "e"};
+  mesh.labels.group.of_face.assign(mesh.face_count(), label);
+  return mesh;
+}
+
+PolygonMesh all(const std::vector<PolygonMesh>& meshes) {
+  PolygonMesh joined = meshes[0];
+  for (std::size_t i = 1; i < meshes.size(); ++i) joined = shapes::joined(joined, meshes[i]);
+  joined.labels = meshes[0].labels;
+  for (std::size_t i = 1; i < meshes.size(); ++i)
+    for (const std::uint32_t label : meshes[i].labels.group.of_face) joined.labels.group.of_face.push_back(label);
+  return shapes::welded(joined);
+}
+
+/// By the half width of the cubes: what of them is left, their labels and the volume.
+struct Left {
+  std::set<std::string> labels;
+  std::size_t faces = 0;
+  double volume = 0;
+};
+std::map<double, Left> cubes_left(const PolygonMesh& mesh) {
+  const Dropped result = drop(mesh);
+  RunControl control;
+  const Surface& surface = result.surface;
+  const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
+  EXPECT_TRUE(edges.odd_edges().empty());
+  EXPECT_TRUE(find_inside_out_faces(surface, edges, mesh.labels, control).first.empty());
+  std::map<double, Left> left;
+  for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
+    const auto t = surface.face(FaceId(i));
+    double width = 0;
+    for (const VertexId v : t)
+      for (int axis = 0; axis < 3; ++axis) width = std::max(width, std::abs(mesh.positions[v][axis]));
+    Left& of_cube = left[width];
+    ++of_cube.faces;
+    of_cube.volume += dot(mesh.positions[t[0]], cross(mesh.positions[t[1]], mesh.positions[t[2]])) / 6;
+    of_cube.labels.insert(mesh.labels.group.names[mesh.labels.group.of_face[surface.face_source[FaceId(i)]]]);
+  }
+  return left;
+}
+
+TEST(drop_duplicate_faces, of_bodies_in_one_another_with_touching_walls_each_keeps_the_wall_around_it) {
+  // The cavity of each body is filled by the next one, and the cavity of the last one is empty.
+  for (unsigned depth = 2; depth <= 5; ++depth) {
+    std::vector<PolygonMesh> walls;
+    for (unsigned i = 0; i < depth; ++i) {
+      walls.push_back(cube(2 * (6 - i), true, i));
+      walls.push_back(cube(2 * (5 - i), false, i));
+    }
+    for (unsigned seed = 0; seed < 12; ++seed) {
+      const double scale = seed % 2 == 0 ? 1 : 1e-4;
+      PolygonMesh mesh = all(walls);
+      if (seed == 1) {
+        std::reverse(walls.begin(), walls.end());
+        mesh = all(walls);
+        std::reverse(walls.begin(), walls.end());
+      } else if (seed > 1) {
+        mesh = shapes::renumbered(mesh, seed);
+      }
+      const std::map<double, Left> left = cubes_left(shapes::scaled(mesh, scale));
+      ASSERT_EQ(left.size(), depth + 1);
+      for (unsigned i = 0; i <= depth; ++i) {
+        const double width = scale * (6 - i), volume = 8 * width * width * width;
+        const Left& found = left.at(width);
+        EXPECT_EQ(found.faces, 48u);
+        EXPECT_EQ(found.labels, std::set{std::string(1, static_cast<char>('a' + std::min(i, depth - 1)))});
+        EXPECT_NEAR(found.volume, i < depth ? volume : -volume, 1e-12 * volume) << depth << " " << seed << " " << i;
+      }
+    }
+  }
+}
+
+TEST(drop_duplicate_faces, of_a_surface_with_two_sides_the_right_one_stays_in_any_order) {
+  // A hollow body, and one in its cavity, each face there from both sides.
+  std::vector<PolygonMesh> sides;
+  for (const double size : {10.0, 8.0, 6.0})
+    for (const bool is_out : {false, true}) sides.push_back(cube(size, is_out, 0));
+  for (unsigned seed = 0; seed < 12; ++seed) {
+    const PolygonMesh mesh = all(sides);
+    const std::map<double, Left> left = cubes_left(seed == 0 ? mesh : shapes::renumbered(mesh, seed));
+    ASSERT_EQ(left.size(), 3u);
+    EXPECT_NEAR(left.at(5).volume, 1000, 1e-9);
+    EXPECT_NEAR(left.at(4).volume, -512, 1e-9);
+    EXPECT_NEAR(left.at(3).volume, 216, 1e-9);
+  }
+}
+
+TEST(drop_duplicate_faces, a_wall_that_two_bodies_have_is_the_smaller_ones) {
+  const std::vector<PolygonMesh> bodies{cube(8, true, 1), cube(4, true, 1), cube(4, true, 0)};
+  for (unsigned seed = 0; seed < 6; ++seed)
+    EXPECT_EQ(cubes_left(shapes::renumbered(all(bodies), seed)).at(2).labels, std::set<std::string>{"a"});
 }
 
 TEST(drop_duplicate_faces, an_edge_of_very_many_faces_costs_no_more_than_sorting) {

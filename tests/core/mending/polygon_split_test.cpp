@@ -162,6 +162,45 @@ TEST(polygon_split, a_spike_that_runs_outwards_is_cut_off_and_one_that_runs_inwa
   EXPECT_FALSE(slit.has_spikes());
 }
 
+TEST(polygon_split, a_spike_out_of_the_plane_is_no_tent_wherever_its_tip_is_above_the_polygon) {
+  for (const Vec3& tip : {Vec3{5, 2, 1}, {5, 2, -1}, {5, 2, 1e-6}, {6, 3, 1}, {7, 5, 1}, {6, 3, -9}, {0, 0, 4}})
+    for (std::uint64_t seed = 0; seed <= 5; ++seed) {
+      const polygons::Placement place = seed == 0 ? polygons::Placement() : polygons::random_placement(seed, 1);
+      const Vec3 normal = cross(place.x_axis, place.y_axis);
+      std::vector<Vec3> points;
+      for (const Vec3& p : {Vec3{0, 0, 0}, {9, 0, 0}, {9, 3, 0}, {6, 3, 0}, tip, {6, 3, 0}, {0, 3, 0}})
+        points.push_back(place({p.x, p.y}) + p.z * normal);
+      for (const double tolerance : {0.0, 1e-9}) {
+        const PolygonSplit result = split(points, tolerance);
+        EXPECT_TRUE(result.has_spikes()) << tip.x << ' ' << tip.z << ' ' << seed;
+        EXPECT_NEAR(area_of(points, result), 27, 1e-12) << tip.x << ' ' << tip.z << ' ' << seed;
+        for (const auto& t : result.triangles)
+          EXPECT_EQ(std::count(t.begin(), t.end(), 4u), 0) << tip.x << ' ' << tip.z << ' ' << seed;
+      }
+    }
+}
+
+TEST(polygon_split, a_narrow_spike_out_of_the_plane_is_cut_off_though_narrow_slits_stay) {
+  for (const double width : {1e-12, -1e-12}) {
+    const std::vector<Vec3> points = {{0, 0, 0}, {9, 0, 0},         {9, 3, 0}, {6, 3, 0},
+                                      {5, 2, 1}, {6 + width, 3, 0}, {0, 3, 0}};
+    const PolygonSplit result = split(points, 1e-9);
+    EXPECT_EQ(result.kind, PolygonKind::kPlanar);
+    EXPECT_NEAR(area_of(points, result), 27, 1e-9);
+  }
+}
+
+TEST(polygon_split, a_slit_beside_a_spike_out_of_the_plane_stays) {
+  const std::vector<Vec3> points = {{0, 0, 0}, {9, 0, 0}, {9, 3, 0}, {8, 3, 0}, {8, 1, 0},
+                                    {8, 3, 0}, {6, 3, 0}, {5, 2, 1}, {6, 3, 0}, {0, 3, 0}};
+  const PolygonSplit result = split(points);
+  EXPECT_EQ(result.kind, PolygonKind::kPlanar);
+  EXPECT_DOUBLE_EQ(area_of(points, result), 27);
+  // Its tip is a corner of triangles.
+  EXPECT_TRUE(std::any_of(result.triangles.begin(), result.triangles.end(),
+                          [](const auto& t) { return std::count(t.begin(), t.end(), 4u) > 0; }));
+}
+
 TEST(polygon_split, a_slit_that_is_narrower_than_the_tolerance_stays_open) {
   for (const double width : {1e-13, 1e-10}) {
     const auto inwards = lifted({{0, 0}, {9, 0}, {9, 3}, {6 + width, 3}, {6 + width, 1}, {6, 1}, {6, 3}, {0, 3}});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <chrono>
 #include <cmath>
 #include <cstdint>
 
@@ -221,6 +222,51 @@ TEST(weld, no_vertex_moves_further_than_the_tolerance_and_those_that_stay_are_fu
       for (std::uint32_t w = 0; w < v; ++w)
         EXPECT_GT(norm(result.surface.positions[VertexId(v)] - result.surface.positions[VertexId(w)]), tolerance);
   }
+}
+
+TEST(weld, places_in_the_middle_of_a_cell_find_their_neighbours) {
+  // 0.3 less 0.1 is less than 0.2 to a computer, and 0.3 and 0.1 are 0.4.
+  for (const double tolerance : {0.1, 0.3, 0.7, 1e-5, 1e-160})
+    for (int k = -40; k <= 40; ++k)
+      for (const double large : {0.0, 0x1p52, 0x1p53, 0x1p54, 0x1p60, 1e150}) {
+        const double x = (large + k + 0.5) * 2 * tolerance;
+        const PolygonMesh mesh =
+            at({{x, 0, 0}, {x, 0.5 * tolerance, 0}, {x, 9 * tolerance, 0}, {x, 9 * tolerance, 0.5 * tolerance}});
+        EXPECT_EQ(welded_within(mesh, tolerance).find(DiagnosticCode::kDuplicateVertex)->count, 2u)
+            << tolerance << " " << k << " " << large;
+      }
+}
+
+/// Vertices far apart whose cells have one hash: their lower bits are as a rule of the hash wants them.
+TEST(weld, cells_chosen_to_collide_are_welded_all_the_same_and_soon) {
+  constexpr std::uint64_t kFactor = 0x9e3779b97f4a7c15u;
+  std::uint64_t inverse = kFactor;
+  for (int i = 0; i < 6; ++i) inverse *= 2 - kFactor * inverse;
+  constexpr std::uint64_t kFraction = (std::uint64_t{1} << 47) - 1, kExponent = std::bit_cast<std::uint64_t>(0x1p52);
+  const auto step = [&](std::uint64_t hash, double c) {
+    hash = (hash ^ std::bit_cast<std::uint64_t>(c)) * kFactor;
+    return hash ^ hash >> 29;
+  };
+  Random random(7);
+  constexpr std::size_t kVertices = 60'000;
+  constexpr std::uint64_t kMask = (std::uint64_t{1} << 18) - 1;
+  std::vector<Vec3> places;
+  while (places.size() < kVertices) {
+    const double x = std::floor((1 + random.unit()) * 0x1p52), y = std::floor((1 + random.unit()) * 0x1p52);
+    const std::uint64_t before = step(step(0, x), y);
+    const auto above = static_cast<std::uint64_t>(random.unit() * 0x1p29) << 18;
+    const std::uint64_t product = above | (above >> 29 & kMask);
+    const auto z = std::bit_cast<double>(((before ^ (product * inverse)) & kFraction) | kExponent);
+    if ((step(before, z) & kMask) == 0) places.push_back({x, y, z});
+  }
+  // These are numbers of cells, which are 2 wide. Others have something to be welded.
+  for (Vec3& p : places) p = 2.0 * p;
+  constexpr int kPairs = 1000;
+  for (int i = 0; i < kPairs; ++i) places.insert(places.end(), {{3.0 * i, 0, 0}, {3.0 * i, 0.5, 0}});
+  const auto begin = std::chrono::steady_clock::now();
+  const Welded result = welded_within(at(places), 1);
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
+  EXPECT_EQ(result.surface.vertex_count(), kVertices + kPairs);
 }
 
 TEST(weld, a_mesh_too_large_for_doubles_is_refused_with_a_vertex_that_makes_it_so) {

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/base/rounded_to_float.h"
 #include "tests/support/errors.h"
@@ -144,24 +145,51 @@ TEST(OutputForm, thin_walls_are_kept_or_refused) {
   }
 }
 
-TEST(OutputForm, angles_that_rounding_costs_are_listed) {
-  // Edges of exactly the largest length: some get longer by a rounding.
-  Options options;
-  options.max_edge_length = 0.1;
-  const PolygonMesh box = shapes::box({1, 1, 1});
-  const Result exact = in_doubles(box, options), rounded = in_floats(box, options);
-  ASSERT_TRUE(exact.report.unrefined.empty());
-  std::uint64_t longer = 0;
-  for (const Triangle& t : rounded.mesh.faces) {
-    double longest = 0;
-    for (int i = 0; i < 3; ++i)
-      longest = std::max(longest, norm(rounded.mesh.positions[t[i]] - rounded.mesh.positions[t[(i + 1) % 3]]));
-    if (longest > 0.1 * (1 + 1e-9)) ++longer;
+double least_angle_deg(const Result& result, const Triangle& t) {
+  double least = 180;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 at = result.mesh.positions[t[i]];
+    const Vec3 a = result.mesh.positions[t[(i + 1) % 3]] - at, b = result.mesh.positions[t[(i + 2) % 3]] - at;
+    least = std::min(least, std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi);
   }
-  ASSERT_GT(longer, 0u);
+  return least;
+}
+
+TEST(OutputForm, angles_that_rounding_costs_are_listed) {
+  // Facets of one triangle each, whose least angle is a little above the bound, turned in many ways: rounding to floats
+  // makes some of these angles a little smaller.
+  Options options;
+  options.min_angle_deg = 30;
+  PolygonMesh all;
+  for (int i = 0; i < 40; ++i) {
+    const double angle = (30 + 1e-6) * std::numbers::pi / 180;
+    const PolygonMesh one =
+        shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {std::cos(angle), std::sin(angle), 0}}, {{0, 1, 2}});
+    const PolygonMesh placed = shapes::moved(shapes::rotated(one, {0, 0, 1}, 7.3 * i), {3.1 * i, 10, 1});
+    all = i == 0 ? placed : shapes::joined(all, placed);
+  }
+  const Result exact = in_doubles(all, options), rounded = in_floats(all, options);
+  ASSERT_TRUE(exact.report.unrefined.empty());
+  std::uint64_t smaller = 0;
+  for (const Triangle& t : rounded.mesh.faces) smaller += least_angle_deg(rounded, t) < 30 * (1 - 1e-9);
+  ASSERT_GT(smaller, 0u);
+  ASSERT_LT(smaller, rounded.mesh.faces.size());
   ASSERT_EQ(rounded.report.unrefined.size(), 1u);
   EXPECT_EQ(rounded.report.unrefined[0].reason, UnrefinedReason::kOutputRounding);
-  EXPECT_EQ(rounded.report.unrefined[0].count, longer);
+  EXPECT_EQ(rounded.report.unrefined[0].count, smaller);
+}
+
+TEST(OutputForm, an_edge_as_long_as_allowed_that_is_rounded_up_is_no_fault) {
+  Options options;
+  options.max_edge_length = 0.1;
+  const Result rounded = in_floats(shapes::box({1, 1, 1}), options);
+  double longest = 0;
+  for (const Triangle& t : rounded.mesh.faces)
+    for (int i = 0; i < 3; ++i)
+      longest = std::max(longest, norm(rounded.mesh.positions[t[i]] - rounded.mesh.positions[t[(i + 1) % 3]]));
+  EXPECT_GT(longest, 0.1 * (1 + 1e-9));
+  EXPECT_LE(longest, 0.1 + 2 * rounded.report.output_rounding);
+  EXPECT_TRUE(rounded.report.unrefined.empty());
 }
 
 TEST(OutputForm, it_is_the_same_for_any_number_of_workers) {

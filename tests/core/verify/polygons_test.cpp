@@ -1,6 +1,11 @@
 #include "core/verify/polygons.h"
 
 #include <gtest/gtest.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <vector>
 
 #include "tests/core/verify/example.h"
 #include "tests/support/shapes.h"
@@ -73,6 +78,23 @@ TEST(check_polygons, a_fan_that_covers_a_spike_twice_is_found) {
   EXPECT_FALSE(is_refuted(verdict_on(spiked, cut_into(spiked, {{0, 1, 2}, {0, 2, 5}}))));
 }
 
+TEST(check_polygons, a_tent_over_a_spike_that_leaves_the_plane_is_found) {
+  for (const Vec3& tip : {Vec3{5, 2, 1}, {5, 2, 0.01}, {6, 3, 1}, {7, 5, 1}}) {
+    const PolygonMesh spiked =
+        shapes::from_lists({{0, 0, 0}, {10, 0, 0}, {10, 3, 0}, {6, 3, 0}, tip, {0, 3, 0}}, {{0, 1, 2, 3, 4, 3, 5}});
+    EXPECT_TRUE(
+        is_refuted(verdict_on(spiked, cut_into(spiked, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {4, 3, 5}, {0, 4, 5}}))))
+        << tip.x << ' ' << tip.z;
+    EXPECT_FALSE(is_refuted(verdict_on(spiked, cut_into(spiked, {{0, 1, 2}, {0, 2, 5}})))) << tip.x << ' ' << tip.z;
+  }
+}
+
+TEST(check_polygons, a_slit_in_the_plane_may_be_in_the_triangles) {
+  const PolygonMesh slit =
+      shapes::from_lists({{0, 0, 0}, {10, 0, 0}, {10, 3, 0}, {6, 3, 0}, {5, 2, 0}, {0, 3, 0}}, {{0, 1, 2, 3, 4, 3, 5}});
+  EXPECT_FALSE(is_refuted(verdict_on(slit, cut_into(slit, {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {4, 3, 5}, {0, 4, 5}}))));
+}
+
 TEST(check_polygons, a_polygon_that_touches_its_own_edge_is_not_judged) {
   const PolygonMesh touching = shapes::polygon({{0, 1}, {0, 0}, {1, 1}, {1, 0}, {2, 1}});
   EXPECT_FALSE(is_refuted(verdict_on(touching, cut_into(touching, {{1, 2, 3}, {1, 3, 4}, {1, 4, 0}}))));
@@ -104,6 +126,51 @@ TEST(check_polygons, welding_may_have_moved_corners_by_its_tolerance) {
   moved.positions[VertexId(2)] = {1.001, 1.001, 0};
   EXPECT_TRUE(is_refuted(verdict_on(square, moved)));
   EXPECT_FALSE(is_refuted(verdict_on(square, moved, 0.002)));
+}
+
+/// The input polygons of which check_polygons says with this budget that their triangles are wrong. There are squares,
+/// one beside the other, and for each of them one triangle, which is a half of it.
+std::vector<std::uint32_t> wrong_squares(int count, std::uint64_t max_pairs) {
+  std::vector<Vec3> points;
+  std::vector<std::vector<std::uint32_t>> squares, halves;
+  for (int i = 0; i < count; ++i) {
+    const auto first = static_cast<std::uint32_t>(points.size());
+    for (const Vec2 p : {Vec2{0, 0}, {1, 0}, {1, 1}, {0, 1}}) points.push_back({p.x + 2 * i, p.y, 0});
+    squares.push_back({first, first + 1, first + 2, first + 3});
+    halves.push_back({first, first + 1, first + 2});
+  }
+  const PolygonMesh input = shapes::from_lists(points, squares), triangles = shapes::from_lists(points, halves);
+  const Example e = example(triangles, triangles);
+  const Claim claim{e.surface,         e.surface_patch, e.frames, e.positions, e.faces, e.face_patch, e.corner_uv,
+                    e.plane_tolerance, false,           nullptr,  nullptr,     {},      &input};
+  RunControl control;
+  verification::Findings findings(e.frames.size(), false);
+  const verification::Model model = verification::make_model(claim, findings, control);
+  verification::check_polygons(claim, model, findings, control, max_pairs);
+  Verdict verdict;
+  findings.write_to(verdict);
+  std::vector<std::uint32_t> wrong;
+  for (const PatchId p : verdict.failed_patches) wrong.push_back(p.value);
+  std::sort(wrong.begin(), wrong.end());
+  return wrong;
+}
+
+TEST(check_polygons, polygons_share_a_budget_of_pairs_of_edges_in_the_order_of_the_file) {
+  // A square has six pairs of edges. Along an axis, one of them is apart.
+  constexpr std::uint64_t kPairs = 5;
+  const std::vector<std::uint32_t> all{0, 1, 2, 3};
+  EXPECT_EQ(wrong_squares(4, 4 * kPairs), all);
+  EXPECT_EQ(wrong_squares(4, verification::kMaxEdgePairs), all);
+  EXPECT_EQ(wrong_squares(4, 4 * kPairs - 1), (std::vector<std::uint32_t>{0, 1, 2}));
+  EXPECT_EQ(wrong_squares(4, kPairs), (std::vector<std::uint32_t>{0}));
+  EXPECT_EQ(wrong_squares(4, kPairs - 1), (std::vector<std::uint32_t>{}));
+}
+
+TEST(check_polygons, many_polygons_are_all_looked_at_with_any_number_of_threads) {
+  // There are more of them than in one block.
+  for (const int threads : {1, 2, 7})
+    tbb::task_arena(threads).execute(
+        [&] { EXPECT_EQ(wrong_squares(1500, verification::kMaxEdgePairs).size(), 1500u) << threads; });
 }
 
 }  // namespace

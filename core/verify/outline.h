@@ -1,0 +1,68 @@
+/// Outlines of polygons in space, as the checker measures them.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/base/stoppable.h"
+#include "core/base/vec.h"
+
+namespace remesh::verification {
+
+/// What an outline encloses, from its corners alone.
+struct OutlineMeasures {
+  Vec3 twice_area;
+  double magnitude = 0;  ///< what its rounding is in proportion to
+  double length = 0;     ///< of the outline
+};
+
+/// Cost: O(n). The check is called once a corner.
+OutlineMeasures measure_outline(std::span<const Vec3> loop, StopCheck& check);
+
+/// Whether no corner is further than the tolerance from the plane through the first one with that unit normal.
+bool is_flat(std::span<const Vec3> loop, const Vec3& normal, double tolerance, StopCheck& check);
+
+/// Takes away the corners at which the outline turns back over itself within the tolerance: a spike encloses nothing.
+/// Cost: O(n).
+void cut_spikes(std::vector<Vec3>& loop, double tolerance, StopCheck& check);
+
+/// Finds out whether a flat outline clearly neither crosses nor touches itself: no corner is within the tolerance of an
+/// edge that does not end there, and no two edges cross. Compares only edges that overlap along one axis.
+class SimpleOutline {
+ public:
+  /// Sorts the edges along the axis of space along which the fewest pairs of them overlap.
+  /// Input: the corners, in the plane with that unit normal up to the tolerance.
+  /// Cost:  O(n log n).
+  SimpleOutline(std::vector<Vec3> loop, const Vec3& normal, double tolerance, const RunControl& control);
+
+  /// The pairs of edges that is_simple compares.
+  std::uint64_t pair_count() const { return pair_count_; }
+  /// Cost: O(n + pair_count), in parallel.
+  bool is_simple(RunControl& control) const;
+
+ private:
+  struct Interval {
+    double low, high;
+    std::uint32_t edge;
+  };
+
+  std::size_t after(std::size_t i) const { return i + 1 == loop_.size() ? 0 : i + 1; }
+  std::vector<Interval> intervals(int axis, const RunControl& control) const;
+  std::uint64_t count_overlaps(const std::vector<Interval>& sorted, const RunControl& control) const;
+  bool are_boxes_apart(std::size_t i, std::size_t j) const;
+  double side(std::size_t i, const Vec3& p) const;
+  double distance(std::size_t i, const Vec3& p) const;
+  bool is_beside(std::size_t i, std::size_t j) const;
+  bool do_meet(std::size_t i, std::size_t j) const;
+
+  std::vector<Vec3> loop_;
+  Vec3 normal_;
+  double tolerance_;
+  std::vector<Interval> sorted_;  ///< the edges by where they begin along the axis
+  std::uint64_t pair_count_ = 0;
+};
+
+}  // namespace remesh::verification
