@@ -67,7 +67,7 @@ struct Rounding {
 /// Holds:  depends only on the set of each coordinate's values, be they repeated or in another order. Scales with the
 ///         coordinates by powers of two. Never above the step of which all coordinates are multiples, or their place.
 /// Cost:   O(n), in parallel.
-/// Source: REFINEMENT, rule 12, carried from decimals to decimals times powers of two, so that scaling by two keeps it.
+/// Source: rules.md, Rounding steps.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 Rounding rounding_of(std::span<const Vec3> positions, RunControl& control);
 
