@@ -36,9 +36,9 @@ struct StoredClaim {
   std::span<const std::uint8_t> misses_sizes_before = {};
 };
 
-/// The goals that a triangle must meet once its corners have moved by up to `move`. Edges and areas may be larger by what
-/// such a move can make of those that are as large as allowed, so that a rounded edge length is no fault of a cube with
-/// ten edges to a side. Angles may not change.
+/// The goals that a triangle must meet once its corners have moved by up to `move`. Edges and areas may be larger by
+/// what such a move can make of those that are as large as allowed, so that a rounded edge length is no fault of a cube
+/// with ten edges to a side. Angles may not change.
 Goals goals_after_rounding(const Goals& goals, double move);
 
 enum class StoredFault {
