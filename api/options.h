@@ -82,7 +82,7 @@ class OptionReader {
   ///         number, out of range, or beside one that excludes it. All with `option`.
   void add(std::string_view name, std::string_view text, ValueKind kind = ValueKind::kUntyped);
 
-  /// Errors: kNotImplemented, kInvalidOption - what the pipeline itself refuses (check_options).
+  /// Errors: kInvalidOption - what the pipeline itself refuses (check_options).
   void check() const;
 
   const RequestOptions& options() const { return options_; }

@@ -20,7 +20,7 @@ int thread_count(const PolygonMesh& input, const Options& options, const RunSett
 /// Input:   a mesh that holds what PolygonMesh promises; `diagnostics` of its reader, passed on into the report.
 /// Output:  vertices with their input coordinates, bit for bit, or rounded to the settings' storage (round_output);
 ///          triangles by patch; the report with a verdict all true.
-/// Holds:   the promises 1 to 7 of the design; the same bytes for any number of workers.
+/// Holds:   the six promises of README.md; the same bytes for any number of workers.
 /// Errors:  kEmptyMesh, kInvalidMesh - see prepare; kInvalidOption - see check_options; kOutputTooLarge - more
 ///          faces than allowed are certain, or there; kCancelled, kTimeout - asked to stop through `control`;
 ///          kVerificationFailed - even the last rung of the ladder failed the check; kNotAcceptable - the settings'

@@ -9,7 +9,7 @@
 
 namespace remesh {
 
-/// Where the in-plane x axis of a patch points (specification 5.1).
+/// Where the in-plane x axis of a patch points (rules.md, Patch frames).
 enum class ReferenceAxis { kX, kDominantEdge, kGiven };
 
 /// What is mended on the way in; each mending is counted in the report.

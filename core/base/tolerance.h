@@ -60,14 +60,14 @@ struct Rounding {
 /// evidence is enough if numbers with a finer step would give it with a probability of at most 2^-18 (see kEvidence);
 /// 33 independent values that were rounded nearly always do so. Without it the coordinates count as not rounded, which
 /// is the answer for floats or doubles. Then `likely_steps` has the largest parts of the decimal steps that are too
-/// coarse with a probability of at most 2^-12 (see kLikely): a box that was turned and printed has 12 or 24 numbers, and
-/// they make all or a half of its step likely.
+/// coarse with a probability of at most 2^-12 (see kLikely): a box that was turned and printed has 12 or 24 numbers,
+/// and they make all or a half of its step likely.
 ///
 /// What is nearer to 0 than any tolerance counts as 0.
 /// Holds:  depends only on the set of each coordinate's values, be they repeated or in another order. Scales with the
 ///         coordinates by powers of two. Never above the step of which all coordinates are multiples, or their place.
 /// Cost:   O(n), in parallel.
-/// Source: REFINEMENT, rule 12, carried from decimals to decimals times powers of two, so that scaling by two keeps it.
+/// Source: rules.md, Rounding steps.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 Rounding rounding_of(std::span<const Vec3> positions, RunControl& control);
 

@@ -21,7 +21,7 @@ struct Edge3 {
 /// the next: x, y, z.
 /// `grid` is 2^-40 or 2^-100, see Frame.
 /// Holds:  all points are within [-1, 1] in the frame; scaling by powers of two changes only `scale` and `origin`.
-/// Source: the 2018 report, 5.1, with i made orthogonal to k first, and j = k x i.
+/// Source: J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 5.1; rules.md, Patch frames.
 Frame make_frame(const Vec3& normal, const Vec3& origin, std::span<const Vec3> points, std::span<const Edge3> edges,
                  ReferenceAxis axis, const Vec3& direction, double grid);
 

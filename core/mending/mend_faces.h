@@ -29,7 +29,7 @@ namespace remesh {
 /// Errors:  kEmptyMesh - no face has an area; kInvalidMesh - zero-area faces nest so deeply that mending them would
 ///          multiply the mesh.
 /// Cost:    O(n log n).
-/// Source:  REFINEMENT, rules 14 and 17.
+/// Source:  rules.md, Faces without area; rules.md, Ladder.
 bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
                 std::vector<Diagnostic>& diagnostics, RunControl& control, double possible_rounding = 0);
 

@@ -29,7 +29,7 @@ struct BoundaryLoops {
 /// Holds:  every patch-boundary half-edge is in exactly one loop; consecutive ones share a vertex around which the
 ///         patch's faces are connected, so loops that touch stay apart.
 /// Cost:   O(n).
-/// Source: the 2018 report, section 4, as amended: an open edge is one with one face of this patch.
+/// Source: J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 4; rules.md, Open edges.
 BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
                              RunControl& control);
 

@@ -56,7 +56,8 @@ double tolerance_at_rung(double tolerance, std::uint8_t rung, double floor);
 ///         Neither the order of faces and vertices nor scaling by powers of two changes the regions.
 /// Cost:   O(n log n); on the caller's TBB arena, by islands: faces that hang together over edges whose two faces one
 ///         plane may fit.
-/// Source: the 2018 report, section 2, as amended (ERRATA 2); REFINEMENT, rule 13.
+/// Source: J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 2; rules.md, Coplanarity;
+///         rules.md, Thin faces.
 void coplanar_regions(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
                       const CoplanarityRule& rule, Regions& regions, RunControl& control);
 

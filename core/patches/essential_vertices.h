@@ -29,7 +29,7 @@ struct EssentialVertices {
 ///          around it, and it lies within the tolerance of the chord between the kept vertices on either side, in order
 ///          along it; a closed boundary keeps three or more; no two chords join the same two vertices.
 /// Cost:    O(n log n).
-/// Source:  the 2018 report, section 4, as amended (ERRATA 4).
+/// Source:  J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 4; rules.md, Essential vertices.
 EssentialVertices essential_vertices(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops,
                                      const IdVector<VertexId, std::uint8_t>& forced, std::span<const VertexId> pinched,
                                      double tolerance, RunControl& control);

@@ -18,7 +18,7 @@ struct FailedPatch {
 };
 
 /// The state of the ladder. Rungs only rise and forced vertices only grow in number, so it ends.
-/// Source: REFINEMENT, rule 14.
+/// Source: rules.md, Ladder.
 class Ladder {
  public:
   /// Faces without area begin on the last step: each is kept as it is, alone, with its vertices. The surface must

@@ -12,7 +12,7 @@ namespace remesh {
 
 /// Input:  `regions.are_connected` is taken at its word: then each region is a piece.
 /// Output: one patch per edge-connected piece of a region, numbered by its first face.
-/// Source: the 2018 report, section 3, as amended: connected over edges.
+/// Source: J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 3; rules.md, Connected patches.
 PatchSet patches(const Surface& surface, const Adjacency& adjacency, const Regions& regions, RunControl& control);
 
 }  // namespace remesh

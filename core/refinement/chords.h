@@ -1,7 +1,7 @@
 /// The chord rule: an edge inside one patch must not be an edge of another patch too, nor a boundary edge, or the
 /// surface would meet itself there. Of equal edges the one in the patch of lowest id stays (none, if one is a
 /// boundary).
-/// Source:  REFINEMENT, rule 15.
+/// Source:  rules.md, Chords.
 #pragma once
 
 #include <cstddef>

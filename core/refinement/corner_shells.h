@@ -30,7 +30,7 @@ struct Corner {
 ///
 /// Where such pieces would be shorter than the floor, or than a 32nd of the size, the sides are cut at the same
 /// distances, a size apart: the angle is given up there, and the triangles are excused, as is the corner's own
-/// (REFINEMENT, rule 4).
+/// (rules.md, Input angles).
 class CornerShells {
  public:
   CornerShells() = default;

@@ -32,7 +32,7 @@ namespace remesh {
 /// from outside meets it between. So the two treads of a shallow step are no gap, though the riser is low.
 ///
 /// What is within the plane tolerance touches; there is no gap there. Places on the same patch are never a gap.
-/// Source: REFINEMENT, rule 9.
+/// Source: rules.md, Gaps.
 class GapSearch {
  public:
   /// Builds a tree of boxes over the patches' triangles. Surface, adjacency and patches must outlive this.

@@ -17,7 +17,7 @@ namespace remesh {
 /// Input:  refined patches; positions of the new vertices, of which those from `first_inner` on are inside patches,
 ///         each in the plane of its patch; the tolerance in model units.
 /// Cost:   O((n + m) log n) for n input faces and m new vertices of such a patch.
-/// Source: REFINEMENT, rule 16.
+/// Source: rules.md, Lifting.
 void lift_new_vertices(const Surface& surface, const PatchSet& patches, const std::vector<PatchMesh>& meshes,
                        std::size_t first_inner, double plane_tolerance, std::vector<Vec3>& new_positions,
                        RunControl& control);

@@ -38,7 +38,7 @@ struct Refinement {
 ///          the patches as they were, where there would be more than `most_made`.
 /// Holds:   an edge between patches has the same vertices for all of them; the same result for any number of threads.
 /// Cost:    O(n log n) in the result's triangles, in practice.
-/// Source:  REFINEMENT, rules 1 to 10.
+/// Source:  rules.md, Rounds; rules.md, Budget; for what patches do in their turns the rules 13 to 22 there.
 std::optional<Refinement> refine(const Surface& surface, const PatchSet& patches,
                                  const std::vector<std::uint8_t>& is_frozen, const Goals& goals, const SizeField& sizes,
                                  SegmentTable segments, const Prediction& prediction, std::vector<PatchMesh>& meshes,

@@ -74,7 +74,7 @@ class SegmentTable {
  public:
   /// Input:   the patches' triangulations over vertices that stay. `is_frozen`, one per patch: its boundary stays as it
   ///          is (and with it its neighbours' there).
-  /// Source:  REFINEMENT, rules 1 to 3.
+  /// Source:  rules.md, Owned segments; rules.md, Shells; rules.md, Floors.
   SegmentTable(const Surface& surface, const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
                const SizeField& sizes, const Goals& goals, RunControl& control);
 

@@ -16,7 +16,7 @@ namespace remesh {
 /// Output:  kDone; or kInconsistentLoops - a region is inside by one edge and outside by another; nothing is removed
 ///          then.
 /// Cost:    O(n).
-/// Source:  the 2018 report leaves this out; see ERRATA of sections 4 and 5.
+/// Source:  rules.md, Carving.
 Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunControl& control);
 
 }  // namespace remesh

@@ -15,7 +15,8 @@ namespace remesh {
 /// Output:  the one constrained Delaunay triangulation of the points: ties of cocircular points are broken by
 ///          in_circle_perturbed.
 /// Cost:    near-linear for what the sweep makes of scattered points; a stack holds only edges that may have changed.
-/// Source:  C. Lawson, 1977; the 2018 report, section 6, with exact predicates in place of the threshold.
+/// Source:  C. Lawson, 1977; J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 6;
+///          rules.md, Exact flips.
 void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, RunControl& control);
 
 /// The same, begun from the half-edges in `stack` alone; it is empty afterwards.

@@ -14,8 +14,7 @@ namespace remesh {
 /// Output:  counter-clockwise triangles over the points' indices; empty if all points are on one line.
 /// Holds:   every point is a corner; the hull is convex; 2n - 2 - (points on the hull) triangles.
 /// Cost:    O(n): each step costs what it changes of the hull, a ring of linked points.
-/// Source:  the 2018 report, 5.4 to 5.6, as amended: all visible edges at once, orientation 0 attaches nothing, and a
-///          collinear run at the start waits for the first point beside it.
+/// Source:  J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, sections 5.4 to 5.6; rules.md, Sweep.
 Triangulation2d lexicographic_triangulation(std::span<const Vec2> points, RunControl& control);
 
 }  // namespace remesh

@@ -58,7 +58,7 @@ struct Claim {
   double weld_tolerance = 0;  ///< model units
 };
 
-/// Tests promises 1 to 3.
+/// Tests the promises 1 to 3 of README.md.
 /// Output:  a verdict; `failed_patches` names every patch on which a test failed.
 ///  surface:    every output vertex is a surface vertex bit for bit - or, where such are claimed, a new one: inside a
 ///              patch and as near to its plane as its input is, or on an edge between vertices that stay, to rounding;

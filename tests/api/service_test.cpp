@@ -21,7 +21,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-// The listing of the specification's section 1.1: a square ring.
+// The listing in section 1.1 of J. Vermaak, The Surface Remeshing Module in ChiTech, 2018: a square ring.
 constexpr std::string_view kRing = R"(# Blender v2.79 (sub 0) OBJ File: ''
 o Plane_Plane.003
 v -4.000000 -4.000000 1.000000

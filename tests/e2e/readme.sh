@@ -1,10 +1,23 @@
 #!/usr/bin/env bash
-# The README's curl does what the README says, against a real daemon, and so does its command line.
+# The curls of the documents do what the documents say, against a real daemon, and so do their command lines.
 . "$(dirname "$0")/daemon.sh"
 
-# the curls of the README, in their order: refined, not refined, ...
-mapfile -t commands < <(grep -E '^(job=\$\()?curl ' "$root/README.md")
-[ "${#commands[@]}" -ge 2 ] || fail "the README has no curls"
+# In the order in which they are meant to be read: what one command writes or sets, a later one may take.
+documents=(README.md api/README.md server/README.md docker/README.md)
+
+# commands_of PATTERN: the lines of all documents that match; sets `commands`. No other document has such lines.
+commands_of() {
+  local found
+  mapfile -t commands < <(cd "$root" && grep -hE "$1" "${documents[@]}")
+  while IFS= read -r found; do
+    [[ " ${documents[*]} " == *" ${found#./} "* ]] || fail "the commands of $found are not run here"
+  done < <(cd "$root" && grep -rlE "$1" --include='*.md' --exclude-dir=build --exclude-dir=node_modules .)
+}
+
+# The README begins with two: refined, not refined.
+[ "$(grep -cE '^curl ' "$root/README.md")" -ge 2 ] || fail "the README has no curls"
+commands_of '^(job=\$\()?curl '
+[ "${#commands[@]}" -ge 8 ] || fail "the documents have ${#commands[@]} curls only"
 
 start_daemon
 # the same words, but for the port, in a copy of the folder that its file stands in
@@ -13,7 +26,7 @@ cp -r "$root/tests/data" "$work/tests/data"
 cd "$work"
 echo the-key-of-the-readme >keys
 for command in "${commands[@]}"; do
-  [[ $command == *localhost:8080* ]] || fail "this curl of the README asks somebody else: $command"
+  [[ $command == *localhost:8080* ]] || fail "this curl of a document asks somebody else: $command"
   eval "${command//localhost:8080/$address}" || fail "$command" # in this shell: one takes up what another sets
 done
 
@@ -42,8 +55,8 @@ done
 stop_daemon
 
 # The same for the command line: a mesh, a folder.
-mapfile -t commands < <(grep '^build/release/remesh ' "$root/README.md")
-[ "${#commands[@]}" -ge 2 ] || fail "the README has no command lines"
+commands_of '^build/release/remesh '
+[ "${#commands[@]}" -ge 2 ] || fail "the documents have no command lines"
 rm -f out.obj
 mkdir parts
 cp tests/data/bracket.obj parts

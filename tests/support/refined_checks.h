@@ -44,7 +44,7 @@ std::string listed_in_words(const Report& report);
 /// Vertices of the output that are none of the input.
 std::vector<Vec3> new_vertices(const PolygonMesh& input, const TriangleMesh& output);
 
-/// Promises 1 to 3 of the design, for an input of exact planes (to rounding): verified; the same area, volume, Euler
+/// The promises 1 to 3 of README.md, for an input of exact planes (to rounding): verified; the same area, volume, Euler
 /// number and length of open and non-manifold edges; every vertex on the other surface; no new self-intersection; no
 /// edge inside a patch that a flip would improve; the faces beyond the bounds are as many as are listed, or no more
 /// where sizes vary.

@@ -32,8 +32,8 @@ PolygonMesh polygon(const std::vector<Vec2>& points);
 PolygonMesh triangle(double degrees, double first, double second);
 /// A rectangle of nx x ny squares of two triangles each.
 PolygonMesh sheet(double width, double height, int nx, int ny);
-/// The square ring of the specification's section 1.1: outer square +-4, inner square +-3, z = 1; 8 triangles and then
-/// `cuts` x `cuts` of each.
+/// The square ring of J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 1.1: outer square +-4, inner
+/// square +-3, z = 1; 8 triangles and then `cuts` x `cuts` of each.
 PolygonMesh ring(int cuts = 1);
 /// A square plate +-2 with a round hole of radius 1 and `sides` sides in the middle (a multiple of 4).
 PolygonMesh plate_with_round_hole(int sides);

@@ -1,0 +1,201 @@
+"""Compares the tables of the documents with what the daemon says of itself: documents_test.py REMESHD
+
+Options, formats, endpoints, settings, and the codes in a report stand in tables that people read, in the contract, and in the
+code. An entry that stands in one place and not in the others is reported, so that nobody forgets one when something is added.
+
+Exit code: 0 - they agree; 1 - the differences are listed.
+"""
+
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import threading
+import urllib.request
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+# These defaults depend on the machine.
+MACHINE = {"--workers", "--max-running", "--queue-size", "--memory-budget"}
+failures = []
+
+
+def expect_equal(found, expected, what):
+    """Compares two collections of names."""
+    for name in sorted(set(expected) - set(found), key=str):
+        failures.append(f"{what}: {name} is missing")
+    for name in sorted(set(found) - set(expected), key=str):
+        failures.append(f"{what}: there is no {name}")
+
+
+def section(path, heading):
+    """The lines of a document under a heading, up to the next heading of any level."""
+    lines = (ROOT / path).read_text(encoding="utf-8").split("\n")
+    begin = lines.index(heading) + 1
+    end = next((i for i in range(begin, len(lines)) if re.match(r"#+ ", lines[i])), len(lines))
+    return lines[begin:end]
+
+
+def tables(lines):
+    """The tables among some lines, each as rows of cells, without their heads."""
+    found, rows = [], None
+    for line in [*lines, ""]:
+        if not line.startswith("|"):
+            if rows:
+                found.append(rows)
+            rows = None
+        elif re.match(r"\|( *-+ *\|)+$", line):
+            rows = []
+        elif rows is not None:
+            rows.append([cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]])
+    return found
+
+
+def code_spans(cell):
+    return re.findall(r"`([^`]+)`", cell)
+
+
+class Daemon:
+    """remeshd on a free port, for the length of a `with`."""
+
+    def __init__(self, program):
+        environment = {name: value for name, value in os.environ.items() if not name.startswith("REMESHD_")}
+        command = [program, "--bind", "127.0.0.1:0", "--log-format", "json", "--store", "none"]
+        self.process = subprocess.Popen(command, stderr=subprocess.PIPE, env=environment)
+        self.address = json.loads(self.process.stderr.readline())["address"]
+        threading.Thread(target=self.process.stderr.read, daemon=True).start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+
+    def get(self, path):
+        with urllib.request.urlopen(f"http://{self.address}{path}", timeout=30) as answer:
+            return json.load(answer)
+
+
+def settings_of(program):
+    environment = {name: value for name, value in os.environ.items() if not name.startswith("REMESHD_")}
+    printed = subprocess.run([program, "--print-config"], check=True, capture_output=True, text=True, env=environment).stdout
+    return {f"--{name}": value for name, value in (line.split("=", 1) for line in printed.splitlines())}
+
+
+def number(text):
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+def check_options(capabilities, contract):
+    rows = tables(section("api/README.md", "## Options"))[0]
+    options = {option["name"]: option for option in capabilities["options"]}
+    expect_equal(contract["components"]["schemas"]["Options"]["properties"], options, "api/openapi.yaml, schema Options")
+    expect_equal([name for row in rows for name in code_spans(row[0])], options, "api/README.md, table of options")
+    for row in rows:
+        option = options.get(code_spans(row[0])[0])
+        if option is None or option["default"] is None:
+            continue
+        default = option["default"]
+        text = str(default).lower() if isinstance(default, bool) else str(default)
+        words = re.split(r"[\s()]+", row[1].replace("`", ""))
+        if text not in words and all(number(word) != number(text) or number(word) is None for word in words):
+            failures.append(f"api/README.md, option {option['name']}: its default is {text}, not {row[1]}")
+
+
+def check_formats(capabilities, contract):
+    read, written = capabilities["formats"]["input"], capabilities["formats"]["output"]
+    names = [form["name"] for form in written]
+    types_read, types_written = {form["media_type"] for form in read}, {form["media_type"] for form in written}
+    rows = next(rows for rows in tables(section("README.md", "## The service")) if len(rows[0]) == 5)
+    expect_equal([code_spans(row[1])[0] for row in rows], types_written, "README.md, table of formats")
+    expect_equal([code_spans(row[1])[0] for row in rows if row[2] != "no"], types_read, "README.md, formats that are read")
+    format_row = next(row for row in tables(section("api/README.md", "## Options"))[0] if row[0] == "`format`")
+    expect_equal(code_spans(format_row[2]), names, "api/README.md, option format")
+
+    parts = contract["components"]
+    choices = {"the parameter": parts["parameters"]["format"]["schema"]["enum"],
+               "the member of Options": parts["schemas"]["Options"]["properties"]["format"]["enum"]}
+    for where, choice in choices.items():
+        expect_equal([name for name in choice if name not in ("auto", None)], names, f"api/openapi.yaml, format, {where}")
+    for path, method in (("/v1/remesh", "post"), ("/v1/jobs/{id}/result", "get")):
+        content = contract["paths"][path][method]["responses"]["200"]["content"]
+        expect_equal(content, types_written, f"api/openapi.yaml, the types of {path}")
+    body = parts["requestBodies"]["Mesh"]["content"]
+    expect_equal([kind for kind in body if kind in types_written], types_read, "api/openapi.yaml, the types of a body")
+
+    panel = (ROOT / "server/web/src/ui/download_panel.ts").read_text(encoding="utf-8")
+    words = re.search(r"const kAbout[^{]*\{(.*?)\n\};", panel, re.DOTALL).group(1)
+    expect_equal(re.findall(r"^\s*(\w+):", words, re.MULTILINE), names, "server/web/src/ui/download_panel.ts")
+
+
+def check_endpoints(contract):
+    described = {f"{method.upper()} {path}" for path, item in contract["paths"].items() for method in item
+                 if method in ("get", "post", "put", "patch", "delete")}
+    table = set()
+    for row in tables(section("README.md", "## The service"))[0]:
+        method = "GET"
+        for span in code_spans(row[0]):
+            method, _, path = span.rpartition(" ") if " " in span else (method, "", span)
+            table.add(f"{method} {path}")
+    # The page is for people; the contract is for programs.
+    expect_equal(table - {"GET /"}, described, "README.md, table of the service")
+
+    routes = set()
+    for source in sorted((ROOT / "server").rglob("*.cpp")):
+        if "node_modules" in source.parts:
+            continue
+        text = source.read_text(encoding="utf-8")
+        texts = dict(re.findall(r"std::string (\w+) = \"(/[^\"]*)\"", text))
+        for method, path, name, rest in re.findall(
+                r"\{\s*\"(GET|POST|PUT|PATCH|DELETE)\",\s*(?:\"(/[^\"]*)\"|(\w+)(?: \+ \"([^\"]*)\")?)\s*,", text):
+            if path or name in texts:
+                routes.add(f"{method} {path or texts[name] + rest}")
+    expect_equal(routes - {"GET /"}, described, "the routes in server/, held against api/openapi.yaml")
+
+
+def seconds(text):
+    match = re.fullmatch(r"(\d+)(s|h)", text)
+    return int(match.group(1)) * {"s": 1, "h": 3600}[match.group(2)] if match else text
+
+
+def check_settings(settings):
+    table = {}
+    for row in tables(section("server/README.md", "## Configuration"))[0]:
+        flags = [name for name in code_spans(row[0]) if name.startswith("--")]
+        defaults = row[1].replace("`", "").split(", ")
+        for i, flag in enumerate(flags):
+            table[flag] = defaults[i] if len(defaults) == len(flags) else row[1]
+    expect_equal(table, settings, "server/README.md, table of settings")
+    for flag in sorted(set(table) & set(settings) - MACHINE):
+        if seconds(table[flag]) != seconds(settings[flag]):
+            failures.append(f"server/README.md, {flag}: its default is {settings[flag]}, not {table[flag]}")
+
+
+def check_codes(contract):
+    schemas = contract["components"]["schemas"]
+    for heading, schema, member in (("### Reasons", "Unrefined", "reason"), ("## Diagnostics", "Diagnostic", "code")):
+        codes = [code for row in tables(section("api/README.md", heading))[0] for code in code_spans(row[0])]
+        expect_equal(codes, schemas[schema]["properties"][member]["enum"], f"api/README.md, {heading}")
+
+
+def main():
+    program = sys.argv[1]
+    with Daemon(program) as daemon:
+        capabilities, contract = daemon.get("/v1/capabilities"), daemon.get("/openapi.json")
+    check_options(capabilities, contract)
+    check_formats(capabilities, contract)
+    check_endpoints(contract)
+    check_settings(settings_of(program))
+    check_codes(contract)
+    for failure in failures:
+        print("FAILED:", failure)
+    return 1 if failures else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
