@@ -127,7 +127,11 @@ void SurfaceModel::finish() {
     for (const std::uint32_t v : face)
       if (face.size() > 3) thickness = std::max(thickness, std::fabs(dot(positions_[v] - positions_[face[0]], unit)));
     // An outline that crosses itself has no surface that all would agree on, as one without a plane has none.
-    if (crosses_itself(face, normal)) thickness = std::max(thickness, box.diagonal());
+    // Where the parts that it winds around cancel, no normal shows from where to look at it.
+    constexpr double kNoNormal = 1e-9;
+    const double extent = box.diagonal();
+    const bool has_normal = norm(normal) > kNoNormal * extent * extent;
+    if ((face.size() > 3 && !has_normal) || crosses_itself(face, normal)) thickness = std::max(thickness, extent);
     normals_.push_back(normal);
     boxes_.push_back(box);
     thickness_.push_back(thickness);
