@@ -121,8 +121,11 @@ class PolygonCheck {
     const bool is_area_kept = std::fabs(norm(twice_sum) - twice_area) <= allowed;
     if (is_area_kept && twice_covered <= twice_area + allowed) return {};
     const double reach = moved_ + 0x1p-45 * outline.length;
+    // Mending cuts off all spikes that are half as wide as it may. An outline with a wider one is not clearly simple
+    // within the reach, so nothing is said of it, whether mending has cut it off or not.
+    const double spike = model_.tolerance / 2 + 0x1p-45 * outline.length;
     // A spike may leave the plane. What is left without it may be flat.
-    cut_spikes(loop, reach, check);
+    cut_spikes(loop, spike, check);
     const Vec3 normal = normalized(measure_outline(loop, check).twice_area);
     if (normal == Vec3{}) return {};
     // Triangles of a bent polygon may face in many directions, but their sum is its area.
@@ -132,7 +135,7 @@ class PolygonCheck {
       check();
       p = p - dot(p - origin, normal) * normal;
     }
-    cut_spikes(loop, reach, check);
+    cut_spikes(loop, spike, check);
     return Outline{std::move(loop), normal, reach};
   }
 

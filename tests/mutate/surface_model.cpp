@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <set>
 
 #include "tests/support/cgal_space.h"
 
@@ -58,7 +59,13 @@ double Scale::length(double l) const { return std::ldexp(l, -exponent); }
 
 Scale scale_of(const PolygonMesh& mesh) {
   Box3 box;
-  for (const VertexId v : mesh.corners) box.add({mesh.positions[v], mesh.positions[v]});
+  // A face whose corners are fewer than three places is dropped, wherever these places are.
+  for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
+    std::set<Vec3> places;
+    for (const VertexId v : mesh.face(FaceId(f))) places.insert(mesh.positions[v]);
+    if (places.size() < 3) continue;
+    for (const Vec3& p : places) box.add({p, p});
+  }
   Scale scale;
   scale.centre = 0.5 * box.min + 0.5 * box.max;
   const Vec3 half = 0.5 * box.max - 0.5 * box.min;
