@@ -17,7 +17,7 @@ constexpr int kGzipWindow = 15 + 16;  // the largest window, in gzip's format
 constexpr int kMemory = 8;
 constexpr std::size_t kStep = 1 << 20;
 /// Smaller answers fit in a packet or two as they are.
-constexpr std::size_t kLeastCompressed = 1024;
+constexpr std::size_t kMinCompressed = 1024;
 
 class Deflater {
  public:
@@ -80,7 +80,7 @@ std::string gzip(std::string_view bytes, RunControl& control) {
 
 void compress(api::Response& response, std::string_view accept_encoding, RunControl& control) {
   response.headers.emplace_back("Vary", "Accept-Encoding");
-  if (response.body.size() < kLeastCompressed || !accepts_gzip(accept_encoding)) return;
+  if (response.body.size() < kMinCompressed || !accepts_gzip(accept_encoding)) return;
   response.body = gzip(response.body, control);
   response.headers.emplace_back("Content-Encoding", "gzip");
 }

@@ -51,8 +51,8 @@ class ExchangeStream : public httplib::Stream {
   }
   /// Errors: ConnectionLost, which leaves the library at once and reaches whoever called it.
   ssize_t write(const char* bytes, std::size_t size) override {
-    constexpr std::size_t kMostHeld = 16 << 10;
-    const bool is_held = !exchange_.is_streamed && size <= kMostHeld - held_.size();
+    constexpr std::size_t kMaxHeld = 16 << 10;
+    const bool is_held = !exchange_.is_streamed && size <= kMaxHeld - held_.size();
     if (is_held) {
       held_.append(bytes, size);
     } else {

@@ -18,13 +18,13 @@ void check_options(const Options& options) {
   const auto positive = [](const std::optional<double>& value, const char* option) {
     if (value && !(*value > 0 && std::isfinite(*value))) invalid(option, "must be a number above 0");
   };
-  if (options.min_angle_deg && !(*options.min_angle_deg >= 0 && *options.min_angle_deg <= Options::kMostMinAngleDeg))
+  if (options.min_angle_deg && !(*options.min_angle_deg >= 0 && *options.min_angle_deg <= Options::kMaxMinAngleDeg))
     invalid("min_angle_deg", "must be from 0 to 33");
   if (options.min_angle_deg && options.max_radius_edge_ratio)
     invalid("max_radius_edge_ratio", "excludes min_angle_deg: give one of them");
   if (options.max_edge_length && options.max_edge_fraction)
     invalid("max_edge_fraction", "excludes max_edge_length: give one of them");
-  if (options.max_radius_edge_ratio && !(*options.max_radius_edge_ratio >= Options::kLeastRadiusEdgeRatio))
+  if (options.max_radius_edge_ratio && !(*options.max_radius_edge_ratio >= Options::kMinRadiusEdgeRatio))
     invalid("max_radius_edge_ratio", "must be a number of at least 0.918 (33 degrees)");
   positive(options.max_edge_length, "max_edge_length");
   positive(options.max_edge_fraction, "max_edge_fraction");
@@ -36,7 +36,7 @@ void check_options(const Options& options) {
   if (!(options.proximity >= 0 && std::isfinite(options.proximity))) invalid("proximity", "must not be negative");
   if (options.gradation && !(*options.gradation > 1 && std::isfinite(*options.gradation)))
     invalid("gradation", "must be a number above 1");
-  if (!(options.normal_tolerance >= 0 && options.normal_tolerance <= Options::kMostNormalTolerance))
+  if (!(options.normal_tolerance >= 0 && options.normal_tolerance <= Options::kMaxNormalTolerance))
     invalid("normal_tolerance", "must be from 0 to 0.5");
   if (!(options.weld_tolerance >= 0 && std::isfinite(options.weld_tolerance)))
     invalid("weld_tolerance", "must not be negative");

@@ -33,12 +33,12 @@ struct Barriers {
 
 /// Lengths are in model units, angles in degrees. An empty optional means: the default of the contract.
 struct Options {
-  static constexpr double kMostMinAngleDeg = 33;
-  static constexpr double kLeastRadiusEdgeRatio = 0.918;  ///< 1 / (2 sin 33 degrees), cut after three decimals
-  static constexpr double kMostNormalTolerance = 0.5;
+  static constexpr double kMaxMinAngleDeg = 33;
+  static constexpr double kMinRadiusEdgeRatio = 0.918;  ///< 1 / (2 sin 33 degrees), cut after three decimals
+  static constexpr double kMaxNormalTolerance = 0.5;
 
   bool refine = true;
-  std::optional<double> min_angle_deg;          ///< 0 to kMostMinAngleDeg
+  std::optional<double> min_angle_deg;          ///< 0 to kMaxMinAngleDeg
   std::optional<double> max_radius_edge_ratio;  ///< instead of min_angle_deg
   std::optional<double> max_edge_length;        ///< > 0
   std::optional<double> max_edge_fraction;      ///< instead of max_edge_length; of the bounding box's diagonal
@@ -50,7 +50,7 @@ struct Options {
   bool split_boundaries = true;
   bool keep_boundary_vertices = false;
   std::optional<double> plane_tolerance;  ///< > 0; empty: from the input's rounding noise
-  double normal_tolerance = 1e-6;         ///< per component of the unit normal, 0 to kMostNormalTolerance
+  double normal_tolerance = 1e-6;         ///< per component of the unit normal, 0 to kMaxNormalTolerance
   double weld_tolerance = 0;              ///< 0: only equal coordinates are one vertex
   Repair repair;
   Barriers barriers;

@@ -116,7 +116,7 @@ class IndependentNumbers {
     int count = 0;
     for (std::size_t i = 0; i < gaps_.size();) {
       const std::size_t run = longest_run(i);
-      const bool is_copy = bits >= kLeastBits && static_cast<double>(run) * bits >= kRun;
+      const bool is_copy = bits >= kMinBits && static_cast<double>(run) * bits >= kRun;
       count += !is_copy;
       i += is_copy ? run : 1;
     }
@@ -126,7 +126,7 @@ class IndependentNumbers {
  private:
   static constexpr double kRun = 14;
   /// Gaps say nothing where the numbers are so dense that nearly all possible ones are there.
-  static constexpr double kLeastBits = 1;
+  static constexpr double kMinBits = 1;
 
   std::size_t longest_run(std::size_t i) const {
     std::size_t longest = 0;

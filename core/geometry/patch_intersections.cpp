@@ -32,12 +32,12 @@ constexpr std::size_t kFewPatches = 16;
 
 /// Where sheets lie in one another each face is near many patches. Beyond so many parts a face, on the average of many
 /// faces, nothing is gained by looking at patches, and they would take all memory.
-constexpr std::size_t kMostPartsPerFace = 4;
+constexpr std::size_t kMaxPartsPerFace = 4;
 constexpr std::size_t kManyParts = 1 << 16;
 
 /// Nor beyond so many looks whether a face is near a patch, as where the facets of a cone stand on a fan of needles:
 /// all boxes meet all others in one point.
-constexpr std::size_t kMostLooksPerFace = 256;
+constexpr std::size_t kMaxLooksPerFace = 256;
 
 /// Heights are sums of three products: their rounding, of the largest coordinate.
 constexpr double kHeightMargin = 0x1p-49;
@@ -103,8 +103,8 @@ class Cull {
     }
     if (large.empty()) all.clear();
     const TriangleTree tree_of_all = tree_of(boxes_of_patches(all)), tree_of_large = tree_of(boxes_of_patches(large));
-    const std::size_t most_parts = kManyParts + kMostPartsPerFace * surface_.face_count();
-    const std::size_t most_looks = kManyParts + kMostLooksPerFace * surface_.face_count();
+    const std::size_t most_parts = kManyParts + kMaxPartsPerFace * surface_.face_count();
+    const std::size_t most_looks = kManyParts + kMaxLooksPerFace * surface_.face_count();
     std::atomic<std::size_t> parts{0}, looks{0};
     const auto are_too_many = [&](std::size_t parts_so_far, std::size_t looks_so_far) {
       return parts_so_far > most_parts || looks_so_far > most_looks;
@@ -441,9 +441,9 @@ class Meetings {
   }
   /// Are there many parts of both patches? Of few a tree tells less than it costs.
   bool is_large(std::span<const std::uint32_t> meeting) const {
-    constexpr std::size_t kMostTests = 1 << 14, kFewParts = 16;
+    constexpr std::size_t kMaxTests = 1 << 14, kFewParts = 16;
     const std::size_t one = first_of_other(meeting), other = meeting.size() - one;
-    return one > kFewParts && other > kFewParts && one * other > kMostTests;
+    return one > kFewParts && other > kFewParts && one * other > kMaxTests;
   }
   bool do_faces_intersect(std::uint32_t a, std::uint32_t b) const {
     return do_intersect(excerpt_.face(parts_[a].face), excerpt_.face(parts_[b].face), positions_);

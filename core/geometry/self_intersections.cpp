@@ -22,7 +22,7 @@ constexpr std::size_t kFacesBetweenChecks = 4096;
 constexpr std::size_t kFacesPerTask = 256;
 
 /// A vertex with more faces than this is a hub: the pairs around it are found by their directions from it.
-constexpr std::uint32_t kMostAtVertex = 64;
+constexpr std::uint32_t kMaxAtVertex = 64;
 
 /// Directions are rounded; their boxes are made wider by this.
 constexpr double kDirectionMargin = 1e-12;
@@ -139,9 +139,9 @@ class Search {
       check();
       for (const VertexId v : face) ++faces_at[v.value];
     }
-    if (std::none_of(faces_at.begin(), faces_at.end(), [](std::uint32_t n) { return n > kMostAtVertex; })) return;
+    if (std::none_of(faces_at.begin(), faces_at.end(), [](std::uint32_t n) { return n > kMaxAtVertex; })) return;
     is_hub_.resize(positions_.size());
-    for (std::size_t v = 0; v < faces_at.size(); ++v) is_hub_[v] = faces_at[v] > kMostAtVertex;
+    for (std::size_t v = 0; v < faces_at.size(); ++v) is_hub_[v] = faces_at[v] > kMaxAtVertex;
     for (std::uint32_t f = 0; f < faces_.size(); ++f) {
       check();
       const Hubs hubs = hubs_of(FaceId(f));

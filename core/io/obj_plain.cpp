@@ -112,9 +112,9 @@ class Gatherer {
   template <class T>
   void reserve(std::vector<T>& items, std::size_t added, double share, std::uint64_t most) const {
     if (items.size() + added <= items.capacity()) return;
-    constexpr std::uint64_t kMostInChunk = kChunkSize / 4;
+    constexpr std::uint64_t kMaxInChunk = kChunkSize / 4;
     const std::uint64_t per_chunk = std::clamp(static_cast<std::uint64_t>(static_cast<double>(added) / share),
-                                               std::uint64_t{added}, std::max(std::uint64_t{added}, kMostInChunk));
+                                               std::uint64_t{added}, std::max(std::uint64_t{added}, kMaxInChunk));
     const std::uint64_t wanted = items.size() + per_chunk * chunks_left_ + per_chunk / 8;
     const std::uint64_t least = items.size() + added;
     items.reserve(static_cast<std::size_t>(std::max(least, std::min(wanted, most))));

@@ -71,8 +71,8 @@ class OffTextReader {
     if (!trim(rest_).empty()) (void)take_count("number of edges");
     if (!trim(rest_).empty()) throw error("more than three counts: " + cited(rest_));
     // A line of three numbers and its end at least.
-    constexpr std::size_t kLeastLine = 6;
-    builder_.announce(vertices_, faces_, content_.size() / kLeastLine, content_.size() / kLeastLine, here());
+    constexpr std::size_t kMinLine = 6;
+    builder_.announce(vertices_, faces_, content_.size() / kMinLine, content_.size() / kMinLine, here());
   }
 
   void read_vertex(std::uint64_t vertex) {
@@ -184,9 +184,9 @@ ReadResult read_binary(std::string_view content, const BinaryHead& head, const R
   const std::size_t extra =
       kNumber * ((head.kind.has_normal ? 3 : 0) + (head.kind.has_colour ? 4 : 0) + (head.kind.has_texture ? 2 : 0));
   const std::size_t vertex_size = kNumber * kDimensions + extra;
-  constexpr std::size_t kLeastFace = kNumber * 5;  // corners, three of them, values of colour
+  constexpr std::size_t kMinFace = kNumber * 5;  // corners, three of them, values of colour
   MeshBuilder builder(limits, control);
-  builder.announce(vertices, faces, bytes.left() / vertex_size, bytes.left() / kLeastFace, counts);
+  builder.announce(vertices, faces, bytes.left() / vertex_size, bytes.left() / kMinFace, counts);
   DroppedValues dropped;
   for (std::uint64_t v = 0; v < vertices; ++v) {
     builder.tick(bytes.offset(), content.size());
@@ -210,7 +210,7 @@ ReadResult read_binary(std::string_view content, const BinaryHead& head, const R
     if (values > 0) dropped.of_faces.add(f);
   }
   ReadResult result;
-  note_trailing_bytes(content, bytes.offset(), kLeastFace, result.diagnostics);
+  note_trailing_bytes(content, bytes.offset(), kMinFace, result.diagnostics);
   result.mesh = builder.take();
   dropped.report(result.diagnostics);
   return result;

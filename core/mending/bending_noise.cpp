@@ -16,7 +16,7 @@ namespace {
 /// Neighbours must be this many tolerances high to bear witness of noise.
 constexpr double kWitness = 8;
 /// Where more faces than this meet at an edge, none of them bears witness.
-constexpr std::size_t kMostAround = 8;
+constexpr std::size_t kMaxAround = 8;
 
 constexpr std::size_t kBlock = 4096;
 
@@ -73,7 +73,7 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
   };
   const auto look_at_edge = [&](DifferentBends& bends, EdgeId e) {
     const auto around = adjacency.half_edges(e);
-    if (around.size() > kMostAround) return;
+    if (around.size() > kMaxAround) return;
     for (std::size_t i = 1; i < around.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) look_at_pair(bends, around[i], around[j]);
   };

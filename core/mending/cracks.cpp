@@ -255,7 +255,7 @@ Cracks find_cracks(const Surface& surface, const Adjacency& edges, double roundi
 std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, const Options& options,
                             const CrackRules& rules, RunControl& control) {
   // Where the widest are no cracks, as the sides of a slot, a smaller tolerance may still be of use.
-  constexpr int kMostTries = 4;
+  constexpr int kMaxTries = 4;
   const std::vector<double>& widths = cracks.widths;
   if (widths.empty()) return "";
   std::string text = "; " + std::to_string(cracks.edges) + " run beside another one, " +
@@ -264,7 +264,7 @@ std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, cons
   const Trial trial(input, options, rules, control);
   const EdgeKinds now = trial.run(options.weld_tolerance);
   auto end = widths.end();
-  for (int i = 0; i < kMostTries && end != widths.begin(); ++i) {
+  for (int i = 0; i < kMaxTries && end != widths.begin(); ++i) {
     const double tolerance = two_digits_above(*(end - 1));
     if (tolerance > options.weld_tolerance) {
       const EdgeKinds then = trial.run(tolerance);

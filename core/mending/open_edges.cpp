@@ -13,7 +13,7 @@ namespace remesh {
 namespace {
 
 /// Edges of more faces than this are looked at by nobody: all pairs of these would be too many.
-constexpr std::size_t kMostFaces = 8;
+constexpr std::size_t kMaxFaces = 8;
 
 }  // namespace
 
@@ -24,7 +24,7 @@ OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, Which which
     check();
     const auto around = edges.half_edges(e);
     const VertexId from = edges.from(around[0]), to = edges.to(around[0]);
-    if (around.size() > (which == Which::kOpen ? 1 : kMostFaces) || from == to) continue;
+    if (around.size() > (which == Which::kOpen ? 1 : kMaxFaces) || from == to) continue;
     const auto forward = static_cast<std::size_t>(
         std::count_if(around.begin(), around.end(), [&](std::uint32_t h) { return edges.from(h) == from; }));
     if (2 * forward == around.size()) continue;

@@ -104,14 +104,14 @@ class OpenEdges {
 /// pairs are too many.
 class LooksAtEdges {
  public:
-  explicit LooksAtEdges(std::size_t open_edges) : most_(kFew + kMostPerEdge * open_edges) {}
+  explicit LooksAtEdges(std::size_t open_edges) : most_(kFew + kMaxPerEdge * open_edges) {}
 
   void add(std::size_t looks) { looks_.fetch_add(looks, std::memory_order_relaxed); }
   /// Whether there were too many: it does not depend on the order in which they were added.
   bool are_too_many() const { return looks_.load(std::memory_order_relaxed) > most_; }
 
  private:
-  static constexpr std::size_t kFew = 4096, kMostPerEdge = 64;
+  static constexpr std::size_t kFew = 4096, kMaxPerEdge = 64;
 
   std::size_t most_;
   std::atomic<std::size_t> looks_{0};

@@ -97,11 +97,11 @@ class Ring {
 
   /// The corners next to a tip, on both sides, that are not one with it; but for a few, they are its neighbours.
   Sides sides_of(std::uint32_t tip) const {
-    constexpr int kMostSteps = 3;
+    constexpr int kMaxSteps = 3;
     Sides sides{before_[tip], next_[tip]};
-    for (int i = 0; i < kMostSteps && are_one(sides.from, tip) && before_[sides.from] != sides.to; ++i)
+    for (int i = 0; i < kMaxSteps && are_one(sides.from, tip) && before_[sides.from] != sides.to; ++i)
       sides.from = before_[sides.from];
-    for (int i = 0; i < kMostSteps && are_one(sides.to, tip) && next_[sides.to] != sides.from; ++i)
+    for (int i = 0; i < kMaxSteps && are_one(sides.to, tip) && next_[sides.to] != sides.from; ++i)
       sides.to = next_[sides.to];
     return sides;
   }

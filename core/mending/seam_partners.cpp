@@ -117,9 +117,9 @@ class Choice {
   void run(std::vector<std::span<const SeamPair>> groups) {
     // What is clear connects pieces, and this may make other groups clear. Groups of one round do not know of each
     // other, so that their order decides nothing.
-    constexpr int kMostRounds = 4;
+    constexpr int kMaxRounds = 4;
     bool is_news = true;
-    for (int round = 0; round < kMostRounds && is_news; ++round) {
+    for (int round = 0; round < kMaxRounds && is_news; ++round) {
       const std::size_t known = chosen_.size();
       std::vector<std::span<const SeamPair>> unclear;
       for (const auto& group : groups)

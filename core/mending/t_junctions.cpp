@@ -24,7 +24,7 @@ constexpr std::size_t kBlock = 256;
 
 /// So many looks at vertices near open edges, a corner of the surface: of ordinary surfaces it is one or two. Where
 /// edges and vertices lie along one line by the thousand, splitting them would take quadratic time and memory.
-constexpr std::size_t kMostLooksPerCorner = 4;
+constexpr std::size_t kMaxLooksPerCorner = 4;
 constexpr std::size_t kFewLooks = 4096;
 
 /// Noted on the boxes of the tree: the same in full precision. The tolerance is far less than single precision tells.
@@ -131,7 +131,7 @@ class Search {
       entries[i].tag.box.add(surface_.local[vertices_[i]]);
     }
     const VertexTree tree(entries, control_);
-    const std::size_t most_looks = kFewLooks + kMostLooksPerCorner * surface_.corners.size();
+    const std::size_t most_looks = kFewLooks + kMaxLooksPerCorner * surface_.corners.size();
     std::atomic<std::size_t> looks{0};
     const auto found =
         map_blocks<std::vector<Junction>>(open_.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -373,11 +373,11 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
   Split split(surface, junctions, control);
   std::vector<Junction> left;
   // What one vertex spoils another may mend or spoil anew; where that goes on and on, all are left.
-  constexpr int kMostPasses = 16;
+  constexpr int kMaxPasses = 16;
   for (int pass = 0;; ++pass) {
     const auto twisting = twisting_junctions(surface, split, junctions, tolerance, control);
     if (twisting.empty()) break;
-    if (pass == kMostPasses) {
+    if (pass == kMaxPasses) {
       left.insert(left.end(), junctions.begin(), junctions.end());
       junctions.clear();
       break;

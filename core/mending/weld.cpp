@@ -39,7 +39,7 @@ using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
 bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::vector<std::uint8_t>& is_used,
                         Numbers& stands_for, RunControl& control) {
   constexpr std::uint64_t kFree = 0xffffffffffffffffu;
-  constexpr std::size_t kMostLooks = 16;  // a vertex, on average
+  constexpr std::size_t kMaxLooks = 16;  // a vertex, on average
   // Adding 0 makes -0 0, which it equals.
   const auto hash = [](const Vec3& p) {
     std::uint64_t h = 0;
@@ -83,7 +83,7 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
       for (; i < stop; ++i)
         if (is_used[i])
           stands_for[i] = static_cast<std::uint32_t>(enter(static_cast<std::uint32_t>(i), hashes[i - begin], looks));
-      if (looks > kMostLooks * kItemsPerBlock) is_colliding = true;
+      if (looks > kMaxLooks * kItemsPerBlock) is_colliding = true;
     }
   });
   if (is_colliding) return false;
@@ -121,9 +121,9 @@ class Grid {
  private:
   /// Two numbers nearly always. Rounding makes it three where a place is in the middle of its cell, and more where
   /// coordinates have hardly more digits than the tolerance.
-  static constexpr int kMostNumbers = 5;
+  static constexpr int kMaxNumbers = 5;
   struct Axis {
-    std::array<double, kMostNumbers> numbers;
+    std::array<double, kMaxNumbers> numbers;
     int count = 0;
   };
 
@@ -137,7 +137,7 @@ class Grid {
       return axis;
     }
     const double high = number_of(x + reach_);
-    for (double number = number_of(x - reach_); number <= high && axis.count < kMostNumbers; ++number)
+    for (double number = number_of(x - reach_); number <= high && axis.count < kMaxNumbers; ++number)
       axis.numbers[axis.count++] = number;
     return axis;
   }
@@ -228,7 +228,7 @@ class NearWelding {
  private:
   static constexpr std::uint32_t kNone = 0xffffffffu;
   /// Around a place that is looked at, on average. Places a tolerance apart fill eight cells with some sixty.
-  static constexpr std::size_t kMostLooks = 128, kFewLooks = 1 << 20;
+  static constexpr std::size_t kMaxLooks = 128, kFewLooks = 1 << 20;
 
   struct Near {
     std::uint32_t first = 0;  ///< the smallest
@@ -254,7 +254,7 @@ class NearWelding {
     return near;
   }
 
-  bool has_too_many_looks() const { return Cells::kMayCollide && looks_ > kFewLooks + kMostLooks * places_.size(); }
+  bool has_too_many_looks() const { return Cells::kMayCollide && looks_ > kFewLooks + kMaxLooks * places_.size(); }
 
   std::span<const Indexed> places_;
   double tolerance_;

@@ -24,7 +24,7 @@ namespace remesh {
 namespace {
 
 /// A face is looked at by at most this many growths that end up without it; then only by those that have their plane.
-constexpr std::uint8_t kMostTrials = 8;
+constexpr std::uint8_t kMaxTrials = 8;
 
 /// Growing and merging fewer faces costs less than fitting a plane to their corners.
 constexpr std::size_t kFewFaces = 32;
@@ -309,7 +309,7 @@ class Growth {
     const double band = kBand * tol;
     if (const auto extent = extent_if_all_fit(walk.found, plane, band)) return {plane, *extent};
     for (const std::uint32_t f : walk.found)
-      if (trials_[f] < kMostTrials) ++trials_[f];
+      if (trials_[f] < kMaxTrials) ++trials_[f];
     if (!rule_.fits(seed, plane, band)) plane = seed_plane;
     grow_in_plane(seed, plane, band, walk);
     return {plane, extent_of(walk.found, plane)};
@@ -362,7 +362,7 @@ class Growth {
       for (std::size_t i = layer_begin; i < layer_end; ++i) {
         if (i % 4096 == 0) control_.check();
         for_each_open_neighbour(FaceId(found[i]), walk, [&](FaceId g) {
-          if (trials_[g.value] >= kMostTrials || !rule_.fits(g, plane, tol)) return;
+          if (trials_[g.value] >= kMaxTrials || !rule_.fits(g, plane, tol)) return;
           stamp_[g.value] = walk.now;
           found.push_back(g.value);
         });

@@ -14,7 +14,7 @@ namespace remesh {
 namespace {
 
 /// Simplification looks at each vertex of a run at most this often on average; what is left then stays.
-constexpr std::size_t kMostLooks = 64;
+constexpr std::size_t kMaxLooks = 64;
 
 /// Where a point lies about a chord: how far off it, and how far along it (0 at its start, 1 at its end).
 struct ChordPosition {
@@ -202,7 +202,7 @@ class Selection {
         reached = position.along;
       }
       if (split == 0 && is_in_order) continue;
-      if (split == 0 || looks > kMostLooks * (end - begin + 1)) {  // folded back, or too costly: all stay
+      if (split == 0 || looks > kMaxLooks * (end - begin + 1)) {  // folded back, or too costly: all stay
         for (std::size_t k = i + 1; k < j; ++k) essential_[run_[k]] = 1;
         continue;
       }

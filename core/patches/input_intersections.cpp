@@ -91,7 +91,7 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
   for (const Plane& plane : patches.planes) normals.push_back(plane.normal);
   const std::span<const Vec3> positions = surface.positions.items();
   const SelfIntersections found =
-      patch_intersections({positions, faces.corners(), patch, normals, is_simple}, kMostIntersections, control);
+      patch_intersections({positions, faces.corners(), patch, normals, is_simple}, kMaxIntersections, control);
 
   struct Pair {
     FaceId f, g;
@@ -107,7 +107,7 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
       pairs.push_back({f, g, do_overlap(faces.triangle(t.value), faces.triangle(u.value), positions, plane_tolerance)});
   }
   const bool are_all_on_diagonals = for_each_edge_on_a_diagonal(surface, faces, control, [&](FaceId f, FaceId g) {
-    if (pairs.size() >= 2 * kMostIntersections) return false;
+    if (pairs.size() >= 2 * kMaxIntersections) return false;
     pairs.push_back({std::min(f, g), std::max(f, g), false});
     return true;
   });

@@ -24,7 +24,7 @@ struct FoundIntersections {
 };
 
 /// At most so many pairs are looked for: beyond, the surface lies on itself all over.
-inline constexpr std::size_t kMostIntersections = 100'000;
+inline constexpr std::size_t kMaxIntersections = 100'000;
 
 /// Finds the faces that intersect, but for those inside one large simple patch; a polygon and a face with an edge on
 /// one of its diagonals are such, too. Reports self_intersection and overlapping_faces (coplanar within the tolerance,

@@ -3,6 +3,7 @@
 #include "core/base/blocks.h"
 #include "core/base/tolerance.h"
 #include "core/geometry/patch_reason.h"
+#include "core/patches/patches.h"
 
 namespace remesh {
 namespace {

@@ -14,6 +14,7 @@
 #include "core/patches/coplanar_regions.h"
 #include "core/patches/essential_vertices.h"
 #include "core/patches/ladder.h"
+#include "core/patches/patch_summary.h"
 
 namespace remesh {
 

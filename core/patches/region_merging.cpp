@@ -17,11 +17,11 @@ namespace {
 
 /// Until a region has doubled, all its faces are held against new planes at most so often for the sake of much smaller
 /// regions.
-constexpr std::uint8_t kMostWalks = 8;
+constexpr std::uint8_t kMaxWalks = 8;
 /// A region this many times as large as another one is much larger.
 constexpr std::size_t kMuchLarger = 4;
 /// Of a region so many faces are remembered that spoke against a plane: where another one is no better they tell soon.
-constexpr std::size_t kMostWitnesses = 8;
+constexpr std::size_t kMaxWitnesses = 8;
 
 constexpr std::size_t kBlock = 4096;
 
@@ -49,10 +49,10 @@ class Merging {
     if (pairs.empty()) return;  // as on most surfaces
     joined_ = UnionFind(pieces_.size());
     // Each pass may make neighbours of regions that were not; few are needed.
-    constexpr int kMostPasses = 8;
-    for (int pass = 0; pass < kMostPasses; ++pass) {
+    constexpr int kMaxPasses = 8;
+    for (int pass = 0; pass < kMaxPasses; ++pass) {
       gather(pairs);
-      if (!merge(pairs, pass) || pass + 1 == kMostPasses) break;
+      if (!merge(pairs, pass) || pass + 1 == kMaxPasses) break;
       pairs = bordering_pieces();
     }
     StopCheck check(control_);
@@ -215,7 +215,7 @@ class Merging {
       return true;
     }
     if (large.faces.size() <= kMuchLarger * small.faces.size()) return add_all(large.faces, plane, band, lie);
-    if (large.walks == kMostWalks) return false;
+    if (large.walks == kMaxWalks) return false;
     ++large.walks;
     if (add_all(large.faces, plane, band, lie)) return true;
     remember_farthest(large, plane, band);
@@ -266,7 +266,7 @@ class Merging {
     std::vector<FaceId>& witnesses = content.witnesses;
     for (const auto& [most, f] : farthest) {
       if (!f.is_valid() || std::find(witnesses.begin(), witnesses.end(), f) != witnesses.end()) continue;
-      if (witnesses.size() == kMostWitnesses) witnesses.erase(witnesses.begin());
+      if (witnesses.size() == kMaxWitnesses) witnesses.erase(witnesses.begin());
       witnesses.push_back(f);
     }
   }

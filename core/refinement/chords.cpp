@@ -201,7 +201,7 @@ bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCont
     return true;
   // A flip may make edges that conflict anew, or leave another without what it was held for; what goes on doing so is
   // left.
-  constexpr int kMostPasses = 8;
+  constexpr int kMaxPasses = 8;
   for (int pass = 0;; ++pass) {
     const Uses uses = edge_uses(meshes, vertex_end, control);
     bool is_settled = true;
@@ -215,7 +215,7 @@ bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCont
     }
     const std::vector<Chord> chords = chords_of(uses, control);
     if (is_settled && chords.empty()) return true;
-    if (pass == kMostPasses) return false;
+    if (pass == kMaxPasses) return false;
     if (!is_settled) continue;
     const auto flip_one = [&](PatchMesh& patch, std::uint32_t h) { return flip_away(patch, h, uses, control); };
     if (!for_chords(meshes, chords, control, flip_one)) return false;

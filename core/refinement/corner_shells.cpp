@@ -39,9 +39,9 @@ constexpr double kTip = 0.54;
 constexpr double kTipOfWide = 0.66;
 constexpr double kWide = 0.12;  ///< how far apart the sides are at the distance 1; some 7 degrees
 /// In sizes: no piece is shorter. Where it had to be, the angle is given up.
-constexpr double kLeastPiece = 0x1p-5;
+constexpr double kMinPiece = 0x1p-5;
 /// In pieces: what is left of a side behind its last shell is no shorter.
-constexpr double kLeastRest = 0.5;
+constexpr double kMinRest = 0.5;
 /// Sides are cut together for so many pieces at most, and each on its own behind that. No part needs more, but a strip
 /// of a billion sizes would fill the memory before the limit on faces is reached.
 constexpr std::size_t kMaxStops = std::size_t{1} << 20;
@@ -209,7 +209,7 @@ class Way {
     for (const std::uint32_t i : members) width = std::min(width, sides[i].width);
     const double longest = kMargin * 2 * std::log1p(width / tangent_) * distance;
     // The diagonals between such pieces are a little longer than they.
-    if (longest < std::max(2 * floor_, kLeastPiece * size)) return {(1 - kLeastPiece * kLeastPiece) * size, false};
+    if (longest < std::max(2 * floor_, kMinPiece * size)) return {(1 - kMinPiece * kMinPiece) * size, false};
     return {std::min(longest, size), true};
   }
 
@@ -232,7 +232,7 @@ std::size_t count_near(const Side& side, std::span<const double> distances) {
   double before = 0;
   std::size_t count = 0;
   for (const double here : distances) {
-    if (here > side.common * (1 + 1e-9) || side.length - here < kLeastRest * (here - before)) break;
+    if (here > side.common * (1 + 1e-9) || side.length - here < kMinRest * (here - before)) break;
     before = here;
     ++count;
   }

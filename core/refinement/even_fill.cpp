@@ -31,10 +31,10 @@ constexpr double kWideColumn = 0.75;
 /// What is looked at grows with the cells, and a region that is long and narrow, or where sizes change abruptly, has
 /// cells without a point of their own. A fill is given up where it would take more than so many for each point that is
 /// allowed, for each point of the boundary and for each triangle.
-constexpr std::size_t kMostCellsEach = 16;
+constexpr std::size_t kMaxCellsEach = 16;
 constexpr std::size_t kFewCells = std::size_t{1} << 20;
 /// More cells would take minutes.
-constexpr std::size_t kMostCells = std::size_t{1} << 30;
+constexpr std::size_t kMaxCells = std::size_t{1} << 30;
 
 /// Points in square cells, to ask what is near.
 class PointGrid {
@@ -345,8 +345,8 @@ class Lattice {
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
                             std::size_t vertex_count, const PlaneSizes& sizes, double shortest, std::size_t most,
                             RunControl& control) {
-  const std::size_t most_cells = std::min(
-      kMostCells, kFewCells + kMostCellsEach * (std::min(most, kMostCells) + boundary.size() + triangles.size()));
+  const std::size_t most_cells =
+      std::min(kMaxCells, kFewCells + kMaxCellsEach * (std::min(most, kMaxCells) + boundary.size() + triangles.size()));
   Lattice lattice(triangles, sizes, control);
   // Asked before any number is made an integer: it may be far beyond all of them.
   if (!(lattice.least_cells() <= static_cast<double>(most_cells))) return {};

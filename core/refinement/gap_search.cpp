@@ -32,9 +32,9 @@ constexpr double kRounding = 0x1p-48;
 constexpr double kHidden = 1 + 1e-6;
 
 /// Where each patch at a vertex is asked for each, vertices of more patches than this are left out.
-constexpr std::size_t kMostPatchesAtCorner = 16;
+constexpr std::size_t kMaxPatchesAtCorner = 16;
 /// So many corners of a patch are asked for the smallest gap, evenly spread.
-constexpr std::size_t kMostCornersOfPatch = 64;
+constexpr std::size_t kMaxCornersOfPatch = 64;
 
 /// What is known of all triangles in a node of the tree, if it is the same.
 struct Common {
@@ -313,7 +313,7 @@ void GapSearch::Index::find_boxes(RunControl& control) {
   for_blocks(patch_count(), 1024, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
       hubs_[PatchId(p)] = contacts_.busiest_vertex(PatchId(p));
-      const Common common{PatchId(p), hubs_[PatchId(p)], contacts_.largest_neighbours(PatchId(p), kMostPatchesAtCorner),
+      const Common common{PatchId(p), hubs_[PatchId(p)], contacts_.largest_neighbours(PatchId(p), kMaxPatchesAtCorner),
                           Layer()};
       for (std::uint32_t t = triangle_begin_[p]; t < triangle_begin_[p + 1]; ++t) {
         entries[t].tag = common;
@@ -432,8 +432,8 @@ std::optional<double> GapSearch::Index::smallest(RunControl& control) const {
 void GapSearch::Index::look_at_corners(SharedLeast& least, RunControl& control) const {
   for_blocks(patch_count(), 64, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t p = begin; p < end; ++p) {
-      const std::vector<VertexId> corners = contacts_.corners(PatchId(p), 3, kMostPatchesAtCorner);
-      const std::size_t step = 1 + corners.size() / kMostCornersOfPatch;
+      const std::vector<VertexId> corners = contacts_.corners(PatchId(p), 3, kMaxPatchesAtCorner);
+      const std::size_t step = 1 + corners.size() / kMaxCornersOfPatch;
       for (std::size_t i = 0; i < corners.size(); i += step) {
         control.check();
         least.lower(squared_gap(surface_.local[corners[i]], PatchId(p), least.get(), What::kFaced));

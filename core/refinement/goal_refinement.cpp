@@ -70,8 +70,8 @@ Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder
   };
   needs_budget_ = needs_budget_ || !is_worth_trying_without_budget();
   if (!needs_budget_) {
-    const std::uint64_t most = std::min(goals_.max_faces, kMostFaces);
-    if (auto refined = attempt(kNoLimit, most + std::min((kMostMade - 1) * most, kMostMadeBeyond)))
+    const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces);
+    if (auto refined = attempt(kNoLimit, most + std::min((kMaxMade - 1) * most, kMaxMadeBeyond)))
       return measured(*std::move(refined));
     needs_budget_ = true;
   }
@@ -85,7 +85,7 @@ bool GoalRefinement::is_worth_trying_without_budget() const {
 
 /// Before anything is allocated by it: what must have more faces than allowed is not begun.
 void GoalRefinement::refuse_if_hopeless(double least) const {
-  const std::uint64_t most = std::min(goals_.max_faces, kMostFaces);
+  const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces);
   if (least > static_cast<double>(most))
     throw Error(Code::kOutputTooLarge, Stage::kRefinement,
                 "with these sizes the result has at least " + count_text(least) + " faces, more than allowed")

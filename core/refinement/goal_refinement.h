@@ -74,16 +74,16 @@ class GoalRefinement {
  private:
   /// An attempt without a budget may make so many times the faces allowed, though no more beyond these than would take
   /// a few GB. (A slot behind which sizes grow, at 33 degrees, has three times as many before it is thinned out.)
-  static constexpr std::uint64_t kMostMade = 4, kMostMadeBeyond = std::uint64_t{1} << 23;
+  static constexpr std::uint64_t kMaxMade = 4, kMaxMadeBeyond = std::uint64_t{1} << 23;
   /// It is not worth it where that many times the faces allowed are predicted, or so many if these are few: where
   /// boundaries are locked or edges must not be short, predictions may be far too high, and it takes a second at most.
   static constexpr double kHopeless = 2, kFewFaces = 0x1p17;
-  static constexpr int kMostRetries = 6;
+  static constexpr int kMaxRetries = 6;
   static constexpr int kRetriesInVain = 3;  ///< so many does one count for that made no fewer faces
   /// One part in so many of the faces allowed is kept for what patches do for each other at the end: another attempt
   /// would take as long as the first.
   static constexpr std::uint64_t kReserve = 1024;
-  bool is_budget_too_small() const { return retries_ > kMostRetries; }
+  bool is_budget_too_small() const { return retries_ > kMaxRetries; }
   /// The same for all attempts at the same patches.
   /// Input:  with proximity, the gaps.
   const SizeField& size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes, const GapSearch* gaps);

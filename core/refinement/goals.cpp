@@ -19,7 +19,7 @@ Goals goals_of(const Options& options, double diagonal) {
   goals.min_angle_deg = options.min_angle_deg.value_or(kDefaultDegrees);
   if (options.max_radius_edge_ratio) {
     const double sine = 1 / (2 * *options.max_radius_edge_ratio);
-    goals.min_angle_deg = std::min(Goals::kMostDegrees, std::asin(std::min(1.0, sine)) * 180 / std::numbers::pi);
+    goals.min_angle_deg = std::min(Goals::kMaxDegrees, std::asin(std::min(1.0, sine)) * 180 / std::numbers::pi);
   }
   goals.max_edge_length = options.max_edge_length.value_or(
       options.max_edge_fraction ? *options.max_edge_fraction * diagonal : goals.max_edge_length);

@@ -26,7 +26,7 @@ struct Goals {
   double size_slope() const { return gradation > 0 ? gradation - 1 : 1; }
 
   /// The largest min_angle_deg of the contract.
-  static constexpr double kMostDegrees = Options::kMostMinAngleDeg;
+  static constexpr double kMaxDegrees = Options::kMaxMinAngleDeg;
 };
 
 /// The goals that options ask for, with the contract's defaults (25 degrees; gradation 1.5 with proximity).

@@ -8,7 +8,7 @@
 namespace remesh {
 namespace {
 
-constexpr double kLeastDegrees = 20;
+constexpr double kMinDegrees = 20;
 /// Of the slope of the best graded triangles. With 1 half of a square stays coarse that could be as fine as asked; with
 /// 2.5 there are angles of half a degree, with this of 6.
 constexpr double kSteeper = 1.5;
@@ -18,7 +18,7 @@ Vec3 in_space(Vec2 p) { return {p.x, p.y, 0}; }
 /// Triangles on one another's sides, all with two angles of the bound, have sides 1/(2 cos) times as long at each step,
 /// and the height of tan/2 times their base: that is how fast sizes can shrink.
 double steepest_slope(double min_angle_deg) {
-  const double angle = std::max(min_angle_deg, kLeastDegrees) * std::numbers::pi / 180;
+  const double angle = std::max(min_angle_deg, kMinDegrees) * std::numbers::pi / 180;
   return kSteeper * (1 - 1 / (2 * std::cos(angle))) * 2 / std::tan(angle);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 /// Shortest edge at which noise of one tolerance turns faces by so little that angles keep their bound: the change is
 /// of second order.
-constexpr double kLeastEdge = 100;
+constexpr double kMinEdge = 100;
 /// What is flatter than this, of its coordinates, is flat but for rounding.
 constexpr double kFlat = 0x1p-46;
 
@@ -45,7 +45,7 @@ class PatchLift {
 
   void run(std::size_t first_inner, double plane_tolerance, std::vector<Vec3>& new_positions, RunControl& control) {
     const std::size_t old = surface_.vertex_count();
-    const auto has_short_edge = vertices_with_short_edges(kLeastEdge * plane_tolerance, control);
+    const auto has_short_edge = vertices_with_short_edges(kMinEdge * plane_tolerance, control);
     const PatchLocator locator(surface_, faces_, mesh_.frame, control);
     for_blocks(mesh_.vertices.size(), kLookUps, control, [&](std::size_t i, std::size_t end) {
       for (; i < end; ++i) {

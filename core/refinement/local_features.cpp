@@ -10,9 +10,9 @@ namespace {
 
 using Mesh = Triangulation2d;
 
-constexpr std::size_t kMostTriangles = 256;
+constexpr std::size_t kMaxTriangles = 256;
 /// So many in a row that bring nothing nearer end a search: fans of long triangles, which all come near.
-constexpr std::size_t kMostIdle = 64;
+constexpr std::size_t kMaxIdle = 64;
 constexpr double kOwnEnd = -1;  ///< the distance of the segment's own ends: less than any
 
 double squared_distance(Vec2 a, Vec2 b, Vec2 p) {
@@ -72,14 +72,14 @@ double LocalFeatures::distance(const PatchMesh& patch, std::uint32_t h) {
   const Vec2 pa = patch.uv[a], pb = patch.uv[b];
   double best = dot(pb - pa, pb - pa);
   double nearest_before = best;
-  std::size_t most = kMostIdle;
+  std::size_t most = kMaxIdle;
   queue_.assign(1, {h, kOwnEnd, kOwnEnd});
   seen_[h / 3] = h;
   for (std::size_t i = 0; i < queue_.size(); ++i) {
     const Entered entry = queue_[i];
     if (best < nearest_before) {
       nearest_before = best;
-      most = std::min(i + kMostIdle, kMostTriangles);
+      most = std::min(i + kMaxIdle, kMaxTriangles);
     }
     const std::uint32_t v = mesh.apex(entry.half_edge);
     const bool is_apex_own = v == a || v == b;

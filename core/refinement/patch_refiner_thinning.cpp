@@ -22,7 +22,7 @@ constexpr double kLongEnough = 0.86;
 /// flatter than this, nor than the flattest there was.
 constexpr double kFlattest = 0.165;
 /// A point with more edges, between small things far from it, stays. With angles of 15 degrees there are no more.
-constexpr std::size_t kMostEdges = 24;
+constexpr std::size_t kMaxEdges = 24;
 /// Sizes change across a few triangles: their average may seem a little too large.
 constexpr double kAlmost = 0.8;
 /// Places that are tried for one point instead of two.
@@ -46,7 +46,7 @@ bool PatchRefiner::find_ring(std::uint32_t v, std::vector<std::uint32_t>& ring) 
   const std::uint32_t first = mesh_.half_edge_at(v);
   std::uint32_t h = first;
   do {
-    if (state_[h / 3] != State::kGood || ring.size() == kMostEdges) return false;
+    if (state_[h / 3] != State::kGood || ring.size() == kMaxEdges) return false;
     ring.push_back(mesh_.to(h));
     h = mesh_.twin(DelaunayMesh::previous(h));
   } while (h != first);

@@ -22,7 +22,7 @@ constexpr double kFacesPerIdeal = 1.45;
 /// Faces for each piece of a boundary edge that another patch needs, from there to where they may be large again.
 constexpr double kFacesPerPiece = 2.5;
 /// A patch's share stays a number, however sharp its angles or small its sizes are.
-constexpr double kMostOfPatch = 0x1p62;
+constexpr double kMaxOfPatch = 0x1p62;
 /// Edges in fewer pieces are no news to the patches beside them.
 constexpr double kFewPieces = 3;
 
@@ -264,7 +264,7 @@ class LeastFaces {
     const double pieces = count_pieces(s.length, longest_);
     if (s.is_floor_asked) return s.floor * kSizesOverFloor <= longest_ ? pieces : 1;
     // That rounding leaves no room for a cut shows when all are made, if so many can be made.
-    return s.floor <= longest_ || pieces > static_cast<double>(kMostFaces) ? pieces : 1;
+    return s.floor <= longest_ || pieces > static_cast<double>(kMaxFaces) ? pieces : 1;
   }
 
   /// May triangles stay larger than sizes ask for, since points must not come nearer to each other?
@@ -339,7 +339,7 @@ double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::
                    const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control) {
   // So many could not even be listed.
   const double pieces = pieces_to_be_made(segments, sizes, control);
-  if (pieces > static_cast<double>(kMostFaces)) return pieces;
+  if (pieces > static_cast<double>(kMaxFaces)) return pieces;
   const LeastFaces least(segments, goals, sizes, control);
   double sum = 0;
   for (const double block : map_blocks<double>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
@@ -368,7 +368,7 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
     for (std::size_t p = begin; p < end; ++p) {
       const Prediction one = PatchPrediction(meshes[p], asked).run(block.pieces, control);
       block.sum.expected += one.expected;
-      block.sum.of_patch.push_back(static_cast<float>(std::min(one.expected, kMostOfPatch)));
+      block.sum.of_patch.push_back(static_cast<float>(std::min(one.expected, kMaxOfPatch)));
     }
     return block;
   });

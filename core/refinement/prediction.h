@@ -21,7 +21,7 @@ struct Prediction {
 };
 
 /// What has more faces cannot be made: half-edges are numbered in 31 bits.
-inline constexpr std::uint64_t kMostFaces = std::uint64_t{1} << 29;
+inline constexpr std::uint64_t kMaxFaces = std::uint64_t{1} << 29;
 
 /// Input:  triangulated patches over the vertices that stay.
 /// Cost:   O(n), with sizes that vary O(n log n).

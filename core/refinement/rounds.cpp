@@ -92,10 +92,10 @@ class Rounds {
       finish();
       exchange_refined();
       const std::vector<Chord> chords = find_chords(meshes_, surface_.vertex_count() + result_.first_inner, control_);
-      if (!can_split_any(chords) || passes == kMostChordPasses || (is_waiting_for_chords_ && !is_any_split_)) {
+      if (!can_split_any(chords) || passes == kMaxChordPasses || (is_waiting_for_chords_ && !is_any_split_)) {
         drop_all(refiners_);
         drop_all(refined_);
-        const auto why = passes == kMostChordPasses ? UnrefinedReason::kEffort : UnrefinedReason::kSizeFloor;
+        const auto why = passes == kMaxChordPasses ? UnrefinedReason::kEffort : UnrefinedReason::kSizeFloor;
         if (!chords.empty()) split_chords(surface_, patches_, meshes_, result_, is_frozen_, why, control_);
         return std::move(result_);
       }
@@ -113,9 +113,9 @@ class Rounds {
 
  private:
   /// A chord that gets a point ends many others, and what is refined around it may make a few anew.
-  static constexpr int kMostChordPasses = 16;
+  static constexpr int kMaxChordPasses = 16;
   /// Most is done then: what the last time brings is a few per cent.
-  static constexpr int kMostTakenUp = 8;
+  static constexpr int kMaxTakenUp = 8;
   /// In parts of the budget: for less it is not worth a round over all patches.
   static constexpr std::uint64_t kRoomForMore = 128;
   /// Small enough blocks: patches may have thousands of triangles each.
@@ -187,7 +187,7 @@ class Rounds {
   /// Where the budget has ended refinement, thinning out may have made room again: then the patches that have something
   /// to do go on. Not for ever: what is refined and what is thinned out may be the same.
   bool take_up_again() {
-    if (goals_.max_faces == kNoLimit || times_taken_up_ == kMostTakenUp) return false;
+    if (goals_.max_faces == kNoLimit || times_taken_up_ == kMaxTakenUp) return false;
     for (std::uint32_t p = 0; p < refiners_.size(); ++p)
       if (refiners_[p] && !refiners_[p]->is_done()) dirty_.push_back(p);
     if (dirty_.empty()) return false;

@@ -52,10 +52,10 @@ class Piece {
   void clip(int axis, double sign, double least) {
     const auto height = [&](const Vec3& p) { return sign * p[axis] - least; };
     if (std::all_of(corners().begin(), corners().end(), [&](const Vec3& p) { return height(p) >= 0; })) return;
-    std::array<Vec3, kMostCorners> kept;
+    std::array<Vec3, kMaxCorners> kept;
     std::size_t count = 0;
     const auto keep = [&](const Vec3& p) {
-      if (count < kMostCorners) kept[count++] = p;
+      if (count < kMaxCorners) kept[count++] = p;
     };
     for (std::size_t i = 0; i < size_; ++i) {
       const Vec3 &p = corners_[i], &q = corners_[(i + 1) % size_];
@@ -68,9 +68,9 @@ class Piece {
   }
 
   /// Three and one more for each of four sides; rounding may make a few more along a side, which say nothing new.
-  static constexpr std::size_t kMostCorners = 10;
+  static constexpr std::size_t kMaxCorners = 10;
 
-  std::array<Vec3, kMostCorners> corners_;
+  std::array<Vec3, kMaxCorners> corners_;
   std::size_t size_ = 0;
 };
 
@@ -230,7 +230,7 @@ template <class CellAt>
 std::vector<SizeField::Sampler::Cell> SizeField::Sampler::look_at_all(const GapSearch& gaps, std::size_t n,
                                                                       const CellAt& cell_at) {
   constexpr std::size_t kBlock = 64;
-  const bool may_cut = samples_.size() + n <= std::max(kMostSamples, 4 * gaps.patch_count()) / 2;
+  const bool may_cut = samples_.size() + n <= std::max(kMaxSamples, 4 * gaps.patch_count()) / 2;
   std::vector<Output> found = map_blocks<Output>(n, kBlock, control_, [&](std::size_t begin, std::size_t end) {
     Output out;
     for (std::size_t i = begin; i < end; ++i) {

@@ -24,7 +24,7 @@ namespace remesh {
 ///         lengths h and gradation h that meet: their sizes are read one h apart); it reads the input, never the
 ///         growing mesh; scales with it by powers of two, exactly; the same for any number of threads.
 /// Cost:   at() is O(log n) as long as sizes vary slowly; constant where there is no proximity and no gradation.
-///         Memory: some 70 bytes a sample, at most kMostSamples and two a segment; those that another one undercuts
+///         Memory: some 70 bytes a sample, at most kMaxSamples and two a segment; those that another one undercuts
 ///         everywhere are left out, which takes as long as an at() for each.
 class SizeField {
  public:
@@ -54,7 +54,7 @@ class SizeField {
                                  const Goals& goals, RunControl& control);
 
   /// Cells are not cut further where there would be more than these, and more than four a patch.
-  static constexpr std::size_t kMostSamples = std::size_t{1} << 19;
+  static constexpr std::size_t kMaxSamples = std::size_t{1} << 19;
 
   /// Sizes are kept in single precision, so those of one gap differ in their last digits: by less than this part.
   static constexpr double kNoise = 0x1p-21;

@@ -17,10 +17,10 @@ namespace {
 /// Degrees: aimed at so much more than the bound.
 constexpr double kMargin = 0.02;
 /// More parts cannot be told apart by their ends.
-constexpr double kMostParts = 0x1p40;
+constexpr double kMaxParts = 0x1p40;
 /// A strip's sides: by how much its width may change along it, and how far beyond one the other may begin, in widths.
-constexpr double kMostWidening = 1.25;
-constexpr double kMostShear = 0.5;
+constexpr double kMaxWidening = 1.25;
+constexpr double kMaxShear = 0.5;
 /// Strips side by side are alike if their sides want parts in numbers that differ by no more. Sides that want three and
 /// four parts are well as they are: the ends of one are between those of the other.
 constexpr double kAlike = 1.05;
@@ -29,7 +29,7 @@ constexpr double kRow = 0.85;
 /// In sizes: what is no wider is as a row of squares.
 constexpr double kRim = 1.1;
 /// Wider strips have their sides far apart: what is between them can make up for a wrong end of a row.
-constexpr double kMostRows = 12;
+constexpr double kMaxRows = 12;
 /// A side is of one size if the smallest asks for no more parts than the largest times this, and one more.
 constexpr double kEven = 1.02;
 
@@ -44,8 +44,8 @@ bool do_face(const PatchMesh& patch, std::uint32_t h, std::uint32_t other) {
   const Vec2 along = (1 / norm(b - a)) * (b - a);
   // They run in opposite directions: c lies across from b, and d from a.
   const auto [least, most] = std::minmax({cross(along, c - a), cross(along, d - a)});
-  if (!(least > 0) || most > kMostWidening * least) return false;
-  return std::fabs(dot(along, c - b)) <= kMostShear * least && std::fabs(dot(along, d - a)) <= kMostShear * least;
+  if (!(least > 0) || most > kMaxWidening * least) return false;
+  return std::fabs(dot(along, c - b)) <= kMaxShear * least && std::fabs(dot(along, d - a)) <= kMaxShear * least;
 }
 
 /// The constrained half-edge that faces h over two triangles with a diagonal in common, or kNone.
@@ -93,9 +93,9 @@ Pairs facing_segments(const std::vector<PatchMesh>& meshes, const SegmentTable& 
 /// of the segment.
 double smallest_size(const SegmentTable& table, SegmentId s, const SizeField& sizes) {
   if (sizes.is_uniform()) return sizes.largest();
-  constexpr double kMostSteps = 16;
+  constexpr double kMaxSteps = 16;
   double least = sizes.at(table.position(s, 0.5));
-  const auto steps = static_cast<int>(std::clamp(std::ceil(2 * table[s].length / least), 1.0, kMostSteps));
+  const auto steps = static_cast<int>(std::clamp(std::ceil(2 * table[s].length / least), 1.0, kMaxSteps));
   for (int i = 0; i <= steps; ++i) least = std::min(least, sizes.at(table.position(s, static_cast<double>(i) / steps)));
   return least;
 }
@@ -123,12 +123,12 @@ double wanted_parts(const SegmentTable& table, SegmentId s, double feature, doub
   const double size = smallest_size(table, s, sizes);
   const double by_size = parts_of_size(segment, size);
   const double parts = std::max(by_angle, by_size);
-  const double most = goals.min_edge_length > 0 ? segment.length / segment.floor : kMostParts;
+  const double most = goals.min_edge_length > 0 ? segment.length / segment.floor : kMaxParts;
   if (parts < 2 || 2 * parts > most) return 0;
   // With twice as many parts as angles need it does not matter to these where the other side's are; and where a strip
   // is as wide as a row of triangles is high, there are points inside.
   if (by_size < 2 * by_angle || feature <= kRow * size) return parts;
-  if (!is_behind_walls(goals, sizes) || feature > std::min(segment.length, kMostRows * size)) return 0;
+  if (!is_behind_walls(goals, sizes) || feature > std::min(segment.length, kMaxRows * size)) return 0;
   return by_size <= kEven * parts_of_size(segment, largest_size(table, s, sizes)) + 1 ? parts : 0;
 }
 
@@ -147,7 +147,7 @@ std::optional<bool> is_odd_across(const SegmentTable& table, const Pair& sides, 
   // As high as the slanting edges allow.
   const double size = sizes.at(0.5 * (here + there)), half = table[sides[0]].length / parts / 2;
   const double rows = std::ceil(width / std::sqrt(std::max(size * size - half * half, size * size / 4)) * (1 - 1e-9));
-  if (rows > kMostRows || width > table[sides[0]].length) return std::nullopt;
+  if (rows > kMaxRows || width > table[sides[0]].length) return std::nullopt;
   return std::fmod(rows, 2) == 1;
 }
 

@@ -109,7 +109,7 @@ void check_whole(const Model& model, const EdgeCounts& input, std::int64_t input
 }
 
 /// At most so many intersecting pairs are looked for.
-constexpr std::size_t kMostPairs = 100'000;
+constexpr std::size_t kMaxPairs = 100'000;
 
 /// Writes the pairs of output faces that intersect to the verdict.
 void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is_positive, Findings& findings,
@@ -127,7 +127,7 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
     if (!is_positive[f]) is_simple[claim.face_patch[f].value] = 0;
   }
   SelfIntersections found = patch_intersections(
-      {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, kMostPairs, control);
+      {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, kMaxPairs, control);
   static const InputIntersections kNone;
   const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNone;
   if (known.is_complete)

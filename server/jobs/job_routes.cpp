@@ -15,7 +15,7 @@ namespace remesh::server::jobs {
 namespace {
 
 constexpr const char* kPollSeconds = "1";
-constexpr int kMostListed = 100;
+constexpr int kMaxListed = 100;
 /// Memory for an answer, as times of the bytes that are kept: they, the mesh that they become and its text; of a report
 /// they and what becomes of them. Measured on a million faces: 5 times for OBJ, 7 for JSON, 9 for VTU.
 constexpr std::uint64_t kPerMeshByte = 10;
@@ -224,7 +224,7 @@ Response JobRoutes::list(const Call& call) const {
   if (owner.empty()) {
     throw HttpError(403, "forbidden", "jobs are listed for an API key only, and this server asks for none");
   }
-  return compressed(json_response(jobs_json(ask([&] { return store.list(owner, kMostListed); }))), call.request);
+  return compressed(json_response(jobs_json(ask([&] { return store.list(owner, kMaxListed); }))), call.request);
 }
 
 Response JobRoutes::show(const Call& call) const {

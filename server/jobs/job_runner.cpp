@@ -18,7 +18,7 @@ namespace {
 constexpr std::chrono::seconds kPoll{5};
 /// While the store does not answer, or there is no room.
 constexpr std::chrono::milliseconds kPause{250};
-constexpr std::chrono::milliseconds kMostBetweenLooks{1000};
+constexpr std::chrono::milliseconds kMaxBetweenLooks{1000};
 /// How long stopped work may take to notice.
 constexpr std::chrono::seconds kStopPatience{3};
 
@@ -65,7 +65,7 @@ JobRunner::JobRunner(JobStore& store, WorkerPool& pool, RequestRegistry& registr
 JobRunner::~JobRunner() { stop(); }
 
 void JobRunner::start() {
-  renewals_.emplace(std::min(kMostBetweenLooks, settings_.lease / 8), [this] { renew_all(); });
+  renewals_.emplace(std::min(kMaxBetweenLooks, settings_.lease / 8), [this] { renew_all(); });
   claimer_ = std::thread([this] { claim_until_stopped(); });
   committer_ = std::thread([this] { commit_until_stopped(); });
 }

@@ -11,7 +11,7 @@ namespace remesh::server::jobs {
 namespace {
 
 constexpr std::chrono::milliseconds kLook{1000};
-constexpr std::chrono::milliseconds kMostBetweenUpkeeps{5000};
+constexpr std::chrono::milliseconds kMaxBetweenUpkeeps{5000};
 /// How often the store is written to although nothing happens: it remembers the time.
 constexpr std::chrono::seconds kTouch{60};
 
@@ -87,7 +87,7 @@ void JobService::look_after() {
       next_touch_ = now + kTouch;
     }
     if (now >= next_upkeep_) {
-      next_upkeep_ = now + std::min(kMostBetweenUpkeeps, settings_.rules.lease / 8);
+      next_upkeep_ = now + std::min(kMaxBetweenUpkeeps, settings_.rules.lease / 8);
       const Upkeep done = store_->upkeep();
       metrics_.count_job_retry("worker_crashed", done.retried);
       metrics_.count_job("failed", "worker_crashed", done.crashed);

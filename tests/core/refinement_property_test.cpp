@@ -19,12 +19,12 @@ namespace {
 
 const std::uint64_t kSeed = base_seed(20183);
 
-constexpr std::uint64_t kMostFaces = 10'000;
+constexpr std::uint64_t kMaxFaces = 10'000;
 
 /// Some options, sizes fitting a body of that size.
 Options random_options(Random& random, double size) {
   Options options;
-  options.max_output_faces = kMostFaces;
+  options.max_output_faces = kMaxFaces;
   if (random.chance(0.8)) options.min_angle_deg = random.chance(0.2) ? 33 : random.uniform(0, 33);
   if (random.chance(0.4)) options.max_edge_length = size * random.uniform(0.05, 0.5);
   if (random.chance(0.2)) options.max_area = size * size * random.uniform(0.002, 0.1);

@@ -69,9 +69,9 @@ class Group {
     if (whole.was_stopped) told(stop_of(whole, plan_.max_run_s));
     if (whole.ending == Ending::kNever) return;
     // What ends at once, most of it refused, tells nothing.
-    constexpr double kLeastRun = 0.003;
+    constexpr double kMinRun = 0.003;
     const double length_s = std::min(whole.wall_s, plan_.max_run_s);
-    if (length_s < kLeastRun) return;
+    if (length_s < kMinRun) return;
     for (int i = 0; i < plan_.stops_of_group; ++i) {
       const double after_s = random_.unit() * length_s;
       const RunEnd end = run_once(after_s);

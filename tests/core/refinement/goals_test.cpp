@@ -73,7 +73,7 @@ TEST(goals, a_radius_edge_ratio_is_one_over_twice_the_sine) {
   // The equilateral triangle has 1/sqrt(3), and below a half there is no triangle: as far as the contract goes.
   for (const double ratio : {0.8, 0.55, 0.4, 1e-9}) {
     options.max_radius_edge_ratio = ratio;
-    EXPECT_EQ(goals_of(options, 1).min_angle_deg, Goals::kMostDegrees);
+    EXPECT_EQ(goals_of(options, 1).min_angle_deg, Goals::kMaxDegrees);
   }
 }
 

@@ -11,7 +11,7 @@ const kLowerE = 101;
 
 /** Powers of ten that doubles hold exactly. */
 const kPowers = Array.from({ length: 23 }, (_, exponent) => Number(`1e${exponent}`));
-const kMostDigits = 15;
+const kMaxDigits = 15;
 
 const isBlank = (byte: number): boolean => byte === 32 || byte === 9 || byte === kReturn || byte === 11 || byte === 12;
 const isDigit = (byte: number): boolean => byte >= kZero && byte <= 57;
@@ -110,7 +110,7 @@ export class Scanner {
     }
     this.at = at;
     const isAtWordEnd = at >= bytes.length || isBlank(bytes[at]!) || bytes[at] === kNewline;
-    if (seen > 0 && isAtWordEnd && digits <= kMostDigits && Math.abs(scale) <= 22) {
+    if (seen > 0 && isAtWordEnd && digits <= kMaxDigits && Math.abs(scale) <= 22) {
       const value = scale < 0 ? mantissa / kPowers[-scale]! : mantissa * kPowers[scale]!;
       return isNegative ? -value : value;
     }
