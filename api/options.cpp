@@ -89,15 +89,15 @@ const std::array<OptionSpec, 20> kTable{{
     {.name = "proximity",
      .type = OptionType::kNumber,
      .field = &Options::proximity,
-     .help =
-         "edges to fit across the gap to the nearest facet that is not a neighbour; what misses it is listed; 0: off",
+     .help = "so many edges fit across the gap to the nearest facet that is not a neighbour; triangles that miss this "
+             "are listed; "
+             "0: off",
      .minimum = 0,
      .example = "1"},
     {.name = "gradation",
      .type = OptionType::kNumber,
      .field = &Options::gradation,
-     .help =
-         "largest factor by which the sizes of neighbouring edges may grow; auto: 1.5 with proximity, else no limit",
+     .help = "largest factor by which neighbouring edges may differ in size; auto: 1.5 with proximity, else no limit",
      .unset = "auto",
      .minimum = 1,
      .above_minimum = true,
@@ -105,8 +105,8 @@ const std::array<OptionSpec, 20> kTable{{
     {.name = "max_output_faces",
      .type = OptionType::kInteger,
      .field = &Options::max_output_faces,
-     .help = "the most faces that the answer may have: refused where it must have more, else refinement stops there; "
-             "at most, and if left out, the server's limit",
+     .help = "the largest number of faces that the answer may have. A request that must have more is refused; else "
+             "refinement stops there. The default, and the largest value, is the server's limit",
      .unset = "none",
      .minimum = 1,
      .example = "100000"},
@@ -132,15 +132,16 @@ const std::array<OptionSpec, 20> kTable{{
     {.name = "normal_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::normal_tolerance,
-     .help = "how far unit normals in a patch may differ per component, at least",
+     .help = "smallest difference per component that unit normals in a patch may always have",
      .minimum = 0,
      .maximum = Options::kMaxNormalTolerance,
      .example = "1e-5"},
     {.name = "weld_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::weld_tolerance,
-     .help = "vertices this near are one, in model units, and open edges are split at vertices this near; 0: vertices "
-             "with equal coordinates are one",
+     .help = "vertices at most this far apart become one, in model units, and open edges are split at vertices this "
+             "near; 0: "
+             "only vertices with equal coordinates become one",
      .minimum = 0,
      .example = "1e-6"},
     {.name = "repair",

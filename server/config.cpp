@@ -123,7 +123,8 @@ const std::vector<Setting>& settings() {
       {"--allow-anonymous", "listen beyond loopback although anyone may then use this server",
        [](Config& c, const auto& text) { c.allow_anonymous = parse_bool(text); },
        [](const Config& c) { return c.allow_anonymous ? "true" : "false"; }, true},
-      {"--api-key-file", "file with a key a line that clients must show one of (none: off); read again on SIGHUP",
+      {"--api-key-file",
+       "file with one key per line, of which a client must show one (none: no key is asked for); read again on SIGHUP",
        [](Config& c, const auto& text) { c.api_key_file = text == "none" ? "" : text; },
        [](const Config& c) { return c.api_key_file.empty() ? "none" : c.api_key_file; }},
       {"--cors-origin", "origins whose pages may use this server, separated by commas; * (none: no page)",
@@ -133,31 +134,34 @@ const std::vector<Setting>& settings() {
        [](Config& c, const auto& text) { c.workers = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.workers); }},
       {"--max-running",
-       "requests that compute at once; while all take long, small ones pass, up to as many more (default: the workers' "
-       "number)",
+       "requests that compute at once; while all of them take long, small ones may pass, up to as many more (default: "
+       "the number of workers)",
        [](Config& c, const auto& text) { c.max_running = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.max_running); }},
-      {"--queue-size", "requests that may wait for a worker (default: 4 a worker, at least 16)",
+      {"--queue-size", "requests that may wait for a worker (default: 4 per worker, at least 16)",
        [](Config& c, const auto& text) { c.queue_size = between(1, 1'000'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.queue_size); }},
       duration(
-          "--request-timeout", "computing time of a request", [](Config & c) -> auto& { return c.request_timeout; }),
+          "--request-timeout", "longest computing time of a request",
+          [](Config & c) -> auto& { return c.request_timeout; }),
       bytes(
-          "--max-body", "size of a request's body", [](Config & c) -> auto& { return c.max_body; }),
+          "--max-body", "largest size of a request's body", [](Config & c) -> auto& { return c.max_body; }),
       bytes(
-          "--max-decompressed", "size of a body, or of a mesh in it, out of gzip",
+          "--max-decompressed", "largest size of a gzip body, or of a gzip mesh in a body, after decompression",
           [](Config & c) -> auto& { return c.max_decompressed; }),
-      {"--max-ratio", "how many times larger than its compressed bytes that may be, beyond the first MiB",
+      {"--max-ratio", "largest ratio of decompressed to compressed size, beyond the first MiB",
        [](Config& c, const auto& text) { c.max_ratio = between(1, 1'000'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.max_ratio); }},
       count(
-          "--max-vertices", "vertices of an input mesh", [](Config & c) -> auto& { return c.max_vertices; }),
+          "--max-vertices", "largest number of vertices of an input mesh",
+          [](Config & c) -> auto& { return c.max_vertices; }),
       count(
-          "--max-faces", "faces of an input mesh", [](Config & c) -> auto& { return c.max_faces; }),
+          "--max-faces", "largest number of faces of an input mesh", [](Config & c) -> auto& { return c.max_faces; }),
       count(
-          "--max-output-faces", "faces of a result", [](Config & c) -> auto& { return c.max_output_faces; }),
+          "--max-output-faces", "largest number of faces of a result",
+          [](Config & c) -> auto& { return c.max_output_faces; }),
       bytes(
-          "--memory-budget", "memory of all requests together (default: 70 % of what this process may use)",
+          "--memory-budget", "memory that all requests together may use (default: 70 % of what this process may use)",
           [](Config & c) -> auto& { return c.memory_budget; }),
       {"--store", "where jobs are kept: sqlite, a URL postgres://..., or none",
        [](Config& c, const auto& text) { c.jobs.store = checked_store(text); },
@@ -178,49 +182,51 @@ const std::vector<Setting>& settings() {
        },
        [](const Config& c) { return format_count(static_cast<std::uint64_t>(c.jobs.max_queued)); }},
       duration(
-          "--job-timeout", "computing time of a job", [](Config & c) -> auto& { return c.jobs.job_timeout; }),
+          "--job-timeout", "longest computing time of a job", [](Config & c) -> auto& { return c.jobs.job_timeout; }),
       duration(
-          "--job-queue-timeout", "time that a job may wait for a worker",
+          "--job-queue-timeout", "longest time that a job may wait for a worker",
           [](Config & c) -> auto& { return c.jobs.rules.queue_timeout; }),
       duration(
-          "--job-lease", "after so long without a sign of its worker a job is given to another",
+          "--job-lease", "a job is given to another worker if its own has shown no sign of life for this long",
           [](Config & c) -> auto& { return c.jobs.rules.lease; }),
-      {"--job-attempts", "workers that may die of a job before it counts as failed",
+      {"--job-attempts", "give up on a job after this many workers have crashed on it",
        [](Config& c, const auto& text) {
          c.jobs.rules.max_attempts = static_cast<int>(between(1, 1000, parse_count(text)));
        },
        [](const Config& c) { return std::to_string(c.jobs.rules.max_attempts); }},
       duration(
-          "--result-ttl", "time that results of jobs are kept",
+          "--result-ttl", "time that the results of jobs can be fetched",
           [](Config & c) -> auto& { return c.jobs.rules.result_ttl; }),
-      {"--max-connections", "open connections",
+      {"--max-connections", "largest number of open connections",
        [](Config& c, const auto& text) { c.max_connections = between(1, 100'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.max_connections); }},
-      {"--max-connections-per-address", "open connections from one IPv4 address or IPv6 /64 network",
+      {"--max-connections-per-address", "largest number of open connections from one IPv4 address or IPv6 /64 network",
        [](Config& c, const auto& text) { c.max_connections_per_address = between(1, 100'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.max_connections_per_address); }},
-      {"--idle-timeout", "time that a kept connection may wait for its next request (none: one request each)",
+      {"--idle-timeout",
+       "time that an open connection may wait for its next request (none: one request per connection)",
        [](Config& c, const auto& text) {
          c.idle_timeout = text == "none" ? std::chrono::milliseconds(0) : positive_duration(text);
        },
        [](const Config& c) { return c.idle_timeout.count() == 0 ? "none" : format_duration(c.idle_timeout); }},
-      {"--max-head", "size of a request's head",
+      {"--max-head", "largest size of a request's head",
        [](Config& c, const auto& text) { c.gate.head.max_bytes = between(1024, 16 << 20, parse_bytes(text)); },
        [](const Config& c) { return format_bytes(c.gate.head.max_bytes); }},
-      {"--max-fields", "header fields of a request",
+      {"--max-fields", "largest number of header fields of a request",
        [](Config& c, const auto& text) { c.gate.head.max_fields = between(8, 100'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.gate.head.max_fields); }},
       duration(
-          "--head-timeout", "time for a request's head; grace of its body",
+          "--head-timeout", "time for a request's head; also the grace period of its body",
           [](Config & c) -> auto& { return c.gate.head_timeout; }),
       bytes(
-          "--min-body-rate", "bytes a second that a client must send or take, after the grace",
+          "--min-body-rate", "bytes per second that a client must send or take after the grace period",
           [](Config & c) -> auto& { return c.gate.min_body_rate; }),
       duration(
-          "--write-timeout", "grace of an answer, before --min-body-rate applies",
+          "--write-timeout", "grace period of an answer, before --min-body-rate applies",
           [](Config & c) -> auto& { return c.gate.write_timeout; }),
       duration(
-          "--drain-time", "time for running requests after SIGTERM", [](Config & c) -> auto& { return c.drain_time; }),
+          "--drain-time", "time that running requests get after SIGTERM",
+          [](Config & c) -> auto& { return c.drain_time; }),
       {"--log-format", "auto (text on a terminal, else json), text or json",
        [](Config& c, const auto& text) { c.log_format = parse_choice(kFormats, text); },
        [](const Config& c) { return choice_name(kFormats, c.log_format); }},
@@ -297,7 +303,7 @@ Invocation read_command_line(int argc, const char* const* argv, std::ostream& ou
   bool checks = false;
   app.add_flag("--print-config", prints, "print the settings in use and exit");
   app.add_flag("--check-config", checks, "check the settings and exit");
-  CLI::App* health = app.add_subcommand("health", "ask a running remeshd whether it is well: exit code 0 or 1");
+  CLI::App* health = app.add_subcommand("health", "ask a running remeshd whether it is healthy: exit code 0 or 1");
   health->fallthrough();
 
   try {
