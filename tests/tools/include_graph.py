@@ -3,7 +3,7 @@
 usage: include_graph.py [--check] SVG
 
 Wings stand in the order of include_order.txt, the lowest at the bottom. An arc on the right leads from a wing down to one
-that it includes, the broader the more includes there are. An include that goes up would be an arc in red on the left.
+that it includes, broader by one for each factor of four in the number of includes. An include that goes up would be an arc in red on the left.
 With --check nothing is written. Exit code 1: the file is not the one that would be drawn.
 """
 
@@ -64,7 +64,7 @@ def draw(root):
         colour = "#4b716b" if is_down else "#d02020"
         parts.append(
             f'<path d="M{side} {start:.1f}C{bend:.1f} {start:.1f} {bend:.1f} {end:.1f} {side} {end:.1f}" fill="none" '
-            f'stroke="{colour}" stroke-opacity="0.55" stroke-width="{0.6 + 0.9 * math.log2(1 + count):.2f}"/>'
+            f'stroke="{colour}" stroke-opacity="0.55" stroke-width="{1 + math.floor(math.log(count, 4))}"/>'
         )
     for i, folder in enumerate(order):
         y = top_of[i]
