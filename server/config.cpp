@@ -13,7 +13,7 @@
 #include "api/machine_limits.h"
 #include "api/text.h"
 #include "core/remesh.h"
-#include "server/api_keys.h"
+#include "server/http/api_keys.h"
 #include "server/jobs/database.h"
 
 namespace remesh::server {

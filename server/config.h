@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "api/service.h"
-#include "server/cors.h"
-#include "server/gate.h"
+#include "server/http/cors.h"
+#include "server/http/gate.h"
+#include "server/http/units.h"
 #include "server/jobs/job_settings.h"
-#include "server/log.h"
-#include "server/units.h"
+#include "server/observe/log.h"
 
 namespace remesh::server {
 

@@ -17,14 +17,14 @@
 #include <stdexcept>
 #include <thread>
 
-#include "server/address_counts.h"
-#include "server/connection_threads.h"
-#include "server/error_response.h"
-#include "server/exchange.h"
-#include "server/idle_connections.h"
-#include "server/log.h"
-#include "server/memory_budget.h"
-#include "server/request_registry.h"
+#include "server/http/address_counts.h"
+#include "server/http/connection_threads.h"
+#include "server/http/error_response.h"
+#include "server/http/exchange.h"
+#include "server/http/idle_connections.h"
+#include "server/observe/log.h"
+#include "server/work/memory_budget.h"
+#include "server/work/request_registry.h"
 
 namespace remesh::server {
 namespace {

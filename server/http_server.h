@@ -15,12 +15,12 @@
 #include <string>
 #include <vector>
 
-#include "server/api_keys.h"
-#include "server/cors.h"
-#include "server/gate.h"
-#include "server/metrics.h"
-#include "server/route.h"
-#include "server/units.h"
+#include "server/http/api_keys.h"
+#include "server/http/cors.h"
+#include "server/http/gate.h"
+#include "server/http/route.h"
+#include "server/http/units.h"
+#include "server/observe/metrics.h"
 
 namespace remesh::server {
 

@@ -15,7 +15,7 @@
 #include "core/remesh.h"
 #include "server/config.h"
 #include "server/http_server.h"
-#include "server/log.h"
+#include "server/observe/log.h"
 #include "server/service.h"
 
 namespace remesh::server {

@@ -4,7 +4,7 @@
 #include <thread>
 #include <utility>
 
-#include "server/content_coding.h"
+#include "server/http/content_coding.h"
 #include "server/web_page.h"
 
 namespace remesh::server {

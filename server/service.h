@@ -6,18 +6,18 @@
 #include <memory>
 #include <vector>
 
-#include "server/api_keys.h"
 #include "server/config.h"
+#include "server/http/api_keys.h"
+#include "server/http/route.h"
 #include "server/http_server.h"
 #include "server/jobs/job_routes.h"
 #include "server/jobs/job_service.h"
-#include "server/memory_budget.h"
-#include "server/memory_watch.h"
-#include "server/metrics.h"
-#include "server/request_registry.h"
-#include "server/route.h"
-#include "server/work.h"
-#include "server/worker_pool.h"
+#include "server/observe/metrics.h"
+#include "server/work/memory_budget.h"
+#include "server/work/memory_watch.h"
+#include "server/work/request_registry.h"
+#include "server/work/work.h"
+#include "server/work/worker_pool.h"
 
 namespace remesh::server {
 

@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "core/io/gzip.h"
-#include "server/content_coding.h"
-#include "server/digest.h"
-#include "server/text.h"
+#include "server/http/content_coding.h"
+#include "server/http/digest.h"
+#include "server/http/text.h"
 
 namespace remesh::server {
 namespace {

@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/route.h"
+#include "server/http/route.h"
 
 namespace remesh::server {
 

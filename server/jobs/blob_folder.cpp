@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <utility>
 
-#include "server/request_registry.h"
+#include "server/work/request_registry.h"
 
 namespace remesh::server::jobs {
 namespace {

@@ -7,7 +7,7 @@
 #include "api/multipart.h"
 #include "api/negotiation.h"
 #include "api/text.h"
-#include "server/digest.h"
+#include "server/http/digest.h"
 
 namespace remesh::server::jobs {
 namespace {

@@ -5,11 +5,11 @@
 #include <utility>
 
 #include "api/text.h"
-#include "server/content_coding.h"
+#include "server/http/content_coding.h"
+#include "server/http/text.h"
 #include "server/jobs/job_json.h"
 #include "server/jobs/job_request.h"
-#include "server/log.h"
-#include "server/text.h"
+#include "server/observe/log.h"
 
 namespace remesh::server::jobs {
 namespace {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
+#include "server/http/route.h"
 #include "server/jobs/job_service.h"
-#include "server/route.h"
-#include "server/work.h"
+#include "server/work/work.h"
 
 namespace remesh::server::jobs {
 

@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "server/error_response.h"
-#include "server/exchange.h"
+#include "server/http/error_response.h"
+#include "server/http/exchange.h"
 #include "server/jobs/job_request.h"
-#include "server/log.h"
-#include "server/work.h"
+#include "server/observe/log.h"
+#include "server/work/work.h"
 
 namespace remesh::server::jobs {
 namespace {

@@ -18,11 +18,11 @@
 
 #include "api/service.h"
 #include "server/jobs/job_store.h"
-#include "server/memory_budget.h"
-#include "server/metrics.h"
-#include "server/periodic.h"
-#include "server/request_registry.h"
-#include "server/worker_pool.h"
+#include "server/observe/metrics.h"
+#include "server/work/memory_budget.h"
+#include "server/work/periodic.h"
+#include "server/work/request_registry.h"
+#include "server/work/worker_pool.h"
 
 namespace remesh::server::jobs {
 

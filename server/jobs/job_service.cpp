@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "server/jobs/sql_store.h"
-#include "server/log.h"
+#include "server/observe/log.h"
 
 namespace remesh::server::jobs {
 namespace {

@@ -10,7 +10,7 @@
 #include "server/jobs/job_runner.h"
 #include "server/jobs/job_settings.h"
 #include "server/jobs/job_store.h"
-#include "server/periodic.h"
+#include "server/work/periodic.h"
 
 namespace remesh::server::jobs {
 

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "server/connection.h"
+#include "server/http/connection.h"
 
 namespace remesh::server::jobs {
 

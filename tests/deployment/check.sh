@@ -18,7 +18,7 @@ if ! cmp -s package-lock.json installed-lock.json; then
   cp package-lock.json installed-lock.json
 fi
 env -i PATH="$PATH" "$remeshd" --print-config >settings
-grep -o '"remeshd_[a-z_]*"' "$here/../../server/metrics.cpp" | tr -d '"' >metrics
+grep -o '"remeshd_[a-z_]*"' "$here/../../server/observe/metrics.cpp" | tr -d '"' >metrics
 node check.mjs "$docker" settings metrics
 
 export POSTGRES_PASSWORD=check REMESHD_API_KEY=check-0123456789ab

@@ -5,8 +5,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/chunked_decoder.h"
-#include "server/http_message.h"
+#include "server/http/chunked_decoder.h"
+#include "server/http/http_message.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace remesh::fuzz {

@@ -6,8 +6,8 @@
 #include <string>
 #include <string_view>
 
-#include "server/request_head.h"
-#include "server/trace_context.h"
+#include "server/http/request_head.h"
+#include "server/observe/trace_context.h"
 #include "tests/fuzz/fuzz.h"
 
 namespace remesh::fuzz {

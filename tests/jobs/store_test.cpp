@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "server/jobs/sql_store.h"
-#include "server/request_registry.h"
+#include "server/work/request_registry.h"
 #include "tests/support/sanitizer.h"
 
 namespace remesh::server::jobs {

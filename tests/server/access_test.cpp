@@ -9,9 +9,9 @@
 #include <thread>
 #include <vector>
 
-#include "server/address_counts.h"
-#include "server/api_keys.h"
-#include "server/cors.h"
+#include "server/http/address_counts.h"
+#include "server/http/api_keys.h"
+#include "server/http/cors.h"
 #include "tests/server/stub_service.h"
 
 namespace remesh::server {

@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/log.h"
+#include "server/observe/log.h"
 #include "tests/server/raw_client.h"
 #include "tests/support/tcp_segments.h"
 

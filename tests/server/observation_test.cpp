@@ -4,10 +4,10 @@
 
 #include <string>
 
-#include "server/content_coding.h"
-#include "server/digest.h"
-#include "server/metrics.h"
-#include "server/trace_context.h"
+#include "server/http/content_coding.h"
+#include "server/http/digest.h"
+#include "server/observe/metrics.h"
+#include "server/observe/trace_context.h"
 #include "tests/server/stub_service.h"
 
 namespace remesh::server {

@@ -8,7 +8,7 @@
 
 #include "core/io/gzip.h"
 #include "server/http_server.h"
-#include "server/log.h"
+#include "server/observe/log.h"
 #include "tests/server/raw_client.h"
 
 namespace remesh::server {

@@ -11,7 +11,7 @@
 
 #include "server/jobs/job_request.h"
 #include "server/jobs/sql_store.h"
-#include "server/log.h"
+#include "server/observe/log.h"
 #include "tests/server/raw_client.h"
 
 namespace remesh::server::jobs {

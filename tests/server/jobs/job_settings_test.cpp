@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "server/config.h"
-#include "server/request_registry.h"
+#include "server/work/request_registry.h"
 
 namespace remesh::server::jobs {
 namespace {

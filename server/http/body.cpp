@@ -1,0 +1,77 @@
+#include "server/http/body.h"
+
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+#include <system_error>
+#include <utility>
+
+#include "server/http/http_message.h"
+
+namespace remesh::server {
+namespace {
+
+[[noreturn]] void no_room() {
+  throw HttpError(503, "out_of_memory", "there is no room for this body now: try again shortly");
+}
+
+/// A file that goes with its descriptor: in the temporary folder or, where nothing can be written, in memory.
+int open_file() {
+  std::error_code none;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(none);
+  int file = none ? -1 : ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (file < 0) file = ::memfd_create("body", MFD_CLOEXEC);
+  if (file < 0) no_room();
+  return file;
+}
+
+}  // namespace
+
+Body::~Body() {
+  if (mapped_ != nullptr) ::munmap(const_cast<char*>(mapped_), size_);
+  if (file_ >= 0) ::close(file_);
+}
+
+void Body::swap(Body& other) noexcept {
+  std::swap(size_, other.size_);
+  text_.swap(other.text_);
+  std::swap(file_, other.file_);
+  std::swap(mapped_, other.mapped_);
+}
+
+void Body::append(std::string_view bytes) {
+  if (file_ < 0 && size_ + bytes.size() > kInMemory) {
+    file_ = open_file();
+    write_to_file(text_);
+    std::string().swap(text_);
+  }
+  size_ += bytes.size();
+  if (file_ < 0) {
+    text_.append(bytes);
+  } else {
+    write_to_file(bytes);
+  }
+}
+
+void Body::write_to_file(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t put = ::write(file_, bytes.data(), bytes.size());
+    if (put >= 0) {
+      bytes.remove_prefix(static_cast<std::size_t>(put));
+    } else if (errno != EINTR) {
+      no_room();
+    }
+  }
+}
+
+void Body::seal() {
+  if (file_ < 0) return;
+  void* const mapped = ::mmap(nullptr, size_, PROT_READ, MAP_PRIVATE, file_, 0);
+  if (mapped == MAP_FAILED) no_room();
+  mapped_ = static_cast<const char*>(mapped);
+}
+
+}  // namespace remesh::server

@@ -1,0 +1,61 @@
+#include "server/http/cors.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "server/http/text.h"
+
+namespace remesh::server {
+namespace {
+
+constexpr const char* kAny = "*";
+
+bool is_origin(std::string_view text) {
+  const std::size_t scheme = text.find("://");
+  if (scheme == std::string_view::npos || scheme == 0) return false;
+  const std::string_view host = text.substr(scheme + 3);
+  return !host.empty() && host.find_first_of("/?#@ \"\\") == std::string_view::npos;
+}
+
+}  // namespace
+
+Cors::Cors(std::string_view origins) {
+  for (const std::string_view origin : list_elements(origins)) {
+    if (origin != kAny && !is_origin(origin)) {
+      throw std::invalid_argument("\"" + std::string(origin) + "\" is no origin such as https://tool.example");
+    }
+    origins_.emplace_back(origin);
+  }
+}
+
+Fields Cors::headers(const RequestHead& head, std::string_view allow) const {
+  if (origins_.empty()) return {};
+  const bool is_any = std::find(origins_.begin(), origins_.end(), kAny) != origins_.end();
+  Fields fields;
+  // Caches must not hand the answer for one origin to another.
+  if (!is_any) fields.emplace_back("Vary", "Origin");
+  const std::string_view origin = head.header("origin");
+  if (origin.empty()) return fields;
+  if (!is_any && std::find(origins_.begin(), origins_.end(), origin) == origins_.end()) return fields;
+  fields.emplace_back("Access-Control-Allow-Origin", is_any ? kAny : origin);
+  if (allow.empty() || head.header("access-control-request-method").empty()) {
+    fields.emplace_back("Access-Control-Expose-Headers",
+                        "Content-Disposition, Location, Remesh-Summary, Repr-Digest, Retry-After, Server-Timing, "
+                        "X-Request-Id");
+    return fields;
+  }
+  fields.emplace_back("Access-Control-Allow-Methods", allow);
+  fields.emplace_back("Access-Control-Allow-Headers",
+                      "Authorization, Content-Encoding, Content-Type, Idempotency-Key, Last-Event-ID, Prefer, "
+                      "Traceparent, X-API-Key, X-Request-Id");
+  fields.emplace_back("Access-Control-Max-Age", "600");
+  return fields;
+}
+
+std::string Cors::text() const {
+  std::string text;
+  for (const std::string& origin : origins_) text += (text.empty() ? "" : ",") + origin;
+  return text.empty() ? "none" : text;
+}
+
+}  // namespace remesh::server

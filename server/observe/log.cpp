@@ -1,0 +1,136 @@
+#include "server/observe/log.h"
+
+#include <pthread.h>
+#include <spdlog/async.h>
+#include <spdlog/pattern_formatter.h>
+#include <spdlog/sinks/stdout_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <iterator>
+#include <memory>
+#include <utility>
+
+#include "server/observe/niceness.h"
+
+namespace remesh::server::log {
+namespace {
+
+Format active_format = Format::kText;
+
+/// Appends a JSON string. Bytes beyond ASCII are written as Latin-1 escapes: what comes from outside need not be UTF-8.
+void append_quoted(std::string& line, std::string_view text) {
+  line += '"';
+  for (const char c : text) {
+    if (const auto byte = static_cast<unsigned char>(c); c == '"' || c == '\\') {
+      line += '\\';
+      line += c;
+    } else if (byte < 0x20 || byte >= 0x7f) {
+      fmt::format_to(std::back_inserter(line), "\\u{:04x}", byte);
+    } else {
+      line += c;
+    }
+  }
+  line += '"';
+}
+
+bool is_plain(std::string_view text) {
+  return !text.empty() && std::all_of(text.begin(), text.end(), [](char c) { return c > ' ' && c < 0x7f && c != '"'; });
+}
+
+void append_value(std::string& line, Format format, const Field& field) {
+  if (const auto* number = std::get_if<std::int64_t>(&field.value)) {
+    fmt::format_to(std::back_inserter(line), "{}", *number);
+  } else if (const auto* number = std::get_if<double>(&field.value)) {
+    fmt::format_to(std::back_inserter(line), "{:.3f}", *number);
+  } else if (const std::string& text = std::get<std::string>(field.value); format == Format::kText && is_plain(text)) {
+    line += text;
+  } else {
+    append_quoted(line, text);
+  }
+}
+
+spdlog::level::level_enum spdlog_level(Level level) {
+  switch (level) {
+    case Level::kDebug: return spdlog::level::debug;
+    case Level::kInfo: return spdlog::level::info;
+    case Level::kWarning: return spdlog::level::warn;
+    case Level::kError: return spdlog::level::err;
+    case Level::kOff: return spdlog::level::off;
+  }
+  return spdlog::level::err;
+}
+
+/// Lines that may wait while nobody takes them; then the oldest are dropped. A log that stalls must not stall requests.
+constexpr std::size_t kMaxWaiting = 8192;
+
+/// For the thread that writes: on a busy machine it takes its turn, and writes several lines then, instead of taking a
+/// core from a request for each.
+void let_others_first() {
+  const sched_param none{};
+  (void)::pthread_setschedparam(::pthread_self(), SCHED_BATCH, &none);
+  be_nice();
+}
+
+/// The logger, and the thread that writes for it, which must end first.
+struct Writing {
+  std::shared_ptr<spdlog::async_logger> logger;
+  std::shared_ptr<spdlog::details::thread_pool> thread;
+};
+
+spdlog::logger& logger() {
+  static const Writing writing = [] {
+    auto thread = std::make_shared<spdlog::details::thread_pool>(kMaxWaiting, 1, let_others_first);
+    auto made = std::make_shared<spdlog::async_logger>("remeshd", std::make_shared<spdlog::sinks::stderr_sink_mt>(),
+                                                       thread, spdlog::async_overflow_policy::overrun_oldest);
+    made->flush_on(spdlog::level::info);
+    return Writing{std::move(made), std::move(thread)};
+  }();
+  return *writing.logger;
+}
+
+}  // namespace
+
+void set_up(Format format, Level level) {
+  active_format = format;
+  if (format == Format::kAuto) active_format = ::isatty(STDERR_FILENO) != 0 ? Format::kText : Format::kJson;
+  const bool is_json = active_format == Format::kJson;
+  const char* pattern = is_json ? R"({"time":"%Y-%m-%dT%H:%M:%S.%eZ","level":"%l",%v})" : "%H:%M:%S.%e %l %v";
+  logger().set_formatter(std::make_unique<spdlog::pattern_formatter>(
+      pattern, is_json ? spdlog::pattern_time_type::utc : spdlog::pattern_time_type::local));
+  logger().set_level(spdlog_level(level));
+}
+
+std::string render(Format format, std::string_view event, const std::vector<Field>& fields) {
+  constexpr std::size_t kUsualField = 32;
+  const bool is_json = format == Format::kJson;
+  std::string line;
+  line.reserve(kUsualField * (fields.size() + 1));
+  if (is_json) {
+    line += "\"event\":";
+    append_quoted(line, event);
+  } else {
+    line += event;
+  }
+  for (const Field& field : fields) {
+    if (is_json) {
+      line += ',';
+      append_quoted(line, field.name);
+      line += ':';
+    } else {
+      line.append(" ").append(field.name) += '=';
+    }
+    append_value(line, format, field);
+  }
+  return line;
+}
+
+bool is_written(Level level) { return logger().should_log(spdlog_level(level)); }
+
+void write(Level level, std::string_view event, const std::vector<Field>& fields) {
+  if (!is_written(level)) return;
+  logger().log(spdlog_level(level), render(active_format, event, fields));
+}
+
+}  // namespace remesh::server::log

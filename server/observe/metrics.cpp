@@ -1,0 +1,259 @@
+#include "server/observe/metrics.h"
+
+#include <prometheus/counter.h>
+#include <prometheus/gauge.h>
+#include <prometheus/histogram.h>
+#include <prometheus/registry.h>
+#include <prometheus/text_serializer.h>
+#include <sys/resource.h>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <filesystem>
+#include <functional>
+#include <iterator>
+#include <map>
+#include <mutex>
+#include <shared_mutex>
+#include <sstream>
+#include <system_error>
+
+#include "api/machine_limits.h"
+#include "core/base/error.h"
+#include "core/remesh.h"
+
+namespace remesh::server {
+namespace {
+
+using prometheus::Counter;
+using prometheus::Family;
+using prometheus::Gauge;
+using prometheus::Histogram;
+
+const Histogram::BucketBoundaries kSeconds{0.001, 0.005, 0.02, 0.1, 0.5, 2, 10, 60, 300};
+const Histogram::BucketBoundaries kStoreSeconds{0.0005, 0.001, 0.002, 0.005, 0.01, 0.05, 0.2, 1, 5, 30};
+const Histogram::BucketBoundaries kFaces{100, 1e3, 1e4, 1e5, 1e6, 1e7};
+
+/// Anything else that a client sends in place of a method is "other".
+std::string method_label(std::string_view method) {
+  constexpr std::array<std::string_view, 8> kMethods{"GET",   "HEAD",   "POST",    "PUT",
+                                                     "PATCH", "DELETE", "OPTIONS", "none"};
+  return std::find(kMethods.begin(), kMethods.end(), method) != kMethods.end() ? std::string(method) : "other";
+}
+
+std::size_t open_descriptors() {
+  std::error_code failure;
+  const std::filesystem::directory_iterator folder("/proc/self/fd", failure);
+  if (failure) return 0;
+  return static_cast<std::size_t>(std::distance(begin(folder), end(folder))) - 1;  // but for the folder itself
+}
+
+double seconds_of(const timeval& time) {
+  return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
+}
+
+/// Those of a family that have been asked for, by their labels: the library makes a new one for each look at one, and
+/// each request has a dozen.
+template <class Metric>
+class Known {
+ public:
+  /// What `make` gave for that key the first time. It lives as long as its family.
+  template <class Make>
+  Metric& find(std::string_view key, const Make& make) {
+    {
+      const std::shared_lock lock(mutex_);
+      if (const auto known = by_key_.find(key); known != by_key_.end()) return *known->second;
+    }
+    Metric& made = make();
+    const std::lock_guard lock(mutex_);
+    by_key_.emplace(key, &made);
+    return made;
+  }
+
+ private:
+  std::shared_mutex mutex_;
+  std::map<std::string, Metric*, std::less<>> by_key_;
+};
+
+/// Adds values that are read at the time of a look.
+class Snapshot {
+ public:
+  void gauge(const char* name, const char* help, double value) { add<Gauge>(name, help).Set(value); }
+  void counter(const char* name, const char* help, double value) { add<Counter>(name, help).Increment(value); }
+
+  void process() {
+    rusage usage{};
+    ::getrusage(RUSAGE_SELF, &usage);
+    counter("process_cpu_seconds_total", "Time of processors, user and system.",
+            seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime));
+    gauge("process_resident_memory_bytes", "Memory in use.", static_cast<double>(api::resident_memory()));
+    gauge("process_open_fds", "Open file descriptors.", static_cast<double>(open_descriptors()));
+    rlimit files{};
+    ::getrlimit(RLIMIT_NOFILE, &files);
+    gauge("process_max_fds", "File descriptors that may be open.", static_cast<double>(files.rlim_cur));
+  }
+
+  std::vector<prometheus::MetricFamily> collect() const { return registry_.Collect(); }
+
+ private:
+  template <typename Metric>
+  Metric& add(const char* name, const char* help) {
+    return prometheus::detail::Builder<Metric>().Name(name).Help(help).Register(registry_).Add({});
+  }
+
+  prometheus::Registry registry_;
+};
+
+}  // namespace
+
+struct Metrics::Families {
+  prometheus::Registry registry;
+  const double start_seconds =
+      std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+
+  Family<Counter>& requests = prometheus::BuildCounter()
+                                  .Name("remeshd_http_requests_total")
+                                  .Help("Requests that are over; code 499: the client left before its answer.")
+                                  .Register(registry);
+  Family<Histogram>& durations = prometheus::BuildHistogram()
+                                     .Name("remeshd_http_request_duration_seconds")
+                                     .Help("Time from a request's connection to its answer.")
+                                     .Register(registry);
+  Family<Counter>& rejections = prometheus::BuildCounter()
+                                    .Name("remeshd_http_rejected_total")
+                                    .Help("Requests that a limit turned away, by the code of their problem.")
+                                    .Register(registry);
+  Family<Histogram>& stages = prometheus::BuildHistogram()
+                                  .Name("remeshd_stage_duration_seconds")
+                                  .Help("Time of each stage of the pipeline.")
+                                  .Register(registry);
+  Family<Counter>& patches =
+      prometheus::BuildCounter().Name("remeshd_patches_total").Help("Patches of results.").Register(registry);
+  Family<Counter>& jobs = prometheus::BuildCounter()
+                              .Name("remeshd_jobs_total")
+                              .Help("Jobs that have ended, the failed ones by the code of their problem.")
+                              .Register(registry);
+  Family<Counter>& job_retries = prometheus::BuildCounter()
+                                     .Name("remeshd_job_retries_total")
+                                     .Help("Jobs that went back to the queue.")
+                                     .Register(registry);
+  Family<Counter>& store_errors = prometheus::BuildCounter()
+                                      .Name("remeshd_store_errors_total")
+                                      .Help("Operations on the job store that failed.")
+                                      .Register(registry);
+  Family<Histogram>& store_latency = prometheus::BuildHistogram()
+                                         .Name("remeshd_store_latency_seconds")
+                                         .Help("Time of operations on the job store.")
+                                         .Register(registry);
+  Histogram& input_faces = prometheus::BuildHistogram()
+                               .Name("remeshd_input_faces")
+                               .Help("Faces of meshes that came in.")
+                               .Register(registry)
+                               .Add({}, kFaces);
+  Histogram& output_faces = prometheus::BuildHistogram()
+                                .Name("remeshd_output_faces")
+                                .Help("Faces of meshes that went out.")
+                                .Register(registry)
+                                .Add({}, kFaces);
+  Known<Counter> known_requests, known_patches;
+  Known<Histogram> known_durations, known_stages;
+  Gauge& build_info = prometheus::BuildGauge()
+                          .Name("remeshd_build_info")
+                          .Help("Always 1; the version is a label.")
+                          .Register(registry)
+                          .Add({{"version", version()}});
+};
+
+Metrics::Metrics() : families_(std::make_unique<Families>()) { families_->build_info.Set(1); }
+Metrics::~Metrics() = default;
+
+void Metrics::count_request(std::string_view route, std::string_view method, int status, double seconds) {
+  const std::string path(route), label = method_label(method), code = std::to_string(status);
+  families_->known_requests
+      .find(code + ' ' + label + ' ' + path,
+            [&]() -> Counter& {
+              return families_->requests.Add({{"route", path}, {"method", label}, {"code", code}});
+            })
+      .Increment();
+  families_->known_durations
+      .find(path,
+            [&]() -> Histogram& {
+              return families_->durations.Add({{"route", path}}, kSeconds);
+            })
+      .Observe(seconds);
+}
+
+void Metrics::count_rejection(const std::string& reason) {
+  families_->rejections.Add({{"reason", reason}}).Increment();
+}
+
+void Metrics::count_work(const api::WorkDone& done) {
+  for (const auto& [stage, ms] : done.stages_ms) {
+    const std::string_view name = stage;
+    families_->known_stages
+        .find(name,
+              [&]() -> Histogram& {
+                return families_->stages.Add({{"stage", std::string(name)}}, kSeconds);
+              })
+        .Observe(ms / 1000);
+  }
+  const auto count_patches = [&](const char* status, std::uint64_t patches) {
+    families_->known_patches.find(status,
+                                  [&]() -> Counter& {
+                                    return families_->patches.Add({{"status", status}});
+                                  })
+        .Increment(static_cast<double>(patches));
+  };
+  count_patches("remeshed", done.remeshed);
+  count_patches("reduced", done.reduced);
+  count_patches("kept", done.kept);
+  families_->input_faces.Observe(static_cast<double>(done.input_faces));
+  if (done.output_faces > 0) families_->output_faces.Observe(static_cast<double>(done.output_faces));
+}
+
+void Metrics::count_job(std::string_view outcome, std::string_view code, int times) {
+  std::map<std::string, std::string> labels{{"outcome", std::string(outcome)}};
+  if (!code.empty()) labels.emplace("code", code);
+  families_->jobs.Add(labels).Increment(times);
+}
+
+void Metrics::count_job_retry(std::string_view reason, int times) {
+  families_->job_retries.Add({{"reason", std::string(reason)}}).Increment(times);
+}
+
+void Metrics::count_store(std::string_view op, double seconds, bool failed) {
+  const std::string name(op);
+  families_->store_latency.Add({{"op", name}}, kStoreSeconds).Observe(seconds);
+  if (failed) families_->store_errors.Add({{"op", name}}).Increment();
+}
+
+std::string Metrics::text(const Gauges& gauges) const {
+  Snapshot now;
+  now.gauge("remeshd_http_connections", "Open connections.", static_cast<double>(gauges.connections));
+  now.gauge("remeshd_requests_running", "Requests that compute.", static_cast<double>(gauges.running));
+  now.gauge("remeshd_requests_queued", "Requests that wait for a worker.", static_cast<double>(gauges.queued));
+  now.gauge("remeshd_workers", "Threads that requests may compute on.", gauges.workers);
+  now.gauge("remeshd_workers_busy", "Threads of requests that compute.", static_cast<double>(gauges.busy));
+  now.gauge("remeshd_memory_reserved_bytes", "Memory that requests have reserved.",
+            static_cast<double>(gauges.memory_reserved));
+  now.gauge("remeshd_ready", "1 while new work is taken.", gauges.is_ready ? 1 : 0);
+  if (gauges.has_jobs) {
+    now.gauge("remeshd_jobs_queued", "Jobs that wait for a worker, in the whole store.",
+              static_cast<double>(gauges.jobs_queued));
+    now.gauge("remeshd_jobs_running", "Jobs that workers have, in the whole store.",
+              static_cast<double>(gauges.jobs_running));
+    now.gauge("remeshd_job_oldest_queued_seconds", "How long the oldest of those that wait has waited.",
+              gauges.job_oldest_queued_s);
+  }
+  now.gauge("process_start_time_seconds", "Start of the process since the epoch.", families_->start_seconds);
+  now.process();
+
+  std::ostringstream out;
+  const prometheus::TextSerializer serializer;
+  serializer.Serialize(out, families_->registry.Collect());
+  serializer.Serialize(out, now.collect());
+  return out.str();
+}
+
+}  // namespace remesh::server

@@ -1,0 +1,34 @@
+/// Looks at the memory that the process really takes, since no estimate made from a body's size can be sure: when it
+/// passes the budget, the request that made it grow most is ended.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+
+#include "server/work/memory_budget.h"
+#include "server/work/periodic.h"
+#include "server/work/request_registry.h"
+
+namespace remesh::server {
+
+class MemoryWatch {
+ public:
+  static constexpr std::chrono::milliseconds kPeriod{20};
+
+  MemoryWatch(MemoryBudget& budget, RequestRegistry& registry, std::chrono::milliseconds period = kPeriod);
+
+  /// One look, with that much in use. Public for tests.
+  void look(std::uint64_t resident);
+
+ private:
+  void give_back(std::uint64_t resident);
+
+  MemoryBudget& budget_;
+  RequestRegistry& registry_;
+  std::uint64_t last_resident_ = 0;
+  std::uint64_t resident_after_trim_ = 0;
+  Clock::time_point patience_until_{};
+  Periodic looks_;
+};
+
+}  // namespace remesh::server

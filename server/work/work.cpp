@@ -1,0 +1,179 @@
+#include "server/work/work.h"
+
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <utility>
+
+#include "server/http/content_coding.h"
+#include "server/http/digest.h"
+#include "server/work/memory_budget.h"
+
+namespace remesh::server {
+namespace {
+
+/// How long a stopped job may take to notice; then it is answered for, and finishes unheard.
+constexpr std::chrono::seconds kStopPatience{2};
+/// Bodies up to this are small meshes: some ten thousand faces.
+constexpr std::size_t kSmallBody = 1 << 20;
+
+/// What the connection's thread and the pool's thread share; each may be the last to hold it.
+class Job {
+ public:
+  Job(Request& request, const WorkLimits& limits, Operation operation, std::shared_ptr<RunningRequest> running)
+      : running_(std::move(running)),
+        limits_(limits.api),
+        operation_(std::move(operation)),
+        body_(std::move(request.body)),
+        accept_encoding_(request.header("accept-encoding")) {
+    input_.content_type = request.header("content-type");
+    input_.content_encoding = request.header("content-encoding");
+    input_.accept = request.header("accept");
+    input_.query = std::move(request.query);
+    input_.body = body_;
+    input_.release_body = [this] { body_ = Body(); };
+  }
+
+  void run() {
+    {
+      const std::lock_guard lock(mutex_);
+      started_ = Clock::now();
+    }
+    running_->is_computing = true;  // nobody needs to wake for that: deadlines only move away
+    std::optional<api::Response> response;
+    std::exception_ptr failure;
+    try {
+      running_->control.check();
+      response = operation_(input_, limits_, running_->control);
+      finish(*response);
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    body_ = Body();  // where it was not read to its end
+    running_->is_computing = false;
+    {
+      const std::lock_guard lock(mutex_);
+      ended_ = Clock::now();
+      response_ = std::move(response);
+      failure_ = std::move(failure);  // the waiting thread alone holds it from here on
+      is_done_ = true;
+    }
+    running_->changed.set();
+  }
+
+  std::optional<Clock::time_point> started() const {
+    const std::lock_guard lock(mutex_);
+    return started_;
+  }
+  bool is_done() const {
+    const std::lock_guard lock(mutex_);
+    return is_done_;
+  }
+  /// Of a job that is done.
+  void tell_times(Timing& timing) const {
+    const std::lock_guard lock(mutex_);
+    timing.queue = milliseconds_between(running_->start, *started_);
+    timing.work = milliseconds_between(*started_, ended_);
+  }
+  api::Response take_response() {
+    const std::lock_guard lock(mutex_);
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    return std::move(*response_);
+  }
+
+ private:
+  /// What every result gets: compression where the client takes it, and a digest of what is sent.
+  void finish(api::Response& response) const {
+    if (response.status != 200) return;
+    compress(response, accept_encoding_, running_->control);
+    response.headers.emplace_back("Repr-Digest", repr_digest(response.body));
+  }
+
+  const std::shared_ptr<RunningRequest> running_;
+  const api::Limits limits_;
+  const Operation operation_;
+  Body body_;
+  std::string accept_encoding_;
+  api::Request input_;
+
+  mutable std::mutex mutex_;
+  std::optional<Clock::time_point> started_;
+  Clock::time_point ended_{};
+  std::optional<api::Response> response_;
+  std::exception_ptr failure_;
+  bool is_done_ = false;
+};
+
+/// Waits for a job that was told to stop. Errors: remesh::Error of the stop, when the job does not report it itself.
+api::Response wait_for_stop(Job& job, RunningRequest& running) {
+  const Clock::time_point patience = Clock::now() + kStopPatience;
+  while (!job.is_done() && Clock::now() < patience) {
+    running.changed.wait(patience);
+    running.changed.clear();
+  }
+  if (!job.is_done()) running.control.check();
+  return job.take_response();
+}
+
+/// Waits until the job is done or has to be stopped.
+api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, WorkerPool::Ticket ticket,
+                       const WorkLimits& limits, Request& request, Connection& connection) {
+  const auto half_closed =
+      request.minor_version >= 1 ? Connection::HalfClosed::kIsAsked : Connection::HalfClosed::kIsGone;
+  for (;;) {
+    const Clock::time_point until = job.started().value_or(running.start) + limits.request_timeout;
+    const Connection::Wake wake = connection.wait(&running.changed, until, half_closed);
+    running.changed.clear();
+    if (job.is_done()) {
+      job.tell_times(request.timing);
+      return job.take_response();
+    }
+
+    if (wake == Connection::Wake::kClientGone) running.control.cancel();
+    if (!running.control.is_stopped() && Clock::now() < until) continue;
+    if (pool.withdraw(ticket)) {
+      running.control.check();
+      throw overloaded();
+    }
+    if (!running.control.is_stopped()) {
+      // It may have started just now, and then has its time before it.
+      const std::optional<Clock::time_point> started = job.started();
+      if (!started || Clock::now() < *started + limits.request_timeout) continue;
+      running.control.expire();
+    }
+    return wait_for_stop(job, running);
+  }
+}
+
+}  // namespace
+
+JobSize size_of_job(std::uint64_t body_bytes) { return body_bytes <= kSmallBody ? JobSize::kSmall : JobSize::kLarge; }
+
+HttpError overloaded() {
+  return HttpError(503, "overloaded", "all workers are busy and the queue is full: try again shortly");
+}
+
+api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
+                          const Operation& operation, Request& request, Connection& connection) {
+  const RequestRegistry::Entry running = registry.add(request.id, request.owner);
+  request.id = running->id;
+  const JobSize size = size_of_job(request.body.size());
+  const auto job = std::make_shared<Job>(request, limits, operation, running.get());
+  const std::optional<WorkerPool::Ticket> ticket = pool.try_submit([job] { job->run(); }, size);
+  if (!ticket) throw overloaded();
+
+  try {
+    return wait_for(*job, *running.get(), pool, *ticket, limits, request, connection);
+  } catch (const Error& error) {
+    if (error.code != Code::kCancelled) throw;
+    switch (running->eviction.load()) {
+      case RunningRequest::Eviction::kNone: throw;
+      case RunningRequest::Eviction::kAmongOthers: throw out_of_memory();
+      case RunningRequest::Eviction::kAlone: throw never_fits(limits.memory_budget);
+    }
+    throw;
+  }
+}
+
+}  // namespace remesh::server

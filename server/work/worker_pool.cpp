@@ -1,0 +1,160 @@
+#include "server/work/worker_pool.h"
+
+#include <tbb/task_arena.h>
+#include <tbb/task_scheduler_observer.h>
+
+#include <algorithm>
+
+#include "server/observe/niceness.h"
+
+namespace remesh::server {
+
+/// Counts the threads that enter and leave an arena, and sets them behind those that answer.
+class WorkerPool::BusyThreads : public tbb::task_scheduler_observer {
+ public:
+  BusyThreads(tbb::task_arena& arena, std::atomic<std::size_t>& counter)
+      : tbb::task_scheduler_observer(arena), counter_(counter) {
+    observe(true);
+  }
+  ~BusyThreads() override { observe(false); }
+  void on_scheduler_entry(bool) override {
+    ++counter_;
+    be_nice();
+  }
+  void on_scheduler_exit(bool) override { --counter_; }
+
+ private:
+  std::atomic<std::size_t>& counter_;
+};
+
+WorkerPool::WorkerPool(int max_running, std::size_t queue_size, int workers)
+    : parallelism_(tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(workers)),
+      max_running_(static_cast<std::size_t>(max_running)),
+      queue_size_(queue_size),
+      running_(2 * max_running_),
+      ready_(static_cast<std::ptrdiff_t>(running_.size())) {
+  for (std::size_t i = 0; i < running_.size(); ++i) threads_.emplace_back([this, i, workers] { work(i, workers); });
+  ready_.wait();  // TBB does not want to be limited by one pool while the threads of another enter it
+}
+
+WorkerPool::~WorkerPool() {
+  {
+    const std::lock_guard lock(mutex_);
+    stopping_ = true;
+    queue_.clear();
+  }
+  changed_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+}
+
+std::optional<WorkerPool::Ticket> WorkerPool::try_submit(std::function<void()> job, JobSize size) {
+  Ticket ticket = 0;
+  {
+    const std::lock_guard lock(mutex_);
+    if (stopping_ || is_full_locked(size)) return std::nullopt;
+    ticket = next_ticket_++;
+    queue_.push_back({ticket, size, std::move(job)});
+    if (!needs_thread_locked()) return ticket;
+  }
+  changed_.notify_one();
+  return ticket;
+}
+
+bool WorkerPool::withdraw(Ticket ticket) {
+  const std::lock_guard lock(mutex_);
+  const auto entry =
+      std::find_if(queue_.begin(), queue_.end(), [&](const Entry& candidate) { return candidate.ticket == ticket; });
+  if (entry == queue_.end()) return false;
+  queue_.erase(entry);
+  return true;
+}
+
+bool WorkerPool::is_full(JobSize size) const {
+  const std::lock_guard lock(mutex_);
+  return stopping_ || is_full_locked(size);
+}
+
+std::size_t WorkerPool::running() const {
+  const std::lock_guard lock(mutex_);
+  return running_count_;
+}
+
+std::size_t WorkerPool::queued() const {
+  const std::lock_guard lock(mutex_);
+  return queue_.size();
+}
+
+bool WorkerPool::is_full_locked(JobSize size) const {
+  const std::size_t places = size == JobSize::kSmall ? queue_size_ : queue_size_ - queue_size_ / 4;
+  // Those that a free thread has not taken yet do not wait.
+  const std::size_t free = max_running_ - std::min(max_running_, running_count_);
+  return queue_.size() >= places + free;
+}
+
+bool WorkerPool::may_start_locked(JobSize size) const {
+  if (running_count_ < max_running_) return true;
+  if (size == JobSize::kLarge || running_count_ == running_.size()) return false;
+  const Clock::time_point long_ago = Clock::now() - kLong;
+  return std::all_of(running_.begin(), running_.end(), [&](const std::optional<Running>& running) {
+    return !running || running->size == JobSize::kLarge || running->start <= long_ago;
+  });
+}
+
+Clock::time_point WorkerPool::next_change_locked() const {
+  if (queue_.empty() || running_count_ == running_.size()) return Clock::time_point::max();
+  Clock::time_point last = Clock::time_point::min();
+  for (const std::optional<Running>& running : running_) {
+    if (running && running->size == JobSize::kSmall) last = std::max(last, running->start + kLong);
+  }
+  return last > Clock::now() ? last : Clock::time_point::max();
+}
+
+std::deque<WorkerPool::Entry>::iterator WorkerPool::next_locked() {
+  return std::find_if(queue_.begin(), queue_.end(),
+                      [this](const Entry& candidate) { return may_start_locked(candidate.size); });
+}
+
+bool WorkerPool::needs_thread_locked() {
+  return !queue_.empty() && (next_change_locked() < watched_until_ || next_locked() != queue_.end());
+}
+
+std::optional<WorkerPool::Entry> WorkerPool::take_locked() {
+  const auto entry = next_locked();
+  if (entry == queue_.end()) return std::nullopt;
+  Entry taken = std::move(*entry);
+  queue_.erase(entry);
+  return taken;
+}
+
+void WorkerPool::work(std::size_t place, int workers) {
+  // One arena a thread: a huge mesh can take idle cores, but never the thread that a small one runs on.
+  tbb::task_arena arena(workers);
+  const BusyThreads observer(arena, busy_threads_);
+  ready_.count_down();
+  std::unique_lock lock(mutex_);
+  while (!stopping_) {
+    std::optional<Entry> entry = take_locked();
+    if (!entry) {
+      const Clock::time_point until = next_change_locked();
+      if (until < watched_until_) {
+        watched_until_ = until;
+        changed_.wait_until(lock, until);
+        if (watched_until_ == until) watched_until_ = Clock::time_point::max();
+      } else {
+        changed_.wait(lock);
+      }
+      continue;
+    }
+    running_[place] = Running{entry->size, Clock::now()};
+    ++running_count_;
+    if (needs_thread_locked()) changed_.notify_one();
+    lock.unlock();
+    arena.execute(entry->job);
+    entry.reset();  // what it holds is freed outside the lock
+    lock.lock();
+    running_[place].reset();
+    --running_count_;  // what may start now, this thread takes
+  }
+}
+
+}  // namespace remesh::server

@@ -1,0 +1,151 @@
+#include "server/work/memory_budget.h"
+
+#include <gtest/gtest.h>
+
+#include "api/machine_limits.h"
+#include "server/work/memory_watch.h"
+#include "tests/server/stub_service.h"
+
+namespace remesh::server {
+namespace {
+
+constexpr std::uint64_t kFactor = MemoryBudget::kWorkPerBodyByte;
+
+int status_of(MemoryShare& share, std::uint64_t held, std::uint64_t expected) {
+  try {
+    share.hold_body(held, expected);
+    return 200;
+  } catch (const HttpError& error) {
+    return error.problem.status;
+  }
+}
+
+TEST(MemoryBudget, what_can_never_fit_differs_from_what_does_not_fit_now) {
+  MemoryBudget budget(1000 * kFactor);
+  const auto first = budget.open_share();
+  EXPECT_EQ(status_of(*first, 0, 1001), 413);
+  EXPECT_EQ(status_of(*first, 600, 600), 200);
+  EXPECT_EQ(budget.reserved(), 600 * kFactor);
+  const auto second = budget.open_share();
+  EXPECT_EQ(status_of(*second, 0, 500), 503);
+  EXPECT_EQ(status_of(*second, 400, 400), 200);
+  EXPECT_EQ(status_of(*first, 601, 601), 503);
+  EXPECT_EQ(budget.reserved(), 1000 * kFactor);
+}
+
+TEST(MemoryBudget, an_announced_length_takes_nothing_until_it_comes) {
+  MemoryBudget budget(1000 * kFactor);
+  const auto slow = budget.open_share();
+  EXPECT_EQ(status_of(*slow, 0, 1000), 200);
+  EXPECT_EQ(status_of(*slow, 10, 1000), 200);
+  EXPECT_EQ(budget.reserved(), 10 * kFactor);
+}
+
+TEST(MemoryBudget, all_is_given_back) {
+  MemoryBudget budget(1000 * kFactor);
+  {
+    const auto share = budget.open_share();
+    share->hold_body(500, 500);
+    share->hold_answer(7);
+    EXPECT_EQ(budget.reserved(), 7u);
+  }
+  EXPECT_EQ(budget.reserved(), 0u);
+}
+
+TEST(MemoryBudget, what_is_really_in_use_counts_where_it_is_more) {
+  MemoryBudget budget(1000 * kFactor);
+  const auto other = budget.open_share();
+  other->hold_body(1, 1);
+  const auto share = budget.open_share();
+  budget.note_resident(900 * kFactor);
+  EXPECT_EQ(status_of(*share, 101, 101), 503);
+  budget.note_resident(0);
+  EXPECT_EQ(status_of(*share, 101, 101), 200);
+}
+
+TEST(MemoryBudget, an_idle_process_takes_whatever_it_does_not_refuse_for_ever) {
+  MemoryBudget budget(1000 * kFactor);
+  budget.note_resident(900 * kFactor);
+  EXPECT_EQ(budget.available(), 1000 * kFactor);
+  const auto share = budget.open_share();
+  EXPECT_EQ(status_of(*share, 0, 1000), 200);
+  EXPECT_EQ(status_of(*share, 500, 1000), 200);
+  EXPECT_EQ(status_of(*share, 1000, 1000), 200);
+  EXPECT_EQ(budget.available(), 0u);
+  EXPECT_EQ(status_of(*budget.open_share(), 1, 1), 503);
+}
+
+TEST(MemoryWatch, beyond_the_budget_the_request_that_grew_most_is_ended) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  MemoryBudget budget(1000);
+  RequestRegistry registry;
+  MemoryWatch watch(budget, registry, std::chrono::hours(1));
+  const auto old = registry.add("");
+  const auto huge = registry.add("");
+  old->is_computing = true;
+  watch.look(100);
+  huge->is_computing = true;
+  watch.look(300);
+  old->is_computing = false;
+  watch.look(900);
+  old->is_computing = true;
+  EXPECT_FALSE(huge->control.is_stopped());
+  watch.look(1001);
+  EXPECT_EQ(huge->eviction, RunningRequest::Eviction::kAmongOthers);
+  EXPECT_TRUE(huge->control.is_stopped());
+  EXPECT_FALSE(old->control.is_stopped());
+  watch.look(1100);
+  EXPECT_FALSE(old->control.is_stopped()) << "the first one's memory may still be on its way back";
+}
+
+TEST(MemoryWatch, a_request_is_alone_only_where_nobody_else_holds_memory) {
+  log::set_up(log::Format::kText, log::Level::kError);
+  MemoryBudget budget(1000);
+  RequestRegistry registry;
+  MemoryWatch watch(budget, registry, std::chrono::hours(1));
+  const auto own = budget.open_share(1);
+  own->hold_body(1, 1);
+  auto other = budget.open_share(1);
+  other->hold_body(700, 700);
+  EXPECT_EQ(budget.holders(), 2u);
+  {
+    const auto request = registry.add("");
+    request->is_computing = true;
+    watch.look(1001);
+    EXPECT_EQ(request->eviction, RunningRequest::Eviction::kAmongOthers) << "an answer, say, that is being sent";
+  }
+  other.reset();
+  EXPECT_EQ(budget.holders(), 1u);
+  MemoryWatch next(budget, registry, std::chrono::hours(1));
+  const auto request = registry.add("");
+  request->is_computing = true;
+  next.look(1001);
+  EXPECT_EQ(request->eviction, RunningRequest::Eviction::kAlone);
+}
+
+using MemoryTest = StubService;
+
+TEST_F(MemoryTest, a_body_that_cannot_fit_is_refused_before_it_is_sent) {
+  config_.memory_budget = 160;  // less than the process: every body is too much now, or for ever
+  start();
+  RawClient client(port_);
+  client.send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 500\r\nExpect: 100-continue\r\n\r\n");
+  const Answer answer = client.answer();
+  EXPECT_EQ(answer.status, 413);
+  EXPECT_EQ(code_of(answer), "mesh_too_large");
+  const std::string chunked = "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n";
+  EXPECT_EQ(ask(port_, chunked + "1f4\r\n" + std::string(500, 'x') + "\r\n0\r\n\r\n").status, 413);
+}
+
+TEST_F(MemoryTest, work_that_takes_too_much_is_ended_and_told_why) {
+  config_.memory_budget = api::resident_memory() + (256 << 20);
+  start();
+  const auto client = start_blocking();
+  const std::string much(512 << 20, 'x');  // as if the request took it
+  const Answer answer = client->answer();
+  EXPECT_EQ(answer.status, 413);  // it was alone: coming again would not help
+  EXPECT_EQ(code_of(answer), "mesh_too_large");
+}
+
+}  // namespace
+}  // namespace remesh::server
