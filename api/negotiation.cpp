@@ -7,6 +7,7 @@
 
 #include "api/text.h"
 #include "core/base/error.h"
+#include "core/io/format_spec.h"
 
 namespace remesh::api {
 namespace {
@@ -66,7 +67,7 @@ std::string names_of_formats(Predicate is_one) {
 
 }  // namespace
 
-bool can_read(Format format) { return format != Format::kStlAscii && format != Format::kVtu && format != Format::kMsh; }
+bool can_read(Format format) { return format == Format::kJson || format_spec(format).read != nullptr; }
 
 std::string media_type_of(std::string_view content_type) { return ascii_lower(trim(cut(content_type, ';').first)); }
 

@@ -15,8 +15,8 @@
 
 namespace remesh {
 
-/// Every format of the contract. All are written, all but VTU and MSH are read. The two kinds of STL are one format to
-/// a reader, kStl: kStlAscii is only asked for.
+/// Every format of the contract; what is known of each is a row in format_spec.cpp, in this order. All are written, all
+/// but VTU and MSH are read. The two kinds of STL are one format to a reader, kStl: kStlAscii is only asked for.
 enum class Format { kObj, kJson, kStl, kStlAscii, kPly, kOff, kVtu, kMsh };
 
 inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kStl, Format::kStlAscii,

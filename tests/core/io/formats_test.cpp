@@ -7,6 +7,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/io/format_spec.h"
+
 namespace remesh {
 namespace {
 
@@ -29,6 +31,27 @@ TEST(formats, every_format_is_found_by_its_name_and_has_its_own_media_type) {
   EXPECT_EQ(media_type(Format::kObj), "model/obj");
   EXPECT_EQ(media_type(Format::kJson), "application/json");
   EXPECT_EQ(media_type(Format::kStl), "model/stl");
+}
+
+TEST(formats, every_format_has_a_row_of_its_own) {
+  std::set<std::string_view> names;
+  for (const Format format : kFormats) {
+    const FormatSpec& spec = format_spec(format);
+    EXPECT_FALSE(spec.name.empty());
+    EXPECT_FALSE(spec.ending.empty()) << spec.name;
+    EXPECT_FALSE(spec.media_type.empty()) << spec.name;
+    EXPECT_TRUE(names.insert(spec.name).second) << spec.name;
+    EXPECT_EQ(format_from_name(spec.name), format);
+    // JSON is read and written above the core.
+    EXPECT_EQ(spec.write == nullptr, format == Format::kJson) << spec.name;
+  }
+}
+
+TEST(formats, what_is_read_is_told_by_its_content) {
+  // OBJ has no mark: it is what looks like nothing else.
+  for (const Format format : kFormats)
+    if (const FormatSpec& spec = format_spec(format); spec.read != nullptr && format != Format::kObj)
+      EXPECT_NE(spec.mark, nullptr) << spec.name;
 }
 
 TEST(formats, a_name_is_known_only_as_it_stands_in_the_contract) {

@@ -1,0 +1,55 @@
+/// All that the program knows about a mesh format, as one row of a table.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/options.h"
+#include "core/io/formats.h"
+#include "core/mesh/mesh.h"
+
+namespace remesh {
+
+/// A file's content as the formats look at it to tell whether it is theirs.
+struct Sniffed {
+  explicit Sniffed(std::string_view whole);
+
+  std::string_view content;     ///< all bytes
+  std::string_view text;        ///< the same without a byte order mark
+  std::string_view first_word;  ///< the first token of the text that is in no comment line
+};
+
+/// How strongly a content looks like a format.
+enum class Mark {
+  kNone,      ///< not at all
+  kPossible,  ///< it may be this format if it is no other one
+  kLikely,    ///< it begins as this format does
+  kCertain,   ///< no other format looks like this, whatever its first words say
+};
+
+/// What a writer gets.
+struct WriterInput {
+  const TriangleMesh& mesh;
+  const IdVector<FaceId, PatchId>& face_patch;
+  const std::vector<std::string>& comments;
+};
+
+/// One format. The page and the documents have names of their own for it.
+struct FormatSpec {
+  std::string_view name;    ///< the stable name: `obj`
+  std::string_view ending;  ///< of a file's name, without the point
+  std::string_view media_type;
+  Storage storage;  ///< the numbers in which it is written
+  /// Looks at a content; null if the format is never told by it.
+  Mark (*mark)(const Sniffed& content) = nullptr;
+  /// Null if it is not read, or only above this library, as JSON is.
+  ReadResult (*read)(std::string_view content, const ReadLimits& limits, RunControl& control) = nullptr;
+  /// Null if it is written only above this library, as JSON is.
+  std::string (*write)(const WriterInput& input, RunControl& control) = nullptr;
+};
+
+const FormatSpec& format_spec(Format format);
+
+}  // namespace remesh
