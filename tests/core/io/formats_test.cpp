@@ -49,9 +49,10 @@ TEST(formats, every_format_has_a_row_of_its_own) {
 
 TEST(formats, what_is_read_is_told_by_its_content) {
   // OBJ has no mark: it is what looks like nothing else.
-  for (const Format format : kFormats)
-    if (const FormatSpec& spec = format_spec(format); spec.read != nullptr && format != Format::kObj)
-      EXPECT_NE(spec.mark, nullptr) << spec.name;
+  for (const Format format : kFormats) {
+    const FormatSpec& spec = format_spec(format);
+    EXPECT_EQ(spec.mark == nullptr && spec.read != nullptr, format == Format::kObj) << spec.name;
+  }
 }
 
 TEST(formats, a_name_is_known_only_as_it_stands_in_the_contract) {
