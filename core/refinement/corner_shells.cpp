@@ -25,9 +25,10 @@ constexpr double kAlike = 2;
 /// A multiple of the size. Sides that are farther apart are no longer near each other: a row of the largest triangles
 /// has some room between them.
 constexpr double kFarApart = 0.85;
-/// Pieces are so much shorter than the bound on angles allows: rows are not quite regular. Beyond 1.02 what does not
-/// fit is refined (two and a half times the triangles of a cone); from 0.94 to there every hundredth saves some, and
-/// the fewer short edges there are behind a corner, the fewer flat tetrahedra.
+/// Pieces are shorter by this factor than the bound on angles allows, because rows are not quite regular. Above 1.02,
+/// triangles that do not fit are refined, and a cone gets two and a half times the triangles. From 0.94 up to 1.02,
+/// every hundredth saves some triangles. Besides, the fewer short edges there are behind a corner, the fewer flat
+/// tetrahedra there are.
 constexpr double kMargin = 0.98;
 /// The length of the triangle in a corner where sizes vary, as a multiple of the size. Shorter ones give more
 /// tetrahedra; longer ones give more flat tetrahedra. This was measured with TetGen on t13 (58 thousand tetrahedra) and

@@ -30,9 +30,9 @@ constexpr double kAlike = 1.05;
 constexpr double kClearanceOfOneSize = 0.49;
 constexpr double kWideColumn = 0.75;
 
-/// What is looked at grows with the cells, and a region that is long and narrow, or where sizes change abruptly, has
-/// cells without a point of their own. A fill is given up where it would take more than so many for each point that is
-/// allowed, for each point of the boundary and for each triangle.
+/// The work grows with the number of cells. A region that is long and narrow, or where sizes change abruptly, has many
+/// cells without a point of their own. A fill is given up if it would look at more cells than kFewCells, plus
+/// kMaxCellsEach for each point that is allowed, for each point of the boundary and for each triangle.
 constexpr std::size_t kMaxCellsEach = 16;
 constexpr std::size_t kFewCells = std::size_t{1} << 20;
 /// A fill with more cells would take minutes.
