@@ -232,7 +232,7 @@ class LeastFaces {
         control_(control),
         longest_(sizes.largest()),
         largest_area_(largest_area(goals, sizes)),
-  // the edge of the largest triangle, if its edges are equal
+        // This is the edge of the largest triangle, if all its edges are equally long.
         edge_(equilateral_edge(largest_area_)) {}
 
   double of(const PatchMesh& patch, PatchId p) const {
