@@ -33,7 +33,7 @@ struct Use {
   /// True if the edge is inside its patch. Boundary edges sort first.
   bool is_inside;
   PatchId patch;
-  std::uint32_t half_edge;  ///< in the patch's mesh; valid until that is changed
+  std::uint32_t half_edge;  ///< number in the patch's mesh; valid until that changes
 
   friend bool operator<(const Use& a, const Use& b) {
     return std::tie(a.key, a.is_inside, a.patch) < std::tie(b.key, b.is_inside, b.patch);

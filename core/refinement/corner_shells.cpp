@@ -61,9 +61,9 @@ struct Side {
   double length;
   double floor;
   double reach;  ///< the largest distance up to which both it and the other side of one of its corners go
-  double width;  ///< at the distance 1, the distance to the other side of its sharpest corner
+  double width;  ///< distance to the other side of its sharpest corner, at the distance 1
   bool is_between = false;
-  double common = 0;  ///< up to this distance it is near the other side of a corner
+  double common = 0;  ///< the distance up to which it is near the other side of a corner
 };
 
 /// Returns one Side for each end of a segment at a sharp corner, sorted by end.

@@ -18,7 +18,7 @@ struct PlaneSizes {
   /// false where that is so.
   std::function<bool(double length, Vec2 place, double radius)> allows;
   bool is_uniform = true;  ///< the same everywhere
-  double noise = 0;  ///< sizes that are meant to be equal differ by less than this fraction
+  double noise = 0;        ///< sizes that are meant to be equal differ by less than this fraction
 };
 
 /// Returns points of lattices of equilateral triangles, inside a region and away from its boundary. The lattices' edges

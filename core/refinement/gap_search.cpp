@@ -41,9 +41,9 @@ constexpr std::size_t kMaxCornersOfPatch = 64;
 /// invalid.
 struct Common {
   PatchId patch;
-  VertexId hub;  ///< the hub of the patch; see hubs_
+  VertexId hub;                    ///< the hub of the patch; see hubs_
   std::array<PatchId, 2> largest;  ///< the patches with the longest borders among those that are joined to it
-  Layer layer;  ///< contains all of the triangles
+  Layer layer;                     ///< contains all of the triangles
 
   void join(const Common& other) {
     if (patch != other.patch) patch = PatchId();
@@ -97,7 +97,7 @@ enum class What { kFaced, kAll };
 
 /// Triangles that do not count as gaps although they are near.
 struct Uncounted {
-  const Triangle* on = nullptr;  ///< triangles that cross or touch this one do not count
+  const Triangle* on = nullptr;       ///< triangles that cross or touch this one do not count
   std::span<const PatchId> crossing;  ///< these patches do not count; ascending
 };
 
@@ -228,14 +228,14 @@ class GapSearch::Index {
   const Surface& surface_;
   PatchContacts contacts_;
   double touching_squared_;                    ///< local units
-  std::vector<Triangle> triangles_;  ///< triangles of patch after patch
+  std::vector<Triangle> triangles_;            ///< triangles of patch after patch
   std::vector<std::uint32_t> triangle_begin_;  ///< index of each patch's first triangle
   IdVector<PatchId, Slab> slabs_;
   IdVector<PatchId, Axes> axes_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;
-  /// For each patch the closed, consistently wound component that it belongs to, or kOpen.
+  /// The closed, consistently wound component that each patch belongs to, or kOpen.
   IdVector<PatchId, std::uint32_t> solids_;
-  IdVector<PatchId, VertexId> hubs_;  ///< for each patch the vertex where the most patches meet
+  IdVector<PatchId, VertexId> hubs_;  ///< the vertex of each patch where the most patches meet
   TriangleBoxes tree_;
 };
 

@@ -1,4 +1,4 @@
-/// How near a surface comes to itself: the distance to the nearest facet that is not a neighbour.
+/// Measures how near a surface comes to itself: the distance to the nearest facet that is not a neighbour.
 #pragma once
 
 #include <memory>

@@ -86,7 +86,7 @@ class GoalRefinement {
   static constexpr double kHopeless = 2, kFewFaces = 0x1p17;
   static constexpr int kMaxRetries = 6;
   static constexpr int kRetriesInVain = 3;  ///< a retry that made no fewer faces counts as so many
-  /// One kReserve-th of the faces allowed is held back for what patches do for each other at the end. Without it, the
+  /// One kReserve-th of the faces allowed is reserved for what patches do for each other at the end. Without it, the
   /// result might exceed the limit, and another attempt would take as long as the first.
   static constexpr std::uint64_t kReserve = 1024;
   bool is_budget_too_small() const { return retries_ > kMaxRetries; }
@@ -104,9 +104,9 @@ class GoalRefinement {
   RunControl& control_;
   bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would
   int retries_ = 0;
-  std::uint64_t last_faces_ = 0;  ///< the faces of the last result that was over its budget; 0: none yet
+  std::uint64_t last_faces_ = 0;      ///< the faces of the last result that was over its budget; 0: none yet
   std::vector<std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined
-  std::optional<SizeField> sizes_;  ///< of the patches as they are; empty until it is needed
+  std::optional<SizeField> sizes_;    ///< the size field of the patches as they are; empty until needed
   std::uint64_t predicted_faces_ = 0;
   std::optional<double> smallest_gap_;
 };

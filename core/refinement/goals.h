@@ -10,13 +10,13 @@ namespace remesh {
 /// Lengths and areas are in model units, angles in degrees. If there is no bound, an upper bound is infinity and a
 /// lower one is 0.
 struct Goals {
-  double min_angle_deg = 0;  ///< in space, for every triangle
+  double min_angle_deg = 0;    ///< lower bound for every triangle, measured in space
   double max_edge_length;      ///< infinity: none
   double max_area;             ///< infinity: none
   double min_edge_length = 0;  ///< refinement makes no shorter edge
-  double proximity = 0;  ///< edges are at most the gap over this; 0: no such limit
-  double gradation = 0;  ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
-  std::uint64_t max_faces;  ///< limit on the faces of the whole result
+  double proximity = 0;        ///< edges are at most the gap over this; 0: no such limit
+  double gradation = 0;        ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
+  std::uint64_t max_faces;     ///< limit on the faces of the whole result
   bool split_boundaries = true;
 
   /// Sizes that gaps and short edges ask for are known at some places and interpolated between them. An edge that is

@@ -44,7 +44,7 @@ class HeldSizes {
 
   double steepest_;
   BoxTree<Shrinking> tree_;
-  std::vector<HeldSide> sides_;  ///< in the order of the tree's slots
+  std::vector<HeldSide> sides_;  ///< ordered as the slots of the tree
 };
 
 }  // namespace remesh

@@ -45,7 +45,7 @@ class LocalFeatures {
   double distance(const PatchMesh& patch, std::uint32_t side);
 
   std::vector<LocalFeature> features_;
-  std::vector<std::uint32_t> seen_;  ///< for each triangle, the side whose search has entered it last
+  std::vector<std::uint32_t> seen_;  ///< the side whose search was the last to enter each triangle
   std::vector<Entered> queue_;
 };
 

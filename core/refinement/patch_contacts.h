@@ -78,7 +78,7 @@ class PatchContacts {
   std::vector<PatchId> vertex_patches_;
   std::vector<std::uint32_t> border_begin_;
   std::vector<std::uint32_t> border_;
-  std::vector<BoxTree<NoTag>> trees_;  ///< trees of the long borders
+  std::vector<BoxTree<NoTag>> trees_;         ///< trees of the long borders
   IdVector<PatchId, std::uint32_t> tree_of_;  ///< index in `trees_`, or kNoTree
   static constexpr std::uint32_t kNoTree = 0xffffffffu;
 };

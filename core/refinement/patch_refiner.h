@@ -1,4 +1,4 @@
-/// Refines one patch in its plane: angles and sizes, until nothing is left to do there.
+/// Refines one patch in its plane for angles and sizes, until nothing is left to do there.
 #pragma once
 
 #include <algorithm>
@@ -48,8 +48,8 @@ struct Criteria {
   double lens;
   /// The height of an off-centre over the shortest edge, per length of that edge.
   double off_centre;
-  bool has_sizes;  ///< false: any triangle is small enough
-  double max_area;    ///< model units
+  bool has_sizes;    ///< false: any triangle is small enough
+  double max_area;   ///< model units
   double even_size;  ///< edge of the triangles that fill wide areas; infinity: there are none
   double area_edge;  ///< no triangle with edges up to this length is larger than max_area
   double min_angle_deg;
@@ -116,7 +116,7 @@ class PatchRefiner {
   }
 
   struct Refined {
-    PatchMesh patch;        ///< new vertices have no id yet
+    PatchMesh patch;  ///< new vertices have no id yet
     /// One per vertex of the patch. The segment is invalid for a corner and for a vertex inside the patch.
     std::vector<Cut> cuts;
     /// One per triangle: the reason why it is as it is, in case it misses a bound.
@@ -132,9 +132,9 @@ class PatchRefiner {
   enum class State : std::uint8_t { kUnknown, kGood, kInputAngle, kAcrossInputAngle, kSizeFloor, kMinEdge, kLocked };
 
   struct Side {
-    double t0, t1;  ///< the piece [t0, t1] of the segment
-    std::uint32_t next;  ///< another piece of the same chain, or kNone
-    std::uint32_t chain;  ///< index in `chains_`, which knows the segment
+    double t0, t1;          ///< the piece [t0, t1] of the segment
+    std::uint32_t next;     ///< another piece of the same chain, or kNone
+    std::uint32_t chain;    ///< index in `chains_`, which knows the segment
     std::uint32_t partner;  ///< the other side of a slit, or kNone
     bool is_forward;        ///< the half-edge runs from t0 to t1
   };
@@ -163,7 +163,7 @@ class PatchRefiner {
                     RunControl& control);
   /// The measures of the triangle between a point and an edge.
   struct Spanned {
-    double squares, shortest_squared, longest_squared;  ///< of its edges: the sum, the minimum, the maximum
+    double squares, shortest_squared, longest_squared;  ///< sum, minimum and maximum over its edges
     double twice_area;
   };
   static Spanned spanned(Vec2 p, Vec2 a, Vec2 b) {
@@ -266,14 +266,14 @@ class PatchRefiner {
   const Criteria& criteria_;
   const std::uint32_t corner_count_;
   std::unique_ptr<const HeldSizes> held_;  ///< sides that are longer than they may be and stay; null: none
-  State held_as_ = State::kLocked;  ///< why these sides stay; the strongest of their reasons
-  Workplace* at_;  ///< only during a turn
+  State held_as_ = State::kLocked;         ///< why these sides stay; the strongest of their reasons
+  Workplace* at_;                          ///< only during a turn
   SmallBlocks memory_;
   DelaunayMesh mesh_{at_->mesh, &memory_};
-  std::pmr::vector<SegmentId> segment_{&memory_};  ///< for each vertex on a segment that segment; otherwise invalid
-  std::pmr::vector<double> value_{&memory_};  ///< for a vertex on a segment its parameter, for others their Floor
-  std::pmr::vector<Side> sides_{&memory_};  ///< numbered as the sides of mesh_
-  std::pmr::vector<State> state_{&memory_};  ///< one per triangle
+  std::pmr::vector<SegmentId> segment_{&memory_};  ///< the segment that a vertex lies on; else invalid
+  std::pmr::vector<double> value_{&memory_};       ///< the parameter on that segment, or else a Floor
+  std::pmr::vector<Side> sides_{&memory_};         ///< numbered as the sides of mesh_
+  std::pmr::vector<State> state_{&memory_};        ///< one per triangle
   /// A segment at a corner, and the corner at its other end. They are sorted at each corner.
   struct CornerSegment {
     VertexId other;
@@ -281,7 +281,7 @@ class PatchRefiner {
   };
   std::pmr::vector<CornerSegment> corner_segments_{&memory_};
   std::pmr::vector<std::uint32_t> corner_begin_{
-      &memory_};                              ///< segments of corner v: [corner_begin_[v], corner_begin_[v + 1])
+      &memory_};                              ///< corner v has the segments [corner_begin_[v], corner_begin_[v + 1])
   std::pmr::vector<Chain> chains_{&memory_};  ///< ordered by segment
 
   /// The shorter a triangle's shortest edge is, the higher is its queue. There are eight queues for each octave of the

@@ -1,4 +1,5 @@
-/// Pieces of the boundary: how a patch cuts its own, takes over the cuts of others, and why some are not cut.
+/// Members of PatchRefiner for pieces of the boundary. They cut the patch's own pieces, take over the cuts of other
+/// patches, and tell why some pieces are not cut.
 
 #include <algorithm>
 #include <array>

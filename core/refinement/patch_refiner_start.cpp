@@ -1,4 +1,5 @@
-/// How a patch begins: as it was triangulated, or triangulated anew with cuts for its sizes and points inside.
+/// Members of PatchRefiner that begin the refinement of a patch. It begins as it was triangulated, or it is triangulated
+/// anew with cuts for its sizes and with points inside.
 
 #include <algorithm>
 #include <cmath>
@@ -31,7 +32,7 @@ struct Piece {
 
 struct Triangulated {
   Triangulation2d mesh;
-  std::vector<std::uint32_t> number;  ///< for each vertex of the mesh its index in `points`
+  std::vector<std::uint32_t> number;     ///< index in `points`, one per vertex of `mesh`
   std::vector<std::uint32_t> half_edge;  ///< one per side
 };
 

@@ -1,4 +1,5 @@
-/// Points inside that are not needed in the end: taken away, or two of them replaced by one.
+/// Members of PatchRefiner that thin a patch out. Points inside that are not needed in the end are removed, or one point
+/// takes the place of two.
 
 #include <algorithm>
 #include <cmath>

@@ -62,8 +62,8 @@ struct Asked {
 
   const Goals& goals;
   const SizeField& sizes;
-  double tangent;  ///< of the bound on angles
-  double strip_tangent;  ///< of the angle that is aimed at along strips; 0: boundaries are not cut for angles
+  double tangent;        ///< tangent of the bound on angles
+  double strip_tangent;  ///< tangent of the angle along strips; 0: boundaries are not cut for angles
 };
 
 class PatchPrediction {

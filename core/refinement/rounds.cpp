@@ -532,22 +532,22 @@ class Rounds {
   std::vector<std::unique_ptr<PatchRefiner>> refiners_;
   /// One per thread. Parallel loops inside a turn do not run another patch's turn meanwhile (core/base/parallel.h).
   tbb::enumerable_thread_specific<Workplace> workplaces_;
-  std::vector<std::uint32_t> dirty_;     ///< patches, ascending
-  std::vector<std::uint64_t> quota_;     ///< one per dirty patch
+  std::vector<std::uint32_t> dirty_;  ///< patches, ascending
+  std::vector<std::uint64_t> quota_;  ///< one per dirty patch
   /// The triangles at the last barrier, plus at least those that turns have made since then.
   std::atomic<std::uint64_t> made_ = 0;
   std::uint64_t left_ = kNoLimit;  ///< what was left of the budget when it was last shared out
-  std::vector<Message> messages_;        ///< sorted
+  std::vector<Message> messages_;  ///< sorted
   std::vector<SegmentId> impossible_;
   std::vector<PatchId> at_work_;  ///< the patches that had a refiner when `finish` was called
-  /// For each patch at work, what `finish` has made of it, or, after a swap, what it was before.
+  /// The patches at work as `finish` has made them, or, after a swap, as they were before.
   std::vector<PatchMesh> refined_;
-  std::vector<std::vector<std::uint32_t>> chords_;  ///< for each patch its chords, as half-edges of `finish`'s result
+  std::vector<std::vector<std::uint32_t>> chords_;  ///< chords of each patch, as half-edges of `finish`'s result
   /// True if patches were thinned out since they all began, or since they were taken up again.
   bool is_thinned_out_ = false;
   int times_taken_up_ = 0;
-  bool is_waiting_for_chords_ = false;  ///< patches keep their refiners after `finish`
-  std::atomic<bool> is_any_split_ = true;  ///< at least one chord of the last list was split
+  bool is_waiting_for_chords_ = false;     ///< patches keep their refiners after `finish`
+  std::atomic<bool> is_any_split_ = true;  ///< a chord of the last list was split
   Refinement result_;
 };
 

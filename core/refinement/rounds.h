@@ -20,7 +20,7 @@ namespace remesh {
 /// The result of a refinement.
 struct Refinement {
   std::vector<Vec3> new_positions;  ///< positions of the vertices from surface.vertex_count() on
-  std::size_t first_inner = 0;  ///< new vertices from here on are inside patches
+  std::size_t first_inner = 0;      ///< new vertices from here on are inside patches
   /// One per triangle, patch after patch: the reason why it misses a goal. For triangles that meet the goals it may
   /// have any value.
   std::vector<UnrefinedReason> reason;

@@ -38,7 +38,7 @@ struct EvenParts {
 
 /// The reason why a segment is not cut.
 enum class Lock : std::uint8_t {
-  kNone,    ///< it may be cut
+  kNone,  ///< it may be cut
   /// It must stay, because boundaries are not to be split or because a patch beside it stays as it was.
   kKept,
   /// A point on it would be no farther from a vertex or from another segment than rounding moves it.
@@ -55,8 +55,8 @@ struct BoundarySegment {
   /// at a small angle are cut alike. The base is 0 if no other segment is near there. Otherwise it is a third of the
   /// shortest of these segments or, where sizes vary, the first distance of their CornerShells.
   std::array<double, 2> shell_base{0, 0};
-  EvenParts parts;  ///< used where there are no shells
-  double floor = 0;  ///< no piece becomes shorter than this
+  EvenParts parts;              ///< used where there are no shells
+  double floor = 0;             ///< no piece becomes shorter than this
   bool is_floor_asked = false;  ///< the floor is as high as it is only because of min_edge_length
   /// The floor is higher than features and sizes ask for, because of min_edge_length or of rounding.
   bool is_floor_raised = false;

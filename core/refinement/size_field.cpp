@@ -150,7 +150,7 @@ class SizeField::Sampler {
 void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const {
   const auto triangles = gaps.triangles_of(cell.patch);
   const Axes& axes = gaps.axes_of(cell.patch);
-  std::vector<Vec3> outline;  // corners of all pieces, along the axes
+  std::vector<Vec3> outline;     // corners of all pieces, along the axes
   std::vector<Corners3> pieces;  // the pieces cut into triangles, in space
   std::vector<Part> parts;
   Box3 box;

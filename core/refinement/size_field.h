@@ -118,8 +118,8 @@ class SizeField {
   bool is_of_segments_ = false;
   Samples samples_;
   IdVector<PatchId, Axes> axes_;
-  std::vector<Cell> cells_;  ///< by slot; empty in a field of segments
-  std::vector<Segment> segments_;  ///< by slot; empty in a field of gaps
+  std::vector<Cell> cells_;        ///< one per slot; empty in a field of segments
+  std::vector<Segment> segments_;  ///< one per slot; empty in a field of gaps
 };
 
 }  // namespace remesh

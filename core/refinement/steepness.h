@@ -36,7 +36,7 @@ struct Slab {
 struct Layer {
   /// A unit vector, up to 2^-20. If it is null, the layer says nothing.
   std::array<float, 3> across{0, 0, 0};
-  float least = HUGE_VALF;  ///< of the products of `across` with the places inside
+  float least = HUGE_VALF;  ///< smallest product of `across` with a place inside
   float most = -HUGE_VALF;
 
   Layer() = default;

@@ -99,7 +99,7 @@ class TaskQueues {
   std::uint16_t block_size_ = 1;
   std::vector<std::uint32_t> last_of_;  ///< the last block of each queue, or kNone
   std::vector<Block> blocks_;
-  std::vector<Task> tasks_;  ///< the tasks of all blocks
+  std::vector<Task> tasks_;     ///< the tasks of all blocks
   std::uint32_t free_ = kNone;  ///< the first unused block; they are linked by `next`
   std::size_t size_ = 0;
 };
