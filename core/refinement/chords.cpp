@@ -14,7 +14,7 @@
 namespace remesh {
 namespace {
 
-/// An undirected edge, named by its two surface vertices, the smaller one first.
+/// An undirected edge is named by its two surface vertices. The smaller one is first.
 struct Key {
   VertexId first, second;
   friend auto operator<=>(const Key&, const Key&) = default;

@@ -1,6 +1,6 @@
-/// The chord rule. An edge inside one patch must not also be an edge of another patch or a boundary edge, because the
-/// surface would meet itself there. Of equal edges, the one in the patch of lowest id stays. None of them stays if one
-/// of the equal edges is a boundary edge.
+/// Enforces the chord rule: an edge inside one patch must not also be an edge of another patch or a boundary edge,
+/// because the surface would meet itself there. Of equal edges, the one in the patch of lowest id stays. None of them
+/// stays if one of the equal edges is a boundary edge.
 /// Source: rules.md, Chords.
 #pragma once
 
@@ -31,7 +31,8 @@ std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t
 bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control);
 
 /// Puts a point into the middle of each chord and makes the triangles around it Delaunay. One point may remove several
-/// chords. A chord without room for a point stays. Afterwards no edge is constrained any more for the sake of a chord.
+/// chords. A chord without room for a point stays. If there are any chords, no edge is constrained for the sake of a
+/// chord afterwards.
 /// Output: The patches, with their new vertices at the end. These have no ids yet. The new triangles are those at the
 ///         new vertices.
 void split_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control);

@@ -22,31 +22,30 @@ constexpr double kSharp = 0.7;
 /// A corner is not cut in this way if a corner beside it is sharper by more than this factor. Otherwise one sliver in a
 /// fan would make the whole fan as finely cut.
 constexpr double kAlike = 2;
-/// A multiple of the size. Sides that are farther apart are no longer near each other: a row of the largest triangles
-/// has some room between them.
+/// Sides that are farther apart than this multiple of the size are no longer near each other: a row of the largest
+/// triangles has some room between them.
 constexpr double kFarApart = 0.85;
 /// Pieces are shorter by this factor than the bound on angles allows, because rows are not quite regular. Above 1.02,
 /// triangles that do not fit are refined, and a cone gets two and a half times the triangles. From 0.94 up to 1.02,
 /// every hundredth saves some triangles. Besides, the fewer short edges there are behind a corner, the fewer flat
 /// tetrahedra there are.
 constexpr double kMargin = 0.98;
-/// The length of the triangle in a corner where sizes vary, as a multiple of the size. Shorter ones give more
-/// tetrahedra; longer ones give more flat tetrahedra. This was measured with TetGen on t13 (58 thousand tetrahedra) and
-/// on a coupling (71 thousand), both with corners of 2 to 5 degrees. On average over sixteen orders of the vertices, 3
-/// and 1 tetrahedra are below 3 degrees for lengths from 0.5 to 0.55, and some ten in each part for the length 1. In
-/// its own order of vertices the coupling has none, but that is luck: only a third of the settings near these have
-/// none.
+/// Where sizes vary, the triangle in a corner is this multiple of the size long. Shorter ones give more tetrahedra;
+/// longer ones give more flat tetrahedra. This was measured with TetGen on t13 (58 thousand tetrahedra) and on a
+/// coupling (71 thousand), both with corners of 2 to 5 degrees. On average over sixteen orders of the vertices, 3 and 1
+/// tetrahedra are below 3 degrees for lengths from 0.5 to 0.55, and some ten in each part for the length 1. In its own
+/// order of vertices the coupling has none, but that is luck: only a third of the settings near these have none.
 constexpr double kTip = 0.54;
-/// The same length in wider corners. Two such triangles beside a slight bend have their four corners nearly on a
-/// circle. If they are short, they fit between the walls as a flat tetrahedron over the bend; if they are long, they
-/// meet the vertices of the far wall. On 49 parts that were made to try this, TetGen has 18 tetrahedra below 3 degrees
-/// where it had 33, and 1 % fewer tetrahedra in all. Lengths from 0.6 to 0.75 differ by little. That t13 and the
-/// coupling have none in their own order of vertices is luck.
+/// In wider corners, the triangle in the corner is this multiple of the size long. Two such triangles beside a slight
+/// bend have their four corners nearly on a circle. If they are short, they fit between the walls as a flat tetrahedron
+/// over the bend; if they are long, they meet the vertices of the far wall. On 49 parts that were made to try this,
+/// TetGen has 18 tetrahedra below 3 degrees where it had 33, and 1 % fewer tetrahedra in all. Lengths from 0.6 to 0.75
+/// differ by little. That t13 and the coupling have none in their own order of vertices is luck.
 constexpr double kTipOfWide = 0.66;
 constexpr double kWide = 0.12;  ///< distance between the sides at the distance 1 from the corner; some 7 degrees
-/// A multiple of the size. No piece is made shorter; where it would have to be, the bound on angles is given up.
+/// No piece is shorter than this multiple of the size. Where it would have to be, the bound on angles is given up.
 constexpr double kMinPiece = 0x1p-5;
-/// A multiple of the last piece. The rest of a side behind its last shell is no shorter.
+/// The rest of a side behind its last shell is no shorter than this multiple of the last piece.
 constexpr double kMinRest = 0.5;
 /// Two sides are cut together for at most this many pieces; behind that, each is cut on its own. No real part needs
 /// more. But a strip of a billion sizes would fill the memory before the limit on faces is reached.
@@ -55,7 +54,7 @@ constexpr std::size_t kMaxStops = std::size_t{1} << 20;
 /// Returns how far apart the sides of a corner are at the distance 1 from it.
 double width_of(double angle) { return 2 * std::sin(angle / 2); }
 
-/// A side of a sharp corner. Two corners that lie beside each other share one.
+/// This is a side of a sharp corner. Two corners that lie beside each other share one.
 struct Side {
   std::uint32_t end;
   double length;

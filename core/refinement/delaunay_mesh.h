@@ -23,12 +23,12 @@ class DelaunayMesh {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  /// One edge of a cavity's rim, seen from inside. It belongs to a triangle that would be removed.
+  /// This is one edge of a cavity's rim, seen from inside. It belongs to a triangle that would be removed.
   struct RimEdge {
     std::uint32_t from, to;
     std::uint32_t outside;  ///< the entry of that half-edge in `twin_`: its twin, or the constraint bit and its side
   };
-  /// Scratch memory of the operations. One object can serve many meshes, one after the other.
+  /// Operations use this scratch memory. One object can serve many meshes, one after the other.
   struct Scratch {
     std::vector<std::uint32_t> cavity, stack, changed, ring;
     std::vector<RimEdge> front;  ///< edges that are either on the rim or inside the cavity; not yet decided
@@ -75,9 +75,10 @@ class DelaunayMesh {
   std::uint32_t half_edge_of_side(std::uint32_t side) const { return half_edge_of_side_[side]; }
   std::uint32_t side_count() const { return static_cast<std::uint32_t>(half_edge_of_side_.size()); }
 
-  /// The end of a straight walk from the middle of a triangle towards a point p.
+  /// A location is the end of a straight walk from the middle of a triangle towards a point p.
   struct Location {
-    /// A half-edge of the triangle that contains p. If p is hidden, it is the constrained half-edge that hides it.
+    /// This is a half-edge of the triangle that contains p. If p is hidden, it is the constrained half-edge that hides
+    /// it.
     std::uint32_t half_edge;
     bool is_hidden;
   };
@@ -104,7 +105,7 @@ class DelaunayMesh {
   /// Removes a vertex that has no constrained edge. The next new vertex gets its number.
   void remove(std::uint32_t v);
 
-  /// The triangles that the last operation made or changed. The list may name a triangle twice, and some of its
+  /// Lists the triangles that the last operation made or changed. The list may name a triangle twice, and some of its
   /// triangles may have been removed again.
   std::span<const std::uint32_t> changed() const { return scratch_->changed; }
 

@@ -78,7 +78,7 @@ class PointGrid {
   std::vector<Key> keys_;
 };
 
-/// A summary of the sizes at the triangles: the edge of a lattice that suits most of them, and the smallest and largest
+/// Summarises the sizes at the triangles: the edge of a lattice that suits most of them, and the smallest and largest
 /// size.
 struct Spacing {
   double best, smallest, largest;
@@ -120,7 +120,7 @@ Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const Plane
   return {best, least_size, largest};
 }
 
-/// A cell of one of the lattices. It is a parallelogram.
+/// A cell of one of the lattices is a parallelogram.
 struct Cell {
   int level;
   double share;  ///< the cell's edge over the coarsest lattice's edge: 2^-level
@@ -140,7 +140,7 @@ struct Cells {
 /// A relative slack for rounding, so that a width of ten sizes makes ten columns whatever its last digits are.
 constexpr double kHair = 1 - 1e-11;
 
-/// The vertices along the lower or the upper side of a region's box.
+/// Holds the vertices along the lower or the upper side of a region's box.
 class SideRow {
  public:
   SideRow(std::span<const Vec2> vertices, Vec2 corner, double width, double size) : width_(width) {
@@ -160,7 +160,7 @@ class SideRow {
   /// Returns whether the row reaches from corner to corner.
   bool is_whole() const { return has_first_ && has_last_; }
 
-  /// The number of vertices without the corners.
+  /// Returns the number of vertices without the corners.
   double inner_count() const { return static_cast<double>(inner_.size()); }
 
   /// Tells how the vertices lie to the columns: 1 if columns end at the vertices, -1 if they end half a column beside
@@ -178,8 +178,8 @@ class SideRow {
   bool has_first_ = false, has_last_ = false;
 };
 
-/// Limits for SideRow::phase(). Beyond kInStep, the row is in step with the columns. Below kBetween, its vertices are
-/// nearer to the middles of columns than to their ends.
+/// These are limits for SideRow::phase(). Beyond kInStep, the row is in step with the columns. Below kBetween, its
+/// vertices are nearer to the middles of columns than to their ends.
 constexpr double kInStep = 0.9, kBetween = -0.5;
 /// Columns are added if that makes no more additional points than this number of rows has.
 constexpr double kRowsOutOfStep = 1.2;

@@ -11,7 +11,7 @@
 
 namespace remesh {
 
-/// The longest edge that is allowed at each place of the plane.
+/// Gives the longest edge that is allowed at each place of the plane.
 struct PlaneSizes {
   std::function<double(Vec2)> at;
   /// Returns whether the length is at most the size at all places within the radius around `place`. It may also return
@@ -32,7 +32,7 @@ struct PlaneSizes {
 /// the last row are in step with the vertices along the lower and the upper side.
 /// Input:  The triangles cover the region. `boundary` holds points of its boundary; where the boundary can be cut, they
 ///         are no more than half the size there apart. The first `vertex_count` of them are the region's vertices. No
-///         point of the result is nearer than `shortest` to any of them.
+///         point of the result is nearer than `shortest` to a point of `boundary`.
 /// Output: The points in lexicographic order. There are none if they would be more than `most`. There are none either
 ///         if too many cells of the lattices would have to be looked at, compared with the number of points, boundary
 ///         points and triangles.

@@ -1,4 +1,4 @@
-/// The smallest distance that new points keep from others.
+/// Defines the floor: the smallest distance that new points keep from others.
 #pragma once
 
 #include <cmath>

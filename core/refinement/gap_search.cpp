@@ -55,7 +55,7 @@ struct Common {
 };
 using TriangleBoxes = BoxTree<Common>;
 
-/// The smallest square of a gap so far, in local units. Many threads may use it.
+/// Holds the smallest square of a gap so far, in local units. Many threads may use it.
 class SharedLeast {
  public:
   double get() const { return value_.load(std::memory_order_relaxed); }
@@ -233,7 +233,7 @@ class GapSearch::Index {
   IdVector<PatchId, Slab> slabs_;
   IdVector<PatchId, Axes> axes_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;
-  /// The closed, consistently wound component that each patch belongs to, or kOpen.
+  /// This is the closed, consistently wound component that each patch belongs to, or kOpen.
   IdVector<PatchId, std::uint32_t> solids_;
   IdVector<PatchId, VertexId> hubs_;  ///< the vertex of each patch where the most patches meet
   TriangleBoxes tree_;

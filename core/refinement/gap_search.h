@@ -75,8 +75,8 @@ class GapSearch {
   /// Holds: The result is the same for any number of threads.
   std::optional<double> smallest(RunControl& control) const;
 
-  /// The triangles that are searched. Other parts that walk over the surface use the same ones. The axes of a patch are
-  /// those of its mesh's frame. Without a mesh, they lie along the patch's longest edge.
+  /// These are the triangles that are searched. Other parts that walk over the surface use the same ones. The axes of a
+  /// patch are those of its mesh's frame. Without a mesh, they lie along the patch's longest edge.
   std::size_t patch_count() const;
   std::span<const Triangle> triangles_of(PatchId patch) const;
   const Axes& axes_of(PatchId patch) const;

@@ -1,5 +1,4 @@
-/// Refinement as a run uses it: it turns goals into attempts within a budget, and freezes patches whose refinement
-/// fails.
+/// Runs refinement: it makes attempts within a budget, and freezes patches whose refinement fails.
 #pragma once
 
 #include <cstdint>
@@ -23,7 +22,7 @@
 
 namespace remesh {
 
-/// A surface that is divided into patches, as refinement gets it.
+/// Refinement gets a surface that is divided into patches.
 struct PatchedSurface {
   const Surface& surface;
   const Adjacency& adjacency;
@@ -41,9 +40,10 @@ class GoalRefinement {
 
   const Goals& goals() const { return goals_; }
   bool has_goals() const;
-  /// The number of faces that the last attempt predicted.
+  /// Returns the number of faces that the last attempt predicted.
   std::uint64_t predicted_faces() const { return predicted_faces_; }
-  /// The distance to the nearest facet that is not a neighbour, in model units. It is known only with goals.proximity.
+  /// Returns the smallest distance from a facet to another that is not its neighbour, in model units. It is known only
+  /// with goals.proximity.
   std::optional<double> smallest_gap() const { return smallest_gap_; }
 
   /// Predicts how many faces refinement will make of these triangles.
@@ -55,7 +55,8 @@ class GoalRefinement {
   /// Errors: kOutputTooLarge - no result with these sizes can have as few faces as are allowed.
   Refinement refine(const PatchedSurface& on, const Ladder& ladder,
                     std::span<const std::pair<PatchId, PatchId>> crossing, std::vector<PatchMesh>& meshes);
-  /// One entry per patch. It is not 0 if the last refinement had to leave the patch and its boundary as they were.
+  /// Has one entry per patch, which is not 0 if the last refinement had to leave the patch and its boundary as they
+  /// were.
   const std::vector<std::uint8_t>& frozen() const { return frozen_; }
 
   /// Returns whether a result with so many faces needs another attempt, and adapts the budget for that attempt. The

@@ -1,4 +1,4 @@
-/// The goals of refinement: the options as numbers that always have a value.
+/// Defines the goals of refinement. They are the options as numbers that always have a value.
 #pragma once
 
 #include <cstdint>
@@ -22,11 +22,11 @@ struct Goals {
   /// Sizes that gaps and short edges ask for are known at some places and interpolated between them. An edge that is
   /// longer than the size by no more than this factor meets it. A longer one is listed in the report.
   static constexpr double kSizeSlack = 1.1;
-  /// The rate at which the size grows with the distance from the place that asks for it. Without a gradation it is 1: a
-  /// gap grows by no more than the distance that one moves.
+  /// Returns the rate at which the size grows with the distance from the place that asks for it. Without a gradation it
+  /// is 1: a gap grows by no more than the distance that one moves.
   double size_slope() const { return gradation > 0 ? gradation - 1 : 1; }
 
-  /// The largest min_angle_deg that the contract allows.
+  /// This is the largest min_angle_deg that the contract allows.
   static constexpr double kMaxDegrees = Options::kMaxMinAngleDeg;
 };
 
@@ -35,8 +35,8 @@ struct Goals {
 /// Input: `diagonal` is the diagonal of the input's bounding box. It is needed for max_edge_fraction.
 Goals goals_of(const Options& options, double diagonal);
 
-/// The area of an equilateral triangle with this edge, and the edge of one with this area. No triangle with edges up to
-/// `edge` has a larger area. Infinity gives infinity.
+/// Return the area of an equilateral triangle with this edge, and the edge of one with this area. No triangle with
+/// edges up to `edge` has a larger area. Infinity gives infinity.
 double equilateral_area(double edge);
 double equilateral_edge(double area);
 

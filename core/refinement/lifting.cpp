@@ -11,8 +11,9 @@
 namespace remesh {
 namespace {
 
-/// The shortest edge of a vertex that is moved, in plane tolerances. At this length, noise of one tolerance turns faces
-/// so little that their angles keep the bound, because the change of angles is of second order.
+/// A vertex is moved only if all its edges are at least this number of plane tolerances long. At this length, noise of
+/// one tolerance turns faces so little that their angles keep the bound, because the change of angles is of second
+/// order.
 constexpr double kMinEdge = 100;
 /// A patch is flat up to rounding if its faces leave the plane by no more than this fraction of its largest coordinate.
 constexpr double kFlat = 0x1p-46;

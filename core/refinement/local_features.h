@@ -11,13 +11,13 @@
 
 namespace remesh {
 
-/// The surroundings of one side (a constrained half-edge) of a patch, in model units.
+/// Describes the surroundings of one side (a constrained half-edge) of a patch, in model units.
 struct LocalFeature {
-  /// The distance to the nearest vertex or segment of the patch that is seen from this side and does not touch the
-  /// segment.
+  /// This is the distance to the nearest vertex or segment of the patch that is seen from this side and does not touch
+  /// the segment.
   double distance;
-  /// The next segment of the patch, counter-clockwise around the start of this one, as a half-edge that ends there. The
-  /// angle between the two is in radians, over all triangles between them.
+  /// This is the next segment of the patch, counter-clockwise around the start of this one, as a half-edge that ends
+  /// there. The angle between the two is in radians, over all triangles between them.
   std::uint32_t next_at_start;
   double angle_at_start;
   static constexpr double kWide = std::numbers::pi;  ///< stands for all angles above some 63 degrees

@@ -23,7 +23,7 @@ class PatchContacts {
   /// The arguments must outlive this object.
   PatchContacts(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, RunControl& control);
 
-  /// The patches at a vertex, ascending.
+  /// Returns the patches at a vertex, ascending.
   std::span<const PatchId> patches_at(VertexId v) const {
     return std::span(vertex_patches_)
         .subspan(vertex_begin_[v.value], vertex_begin_[v.value + 1] - vertex_begin_[v.value]);
@@ -59,8 +59,8 @@ class PatchContacts {
   void find_borders(RunControl& control);
   void add_tree(PatchId p, RunControl& control);
 
-  /// The border of p, as half-edges. They begin at all vertices of p where another patch is met, each at least once.
-  /// Where p's border leaves such a vertex, the half-edge runs along the border.
+  /// Returns the border of p as half-edges. They begin at all vertices of p where another patch is met, each at least
+  /// once. Where p's border leaves such a vertex, the half-edge runs along the border.
   std::span<const std::uint32_t> border(PatchId p) const {
     return std::span(border_).subspan(border_begin_[p.value], border_begin_[p.value + 1] - border_begin_[p.value]);
   }

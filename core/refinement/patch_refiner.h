@@ -37,16 +37,16 @@ struct Cut {
   friend bool operator==(const Cut&, const Cut&) = default;
 };
 
-/// The goals in the form that the inner loop tests.
+/// Holds the goals in the form that the inner loop tests.
 struct Criteria {
   Criteria(const Goals& goals, const SizeField& sizes);
 
-  /// The tangent of the bound on angles; 0 if there is none. The bound is a little above the goal, because angles are
-  /// measured in space in the end.
+  /// This is the tangent of the bound on angles; 0 if there is none. The bound is a little above the goal, because
+  /// angles are measured in space in the end.
   double tangent;
-  /// The squared cosine beyond which an apex over a piece encroaches on the piece.
+  /// An apex over a piece encroaches on it if the squared cosine of the (obtuse) angle there is larger than this.
   double lens;
-  /// The height of an off-centre over the shortest edge, per length of that edge.
+  /// This is the height of an off-centre over the shortest edge, per length of that edge.
   double off_centre;
   bool has_sizes;    ///< false: any triangle is small enough
   double max_area;   ///< model units
@@ -95,16 +95,17 @@ class PatchRefiner {
   void run(std::uint64_t quota, RefinementProgress& progress);
 
   /// Where there are sizes, removes points from a patch that is done: points inside that the bounds do not need in the
-  /// end are removed one by one, or one point takes the place of two. It looks at the points that refinement put in,
-  /// and goes on around every place where it succeeds. Each step leaves fewer points, so it ends.
+  /// end are removed one by one, or one point takes the place of two. It looks at the points that refinement put in or,
+  /// where sizes vary, at all points inside. It goes on around every place where it succeeds. Each step leaves fewer
+  /// points, so it ends.
   /// Holds:  Triangles are within the bounds as before. No new triangle is flatter than one with two angles of 28
   ///         degrees, or than the flattest that was there before. Triangles that miss a bound stay as they are.
   /// Source: H. Erten, A. Üngör, Quality triangulations with locally optimal Steiner points, 2009 (one point for two);
   ///         M. Badoiu, K. Clarkson, Smaller core-sets for balls, 2003 (places for these points).
   void thin_out(RunControl& control, RefinementProgress& progress);
 
-  /// A segment that had to be cut where rounding left no room for the cut. Then the patch can no longer be used, and
-  /// the segment must stay as it is for all patches. It is invalid if all is well.
+  /// Returns a segment that had to be cut where rounding left no room for the cut. Then the patch can no longer be
+  /// used, and the segment must stay as it is for all patches. The result is invalid if all is well.
   SegmentId impossible() const { return impossible_; }
   bool is_done() const { return waiting_.size() == 0; }
   std::size_t waiting() const { return waiting_.size(); }
@@ -117,9 +118,10 @@ class PatchRefiner {
 
   struct Refined {
     PatchMesh patch;  ///< new vertices have no id yet
-    /// One per vertex of the patch. The segment is invalid for a corner and for a vertex inside the patch.
+    /// There is one entry per vertex of the patch. Its segment is invalid for a corner and for a vertex inside the
+    /// patch.
     std::vector<Cut> cuts;
-    /// One per triangle: the reason why it is as it is, in case it misses a bound.
+    /// There is one entry per triangle: the reason why it is as it is, in case it misses a bound.
     std::vector<UnrefinedReason> reason;
   };
   Refined finish() const;
@@ -138,7 +140,7 @@ class PatchRefiner {
     std::uint32_t partner;  ///< the other side of a slit, or kNone
     bool is_forward;        ///< the half-edge runs from t0 to t1
   };
-  /// The pieces of one segment, in no order. For a slit, these are the pieces of its first side.
+  /// A chain has the pieces of one segment, in no order. For a slit, these are the pieces of its first side.
   struct Chain {
     SegmentId segment;
     std::uint32_t first;  ///< a side; the others follow by Side::next
@@ -161,7 +163,7 @@ class PatchRefiner {
   void collect_held_sides(PatchId id, RunControl& control);
   bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
                     RunControl& control);
-  /// The measures of the triangle between a point and an edge.
+  /// Has the measures of the triangle between a point and an edge.
   struct Spanned {
     double squares, shortest_squared, longest_squared;  ///< sum, minimum and maximum over its edges
     double twice_area;
@@ -193,11 +195,12 @@ class PatchRefiner {
   Vec2 steiner_point(const Shape& shape) const;
   int count_good(Vec2 p, int least) const;
   Vec2 lowered(Vec2 p, std::uint32_t shortest) const;
-  /// The effect that a point would have on its cavity.
+  /// Describes the effect that a point would have on its cavity.
   struct Outcome {
-    /// The number of new triangles that miss a bound, minus the number of old ones that did.
+    /// This is the number of new triangles that miss a bound, minus the number of old ones that did.
     int more_bad;
-    /// The minimum over the new triangles of the area over the sum of squared edges. The larger it is, the better.
+    /// This is the minimum, over the new triangles, of twice the area over the sum of squared edges. The larger it is,
+    /// the better.
     double least_shape;
   };
   Outcome outcome(Vec2 p, int most) const;
@@ -211,14 +214,14 @@ class PatchRefiner {
   void clear_circle(std::uint32_t side);
   void set_vertex(std::uint32_t v, SegmentId segment, double value);
   enum class Attempt { kDone, kEncroached, kTooNear };
-  /// A place for a point. If the point sees its cavity, the cavity has been found.
+  /// This is a place for a point. Unless the place is hidden, its cavity has been found.
   struct Place {
     Vec2 p;
     DelaunayMesh::Location at;
     bool has_room;
   };
   Place look_at(Vec2 p, std::uint32_t triangle);
-  /// The rights of a new point. With kBeClear it must not encroach on any piece. With kEncroach it may encroach on
+  /// Says what a new point may do. With kBeClear it must not encroach on any piece. With kEncroach it may encroach on
   /// pieces that can be cut. With kBeAnywhere it may encroach on any piece and be nearer to other points than its
   /// floor; then the floor only says how near others may come to it.
   enum class May { kBeClear, kEncroach, kBeAnywhere };

@@ -1,5 +1,5 @@
-/// Members of PatchRefiner for pieces of the boundary. They cut the patch's own pieces, take over the cuts of other
-/// patches, and tell why some pieces are not cut.
+/// This file has the members of PatchRefiner for pieces of the boundary. They cut the patch's own pieces, take over the
+/// cuts of other patches, and tell why some pieces are not cut.
 
 #include <algorithm>
 #include <array>

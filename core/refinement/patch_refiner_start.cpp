@@ -1,5 +1,5 @@
-/// Members of PatchRefiner that begin the refinement of a patch. It begins as it was triangulated, or it is triangulated
-/// anew with cuts for its sizes and with points inside.
+/// This file has the members of PatchRefiner that begin the refinement of a patch. The patch begins as it was
+/// triangulated, or it is triangulated anew with cuts for its sizes and with points inside.
 
 #include <algorithm>
 #include <cmath>
@@ -25,7 +25,7 @@ std::pmr::vector<std::uint32_t> half_edges_of(const SegmentTable& segments, Patc
   return half_edges;
 }
 
-/// A piece of the boundary between two vertices. The patch is on its left.
+/// A piece of the boundary lies between two vertices. The patch is on its left.
 struct Piece {
   std::uint32_t from, to, side;
 };

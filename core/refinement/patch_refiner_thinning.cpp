@@ -1,5 +1,5 @@
-/// Members of PatchRefiner that thin a patch out. Points inside that are not needed in the end are removed, or one point
-/// takes the place of two.
+/// This file has the members of PatchRefiner that thin a patch out. Points inside that are not needed in the end are
+/// removed, or one point takes the place of two.
 
 #include <algorithm>
 #include <cmath>
@@ -21,8 +21,8 @@ namespace {
 /// A point stays if all its edges are longer than this share of what is allowed, because then there is no room for
 /// fewer points.
 constexpr double kLongEnough = 0.86;
-/// Twice the area over the sum of squared edges, for a triangle with two angles of 28 degrees. If points are removed,
-/// no triangle gets flatter than this, or than the flattest that was there before.
+/// A triangle with two angles of 28 degrees has this value of twice the area over the sum of squared edges. If points
+/// are removed, no triangle gets flatter than this, or than the flattest that was there before.
 constexpr double kFlattest = 0.165;
 /// A point with more edges stays. It lies between small things that are far from it. With angles of 15 degrees, no
 /// point has more edges.

@@ -16,15 +16,15 @@
 namespace remesh {
 namespace {
 
-/// The number of faces of a refined area, per equilateral triangle of the size asked for. It was measured on cubes and
+/// A refined area has this number of faces per equilateral triangle of the size asked for. It was measured on cubes and
 /// plates.
 constexpr double kFacesPerIdeal = 1.45;
 
 /// The number of faces that a piece of a boundary edge costs which another patch needs. They fill the area from the
 /// edge to where faces may be large again.
 constexpr double kFacesPerPiece = 2.5;
-/// The largest share of a patch. So the share is always a number that can be computed with, however sharp the patch's
-/// angles or small its sizes are.
+/// No patch's share is larger than this. So the share is always a number that can be computed with, however sharp the
+/// patch's angles or small its sizes are.
 constexpr double kMaxOfPatch = 0x1p62;
 /// If a patch needs fewer pieces of an edge than this, the patches beside the edge are not told.
 constexpr double kFewPieces = 3;
@@ -50,7 +50,7 @@ double largest_area(const Goals& goals, const SizeField& sizes) {
 
 double tangent_of(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
 
-/// The goals and what follows from them for all patches.
+/// Holds the goals and what follows from them for all patches.
 struct Asked {
   Asked(const Goals& its_goals, const SizeField& its_sizes)
       : goals(its_goals),
@@ -223,7 +223,7 @@ constexpr double kFarFromAsked = 0x1p20;
 /// Sizes are read at a few places. So the sum of what they ask for is taken to be right within this factor.
 constexpr double kDoubtOfSamples = 16;
 
-/// A lower bound on the faces of one patch.
+/// Computes a lower bound on the faces of one patch.
 class LeastFaces {
  public:
   LeastFaces(const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control)

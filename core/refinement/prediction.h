@@ -13,10 +13,12 @@
 namespace remesh {
 
 struct Prediction {
-  /// The number of faces to expect. If sizes decide, it is right within some 30 %. If angles alone decide, it is right
-  /// within a factor of two or so, also along narrow strips. (For fans of needles there is no cheap tight estimate.)
+  /// This is the number of faces to expect. If sizes decide, it is right within some 30 %. If angles alone decide, it
+  /// is right within a factor of two or so, also along narrow strips. (For fans of needles there is no cheap tight
+  /// estimate.)
   double expected = 0;
-  /// Each patch's share in that, at least 1. It leaves out what the patch makes of cuts that other patches need.
+  /// This is each patch's share in that, which is at least 1. It leaves out what the patch makes of cuts that other
+  /// patches need.
   std::vector<float> of_patch;
 };
 
@@ -28,12 +30,12 @@ inline constexpr std::uint64_t kMaxFaces = std::uint64_t{1} << 29;
 Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, const SizeField& sizes,
                    RunControl& control);
 
-/// A lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its triangles
-/// as they are, the triangles that the pieces of its boundary need, and its area over the area of the largest triangle
-/// that is allowed. Near floors, triangles may stay larger than sizes ask for, and the bound allows for that. Beside
-/// segments that are to stay as they are, only the area that is far enough from them counts, and only where very many
-/// faces are asked for. The bound does not foresee that a refined patch may fail the check and stay as it was. This may
-/// happen where the input intersects or touches itself.
+/// Computes a lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its
+/// triangles as they are, the triangles that the pieces of its boundary need, and its area over the area of the largest
+/// triangle that is allowed. Near floors, triangles may stay larger than sizes ask for, and the bound allows for that.
+/// Beside segments that are to stay as they are, only the area that is far enough from them counts, and only where very
+/// many faces are asked for. The bound does not foresee that a refined patch may fail the check and stay as it was.
+/// This may happen where the input intersects or touches itself.
 /// Input: The limits of the patches' segments are set; cuts need not be planned yet. `is_frozen` marks the patches that
 ///        are not refined.
 /// Cost:  O(n).

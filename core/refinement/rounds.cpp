@@ -50,9 +50,9 @@ void place_inner_vertices(const Surface& surface, const Plane& plane, PatchMesh&
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
-/// One refinement, from the sizes on segments to the refined patches. If rounding leaves no room for a cut, its segment
-/// is locked and everything begins again. It also begins again at the first chord, because from then on the refiners of
-/// patches must be there for some more passes.
+/// Runs one refinement, from the sizes on segments to the refined patches. If rounding leaves no room for a cut, its
+/// segment is locked and everything begins again. It also begins again at the first chord, because from then on the
+/// refiners of patches must be there for some more passes.
 class Rounds {
  public:
   Rounds(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
@@ -113,20 +113,19 @@ class Rounds {
   }
 
  private:
-  /// The number of passes for chords. A point in a chord ends many other chords, and what is refined around it may make
-  /// a few new ones.
+  /// Limits the number of passes for chords. A point in a chord ends many other chords, and what is refined around it
+  /// may make a few new ones.
   static constexpr int kMaxChordPasses = 16;
-  /// The number of times that refinement goes on after thinning out. Most is done by then: the last time brings only a
-  /// few per cent.
+  /// Limits the number of times that refinement goes on after thinning out. Most is done by then: the last time brings
+  /// only a few per cent.
   static constexpr int kMaxTakenUp = 8;
-  /// A fraction of the budget. If less room than one kRoomForMore-th is left, a round over all patches is not worth
-  /// while.
+  /// If less than one kRoomForMore-th of the budget is left, a round over all patches is not worth while.
   static constexpr std::uint64_t kRoomForMore = 128;
-  /// The number of patches in a task. It is small because a patch may have thousands of triangles.
+  /// This is the number of patches in a task. It is small because a patch may have thousands of triangles.
   static constexpr std::size_t kPatches = 16;
   static constexpr std::size_t kSegments = 1024;
 
-  /// Cuts along a segment that another patch made and this patch has to make too.
+  /// A message is about cuts along a segment that other patches made and `patch` has to make too.
   struct Message {
     PatchId patch;
     SegmentId segment;
@@ -173,7 +172,7 @@ class Rounds {
   }
   bool is_too_much_made() const { return made_ > most_made_; }
 
-  /// Thins all patches out. This is not done after the first chords, because the points in chords have to stay. Returns
+  /// Thins out all patches. This is not done after the first chords, because the points in chords have to stay. Returns
   /// whether it was done.
   bool thin_out() {
     if (std::exchange(is_thinned_out_, true) || !criteria_.has_sizes) return false;
@@ -317,7 +316,7 @@ class Rounds {
     });
   }
 
-  /// The number of triangles that are asked for at once where all triangles that are made are counted.
+  /// A refiner is asked for this number of triangles at once if all triangles that are made are counted.
   static constexpr std::uint64_t kSlice = 1 << 16;
 
   /// Runs one turn and adds its triangles to `made_`. During turns, `made_` only grows, and each turn adds the same
@@ -342,7 +341,7 @@ class Rounds {
     });
   }
 
-  /// One or two bad triangles take this number of triangles.
+  /// It may take this number of triangles to mend one or two bad ones.
   static constexpr std::uint64_t kWorthwhile = 16;
   bool is_budget_spent() const { return goals_.max_faces != kNoLimit && left_ < kWorthwhile; }
 
@@ -530,17 +529,18 @@ class Rounds {
   SegmentTable segments_;
   IdVector<SegmentId, std::vector<double>> cuts_;  ///< ascending cuts of each segment
   std::vector<std::unique_ptr<PatchRefiner>> refiners_;
-  /// One per thread. Parallel loops inside a turn do not run another patch's turn meanwhile (core/base/parallel.h).
+  /// There is one per thread. Parallel loops inside a turn do not run another patch's turn meanwhile
+  /// (core/base/parallel.h).
   tbb::enumerable_thread_specific<Workplace> workplaces_;
   std::vector<std::uint32_t> dirty_;  ///< patches, ascending
   std::vector<std::uint64_t> quota_;  ///< one per dirty patch
-  /// The triangles at the last barrier, plus at least those that turns have made since then.
+  /// This counts the triangles at the last barrier, plus at least those that turns have made since then.
   std::atomic<std::uint64_t> made_ = 0;
   std::uint64_t left_ = kNoLimit;  ///< what was left of the budget when it was last shared out
   std::vector<Message> messages_;  ///< sorted
   std::vector<SegmentId> impossible_;
   std::vector<PatchId> at_work_;  ///< the patches that had a refiner when `finish` was called
-  /// The patches at work as `finish` has made them, or, after a swap, as they were before.
+  /// These are the patches at work as `finish` has made them, or, after a swap, as they were before.
   std::vector<PatchMesh> refined_;
   std::vector<std::vector<std::uint32_t>> chords_;  ///< chords of each patch, as half-edges of `finish`'s result
   /// True if patches were thinned out since they all began, or since they were taken up again.

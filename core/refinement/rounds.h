@@ -17,14 +17,15 @@
 
 namespace remesh {
 
-/// The result of a refinement.
+/// This is the result of a refinement.
 struct Refinement {
   std::vector<Vec3> new_positions;  ///< positions of the vertices from surface.vertex_count() on
   std::size_t first_inner = 0;      ///< new vertices from here on are inside patches
-  /// One per triangle, patch after patch: the reason why it misses a goal. For triangles that meet the goals it may
-  /// have any value.
+  /// There is one entry per triangle, patch after patch: the reason why it misses a goal. For triangles that meet the
+  /// goals it may have any value.
   std::vector<UnrefinedReason> reason;
-  /// One per triangle: not 0 if it is larger than gaps or short edges ask for (size_misses.h). Empty if no triangle is.
+  /// There is one entry per triangle, which is not 0 if the triangle is larger than gaps or short edges ask for
+  /// (size_misses.h). It is empty if no triangle is.
   std::vector<std::uint8_t> misses_sizes;
   std::uint32_t rounds = 0;
 };

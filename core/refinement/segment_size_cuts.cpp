@@ -89,7 +89,7 @@ void SegmentTable::cut_evenly(SegmentId id, double first, double last, const Siz
   const auto size_at = [&](double t) {
     return std::max(shortest, sizes.is_uniform() ? sizes.largest() : sizes.at(position(id, t)));
   };
-  // The way along the segment, counted in sizes. Each step is about half as long as the last size.
+  // This is the way along the segment, counted in sizes. Each step is about half as long as the last size.
   std::vector<std::pair<double, double>> way{{first, 0}};  // pairs of the parameter and the number of sizes so far
   double size = size_at(first);
   while (way.back().first < last) {

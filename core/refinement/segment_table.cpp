@@ -21,19 +21,19 @@ namespace {
 /// because equilateral facets do not need shells.
 constexpr double kSmallAngle = (60 - 1e-6) * std::numbers::pi / 180;
 
-/// The floor of a segment, as a fraction of its feature size. If it were larger, refinement of input angles near the
+/// The floor of a segment is this fraction of its feature size. If it were larger, refinement of input angles near the
 /// bound would end in `size_floor`; if it were smaller, refinement would make more faces before it gives up where the
 /// bound cannot be reached.
 constexpr double kFloorShare = 0x1p-6;
 
-/// The distance that vertices keep from features, in roundings of their coordinates. With it, no rounded point changes
+/// Vertices keep this distance from features, in roundings of their coordinates. With it, no rounded point changes
 /// sides.
 constexpr double kRoundings = 0x1p10;
 
 /// A piece of length d next to an end is cut at the largest shell that is no farther from the end than this share of d.
 constexpr double kShellShare = 2.0 / 3 * (1 + 1e-9);
 
-/// The number of segments in a task.
+/// This is the number of segments in a task.
 constexpr std::size_t kSegments = 1024;
 
 constexpr std::uint32_t kNoSide = 0xffffffff;

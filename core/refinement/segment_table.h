@@ -1,5 +1,5 @@
-/// The segments of the whole surface. A segment is a straight part of patch boundaries. It is owned by the mesh and
-/// shared by patches.
+/// Stores the segments of the whole surface. A segment is a straight part of patch boundaries. It is owned by the mesh
+/// and shared by patches.
 #pragma once
 
 #include <array>
@@ -25,7 +25,7 @@ struct SegmentTag {
 };
 using SegmentId = Id<SegmentTag>;
 
-/// The equal parts into which a segment is divided first, if it is cut at all. The parts are then halved.
+/// A segment is first divided into these equal parts, if it is cut at all. The parts are then halved.
 struct EvenParts {
   double count = 1;
   /// True if the ends of the parts are shifted by half a part. Then the first and the last part are halves.
@@ -36,7 +36,7 @@ struct EvenParts {
   double cut(double t0, double t1) const;
 };
 
-/// The reason why a segment is not cut.
+/// Tells why a segment is not cut.
 enum class Lock : std::uint8_t {
   kNone,  ///< it may be cut
   /// It must stay, because boundaries are not to be split or because a patch beside it stays as it was.
@@ -47,13 +47,13 @@ enum class Lock : std::uint8_t {
   kAsked,
 };
 
-/// An edge between two vertices that stay. Places on it are parameters from 0 (at `from`) to 1 (at `to`).
+/// A segment is an edge between two vertices that stay. Places on it are parameters from 0 (at `from`) to 1 (at `to`).
 struct BoundarySegment {
   VertexId from, to;  ///< ordered by position, the smaller one first
   double length = 0;
-  /// One entry per end. Pieces at an end are cut on the shells with the radii base * 2^k, so that segments which meet
-  /// at a small angle are cut alike. The base is 0 if no other segment is near there. Otherwise it is a third of the
-  /// shortest of these segments or, where sizes vary, the first distance of their CornerShells.
+  /// There is one entry per end. Pieces at an end are cut on the shells with the radii base * 2^k, so that segments
+  /// which meet at a small angle are cut alike. The base is 0 if no other segment is near there. Otherwise it is a
+  /// third of the shortest of these segments or, where sizes vary, the first distance of their CornerShells.
   std::array<double, 2> shell_base{0, 0};
   EvenParts parts;              ///< used where there are no shells
   double floor = 0;             ///< no piece becomes shorter than this
@@ -65,7 +65,7 @@ struct BoundarySegment {
   bool is_locked() const { return lock != Lock::kNone; }
 };
 
-/// The side that one patch has of a segment.
+/// This is the side that one patch has of a segment.
 struct SegmentSide {
   SegmentId segment;
   PatchId patch;
@@ -75,9 +75,9 @@ struct SegmentSide {
 /// Returns the ends of every segment, the smaller id first. Each segment occurs once, and they are ascending.
 std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes, RunControl& control);
 
-/// The segments, the limits of their pieces, and the patches that have them. Where a piece is cut depends on that piece
-/// alone. So the cuts of a segment form one binary tree, whoever asks for them and in whatever order, and patches can
-/// cut on their own and still agree.
+/// Stores the segments, the limits of their pieces, and the patches that have them. Where a piece is cut depends on
+/// that piece alone. So the cuts of a segment form one binary tree, whoever asks for them and in whatever order, and
+/// patches can cut on their own and still agree.
 class SegmentTable {
  public:
   /// Input:  `meshes` are the patches' triangulations over vertices that stay. `is_frozen` has one entry per patch; the
@@ -94,11 +94,11 @@ class SegmentTable {
 
   std::size_t size() const { return segments_.size(); }
   const BoundarySegment& operator[](SegmentId s) const { return segments_[s]; }
-  /// The sides along a segment, ordered by patch and half-edge.
+  /// Returns the sides along a segment, ordered by patch and half-edge.
   std::span<const SegmentSide> sides(SegmentId s) const {
     return std::span(sides_).subspan(begin_[s.value], begin_[s.value + 1] - begin_[s.value]);
   }
-  /// The sides of a patch, as indices into all_sides(), ordered by segment and half-edge.
+  /// Returns the sides of a patch as indices into all_sides(), ordered by segment and half-edge.
   std::span<const std::uint32_t> sides_of_patch(PatchId p) const { return by_patch_[p.value]; }
   std::span<const SegmentSide> all_sides() const { return sides_; }
 

@@ -13,9 +13,9 @@
 namespace remesh {
 namespace {
 
-/// A fraction of the box's diagonal. No size is made smaller than this because of a gap.
+/// No size is made smaller than this fraction of the box's diagonal because of a gap.
 constexpr double kFloor = 0x1p-11;
-/// A multiple of the plane tolerance. No size is made smaller than this because of a gap.
+/// No size is made smaller than this multiple of the plane tolerance because of a gap.
 constexpr double kFloorTolerances = 10;
 /// A cell reaches at most this fraction of the gap in its middle. If it were smaller, there would be more samples than
 /// faces in the result; if it were larger, a gap that shrinks towards the end of the cell would be seen too late.
@@ -23,20 +23,20 @@ constexpr double kReach = 0.5;
 /// The same for things that only a part of a cell may face. A smaller value makes sizes no better and doubles the
 /// samples.
 constexpr double kReachBeside = 1;
-/// A fraction of the box's diagonal. Larger cells are also cut if something near lies only beside their middle and is
-/// joined to their patch, because another place of the cell may face it. If this were done for smaller cells too, a
-/// curved surface would need as many cells as its facets are wide.
+/// Cells larger than this fraction of the box's diagonal are also cut if something near lies only beside their middle
+/// and is joined to their patch, because another place of the cell may face it. If this were done for smaller cells
+/// too, a curved surface would need as many cells as its facets are wide.
 constexpr double kCoarse = 0x1p-6;
-/// The largest slope that is used. With it, a size is the largest one as soon as two places can be told apart, and sums
-/// stay finite.
+/// No larger slope is used. With it, a size is the largest one as soon as two places can be told apart, and sums stay
+/// finite.
 constexpr double kSteepest = 0x1p40;
 
-/// The slot that decided this thread's last question. The next question is most often asked beside it, so the search
-/// begins there. The slot may belong to another field: any slot is a place to begin, and no answer depends on where the
-/// search began.
+/// This slot decided this thread's last question. The next question is most often asked beside it, so the search begins
+/// there. The slot may belong to another field: any slot is a place to begin, and no answer depends on where the search
+/// began.
 thread_local std::size_t last_found = 0;
 
-/// A convex piece of a triangle: the part of it inside a box that has no end along z.
+/// This is a convex piece of a triangle: the part of it inside a box that has no end along z.
 class Piece {
  public:
   Piece(const Corners3& triangle, const Box3& box) {
@@ -69,8 +69,8 @@ class Piece {
     size_ = count;
   }
 
-  /// Three corners, and one more for each of four sides. Rounding may make a few more along a side, which can be left
-  /// out because they say nothing new.
+  /// There are three corners, and one more for each of four sides. Rounding may make a few more along a side, which can
+  /// be left out because they say nothing new.
   static constexpr std::size_t kMaxCorners = 10;
 
   std::array<Vec3, kMaxCorners> corners_;
@@ -102,9 +102,9 @@ class SizeField::Sampler {
   void drop_floor() { floor_ = 0; }
 
  private:
-  /// The part of a patch in a box along the patch's own axes; along the third axis the box has no end. With these axes,
-  /// cells do not depend on how the part lies. Boxes are cut rather than triangles, because triangles may be needles,
-  /// with many of them side by side within one gap.
+  /// A cell is the part of a patch in a box along the patch's own axes. Along the third axis the box has no end. With
+  /// these axes, cells do not depend on how the part lies. Boxes are cut rather than triangles, because triangles may
+  /// be needles, with many of them side by side within one gap.
   struct Cell {
     PatchId patch;
     Box3 box;
@@ -115,7 +115,7 @@ class SizeField::Sampler {
     std::vector<Cell> cells;
   };
 
-  /// A triangle of a patch, and the bounding box of its part in a cell.
+  /// This is a triangle of a patch, with the bounding box of its part in a cell.
   struct Part {
     std::uint32_t triangle;
     Box3 box;

@@ -1,4 +1,4 @@
-/// The longest edge that is allowed at each place of the surface.
+/// Gives the longest edge that is allowed at each place of the surface.
 #pragma once
 
 #include <array>
@@ -80,15 +80,15 @@ class SizeField {
   bool allows(double length, const Vec3& place, double radius = 0) const;
 
  private:
-  /// A size in local units, rounded down.
+  /// This is a size in local units, rounded down.
   struct Size {
     float value = HUGE_VALF;
     void join(Size other) { value = std::min(value, other.value); }
   };
   using Samples = BoxTree<Size>;
   using Segment = std::array<Vec3, 2>;
-  /// What a box along the axes of a patch contains. A box along the axes of space would be mostly empty if the patch is
-  /// askew to them.
+  /// A cell is what a box along the axes of a patch contains. A box along the axes of space would be mostly empty if
+  /// the patch is askew to them.
   struct Cell {
     PatchId patch;
     FloatBox box;

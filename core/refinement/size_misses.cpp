@@ -12,13 +12,13 @@ namespace {
 
 /// Several threads look at a patch with more triangles than this.
 constexpr std::size_t kLarge = 1000;
-/// The number of triangles in a task. Each takes some microseconds.
+/// This is the number of triangles in a task. Each takes some microseconds.
 constexpr std::size_t kTriangles = 256;
 
 /// A relative slack for rounding when edges are compared with the sizes that were aimed at.
 constexpr double kHair = 1 + 1e-9;
 
-/// The measures of a triangle. Lengths and places are in local units, so that no square under- or overflows.
+/// Has the measures of a triangle. Lengths and places are in local units, so that no square under- or overflows.
 struct Measured {
   std::array<double, 3> length;
   std::array<Vec3, 3> middle;

@@ -16,19 +16,20 @@
 
 namespace remesh {
 
-/// The bounds on sizes that differ from place to place.
+/// Describes the bounds on sizes that differ from place to place.
 struct VaryingBounds {
   const Goals& goals;
   double plane_tolerance;  ///< model units
-  /// The sizes that refinement aimed at. They have a floor. Between the places that were looked at they are
+  /// These are the sizes that refinement aimed at. They have a floor. Between the places that were looked at they are
   /// interpolated.
   const SizeField& sizes;
-  /// The gaps themselves, with goals.proximity; null otherwise.
+  /// These are the gaps themselves, with goals.proximity; null otherwise.
   const GapSearch* gaps = nullptr;
-  /// The sizes that short edges ask for, with no floor under them, if goals.gradation is set without proximity; null
-  /// otherwise.
+  /// These are the sizes that short edges ask for, with no floor under them, if goals.gradation is set without
+  /// proximity; null otherwise.
   const SizeField* graded = nullptr;
-  /// Pairs of patches that cross or touch each other in the input, the smaller id first. There is no gap between these.
+  /// These pairs of patches cross or touch each other in the input. The smaller id is first. There is no gap between
+  /// them.
   std::span<const std::pair<PatchId, PatchId>> crossing = {};
 };
 
@@ -36,8 +37,8 @@ struct VaryingBounds {
 ///
 /// With proximity a place asks for the size (gap + plane_tolerance) / proximity. A triangle is looked at in its
 /// centroid and in the middles of its three edges, each as a place of its patch. It misses its bound if one of its
-/// edges is longer than Goals::kSizeSlack times what one of these places asks for and the slope (gradation - 1) times
-/// the way from there to the middle of the edge.
+/// edges is longer than Goals::kSizeSlack times the following sum: the size that one of these places asks for, plus the
+/// slope (gradation - 1) times the distance from there to the middle of the edge.
 ///
 /// With gradation alone, a segment between vertices that stay asks for its own length, and sizes grow from it with the
 /// distance. A triangle misses its bound if one of its edges is longer than Goals::kSizeSlack times the size in its

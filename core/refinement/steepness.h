@@ -16,7 +16,7 @@ namespace remesh {
 /// GapSearch. Without this rule, every second facet of a round hole would count as a gap to the first.
 constexpr double kSteep = 0.604;
 
-/// A slab that contains all of a patch.
+/// A slab contains all of a patch.
 struct Slab {
   Plane plane;
   double half_thickness = 0;
@@ -28,13 +28,13 @@ struct Slab {
   }
 };
 
-/// The space between two parallel planes that lie about something flat which is askew to the axes. A curved surface is
-/// thin across: a box about a part of width s is s deep, a layer only about s^2. Steepness depends on the way across,
-/// so with layers it is decided for many triangles at once.
+/// A layer is the space between two parallel planes that lie about something flat which is askew to the axes. A curved
+/// surface is thin across: a box about a part of width s is s deep, a layer only about s^2. Steepness depends on the
+/// way across, so with layers it is decided for many triangles at once.
 /// Input: Places with coordinates in [-1, 1], which are added with `add`.
 /// Holds: The numbers are in single precision and rounded outwards, so everything that was added is inside.
 struct Layer {
-  /// A unit vector, up to 2^-20. If it is null, the layer says nothing.
+  /// This is a unit vector, up to 2^-20. If it is null, the layer says nothing.
   std::array<float, 3> across{0, 0, 0};
   float least = HUGE_VALF;  ///< smallest product of `across` with a place inside
   float most = -HUGE_VALF;
@@ -52,11 +52,11 @@ struct Layer {
     if (x + kRounding > double{most}) most = -FloatBox::rounded_down(-x - kRounding);
   }
 
-  /// More than the rounding error of a product.
+  /// This is more than the rounding error of a product.
   static constexpr double kRounding = 0x1p-48;
 };
 
-/// The range of the products of a layer's direction with some places.
+/// This is the range of the products of a layer's direction with some places.
 struct Products {
   double least, most;
 };
@@ -77,7 +77,7 @@ inline double squared_steep_distance(const Slab& slab, Products from, const Floa
   const double most_up = std::fabs(up) + range;
   if (most_up * most_up <= kSteep * squared_distance) return HUGE_VAL;
 
-  // The distance across to the layer. It counts only if the start is outside the layer.
+  // This is the distance across to the layer. It counts only if the start is outside the layer.
   const bool is_along = layer.least > from.most;
   const double across =
       (is_along ? double{layer.least} - from.most : from.least - double{layer.most}) - Layer::kRounding;

@@ -14,23 +14,23 @@
 namespace remesh {
 namespace {
 
-/// In degrees: the angle that is aimed at is larger than the bound by this.
+/// The angle that is aimed at is larger than the bound by this number of degrees.
 constexpr double kMargin = 0.02;
 /// If there were more parts, their ends could not be told apart.
 constexpr double kMaxParts = 0x1p40;
-/// Limits for the two sides of a strip: the factor by which its width may change along it, and how far beyond one side
-/// the other may begin, in widths.
+/// These are limits for the two sides of a strip: the factor by which its width may change along it, and how far beyond
+/// one side the other may begin, in widths.
 constexpr double kMaxWidening = 1.25;
 constexpr double kMaxShear = 0.5;
 /// Strips side by side are alike if the numbers of parts that their sides want differ by no more than this factor.
 /// Sides that want three and four parts are well as they are: the ends of one are between those of the other.
 constexpr double kAlike = 1.05;
-/// A multiple of the size: the height of a row of equilateral triangles, and a little less, so that the slanting edges
-/// are not too long.
+/// The height of a row is this multiple of the size. It is a little less than the height of equilateral triangles, so
+/// that the slanting edges are not too long.
 constexpr double kRow = 0.85;
-/// A multiple of the size: a strip that is no wider is like a row of squares.
+/// A strip that is no wider than this multiple of the size is like a row of squares.
 constexpr double kRim = 1.1;
-/// The largest number of rows across a strip. In wider strips the sides are far apart, and the area between them can
+/// A strip has no more rows across it than this. In wider ones the sides are far apart, and the area between them can
 /// make up for a wrong end of a row.
 constexpr double kMaxRows = 12;
 /// A side has one size if its smallest size asks for no more parts than its largest one times this factor, and one

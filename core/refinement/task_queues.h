@@ -1,4 +1,4 @@
-/// Queues of tasks that return the most urgent task first.
+/// Stores tasks and returns the most urgent one first.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,7 @@
 
 namespace remesh {
 
-/// Queues that are numbered by urgency. The next task is from the highest queue that has any; within a queue, the first
+/// The queues are numbered by urgency. The next task is from the highest queue that has any; within a queue, the first
 /// in is the first out. Tasks that follow each other are stored together in blocks, because a queue of single tasks
 /// would lead all over the memory. Each task is announced some time before it comes, so that its data can be fetched
 /// meanwhile.
@@ -66,9 +66,9 @@ class TaskQueues {
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;
   static constexpr std::size_t kMoreQueues = 32;  ///< most often, the next tasks are only a little more urgent
-  /// A block of tasks of one queue, in their order.
+  /// A block has some tasks of one queue, in their order.
   struct Block {
-    /// The next block in its queue. For the last block, it is the first one.
+    /// This is the next block in its queue. For the last block, it is the first one.
     std::uint32_t next;
     std::uint16_t begin, end;  ///< the tasks that wait
   };

@@ -1,4 +1,4 @@
-/// Triangles that miss the bounds of refinement, and the reasons why.
+/// Describes triangles that miss the bounds of refinement, and the reasons why.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace remesh {
 
-/// The reason why a triangle does not meet the bounds that refinement aims at.
+/// Tells why a triangle does not meet the bounds that refinement aims at.
 enum class UnrefinedReason : std::uint8_t {
   /// It fills a corner of the input: both its edges there are on the patch's boundary.
   kInputAngle,
@@ -24,14 +24,15 @@ enum class UnrefinedReason : std::uint8_t {
   kBudget,
   /// A boundary would have to be split that must stay, because it was asked for or because a patch stays as it is.
   kBoundaryLocked,
-  /// The amount of work that is in proportion was spent before the bounds were met.
+  /// A limit on the work was reached before the bounds were met.
   kEffort,
   /// It met the bounds until its vertices were rounded to what the output format can hold.
   kOutputRounding,
 };
 inline constexpr int kUnrefinedReasonCount = 8;
 
-/// Triangles that miss the bounds of refinement for one reason. `places` holds the centroids of the first 100.
+/// These are the triangles that miss the bounds of refinement for one reason. `places` holds the centroids of the first
+/// 100.
 struct Unrefined {
   static constexpr std::size_t kMaxPlaces = 100;
 

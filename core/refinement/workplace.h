@@ -1,4 +1,4 @@
-/// The scratch memory for refining a patch.
+/// Defines the scratch memory for refining a patch.
 #pragma once
 
 #include <cstddef>
@@ -10,20 +10,20 @@
 
 namespace remesh {
 
-/// The memory that a refiner works with during its turn. A thread has one for all its patches. Most patches are small,
-/// and each would need as much scratch memory as the patch itself has.
+/// A refiner works with this memory during its turn. A thread has one for all its patches. Most patches are small, and
+/// each would need as much scratch memory as the patch itself has.
 struct Workplace {
-  /// A triangle that waits to be treated. Half-edge a-b is its shortest edge, and c is its apex.
+  /// A task is a triangle that waits to be treated. Half-edge a-b is its shortest edge, and c is its apex.
   struct Task {
     std::uint32_t half_edge, a, b, c;
   };
-  /// A piece of a segment, and the range of the cuts inside it.
+  /// This is a piece of a segment, with the range of the cuts inside it.
   struct Range {
     std::uint32_t piece;
     std::size_t first, last;
   };
 
-  /// A vertex that was removed and may have to be put back.
+  /// This is a vertex that was removed and may have to be put back.
   struct Taken {
     Vec2 p;
     double value;

@@ -50,8 +50,8 @@ class Recovery {
     bool is_segment = false;
   };
 
-  /// One side of the cavity, from u to v. Chain edge i runs from vertex[i] to vertex[i+1]. Before the cavity was made,
-  /// inner[i] was its half-edge inside the cavity.
+  /// A chain is one side of the cavity, from u to v. Chain edge i runs from vertex[i] to vertex[i+1]. Before the cavity
+  /// was made, inner[i] was its half-edge inside the cavity.
   struct Chain {
     std::vector<std::uint32_t> vertex, inner;
   };
@@ -158,8 +158,8 @@ class Recovery {
     }
   }
 
-  /// The neighbour of a new triangle along one edge: either a chain edge that waits for its slot, or an existing
-  /// half-edge.
+  /// This is the neighbour of a new triangle along one edge: either a chain edge that waits for its slot, or an
+  /// existing half-edge.
   struct Side {
     bool is_chain_edge;
     std::uint32_t index;
@@ -220,7 +220,7 @@ class Recovery {
   Triangulation2d& mesh_;
   RunControl& control_;
   std::vector<std::uint8_t> in_cavity_;
-  // Scratch memory of one insertion. It stays allocated for the next one.
+  // This is the scratch memory of one insertion. It stays allocated for the next one.
   std::vector<std::uint32_t> cavity_, changed_, slot_;
   Chain left_, right_;
   std::vector<Outer> outer_;

@@ -20,7 +20,7 @@ class Sweep {
 
   Triangulation2d run(RunControl& control) {
     const std::uint32_t n = static_cast<std::uint32_t>(points_.size());
-    // The first point that does not lie on the line through the points before it.
+    // This is the first point that does not lie on the line through the points before it.
     std::uint32_t first = 2;
     while (first < n && orient2d(points_[0], points_[1], points_[first]) == 0) ++first;
     if (n < 3 || first == n) return {};
@@ -36,7 +36,7 @@ class Sweep {
   /// Joins point `first` to the collinear points 0 .. first-1 by a fan of triangles.
   void start(std::uint32_t first) {
     const bool left = orient2d(points_[0], points_[1], points_[first]) > 0;
-    // The half-edge of the triangle before that is shared with the next one.
+    // This is the half-edge of the triangle before that is shared with the next one.
     std::uint32_t previous_side = kNone;
     for (std::uint32_t p = 0; p + 1 < first; ++p) {
       const std::uint32_t a = left ? p : p + 1, b = left ? p + 1 : p;
@@ -67,7 +67,7 @@ class Sweep {
   void attach(std::uint32_t p) {
     // Point p-1 is on the hull, because it comes last of all points so far.
     std::uint32_t upper = p - 1;
-    // The half-edge of the newest triangle on the upper side. It waits for its neighbour.
+    // This is the half-edge of the newest triangle on the upper side. It waits for its neighbour.
     std::uint32_t open = kNone;
     std::uint32_t lower_open = kNone;
     while (sees(p, upper, next_[upper])) {
