@@ -20,7 +20,7 @@ namespace {
 /// bound.
 constexpr double kSharp = 0.7;
 /// A corner is not cut in this way if a corner beside it is sharper by more than this factor. Otherwise one sliver in a
-/// fan would make the whole fan as finely cut.
+/// fan would cause the whole fan to be cut as finely as itself.
 constexpr double kAlike = 2;
 /// Sides that are farther apart than this multiple of the size are no longer near each other: a row of the largest
 /// triangles has some room between them.
@@ -32,9 +32,10 @@ constexpr double kFarApart = 0.85;
 constexpr double kMargin = 0.98;
 /// Where sizes vary, the triangle in a corner is this multiple of the size long. Shorter ones give more tetrahedra;
 /// longer ones give more flat tetrahedra. This was measured with TetGen on t13 (58 thousand tetrahedra) and on a
-/// coupling (71 thousand), both with corners of 2 to 5 degrees. On average over sixteen orders of the vertices, 3 and 1
-/// tetrahedra are below 3 degrees for lengths from 0.5 to 0.55, and some ten in each part for the length 1. In its own
-/// order of vertices the coupling has none, but that is luck: only a third of the settings near these have none.
+/// coupling (71 thousand), both with corners of 2 to 5 degrees. On average over sixteen orders of the vertices, 3
+/// tetrahedra of t13 and 1 of the coupling are below 3 degrees for lengths from 0.5 to 0.55, and some ten in each part
+/// for the length 1. In its own order of vertices the coupling has none, but that is luck: only a third of the settings
+/// near these have none.
 constexpr double kTip = 0.54;
 /// In wider corners, the triangle in the corner is this multiple of the size long. Two such triangles beside a slight
 /// bend have their four corners nearly on a circle. If they are short, they fit between the walls as a flat tetrahedron

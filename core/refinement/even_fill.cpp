@@ -23,10 +23,10 @@ namespace {
 constexpr double kClearance = 0.8;
 /// Sizes that differ by no more than this factor are treated as one size, the smallest of them.
 constexpr double kAlike = 1.05;
-/// The clearance of a lattice of one size that is stretched to fit. Every second row of it ends half a column from the
-/// side, which is allowed. The clearance is a multiple of the column, or of the size where columns are narrower than
-/// kWideColumn sizes. In that case there are only one to three columns, and no points are needed between them and the
-/// sides.
+/// This is the clearance of a lattice of one size that is stretched to fit. Every second row of it ends half a column
+/// from the side, which is allowed. The clearance is a multiple of the column, or of the size where columns are
+/// narrower than kWideColumn sizes. In that case there are only one to three columns, and no points are needed between
+/// them and the sides.
 constexpr double kClearanceOfOneSize = 0.49;
 constexpr double kWideColumn = 0.75;
 
@@ -38,7 +38,7 @@ constexpr std::size_t kFewCells = std::size_t{1} << 20;
 /// A fill with more cells would take minutes.
 constexpr std::size_t kMaxCells = std::size_t{1} << 30;
 
-/// Points sorted into square cells, for the question whether there is a point near a place.
+/// Sorts points into square cells, to find out whether there is a point near a place.
 class PointGrid {
  public:
   /// Input: The cells are so large that their numbers fit into 32 bits.
@@ -128,7 +128,7 @@ struct Cell {
   std::size_t first = 0, last = 0;  ///< the triangles that may reach into it: a range of `Cells::triangles`
 };
 
-/// Cells, and the triangles that may reach into each of them. The triangles of one cell follow those of the cell
+/// Holds cells, and the triangles that may reach into each of them. The triangles of one cell follow those of the cell
 /// before.
 struct Cells {
   std::pmr::vector<Cell> cells;
@@ -137,7 +137,7 @@ struct Cells {
   explicit Cells(std::pmr::memory_resource* memory) : cells(memory), triangles(memory) {}
 };
 
-/// A relative slack for rounding, so that a width of ten sizes makes ten columns whatever its last digits are.
+/// This is a relative slack for rounding, so that a width of ten sizes makes ten columns whatever its last digits are.
 constexpr double kHair = 1 - 1e-11;
 
 /// Holds the vertices along the lower or the upper side of a region's box.
@@ -217,12 +217,12 @@ class Lattice {
     if (phase < kBetween) low_.x -= along_.x / 2;
   }
 
-  /// A lower bound on the number of cells that reach into the region. It holds because the region is connected.
+  /// Returns a lower bound on the number of cells that reach into the region. It holds because the region is connected.
   double least_cells() const { return std::max(width_, height_) / edge_; }
 
   Vec2 origin() const { return low_; }
   double edge() const { return edge_; }
-  /// The smallest distance from the boundary at which a point may lie, if `size` is the size there.
+  /// Returns the smallest distance from the boundary at which a point may lie, if `size` is the size there.
   double clearance(double size) const {
     if (!is_even_) return kClearance * size;
     return kClearanceOfOneSize * (along_.x >= kWideColumn * edge_ ? along_.x : size);
@@ -362,7 +362,7 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
   const auto is_near = [&](Vec2 p) {
     return grid.has_point_within(p, std::max(shortest, lattice.clearance(sizes.at(p))));
   };
-  // Points found and cells looked at by all work that is finished.
+  // These count the points found and the cells looked at by all work that is finished.
   std::atomic<std::size_t> count = 0, cells = 0;
   // Adds the points that come from one cell.
   const auto collect = [&](const Cell& cell, const Cells& of, Cells& parts, std::vector<Vec2>& points) {

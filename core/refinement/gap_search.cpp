@@ -29,7 +29,7 @@ constexpr double kDetour = 3;
 /// order of the search.
 constexpr double kRounding = 0x1p-48;
 
-/// A relative slack for rounding when it is decided whether a patch is hidden.
+/// This is a relative slack for rounding when it is decided whether a patch is hidden.
 constexpr double kHidden = 1 + 1e-6;
 
 /// Vertices where more patches than this meet are left out wherever each patch at a vertex is looked at for each other.
@@ -37,8 +37,8 @@ constexpr std::size_t kMaxPatchesAtCorner = 16;
 /// At most about this many corners of a patch are looked at for the smallest gap. They are evenly spread.
 constexpr std::size_t kMaxCornersOfPatch = 64;
 
-/// Properties that all triangles in a node of the tree have in common. A property that is not the same for all is
-/// invalid.
+/// Has the properties that all triangles in a node of the tree have in common. A property that is not the same for all
+/// is invalid.
 struct Common {
   PatchId patch;
   VertexId hub;                    ///< the hub of the patch; see hubs_
@@ -95,7 +95,7 @@ class JoinedMemory {
 /// Selects what a search looks for: only what the patch faces at the place, or also what is beside it.
 enum class What { kFaced, kAll };
 
-/// Triangles that do not count as gaps although they are near.
+/// Names triangles that do not count as gaps although they are near.
 struct Uncounted {
   const Triangle* on = nullptr;       ///< triangles that cross or touch this one do not count
   std::span<const PatchId> crossing;  ///< these patches do not count; ascending
@@ -348,7 +348,7 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
   return layer;
 }
 
-/// Works in local units. Returns infinity if there is no square below `below`.
+/// Returns the square of the gap at p in local units, or infinity if it is not below `below`.
 double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what,
                                      const Uncounted& uncounted) const {
   const bool is_all = what == What::kAll;
@@ -387,13 +387,13 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
   return best < below ? best : HUGE_VAL;
 }
 
-/// Works in local units. Returns infinity if there is no square below `below`.
+/// Returns the square of the result of `beside` in local units, or infinity if it is not below `below`.
 double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchId patch, double below) const {
   const Slab& slab = slabs_[patch];
   FloatBox box;
   for (const Corners3& piece : pieces)
     for (const Vec3& p : piece) box.add(p);
-  // Returns a lower bound for the square of a steep way if no way at all has a smaller square than `squared`.
+  // Returns a lower bound for the squared length of a steep way if no way at all has a smaller square than `squared`.
   const auto steep = [&](const TriangleBoxes::Entry& e, double squared) {
     Products from{HUGE_VAL, -HUGE_VAL};
     for (const Corners3& piece : pieces) {

@@ -302,8 +302,8 @@ int PatchRefiner::count_good(Vec2 p, int least) const {
 }
 
 /// Returns the best of several places from p down towards the shortest edge. A lower place may serve the edge's
-/// neighbours too: along a straight chain of equal edges, one point over the edges serves three of them. The first
-/// place is taken with which the most edges of p's cavity make good triangles.
+/// neighbours too: along a straight chain of equal edges, one point serves three of them. The first place is taken with
+/// which the most edges of p's cavity make good triangles.
 Vec2 PatchRefiner::lowered(Vec2 p, std::uint32_t shortest) const {
   const Vec2 middle = 0.5 * (mesh_.point(mesh_.from(shortest)) + mesh_.point(mesh_.to(shortest)));
   Vec2 best = p;
@@ -473,7 +473,7 @@ std::uint32_t PatchRefiner::longest_edge(std::uint32_t t) const {
 }
 
 /// Splits a triangle that is too large wherever there is room: at its circumcentre or, as a last resort, in the middle
-/// of its longest edge. Returns whether it was split.
+/// of its longest edge, or at its centroid if that edge is constrained. Returns whether it was split.
 bool PatchRefiner::split_too_large(std::uint32_t t, Floor floor) {
   const std::uint32_t longest = longest_edge(t);
   const Vec2 a = mesh_.point(mesh_.from(longest)), b = mesh_.point(mesh_.to(longest)),

@@ -248,7 +248,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
   std::vector<Piece> pieces;
   const auto original = static_cast<std::uint32_t>(sides_.size());
   const auto own = segments_.sides_of_patch(id);
-  // The first vertex on the segment of s, and the first of the sides that are added for s.
+  // These are the first vertex on the segment of s, and the first of the sides that are added for s.
   std::uint32_t first_cut = 0, first_piece = 0;
   for (std::uint32_t s = 0; s < original; ++s) {
     const Side side = sides_[s];

@@ -14,9 +14,9 @@ namespace remesh {
 namespace {
 
 // The following values were chosen among many that give nearly the same number of faces: shares from 0.8 to 0.9, shapes
-// from 0.15 to 0.185 and 4 to 12 places differ by half a per cent. With these values, TetGen's worst dihedral angles
-// came out well on three parts. (Two of some thirty settings did so, and seven of thirty another time.) Next time it
-// may be other values.
+// from 0.15 to 0.185 and 4 to 12 places differ by no more than half a per cent. With these values, TetGen's worst
+// dihedral angles came out well on three parts. (Two of some thirty settings did so, and seven of thirty another time.)
+// Next time it may be other values.
 
 /// A point stays if all its edges are longer than this share of what is allowed, because then there is no room for
 /// fewer points.
@@ -27,9 +27,10 @@ constexpr double kFlattest = 0.165;
 /// A point with more edges stays. It lies between small things that are far from it. With angles of 15 degrees, no
 /// point has more edges.
 constexpr std::size_t kMaxEdges = 24;
-/// Sizes change across a few triangles, so the average of these may seem a little too large.
+/// Leaving out a point is tried if this share of the average edge afterwards is allowed. Sizes change across a few
+/// triangles, so the average may seem a little too large.
 constexpr double kAlmost = 0.8;
-/// The number of places that are tried for one point in the place of two.
+/// This is the number of places that are tried for one point in the place of two.
 constexpr int kPlaces = 7;
 
 double squared_length(Vec2 a) { return dot(a, a); }

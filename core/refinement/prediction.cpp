@@ -20,8 +20,8 @@ namespace {
 /// plates.
 constexpr double kFacesPerIdeal = 1.45;
 
-/// The number of faces that a piece of a boundary edge costs which another patch needs. They fill the area from the
-/// edge to where faces may be large again.
+/// A piece of a boundary edge that another patch needs costs this number of faces. They fill the area from the edge to
+/// where faces may be large again.
 constexpr double kFacesPerPiece = 2.5;
 /// No patch's share is larger than this. So the share is always a number that can be computed with, however sharp the
 /// patch's angles or small its sizes are.
@@ -29,7 +29,7 @@ constexpr double kMaxOfPatch = 0x1p62;
 /// If a patch needs fewer pieces of an edge than this, the patches beside the edge are not told.
 constexpr double kFewPieces = 3;
 
-/// The number of pieces that a patch needs of an edge between two vertices.
+/// Tells how many pieces a patch needs of an edge between two vertices.
 struct EdgePieces {
   VertexId from, to;  ///< the smaller id first
   double pieces;

@@ -9,7 +9,7 @@
 namespace remesh {
 namespace {
 
-/// A relative slack for rounding, so that a length of ten sizes makes ten parts whatever its last digits are.
+/// This is a relative slack for rounding, so that a length of ten sizes makes ten parts whatever its last digits are.
 constexpr double kHair = 1e-12;
 
 double last_of(std::span<const double> shells) { return shells.empty() ? 0 : shells.back(); }
@@ -126,7 +126,7 @@ void SegmentTable::cut_evenly(SegmentId id, double first, double last, const Siz
     return false;
   };
   cut_into(std::ceil(all * (1 - kHair)));
-  // If every part is at least as long as the size, none is too short.
+  // With one part less, every part is at least as long as the size, so none is too short.
   if (shortest > 0 && is_any_short()) cut_into(std::floor(all * (1 + kHair)));
 }
 

@@ -20,12 +20,12 @@ constexpr double kFloorTolerances = 10;
 /// A cell reaches at most this fraction of the gap in its middle. If it were smaller, there would be more samples than
 /// faces in the result; if it were larger, a gap that shrinks towards the end of the cell would be seen too late.
 constexpr double kReach = 0.5;
-/// The same for things that only a part of a cell may face. A smaller value makes sizes no better and doubles the
-/// samples.
+/// This is the same limit for things that only a part of a cell may face. A smaller value makes sizes no better and
+/// doubles the samples.
 constexpr double kReachBeside = 1;
 /// Cells larger than this fraction of the box's diagonal are also cut if something near lies only beside their middle
 /// and is joined to their patch, because another place of the cell may face it. If this were done for smaller cells
-/// too, a curved surface would need as many cells as its facets are wide.
+/// too, cells on a curved surface would have to be about as small as its facets are wide.
 constexpr double kCoarse = 0x1p-6;
 /// No larger slope is used. With it, a size is the largest one as soon as two places can be told apart, and sums stay
 /// finite.
@@ -395,9 +395,9 @@ void SizeField::drop_dominated(RunControl& control) {
   set_samples(samples, control);
 }
 
-/// The size at p, or at the nearest place within a radius of p, as far as one node or sample asks for it. It grows with
-/// the size and with the distance to the box, also when rounding is counted. So no node promises more than its samples
-/// do, and the answer does not depend on the order of the search.
+/// Returns the size that one node or sample asks for at the place within the radius around p that is nearest to it. The
+/// result never decreases when the sample's size or its distance grows, even with rounding. So no node promises more
+/// than its samples do, and the answer does not depend on the order of the search.
 inline double SizeField::size_from(const Samples::Entry& node, const Vec3& p, double radius) const {
   return node.tag.value + slope_ * std::max(0.0, std::sqrt(squared_distance(node.box, p)) - radius);
 }

@@ -15,7 +15,7 @@ constexpr std::size_t kLarge = 1000;
 /// This is the number of triangles in a task. Each takes some microseconds.
 constexpr std::size_t kTriangles = 256;
 
-/// A relative slack for rounding when edges are compared with the sizes that were aimed at.
+/// This is a relative slack for rounding when edges are compared with the sizes that were aimed at.
 constexpr double kHair = 1 + 1e-9;
 
 /// Has the measures of a triangle. Lengths and places are in local units, so that no square under- or overflows.

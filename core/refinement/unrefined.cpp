@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// The relative error that rounding may add to an edge or an area.
+/// This is the relative error that rounding may add to an edge or an area.
 constexpr double kRounding = 1e-9;
 
 bool meets(const Vec3& a, const Vec3& b, const Vec3& c, const Goals& goals, double tangent) {
