@@ -325,7 +325,8 @@ PatchRefiner::Outcome PatchRefiner::outcome(Vec2 p, int most) const {
   const auto is_bad = [&](std::uint32_t t) { return state_[t] != State::kGood; };
   const auto bad_before = std::count_if(mesh_.cavity().begin(), mesh_.cavity().end(), is_bad);
   Outcome found{-static_cast<int>(bad_before), HUGE_VAL};
-  // Both triangles at a spoke need to know whether it is too long. It is looked up once.
+  // A spoke is an edge from p to a vertex of the rim. Both triangles at a spoke need to know whether it is too long, so
+  // this is looked up once.
   std::optional<bool> first, here, next;
   const auto is_long_spoke = [&](std::uint32_t v, std::optional<bool>& known) {
     if (!known) known = is_too_long(p, mesh_.point(v));

@@ -300,8 +300,8 @@ class Rounds {
                                                  std::min(quota_[i], most_made_), at, control_);
       else
         refiner->begin_turn(at);
-      // A refiner that begins with points of its own numbers its edges anew. Its chords are told to it in the next
-      // pass.
+      // A refiner that begins with points of its own numbers its edges anew. So its chords are left for the next pass,
+      // which finds them again.
       if (const auto chords = std::exchange(chords_[p], {}); !chords.empty())
         if (refiner->triangle_count() != before || refiner->split_edges(chords, control_)) is_any_split_ = true;
       auto message = std::lower_bound(messages_.begin(), messages_.end(), Message{PatchId(p), SegmentId(0), 0});

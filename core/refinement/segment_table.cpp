@@ -70,7 +70,7 @@ Uses segment_uses(const Surface& surface, const std::vector<PatchMesh>& meshes, 
     }
     return uses;
   });
-  // The uses differ by their first ends soon, and few share one.
+  // Sorting by the first end separates most uses, because few share one.
   return sorted_by_key(
       concatenate<Use>(blocks, control), surface.vertex_count(), [](const Use& use) { return use.from.value; },
       control);

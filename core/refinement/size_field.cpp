@@ -13,9 +13,9 @@
 namespace remesh {
 namespace {
 
-/// No size is made smaller than this fraction of the box's diagonal because of a gap.
+/// No size is made smaller than this fraction of the box's diagonal because of a gap or a short edge.
 constexpr double kFloor = 0x1p-11;
-/// No size is made smaller than this multiple of the plane tolerance because of a gap.
+/// No size is made smaller than this multiple of the plane tolerance because of a gap or a short edge.
 constexpr double kFloorTolerances = 10;
 /// A cell reaches at most this fraction of the gap in its middle. If it were smaller, there would be more samples than
 /// faces in the result; if it were larger, a gap that shrinks towards the end of the cell would be seen too late.

@@ -42,8 +42,8 @@ class SizeField {
   /// some 2^-6 of the diagonal.
   ///
   /// Otherwise, if goals.gradation > 0, the sizes come from segments. An edge on a segment between essential vertices
-  /// is at most as long as the segment, so the segment's length is the size there. The size is 2 kNoise more, because
-  /// rounding would otherwise cut the segment. It is not below the floor.
+  /// is at most as long as the segment, so the segment's length is the size there. The size is larger than that by the
+  /// factor 1 + 2 kNoise, because rounding would otherwise cut the segment. It is not below the floor.
   ///
   /// Input:  `gaps` is there with proximity, and null otherwise. `segments` are pairs of essential vertices; they have
   ///         no effect with proximity. The tolerance is in model units.

@@ -23,7 +23,7 @@ constexpr double kMaxParts = 0x1p40;
 constexpr double kMaxWidening = 1.25;
 constexpr double kMaxShear = 0.5;
 /// Strips side by side are alike if the numbers of parts that their sides want differ by no more than this factor.
-/// Sides that want three and four parts are well as they are: the ends of one are between those of the other.
+/// Sides that want three and four parts need no help: the ends of one are between those of the other anyway.
 constexpr double kAlike = 1.05;
 /// The height of a row is this multiple of the size. It is a little less than the height of equilateral triangles, so
 /// that the slanting edges are not too long.
