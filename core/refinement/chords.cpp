@@ -14,7 +14,7 @@
 namespace remesh {
 namespace {
 
-/// An undirected edge by its surface vertices.
+/// An undirected edge is named by its two surface vertices. The smaller one is first.
 struct Key {
   VertexId first, second;
   friend auto operator<=>(const Key&, const Key&) = default;
@@ -30,9 +30,10 @@ Key key_of(const PatchMesh& patch, std::uint32_t half_edge) {
 
 struct Use {
   Key key;
-  bool is_inside;  ///< of its patch; boundary edges sort first
+  /// True if the edge is inside its patch. Boundary edges sort first.
+  bool is_inside;
   PatchId patch;
-  std::uint32_t half_edge;  ///< in the patch, as long as nothing is changed there
+  std::uint32_t half_edge;  ///< number in the patch's mesh; valid until that changes
 
   friend bool operator<(const Use& a, const Use& b) {
     return std::tie(a.key, a.is_inside, a.patch) < std::tie(b.key, b.is_inside, b.patch);
@@ -41,7 +42,8 @@ struct Use {
 
 using Uses = std::vector<Use, LeftUnset<Use>>;
 
-/// The edges whose two ends are vertices below `vertex_end` and that are wanted, each once a patch, sorted.
+/// Returns the edges whose two ends are vertices below `vertex_end` and for which `is_wanted` is true. Each occurs once
+/// per patch. They are sorted.
 template <class IsWanted>
 Uses edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control,
                const IsWanted& is_wanted) {
@@ -72,7 +74,7 @@ std::vector<Chord> chords_of(const Uses& uses, RunControl& control) {
   std::vector<Chord> chords;
   for (std::size_t i = 1; i < uses.size(); ++i) {
     if (i % 4096 == 0) control.check();
-    // Two equal edges inside one patch do not occur, so an equal predecessor is another patch's or a boundary.
+    // One patch never has two equal edges inside it. So an equal predecessor belongs to another patch or to a boundary.
     if (uses[i].is_inside && uses[i].key == uses[i - 1].key) chords.push_back({uses[i].patch, uses[i].half_edge});
   }
   return chords;
@@ -83,7 +85,8 @@ bool is_used(const Uses& uses, const Key& key) {
   return found != uses.end() && found->key == key;
 }
 
-/// Flips the edge away and holds the new one, so that what follows is Delaunay around it.
+/// Flips the edge away and constrains the new one, so that the flips which make the triangles around it Delaunay keep
+/// it. Returns false, with nothing changed, if the edge cannot be flipped or the new edge is in use already.
 bool flip_away(PatchMesh& patch, std::uint32_t h, const Uses& uses, RunControl& control) {
   if (patch.mesh.is_constrained(h)) return false;
   const std::uint32_t g = patch.mesh.twin(h);
@@ -100,7 +103,7 @@ bool flip_away(PatchMesh& patch, std::uint32_t h, const Uses& uses, RunControl& 
   return true;
 }
 
-/// Puts a vertex into the middle of the edge. Returns whether there was room for one.
+/// Puts a vertex into the middle of the edge. Returns false, with nothing changed, if there is no room for it.
 bool split(PatchMesh& patch, std::uint32_t h, RunControl& control) {
   Triangulation2d& mesh = patch.mesh;
   const std::uint32_t g = mesh.twin(h);
@@ -132,7 +135,8 @@ bool split(PatchMesh& patch, std::uint32_t h, RunControl& control) {
   return true;
 }
 
-/// Lets go of what is held and `is_wanted` no more; it gives way to what is Delaunay. Returns whether there was such.
+/// Removes the constraint from edges inside the patch for which `is_wanted` is false, and makes the triangles around
+/// them Delaunay. Returns whether there was such an edge.
 template <class IsWanted>
 bool release_held(PatchMesh& patch, const IsWanted& is_wanted, RunControl& control) {
   if (patch.held.empty()) return false;
@@ -149,8 +153,9 @@ bool release_held(PatchMesh& patch, const IsWanted& is_wanted, RunControl& contr
   return is_any;
 }
 
-/// Treats chord after chord, where flips for one before it have not changed the edge: the next pass looks at it again.
-/// `treat` says whether it could; where it could not, nothing has changed.
+/// Calls `treat` for each chord in turn. A chord is skipped if flips for an earlier chord have changed its half-edge;
+/// the next pass looks at it again. `treat` returns whether it succeeded; if not, it has changed nothing. The result
+/// tells whether any call succeeded.
 template <class Treat>
 bool for_chords(std::vector<PatchMesh>& meshes, const std::vector<Chord>& chords, RunControl& control,
                 const Treat& treat) {
@@ -174,7 +179,8 @@ bool for_chords(std::vector<PatchMesh>& meshes, const std::vector<Chord>& chords
 
 std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
   if (meshes.size() < 2) return {};
-  // Few edges inside patches join two such vertices, and only what joins the same two could be equal to one of them.
+  // Only few edges inside patches join two such vertices, and only edges with the same two ends can be equal to one of
+  // them. So boundary edges are collected only between the ends of these few edges.
   Uses uses = edge_uses(meshes, vertex_end, control, [](const Key&, bool is_inside) { return is_inside; });
   if (uses.empty()) return {};
   std::vector<std::uint8_t> is_end(vertex_end, 0);
@@ -199,8 +205,8 @@ bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCont
   if (std::all_of(meshes.begin(), meshes.end(), [](const PatchMesh& patch) { return patch.held.empty(); }) &&
       find_chords(meshes, vertex_end, control).empty())
     return true;
-  // A flip may make edges that conflict anew, or leave another without what it was held for; what goes on doing so is
-  // left.
+  // A flip may make edges that are chords themselves. It may also remove the edge for whose sake another edge was
+  // constrained. The number of passes is limited, because this may go on forever.
   constexpr int kMaxPasses = 8;
   for (int pass = 0;; ++pass) {
     const Uses uses = edge_uses(meshes, vertex_end, control);
@@ -225,11 +231,12 @@ bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCont
 void split_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
   std::vector<Chord> chords = find_chords(meshes, vertex_end, control);
   if (chords.empty()) return;
-  // A flip for the sake of a chord that is split now would leave an edge that is not Delaunay, without a reason.
+  // Edges that were flipped in for chords are released first. If their chord is split now, they have no reason to stay,
+  // and they may not be Delaunay.
   for (PatchMesh& patch : meshes)
     release_held(
         patch, [](std::uint32_t) { return false; }, control);
-  // Each pass leaves fewer: the edges that are new all end at a new vertex.
+  // Each pass leaves fewer chords, because all new edges end at a new vertex.
   do {
     chords = find_chords(meshes, vertex_end, control);
   } while (

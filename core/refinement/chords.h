@@ -1,7 +1,7 @@
-/// The chord rule: an edge inside one patch must not be an edge of another patch too, nor a boundary edge, or the
-/// surface would meet itself there. Of equal edges the one in the patch of lowest id stays (none, if one is a
-/// boundary).
-/// Source:  rules.md, Chords.
+/// Enforces the chord rule: an edge inside one patch must not also be an edge of another patch or a boundary edge,
+/// because the surface would meet itself there. Of equal edges, the one in the patch of lowest id stays. None of them
+/// stays if one of the equal edges is a boundary edge.
+/// Source: rules.md, Chords.
 #pragma once
 
 #include <cstddef>
@@ -19,19 +19,22 @@ struct Chord {
   std::uint32_t half_edge;
 };
 
-/// The chords among the edges whose two ends are vertices below `vertex_end`: what lies inside one patch is shared by
-/// no other.
-/// Output:  ascending by their vertices, then by patch.
-/// Cost:    O(n log n) in the patches' edges.
+/// Finds the chords among the edges whose two ends are vertices below `vertex_end`. The other vertices lie inside a
+/// single patch, so no other patch can share an edge at them.
+/// Output: Sorted ascending by the edges' vertices, then by patch.
+/// Cost:   O(n log n) in the number of the patches' edges.
 std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control);
 
-/// Flips chords away, where the quadrilateral is strictly convex and the new edge is free; it is held then.
-/// Output:  whether none is left.
+/// Flips chords away where the quadrilateral around them is strictly convex and no patch uses the new edge. The new
+/// edge is constrained, so that later flips do not undo it.
+/// Output: True if no chord is left.
 bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control);
 
-/// Puts a point into the middle of each chord, and makes what is around it Delaunay; one point may end several chords.
-/// What has no room for a point stays. Nothing is held any more then.
-/// Output:  the patches with more vertices at the end, which have no ids yet; the new triangles are those at them.
+/// Puts a point into the middle of each chord and makes the triangles around it Delaunay. One point may remove several
+/// chords. A chord without room for a point stays. If there are any chords, no edge is constrained for the sake of a
+/// chord afterwards.
+/// Output: The patches, with their new vertices at the end. These have no ids yet. The new triangles are those at the
+///         new vertices.
 void split_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control);
 
 }  // namespace remesh

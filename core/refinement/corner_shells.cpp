@@ -15,52 +15,58 @@
 namespace remesh {
 namespace {
 
-/// Corners are sharp if their sides, at the distance 1, are no farther apart than this share of the bound's tangent:
-/// else pieces as long as the size give triangles in one row that meet the bound.
+/// A corner is sharp if its sides, at the distance 1 from it, are no farther apart than this share of the tangent of
+/// the bound on angles. In wider corners, pieces as long as the size already give triangles in one row that meet the
+/// bound.
 constexpr double kSharp = 0.7;
-/// A corner that is so many times less sharp than another one beside it is not cut like that: one sliver in a fan would
-/// have all of it cut as finely.
+/// A corner is not cut in this way if a corner beside it is sharper by more than this factor. Otherwise one sliver in a
+/// fan would cause the whole fan to be cut as finely as itself.
 constexpr double kAlike = 2;
-/// In sizes: sides are no longer near each other where a row of the largest triangles has some room between them.
+/// Sides that are farther apart than this multiple of the size are no longer near each other: a row of the largest
+/// triangles has some room between them.
 constexpr double kFarApart = 0.85;
-/// Pieces are so much shorter than the bound on angles allows: rows are not quite regular. Beyond 1.02 what does not
-/// fit is refined (two and a half times the triangles of a cone); from 0.94 to there every hundredth saves some, and
-/// the fewer short edges there are behind a corner, the fewer flat tetrahedra.
+/// Pieces are shorter by this factor than the bound on angles allows, because rows are not quite regular. Above 1.02,
+/// triangles that do not fit are refined, and a cone gets two and a half times the triangles. From 0.94 up to 1.02,
+/// every hundredth saves some triangles. Besides, the fewer short edges there are behind a corner, the fewer flat
+/// tetrahedra there are.
 constexpr double kMargin = 0.98;
-/// In sizes: the triangle in a corner, where sizes vary. Shorter, and there are more tetrahedra; longer, and more of
-/// them are flat. Of TetGen's 58 thousand in t13 and 71 thousand in a coupling, both with corners of 2 to 5 degrees, on
-/// average over sixteen orders of the vertices 3 and 1 are below 3 degrees from 0.5 to 0.55, some ten each at 1. That
-/// the coupling has none in its own order is luck: a third of the settings near these have it.
+/// Where sizes vary, the triangle in a corner is this multiple of the size long. Shorter ones give more tetrahedra;
+/// longer ones give more flat tetrahedra. This was measured with TetGen on t13 (58 thousand tetrahedra) and on a
+/// coupling (71 thousand), both with corners of 2 to 5 degrees. On average over sixteen orders of the vertices, 3
+/// tetrahedra of t13 and 1 of the coupling are below 3 degrees for lengths from 0.5 to 0.55, and some ten in each part
+/// for the length 1. In its own order of vertices the coupling has none, but that is luck: only a third of the settings
+/// near these have none.
 constexpr double kTip = 0.54;
-/// The same in wider corners. Two triangles of these beside a slight bend have their four corners nearly on a circle:
-/// short ones fit between the walls as a flat tetrahedron over the bend, long ones meet the far wall's vertices. In 49
-/// parts made to try it TetGen has 18 below 3 degrees where it had 33, and 1 % fewer of all; 0.6 to 0.75 differ by
-/// little, and that t13 and the coupling have none in their own order is luck.
+/// In wider corners, the triangle in the corner is this multiple of the size long. Two such triangles beside a slight
+/// bend have their four corners nearly on a circle. If they are short, they fit between the walls as a flat tetrahedron
+/// over the bend; if they are long, they meet the vertices of the far wall. On 49 parts that were made to try this,
+/// TetGen has 18 tetrahedra below 3 degrees where it had 33, and 1 % fewer tetrahedra in all. Lengths from 0.6 to 0.75
+/// differ by little. That t13 and the coupling have none in their own order of vertices is luck.
 constexpr double kTipOfWide = 0.66;
-constexpr double kWide = 0.12;  ///< how far apart the sides are at the distance 1; some 7 degrees
-/// In sizes: no piece is shorter. Where it had to be, the angle is given up.
+constexpr double kWide = 0.12;  ///< distance between the sides at the distance 1 from the corner; some 7 degrees
+/// No piece is shorter than this multiple of the size. Where it would have to be, the bound on angles is given up.
 constexpr double kMinPiece = 0x1p-5;
-/// In pieces: what is left of a side behind its last shell is no shorter.
+/// The rest of a side behind its last shell is no shorter than this multiple of the last piece.
 constexpr double kMinRest = 0.5;
-/// Sides are cut together for so many pieces at most, and each on its own behind that. No part needs more, but a strip
-/// of a billion sizes would fill the memory before the limit on faces is reached.
+/// Two sides are cut together for at most this many pieces; behind that, each is cut on its own. No real part needs
+/// more. But a strip of a billion sizes would fill the memory before the limit on faces is reached.
 constexpr std::size_t kMaxStops = std::size_t{1} << 20;
 
-/// How far apart the sides of a corner are at the distance 1 from it.
+/// Returns how far apart the sides of a corner are at the distance 1 from it.
 double width_of(double angle) { return 2 * std::sin(angle / 2); }
 
-/// A side of one corner, or of two that have it in common.
+/// This is a side of a sharp corner. Two corners that lie beside each other share one.
 struct Side {
   std::uint32_t end;
   double length;
   double floor;
-  double reach;  ///< as far as the other side of one of its corners goes, too
-  double width;  ///< of its sharpest corner, at the distance 1
+  double reach;  ///< the largest distance up to which both it and the other side of one of its corners go
+  double width;  ///< distance to the other side of its sharpest corner, at the distance 1
   bool is_between = false;
-  double common = 0;  ///< up to there it is near the other side of a corner
+  double common = 0;  ///< the distance up to which it is near the other side of a corner
 };
 
-/// One a side, by end.
+/// Returns one Side for each end of a segment at a sharp corner, sorted by end.
 std::vector<Side> sides_of(std::span<const Corner> corners, const SegmentTable& table, RunControl& control) {
   std::vector<Side> sides;
   StopCheck check(control);
@@ -88,7 +94,8 @@ std::vector<Side> sides_of(std::span<const Corner> corners, const SegmentTable& 
 
 using Pair = std::array<std::uint32_t, 2>;
 
-/// Every second side around a vertex is cut between the common distances. In an odd ring two neighbours are not.
+/// Decides which sides are cut between the common distances: every second one around a vertex. In a ring with an odd
+/// number of sides, two neighbours are cut alike.
 void take_turns(std::span<const Pair> pairs, std::span<Side> sides, RunControl& control) {
   std::vector<std::uint8_t> is_seen(sides.size(), 0);
   std::vector<std::uint32_t> queue;
@@ -109,13 +116,13 @@ void take_turns(std::span<const Pair> pairs, std::span<Side> sides, RunControl& 
   }
 }
 
-/// The way from a vertex along the sides of its sharp corners, counted in pieces.
+/// Measures the way from a vertex along the sides of its sharp corners in pieces.
 class Way {
  public:
   Way(const SegmentTable& table, const SizeField& sizes, double tangent, RunControl& control)
       : table_(table), sizes_(sizes), tangent_(tangent), control_(control) {}
 
-  /// Goes as far as there are sides near each other, and sets their `common`. `members`: indices of sides.
+  /// Walks as far as there are sides near each other, and sets `common` of each. `members` are indices of sides.
   void walk(std::span<Side> sides, std::vector<std::uint32_t> members) {
     stops_.clear();
     floor_ = 0;
@@ -128,11 +135,11 @@ class Way {
     Piece piece{size, true};
     double width = HUGE_VAL;
     for (const std::uint32_t i : members) width = std::min(width, sides[i].width);
-    // Not where the pieces behind it would be at the floor.
+    // The length for wide corners is not used where the pieces behind the triangle would be as short as the floor.
     const bool is_wide = width >= kWide && width * kTipOfWide * size >= 2 * floor_;
     const double tip = (is_wide ? kTipOfWide : kTip) * size;
     if (!sizes_.is_uniform() && tip >= floor_) piece.length = tip;
-    // Else that side would stay as it is for want of room, and the others be cut.
+    // Without this, the side that ends soon would stay uncut because it lacks room, while the other sides are cut.
     if (nearest_end > piece.length && nearest_end < 2 * piece.length) {
       if (nearest_end <= size)
         piece.length = nearest_end;
@@ -140,7 +147,7 @@ class Way {
         piece.length = nearest_end / 2;
     }
     double step = piece.length;
-    // Where no side is cut, only the first distance is read: other sides at the vertex begin with it.
+    // If no side is cut, only the first distance is read: other sides at the vertex begin with it.
     const bool is_any_cut = std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
       return !table_[SegmentId(sides[i].end / 2)].is_locked();
     });
@@ -152,7 +159,7 @@ class Way {
       if (members.empty()) return;
       double farthest = 0;
       for (const std::uint32_t i : members) farthest = std::max(farthest, sides[i].reach);
-      // The triangle in the corner is one piece, whatever the others are.
+      // The triangle in the corner counts as one piece, whatever the lengths of the others.
       const bool is_first = stops_.empty();
       if (!is_first) step = longest_piece(sides, members, from.distance, size).length / 2;
       const double to = std::min(farthest, from.distance + step);
@@ -167,15 +174,16 @@ class Way {
     }
   }
 
-  /// Adds the common distances, the ends of pieces all alike in number of those that are allowed, and then as many for
-  /// the sides between.
+  /// Appends the common distances first. They are the ends of pieces each of which is the same fraction of the longest
+  /// piece that is allowed at its place. Then it appends as many distances for the sides that are cut in between.
   void add_distances(std::vector<double>& distances) const {
     distances.push_back(stops_[0].distance);
     std::vector<double> between{stops_[0].distance};
     const double all = stops_.back().pieces;
     const auto count = static_cast<std::size_t>(std::ceil(all * (1 - 1e-12)));
     std::size_t k = 1;
-    // Where piece i ends, and its middle at i - 0.5; i may only grow from call to call.
+    // Returns the distance at which piece i ends; i - 0.5 gives its middle. The argument must not get smaller from one
+    // call to the next.
     const auto place = [&](double i) {
       const double pieces = all * (i / static_cast<double>(count));
       while (k + 1 < stops_.size() && stops_[k].pieces < pieces) ++k;
@@ -194,21 +202,23 @@ class Way {
  private:
   struct Stop {
     double distance = 0, pieces = 0;
-    bool is_row = true;  ///< are there pieces before it that meet the bound on angles?
+    /// True if the pieces before this stop meet the bound on angles, as a single row of triangles.
+    bool is_row = true;
   };
   struct Piece {
     double length;
     bool is_row;
   };
 
-  /// In a row between sides at that distance from the corner, for triangles that meet the bound: from the end of a
-  /// piece of one side to the end of one of the other's, their distance over the tangent.
+  /// Returns the longest piece, at that distance from the corner, that gives triangles in one row which meet the bound.
+  /// Along the sides, the end of a piece of one side and the end of a piece of the other side are then apart by the
+  /// distance between the sides over the tangent.
   Piece longest_piece(std::span<const Side> sides, std::span<const std::uint32_t> members, double distance,
                       double size) const {
     double width = HUGE_VAL;
     for (const std::uint32_t i : members) width = std::min(width, sides[i].width);
     const double longest = kMargin * 2 * std::log1p(width / tangent_) * distance;
-    // The diagonals between such pieces are a little longer than they.
+    // The diagonals between such pieces are a little longer than the pieces themselves.
     if (longest < std::max(2 * floor_, kMinPiece * size)) return {(1 - kMinPiece * kMinPiece) * size, false};
     return {std::min(longest, size), true};
   }
@@ -227,7 +237,7 @@ class Way {
   std::vector<Stop> stops_;
 };
 
-/// How many of a group's distances are on a side, and leave enough of it behind the last.
+/// Counts those of a group's distances that lie on the side and leave enough of it behind the last one.
 std::size_t count_near(const Side& side, std::span<const double> distances) {
   double before = 0;
   std::size_t count = 0;
@@ -268,7 +278,7 @@ CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corner
   sort_stoppable(pairs.begin(), pairs.end(), control);
   take_turns(pairs, sides, control);
 
-  // Each group of sides that follow each other around a vertex has its own way.
+  // The sides that follow each other around a vertex form a group. Each group has its own way.
   const Grouping groups = group_by(
       sides.size(), sides.size(), [&](std::uint32_t i) { return together.find(i); }, control);
   ranges_.resize(sides.size());

@@ -1,4 +1,5 @@
-/// Sharp corners of facets: where their sides are cut for size, so that what is between them needs no small triangles.
+/// Decides where the two sides of a sharp corner of a facet are cut for size, so that no small triangles are needed
+/// between them.
 #pragma once
 
 #include <cstdint>
@@ -13,35 +14,41 @@ namespace remesh {
 
 class SegmentTable;
 
-/// Two segments that meet in a patch. The end `from` of segment s is 2 s, its end `to` 2 s + 1.
+/// Two segment ends that meet at a corner of a patch. The end `from` of segment s has the number 2 s, its end `to` the
+/// number 2 s + 1.
 struct Corner {
   std::uint32_t end, other;
   double angle;  ///< radians
 };
 
-/// Near a sharp corner of a facet its sides are much nearer to each other than sizes are large. Cut each on its own,
-/// what is between them fills with points until all angles are large enough, or is excused where both happen to be cut
-/// at the same distances from the corner. So the sides are cut together. The triangle in the corner is a size long
-/// (half of it where sizes vary; or as long as a side that ends soon behind that, or half as long); behind it the
-/// pieces are as long as the bound on angles allows for triangles in one row, and grow as fast as the sides part: those
-/// of one side end at common distances, those of the other between them. All angles but the corner's own are what was
-/// asked for: with 107 triangles before and 37 now, at 25 degrees, in a corner of two whose sides are 10 and 9.3 sizes
-/// long; with as many as before at worst.
+/// Near a sharp corner of a facet, the two sides are much nearer to each other than a size is long. If each side were
+/// cut on its own, refinement would fill the area between them with points until all angles are large enough. Or its
+/// triangles would be excused, where both sides happen to be cut at the same distances from the corner. So the sides
+/// are cut together.
 ///
-/// Where such pieces would be shorter than the floor, or than a 32nd of the size, the sides are cut at the same
-/// distances, a size apart: the angle is given up there, and the triangles are excused, as is the corner's own
-/// (rules.md, Input angles).
+/// The triangle in the corner is one size long. There are three exceptions: it is about half a size long where sizes
+/// vary, and if a side ends soon behind it, it is as long as that side, or half as long. Behind it, the pieces are as
+/// long as the bound on angles allows for a single row of triangles. They grow as fast as the sides part. The pieces of
+/// one side end at common distances from the corner, those of the other side end between these distances. All angles
+/// except the corner's own are as large as was asked for. In a corner of two degrees whose sides are 10 and 9.3 sizes
+/// long, this takes 37 triangles at 25 degrees, where it took 107 before. At worst it takes as many as before.
+///
+/// Where such pieces would be shorter than the floor, or than a 32nd of the size, both sides are cut at the same
+/// distances, a size apart. The bound on angles is given up there, and these triangles are excused, as is the triangle
+/// in the corner itself (rules.md, Input angles).
 class CornerShells {
  public:
   CornerShells() = default;
-  /// Input:  the corners of all patches, in any order; the table has its segments, with their floors.
+  /// Input:  The corners of all patches, in any order. The table has their segments, with floors.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-  /// Cost:   a few sizes for each piece of each side. Sides around one vertex are one thread's work.
+  /// Cost:   A few look-ups of sizes for each piece of each side. The sides around one vertex are the work of one
+  ///         thread.
   CornerShells(const SegmentTable& table, std::vector<Corner> corners, const Goals& goals, const SizeField& sizes,
                RunControl& control);
 
-  /// The distances from an end of a segment at which that is cut if it is too long: ascending, model units, as far as
-  /// the sides are near each other. Empty where no corner is sharp.
+  /// Returns the distances from an end of a segment at which the segment is cut if it is too long. They are ascending
+  /// and in model units. They end where the sides are no longer near each other. There are none if no corner at this
+  /// end is sharp.
   std::span<const double> at(std::uint32_t end) const;
 
  private:
@@ -49,7 +56,7 @@ class CornerShells {
     std::uint32_t end;
     std::size_t begin, size;
   };
-  std::vector<Range> ranges_;  ///< by end
+  std::vector<Range> ranges_;  ///< sorted by end
   std::vector<double> distances_;
 };
 

@@ -21,7 +21,7 @@ DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> po
                            std::span<const std::uint32_t> sides, Scratch& scratch,
                            std::span<const std::uint32_t> number, std::pmr::memory_resource* memory)
     : DelaunayMesh(scratch, memory) {
-  // What grows at all becomes twice as large, most often: growing at once spares copies.
+  // Most meshes that grow at all become about twice as large. Reserving that much at once spares copies.
   const std::uint32_t n = mesh.half_edge_count();
   points_.reserve(2 * points.size());
   edge_at_.reserve(2 * points.size());
@@ -40,7 +40,7 @@ DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> po
   }
   half_edge_of_side_.assign(sides.begin(), sides.end());
   for (std::uint32_t s = 0; s < sides.size(); ++s) twin_[sides[s]] = kConstraint | s;
-  // A constraint that is none any more may leave its edge not Delaunay.
+  // Where a constraint of `mesh` is not among `sides`, the edge may not be Delaunay.
   scratch.stack.clear();
   for (std::uint32_t h = 0; h < n; ++h)
     if (mesh.is_constrained(h) && !is_constrained(h)) scratch_->stack.push_back(h);
@@ -51,14 +51,14 @@ DelaunayMesh::DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> po
 DelaunayMesh::Location DelaunayMesh::locate(std::uint32_t triangle, Vec2 p) const {
   const std::uint32_t t = 3 * triangle;
   const Vec2 start = (1.0 / 3.0) * (points_[corner_[t]] + points_[corner_[t + 1]] + points_[corner_[t + 2]]);
-  // The side of the line from the start to p on which a vertex is: 1 left, -1 right.
+  // Returns the side of the line from the start to p on which a vertex lies: 1 is left, -1 is right.
   const auto side_of_way = [&](std::uint32_t v) { return orient2d(start, p, points_[v]); };
   const auto is_beyond = [&](std::uint32_t h) { return orient2d(points_[from(h)], points_[to(h)], p) < 0; };
   std::uint32_t h = t;
   for (std::uint32_t k = 0; k < 3; ++k)
     if (is_beyond(t + k)) {
       h = t + k;
-      // The way leaves between the edge's start, on its right, and the edge's end, on its left.
+      // The walk leaves through this edge if the edge's start is on its right and the edge's end on its left.
       if (side_of_way(from(h)) <= 0 && side_of_way(to(h)) >= 0) break;
     }
   while (is_beyond(h)) {
@@ -73,7 +73,8 @@ void DelaunayMesh::collect_cavity(Vec2 p, std::uint32_t triangle, std::uint32_t 
   scratch_->cavity.assign(1, triangle);
   scratch_->rim.clear();
   scratch_->front.clear();
-  // Counter-clockwise around the triangle, from `left_out` on (which is no part of the rim) or from its first edge.
+  // The edges are entered counter-clockwise around the triangle. They begin at `left_out`, which is no part of the rim,
+  // or at the first edge if there is none.
   const std::uint32_t first = left_out != kNone ? left_out : 3 * triangle;
   const auto reach = [&](std::uint32_t h, std::uint32_t from, std::uint32_t to) {
     scratch_->front.push_back({from, to, twin_[h]});
@@ -183,7 +184,7 @@ std::uint32_t DelaunayMesh::cut(std::uint32_t side, Vec2 p, std::uint32_t vertex
   if (!std::all_of(scratch_->rim.begin(), scratch_->rim.end(), is_in_front)) return kNone;
   const std::uint32_t v = vertex != kNone ? vertex : new_vertex(p);
   const Fan fan = make_fan(v);
-  // The rim runs from the edge's end round to its start.
+  // The rim runs from the end of the cut edge round to its start.
   const auto other = side_count();
   half_edge_of_side_.push_back(fan.first);
   twin_[fan.first] = kConstraint | other;
@@ -194,7 +195,7 @@ std::uint32_t DelaunayMesh::cut(std::uint32_t side, Vec2 p, std::uint32_t vertex
 
 void DelaunayMesh::remove(std::uint32_t v) {
   scratch_->changed.clear();
-  // The ring around v, counter-clockwise, as the half-edges opposite to it; its triangles go.
+  // Collect the ring around v, counter-clockwise, as the half-edges opposite to v. The triangles at v are removed.
   scratch_->rim.clear();
   const std::uint32_t first = edge_at_[v];
   std::uint32_t h = first;
@@ -206,8 +207,8 @@ void DelaunayMesh::remove(std::uint32_t v) {
   edge_at_[v] = kNone;
   free_vertices_.push_back(v);
 
-  // Ears are cut off, in circles around the ring. It stays star-shaped around v: so it always has an ear, and a convex
-  // corner is one if v is not beyond its diagonal.
+  // Go around the ring and cut off ears until it is filled. The ring stays star-shaped around v, so it always has an
+  // ear. A convex corner is an ear if v is not beyond its diagonal.
   const Vec2 centre = points_[v];
   std::vector<std::uint32_t>& following = scratch_->ring;
   const auto n = static_cast<std::uint32_t>(scratch_->rim.size());
@@ -216,7 +217,7 @@ void DelaunayMesh::remove(std::uint32_t v) {
   scratch_->stack.clear();
   std::uint32_t i = 0;
   for (std::uint32_t left = n; left > 3;) {
-    // Edges i (a to b) and j (b to c): the ear is abc.
+    // Edge i runs from a to b and edge j from b to c. The ear is the triangle abc.
     const std::uint32_t j = following[i];
     const std::uint32_t a = scratch_->rim[i].from, b = scratch_->rim[i].to, c = scratch_->rim[j].to;
     if (orient2d(points_[a], points_[b], points_[c]) > 0 && orient2d(points_[a], points_[c], centre) >= 0) {
@@ -244,7 +245,7 @@ void DelaunayMesh::remove(std::uint32_t v) {
 }
 
 void DelaunayMesh::flip(std::uint32_t h) {
-  // h: a->b with apex c; g: b->a with apex d.
+  // h runs from a to b and has apex c; g runs from b to a and has apex d.
   const std::uint32_t g = twin_[h];
   const std::uint32_t a = from(h), b = to(h), c = apex(h), d = apex(g);
   const std::uint32_t bc = twin_[next(h)], ca = twin_[previous(h)], ad = twin_[next(g)], db = twin_[previous(g)];

@@ -1,4 +1,5 @@
-/// A constrained Delaunay triangulation that changes: points come and go, constrained edges are cut.
+/// A constrained Delaunay triangulation that can be changed: points are inserted and removed, and constrained edges are
+/// cut.
 #pragma once
 
 #include <array>
@@ -12,36 +13,38 @@
 
 namespace remesh {
 
-/// Half-edges as in Triangulation2d: h = 3t + k from corner k to corner k+1 of triangle t, counter-clockwise. Every
-/// edge of the rim is constrained. A constrained half-edge has a side instead of a twin: a number that its owner uses
-/// for whatever belongs to it (both sides of a slit have their own), and that knows its half-edge again.
-/// Holds:  after each operation the triangulation is the one constrained Delaunay triangulation of its points,
-///         cocircular ones decided as in `in_circle_perturbed`; no triangle is degenerate or turned over.
+/// Half-edges are numbered as in Triangulation2d: h = 3t + k runs from corner k to corner k+1 of triangle t,
+/// counter-clockwise. Every edge on the boundary of the triangulation is constrained. A constrained half-edge has a
+/// side instead of a twin. A side is a number under which the owner of this mesh stores what belongs to the half-edge,
+/// and the mesh finds the half-edge of a side again. The two half-edges of a slit have a side each.
+/// Holds: After each operation this is the unique constrained Delaunay triangulation of its points. Cocircular points
+///        are decided as in `in_circle_perturbed`. No triangle is degenerate or turned over.
 class DelaunayMesh {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  /// One edge of a cavity's rim: an edge of a triangle that would go, seen from inside.
+  /// This is one edge of a cavity's rim, seen from inside. It belongs to a triangle that would be removed.
   struct RimEdge {
     std::uint32_t from, to;
-    std::uint32_t outside;  ///< its twin word
+    std::uint32_t outside;  ///< the entry of that half-edge in `twin_`: its twin, or the constraint bit and its side
   };
-  /// What an operation writes down: one serves many meshes, one after the other.
+  /// Operations use this scratch memory. One object can serve many meshes, one after the other.
   struct Scratch {
     std::vector<std::uint32_t> cavity, stack, changed, ring;
-    std::vector<RimEdge> front;  ///< edges that may be the rim's, or lie inside
+    std::vector<RimEdge> front;  ///< edges that are either on the rim or inside the cavity; not yet decided
     std::vector<RimEdge> rim;
   };
 
-  /// `scratch` and `memory` outlive the mesh.
+  /// `scratch` and `memory` must outlive the mesh.
   explicit DelaunayMesh(Scratch& scratch, std::pmr::memory_resource* memory = std::pmr::get_default_resource());
-  /// Input:  a constrained Delaunay triangulation of `points`; `sides` are its constrained half-edges: all on the rim,
-  ///         and of inner constraints those that stay constraints (both half-edges). Their order numbers the sides.
-  ///         `number` of a vertex of `mesh` is its index in `points`; empty: the same.
+  /// Input: `mesh` is a constrained Delaunay triangulation. `sides` lists the half-edges that are constrained here, and
+  ///        their order numbers the sides. It must have all half-edges on the boundary, and both half-edges of each
+  ///        inner constraint that stays one. `number[v]` is the index in `points` of vertex v of `mesh`. If `number` is
+  ///        empty, this is v itself.
   DelaunayMesh(const Triangulation2d& mesh, std::span<const Vec2> points, std::span<const std::uint32_t> sides,
                Scratch& scratch, std::span<const std::uint32_t> number = {},
                std::pmr::memory_resource* memory = std::pmr::get_default_resource());
-  /// From now on, with this one.
+  /// Makes the mesh work with this scratch memory from now on.
   void use(Scratch& scratch) { scratch_ = &scratch; }
 
   std::uint32_t triangle_slots() const { return static_cast<std::uint32_t>(corner_.size() / 3); }
@@ -50,7 +53,7 @@ class DelaunayMesh {
   std::uint32_t vertex_slots() const { return static_cast<std::uint32_t>(points_.size()); }
   bool is_live_vertex(std::uint32_t v) const { return edge_at_[v] != kNone; }
   Vec2 point(std::uint32_t v) const { return points_[v]; }
-  /// One that begins at this vertex, which is live.
+  /// Returns a half-edge that begins at vertex v, which must be live.
   std::uint32_t half_edge_at(std::uint32_t v) const { return edge_at_[v]; }
 
   static std::uint32_t next(std::uint32_t h) { return h % 3 == 2 ? h - 2 : h + 1; }
@@ -59,51 +62,58 @@ class DelaunayMesh {
   std::uint32_t to(std::uint32_t h) const { return corner_[next(h)]; }
   std::uint32_t apex(std::uint32_t h) const { return corner_[previous(h)]; }
   bool is_constrained(std::uint32_t h) const { return (twin_[h] & kConstraint) != 0; }
-  /// Asks for the memory of a triangle that is to be looked at soon; it may have changed by then.
+  /// Prefetches the memory of a triangle that will be looked at soon. The triangle may have changed by then.
   void prefetch(std::uint32_t half_edge, const std::array<std::uint32_t, 3>& corners) const {
     __builtin_prefetch(&corner_[half_edge]);
     __builtin_prefetch(&twin_[half_edge]);
     for (const std::uint32_t v : corners) __builtin_prefetch(&points_[v]);
   }
-  /// Of an edge that is not constrained.
+  /// The half-edge must not be constrained.
   std::uint32_t twin(std::uint32_t h) const { return twin_[h]; }
-  /// Of a constrained half-edge.
+  /// The half-edge must be constrained.
   std::uint32_t side(std::uint32_t h) const { return twin_[h] & ~kConstraint; }
   std::uint32_t half_edge_of_side(std::uint32_t side) const { return half_edge_of_side_[side]; }
   std::uint32_t side_count() const { return static_cast<std::uint32_t>(half_edge_of_side_.size()); }
 
-  /// Where a straight walk from the middle of a triangle towards p ends.
+  /// A location is the end of a straight walk from the middle of a triangle towards a point p.
   struct Location {
-    std::uint32_t half_edge;  ///< of the triangle that contains p; or the constrained one that hides p
+    /// This is a half-edge of the triangle that contains p. If p is hidden, it is the constrained half-edge that hides
+    /// it.
+    std::uint32_t half_edge;
     bool is_hidden;
   };
   Location locate(std::uint32_t triangle, Vec2 p) const;
 
-  /// The triangles that would go if p, which lies in `triangle`, came. Output: false if p cannot be joined to the whole
-  /// rim (it equals a vertex, or lies on a constrained edge). `rim()` is valid until the next operation.
+  /// Finds the triangles that would be removed if p were inserted. `triangle` is the one that contains p. Returns false
+  /// if p cannot be joined to the whole rim, because it equals a vertex or lies on a constrained edge. `rim()` is valid
+  /// until the next operation.
   bool find_cavity(Vec2 p, std::uint32_t triangle);
   std::span<const RimEdge> rim() const { return scratch_->rim; }
-  /// Its triangles.
+  /// The triangles of the cavity that was found.
   std::span<const std::uint32_t> cavity() const { return scratch_->cavity; }
   static bool is_constrained(const RimEdge& e) { return (e.outside & kConstraint) != 0; }
   static std::uint32_t side(const RimEdge& e) { return e.outside & ~kConstraint; }
-  /// Puts p into the cavity that was found. Returns the new vertex.
+  /// Inserts p into the cavity that was found. Returns the new vertex.
   std::uint32_t fill_cavity(Vec2 p);
 
-  /// Cuts the edge of a side at p, which lies on it to rounding. The side keeps the half from its half-edge's start to
-  /// p; the new side, `side_count() - 1`, is the other one. `vertex`: kNone, or the vertex that p has already (from the
-  /// other side of a slit). Returns the vertex; kNone, and nothing changed, if rounding leaves no room for p.
+  /// Cuts the edge of a side at p, which lies on the edge up to rounding. The side keeps the half from its half-edge's
+  /// start to p. The other half gets a new side, `side_count() - 1`. If p is a vertex already, because the other side
+  /// of a slit was cut, `vertex` names it; otherwise it is kNone. Returns the vertex. Returns kNone, with nothing
+  /// changed, if rounding leaves no room for p.
   std::uint32_t cut(std::uint32_t side, Vec2 p, std::uint32_t vertex = kNone);
 
-  /// Takes away a vertex that no constrained edge has. Its number is the next that is used again.
+  /// Removes a vertex that has no constrained edge. The next new vertex gets its number.
   void remove(std::uint32_t v);
 
-  /// The triangles that the last operation made or changed; some may be named twice, or be gone again.
+  /// Lists the triangles that the last operation made or changed. The list may name a triangle twice, and some of its
+  /// triangles may have been removed again.
   std::span<const std::uint32_t> changed() const { return scratch_->changed; }
 
-  /// The numbers of the vertices and triangles that are there, ascending: without gaps they are 0, 1, 2 ...
+  /// Lists the numbers of the live vertices and of the live triangles, ascending. If no number is unused, these are 0,
+  /// 1, 2 ...
   void number(std::pmr::vector<std::uint32_t>& vertex, std::pmr::vector<std::uint32_t>& triangle) const;
-  /// The triangulation without its gaps, and which vertices and triangles it has.
+  /// Returns the triangulation without unused numbers. Also lists the vertices and triangles that it has, as `number`
+  /// does.
   Triangulation2d compact(std::pmr::vector<std::uint32_t>& vertex, std::pmr::vector<std::uint32_t>& triangle) const;
 
  private:
@@ -113,14 +123,15 @@ class DelaunayMesh {
   std::uint32_t new_triangle();
   void drop_triangle(std::uint32_t t);
   void set_triangle(std::uint32_t t, std::uint32_t a, std::uint32_t b, std::uint32_t c);
-  /// Gives h what lies beyond it: a twin, which is told, or a side, which is told.
+  /// Sets what lies beyond half-edge h: a twin, or a side with its bit. The twin or side is made to refer to h.
   void attach(std::uint32_t h, std::uint32_t outside);
   void join(std::uint32_t g, std::uint32_t h) {
     twin_[g] = h;
     twin_[h] = g;
   }
   void collect_cavity(Vec2 p, std::uint32_t triangle, std::uint32_t left_out);
-  /// Joins the rim, from edge to edge, to v; returns the first and last triangles' outer half-edges at v.
+  /// Joins all edges of the rim, in their order, to v. Returns the outer half-edges at v of the first and of the last
+  /// triangle.
   struct Fan {
     std::uint32_t first, last;
   };
@@ -130,9 +141,9 @@ class DelaunayMesh {
 
   Scratch* scratch_;
   std::pmr::vector<Vec2> points_;
-  std::pmr::vector<std::uint32_t> edge_at_;  ///< a half-edge from each vertex
+  std::pmr::vector<std::uint32_t> edge_at_;  ///< a half-edge that begins at each vertex; kNone if it is not live
   std::pmr::vector<std::uint32_t> corner_;
-  std::pmr::vector<std::uint32_t> twin_;  ///< a twin, or the bit and a side
+  std::pmr::vector<std::uint32_t> twin_;  ///< a twin, or the constraint bit and a side
   std::pmr::vector<std::uint32_t> half_edge_of_side_;
   std::pmr::vector<std::uint32_t> free_vertices_, free_triangles_;
   std::uint32_t live_triangles_ = 0;

@@ -16,30 +16,32 @@
 namespace remesh {
 namespace {
 
-/// No point of a lattice is nearer to the boundary's points than this, in sizes. Smaller, and the rim gets flat
-/// triangles that refinement must mend; larger, and it gets holes that refinement must fill. From 0.5 to 0.8 counts
-/// differ by 2 %; at 0.8 the tetrahedra behind thin walls had the best dihedral angles.
+/// No point of a lattice is nearer to the boundary's points than this multiple of the size. If it is smaller, there are
+/// flat triangles along the boundary that refinement must mend; if it is larger, there are holes that refinement must
+/// fill. From 0.5 to 0.8 the numbers of faces differ by 2 %. At 0.8 the tetrahedra behind thin walls had the best
+/// dihedral angles.
 constexpr double kClearance = 0.8;
-/// Sizes within this factor are as good as one size: the smallest.
+/// Sizes that differ by no more than this factor are treated as one size, the smallest of them.
 constexpr double kAlike = 1.05;
-/// Of one size and stretched to fit, every second row ends half a column from the side, and may: this is in columns, or
-/// in sizes where columns are narrower than that share of the size. There are but one to three of these then, and what
-/// is between them and the sides needs no points.
+/// This is the clearance of a lattice of one size that is stretched to fit. Every second row of it ends half a column
+/// from the side, which is allowed. The clearance is a multiple of the column, or of the size where columns are
+/// narrower than kWideColumn sizes. In that case there are only one to three columns, and no points are needed between
+/// them and the sides.
 constexpr double kClearanceOfOneSize = 0.49;
 constexpr double kWideColumn = 0.75;
 
-/// What is looked at grows with the cells, and a region that is long and narrow, or where sizes change abruptly, has
-/// cells without a point of their own. A fill is given up where it would take more than so many for each point that is
-/// allowed, for each point of the boundary and for each triangle.
+/// The work grows with the number of cells. A region that is long and narrow, or where sizes change abruptly, has many
+/// cells without a point of their own. A fill is given up if it would look at more cells than kFewCells, plus
+/// kMaxCellsEach for each point that is allowed, for each point of the boundary and for each triangle.
 constexpr std::size_t kMaxCellsEach = 16;
 constexpr std::size_t kFewCells = std::size_t{1} << 20;
-/// More cells would take minutes.
+/// A fill with more cells would take minutes.
 constexpr std::size_t kMaxCells = std::size_t{1} << 30;
 
-/// Points in square cells, to ask what is near.
+/// Sorts points into square cells, to find out whether there is a point near a place.
 class PointGrid {
  public:
-  /// Input: cells so large that their numbers fit 32 bits.
+  /// Input: The cells are so large that their numbers fit into 32 bits.
   PointGrid(std::span<const Vec2> points, Vec2 origin, double cell, RunControl& control)
       : points_(points.begin(), points.end()), origin_(origin), cell_(cell) {
     sort_stoppable(points_.begin(), points_.end(), control, [&](Vec2 a, Vec2 b) { return key(a) < key(b); });
@@ -76,13 +78,14 @@ class PointGrid {
   std::vector<Key> keys_;
 };
 
-/// The triangles' sizes: the edge of a lattice that suits most of them, and the ends of their range.
+/// Summarises the sizes at the triangles: the edge of a lattice that suits most of them, and the smallest and largest
+/// size.
 struct Spacing {
   double best, smallest, largest;
 };
 
-/// A lattice and its halvings give each place the largest edge among them that is allowed there. The best edge makes
-/// the fewest points of that: tried are sizes that differ by a 32nd of an octave.
+/// A lattice and its halvings give each place the largest of their edges that is allowed there. This returns the edge
+/// with which they have the fewest points. It tries sizes that differ by a 32nd of an octave.
 Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes, RunControl& control) {
   constexpr int kSteps = 32;
   std::array<double, kSteps> points{}, smallest{};
@@ -92,7 +95,7 @@ Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const Plane
     check();
     const double size = sizes.at((1.0 / 3) * (a + b + c));
     int octave = 0;
-    const double part = 2 * std::frexp(size, &octave);  // from 1 to 2
+    const double part = 2 * std::frexp(size, &octave);  // between 1 and 2
     const auto step = static_cast<std::size_t>(std::min(kSteps - 1.0, std::floor(kSteps * std::log2(part))));
     points[step] += cross(b - a, c - a) / (size * size);
     if (smallest[step] == 0 || part < smallest[step]) smallest[step] = part;
@@ -117,15 +120,16 @@ Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const Plane
   return {best, least_size, largest};
 }
 
-/// A cell of one of the lattices, a parallelogram.
+/// A cell of one of the lattices is a parallelogram.
 struct Cell {
   int level;
-  double share;  ///< of the coarsest lattice's edge: 2^-level
+  double share;  ///< the cell's edge over the coarsest lattice's edge: 2^-level
   std::int64_t i, j;
-  std::size_t first = 0, last = 0;  ///< the triangles that may reach into it, in the list of its Cells
+  std::size_t first = 0, last = 0;  ///< the triangles that may reach into it: a range of `Cells::triangles`
 };
 
-/// Cells, and for each the triangles there, one cell's after the other's.
+/// Holds cells, and the triangles that may reach into each of them. The triangles of one cell follow those of the cell
+/// before.
 struct Cells {
   std::pmr::vector<Cell> cells;
   std::pmr::vector<std::uint32_t> triangles;
@@ -133,10 +137,10 @@ struct Cells {
   explicit Cells(std::pmr::memory_resource* memory) : cells(memory), triangles(memory) {}
 };
 
-/// Ten sizes are ten columns, whatever the last digits say.
+/// This is a relative slack for rounding, so that a width of ten sizes makes ten columns whatever its last digits are.
 constexpr double kHair = 1 - 1e-11;
 
-/// The vertices along the lower or the upper side of a region's box.
+/// Holds the vertices along the lower or the upper side of a region's box.
 class SideRow {
  public:
   SideRow(std::span<const Vec2> vertices, Vec2 corner, double width, double size) : width_(width) {
@@ -148,19 +152,19 @@ class SideRow {
       const bool is_last = d.x > width - same;
       has_first_ |= is_first;
       has_last_ |= is_last;
-      // Corners are where they are.
+      // Corners fit any number of columns, so they are left out.
       if (!is_first && !is_last) inner_.push_back(d.x);
     }
   }
 
-  /// Does it reach from corner to corner?
+  /// Returns whether the row reaches from corner to corner.
   bool is_whole() const { return has_first_ && has_last_; }
 
-  /// The vertices but the corners.
+  /// Returns the number of vertices without the corners.
   double inner_count() const { return static_cast<double>(inner_.size()); }
 
-  /// 1: columns end where the vertices are, -1: half a column beside them; what is between is neither. One alone may be
-  /// anywhere.
+  /// Tells how the vertices lie to the columns: 1 if columns end at the vertices, -1 if they end half a column beside
+  /// the vertices, and something between if neither is so. A single vertex may lie anywhere.
   double phase(double columns) const {
     if (inner_.size() < 2) return 1;
     double sum = 0;
@@ -174,12 +178,13 @@ class SideRow {
   bool has_first_ = false, has_last_ = false;
 };
 
-/// Of SideRow::phase(): in step; nearer to the middles of columns than to their ends.
+/// These are limits for SideRow::phase(). Beyond kInStep, the row is in step with the columns. Below kBetween, its
+/// vertices are nearer to the middles of columns than to their ends.
 constexpr double kInStep = 0.9, kBetween = -0.5;
-/// Columns are added where that makes no more points than so many rows have.
+/// Columns are added if that makes no more additional points than this number of rows has.
 constexpr double kRowsOutOfStep = 1.2;
 
-/// Walks the cells of the lattices, each with four of half its edge.
+/// Walks through the cells of the lattices. Each cell has four children with half its edge.
 class Lattice {
  public:
   Lattice(std::span<const std::array<Vec2, 3>> triangles, const PlaneSizes& sizes, RunControl& control)
@@ -192,7 +197,7 @@ class Lattice {
       }
     const Spacing spacing = best_spacing(triangles, sizes, control);
     is_even_ = sizes.is_uniform || spacing.largest <= kAlike * spacing.smallest;
-    // The coarsest lattice: its edge is allowed somewhere.
+    // The edge of the coarsest lattice is allowed at least somewhere.
     edge_ = is_even_ ? spacing.smallest
                      : std::ldexp(spacing.best, std::ilogb(spacing.largest / spacing.best * (1 + 1e-12)));
     if (is_even_) edge_ *= 1 - sizes.noise;
@@ -212,23 +217,24 @@ class Lattice {
     if (phase < kBetween) low_.x -= along_.x / 2;
   }
 
-  /// At least so many cells reach into the region, for it hangs together.
+  /// Returns a lower bound on the number of cells that reach into the region. It holds because the region is connected.
   double least_cells() const { return std::max(width_, height_) / edge_; }
 
   Vec2 origin() const { return low_; }
   double edge() const { return edge_; }
-  /// How near to the boundary a point may be where that is the size.
+  /// Returns the smallest distance from the boundary at which a point may lie, if `size` is the size there.
   double clearance(double size) const {
     if (!is_even_) return kClearance * size;
     return kClearanceOfOneSize * (along_.x >= kWideColumn * edge_ ? along_.x : size);
   }
 
-  /// Cells that together cover the region.
+  /// Returns cells that together cover the region.
   Cells cover(std::pmr::memory_resource* memory) const {
     Cells all(memory), cover(memory);
     all.triangles.resize(triangles_.size());
     std::iota(all.triangles.begin(), all.triangles.end(), 0u);
-    // The box's lower left corner is the lattice's origin; rows lean to the right, so cells begin left of it.
+    // The origin of the lattice is the lower left corner of the box. Rows lean to the right, so the cells begin to the
+    // left of it.
     const double extent = 2 * std::max(width_, height_);
     const int levels_above = std::max(0, std::ilogb(extent / std::min(along_.x, up_.y)) + 1);
     const double share = std::ldexp(1.0, levels_above);
@@ -236,8 +242,8 @@ class Lattice {
     return cover;
   }
 
-  /// Calls take(point) on the point of the lattices at the cell's corner, if it has one, and adds to `parts` what the
-  /// cell has to be cut into. `of`: where the cell is from; may be `parts`.
+  /// Calls take(point) for the lattice point at the cell's corner, if there is one. Appends the cells into which this
+  /// cell has to be divided to `parts`. `of` is the list that the cell is from; it may be the same object as `parts`.
   template <class Take>
   // cppcheck-suppress passedByValue ; a reference into `parts` would not outlive its growth
   void visit(const Cell cell, const Cells& of, Cells& parts, const Take& take) const {
@@ -248,7 +254,7 @@ class Lattice {
       if (is_new && is_covered(corner, cell, of) &&
           (cell.level == 0 || !sizes_.allows(2 * radius * kAlmost, corner, 0)))
         take(corner);
-      // However steeply sizes grow from here, none of the parts' points would be taken.
+      // The cell's edge is allowed at every place in the cell, so none of the children's points would be taken.
       if (sizes_.allows(radius * kAlmost, place(cell, 0.5), radius)) return;
     }
     for (const auto& [di, dj] : {std::pair(0, 0), std::pair(1, 0), std::pair(0, 1), std::pair(1, 1)})
@@ -258,22 +264,22 @@ class Lattice {
  private:
   static constexpr double kAlmost = 1 - 1e-9;
 
-  /// So many columns, and the narrower they are, the higher the rows. What is narrower than one has none to fit: cells
-  /// as thin as a needle would be as many as it is long.
+  /// Sets the number of columns. The narrower the columns are, the higher the rows may be. A region that is narrower
+  /// than one column is not fitted: along a needle, cells as thin as the needle would be far too many.
   void fit_columns(double columns) {
     if (width_ > edge_) along_ = {width_ / columns, 0};
     const double highest = std::sqrt(edge_ * edge_ - along_.x * along_.x / 4);
     up_ = {along_.x / 2, height_ > highest ? height_ / std::ceil(height_ / highest * kHair) : highest};
   }
 
-  /// As many columns as the lower side has pieces, if these are only a few more; else what they are.
+  /// Makes as many columns as the lower side has pieces, if these are only a few more. Returns the number of columns.
   double match_columns(const SideRow& lower) {
     const double columns = std::round(width_ / along_.x), rows = std::max(1.0, std::round(height_ / up_.y));
     double best = columns;
     if (!lower.is_whole()) return best;
-    // A row that is out of step with its side has about a point too many for each column.
+    // A row that is out of step with its side costs about one point too many for each column.
     const double most = columns * (1 + kRowsOutOfStep / rows);
-    // Shifted, the pieces at both ends are half as long.
+    // If the columns are shifted, the pieces at both ends are half as long, so there is one piece more.
     for (const double pieces : {lower.inner_count(), lower.inner_count() + 1})
       if (pieces > columns && pieces <= most && std::fabs(lower.phase(pieces)) > std::fabs(lower.phase(best)))
         best = pieces;
@@ -281,7 +287,8 @@ class Lattice {
     return best;
   }
 
-  /// Where the last row would be out of step with its side, all rows lean a little more, if there is room for that.
+  /// If the last row would be out of step with its side, all rows lean a little more, as long as there is room for
+  /// that.
   void lean(bool are_whole, double phase_below, double phase_above) {
     if (!are_whole || !(std::fabs(phase_below) > kInStep && std::fabs(phase_above) > kInStep)) return;
     const double rows = std::max(1.0, std::round(height_ / up_.y));
@@ -295,7 +302,7 @@ class Lattice {
            (cell.share * (static_cast<double>(cell.j) + part)) * up_;
   }
 
-  /// Adds a cell with those of its triangles that may reach into it, if there are any.
+  /// Adds the cell, with those of its triangles that may reach into it. A cell without such a triangle is not added.
   void add(Cell cell, const Cells& of, Cells& to) const {
     const Vec2 centre = place(cell, 0.5);
     const double radius = cell.share * edge_;
@@ -319,7 +326,7 @@ class Lattice {
     return cross(t[1] - t[0], p - t[0]) >= 0 && cross(t[2] - t[1], p - t[1]) >= 0 && cross(t[0] - t[2], p - t[2]) >= 0;
   }
   static bool is_apart(const std::array<Vec2, 3>& t, Vec2 centre, double radius) {
-    // What lies far beyond the tip of a needle is outside of no side by much.
+    // The boxes are compared first: a place far beyond the tip of a needle is not far outside any of its sides.
     const auto [left, right] = std::minmax({t[0].x, t[1].x, t[2].x});
     const auto [low, high] = std::minmax({t[0].y, t[1].y, t[2].y});
     if (centre.x + radius < left || centre.x - radius > right || centre.y + radius < low || centre.y - radius > high)
@@ -348,22 +355,23 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
   const std::size_t most_cells =
       std::min(kMaxCells, kFewCells + kMaxCellsEach * (std::min(most, kMaxCells) + boundary.size() + triangles.size()));
   Lattice lattice(triangles, sizes, control);
-  // Asked before any number is made an integer: it may be far beyond all of them.
+  // This is asked before any number becomes an integer, because the number of cells may be far too large for one.
   if (!(lattice.least_cells() <= static_cast<double>(most_cells))) return {};
   lattice.match(boundary.first(vertex_count));
   const PointGrid grid(boundary, lattice.origin(), std::max(lattice.edge(), shortest), control);
   const auto is_near = [&](Vec2 p) {
     return grid.has_point_within(p, std::max(shortest, lattice.clearance(sizes.at(p))));
   };
-  std::atomic<std::size_t> count = 0, cells = 0;  // points and cells of all that are finished
-  // Adds those that come from a cell.
+  // These count the points found and the cells looked at by all work that is finished.
+  std::atomic<std::size_t> count = 0, cells = 0;
+  // Adds the points that come from one cell.
   const auto collect = [&](const Cell& cell, const Cells& of, Cells& parts, std::vector<Vec2>& points) {
     lattice.visit(cell, of, parts, [&](Vec2 p) {
       if (!is_near(p)) points.push_back(p);
     });
   };
 
-  // Level by level until there are cells enough for all cores.
+  // Cells are divided level by level until there are enough for all cores.
   constexpr std::size_t kEnough = 256;
   StackMemory memory;
   std::vector<Vec2> points;
@@ -377,7 +385,7 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
   }
   count = points.size();
 
-  // Then depth first, so that few wait.
+  // From here on cells are divided depth first, so that few of them wait.
   const auto collect_below = [&](std::size_t first, std::size_t) {
     std::vector<Vec2> found;
     StackMemory memory_below;

@@ -1,4 +1,4 @@
-/// Points that fill an area evenly.
+/// Fills an area evenly with points.
 #pragma once
 
 #include <array>
@@ -11,26 +11,33 @@
 
 namespace remesh {
 
-/// The longest edge at each place of the plane.
+/// Gives the longest edge that is allowed at each place of the plane.
 struct PlaneSizes {
   std::function<double(Vec2)> at;
-  /// Is a length at most the size at all places within a radius of this one? False may also be said where it is so.
+  /// Returns whether the length is at most the size at all places within the radius around `place`. It may also return
+  /// false where that is so.
   std::function<bool(double length, Vec2 place, double radius)> allows;
   bool is_uniform = true;  ///< the same everywhere
-  double noise = 0;        ///< sizes that are meant to be the same differ by less than this part
+  double noise = 0;        ///< sizes that are meant to be equal differ by less than this fraction
 };
 
-/// Points of lattices of equilateral triangles, whose edges are at most the size there, inside a region and away from
-/// its boundary: what lies between is left to refinement. Each lattice has half the edges of the next coarser one, and
-/// all its points; rows run along x. Of one size, or nearly, the lattice fits the region's box: its columns as many as
-/// they must be, or as the lower side has pieces if these are few more; its rows as high as the slanting edges allow,
-/// the first and the last in step with the vertices along the lower and the upper side, if there is room.
-/// Input:  triangles that cover the region; points of its boundary, half the size there apart or less where it can be
-///         cut, the first `vertex_count` of them its vertices; `shortest`: no point is nearer to these.
-/// Output: in lexicographic order; empty if there would be more than `most`, or if more than some times as many cells
-///         of the lattices would have to be looked at as there are points, boundary points and triangles.
+/// Returns points of lattices of equilateral triangles, inside a region and away from its boundary. The lattices' edges
+/// are no longer than the size at their place. Refinement fills the rest, between the points and the boundary. The
+/// edges of each lattice are half as long as those of the next coarser one, and it has all points of that one. Rows run
+/// along x.
+///
+/// If there is one size, or nearly one, the lattice is stretched to fit the bounding box of the region. The number of
+/// columns is the smallest that the size allows. If the lower side of the box has only a few more pieces than that,
+/// there are as many columns as pieces. Rows are as high as the slanting edges allow. If there is room, the first and
+/// the last row are in step with the vertices along the lower and the upper side.
+/// Input:  The triangles cover the region. `boundary` holds points of its boundary; where the boundary can be cut, they
+///         are no more than half the size there apart. The first `vertex_count` of them are the region's vertices. No
+///         point of the result is nearer than `shortest` to a point of `boundary`.
+/// Output: The points in lexicographic order. There are none if they would be more than `most`. There are none either
+///         if too many cells of the lattices would have to be looked at, compared with the number of points, boundary
+///         points and triangles.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-/// Cost:   O((t + n) log n) for t triangles and n points, where the triangles are a Delaunay triangulation of the
+/// Cost:   O((t + n) log n) for t triangles and n points, if the triangles are a Delaunay triangulation of the
 ///         boundary.
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
                             std::size_t vertex_count, const PlaneSizes& sizes, double shortest, std::size_t most,

@@ -1,17 +1,18 @@
-/// How near points may come to each other.
+/// Defines the floor: the smallest distance that new points keep from others.
 #pragma once
 
 #include <cmath>
 
 namespace remesh {
 
-/// No point is put nearer to a vertex than its floor. There is one for each vertex, so it is one number: negative where
-/// it is as high for min_edge_length alone.
+/// No point is put nearer to a vertex than the vertex's floor. Every vertex has one, so it is packed into one number.
+/// The number is negative if the floor is as high as it is only because of min_edge_length.
 class Floor {
  public:
   explicit Floor(double packed) : packed_(packed) {}
   Floor(double length, bool is_asked) : packed_(is_asked ? -length : length) {}
-  /// That of features, model units, where nothing is to be shorter than min_edge_length (0: no matter).
+  /// Returns the floor where features ask for `of_features` (model units) and nothing may be shorter than
+  /// min_edge_length. A min_edge_length of 0 has no effect.
   static Floor above(double min_edge_length, double of_features) {
     return of_features > min_edge_length ? Floor(of_features, false) : Floor(min_edge_length, min_edge_length > 0);
   }

@@ -21,27 +21,29 @@
 namespace remesh {
 namespace {
 
-/// A neighbour counts if the way over the surface is longer than this times the gap.
+/// A patch that is joined to this one counts if the way over the surface is longer than this times the gap.
 constexpr double kDetour = 3;
 
-/// More than any distance between two points is wrong by, in local units: what the boxes are larger by, so that nothing
-/// nearer than the best so far is ever passed over, and the answer does not depend on the order of the search.
+/// Boxes are enlarged by this much, in local units. It is more than the rounding error of any distance between two
+/// points. So nothing that is nearer than the best so far is ever passed over, and the answer does not depend on the
+/// order of the search.
 constexpr double kRounding = 0x1p-48;
 
-/// Room for rounding where a patch is told to be hidden.
+/// This is a relative slack for rounding when it is decided whether a patch is hidden.
 constexpr double kHidden = 1 + 1e-6;
 
-/// Where each patch at a vertex is asked for each, vertices of more patches than this are left out.
+/// Vertices where more patches than this meet are left out wherever each patch at a vertex is looked at for each other.
 constexpr std::size_t kMaxPatchesAtCorner = 16;
-/// So many corners of a patch are asked for the smallest gap, evenly spread.
+/// At most about this many corners of a patch are looked at for the smallest gap. They are evenly spread.
 constexpr std::size_t kMaxCornersOfPatch = 64;
 
-/// What is known of all triangles in a node of the tree, if it is the same.
+/// Has the properties that all triangles in a node of the tree have in common. A property that is not the same for all
+/// is invalid.
 struct Common {
   PatchId patch;
-  VertexId hub;                    ///< see hubs_
-  std::array<PatchId, 2> largest;  ///< joined to it, by their borders
-  Layer layer;                     ///< all lie in it
+  VertexId hub;                    ///< the hub of the patch; see hubs_
+  std::array<PatchId, 2> largest;  ///< the patches with the longest borders among those that are joined to it
+  Layer layer;                     ///< contains all of the triangles
 
   void join(const Common& other) {
     if (patch != other.patch) patch = PatchId();
@@ -53,7 +55,7 @@ struct Common {
 };
 using TriangleBoxes = BoxTree<Common>;
 
-/// The least square of a gap so far, for many threads; local units.
+/// Holds the smallest square of a gap so far, in local units. Many threads may use it.
 class SharedLeast {
  public:
   double get() const { return value_.load(std::memory_order_relaxed); }
@@ -67,7 +69,8 @@ class SharedLeast {
   std::atomic<double> value_{HUGE_VAL};
 };
 
-/// Remembers answers to `are_joined` for the patches seen last: for two with long borders, it is long to tell.
+/// Remembers answers to `are_joined` for the patches that were seen last, because the question takes long for two
+/// patches with long borders.
 class JoinedMemory {
  public:
   explicit JoinedMemory(const PatchContacts& contacts) : contacts_(contacts) {}
@@ -89,35 +92,37 @@ class JoinedMemory {
   std::array<Answer, 64> answers_;
 };
 
-/// What is looked for: what the patch faces at the place, or also what is beside it.
+/// Selects what a search looks for: only what the patch faces at the place, or also what is beside it.
 enum class What { kFaced, kAll };
 
-/// What does not count though it is near.
+/// Names triangles that do not count as gaps although they are near.
 struct Uncounted {
-  const Triangle* on = nullptr;       ///< triangles that cross or touch this one
-  std::span<const PatchId> crossing;  ///< these patches, ascending
+  const Triangle* on = nullptr;       ///< triangles that cross or touch this one do not count
+  std::span<const PatchId> crossing;  ///< these patches do not count; ascending
 };
 
-/// Of a triangle with a layer's direction.
+/// Returns the range of the products of the layer's direction with the corners of a triangle.
 Products products(const Layer& layer, const Corners3& triangle) {
   const auto [least, most] =
       std::minmax({layer.product(triangle[0]), layer.product(triangle[1]), layer.product(triangle[2])});
   return {least, most};
 }
 
-/// Which patches are hidden from one place, and from where on: all their triangles need not be looked at one by one.
+/// Knows which patches are hidden from one place, and from which distance on. So the triangles of such a patch need not
+/// be looked at one by one.
 class HiddenPatches {
  public:
   HiddenPatches(const PatchContacts& contacts, const Vec3& place, PatchId patch)
       : contacts_(contacts), place_(place), patch_(patch) {}
 
-  /// Does nothing of p count that is at that distance (a square) or beyond?
+  /// Returns whether nothing of p counts that is at that distance (given as a square) or farther away.
   bool operator()(PatchId p, const Slab& slab, double squared) {
     Known& known = known_[p.value % known_.size()];
     if (known.patch != p) known = {p, -1, is_hidden_in_plane(p, slab) ? 0 : HUGE_VAL};
     if (squared >= known.hidden) return true;
     if (squared <= known.seen) return false;
-    // If what both share is within d of the place, then over it, it is at most 3 d to whatever is d away.
+    // If something that both patches share is within d of the place, the way over it to anything at the distance d is
+    // at most 3 d long.
     const bool is_hidden = contacts_.are_joined_within(patch_, p, place_, kHidden * std::sqrt(squared));
     (is_hidden ? known.hidden : known.seen) = squared;
     return is_hidden;
@@ -130,8 +135,10 @@ class HiddenPatches {
     double hidden = HUGE_VAL;
   };
 
-  /// To a point of a plane, t from the place's foot, it is d = (h^2 + t^2)^(1/2) through the air, and over the surface
-  /// at most t more than to the foot. 3 d - t is nowhere less than 8^(1/2) h.
+  /// Take a point of the plane that is t away from the place's foot in the plane, where h is the place's height. The
+  /// way through the air is d = (h^2 + t^2)^(1/2) long, and the way over the surface is at most t longer than the way
+  /// to the foot. 3 d - t is nowhere less than 8^(1/2) h. So everything is hidden if the way to the foot is no longer
+  /// than that.
   bool is_hidden_in_plane(PatchId p, const Slab& slab) const {
     const double height = slab.distance(place_);
     if (!(height > 0)) return false;
@@ -194,14 +201,15 @@ class GapSearch::Index {
   double squared_gap(const Vec3& p, PatchId patch, double below, What what, const Uncounted& uncounted = {}) const;
   double squared_beside(std::span<const Corners3> pieces, PatchId patch, double below) const;
 
-  /// Does the way leave one patch inwards and come to the other from outside, or the other way round, and both bound
-  /// one solid? Then it meets the surface between: the riser, where they are the treads of a step.
+  /// Returns whether the way leaves one patch inwards and comes to the other from outside, or the other way round,
+  /// where both bound one solid. Then it meets the surface in between; for the two treads of a step, that is the riser.
   bool is_blocked(const Vec3& way, PatchId from, PatchId to) const {
     if (solids_[from] == kOpen || solids_[from] != solids_[to]) return false;
     return dot(way, slabs_[from].plane.normal) * dot(way, slabs_[to].plane.normal) > 0;
   }
 
-  /// Is it at most three times as far to all of the box over the vertex that its patches and this one share?
+  /// Returns whether the way to everything in the box, over the vertex that its patches and this one share, is at most
+  /// three times as long as the distance.
   bool is_hidden_by_hub(const TriangleBoxes::Entry& e, const Vec3& p, PatchId patch, double squared_distance) const {
     if (!e.tag.hub.is_valid() || e.tag.hub != hubs_[patch]) return false;
     const Vec3& hub = surface_.local[e.tag.hub];
@@ -220,13 +228,14 @@ class GapSearch::Index {
   const Surface& surface_;
   PatchContacts contacts_;
   double touching_squared_;                    ///< local units
-  std::vector<Triangle> triangles_;            ///< patch after patch
-  std::vector<std::uint32_t> triangle_begin_;  ///< by patch
+  std::vector<Triangle> triangles_;            ///< triangles of patch after patch
+  std::vector<std::uint32_t> triangle_begin_;  ///< index of each patch's first triangle
   IdVector<PatchId, Slab> slabs_;
   IdVector<PatchId, Axes> axes_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;
-  IdVector<PatchId, std::uint32_t> solids_;  ///< the closed, consistently wound component of the patch; or kOpen
-  IdVector<PatchId, VertexId> hubs_;         ///< the vertex of the patch where the most patches meet
+  /// This is the closed, consistently wound component that each patch belongs to, or kOpen.
+  IdVector<PatchId, std::uint32_t> solids_;
+  IdVector<PatchId, VertexId> hubs_;  ///< the vertex of each patch where the most patches meet
   TriangleBoxes tree_;
 };
 
@@ -331,7 +340,7 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
   for (const std::uint32_t t : triangles) {
     const auto& [a, b, c] = corners_of(triangles_[t]);
     const Vec3 normal = cross(b - a, c - a);
-    sum += (dot(sum, normal) < 0 ? -1.0 : 1.0) * normal;  // a thin wall is a layer, too
+    sum += (dot(sum, normal) < 0 ? -1.0 : 1.0) * normal;  // so that a thin wall is a layer, too
   }
   Layer layer(normalized(sum));
   for (const std::uint32_t t : triangles)
@@ -339,7 +348,7 @@ Layer GapSearch::Index::layer_of(std::span<const std::uint32_t> triangles) const
   return layer;
 }
 
-/// In local units; infinity if it is not below that square.
+/// Returns the square of the gap at p in local units, or infinity if it is not below `below`.
 double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below, What what,
                                      const Uncounted& uncounted) const {
   const bool is_all = what == What::kAll;
@@ -358,7 +367,7 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
           if (least >= best) return least;
         }
         if (is_hidden_by_hub(e, p, patch, least)) return HUGE_VAL;
-        // Whether a single triangle is hidden is asked last, below: most are passed over for less.
+        // A single triangle is asked last, below, whether it is hidden, because most are passed over for less.
         if (!other.is_valid() || tree_.is_slot(e)) return least;
         least = std::max(least, std::pow(slabs_[other].distance(p), 2));
         return least < best && is_hidden(other, slabs_[other], least) ? HUGE_VAL : least;
@@ -378,13 +387,13 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
   return best < below ? best : HUGE_VAL;
 }
 
-/// In local units; infinity if it is not below that square.
+/// Returns the square of the result of `beside` in local units, or infinity if it is not below `below`.
 double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchId patch, double below) const {
   const Slab& slab = slabs_[patch];
   FloatBox box;
   for (const Corners3& piece : pieces)
     for (const Vec3& p : piece) box.add(p);
-  // Of a steep way, if no way is shorter than that.
+  // Returns a lower bound for the squared length of a steep way if no way at all has a smaller square than `squared`.
   const auto steep = [&](const TriangleBoxes::Entry& e, double squared) {
     Products from{HUGE_VAL, -HUGE_VAL};
     for (const Corners3& piece : pieces) {
@@ -412,7 +421,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
         for (const Corners3& piece : pieces) {
           const Vec3 way = shortest_way(piece, there);
           const double d = norm_squared(way);
-          // No other way between the two goes higher up, and none is shorter.
+          // No other way between the two goes higher up, and none is shorter. So no way is steep if `up` is too low.
           if (d >= best || d <= touching_squared_ || up * up <= kSteep * d) continue;
           if (is_blocked(way, patch, tree_[slot].tag.patch)) continue;
           best = std::min(best, steep(tree_[slot], d));
@@ -423,7 +432,7 @@ double GapSearch::Index::squared_beside(std::span<const Corners3> pieces, PatchI
 
 std::optional<double> GapSearch::Index::smallest(RunControl& control) const {
   SharedLeast least;
-  // Corners first: it is cheap, and what it finds makes the rest short.
+  // Corners are looked at first, because that is cheap and the result makes the other search short.
   look_at_corners(least, control);
   look_between_triangles(least, control);
   return least.get() < HUGE_VAL ? std::optional(std::sqrt(least.get()) * surface_.unit) : std::nullopt;
@@ -468,7 +477,7 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
             const double d = norm_squared(way);
             if (d >= best || d <= touching_squared_) return;
             if (is_blocked(way, mine.patch, tree_[other].tag.patch)) return;
-            if (!slab.is_steep(way)) return;  // if it is from the other side, it is found from there
+            if (!slab.is_steep(way)) return;  // if it is steep for the other patch, it is found from there
             if (!do_intersect(triangle(slot), triangle(other), surface_.local.items())) best = d;
           });
       least.lower(best);

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
-/// What is far beyond any result fits, too.
+/// Converts to an integer. The limit of 2^62 is far beyond any result, so larger numbers are cut off there.
 std::uint64_t whole(double faces) { return static_cast<std::uint64_t>(std::min(faces, 0x1p62)); }
 
 std::string count_text(double count) {
@@ -83,7 +83,7 @@ bool GoalRefinement::is_worth_trying_without_budget() const {
                                              std::max(kFewFaces, kHopeless * static_cast<double>(goals_.max_faces));
 }
 
-/// Before anything is allocated by it: what must have more faces than allowed is not begun.
+/// Throws if any result must have more faces than allowed. This is done before memory is allocated for them.
 void GoalRefinement::refuse_if_hopeless(double least) const {
   const std::uint64_t most = std::min(goals_.max_faces, kMaxFaces);
   if (least > static_cast<double>(most))
@@ -99,7 +99,7 @@ std::unique_ptr<const GapSearch> GoalRefinement::gap_search(const PatchedSurface
   return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, meshes);
 }
 
-/// Where gradation alone makes sizes vary.
+/// Returns a value only where gradation alone makes sizes vary.
 std::optional<SizeField> GoalRefinement::sizes_without_floor(const PatchedSurface& on,
                                                              const std::vector<PatchMesh>& meshes) const {
   if (goals_.proximity > 0 || !(goals_.gradation > 0)) return std::nullopt;
@@ -110,8 +110,8 @@ const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std:
                                             const GapSearch* gaps) {
   if (sizes_) return *sizes_;
   if (gaps != nullptr) smallest_gap_ = gaps->smallest(control_);
-  // With proximity it is the gaps' sizes that grow; around short segments the bound on angles sees to it. Alone,
-  // gradation is about these.
+  // With proximity, gradation is about the sizes that gaps ask for; around short segments, the bound on angles makes
+  // edges grow gradually. Gradation without proximity is about short segments.
   std::vector<std::array<VertexId, 2>> segments;
   if (gaps == nullptr && goals_.gradation > 0) segments = segment_ends(meshes, control_);
   if (gaps != nullptr || goals_.gradation > 0)
@@ -127,7 +127,7 @@ bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   const bool is_in_vain = last_faces_ != 0 && faces >= last_faces_;
   last_faces_ = faces;
   retries_ += is_in_vain ? kRetriesInVain : 1;
-  // What comes on top of a budget mostly grows with it; each time a little more is kept back.
+  // The faces that come on top of a budget mostly grow with it. With each retry a little more of it is reserved.
   const double share = static_cast<double>(goals_.max_faces) / static_cast<double>(faces);
   constexpr double kKeptBack = 1.0 / 32;
   budget_ = static_cast<std::uint64_t>(static_cast<double>(budget_) * share * (1 - kKeptBack * retries_));

@@ -1,4 +1,4 @@
-/// Refinement as a run uses it: from options to goals, within a budget, patch by patch where one fails.
+/// Runs refinement: it makes attempts within a budget, and freezes patches whose refinement fails.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +22,7 @@
 
 namespace remesh {
 
-/// What is refined.
+/// Refinement gets a surface that is divided into patches.
 struct PatchedSurface {
   const Surface& surface;
   const Adjacency& adjacency;
@@ -30,41 +30,46 @@ struct PatchedSurface {
   double plane_tolerance;  ///< model units
 };
 
-/// What attempts at one surface have shown so far.
+/// Refines one surface in one or more attempts, and remembers what the attempts so far have shown.
 class GoalRefinement {
  public:
-  /// Without goals nothing is refined.
+  /// If `goals` sets no goal, nothing is refined.
   GoalRefinement(const Goals& goals, RunControl& control) : goals_(goals), budget_(goals.max_faces), control_(control) {
     if (budget_ != std::numeric_limits<std::uint64_t>::max()) budget_ -= budget_ / kReserve;
   }
 
   const Goals& goals() const { return goals_; }
   bool has_goals() const;
-  /// Faces, as predicted by the last attempt.
+  /// Returns the number of faces that the last attempt predicted.
   std::uint64_t predicted_faces() const { return predicted_faces_; }
-  /// To the nearest facet that is not a neighbour, model units; known with goals.proximity.
+  /// Returns the smallest distance from a facet to another that is not its neighbour, in model units. It is known only
+  /// with goals.proximity.
   std::optional<double> smallest_gap() const { return smallest_gap_; }
 
-  /// How many faces refinement would make of these triangles.
+  /// Predicts how many faces refinement will make of these triangles.
   std::uint64_t predict_faces(const PatchedSurface& on, const std::vector<PatchMesh>& meshes);
 
-  /// Refines the patches' triangles; those that the ladder keeps, and those frozen, stay.
-  /// Input:  `crossing`: pairs of patches that cross or touch each other in the input, the smaller one first, sorted.
+  /// Refines the triangles of all patches, except patches that the ladder takes verbatim and frozen patches.
+  /// Input:  `crossing` lists the pairs of patches that cross or touch each other in the input. The smaller id of a
+  ///         pair comes first, and the pairs are sorted.
   /// Errors: kOutputTooLarge - no result with these sizes can have as few faces as are allowed.
   Refinement refine(const PatchedSurface& on, const Ladder& ladder,
                     std::span<const std::pair<PatchId, PatchId>> crossing, std::vector<PatchMesh>& meshes);
-  /// Of each patch, whether the last refinement had to leave it and its boundary as they were.
+  /// Has one entry per patch, which is not 0 if the last refinement had to leave the patch and its boundary as they
+  /// were.
   const std::vector<std::uint8_t>& frozen() const { return frozen_; }
 
-  /// Whether a result of so many faces is more than the budget. The first attempt has none, as long as there are not
-  /// far more triangles than allowed: what is made and thinned out in the end is no reason to leave anything undone.
-  /// The next one may overshoot its budget by what patches do for each other at the end, or do for sizes alone: then
-  /// the one after gets less, and where that does not help, or not soon, nothing is refined.
+  /// Returns whether a result with so many faces needs another attempt, and adapts the budget for that attempt. The
+  /// first attempt has no budget as long as it does not make far more triangles than allowed: many of them are removed
+  /// when patches are thinned out, so they are no reason to leave anything undone. The next attempt may exceed its
+  /// budget by what patches do for each other at the end, or by cuts for sizes alone. Then the attempt after it gets a
+  /// smaller budget. If that does not help, or not soon enough, nothing is refined.
   bool is_over_budget(std::uint64_t faces);
 
-  /// Patches whose refinement failed the check stay as they were before it. Output: whether that is a change.
+  /// Freezes patches whose refinement failed the check: they stay as they were before it. Returns whether any of them
+  /// was not frozen before.
   bool freeze(const std::vector<PatchId>& failed);
-  /// After a step of the ladder the patches are others.
+  /// Forgets what is known of the patches. After a step of the ladder the patches are others.
   void thaw() {
     frozen_.clear();
     sizes_.reset();
@@ -72,35 +77,37 @@ class GoalRefinement {
   }
 
  private:
-  /// An attempt without a budget may make so many times the faces allowed, though no more beyond these than would take
-  /// a few GB. (A slot behind which sizes grow, at 33 degrees, has three times as many before it is thinned out.)
+  /// An attempt without a budget ends when it makes more than kMaxMade times the faces allowed, or kMaxMadeBeyond more
+  /// than these, which would take a few GB of memory. (A slot behind which sizes grow has, at 33 degrees, three times
+  /// as many triangles before it is thinned out.)
   static constexpr std::uint64_t kMaxMade = 4, kMaxMadeBeyond = std::uint64_t{1} << 23;
-  /// It is not worth it where that many times the faces allowed are predicted, or so many if these are few: where
-  /// boundaries are locked or edges must not be short, predictions may be far too high, and it takes a second at most.
+  /// An attempt without a budget is not worth while if more than kHopeless times the faces allowed are predicted. Up to
+  /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,
+  /// predictions may be far too high, and it takes a second at most.
   static constexpr double kHopeless = 2, kFewFaces = 0x1p17;
   static constexpr int kMaxRetries = 6;
-  static constexpr int kRetriesInVain = 3;  ///< so many does one count for that made no fewer faces
-  /// One part in so many of the faces allowed is kept for what patches do for each other at the end: another attempt
-  /// would take as long as the first.
+  static constexpr int kRetriesInVain = 3;  ///< a retry that made no fewer faces counts as so many
+  /// One kReserve-th of the faces allowed is reserved for what patches do for each other at the end. Without it, the
+  /// result might exceed the limit, and another attempt would take as long as the first.
   static constexpr std::uint64_t kReserve = 1024;
   bool is_budget_too_small() const { return retries_ > kMaxRetries; }
-  /// The same for all attempts at the same patches.
-  /// Input:  with proximity, the gaps.
+  /// Returns the size field. It is the same for all attempts at the same patches.
+  /// Input: `gaps` is there with proximity, and null otherwise.
   const SizeField& size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes, const GapSearch* gaps);
-  /// With proximity. It refers to what it is built on.
+  /// Returns null without proximity. The result refers to its arguments.
   std::unique_ptr<const GapSearch> gap_search(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) const;
   std::optional<SizeField> sizes_without_floor(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) const;
   void refuse_if_hopeless(double least) const;
   bool is_worth_trying_without_budget() const;
 
   Goals goals_;
-  std::uint64_t budget_;  ///< faces that refinement may make it
+  std::uint64_t budget_;  ///< the number of faces that an attempt with a budget may make
   RunControl& control_;
-  bool needs_budget_ = false;  ///< an attempt without it made too many faces, or would
+  bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would
   int retries_ = 0;
-  std::uint64_t last_faces_ = 0;      ///< that were too many; 0: none yet
-  std::vector<std::uint8_t> frozen_;  ///< per patch: not refined
-  std::optional<SizeField> sizes_;    ///< of the patches as they are, if it has been asked for
+  std::uint64_t last_faces_ = 0;      ///< the faces of the last result that was over its budget; 0: none yet
+  std::vector<std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined
+  std::optional<SizeField> sizes_;    ///< the size field of the patches as they are; empty until needed
   std::uint64_t predicted_faces_ = 0;
   std::optional<double> smallest_gap_;
 };

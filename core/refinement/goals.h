@@ -1,4 +1,4 @@
-/// What refinement aims at: the options, as numbers that are always there.
+/// Defines the goals of refinement. They are the options as numbers that always have a value.
 #pragma once
 
 #include <cstdint>
@@ -7,33 +7,36 @@
 
 namespace remesh {
 
-/// Model units and degrees. No bound is infinity (upper) or 0 (lower).
+/// Lengths and areas are in model units, angles in degrees. If there is no bound, an upper bound is infinity and a
+/// lower one is 0.
 struct Goals {
-  double min_angle_deg = 0;    ///< of every triangle, in space
+  double min_angle_deg = 0;    ///< lower bound for every triangle, measured in space
   double max_edge_length;      ///< infinity: none
   double max_area;             ///< infinity: none
-  double min_edge_length = 0;  ///< refinement makes nothing shorter
-  double proximity = 0;        ///< edges are at most the gap over this; 0: off
-  double gradation = 0;        ///< largest growth of neighbouring edges, > 1; 0: not limited
-  std::uint64_t max_faces;     ///< of the whole result
+  double min_edge_length = 0;  ///< refinement makes no shorter edge
+  double proximity = 0;        ///< edges are at most the gap over this; 0: no such limit
+  double gradation = 0;        ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
+  std::uint64_t max_faces;     ///< limit on the faces of the whole result
   bool split_boundaries = true;
 
   /// Sizes that gaps and short edges ask for are known at some places and interpolated between them. An edge that is
-  /// longer by no more than this factor meets them; a longer one is listed.
+  /// longer than the size by no more than this factor meets it. A longer one is listed in the report.
   static constexpr double kSizeSlack = 1.1;
-  /// How fast the size grows with the distance from the place that asks for it. Where no gradation is asked for: a gap
-  /// grows by no more than the way from it.
+  /// Returns the rate at which the size grows with the distance from the place that asks for it. Without a gradation it
+  /// is 1: a gap grows by no more than the distance that one moves.
   double size_slope() const { return gradation > 0 ? gradation - 1 : 1; }
 
-  /// The largest min_angle_deg of the contract.
+  /// This is the largest min_angle_deg that the contract allows.
   static constexpr double kMaxDegrees = Options::kMaxMinAngleDeg;
 };
 
-/// The goals that options ask for, with the contract's defaults (25 degrees; gradation 1.5 with proximity).
-/// Input:  `diagonal` of the input's bounding box, for max_edge_fraction. Without `refine` there is no goal at all.
+/// Returns the goals that the options ask for, with the contract's defaults (25 degrees; gradation 1.5 with proximity).
+/// Without `refine` there is no goal at all.
+/// Input: `diagonal` is the diagonal of the input's bounding box. It is needed for max_edge_fraction.
 Goals goals_of(const Options& options, double diagonal);
 
-/// Edge and area of an equilateral triangle: of all with edges up to `edge` the largest. Infinity for infinity.
+/// Return the area of an equilateral triangle with this edge, and the edge of one with this area. No triangle with
+/// edges up to `edge` has a larger area. Infinity gives infinity.
 double equilateral_area(double edge);
 double equilateral_edge(double area);
 

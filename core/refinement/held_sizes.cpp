@@ -9,14 +9,16 @@ namespace remesh {
 namespace {
 
 constexpr double kMinDegrees = 20;
-/// Of the slope of the best graded triangles. With 1 half of a square stays coarse that could be as fine as asked; with
-/// 2.5 there are angles of half a degree, with this of 6.
+/// The slope of shrinking sizes is this multiple of the slope of the best graded triangles. With 1, half of a square
+/// stays coarse that could be as fine as asked. With 2.5 there are angles of half a degree; with 1.5 there are angles
+/// of 6 degrees.
 constexpr double kSteeper = 1.5;
 
 Vec3 in_space(Vec2 p) { return {p.x, p.y, 0}; }
 
-/// Triangles on one another's sides, all with two angles of the bound, have sides 1/(2 cos) times as long at each step,
-/// and the height of tan/2 times their base: that is how fast sizes can shrink.
+/// Returns how fast sizes can shrink. Consider triangles that are built on one another's sides and all have two angles
+/// equal to the bound. Each is smaller than the one before by the factor 1/(2 cos), and its height is tan/2 times its
+/// base.
 double steepest_slope(double min_angle_deg) {
   const double angle = std::max(min_angle_deg, kMinDegrees) * std::numbers::pi / 180;
   return kSteeper * (1 - 1 / (2 * std::cos(angle))) * 2 / std::tan(angle);
@@ -33,7 +35,8 @@ HeldSizes::HeldSizes(std::span<const HeldSide> sides, double min_angle_deg, RunC
     box.add(in_space(side.from));
     box.add(in_space(side.to));
     const double length = norm(side.to - side.from);
-    // What is little too long needs little room to shrink: all sizes are reached at the same part of the length.
+    // A side that is only a little too long needs little room for sizes to shrink. With this slope, all sides reach the
+    // size that is asked for at the same fraction of their length.
     entries.push_back({box, {length, steepest_ * std::max(0.0, 1 - side.size / length)}});
   }
   tree_ = BoxTree<Shrinking>(entries, control);
@@ -43,7 +46,7 @@ HeldSizes::HeldSizes(std::span<const HeldSide> sides, double min_angle_deg, RunC
 
 double HeldSizes::at(Vec2 place) const {
   const Vec3 p = in_space(place);
-  double least = 0;  // of the sizes' negatives
+  double least = 0;  // the negative of the largest size so far, because the search looks for the least
   tree_.search(
       least,
       [&](const BoxTree<Shrinking>::Entry& e) {

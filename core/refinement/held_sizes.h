@@ -1,4 +1,4 @@
-/// How large triangles have to be beside sides that stay as long as they are.
+/// Decides how large triangles have to be beside fixed sides, which stay as long as they are.
 #pragma once
 
 #include <algorithm>
@@ -11,28 +11,29 @@
 
 namespace remesh {
 
-/// A side of a patch that is longer than it may be, and is not cut. All in the plane.
+/// A fixed side: one that is longer than it may be and is not cut. All values are in the patch's plane.
 struct HeldSide {
   Vec2 from, to;
   double size;  ///< the longest edge that is asked for there
 };
 
-/// Beside held sides triangles are as long as these, farther away as much smaller as well shaped ones can be, and half
-/// as much again. Asked for less there, refinement would put flat triangles without number beside a side, or give up.
-/// What is beyond a third of a side's length has the size that is asked for.
-/// Holds:  no answer depends on the order of the sides.
+/// Beside a fixed side, triangles may be as large as the side is long. With the distance from the side, this size
+/// shrinks 1.5 times as fast as well-shaped triangles can. If smaller triangles were asked for there, refinement would
+/// put countless flat ones beside the side, or give up. Beyond a third of the side's length, only the size that is
+/// asked for counts.
+/// Holds: The answers do not depend on the order of the sides.
 class HeldSizes {
  public:
-  /// Cost:   O(n log n), and O(log n) a question where sides are about as long as they are far apart.
+  /// Cost: O(n log n), and O(log n) for each question if sides are about as long as they are far apart.
   HeldSizes(std::span<const HeldSide> sides, double min_angle_deg, RunControl& control);
 
-  /// The largest size that a side makes necessary at a place; 0 where none does.
+  /// Returns the largest size that any fixed side makes necessary at a place, or 0 if none does.
   double at(Vec2 place) const;
-  /// Does a side make an edge of that length necessary, wherever it is within that radius of the place?
+  /// Returns whether a fixed side makes an edge of that length necessary at every place within the radius.
   bool allow(double length, Vec2 place, double radius) const { return at(place) - steepest_ * radius >= length; }
 
  private:
-  /// A size that shrinks with the distance.
+  /// A size at a side, and the slope with which it shrinks with the distance from the side.
   struct Shrinking {
     double size = 0, slope = 0;
     void join(Shrinking other) {
@@ -43,7 +44,7 @@ class HeldSizes {
 
   double steepest_;
   BoxTree<Shrinking> tree_;
-  std::vector<HeldSide> sides_;  ///< by slot
+  std::vector<HeldSide> sides_;  ///< ordered as the slots of the tree
 };
 
 }  // namespace remesh

@@ -11,10 +11,11 @@
 namespace remesh {
 namespace {
 
-/// Shortest edge at which noise of one tolerance turns faces by so little that angles keep their bound: the change is
-/// of second order.
+/// A vertex is moved only if all its edges are at least this number of plane tolerances long. At this length, noise of
+/// one tolerance turns faces so little that their angles keep the bound, because the change of angles is of second
+/// order.
 constexpr double kMinEdge = 100;
-/// What is flatter than this, of its coordinates, is flat but for rounding.
+/// A patch is flat up to rounding if its faces leave the plane by no more than this fraction of its largest coordinate.
 constexpr double kFlat = 0x1p-46;
 
 class PatchLift {
@@ -49,7 +50,7 @@ class PatchLift {
     const PatchLocator locator(surface_, faces_, mesh_.frame, control);
     for_blocks(mesh_.vertices.size(), kLookUps, control, [&](std::size_t i, std::size_t end) {
       for (; i < end; ++i) {
-        control.check();  // among needles, many are near
+        control.check();  // if faces are needles, many of them are near
         const std::size_t v = mesh_.vertices[i].value;
         if (v < old + first_inner || has_short_edge[i]) continue;
         Vec3& position = new_positions[v - old];
@@ -74,7 +75,7 @@ class PatchLift {
 
   double height(const Vec3& p) const { return dot(p - mesh_.frame.origin, mesh_.frame.normal); }
 
-  /// Between the heights of the triangle's corners.
+  /// Returns the height at p, interpolated between the heights of the triangle's corners.
   double height_under(const PatchLocator::Place& place, Vec2 p) const {
     double weight[3], sum = 0;
     for (int k = 0; k < 3; ++k) {

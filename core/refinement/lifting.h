@@ -11,11 +11,12 @@
 
 namespace remesh {
 
-/// A patch may leave its plane by up to the tolerance, and what is put into the plane then is beside the input. New
-/// vertices inside such a patch move along its normal, up or down to the input face under them; but none does that has
-/// an edge shorter than a hundred tolerances: there the input's noise would turn the faces.
-/// Input:  refined patches; positions of the new vertices, of which those from `first_inner` on are inside patches,
-///         each in the plane of its patch; the tolerance in model units.
+/// A patch may leave its plane by up to the plane tolerance, so a new vertex in the plane may lie beside the input
+/// surface. This moves new vertices inside such a patch along its normal, up or down to the input face under them. A
+/// vertex with an edge shorter than a hundred tolerances is not moved, because there the input's noise would turn the
+/// faces.
+/// Input:  Refined patches, and the positions of the new vertices. Those from `first_inner` on are inside patches, and
+///         each lies in the plane of its patch. The tolerance is in model units.
 /// Cost:   O((n + m) log n) for n input faces and m new vertices of such a patch.
 /// Source: rules.md, Lifting.
 void lift_new_vertices(const Surface& surface, const PatchSet& patches, const std::vector<PatchMesh>& meshes,

@@ -11,9 +11,10 @@ namespace {
 using Mesh = Triangulation2d;
 
 constexpr std::size_t kMaxTriangles = 256;
-/// So many in a row that bring nothing nearer end a search: fans of long triangles, which all come near.
+/// A search ends after this many triangles in a row that bring nothing nearer. This happens in fans of long triangles,
+/// which all come near the segment.
 constexpr std::size_t kMaxIdle = 64;
-constexpr double kOwnEnd = -1;  ///< the distance of the segment's own ends: less than any
+constexpr double kOwnEnd = -1;  ///< stands for the distance of the segment's own ends; less than any distance
 
 double squared_distance(Vec2 a, Vec2 b, Vec2 p) {
   const Vec2 ab = b - a, ap = p - a;
@@ -24,14 +25,15 @@ double squared_distance(Vec2 a, Vec2 b, Vec2 p) {
   return across * across / length_squared;
 }
 
-/// Is p nearer than that to a segment, at a place between its ends?
+/// Returns whether p is nearer to the segment a-b than the given distance (squared), at a place between its ends.
 bool is_near_middle(Vec2 a, Vec2 b, Vec2 p, double squared) {
   const Vec2 ab = b - a, ap = p - a;
   const double along = dot(ap, ab), length_squared = dot(ab, ab), across = cross(ab, ap);
   return along > 0 && along < length_squared && across * across < squared * length_squared;
 }
 
-/// Around the start of h, from triangle to triangle, up to the next constrained edge.
+/// Walks around the start of h from triangle to triangle, up to the next constrained edge, which it returns. Calls
+/// `visit` with the apex of each triangle.
 template <class Visit>
 std::uint32_t walk_around_start(const Triangulation2d& mesh, std::uint32_t h, const Visit& visit) {
   while (true) {
@@ -46,16 +48,17 @@ std::uint32_t next_at_start(const Triangulation2d& mesh, std::uint32_t h) {
   return walk_around_start(mesh, h, [](std::uint32_t) {});
 }
 
-/// From h to `next`, which arrives where h starts.
+/// Returns the angle from h to `next`, which ends where h starts.
 double angle_between(const PatchMesh& patch, std::uint32_t h, std::uint32_t next) {
   const Triangulation2d& mesh = patch.mesh;
   const Vec2 corner = patch.uv[mesh.from(h)], first = patch.uv[mesh.to(h)];
   const Vec2 u = first - corner, v = patch.uv[mesh.from(next)] - corner;
   const double cosine = dot(u, v);
-  // Most are far from being small.
+  // Most angles are far from being small, and for these the cosine alone decides.
   constexpr double kSmallCosineSquared = 0.2;
   if (cosine <= 0 || cosine * cosine < kSmallCosineSquared * dot(u, u) * dot(v, v)) return LocalFeature::kWide;
-  // Each triangle takes less than half a turn: what lies to the right of the first edge is beyond one.
+  // Each triangle at the corner takes less than half a turn. So if an apex lies to the right of the first edge, the
+  // angle is more than half a turn.
   bool is_beyond_half = false;
   walk_around_start(mesh, h, [&](std::uint32_t apex) {
     is_beyond_half = is_beyond_half || orient2d(corner, first, patch.uv[apex]) < 0;
@@ -65,7 +68,8 @@ double angle_between(const PatchMesh& patch, std::uint32_t h, std::uint32_t next
 
 }  // namespace
 
-/// Distance from the segment of h, over the triangles in front of it that come nearer than what was found.
+/// Returns the distance from the segment of h to other features. The search goes through the triangles in front of the
+/// segment, as far as they come nearer than what was found so far.
 double LocalFeatures::distance(const PatchMesh& patch, std::uint32_t h) {
   const Mesh& mesh = patch.mesh;
   const std::uint32_t a = mesh.from(h), b = mesh.to(h);
@@ -97,7 +101,7 @@ double LocalFeatures::distance(const PatchMesh& patch, std::uint32_t h) {
       }
       const std::uint32_t g = mesh.twin(e);
       if (seen_[g / 3] == h || queue_.size() >= most) continue;
-      // The nearest place of a triangle's side, where the two do not cross, is at an end of one of them.
+      // If a triangle's side and the segment do not cross, they are nearest at an end of one of them.
       if (from_distance >= best && to_distance >= best && !is_near_middle(pc, pd, pa, best) &&
           !is_near_middle(pc, pd, pb, best))
         continue;

@@ -1,4 +1,4 @@
-/// How small the features of one patch are, seen from its segments.
+/// Finds how small the features of one patch are around each of its segments.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +11,32 @@
 
 namespace remesh {
 
-/// Of one side (a constrained half-edge) of a patch, in model units.
+/// Describes the surroundings of one side (a constrained half-edge) of a patch, in model units.
 struct LocalFeature {
-  double distance;  ///< to the nearest vertex or segment of the patch, seen from here, that does not touch the segment
-  /// To the next segment of the patch at either end, counter-clockwise around that end: the half-edge that leaves it,
-  /// and the angle between (radians, over all triangles there).
+  /// This is the distance to the nearest vertex or segment of the patch that is seen from this side and does not touch
+  /// the segment.
+  double distance;
+  /// This is the next segment of the patch, counter-clockwise around the start of this one, as a half-edge that ends
+  /// there. The angle between the two is in radians, over all triangles between them.
   std::uint32_t next_at_start;
   double angle_at_start;
-  static constexpr double kWide = std::numbers::pi;  ///< stands for all angles over some 63 degrees
+  static constexpr double kWide = std::numbers::pi;  ///< stands for all angles above some 63 degrees
 };
 
-/// Finds them, patch after patch: most are small, and what it takes besides serves them all.
+/// Finds the local features of one patch after the other. Most patches are small, so all of them share the scratch
+/// memory.
 class LocalFeatures {
  public:
-  /// Input:  the constrained half-edges of a patch that are segments.
-  /// Output: one entry each, valid until the next call. Distances look at no more than a bounded number of triangles
-  ///         around a segment: they may be too large where very many features crowd along a long one.
-  /// Cost:   O(n) in the patch.
+  /// Input:  `sides` are the constrained half-edges of the patch that are segments.
+  /// Output: One entry for each side, valid until the next call. The search looks at no more than a bounded number of
+  ///         triangles around a segment. So a distance may be too large where very many features crowd along a long
+  ///         segment.
+  /// Cost:   O(n) in the size of the patch.
   std::span<const LocalFeature> of(const PatchMesh& patch, std::span<const std::uint32_t> sides, RunControl& control);
 
  private:
-  /// A triangle that was entered, by the half-edge, and how far that one's ends are from the segment, squared.
+  /// A triangle that the search has entered through a half-edge, and the squared distances of that half-edge's ends
+  /// from the segment.
   struct Entered {
     std::uint32_t half_edge;
     double from_distance, to_distance;
@@ -40,7 +45,7 @@ class LocalFeatures {
   double distance(const PatchMesh& patch, std::uint32_t side);
 
   std::vector<LocalFeature> features_;
-  std::vector<std::uint32_t> seen_;  ///< the half-edge whose search has entered a triangle last
+  std::vector<std::uint32_t> seen_;  ///< the side whose search was the last to enter each triangle
   std::vector<Entered> queue_;
 };
 

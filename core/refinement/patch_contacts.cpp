@@ -10,7 +10,8 @@
 namespace remesh {
 namespace {
 
-/// From p over the segment a-b to q, both unfolded into one plane about its line.
+/// Returns the length of the shortest way from p over the segment a-b to q, if both are unfolded into one plane about
+/// its line.
 double way_over(const Vec3& a, const Vec3& b, const Vec3& p, const Vec3& q) {
   const double length = norm(b - a);
   if (!(length > 0)) return norm(p - a) + norm(q - a);
@@ -35,7 +36,8 @@ PatchContacts::PatchContacts(const Surface& surface, const Adjacency& adjacency,
 
 void PatchContacts::find_vertex_patches(RunControl& control) {
   StopCheck check(control);
-  // Patch after patch, so that each vertex gets its patches in ascending order: first counted, then entered.
+  // Goes from patch to patch, so that each vertex gets its patches in ascending order. They are counted in a first pass
+  // and entered in a second one.
   const auto each = [&](const auto& visit) {
     IdVector<VertexId, PatchId> last(surface_.vertex_count());
     for (std::size_t p = 0; p < patches_.count(); ++p) {
@@ -62,7 +64,7 @@ void PatchContacts::find_borders(RunControl& control) {
   StopCheck check(control);
   for (std::size_t i = 0; i < patches_.count(); ++i) {
     const PatchId p(i);
-    // The border's half-edges first; then vertices inside the patch that others touch.
+    // The half-edges of the border come first, and then the vertices inside the patch that other patches touch.
     for (const bool is_border : {true, false})
       for (const FaceId f : patches_.faces_of(p))
         for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {

@@ -13,18 +13,20 @@
 namespace remesh {
 namespace {
 
-/// Angles are measured in space in the end, on rounded coordinates: refinement aims this much higher.
+/// Refinement aims at angles that are larger than the bound by this number of degrees, because angles are measured in
+/// space in the end, on rounded coordinates.
 constexpr double kAngleMargin = 0.01;
-/// The off-centre's height, of the one at which the new triangle just meets the bound, and how many lower ones are
-/// tried. Measured on stars and plates: against the best single height, 0.85, that saves 6 to 30 % of the faces. Where
-/// sizes vary it is that single one: more angles near the bound would be worse for the tetrahedra behind thin walls.
+/// An off-centre lies at kOffCentre times the height at which the new triangle just meets the bound. Including that
+/// one, kHeights heights are tried, in steps of kHeightStep of it. Measured on stars and plates, this saves 6 to 30 %
+/// of the faces compared with the best single height, 0.85. Where sizes vary, only that single height is used: more
+/// angles near the bound would be worse for the tetrahedra behind thin walls.
 constexpr double kOffCentre = 0.97;
 constexpr double kOnlyOffCentre = 0.85;
 constexpr int kHeights = 5;
 constexpr double kHeightStep = 1.0 / 8;
-/// Edges that are to fill an area are aimed at this share of the largest that is allowed.
+/// Edges that are to fill an area are aimed at this share of the longest edge that is allowed.
 constexpr double kTargetShare = 0.85;
-/// Two distances along segments are the same shell.
+/// Two distances along segments belong to the same shell if they differ by no more than this fraction.
 constexpr double kSameShell = 1e-9;
 
 double squared_length(Vec2 a) { return dot(a, a); }
@@ -38,11 +40,11 @@ Criteria::Criteria(const Goals& goals, const SizeField& field)
       min_edge_length(goals.min_edge_length),
       split_boundaries(goals.split_boundaries),
       sizes(field) {
-  // A little less for the filling, since not all triangles are equilateral.
+  // The filling uses a little less, since not all triangles are equilateral.
   area_edge = equilateral_edge(goals.max_area);
   even_size = std::min(field.largest(), 0.95 * area_edge);
   const double bound = goals.min_angle_deg > 0 ? (goals.min_angle_deg + kAngleMargin) * std::numbers::pi / 180 : 0;
-  // Without a bound, sizes alone may still not make slivers.
+  // Without a bound on angles, sizes alone must still not make slivers.
   constexpr double kUsualBound = 20 * std::numbers::pi / 180;
   const double shape = bound > 0 ? bound : kUsualBound;
   tangent = std::tan(bound);
@@ -77,7 +79,7 @@ Vec2 PatchRefiner::on_grid(Vec2 uv) const {
   return {std::nearbyint(uv.x / grid) * grid, std::nearbyint(uv.y / grid) * grid};
 }
 
-// Triangles: what is wrong with them.
+// The following functions decide what is wrong with a triangle.
 
 PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
   const std::uint32_t h = 3 * t;
@@ -91,7 +93,7 @@ PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
   shape.longest_squared = std::max({squared[0], squared[1], squared[2]});
   shape.twice_area = cross(b - a, c - a);
   shape.is_sharp = is_sharp(squared[0] + squared[1] + squared[2], squared[k], shape.twice_area);
-  // What a good triangle has, too, is no longer than it may be.
+  // An edge of a good triangle is no longer than it may be, so it need not be measured again.
   const auto is_long = [&](std::uint32_t edge) {
     if (!mesh_.is_constrained(edge) && state_[mesh_.twin(edge) / 3] == State::kGood) return false;
     return is_too_long(mesh_.point(mesh_.from(edge)), mesh_.point(mesh_.to(edge)));
@@ -101,13 +103,14 @@ PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
   return shape;
 }
 
-/// Is an angle below the bound, of a triangle with these sums of squared edges, square of the shortest, and area?
+/// Returns whether a triangle has an angle below the bound. It is given by the sum of its squared edges, the square of
+/// its shortest edge, and twice its area.
 bool PatchRefiner::is_sharp(double squares, double shortest_squared, double twice_area) const {
-  // The smallest angle is opposite the shortest edge: the two others' product is 2 |u| |v| cos.
+  // The smallest angle is opposite the shortest edge. The product of the other two edges is 2 |u| |v| cos.
   return twice_area < criteria_.tangent * (squares - 2 * shortest_squared) / 2;
 }
 
-/// Is a triangle larger than any may be?
+/// Returns whether a triangle is larger than any may be.
 bool PatchRefiner::is_too_large_anywhere(double longest_squared, double twice_area) const {
   if (!criteria_.has_sizes || held_) return false;
   const double scale = patch_.frame.scale;
@@ -115,7 +118,7 @@ bool PatchRefiner::is_too_large_anywhere(double longest_squared, double twice_ar
   return std::sqrt(longest_squared) * scale > criteria_.sizes.largest() * kSizeMargin;
 }
 
-/// Is a triangle larger than any is asked to be, whether or not a side stays?
+/// Returns whether a triangle is larger than is asked for anywhere, even if the reason is a side that stays.
 bool PatchRefiner::is_larger_than_asked(std::uint32_t t) const {
   const Shape shape = shape_of(t);
   const double scale = patch_.frame.scale;
@@ -129,16 +132,17 @@ bool PatchRefiner::is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, 
   return is_too_long(a, b) || is_too_long(b, c) || is_too_long(c, a);
 }
 
-/// An edge is measured by the size in its middle, as the pieces of segments are.
+/// An edge is compared with the size in its middle, as the pieces of segments are.
 bool PatchRefiner::is_too_long(Vec2 a, Vec2 b) const { return !allows(norm(b - a) / kSizeMargin, 0.5 * (a + b)); }
 
-/// The longest edge at a place, both in the plane.
+/// Returns the longest edge that is allowed at a place. Both are in the plane.
 double PatchRefiner::size_at(Vec2 p) const {
   const double size = criteria_.sizes.at(to_space(p)), scale = patch_.frame.scale;
   return held_ ? std::max(std::min(size, criteria_.area_edge) / scale, held_->at(p)) : size / scale;
 }
 
-/// Is an edge of that length short enough wherever it is within that radius of the place? All in the plane.
+/// Returns whether an edge of that length is short enough wherever it lies within that radius of the place. All values
+/// are in the plane.
 bool PatchRefiner::allows(double length, Vec2 p, double radius) const {
   const double scale = patch_.frame.scale;
   const bool is_small = !held_ || length * scale <= criteria_.area_edge;
@@ -150,7 +154,7 @@ bool PatchRefiner::is_at_input_angle(std::uint32_t shortest) const {
   const std::uint32_t left = DelaunayMesh::next(shortest), right = DelaunayMesh::previous(shortest);
   if (!mesh_.is_constrained(left) || !mesh_.is_constrained(right)) return false;
   if (mesh_.apex(shortest) >= corner_count_) return false;
-  // The two other angles meet the bound.
+  // The two other angles must meet the bound.
   for (const std::uint32_t h : {shortest, left}) {
     const Vec2 at = mesh_.point(mesh_.from(h));
     const Vec2 u = mesh_.point(mesh_.to(h)) - at, v = mesh_.point(mesh_.apex(h)) - at;
@@ -169,7 +173,7 @@ bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const
     return std::pair(corner_segments_.begin() + corner_begin_[corner],
                      corner_segments_.begin() + corner_begin_[corner + 1]);
   };
-  // Distance from a cut vertex to that end of its segment.
+  // Returns the distance from a vertex on a segment to one end of the segment.
   const auto distance_to = [&](std::uint32_t v, int end) {
     const double t = value_[v];
     return (end == 0 ? t : 1 - t) * segments_[segment_[v]].length;
@@ -198,7 +202,7 @@ bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const
     }
     return false;
   }
-  // Two corners: a third one to which both have segments.
+  // Both are corners. Look for a third corner to which both have segments.
   auto [first_a, last_a] = segments_at(a);
   auto [first_b, last_b] = segments_at(b);
   if (last_a - first_a > last_b - first_b) {
@@ -215,7 +219,7 @@ bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const
   return false;
 }
 
-/// Why a triangle with that shortest edge may have a small angle.
+/// Returns the reason why a triangle with that shortest edge may have a small angle, or kUnknown.
 PatchRefiner::State PatchRefiner::excuse(std::uint32_t shortest) const {
   if (is_at_input_angle(shortest)) return State::kInputAngle;
   if (is_across_input_angle(mesh_.from(shortest), mesh_.to(shortest))) return State::kAcrossInputAngle;
@@ -240,28 +244,28 @@ void PatchRefiner::classify(std::uint32_t t) {
 
 void PatchRefiner::classify_changed() {
   state_.resize(mesh_.triangle_slots(), State::kUnknown);
-  // None is good before it was looked at: its neighbours rely on that.
+  // No new triangle counts as good before it was looked at, because the triangles beside it rely on that.
   for (const std::uint32_t t : mesh_.changed()) state_[t] = State::kUnknown;
   for (const std::uint32_t t : mesh_.changed()) classify(t);
 }
 
 void PatchRefiner::push(const Task& task, double shortest_squared) {
-  // The exponent and three bits of the mantissa, as the number has them. Squared lengths within the frame are at
-  // most 8.
+  // The bits are the exponent and three bits of the mantissa, as the number stores them. Squared lengths within the
+  // frame are at most 8.
   const auto bits = static_cast<std::int64_t>(std::bit_cast<std::uint64_t>(shortest_squared) >> 49);
   constexpr std::int64_t kLargest = (1023 + 4) << 3;
   const auto queue = static_cast<std::size_t>(std::max<std::int64_t>(0, kLargest - bits));
   waiting_.push(queue, task);
 }
 
-// Points: where they go, and what they meet there.
+// The following functions decide where points go, and what they meet there.
 
 Vec2 PatchRefiner::steiner_point(const Shape& shape) const {
   const std::uint32_t h = shape.shortest;
   const Vec2 a = mesh_.point(mesh_.from(h)), b = mesh_.point(mesh_.to(h)), c = mesh_.point(mesh_.apex(h));
   const Vec2 base = b - a, side = c - a;
   const double length = std::sqrt(shape.shortest_squared);
-  // Height of the circumcentre over the middle of the shortest edge.
+  // This is the height of the circumcentre over the middle of the shortest edge.
   double height = dot(side, side - base) / (2 * shape.twice_area) * length;
   const double limit = criteria_.off_centre * length;
   height = std::min(height, limit);
@@ -286,8 +290,8 @@ bool PatchRefiner::is_encroached(Vec2 p, Vec2 a, Vec2 b) const {
   return product < 0 && product * product > criteria_.lens * squared_length(u) * squared_length(v);
 }
 
-/// How many triangles between p and the edges of the cavity that was found meet the bound; any number that is not more
-/// than `least` where they are not more.
+/// Returns how many triangles between p and the edges of the cavity that was found meet the bound. If there are not
+/// more than `least`, it may return any number that is not more than `least`.
 int PatchRefiner::count_good(Vec2 p, int least) const {
   int possible = static_cast<int>(mesh_.rim().size());
   for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
@@ -297,8 +301,9 @@ int PatchRefiner::count_good(Vec2 p, int least) const {
   return possible;
 }
 
-/// A lower place over the shortest edge may serve its neighbours too: along a straight chain of equal edges, one point
-/// over three of them. Of places from p down, the first from which the most edges of p's cavity make good triangles.
+/// Returns the best of several places from p down towards the shortest edge. A lower place may serve the edge's
+/// neighbours too: along a straight chain of equal edges, one point serves three of them. The first place is taken with
+/// which the most edges of p's cavity make good triangles.
 Vec2 PatchRefiner::lowered(Vec2 p, std::uint32_t shortest) const {
   const Vec2 middle = 0.5 * (mesh_.point(mesh_.from(shortest)) + mesh_.point(mesh_.to(shortest)));
   Vec2 best = p;
@@ -313,14 +318,15 @@ Vec2 PatchRefiner::lowered(Vec2 p, std::uint32_t shortest) const {
   return on_grid(best);
 }
 
-/// What p would make of the cavity that was found. Where more than `most` triangles more would miss a bound, it is told
-/// only that they are more.
+/// Returns the effect that p would have on the cavity that was found. If it would make more than `most` additional bad
+/// triangles, the result only tells that they are more.
 PatchRefiner::Outcome PatchRefiner::outcome(Vec2 p, int most) const {
   const std::span<const DelaunayMesh::RimEdge> rim = mesh_.rim();
   const auto is_bad = [&](std::uint32_t t) { return state_[t] != State::kGood; };
   const auto bad_before = std::count_if(mesh_.cavity().begin(), mesh_.cavity().end(), is_bad);
   Outcome found{-static_cast<int>(bad_before), HUGE_VAL};
-  // Both triangles at a spoke ask for it: it is looked up once.
+  // A spoke is an edge from p to a vertex of the rim. Both triangles at a spoke need to know whether it is too long, so
+  // this is looked up once.
   std::optional<bool> first, here, next;
   const auto is_long_spoke = [&](std::uint32_t v, std::optional<bool>& known) {
     if (!known) known = is_too_long(p, mesh_.point(v));
@@ -351,9 +357,9 @@ bool PatchRefiner::is_encroaching(Vec2 p) const {
   });
 }
 
-/// Next to a lattice whose edges are as long as they may be, a point at the wrong place makes others too long, and so
-/// on across the whole lattice. Of places about p and about the triangle, the one that leaves the fewest bad triangles;
-/// of those the best shaped.
+/// Returns the place, among some about p and about the triangle, that leaves the fewest bad triangles. Among equals it
+/// is the one with the best shaped triangles. This matters beside a lattice whose edges are as long as they may be: a
+/// point at the wrong place would make other edges too long, and so on across the whole lattice.
 Vec2 PatchRefiner::best_for_size(Vec2 p, std::uint32_t shortest) {
   const Vec2 a = mesh_.point(mesh_.from(shortest)), b = mesh_.point(mesh_.to(shortest)),
              c = mesh_.point(mesh_.apex(shortest));
@@ -467,8 +473,8 @@ std::uint32_t PatchRefiner::longest_edge(std::uint32_t t) const {
   return longest;
 }
 
-/// What is too large must be split, wherever there is room: at its circumcentre, at last in the middle of its longest
-/// edge.
+/// Splits a triangle that is too large wherever there is room: at its circumcentre or, as a last resort, in the middle
+/// of its longest edge, or at its centroid if that edge is constrained. Returns whether it was split.
 bool PatchRefiner::split_too_large(std::uint32_t t, Floor floor) {
   const std::uint32_t longest = longest_edge(t);
   const Vec2 a = mesh_.point(mesh_.from(longest)), b = mesh_.point(mesh_.to(longest)),
@@ -486,17 +492,18 @@ bool PatchRefiner::is_too_long_side(std::uint32_t h) const {
   return mesh_.is_constrained(h) && is_too_long(mesh_.point(mesh_.from(h)), mesh_.point(mesh_.to(h)));
 }
 
-/// Cuts a side of the triangle that is too long, if there is one that can be cut.
+/// Cuts a side of the triangle that is too long, if there is one that can be cut. Returns whether it did.
 bool PatchRefiner::cut_too_long_side(std::uint32_t t) {
-  if (criteria_.sizes.is_uniform()) return false;  // there all are cut from the start
+  if (criteria_.sizes.is_uniform()) return false;  // if sizes are uniform, all such sides are cut from the start
   for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
     if (is_too_long_side(h) && cut_side(mesh_.side(h))) return true;
   return false;
 }
 
-/// Why a triangle stays too large, if that is for a side that cannot be cut: the longest edge, or all that is too long.
+/// Returns the reason why a triangle stays too large, if that is because of sides that cannot be cut. Either its
+/// longest edge is such a side, or all of its edges that are too long are such sides.
 std::optional<PatchRefiner::State> PatchRefiner::held_large(std::uint32_t t) const {
-  // Why a side cannot be cut, if so.
+  // Returns the reason why a side cannot be cut, or nothing if it can be.
   const auto held_by = [&](std::uint32_t h) -> std::optional<State> {
     const Side& side = sides_[mesh_.side(h)];
     if (segments_.cut(segment_of(side), side.t0, side.t1)) return std::nullopt;
@@ -515,7 +522,7 @@ std::optional<PatchRefiner::State> PatchRefiner::held_large(std::uint32_t t) con
   return why;
 }
 
-/// Is the triangle still the one that it was?
+/// Returns whether the triangle is still the one that was put into the queue.
 bool PatchRefiner::is_live(const Task& task) const {
   const std::uint32_t h = task.half_edge;
   return mesh_.from(h) == task.a && mesh_.to(h) == task.b && mesh_.apex(h) == task.c;
@@ -524,10 +531,11 @@ bool PatchRefiner::is_live(const Task& task) const {
 void PatchRefiner::treat(const Task& task) {
   if (!is_live(task)) return;
   const std::uint32_t t = task.half_edge / 3;
-  // Another triangle of vertices that have the same numbers may be good, or have an excuse.
+  // The task may now name another triangle, of vertices that got the same numbers. That one may be good or have an
+  // excuse.
   if (state_[t] != State::kUnknown) return;
   const Shape shape = shape_of(t);
-  // What waits and is not too large has no excuse.
+  // A triangle that waits and is not too large has no excuse.
   const bool is_for_angle = shape.is_sharp && (!shape.is_too_large || excuse(shape.shortest) == State::kUnknown);
   const Floor floor = std::min(floor_of(task.a), floor_of(task.b));
   // An edge that is too long and cannot be cut keeps its triangle too large, whatever is put inside.
@@ -536,7 +544,7 @@ void PatchRefiner::treat(const Task& task) {
     state_[t] = *hopeless;
     return;
   }
-  // The cut parts the triangle, too.
+  // The cut of the side also divides the triangle.
   if (shape.is_too_large && !is_for_angle && (cut_too_long_side(t) || impossible_.is_valid())) return;
   const Vec2 p = steiner_point(shape);
   if (shape.is_too_large && !is_for_angle) {
@@ -563,7 +571,7 @@ void PatchRefiner::treat(const Task& task) {
       if (impossible_.is_valid()) return;
     }
     if (is_cut) {
-      // The triangle may have been spared.
+      // The cut may have left the triangle as it was.
       if (is_live(task)) push(task, shape.shortest_squared);
       return;
     }
@@ -584,7 +592,7 @@ void PatchRefiner::run(std::uint64_t quota, RefinementProgress& progress) {
   };
   const auto announce = [&](const Task& soon) { mesh_.prefetch(soon.half_edge, {soon.a, soon.b, soon.c}); };
   while (quota_ > 0 && !impossible_.is_valid() && waiting_.pop(task, announce)) {
-    // Among many points on one circle, one step may go through as many triangles.
+    // Among many points on one circle, one step may go through as many triangles as there are points.
     constexpr std::size_t kOften = 1024, kTrianglesOfStep = 8;
     if (work >= kOften) {
       tell();
@@ -612,11 +620,11 @@ PatchRefiner::Refined PatchRefiner::finish() const {
     result.patch.vertices.push_back(v < corner_count_ ? patch_.vertices[v] : VertexId());
     result.cuts.push_back(segment_[v].is_valid() ? Cut{segment_[v], value_[v]} : Cut{SegmentId(), 0});
   }
-  // What is good may be larger than asked for, for the sake of a side that stays.
+  // A triangle that counts as good may be larger than asked for, because of a side that stays.
   const State of_good = held_ ? held_as_ : State::kSizeFloor;
   for (const std::uint32_t t : triangle) {
     const State state = state_[t];
-    // Input angles excuse small angles, not sizes.
+    // Input angles excuse small angles, but not sizes.
     const bool is_excused = state == State::kInputAngle || state == State::kAcrossInputAngle;
     const bool is_held_large = held_ && is_excused && is_larger_than_asked(t);
     result.reason.push_back(reason_of(state == State::kGood ? of_good : is_held_large ? held_as_ : state));

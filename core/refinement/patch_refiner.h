@@ -1,4 +1,4 @@
-/// Refines one patch in its plane: angles and sizes, until nothing is left to do there.
+/// Refines one patch in its plane for angles and sizes, until nothing is left to do there.
 #pragma once
 
 #include <algorithm>
@@ -26,7 +26,7 @@
 
 namespace remesh {
 
-/// A place at which a segment is cut.
+/// A place at which a segment is cut. The parameter t runs from 0 to 1 along the segment.
 struct Cut {
   SegmentId segment;
   double t;
@@ -37,68 +37,75 @@ struct Cut {
   friend bool operator==(const Cut&, const Cut&) = default;
 };
 
-/// The goals in the form that the inner loop tests.
+/// Holds the goals in the form that the inner loop tests.
 struct Criteria {
   Criteria(const Goals& goals, const SizeField& sizes);
 
-  double tangent;     ///< of the bound on angles (a little above the goal: it is measured in space in the end); 0: none
-  double lens;        ///< squared cosine beyond which an apex over a piece encroaches on it
-  double off_centre;  ///< height of an off-centre over the shortest edge, per its length
-  bool has_sizes;     ///< or any triangle is small enough
-  double max_area;    ///< model units
-  double even_size;   ///< edge of the triangles that fill wide areas; infinity: none
-  double area_edge;   ///< no triangle with edges of that length at most has more than the largest area
+  /// This is the tangent of the bound on angles; 0 if there is none. The bound is a little above the goal, because
+  /// angles are measured in space in the end.
+  double tangent;
+  /// An apex over a piece encroaches on it if the squared cosine of the (obtuse) angle there is larger than this.
+  double lens;
+  /// This is the height of an off-centre over the shortest edge, per length of that edge.
+  double off_centre;
+  bool has_sizes;    ///< false: any triangle is small enough
+  double max_area;   ///< model units
+  double even_size;  ///< edge of the triangles that fill wide areas; infinity: there are none
+  double area_edge;  ///< no triangle with edges up to this length is larger than max_area
   double min_angle_deg;
   double min_edge_length;
   bool split_boundaries;
   const SizeField& sizes;
 };
 
-/// A patch while it is refined. It cuts its own segments at once, as the table says, and remembers these cuts; those
-/// that other patches make it takes over between rounds.
-/// Source:  L. P. Chew, Guaranteed-quality mesh generation for curved surfaces, 1993 (lens, deletion around a cut);
-///          A. Üngör, Off-centers, 2004; G. Miller, S. Pav, N. Walkington, When and why Ruppert's algorithm works, 2003
-///          (the exemption at input angles); S. Rebay, Efficient unstructured mesh generation by means of Delaunay
-///          triangulation and Bowyer-Watson algorithm, 1993 (sizes).
+/// A patch while it is refined. It cuts its own segments at once, as the table says, and remembers these cuts. Between
+/// rounds it takes over the cuts that other patches made.
+/// Source: L. P. Chew, Guaranteed-quality mesh generation for curved surfaces, 1993 (lens, deletion around a cut); A.
+///         Üngör, Off-centers, 2004; G. Miller, S. Pav, N. Walkington, When and why Ruppert's algorithm works, 2003
+///         (the exemption at input angles); S. Rebay, Efficient unstructured mesh generation by means of Delaunay
+///         triangulation and Bowyer-Watson algorithm, 1993 (sizes).
 class PatchRefiner {
  public:
-  /// `cuts`: of every segment, ascending; those of the patch's segments are made. Where there are sizes, wide areas are
-  /// filled evenly at once, with at most about `quota` triangles. Its first turn begins with that.
+  /// `cuts` has the cuts of every segment, ascending. Those of the patch's segments are made at once. Where there are
+  /// sizes, wide areas are filled evenly with at most about `quota` triangles. The constructor also begins the first
+  /// turn, at `at`.
   PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria,
                const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota, Workplace& at,
                RunControl& control);
 
-  /// Whatever changes the patch is for its turns alone: each at a workplace that no other refiner has meanwhile.
+  /// The patch may only be changed between these two calls, in its turn. No other refiner may use the workplace during
+  /// the turn.
   void begin_turn(Workplace& at);
   void end_turn();
 
-  /// Would refinement change the patch at all? Cheap, before anything is built.
+  /// Returns whether refinement would change the patch at all. This is cheap and needs no refiner.
   static bool has_work(const PatchMesh& patch, const Criteria& criteria);
 
   /// Cuts the patch's sides along `segment` wherever they are not cut yet. `cuts` are all cuts of that segment,
   /// ascending.
   void take_over(SegmentId segment, std::span<const double> cuts);
 
-  /// Puts a point into the middle of each of these edges inside the patch that is still there when its turn comes and
-  /// has room for one.
-  /// Input:  half-edges as in what `finish` would give now.
-  /// Output: whether there was room for any.
+  /// Puts a point into the middle of each of these edges inside the patch. An edge is left out if it is gone when its
+  /// turn comes, or if there is no room for a point.
+  /// Input:  Half-edges of the mesh that `finish` would return now.
+  /// Output: True if a point was put into any of them.
   bool split_edges(std::span<const std::uint32_t> half_edges, RunControl& control);
 
-  /// Works until nothing is left to do or `quota` more triangles (in all patches) would be made.
+  /// Works until nothing is left to do, or until `quota` more triangles (in all patches) would be made.
   void run(std::uint64_t quota, RefinementProgress& progress);
 
-  /// Where there are sizes, for a patch that is done: takes points inside away that the bounds do not need in the end,
-  /// one by one, or puts one in the place of two: around those that refinement put in, and around where it succeeds.
-  /// Each step has fewer points, so it ends.
-  /// Holds:  triangles are within the bounds as before, and none is flatter than two angles of 28 degrees make it,
-  ///         or than the flattest there was. What misses a bound stays as it is.
+  /// Where there are sizes, removes points from a patch that is done: points inside that the bounds do not need in the
+  /// end are removed one by one, or one point takes the place of two. It looks at the points that refinement put in or,
+  /// where sizes vary, at all points inside. It goes on around every place where it succeeds. Each step leaves fewer
+  /// points, so it ends.
+  /// Holds:  Triangles are within the bounds as before. No new triangle is flatter than one with two angles of 28
+  ///         degrees, or than the flattest that was there before. Triangles that miss a bound stay as they are.
   /// Source: H. Erten, A. Üngör, Quality triangulations with locally optimal Steiner points, 2009 (one point for two);
-  ///         places for them as in M. Badoiu, K. Clarkson, Smaller core-sets for balls, 2003.
+  ///         M. Badoiu, K. Clarkson, Smaller core-sets for balls, 2003 (places for these points).
   void thin_out(RunControl& control, RefinementProgress& progress);
 
-  /// A segment that had to be cut, and rounding left no room for it: the patch is of no use any more, and the segment
-  /// must stay as it is, for all patches. Invalid: all is well.
+  /// Returns a segment that had to be cut where rounding left no room for the cut. Then the patch can no longer be
+  /// used, and the segment must stay as it is for all patches. The result is invalid if all is well.
   SegmentId impossible() const { return impossible_; }
   bool is_done() const { return waiting_.size() == 0; }
   std::size_t waiting() const { return waiting_.size(); }
@@ -110,42 +117,45 @@ class PatchRefiner {
   }
 
   struct Refined {
-    PatchMesh patch;        ///< new vertices have no id yet
-    std::vector<Cut> cuts;  ///< one per vertex of the patch; segment invalid: inside the patch, or a corner
-    std::vector<UnrefinedReason> reason;  ///< one per triangle: why it is as it is, should it miss a bound
+    PatchMesh patch;  ///< new vertices have no id yet
+    /// There is one entry per vertex of the patch. Its segment is invalid for a corner and for a vertex inside the
+    /// patch.
+    std::vector<Cut> cuts;
+    /// There is one entry per triangle: the reason why it is as it is, in case it misses a bound.
+    std::vector<UnrefinedReason> reason;
   };
   Refined finish() const;
 
  private:
   static constexpr std::uint32_t kNone = DelaunayMesh::kNone;
-  /// Edges may be longer than their size by rounding.
+  /// Edges may be longer than their size by this factor, because of rounding.
   static constexpr double kSizeMargin = 1 + 1e-10;
 
   enum class State : std::uint8_t { kUnknown, kGood, kInputAngle, kAcrossInputAngle, kSizeFloor, kMinEdge, kLocked };
 
   struct Side {
-    double t0, t1;          ///< its piece
-    std::uint32_t next;     ///< another piece of its chain, or kNone
-    std::uint32_t chain;    ///< in `chains_`, which knows the segment
+    double t0, t1;          ///< the piece [t0, t1] of the segment
+    std::uint32_t next;     ///< another piece of the same chain, or kNone
+    std::uint32_t chain;    ///< index in `chains_`, which knows the segment
     std::uint32_t partner;  ///< the other side of a slit, or kNone
     bool is_forward;        ///< the half-edge runs from t0 to t1
   };
-  /// The pieces of one segment, in no order; of a slit, those of its first side.
+  /// A chain has the pieces of one segment, in no order. For a slit, these are the pieces of its first side.
   struct Chain {
     SegmentId segment;
-    std::uint32_t first;  ///< side; the others follow by Side::next
+    std::uint32_t first;  ///< a side; the others follow by Side::next
   };
   using Task = Workplace::Task;
   struct Shape {
     std::uint32_t shortest;  ///< half-edge
     double shortest_squared, longest_squared, twice_area;
-    bool is_sharp;  ///< an angle below the bound
+    bool is_sharp;  ///< it has an angle below the bound
     bool is_too_large;
   };
 
   SegmentId segment_of(const Side& side) const { return chains_[side.chain].segment; }
   SegmentId segment_of_side(std::uint32_t side) const { return segment_of(sides_[side]); }
-  /// Bytes that suffice, most often, for what is kept of a small patch.
+  /// Returns a number of bytes that most often is enough for everything that is stored for a small patch.
   static std::size_t first_block(const PatchMesh& patch, std::size_t sides);
   void add_to_chain(std::uint32_t side);
   void collect_corners(PatchId id);
@@ -153,9 +163,9 @@ class PatchRefiner {
   void collect_held_sides(PatchId id, RunControl& control);
   bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
                     RunControl& control);
-  /// The triangle from a point to an edge.
+  /// Has the measures of the triangle between a point and an edge.
   struct Spanned {
-    double squares, shortest_squared, longest_squared;  ///< of its edges: the sum, the least, the largest
+    double squares, shortest_squared, longest_squared;  ///< sum, minimum and maximum over its edges
     double twice_area;
   };
   static Spanned spanned(Vec2 p, Vec2 a, Vec2 b) {
@@ -185,31 +195,35 @@ class PatchRefiner {
   Vec2 steiner_point(const Shape& shape) const;
   int count_good(Vec2 p, int least) const;
   Vec2 lowered(Vec2 p, std::uint32_t shortest) const;
-  /// What a point would make of its cavity.
+  /// Describes the effect that a point would have on its cavity.
   struct Outcome {
-    int more_bad;        ///< triangles that miss a bound, less those that did before
-    double least_shape;  ///< of the new triangles: area over the sum of squared edges, the larger the better
+    /// This is the number of new triangles that miss a bound, minus the number of old ones that did.
+    int more_bad;
+    /// This is the minimum, over the new triangles, of twice the area over the sum of squared edges. The larger it is,
+    /// the better.
+    double least_shape;
   };
   Outcome outcome(Vec2 p, int most) const;
   bool is_encroaching(Vec2 p) const;
   Vec2 best_for_size(Vec2 p, std::uint32_t shortest);
   bool is_encroached(Vec2 p, Vec2 a, Vec2 b) const;
-  /// Cuts a piece where the table says. Returns whether it did.
+  /// Cuts a piece where the table says. Returns whether the piece was cut.
   bool cut_side(std::uint32_t side);
   bool cut_side_at(std::uint32_t side, double t);
   std::uint32_t cut_one(std::uint32_t side, double t, Vec2 p, std::uint32_t vertex);
   void clear_circle(std::uint32_t side);
   void set_vertex(std::uint32_t v, SegmentId segment, double value);
   enum class Attempt { kDone, kEncroached, kTooNear };
-  /// A place for a point; its cavity has been found if the point sees it.
+  /// This is a place for a point. Unless the place is hidden, its cavity has been found.
   struct Place {
     Vec2 p;
     DelaunayMesh::Location at;
     bool has_room;
   };
   Place look_at(Vec2 p, std::uint32_t triangle);
-  /// What a new point may do: encroach on no piece; on such as can be cut; or on any, and be nearer to others than the
-  /// floor, which only says how near others may come to it then.
+  /// Says what a new point may do. With kBeClear it must not encroach on any piece. With kEncroach it may encroach on
+  /// pieces that can be cut. With kBeAnywhere it may encroach on any piece and be nearer to other points than its
+  /// floor; then the floor only says how near others may come to it.
   enum class May { kBeClear, kEncroach, kBeAnywhere };
   Attempt insert(const Place& place, Floor floor, May may);
   Attempt insert(Vec2 p, std::uint32_t triangle, Floor floor, May may);
@@ -225,7 +239,7 @@ class PatchRefiner {
   static State stronger(State a, State b);
   State why_uncut(std::span<const std::uint32_t> sides, State otherwise) const;
 
-  // Thinning out.
+  // These members serve thinning out.
   struct Fan {
     double least_shape, twice_area;
     bool is_any_sharp;
@@ -254,30 +268,31 @@ class PatchRefiner {
   const SegmentTable& segments_;
   const Criteria& criteria_;
   const std::uint32_t corner_count_;
-  std::unique_ptr<const HeldSizes> held_;  ///< null: no side is longer than it may be, and stays
-  State held_as_ = State::kLocked;         ///< why these sides stay; the strongest reason of them all
-  Workplace* at_;                          ///< during a turn
+  std::unique_ptr<const HeldSizes> held_;  ///< sides that are longer than they may be and stay; null: none
+  State held_as_ = State::kLocked;         ///< why these sides stay; the strongest of their reasons
+  Workplace* at_;                          ///< only during a turn
   SmallBlocks memory_;
   DelaunayMesh mesh_{at_->mesh, &memory_};
-  std::pmr::vector<SegmentId> segment_{&memory_};  ///< of each vertex that cuts one
-  std::pmr::vector<double> value_{&memory_};       ///< of such a vertex its parameter, of others their Floor
-  std::pmr::vector<Side> sides_{&memory_};         ///< numbered as in mesh_
-  std::pmr::vector<State> state_{&memory_};        ///< of each triangle
-  /// A segment at a corner: its other end, and which it is; sorted at each corner.
+  std::pmr::vector<SegmentId> segment_{&memory_};  ///< the segment that a vertex lies on; else invalid
+  std::pmr::vector<double> value_{&memory_};       ///< the parameter on that segment, or else a Floor
+  std::pmr::vector<Side> sides_{&memory_};         ///< numbered as the sides of mesh_
+  std::pmr::vector<State> state_{&memory_};        ///< one per triangle
+  /// A segment at a corner, and the corner at its other end. They are sorted at each corner.
   struct CornerSegment {
     VertexId other;
     SegmentId segment;
   };
   std::pmr::vector<CornerSegment> corner_segments_{&memory_};
   std::pmr::vector<std::uint32_t> corner_begin_{
-      &memory_};                              ///< segments of corner v: [corner_begin_[v], corner_begin_[v + 1])
-  std::pmr::vector<Chain> chains_{&memory_};  ///< by segment
+      &memory_};                              ///< corner v has the segments [corner_begin_[v], corner_begin_[v + 1])
+  std::pmr::vector<Chain> chains_{&memory_};  ///< ordered by segment
 
-  /// The higher the queue, the shorter the shortest edge: eight an octave of its square. First in, first out: layer
-  /// after layer, where all are alike.
+  /// The shorter a triangle's shortest edge is, the higher is its queue. There are eight queues for each octave of the
+  /// squared length. Within a queue, the first in is the first out; so where all triangles are alike, they are treated
+  /// layer after layer.
   TaskQueues<Task> waiting_;
   std::uint64_t quota_ = 0;
-  std::uint32_t first_refined_ = 0;  ///< so many vertices were there when it began
+  std::uint32_t first_refined_ = 0;  ///< the number of vertices when refinement began
   std::pmr::vector<Cut> own_cuts_{&memory_};
   SegmentId impossible_;
 };

@@ -1,4 +1,5 @@
-/// Pieces of the boundary: how a patch cuts its own, takes over the cuts of others, and why some are not cut.
+/// This file has the members of PatchRefiner for pieces of the boundary. They cut the patch's own pieces, take over the
+/// cuts of other patches, and tell why some pieces are not cut.
 
 #include <algorithm>
 #include <array>
@@ -38,7 +39,7 @@ bool PatchRefiner::cut_side_at(std::uint32_t side, double t) {
   const auto fresh = static_cast<std::uint32_t>(sides_.size() - 1);
   add_to_chain(fresh);
   if (partner == kNone) return true;
-  // A slit: each side keeps the piece at its own start, so the pairs cross over.
+  // This is a slit. Each side keeps the piece at its own start, so the pairs cross over.
   if (cut_one(partner, t, p, v) == kNone) return false;
   sides_[side].partner = fresh + 1;
   sides_[fresh + 1].partner = side;
@@ -72,7 +73,8 @@ void PatchRefiner::take_over(SegmentId segment, std::span<const double> cuts) {
   for (std::uint32_t s = chain->first; s != kNone; s = sides_[s].next) at_->pieces.push_back(s);
   std::sort(at_->pieces.begin(), at_->pieces.end(),
             [&](std::uint32_t a, std::uint32_t b) { return sides_[a].t0 < sides_[b].t0; });
-  // Piece by piece, the cuts inside it: the middle one first, so that no vertex gets them all as neighbours.
+  // For each piece, the cuts inside it are made by halves. The middle one is the first, so that no vertex gets all of
+  // them as neighbours.
   at_->ranges.clear();
   for (const std::uint32_t piece : at_->pieces) {
     const auto first = std::upper_bound(cuts.begin(), cuts.end(), sides_[piece].t0);
@@ -97,7 +99,7 @@ bool PatchRefiner::is_any_locked(std::span<const std::uint32_t> sides) const {
   return std::any_of(sides.begin(), sides.end(), [&](auto s) { return segments_[segment_of_side(s)].is_locked(); });
 }
 
-/// Why a locked side is not cut.
+/// Returns the reason why a locked side is not cut.
 PatchRefiner::State PatchRefiner::why_locked(Lock lock) {
   switch (lock) {
     case Lock::kKept: return State::kLocked;
@@ -108,14 +110,14 @@ PatchRefiner::State PatchRefiner::why_locked(Lock lock) {
   return State::kSizeFloor;
 }
 
-/// Of two reasons, the one that would still hold without the other: a boundary that must stay stays whatever else
-/// holds, and what rounding forbids stays forbidden without the shortest edge.
+/// Returns the stronger of two reasons, which is the one that would hold without the other. A boundary that must stay
+/// does so whatever else holds. What rounding forbids is forbidden even if the shortest edge allows it.
 PatchRefiner::State PatchRefiner::stronger(State a, State b) {
   const auto rank = [](State s) { return s == State::kLocked ? 2 : s == State::kSizeFloor ? 1 : 0; };
   return rank(b) > rank(a) ? b : a;
 }
 
-/// Why none of these sides is cut; `otherwise`: where none of them is locked.
+/// Returns the reason why none of these sides is cut. If none of them is locked, this is `otherwise`.
 PatchRefiner::State PatchRefiner::why_uncut(std::span<const std::uint32_t> sides, State otherwise) const {
   std::optional<State> why;
   for (const std::uint32_t side : sides) {

@@ -1,4 +1,5 @@
-/// How a patch begins: as it was triangulated, or triangulated anew with cuts for its sizes and points inside.
+/// This file has the members of PatchRefiner that begin the refinement of a patch. The patch begins as it was
+/// triangulated, or it is triangulated anew with cuts for its sizes and with points inside.
 
 #include <algorithm>
 #include <cmath>
@@ -24,18 +25,18 @@ std::pmr::vector<std::uint32_t> half_edges_of(const SegmentTable& segments, Patc
   return half_edges;
 }
 
-/// A piece of the boundary between two vertices, the patch on its left.
+/// A piece of the boundary lies between two vertices. The patch is on its left.
 struct Piece {
   std::uint32_t from, to, side;
 };
 
 struct Triangulated {
   Triangulation2d mesh;
-  std::vector<std::uint32_t> number;     ///< of each of the mesh's vertices, in `points`
-  std::vector<std::uint32_t> half_edge;  ///< of each side
+  std::vector<std::uint32_t> number;     ///< index in `points`, one per vertex of `mesh`
+  std::vector<std::uint32_t> half_edge;  ///< one per side
 };
 
-/// Triangulates points between pieces; nothing if rounding forbids it.
+/// Triangulates points between pieces. Returns nothing if rounding forbids it.
 std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::vector<Piece> pieces,
                                         std::size_t side_count, RunControl& control) {
   const auto n = static_cast<std::uint32_t>(points.size());
@@ -57,7 +58,7 @@ std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::ve
   PatchTriangulation made = triangulate_patch(sorted, loop_edges, control);
   if (made.outcome != Outcome::kDone) return std::nullopt;
 
-  // Constrained half-edges are found again by their ends.
+  // The constrained half-edges of the sides are found again by their ends.
   sort_stoppable(pieces.begin(), pieces.end(), control,
                  [](const Piece& a, const Piece& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
   result.half_edge.assign(side_count, DelaunayMesh::kNone);
@@ -131,10 +132,10 @@ std::size_t PatchRefiner::first_block(const PatchMesh& patch, std::size_t sides)
   constexpr std::size_t kVertex = sizeof(Vec2) + sizeof(std::uint32_t) + sizeof(SegmentId) + sizeof(double),
                         kTriangle = 6 * sizeof(std::uint32_t) + sizeof(State),
                         kSide = sizeof(Side) + sizeof(std::uint32_t) + sizeof(Cut);
-  // Twice as much of what grows, and what stays as it is.
+  // Everything that grows counts twice, and everything that stays as it is counts once.
   const std::size_t bytes = 2 * (vertices * kVertex + triangles * kTriangle + sides * kSide) +
                             vertices * sizeof(std::uint32_t) + sides * (2 * sizeof(CornerSegment) + sizeof(Chain));
-  // Where there is more of it, much has blocks of its own.
+  // A patch that needs more has large arrays, and most of these get blocks of their own.
   constexpr std::size_t kLeast = 256, kMost = 4096;
   return std::clamp(bytes, kLeast, kMost);
 }
@@ -152,7 +153,7 @@ void PatchRefiner::end_turn() {
   if (is_done()) at_->waiting = std::exchange(waiting_, {});
 }
 
-/// Which segments meet at which corner, and the corners' floors.
+/// Collects the segments that meet at each corner, and the corners' floors.
 void PatchRefiner::collect_corners(PatchId id) {
   const auto for_each_end = [&](const auto& visit) {
     for (const std::uint32_t i : segments_.sides_of_patch(id)) {
@@ -162,7 +163,7 @@ void PatchRefiner::collect_corners(PatchId id) {
       visit(b, a, side.segment);
     }
   };
-  // Counted by corner; few meet at each.
+  // The segments are counted for each corner first. Only few meet at one.
   corner_begin_.assign(corner_count_ + 1, 0);
   for_each_end([&](std::uint32_t corner, std::uint32_t, SegmentId s) {
     ++corner_begin_[corner + 1];
@@ -180,7 +181,7 @@ void PatchRefiner::collect_corners(PatchId id) {
               [](const CornerSegment& a, const CornerSegment& b) {
                 return std::tie(a.other, a.segment) < std::tie(b.other, b.segment);
               });
-  // Vertices inside the patch have a floor by what is next to them.
+  // A vertex inside the patch has a floor that depends on the vertices next to it.
   std::pmr::vector<std::uint8_t> is_inside(corner_count_, 0, &memory);
   for (std::uint32_t v = 0; v < corner_count_; ++v) is_inside[v] = std::isinf(value_[v]);
   for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); ++h)
@@ -192,12 +193,13 @@ void PatchRefiner::collect_corners(PatchId id) {
       }
 }
 
-/// Where a side goes in its chain is of no importance.
+/// The place of a side within its chain does not matter.
 void PatchRefiner::add_to_chain(std::uint32_t side) {
   sides_[side].next = std::exchange(chains_[sides_[side].chain].first, side);
 }
 
-/// The sides as they are in the patch's mesh: one a segment, or two of a slit, which stand together.
+/// Collects the sides as they are in the patch's mesh: one for each segment, or two for a slit, which follow each
+/// other.
 void PatchRefiner::collect_sides(PatchId id) {
   sides_.reserve(2 * segments_.sides_of_patch(id).size());
   chains_.reserve(segments_.sides_of_patch(id).size());
@@ -215,7 +217,7 @@ void PatchRefiner::collect_sides(PatchId id) {
   }
 }
 
-/// Sides that are longer than sizes allow, and stay.
+/// Collects the sides that are longer than sizes allow and that stay.
 void PatchRefiner::collect_held_sides(PatchId id, RunControl& control) {
   if (!criteria_.has_sizes) return;
   std::vector<HeldSide> held;
@@ -233,20 +235,21 @@ void PatchRefiner::collect_held_sides(PatchId id, RunControl& control) {
   if (!held.empty()) held_ = std::make_unique<const HeldSizes>(held, criteria_.min_angle_deg, control);
 }
 
-/// Where there are sizes, the patch is triangulated anew from its cut boundary and lattices of points inside. Returns
-/// false where that would change nothing, or rounding forbids it; vertices and sides are as they may be then.
+/// Triangulates the patch anew from its cut boundary and from lattices of points inside, if there are sizes. Returns
+/// false if that would change nothing, or if rounding forbids it. Then vertices and sides may have been changed.
 bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
                                 RunControl& control) {
   const SizeField& sizes = criteria_.sizes;
   const double scale = patch_.frame.scale;
   if (sizes.is_uniform() && !std::isfinite(criteria_.even_size)) return false;
 
-  // Vertices: the corners, then the cuts; pieces from one to the next, side by side.
+  // The vertices are the corners and then the cuts. The pieces run from one vertex to the next, side by side.
   std::vector<Vec2> points = patch_.uv;
   std::vector<Piece> pieces;
   const auto original = static_cast<std::uint32_t>(sides_.size());
   const auto own = segments_.sides_of_patch(id);
-  std::uint32_t first_cut = 0, first_piece = 0;  // of the segment: the first vertex on it, the first side after s
+  // These are the first vertex on the segment of s, and the first of the sides that are added for s.
+  std::uint32_t first_cut = 0, first_piece = 0;
   for (std::uint32_t s = 0; s < original; ++s) {
     const Side side = sides_[s];
     const std::vector<double>& at = cuts[segment_of(side)];
@@ -265,7 +268,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
     const std::uint32_t begin = side.is_forward ? patch_.mesh.from(h) : patch_.mesh.to(h);
     const std::uint32_t end = side.is_forward ? patch_.mesh.to(h) : patch_.mesh.from(h);
     for (std::uint32_t k = 0; k <= n; ++k) {
-      // The piece between the k-th vertex along the segment and the next.
+      // This is the piece between the k-th vertex along the segment and the next one.
       const std::uint32_t index = k == 0 ? s : static_cast<std::uint32_t>(sides_.size());
       if (k > 0) {
         sides_.push_back(side);
@@ -290,7 +293,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
     if (!made) return false;
   }
 
-  // Lattices do not ask how short their edges are: half the size they may be.
+  // Lattices do not know the shortest edge that is allowed. Their edges may be half as long as the size.
   PlaneSizes plane_sizes;
   if (held_) {
     plane_sizes = {[&](Vec2 p) { return size_at(p); },
@@ -312,7 +315,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
   std::vector<Vec2> boundary = points;
   for (const Piece& piece : pieces) boundary.push_back(0.5 * (points[piece.from] + points[piece.to]));
   const std::size_t most = std::min<std::uint64_t>(quota / 3, std::uint64_t{1} << 27);
-  // Points go to the grid, and to space.
+  // Points are rounded to the grid, and again in space.
   const double shortest = criteria_.min_edge_length / scale * (1 + 1e-9) + 2 * patch_.frame.grid;
   const std::size_t before = points.size();
   const auto is_too_fine = [&](double size) { return size / 2 < criteria_.min_edge_length; };

@@ -1,4 +1,5 @@
-/// Points inside that are not needed in the end: taken away, or two of them replaced by one.
+/// This file has the members of PatchRefiner that thin a patch out. Points inside that are not needed in the end are
+/// removed, or one point takes the place of two.
 
 #include <algorithm>
 #include <cmath>
@@ -12,27 +13,31 @@
 namespace remesh {
 namespace {
 
-// Shares from 0.8 to 0.9, shapes from 0.15 to 0.185 and 4 to 12 places give counts within a half per cent. Of these,
-// the ones here are such that TetGen's worst dihedral angles came out well on three parts (two of some thirty settings
-// did, seven of thirty another time): next time that may be others.
+// The following values were chosen among many that give nearly the same number of faces: shares from 0.8 to 0.9, shapes
+// from 0.15 to 0.185 and 4 to 12 places differ by no more than half a per cent. With these values, TetGen's worst
+// dihedral angles came out well on three parts. (Two of some thirty settings did so, and seven of thirty another time.)
+// Next time it may be other values.
 
-/// Points whose edges all are longer than this share of what is allowed stay: there is no room for fewer.
+/// A point stays if all its edges are longer than this share of what is allowed, because then there is no room for
+/// fewer points.
 constexpr double kLongEnough = 0.86;
-/// Area over the sum of squared edges, twice, of a triangle with two angles of 28 degrees: for fewer points none gets
-/// flatter than this, nor than the flattest there was.
+/// A triangle with two angles of 28 degrees has this value of twice the area over the sum of squared edges. If points
+/// are removed, no triangle gets flatter than this, or than the flattest that was there before.
 constexpr double kFlattest = 0.165;
-/// A point with more edges, between small things far from it, stays. With angles of 15 degrees there are no more.
+/// A point with more edges stays. It lies between small things that are far from it. With angles of 15 degrees, no
+/// point has more edges.
 constexpr std::size_t kMaxEdges = 24;
-/// Sizes change across a few triangles: their average may seem a little too large.
+/// Leaving out a point is tried if this share of the average edge afterwards is allowed. Sizes change across a few
+/// triangles, so the average may seem a little too large.
 constexpr double kAlmost = 0.8;
-/// Places that are tried for one point instead of two.
+/// This is the number of places that are tried for one point in the place of two.
 constexpr int kPlaces = 7;
 
 double squared_length(Vec2 a) { return dot(a, a); }
 
 }  // namespace
 
-/// May an edge at that place be so long, in the plane?
+/// Returns whether an edge at that place may have that length, in the plane.
 bool PatchRefiner::is_allowed(double length, Vec2 p) const {
   if (held_) return allows(length, p);
   const double in_space = length * patch_.frame.scale;
@@ -40,7 +45,8 @@ bool PatchRefiner::is_allowed(double length, Vec2 p) const {
          (criteria_.sizes.is_uniform() || criteria_.sizes.allows(in_space, to_space(p)));
 }
 
-/// The vertices around v, counter-clockwise; false if they are too many, or a triangle there is not as it should be.
+/// Finds the vertices around v, counter-clockwise. Returns false if there are too many, or if a triangle there is not
+/// good.
 bool PatchRefiner::find_ring(std::uint32_t v, std::vector<std::uint32_t>& ring) const {
   ring.clear();
   const std::uint32_t first = mesh_.half_edge_at(v);
@@ -53,8 +59,8 @@ bool PatchRefiner::find_ring(std::uint32_t v, std::vector<std::uint32_t>& ring) 
   return true;
 }
 
-/// Of the triangles between p and a ring: the least area over the sum of squared edges, twice; negative if one is
-/// turned over.
+/// Measures the triangles between p and a ring. `least_shape` is the minimum of twice the area over the sum of squared
+/// edges. It is negative if a triangle is turned over.
 PatchRefiner::Fan PatchRefiner::fan_of(Vec2 p, std::span<const std::uint32_t> ring) const {
   Fan fan{HUGE_VAL, 0, false};
   for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -80,8 +86,8 @@ void PatchRefiner::take(std::uint32_t v) {
   note_remade();
 }
 
-/// Puts all back that was taken, the last first: so they get their numbers again, and the triangulation of these points
-/// is one and the same.
+/// Puts back everything that was taken, the last point first. So points get their old numbers again. The triangulation
+/// of these points is unique, so it is the same as before.
 void PatchRefiner::put_back() {
   for (; !at_->taken.empty(); at_->taken.pop_back()) {
     const Workplace::Taken& taken = at_->taken.back();
@@ -101,7 +107,8 @@ bool PatchRefiner::is_inside(std::uint32_t t, Vec2 p) const {
   return true;
 }
 
-/// Are all triangles that were remade since the first was taken within the bounds, and none flatter than that?
+/// Returns whether all triangles that were remade since the first point was taken are within the bounds, and none is
+/// flatter than `flattest`.
 bool PatchRefiner::are_remade_well(double flattest) const {
   const double shortest = criteria_.min_edge_length / patch_.frame.scale;
   return std::all_of(at_->remade.begin(), at_->remade.end(), [&](std::uint32_t t) {
@@ -115,7 +122,7 @@ bool PatchRefiner::are_remade_well(double flattest) const {
   });
 }
 
-/// Takes v away, if what is around it does without.
+/// Removes v if the triangles around it are good without it. Returns whether it did.
 bool PatchRefiner::leave_out(std::uint32_t v, double flattest) {
   at_->remade.clear();
   take(v);
@@ -127,14 +134,14 @@ bool PatchRefiner::leave_out(std::uint32_t v, double flattest) {
   return false;
 }
 
-/// A place from which all of a ring is within reach, and no triangle is flatter than that.
+/// Returns a place from which all of a ring is within reach, and with which no triangle is flatter than `flattest`.
 std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ring, Floor floor,
                                                double flattest) const {
   const double least = floor.length() / patch_.frame.scale;
   Vec2 p{};
   for (const std::uint32_t u : ring) p = p + mesh_.point(u);
   p = (1 / static_cast<double>(ring.size())) * p;
-  // Towards the middle of the smallest circle around the ring.
+  // The places move towards the middle of the smallest circle around the ring.
   for (int i = 1; i <= kPlaces; ++i) {
     Vec2 farthest = p;
     double nearest_squared = HUGE_VAL;
@@ -146,7 +153,7 @@ std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ri
     if (nearest_squared >= least * least) {
       const Fan fan = fan_of(p, ring);
       const auto is_within_reach = [&](Vec2 q) { return is_allowed(norm(q - p), 0.5 * (p + q)); };
-      // The farthest first: most places fail by it.
+      // The farthest vertex is tested first, because most places fail by it.
       if (fan.least_shape >= flattest && !fan.is_any_sharp && is_within_reach(farthest) &&
           std::all_of(ring.begin(), ring.end(), [&](std::uint32_t u) { return is_within_reach(mesh_.point(u)); }))
         return on_grid(p);
@@ -156,7 +163,8 @@ std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ri
   return std::nullopt;
 }
 
-/// Finds the ring around v and the k-th vertex w of v's ring; false if not all is as it should be around w.
+/// Finds the ring around both v and w, where w is the k-th vertex of v's ring. Returns false if not all triangles
+/// around w are good.
 bool PatchRefiner::find_hole(std::uint32_t v, std::size_t k) {
   const std::vector<std::uint32_t>&ring = at_->ring, &other = at_->other_ring;
   if (!find_ring(ring[k], at_->other_ring)) return false;
@@ -164,15 +172,15 @@ bool PatchRefiner::find_hole(std::uint32_t v, std::size_t k) {
   const auto add = [&](const std::vector<std::uint32_t>& around, std::size_t from) {
     for (std::size_t i = 1; i + 1 < around.size(); ++i) at_->hole.push_back(around[(from + i) % around.size()]);
   };
-  // Around v from behind w to before it, then on around w.
+  // The ring runs around v from behind w to before w, and then on around w.
   add(ring, k);
   add(other, static_cast<std::size_t>(std::find(other.begin(), other.end(), v) - other.begin()));
   return true;
 }
 
-/// Puts one point in the place of v and its neighbour w, if there is one that does for both. `at_->hole`: the ring
+/// Puts one point in the place of v and its neighbour w, if there is a place that serves both. `at_->hole` is the ring
 /// around them.
-/// Output: the vertex, or kNone.
+/// Output: The new vertex, or kNone.
 std::uint32_t PatchRefiner::merge(std::uint32_t v, std::uint32_t w, double flattest) {
   const Floor floor = std::min(Floor(value_[v]), Floor(value_[w]));
   const std::optional<Vec2> p = place_within(at_->hole, floor, flattest);
@@ -228,7 +236,7 @@ void PatchRefiner::thin_out(RunControl& control, RefinementProgress& progress) {
     if (!is_short(nearest)) continue;
     const Fan fan = fan_of(p, ring);
     const double flattest = std::min(kFlattest, fan.least_shape);
-    // Two triangles less, of the same area.
+    // Without v, there are two triangles less for the same area.
     const double side = std::sqrt(fan.twice_area / (static_cast<double>(ring.size()) - 2) * (2 / std::numbers::sqrt3));
     if (is_allowed(kAlmost * side, p) && leave_out(v, flattest)) {
       for (const std::uint32_t u : ring) wait(u);
@@ -236,7 +244,7 @@ void PatchRefiner::thin_out(RunControl& control, RefinementProgress& progress) {
     }
     for (std::size_t k = 0; k < ring.size(); ++k) {
       const std::uint32_t w = ring[k];
-      // One that still waits will try this pair in its turn.
+      // If w still waits, this pair is tried when it is its turn.
       if (!is_free(w) || is_waiting[w] != 0 || !is_short(w) || !find_hole(v, k)) continue;
       const double least = fan_of(mesh_.point(w), at_->other_ring).least_shape;
       const std::uint32_t merged = merge(v, w, std::min(flattest, least));

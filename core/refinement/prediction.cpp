@@ -16,17 +16,20 @@
 namespace remesh {
 namespace {
 
-/// Faces of a refined area, per equilateral face of the size asked for. Measured on cubes and plates.
+/// A refined area has this number of faces per equilateral triangle of the size asked for. It was measured on cubes and
+/// plates.
 constexpr double kFacesPerIdeal = 1.45;
 
-/// Faces for each piece of a boundary edge that another patch needs, from there to where they may be large again.
+/// A piece of a boundary edge that another patch needs costs this number of faces. They fill the area from the edge to
+/// where faces may be large again.
 constexpr double kFacesPerPiece = 2.5;
-/// A patch's share stays a number, however sharp its angles or small its sizes are.
+/// No patch's share is larger than this. So the share is always a number that can be computed with, however sharp the
+/// patch's angles or small its sizes are.
 constexpr double kMaxOfPatch = 0x1p62;
-/// Edges in fewer pieces are no news to the patches beside them.
+/// If a patch needs fewer pieces of an edge than this, the patches beside the edge are not told.
 constexpr double kFewPieces = 3;
 
-/// How many pieces a patch needs of an edge between two vertices.
+/// Tells how many pieces a patch needs of an edge between two vertices.
 struct EdgePieces {
   VertexId from, to;  ///< the smaller id first
   double pieces;
@@ -36,17 +39,18 @@ struct EdgePieces {
   }
 };
 
-/// A boundary edge in pieces of that length at most; of ten lengths ten, whatever the last digits say.
+/// Returns how many pieces, each at most `most` long, a boundary edge needs. An edge of ten lengths needs ten, whatever
+/// its last digits are.
 double count_pieces(double length, double most) { return std::max(1.0, std::ceil(length / most * (1 - 1e-12))); }
 
-/// Area of the largest triangle that sizes allow.
+/// Returns the area of the largest triangle that sizes allow.
 double largest_area(const Goals& goals, const SizeField& sizes) {
   return std::min(goals.max_area, equilateral_area(sizes.largest()));
 }
 
 double tangent_of(double degrees) { return std::tan(degrees * std::numbers::pi / 180); }
 
-/// What is asked of all patches.
+/// Holds the goals and what follows from them for all patches.
 struct Asked {
   Asked(const Goals& its_goals, const SizeField& its_sizes)
       : goals(its_goals),
@@ -58,8 +62,8 @@ struct Asked {
 
   const Goals& goals;
   const SizeField& sizes;
-  double tangent;        ///< of the least angle
-  double strip_tangent;  ///< of the angle along strips; 0: boundaries are not cut for angles
+  double tangent;        ///< tangent of the bound on angles
+  double strip_tangent;  ///< tangent of the angle along strips; 0: boundaries are not cut for angles
 };
 
 class PatchPrediction {
@@ -67,7 +71,8 @@ class PatchPrediction {
   PatchPrediction(const PatchMesh& patch, const Asked& asked)
       : patch_(patch), asked_(asked), goals_(asked.goals), sizes_(asked.sizes) {}
 
-  /// Faces for pieces of edges, each as many as the patch with most of them needs.
+  /// Returns the number of faces for the pieces of boundary edges, where each edge has as many pieces as the patch that
+  /// needs most of them.
   double faces_for_pieces(const std::vector<EdgePieces>& needed) const {
     double faces = 0;
     for (std::uint32_t h = 0; h < patch_.mesh.half_edge_count(); ++h) {
@@ -81,7 +86,7 @@ class PatchPrediction {
     return faces;
   }
 
-  /// `many_pieces`: gets the boundary edges of which the patch needs many pieces.
+  /// Predicts the faces of the patch. Appends the boundary edges of which the patch needs many pieces to `many_pieces`.
   Prediction run(std::vector<EdgePieces>& many_pieces, RunControl& control) const {
     const Triangulation2d& mesh = patch_.mesh;
     const double scale = patch_.frame.scale;
@@ -121,9 +126,10 @@ class PatchPrediction {
     return std::minmax({patch_.vertices[patch_.mesh.from(h)], patch_.vertices[patch_.mesh.to(h)]});
   }
 
-  /// How many pieces of a boundary edge the bound on angles needs where the patch is narrow beside it: each is as long
-  /// as twice the width over the tangent of the angle. The width is that of the triangle there, and beyond its other
-  /// sides of theirs; towards an edge that meets this one it is the input's angle that counts.
+  /// Returns how many pieces of a boundary edge the bound on angles needs where the patch is narrow beside the edge.
+  /// Each piece is as long as twice the width over the tangent of the angle. The width is that of the triangle at the
+  /// edge and, beyond the triangle's other sides, that of the triangles there. Towards an edge that meets this one, no
+  /// pieces are needed, because there the angle of the input counts.
   double pieces_for_angle(std::uint32_t h) const {
     const Triangulation2d& mesh = patch_.mesh;
     const Vec2 a = patch_.uv[mesh.from(h)], b = patch_.uv[mesh.to(h)], c = patch_.uv[mesh.apex(h)];
@@ -137,19 +143,19 @@ class PatchPrediction {
       if (mesh.is_constrained(side) || !(part > 0) || !(width > 0)) continue;
       const double beyond = std::max(width, cross(along, patch_.uv[mesh.apex(mesh.twin(side))] - a));
       const double growth = beyond / width - 1;
-      // The mean of one over a width that grows evenly.
+      // This is the mean of one over a width that grows evenly.
       pieces += part / width * (growth > 1e-3 ? std::log1p(growth) / growth : 1);
     }
     const double most = length * patch_.frame.scale / goals_.min_edge_length;
     return std::max(1.0, std::min(pieces * asked_.strip_tangent / 2, most));
   }
 
-  /// A triangle with a small angle is filled with others that grow from its short edge; those that grow from the pieces
-  /// of its long one are counted by the pieces.
+  /// Returns the faces that fill a triangle with a small angle. They grow from its short edge. The faces that grow from
+  /// pieces of its long edge are counted with the pieces.
   double faces_for_angle(const double (&length)[3], double area) const {
     if (!(area > 0) || goals_.min_angle_deg == 0) return 1;
     const double longest = std::max({length[0], length[1], length[2]});
-    // The smallest angle's height over its reach.
+    // The sharpness compares the tangent with the smallest angle's height over its reach.
     const double sharpness = asked_.tangent / (2 * area / (longest * longest));
     return sharpness <= 1 ? 1 : 1 + 2 * std::log2(sharpness);
   }
@@ -159,7 +165,7 @@ class PatchPrediction {
     return sizes_.is_uniform() ? longest_edge() : std::min(longest_edge(), sizes_.at(to_space(patch_.frame, p)));
   }
 
-  /// Null if all sides may be cut, or none needs to be.
+  /// Returns null if all sides may be cut, or if none needs to be.
   std::unique_ptr<const HeldSizes> held_sizes(RunControl& control) const {
     if (goals_.split_boundaries || (sizes_.is_uniform() && !std::isfinite(longest_edge()))) return nullptr;
     const Triangulation2d& mesh = patch_.mesh;
@@ -178,7 +184,7 @@ class PatchPrediction {
     const double edge = longest_edge();
     if (sizes_.is_uniform() && held == nullptr)
       return std::isfinite(edge) ? kFacesPerIdeal * area / equilateral_area(edge) : 0;
-    // Sizes are read in the middles of small triangles of it.
+    // The size is read in the middles of small triangles into which the triangle is divided.
     constexpr int kParts = 6;
     const double part = area / (kParts * kParts);
     double faces = 0;
@@ -200,23 +206,24 @@ class PatchPrediction {
   const SizeField& sizes_;
 };
 
-/// A floor that is asked for is no matter for a size that is so many times as long; one for rounding is none for the
-/// area inside beside pieces of so many of its lengths, and never one for the pieces.
+/// A floor that is asked for does not matter if the size is at least this many times as long. A floor because of
+/// rounding does not matter for the area inside, beside pieces that are at least kSizesOverRounding times as long. For
+/// the pieces themselves it never matters.
 constexpr double kSizesOverFloor = 64;
 constexpr double kSizesOverRounding = 8;
-/// Where a floor is a matter, triangles that cannot be split for it have up to so many times the area of the
-/// equilateral one with edges of that length: a point in the middle of a larger one is farther from its corners, and
-/// from the pieces that cannot be cut.
+/// Where a floor matters, triangles that cannot be split because of it have up to this many times the area of an
+/// equilateral triangle with edges of the floor's length. A point in the middle of a larger triangle is farther from
+/// its corners, and from the pieces that cannot be cut.
 constexpr double kLeftBesideFloor = 16;
-/// A patch with a floor that is a matter, or with segments that stay, counts as filled only where it would have more
-/// faces than this: fewer are made as well as it goes, and do no harm.
+/// A patch where a floor matters, or with segments that stay, counts as filled only if it would have more faces than
+/// this. Fewer faces are made as well as it goes, and do no harm.
 constexpr double kManyFaces = 0x1p20;
-/// A patch that would have so many times the faces that are allowed, if only rounding left room for them, is refused.
+/// A patch is refused if it would have this many times the faces that are allowed, if only rounding left room for them.
 constexpr double kFarFromAsked = 0x1p20;
-/// They are read at a few places, so that what they come to is taken to be right within this factor.
+/// Sizes are read at a few places. So the sum of what they ask for is taken to be right within this factor.
 constexpr double kDoubtOfSamples = 16;
 
-/// Of one patch.
+/// Computes a lower bound on the faces of one patch.
 class LeastFaces {
  public:
   LeastFaces(const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control)
@@ -225,11 +232,11 @@ class LeastFaces {
         control_(control),
         longest_(sizes.largest()),
         largest_area_(largest_area(goals, sizes)),
-        // As long as the edges of the largest triangle, if these are all alike.
+        // This is the edge of the largest triangle, if all its edges are equally long.
         edge_(equilateral_edge(largest_area_)) {}
 
   double of(const PatchMesh& patch, PatchId p) const {
-    // Edges as long as this may stay, whatever sizes ask for.
+    // Edges up to this length may stay, whatever sizes ask for.
     double may_stay = is_floor_a_matter(goals_.min_edge_length, kSizesOverFloor) ? goals_.min_edge_length : 0;
     double pieces = 0;
     bool is_any_locked = false, is_any_kept = false, is_floor_asked = may_stay > 0;
@@ -252,7 +259,7 @@ class LeastFaces {
         filled = 0;
       else if (is_any_kept)
         filled = away_from_kept(patch, p, largest);
-      // What rounding leaves room for is so far from what is asked for that it would serve nobody.
+      // The result that rounding leaves room for is so far from what is asked for that it would serve nobody.
       if (!is_any_kept && !is_floor_asked) filled = std::max(filled, area_of(patch) / largest_area_ / kFarFromAsked);
     }
     return std::max({triangles, pieces - 2, filled});
@@ -263,18 +270,20 @@ class LeastFaces {
     if (s.is_locked()) return 1;
     const double pieces = count_pieces(s.length, longest_);
     if (s.is_floor_asked) return s.floor * kSizesOverFloor <= longest_ ? pieces : 1;
-    // That rounding leaves no room for a cut shows when all are made, if so many can be made.
+    // If rounding leaves no room for a cut, this shows only when all cuts are made, if so many can be made.
     return s.floor <= longest_ || pieces > static_cast<double>(kMaxFaces) ? pieces : 1;
   }
 
-  /// May triangles stay larger than sizes ask for, since points must not come nearer to each other?
+  /// Returns whether triangles may stay larger than sizes ask for, because points must not come nearer to each other
+  /// than the floor.
   bool is_floor_a_matter(double floor, double sizes_over_floor) const { return !(floor * sizes_over_floor <= edge_); }
 
-  /// Does a segment stay because somebody wants it to? Where only rounding leaves no room to cut it, sizes that ask for
-  /// so many faces are refused as well: what could be made misses them all over.
+  /// Returns whether a segment stays because somebody wants it to. If only rounding leaves no room to cut it, sizes
+  /// that ask for so many faces are refused as well: a result would miss them everywhere.
   static bool is_kept(const BoundarySegment& s) { return s.lock == Lock::kKept || s.lock == Lock::kAsked; }
 
-  /// Beside sides that stay, triangles are as large as HeldSizes has them. So many does what is away from them take.
+  /// Returns the number of faces that the area away from fixed sides needs. Beside these sides, triangles are as large
+  /// as HeldSizes allows.
   double away_from_kept(const PatchMesh& patch, PatchId p, double largest) const {
     const Triangulation2d& mesh = patch.mesh;
     const double scale = patch.frame.scale, edge = equilateral_edge(largest) / scale;
@@ -291,7 +300,7 @@ class LeastFaces {
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
       const Vec2 a = patch.uv[mesh.from(h)], b = patch.uv[mesh.from(h + 1)], c = patch.uv[mesh.from(h + 2)];
       const double part = cross(b - a, c - a) / 2 / (kSamples * kSamples);
-      // The middles of all small triangles that lie as the large one.
+      // These are the middles of all small triangles that lie the same way round as the large one.
       for (int i = 0; i < kSamples; ++i)
         for (int j = 0; i + j < kSamples; ++j) {
           control_.check();
@@ -320,7 +329,8 @@ class LeastFaces {
   double longest_, largest_area_, edge_;
 };
 
-/// All pieces in which segments are cut for their sizes before it shows whether rounding leaves room for them.
+/// Returns the number of all cuts that are made in segments for their sizes before it shows whether rounding leaves
+/// room for them.
 double pieces_to_be_made(const SegmentTable& segments, const SizeField& sizes, RunControl& control) {
   double pieces = 0;
   StopCheck check(control);
@@ -337,7 +347,7 @@ double pieces_to_be_made(const SegmentTable& segments, const SizeField& sizes, R
 
 double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
                    const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control) {
-  // So many could not even be listed.
+  // So many pieces could not even be listed.
   const double pieces = pieces_to_be_made(segments, sizes, control);
   if (pieces > static_cast<double>(kMaxFaces)) return pieces;
   const LeastFaces least(segments, goals, sizes, control);
@@ -381,7 +391,7 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
     needed.insert(needed.end(), block.pieces.begin(), block.pieces.end());
   }
   if (needed.empty()) return total;
-  // Of each edge the most.
+  // For each edge, only the largest number of pieces is used.
   sort_stoppable(needed.begin(), needed.end(), control);
   std::size_t kept = 0;
   for (std::size_t i = 0; i < needed.size(); ++i) {

@@ -1,4 +1,4 @@
-/// How many faces a refinement will make, before it is done.
+/// Estimates how many faces a refinement will make before it is done.
 #pragma once
 
 #include <cstdint>
@@ -13,30 +13,32 @@
 namespace remesh {
 
 struct Prediction {
-  /// What to expect: by sizes within some 30 %, by angles alone within a factor of two or so, along narrow strips too
-  /// (fans of needles have no cheap tight estimate).
+  /// This is the number of faces to expect. If sizes decide, it is right within some 30 %. If angles alone decide, it
+  /// is right within a factor of two or so, also along narrow strips. (For fans of needles there is no cheap tight
+  /// estimate.)
   double expected = 0;
-  /// One per patch, at least 1: its share in that, but for what it makes of cuts that others need.
+  /// This is each patch's share in that, which is at least 1. It leaves out what the patch makes of cuts that other
+  /// patches need.
   std::vector<float> of_patch;
 };
 
-/// What has more faces cannot be made: half-edges are numbered in 31 bits.
+/// A result with more faces cannot be made, because half-edges are numbered in 31 bits.
 inline constexpr std::uint64_t kMaxFaces = std::uint64_t{1} << 29;
 
-/// Input:  triangulated patches over the vertices that stay.
-/// Cost:   O(n), with sizes that vary O(n log n).
+/// Input: Triangulated patches over the vertices that stay.
+/// Cost:  O(n), or O(n log n) if sizes vary.
 Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, const SizeField& sizes,
                    RunControl& control);
 
-/// A lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its triangles
-/// as they are, what the pieces of its boundary take, and its area over the largest triangle that is allowed. Near
-/// floors, triangles may stay larger than sizes ask for, and so they are taken here. Beside segments that are to stay
-/// as they are, only what is far enough from them counts, and only where very many faces are asked for. It is not
-/// foreseen that a refined patch fails the check, as may happen where the input intersects or touches itself, and
-/// stays as it was.
-/// Input:  the patches' segments, as they are limited; cuts need not be planned. `is_frozen`: the patches that are not
-///         refined.
-/// Cost:   O(n).
+/// Computes a lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its
+/// triangles as they are, the triangles that the pieces of its boundary need, and its area over the area of the largest
+/// triangle that is allowed. Near floors, triangles may stay larger than sizes ask for, and the bound allows for that.
+/// Beside segments that are to stay as they are, only the area that is far enough from them counts, and only where very
+/// many faces are asked for. The bound does not foresee that a refined patch may fail the check and stay as it was.
+/// This may happen where the input intersects or touches itself.
+/// Input: The limits of the patches' segments are set; cuts need not be planned yet. `is_frozen` marks the patches that
+///        are not refined.
+/// Cost:  O(n).
 double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
                    const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control);
 

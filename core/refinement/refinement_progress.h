@@ -1,4 +1,4 @@
-/// How far a refinement is.
+/// Tells how far a refinement is.
 #pragma once
 
 #include <algorithm>
@@ -9,18 +9,18 @@
 
 namespace remesh {
 
-/// Counts the triangles that are there against those that a prediction expects. Expectations may be half of what comes:
-/// then it stands at 99 %. All members may be called from any thread.
+/// Compares the number of triangles with the number that a prediction expects. There may be twice as many as expected;
+/// then the progress stands at 99 %. All members may be called from any thread.
 class RefinementProgress {
  public:
   RefinementProgress(RunControl& control, double expected) : control_(control), expected_(std::max(expected, 1.0)) {}
 
-  /// A refinement begins, or begins again, with so many triangles.
+  /// Must be called when a refinement begins, or begins again, with this number of triangles.
   void begin(std::uint64_t faces) { faces_ = static_cast<std::int64_t>(faces); }
-  /// There are so many more (or fewer) triangles. Also a point of cancellation.
+  /// Must be called when there are this many more (or fewer) triangles. It is also a point of cancellation.
   void add(std::int64_t faces) {
     const double fraction = static_cast<double>(faces_ += faces) / expected_;
-    // One that begins again does not go back.
+    // The progress never goes back, even if the refinement begins again.
     double known = fraction_;
     while (known < fraction && !fraction_.compare_exchange_weak(known, fraction)) {
     }

@@ -21,8 +21,8 @@
 namespace remesh {
 namespace {
 
-/// From the plane of the frame, which has a vertex as its origin, to the plane that fits the patch best; null if they
-/// are the same but for rounding.
+/// Returns the way from the plane of the frame, whose origin is a vertex, to the plane that fits the patch best. It is
+/// null if the two planes are the same up to rounding.
 Vec3 plane_offset(const Surface& surface, const Plane& plane, const Vec3& origin) {
   const Vec3 local = (1 / surface.unit) * (origin - surface.centre);
   const double height = plane.distance(local);
@@ -31,13 +31,13 @@ Vec3 plane_offset(const Surface& surface, const Plane& plane, const Vec3& origin
   return (-height * surface.unit) * plane.normal;
 }
 
-/// The vertices inside the patch that have no id yet.
+/// Counts the vertices inside the patch that have no id yet.
 std::size_t count_unplaced(const PatchMesh& patch) {
   return static_cast<std::size_t>(
       std::count_if(patch.vertices.begin(), patch.vertices.end(), [](VertexId v) { return !v.is_valid(); }));
 }
 
-/// Gives them ids and positions: those from `first` of the new ones on.
+/// Gives these vertices ids and positions: those of the new vertices from `first` on.
 void place_inner_vertices(const Surface& surface, const Plane& plane, PatchMesh& patch, std::size_t first,
                           std::vector<Vec3>& new_positions) {
   const Vec3 offset = plane_offset(surface, plane, patch.frame.origin);
@@ -50,8 +50,9 @@ void place_inner_vertices(const Surface& surface, const Plane& plane, PatchMesh&
 
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
-/// One refinement, from sizes on segments to the refined patches. If rounding leaves no room for a cut, that segment is
-/// locked and all begins again; so it does at the first chord: the patches then stay at work, for some passes more.
+/// Runs one refinement, from the sizes on segments to the refined patches. If rounding leaves no room for a cut, its
+/// segment is locked and everything begins again. It also begins again at the first chord, because from then on the
+/// refiners of patches must be there for some more passes.
 class Rounds {
  public:
   Rounds(const Surface& surface, const PatchSet& patches, const std::vector<std::uint8_t>& is_frozen,
@@ -112,35 +113,37 @@ class Rounds {
   }
 
  private:
-  /// A chord that gets a point ends many others, and what is refined around it may make a few anew.
+  /// Limits the number of passes for chords. A point in a chord ends many other chords, and what is refined around it
+  /// may make a few new ones.
   static constexpr int kMaxChordPasses = 16;
-  /// Most is done then: what the last time brings is a few per cent.
+  /// Limits the number of times that refinement goes on after thinning out. Most is done by then: the last time brings
+  /// only a few per cent.
   static constexpr int kMaxTakenUp = 8;
-  /// In parts of the budget: for less it is not worth a round over all patches.
+  /// If less than one kRoomForMore-th of the budget is left, a round over all patches is not worth while.
   static constexpr std::uint64_t kRoomForMore = 128;
-  /// Small enough blocks: patches may have thousands of triangles each.
+  /// This is the number of patches in a task. It is small because a patch may have thousands of triangles.
   static constexpr std::size_t kPatches = 16;
   static constexpr std::size_t kSegments = 1024;
 
-  /// Cuts along a segment that a patch has to take over.
+  /// A message is about cuts along a segment that other patches made and `patch` has to make too.
   struct Message {
     PatchId patch;
     SegmentId segment;
-    std::uint64_t count = 0;  ///< of cuts that are new to it
+    std::uint64_t count = 0;  ///< cuts that are new to the patch
     friend bool operator<(const Message& a, const Message& b) {
       return a.patch != b.patch ? a.patch < b.patch : a.segment < b.segment;
     }
     friend bool operator==(const Message&, const Message&) = default;
   };
 
-  /// A cut, and the patch that made it: not the only one, if others did so in the same round.
+  /// A cut, and a patch that made it. If several patches made it in the same round, each has an entry.
   struct FreshCut {
     Cut cut;
     PatchId by;
     friend bool operator<(const FreshCut& a, const FreshCut& b) { return a.cut == b.cut ? a.by < b.by : a.cut < b.cut; }
   };
 
-  /// Rounds, until no patch has anything to do.
+  /// Runs rounds until no patch has anything to do.
   void settle() {
     note_made();
     while (!dirty_.empty() && impossible_.empty() && !is_too_much_made()) {
@@ -152,7 +155,7 @@ class Rounds {
     }
   }
 
-  /// The triangles that there are, and those that the messages will make.
+  /// Returns the number of triangles that there are, plus those that the messages will make.
   std::uint64_t count_faces() const {
     std::uint64_t faces = 0;
     StopCheck check(control_);
@@ -169,7 +172,8 @@ class Rounds {
   }
   bool is_too_much_made() const { return made_ > most_made_; }
 
-  /// Not after the first chords: points that they get have to stay. Output: whether it was done.
+  /// Thins out all patches. This is not done after the first chords, because the points in chords have to stay. Returns
+  /// whether it was done.
   bool thin_out() {
     if (std::exchange(is_thinned_out_, true) || !criteria_.has_sizes) return false;
     const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
@@ -184,8 +188,8 @@ class Rounds {
     return true;
   }
 
-  /// Where the budget has ended refinement, thinning out may have made room again: then the patches that have something
-  /// to do go on. Not for ever: what is refined and what is thinned out may be the same.
+  /// If the budget has ended refinement, thinning out may have made room again. Then the patches that have something to
+  /// do go on. The number of times is limited, because what is refined and what is thinned out may be the same.
   bool take_up_again() {
     if (goals_.max_faces == kNoLimit || times_taken_up_ == kMaxTakenUp) return false;
     for (std::uint32_t p = 0; p < refiners_.size(); ++p)
@@ -242,8 +246,8 @@ class Rounds {
     }
   }
 
-  /// Where the cuts for sizes alone would take more than the budget, all segments are cut less often alike: half of it
-  /// is for what patches do inside.
+  /// If the cuts for sizes alone would take more than the budget, all segments are cut less often, in the same
+  /// proportion. Half of the budget is for what patches do inside.
   void thin_out_cuts() {
     if (goals_.max_faces == kNoLimit) return;
     std::uint64_t faces = 0, cuts = 0;
@@ -263,7 +267,7 @@ class Rounds {
       check();
       const std::size_t pieces = of_segment.size() + 1;
       const auto kept = std::max<std::size_t>(1, static_cast<std::size_t>(share * static_cast<double>(pieces)));
-      // Never more than there were, and each as much later than the one before.
+      // There are never more cuts than before. Each is taken as much later than the one before it.
       for (std::size_t i = 1; i < kept; ++i) {
         check();
         of_segment[i - 1] = of_segment[i * pieces / kept - 1];
@@ -279,7 +283,7 @@ class Rounds {
 
   void refine_dirty() {
     choose_quotas();
-    // Which one runs when changes nothing.
+    // The order in which they run changes nothing.
     const LargeFirst by_work = large_first(dirty_.size(), 500, [&](std::uint32_t i) -> std::size_t {
       const std::uint32_t p = dirty_[i];
       return refiners_[p] ? refiners_[p]->waiting() : meshes_[p].mesh.triangle_count();
@@ -296,7 +300,8 @@ class Rounds {
                                                  std::min(quota_[i], most_made_), at, control_);
       else
         refiner->begin_turn(at);
-      // One that begins with points of its own numbers its edges anew: its chords are told in the next pass.
+      // A refiner that begins with points of its own numbers its edges anew. So its chords are left for the next pass,
+      // which finds them again.
       if (const auto chords = std::exchange(chords_[p], {}); !chords.empty())
         if (refiner->triangle_count() != before || refiner->split_edges(chords, control_)) is_any_split_ = true;
       auto message = std::lower_bound(messages_.begin(), messages_.end(), Message{PatchId(p), SegmentId(0), 0});
@@ -311,12 +316,12 @@ class Rounds {
     });
   }
 
-  /// So many triangles are asked for at once where all that are made are counted.
+  /// A refiner is asked for this number of triangles at once if all triangles that are made are counted.
   static constexpr std::uint64_t kSlice = 1 << 16;
 
-  /// During turns it is only added to what is made, and each of them adds the same whenever it runs: so whether it gets
-  /// too much is the same, too, though which turns come to their end then is not. `begun_with`: triangles that are new
-  /// in this turn already.
+  /// Runs one turn and adds its triangles to `made_`. During turns, `made_` only grows, and each turn adds the same
+  /// whenever it runs. So whether there are too many triangles does not depend on the threads. If there are, it does
+  /// depend on them which turns come to their end. `begun_with` counts the triangles that are new in this turn already.
   void run_turn(PatchRefiner& refiner, std::uint64_t quota, std::uint64_t begun_with) {
     if (most_made_ == kNoLimit) return refiner.run(quota, progress_);
     made_ += begun_with;
@@ -327,7 +332,7 @@ class Rounds {
     }
   }
 
-  /// In parallel: the large ones one by one, the others in blocks.
+  /// Calls `body` for all items in parallel: the large ones one by one, the others in blocks.
   template <class Body>
   static void for_each_in(const LargeFirst& items, const Body& body) {
     for_all(std::size_t{0}, items.large, [&](std::size_t k) { body(items.order[k]); });
@@ -336,14 +341,14 @@ class Rounds {
     });
   }
 
-  /// A bad triangle or two take so many.
+  /// It may take this number of triangles to mend one or two bad ones.
   static constexpr std::uint64_t kWorthwhile = 16;
   bool is_budget_spent() const { return goals_.max_faces != kNoLimit && left_ < kWorthwhile; }
 
-  /// How many triangles each dirty patch may make: from the state at the barrier alone. While all of them are still
-  /// to begin that is shared out by what is predicted, so that lattices fit; later half by the work that waits, half
-  /// evenly: one bad triangle may take a thousand, and a patch that is stopped only for its share comes back in a round
-  /// of its own.
+  /// Decides how many triangles each dirty patch may make. This depends on the state at the barrier alone. While all of
+  /// the patches are still to begin, the budget is shared out by what is predicted, so that lattices fit. Later, half
+  /// of it is shared out by the work that waits and half evenly: one bad triangle may take a thousand others, and a
+  /// patch that is stopped only by its share comes back in a round of its own.
   void choose_quotas() {
     quota_.assign(dirty_.size(), kNoLimit);
     if (goals_.max_faces == kNoLimit) return;
@@ -353,11 +358,11 @@ class Rounds {
       return refiners_[p] ? std::max(1.0, static_cast<double>(refiners_[p]->waiting())) : prediction_.of_patch[p];
     };
     for (const std::uint32_t p : dirty_) waiting += share(p);
-    // A step may make a few faces more than its quota has left.
+    // A step may make a few more faces than its quota has left.
     constexpr std::uint64_t kLastStep = 1;
     faces += kLastStep * dirty_.size();
     left_ = goals_.max_faces - std::min(goals_.max_faces, faces);
-    // Where little is left for each, the first of them get a share that is worth a round.
+    // If little is left for each patch, only the first of them get a share. It is large enough to be worth a round.
     if (left_ / dirty_.size() < kWorthwhile) {
       std::fill(quota_.begin(), quota_.end(), 0);
       std::fill_n(quota_.begin(), left_ / kWorthwhile, kWorthwhile);
@@ -407,7 +412,7 @@ class Rounds {
       std::inplace_merge(cuts.begin(), cuts.begin() + static_cast<std::ptrdiff_t>(old), cuts.end());
       from = to;
       const auto sides = segments_.sides(s);
-      // A segment of one patch alone has nobody to tell.
+      // If only one patch has the segment, no other patch needs a message.
       if (sides.front().patch == sides.back().patch) continue;
       for (const SegmentSide& side : sides) {
         const auto own =
@@ -422,8 +427,8 @@ class Rounds {
     dirty_.erase(std::unique(dirty_.begin(), dirty_.end()), dirty_.end());
   }
 
-  /// The patches as they are now, with ids for new vertices: those on segments, segment after segment, then those
-  /// inside patches, patch after patch.
+  /// Makes the patches as they are now, and gives new vertices ids. The vertices on segments come first, segment after
+  /// segment, and then those inside patches, patch after patch.
   void finish() {
     const std::size_t n = meshes_.size(), old = surface_.vertex_count();
     std::vector<std::uint32_t> first_cut(segments_.size() + 1, 0);
@@ -437,7 +442,8 @@ class Rounds {
     refined_.clear();
     refined_.resize(at_work_.size());
     std::vector<std::vector<UnrefinedReason>> reasons(at_work_.size());
-    // Of each patch at work, and of each patch; then of all before it.
+    // These are first the counts for each patch at work, and for each patch. Then they become the sums over all patches
+    // before it.
     std::vector<std::size_t> first_inner(at_work_.size() + 1, 0), first_triangle(n + 1, 0);
     for_blocks(n, kItemsPerBlock, control_, [&](std::size_t p, std::size_t end) {
       for (; p < end; ++p) first_triangle[p + 1] = meshes_[p].mesh.triangle_count();
@@ -464,7 +470,7 @@ class Rounds {
     std::partial_sum(first_inner.begin(), first_inner.end(), first_inner.begin());
     std::partial_sum(first_triangle.begin(), first_triangle.end(), first_triangle.begin());
     result_.new_positions.resize(first_inner.back());
-    // A patch that is not at work stays as it was: it is frozen, or it has nothing to do.
+    // A patch without a refiner stays as it was, because it is frozen or has nothing to do.
     result_.reason.assign(first_triangle[n], UnrefinedReason::kSizeFloor);
     for (std::size_t p = 0; p < n; ++p)
       if (is_frozen_[p] != 0)
@@ -488,7 +494,7 @@ class Rounds {
     });
   }
 
-  /// Puts the patches of `finish` in the place of those that they began as, or takes these back.
+  /// Swaps the patches that `finish` made with the patches that they were before refinement.
   void exchange_refined() {
     for (std::size_t i = 0; i < at_work_.size(); ++i) std::swap(meshes_[at_work_[i].value], refined_[i]);
   }
@@ -497,7 +503,7 @@ class Rounds {
     return std::any_of(chords.begin(), chords.end(), [&](const Chord& c) { return is_frozen_[c.patch.value] == 0; });
   }
 
-  /// Chords are for their patches to split, in the next round.
+  /// Gives chords to their patches, which split them in the next round.
   void take_on(const std::vector<Chord>& chords) {
     is_any_split_ = false;
     for (const Chord& chord : chords) {
@@ -521,23 +527,27 @@ class Rounds {
   RunControl& control_;
   RefinementProgress progress_;
   SegmentTable segments_;
-  IdVector<SegmentId, std::vector<double>> cuts_;  ///< of each segment, ascending
+  IdVector<SegmentId, std::vector<double>> cuts_;  ///< ascending cuts of each segment
   std::vector<std::unique_ptr<PatchRefiner>> refiners_;
-  /// Loops inside a turn take no other patch's meanwhile (core/base/parallel.h).
+  /// There is one per thread. Parallel loops inside a turn do not run another patch's turn meanwhile
+  /// (core/base/parallel.h).
   tbb::enumerable_thread_specific<Workplace> workplaces_;
-  std::vector<std::uint32_t> dirty_;     ///< patches, ascending
-  std::vector<std::uint64_t> quota_;     ///< one per dirty patch
-  std::atomic<std::uint64_t> made_ = 0;  ///< triangles at the barrier, and what turns have made since or more
-  std::uint64_t left_ = kNoLimit;        ///< of the budget, when they were shared out
-  std::vector<Message> messages_;        ///< sorted
+  std::vector<std::uint32_t> dirty_;  ///< patches, ascending
+  std::vector<std::uint64_t> quota_;  ///< one per dirty patch
+  /// This counts the triangles at the last barrier, plus at least those that turns have made since then.
+  std::atomic<std::uint64_t> made_ = 0;
+  std::uint64_t left_ = kNoLimit;  ///< what was left of the budget when it was last shared out
+  std::vector<Message> messages_;  ///< sorted
   std::vector<SegmentId> impossible_;
-  std::vector<PatchId> at_work_;                    ///< those that have a refiner, when `finish` came
-  std::vector<PatchMesh> refined_;                  ///< of those, what has been made of them; or what they were
-  std::vector<std::vector<std::uint32_t>> chords_;  ///< of each patch: half-edges, as `finish` has them
-  bool is_thinned_out_ = false;                     ///< since all patches began, or were taken up again
+  std::vector<PatchId> at_work_;  ///< the patches that had a refiner when `finish` was called
+  /// These are the patches at work as `finish` has made them, or, after a swap, as they were before.
+  std::vector<PatchMesh> refined_;
+  std::vector<std::vector<std::uint32_t>> chords_;  ///< chords of each patch, as half-edges of `finish`'s result
+  /// True if patches were thinned out since they all began, or since they were taken up again.
+  bool is_thinned_out_ = false;
   int times_taken_up_ = 0;
-  bool is_waiting_for_chords_ = false;     ///< patches stay at work after `finish`
-  std::atomic<bool> is_any_split_ = true;  ///< of the chords that were there last
+  bool is_waiting_for_chords_ = false;     ///< patches keep their refiners after `finish`
+  std::atomic<bool> is_any_split_ = true;  ///< a chord of the last list was split
   Refinement result_;
 };
 

@@ -1,4 +1,4 @@
-/// Refines all patches together until every triangle meets the goals, or says why it cannot.
+/// Refines all patches together until every triangle meets the goals or has a reason why it cannot.
 #pragma once
 
 #include <cstdint>
@@ -17,38 +17,46 @@
 
 namespace remesh {
 
-/// A triangle that may not meet the goals knows why; the others have any value.
+/// This is the result of a refinement.
 struct Refinement {
-  std::vector<Vec3> new_positions;      ///< of the vertices from surface.vertex_count() on
-  std::size_t first_inner = 0;          ///< from here on they are inside patches
-  std::vector<UnrefinedReason> reason;  ///< one per triangle, patch after patch
-  /// One per triangle: is it larger than gaps or short edges ask for (size_misses.h)? Empty: none is.
+  std::vector<Vec3> new_positions;  ///< positions of the vertices from surface.vertex_count() on
+  std::size_t first_inner = 0;      ///< new vertices from here on are inside patches
+  /// There is one entry per triangle, patch after patch: the reason why it misses a goal. For triangles that meet the
+  /// goals it may have any value.
+  std::vector<UnrefinedReason> reason;
+  /// There is one entry per triangle, which is not 0 if the triangle is larger than gaps or short edges ask for
+  /// (size_misses.h). It is empty if no triangle is.
   std::vector<std::uint8_t> misses_sizes;
   std::uint32_t rounds = 0;
 };
 
-/// Rounds: every patch that has something to do refines alone, in parallel; between rounds the cuts that patches made
-/// in their boundaries go to all patches there. Until no patch has anything to do.
-/// Between rounds there may be far more triangles than in the end, where sizes vary thrice as many: thinning out comes
-/// last. So a budget that is not spent may still have changed the result, and first of all it should be tried without.
-/// Input:   triangulated patches; `is_frozen`, one per patch: nothing is put into these, nor on their boundaries; the
-///          segments of these patches, with their cuts planned; what is predicted, for the progress and for sharing out
-///          a budget at first; `most_made`: when it is clear that there will ever be more triangles, it ends.
-/// Output:  the patches with more vertices: those from surface.vertex_count() on are in `new_positions`. Nothing, and
-///          the patches as they were, where there would be more than `most_made`.
-/// Holds:   an edge between patches has the same vertices for all of them; the same result for any number of threads.
-/// Cost:    O(n log n) in the result's triangles, in practice.
-/// Source:  rules.md, Rounds; rules.md, Budget; for what patches do in their turns the rules 13 to 22 there.
+/// Refines in rounds. In a round, every patch that has something to do is refined alone, in parallel with the others.
+/// Between rounds, the cuts that patches made in their boundaries go to all other patches there. The rounds end when no
+/// patch has anything to do. Thinning out comes last, so there may be far more triangles between rounds than in the
+/// end; where sizes vary, there may be three times as many. Therefore even a budget that the result does not spend may
+/// have changed the result, and refinement should first be tried without one.
+/// Input:  Triangulated patches. `is_frozen` has one entry per patch; frozen patches get no points, neither inside nor
+///         on their boundaries. `segments` are the segments of these patches, with their cuts planned. `prediction` is
+///         used for the progress, and for sharing out a budget at first. Refinement ends as soon as it is clear that
+///         there will at some time be more than `most_made` triangles.
+/// Output: The patches with additional vertices. The vertices from surface.vertex_count() on have their places in
+///         `new_positions`. If there would be more than `most_made` triangles, nothing is returned and the patches are
+///         as they were.
+/// Holds:  An edge between patches has the same vertices in all of them. The result is the same for any number of
+///         threads.
+/// Cost:   O(n log n) in the triangles of the result, in practice.
+/// Source: rules.md, Rounds; rules.md, Budget; rules 13 to 22 there for what patches do in their turns.
 std::optional<Refinement> refine(const Surface& surface, const PatchSet& patches,
                                  const std::vector<std::uint8_t>& is_frozen, const Goals& goals, const SizeField& sizes,
                                  SegmentTable segments, const Prediction& prediction, std::vector<PatchMesh>& meshes,
                                  std::uint64_t most_made, RunControl& control);
 
-/// The chord rule, where neither flips nor refinement help: each chord of the patches as they are now gets a point.
-/// Input:   the patches and what refinement says of them, or nothing yet (then `is_frozen` may be empty, and `why` is
-///          without effect); `why`: why refinement itself has not split these chords.
-/// Output:  both with the new vertices. A new triangle that misses a goal is `boundary_locked` if its patch is frozen;
-///          else it misses it for the reason `why`.
+/// Applies the chord rule where neither flips nor refinement have helped: every chord of the patches as they are now
+/// gets a point.
+/// Input:  `refinement` is what refinement has said of the patches. It may say nothing yet; then `is_frozen` may be
+///         empty, and `why` has no effect. `why` is the reason why refinement itself has not split these chords.
+/// Output: The patches and `refinement`, with the new vertices. A new triangle that misses a goal has the reason
+///         `boundary_locked` if its patch is frozen, and the reason `why` otherwise.
 void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,
                   Refinement& refinement, const std::vector<std::uint8_t>& is_frozen, UnrefinedReason why,
                   RunControl& control);

@@ -1,4 +1,4 @@
-/// Where a segment is cut for its size, before anything else.
+/// Cuts a segment for its size, before anything else.
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,7 @@
 namespace remesh {
 namespace {
 
-/// Ten sizes are ten parts, whatever the last digits say.
+/// This is a relative slack for rounding, so that a length of ten sizes makes ten parts whatever its last digits are.
 constexpr double kHair = 1e-12;
 
 double last_of(std::span<const double> shells) { return shells.empty() ? 0 : shells.back(); }
@@ -36,11 +36,11 @@ std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes
   return cuts;
 }
 
-/// At the shells of sharp corners at its ends, and evenly between these.
+/// Cuts a segment on the shells of the sharp corners at its ends, and evenly between these.
 void SegmentTable::cut_at_corners(SegmentId id, std::span<const double> at_from, std::span<const double> at_to,
                                   const SizeField& sizes, std::vector<double>& cuts) const {
   const BoundarySegment& s = segments_[id];
-  // Where those of both ends meet, there is room for half a piece.
+  // Where the shells of both ends meet, there is room for half a piece between them.
   while (last_of(at_from) + last_of(at_to) > s.length - (last_piece_of(at_from) + last_piece_of(at_to)) / 4) {
     auto& farther = last_of(at_from) >= last_of(at_to) ? at_from : at_to;
     farther = farther.first(farther.size() - 1);
@@ -63,7 +63,7 @@ void SegmentTable::cut_at_corners(SegmentId id, std::span<const double> at_from,
   cuts.insert(cuts.end(), behind.rbegin(), behind.rend());
 }
 
-/// Between equal parts, by halves until no piece is longer than the size in its middle.
+/// Cuts a segment between its equal parts, and then by halves until no piece is longer than the size in its middle.
 void SegmentTable::cut_between_parts(SegmentId id, const SizeField& sizes, std::vector<double>& cuts) const {
   const BoundarySegment& s = segments_[id];
   std::vector<std::array<double, 2>> pieces{{0, 1}};
@@ -80,8 +80,8 @@ void SegmentTable::cut_between_parts(SegmentId id, const SizeField& sizes, std::
   std::sort(cuts.begin(), cuts.end());
 }
 
-/// The piece [first, last] into the fewest parts that are no longer than the size there, equal where it is; into one
-/// less where some would be shorter than the shortest edge.
+/// Cuts the piece [first, last] into the fewest parts that are no longer than the size there. The parts are equal where
+/// the size is. If some would be shorter than the shortest edge, there is one part less.
 void SegmentTable::cut_evenly(SegmentId id, double first, double last, const SizeField& sizes,
                               std::vector<double>& cuts) const {
   const BoundarySegment& s = segments_[id];
@@ -89,8 +89,8 @@ void SegmentTable::cut_evenly(SegmentId id, double first, double last, const Siz
   const auto size_at = [&](double t) {
     return std::max(shortest, sizes.is_uniform() ? sizes.largest() : sizes.at(position(id, t)));
   };
-  // The way along the segment, counted in sizes, from step to step: each about half the size before.
-  std::vector<std::pair<double, double>> way{{first, 0}};  // parameter, sizes so far
+  // This is the way along the segment, counted in sizes. Each step is about half as long as the last size.
+  std::vector<std::pair<double, double>> way{{first, 0}};  // pairs of the parameter and the number of sizes so far
   double size = size_at(first);
   while (way.back().first < last) {
     const auto [t, count] = way.back();
@@ -126,7 +126,7 @@ void SegmentTable::cut_evenly(SegmentId id, double first, double last, const Siz
     return false;
   };
   cut_into(std::ceil(all * (1 - kHair)));
-  // Parts of a size or more are none too short.
+  // With one part less, every part is at least as long as the size, so none is too short.
   if (shortest > 0 && is_any_short()) cut_into(std::floor(all * (1 + kHair)));
 }
 

@@ -17,26 +17,28 @@
 namespace remesh {
 namespace {
 
-/// Segments that meet under this angle in a patch are cut on common shells (a little less than 60 degrees: equilateral
-/// facets do not need them).
+/// Segments that meet under a smaller angle in a patch are cut on common shells. It is a little less than 60 degrees,
+/// because equilateral facets do not need shells.
 constexpr double kSmallAngle = (60 - 1e-6) * std::numbers::pi / 180;
 
-/// The floor of a segment, of its feature size. Larger, and refinement of input angles near the bound ends in
-/// `size_floor`; smaller, and it makes more faces before it gives up where the bound cannot be reached.
+/// The floor of a segment is this fraction of its feature size. If it were larger, refinement of input angles near the
+/// bound would end in `size_floor`; if it were smaller, refinement would make more faces before it gives up where the
+/// bound cannot be reached.
 constexpr double kFloorShare = 0x1p-6;
 
-/// How far vertices stay from features, in roundings of their coordinates: no rounded point changes sides.
+/// Vertices keep this distance from features, in roundings of their coordinates. With it, no rounded point changes
+/// sides.
 constexpr double kRoundings = 0x1p10;
 
-/// A piece of length d next to an end is cut at the largest shell within this share of d.
+/// A piece of length d next to an end is cut at the largest shell that is no farther from the end than this share of d.
 constexpr double kShellShare = 2.0 / 3 * (1 + 1e-9);
 
-/// In a task.
+/// This is the number of segments in a task.
 constexpr std::size_t kSegments = 1024;
 
 constexpr std::uint32_t kNoSide = 0xffffffff;
 
-/// Largest shell of base * 2^k that is at most `most`.
+/// Returns the largest shell base * 2^k that is at most `most`.
 double shell(double base, double most) { return std::ldexp(base, std::ilogb(most / base)); }
 
 struct Use {
@@ -52,7 +54,8 @@ struct Use {
 
 using Uses = std::vector<Use, LeftUnset<Use>>;
 
-/// Constrained half-edges that bound a patch; what was only held for the chord rule is none.
+/// Returns the constrained half-edges that bound a patch. Edges that were only constrained for the chord rule are left
+/// out.
 Uses segment_uses(const Surface& surface, const std::vector<PatchMesh>& meshes, RunControl& control) {
   const auto blocks = map_blocks<std::vector<Use>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
     std::vector<Use> uses;
@@ -67,7 +70,7 @@ Uses segment_uses(const Surface& surface, const std::vector<PatchMesh>& meshes, 
     }
     return uses;
   });
-  // By their first ends they are soon apart, and few at each.
+  // Sorting by the first end separates most uses, because few share one.
   return sorted_by_key(
       concatenate<Use>(blocks, control), surface.vertex_count(), [](const Use& use) { return use.from.value; },
       control);
@@ -132,10 +135,10 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   by_patch_ = group_by(
       sides_.size(), meshes.size(), [&](std::uint32_t i) { return sides_[i].patch.value; }, control);
 
-  // Patch by patch: the features that its segments see, and the angles between them.
+  // For each patch, find the features that its segments see and the angles between them.
   struct Seen {
     double distance, angle;
-    std::uint32_t next;  ///< side
+    std::uint32_t next;  ///< index of the next side
   };
   std::vector<Seen> seen(sides_.size());
   for_all(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
@@ -157,7 +160,8 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     }
   });
 
-  // Clusters: ends of segments that meet under a small angle in some patch. End 2s is `from` of segment s, 2s + 1 `to`.
+  // Join the ends of segments that meet under a small angle in some patch to clusters. End 2s is `from` of segment s,
+  // and end 2s + 1 is `to`.
   clusters_ = UnionFind(2 * segments_.size());
   std::vector<double> sharpest(2 * segments_.size(), std::numbers::pi / 2);
   feature_.resize(segments_.size());
@@ -182,7 +186,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     check();
     if (!(seen[i].angle < kSmallAngle) || seen[i].next == i) continue;
     const std::uint32_t here = end_at_start(sides_[i]);
-    // The next side comes in at the vertex: it ends where this one starts.
+    // The next side arrives at the vertex: it ends where this one starts.
     const std::uint32_t there = end_at_start(sides_[seen[i].next]) ^ 1u;
     clusters_.join(here, there);
     corners_.push_back({here, there, seen[i].angle});
@@ -206,7 +210,7 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   for_each_segment([&](SegmentId s, BoundarySegment& segment) {
     const double noise = kRoundings * roundings[s.value];
     double size = feature_[s.value];
-    // What is narrower than the shortest edge allowed cannot be cut across.
+    // A place that is narrower than the shortest edge allowed cannot be cut across.
     if (!segment.is_locked() && !(size > noise)) segment.lock = Lock::kNoRoom;
     if (!segment.is_locked() && size < goals.min_edge_length) segment.lock = Lock::kAsked;
     for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(s, t)));
@@ -229,7 +233,8 @@ void SegmentTable::plan_cuts(const std::vector<PatchMesh>& meshes, const SizeFie
   });
   corner_shells_ = CornerShells(*this, std::exchange(corners_, {}), goals, sizes, control);
   UnionFind clusters = std::exchange(clusters_, UnionFind());
-  // What they make next to a corner is cut in halves. (Where all is of one size that would take up to a tenth more.)
+  // Pieces that corner shells make next to a corner are cut in halves. (If all sizes are the same, that would take up
+  // to a tenth more faces.)
   if (sizes.is_uniform()) return;
   std::vector<double> first(2 * segments_.size(), HUGE_VAL);
   StopCheck check(control);

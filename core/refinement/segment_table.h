@@ -1,4 +1,5 @@
-/// The segments of the whole surface: straight pieces of patch boundaries, owned by the mesh and shared by patches.
+/// Stores the segments of the whole surface. A segment is a straight part of patch boundaries. It is owned by the mesh
+/// and shared by patches.
 #pragma once
 
 #include <array>
@@ -24,89 +25,99 @@ struct SegmentTag {
 };
 using SegmentId = Id<SegmentTag>;
 
-/// The equal parts of a segment between which it is cut first, if it is cut at all; then they are halved.
+/// A segment is first divided into these equal parts, if it is cut at all. The parts are then halved.
 struct EvenParts {
   double count = 1;
-  bool is_shifted = false;  ///< by half of one: the first and the last one are halves
+  /// True if the ends of the parts are shifted by half a part. Then the first and the last part are halves.
+  bool is_shifted = false;
 
-  /// Where the piece [t0, t1] is cut: between two parts, the nearest to its middle, or in its middle.
+  /// Returns where the piece [t0, t1] is cut. If there is an end of a part inside, it is the one nearest to the middle;
+  /// otherwise it is the middle.
   double cut(double t0, double t1) const;
 };
 
-/// Why a segment stays as it is.
+/// Tells why a segment is not cut.
 enum class Lock : std::uint8_t {
-  kNone,    ///< it may be cut
-  kKept,    ///< it must stay: boundaries are not to be split, or a patch beside it stays as it was
-  kNoRoom,  ///< a point on it would be no farther than rounding from a vertex or from another segment
-  kAsked,   ///< it could be cut, but not without edges shorter than min_edge_length
+  kNone,  ///< it may be cut
+  /// It must stay, because boundaries are not to be split or because a patch beside it stays as it was.
+  kKept,
+  /// A point on it would be no farther from a vertex or from another segment than rounding moves it.
+  kNoRoom,
+  /// It could be cut, but not without edges shorter than min_edge_length.
+  kAsked,
 };
 
-/// An edge between two vertices that stay. Places on it are parameters from 0 (`from`) to 1 (`to`).
+/// A segment is an edge between two vertices that stay. Places on it are parameters from 0 (at `from`) to 1 (at `to`).
 struct BoundarySegment {
-  VertexId from, to;  ///< by position, the smaller one first
+  VertexId from, to;  ///< ordered by position, the smaller one first
   double length = 0;
-  /// Around each end: the shells at base * 2^k on which pieces there are cut, so that segments that meet at a small
-  /// angle are cut alike; 0 where no other segment is near. The base is a third of the shortest of these segments, or,
-  /// where sizes vary, the first of their CornerShells.
+  /// There is one entry per end. Pieces at an end are cut on the shells with the radii base * 2^k, so that segments
+  /// which meet at a small angle are cut alike. The base is 0 if no other segment is near there. Otherwise it is a
+  /// third of the shortest of these segments or, where sizes vary, the first distance of their CornerShells.
   std::array<double, 2> shell_base{0, 0};
-  EvenParts parts;               ///< where there are no shells
-  double floor = 0;              ///< no piece becomes shorter
-  bool is_floor_asked = false;   ///< it is as high for min_edge_length alone
-  bool is_floor_raised = false;  ///< above what features and sizes ask for: for min_edge_length, or for rounding
+  EvenParts parts;              ///< used where there are no shells
+  double floor = 0;             ///< no piece becomes shorter than this
+  bool is_floor_asked = false;  ///< the floor is as high as it is only because of min_edge_length
+  /// The floor is higher than features and sizes ask for, because of min_edge_length or of rounding.
+  bool is_floor_raised = false;
   Lock lock = Lock::kNone;
 
   bool is_locked() const { return lock != Lock::kNone; }
 };
 
-/// One side of one patch along a segment.
+/// This is the side that one patch has of a segment.
 struct SegmentSide {
   SegmentId segment;
   PatchId patch;
   std::uint32_t half_edge;  ///< in the patch's mesh
 };
 
-/// The ends of every segment, the smaller id first, each once; ascending.
+/// Returns the ends of every segment, the smaller id first. Each segment occurs once, and they are ascending.
 std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes, RunControl& control);
 
-/// Segments, what limits their pieces, and who has them. Where a piece is cut depends on that piece alone: the cuts of
-/// a segment form one binary tree, whoever asks for them and when, so patches can cut on their own and agree later.
+/// Stores the segments, the limits of their pieces, and the patches that have them. Where a piece is cut depends on
+/// that piece alone. So the cuts of a segment form one binary tree, whoever asks for them and in whatever order, and
+/// patches can cut on their own and still agree.
 class SegmentTable {
  public:
-  /// Input:   the patches' triangulations over vertices that stay. `is_frozen`, one per patch: its boundary stays as it
-  ///          is (and with it its neighbours' there).
-  /// Source:  rules.md, Owned segments; rules.md, Shells; rules.md, Floors.
+  /// Input:  `meshes` are the patches' triangulations over vertices that stay. `is_frozen` has one entry per patch; the
+  ///         boundary of a frozen patch stays as it is, and so do its neighbours there.
+  /// Source: rules.md, Owned segments; rules.md, Shells; rules.md, Floors.
   SegmentTable(const Surface& surface, const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
                const SizeField& sizes, const Goals& goals, RunControl& control);
 
-  /// Next, and once: where segments are cut along strips and at sharp corners. The only part that takes as long, and as
-  /// much memory, as the cuts are many: what is hopeless can be refused before it.
-  /// Input:   as above.
+  /// Plans where segments are cut along strips and at sharp corners. It has to be called once, after the constructor.
+  /// This is the only part whose time and memory grow with the number of cuts, so a hopeless refinement can be refused
+  /// before it.
+  /// Input: The same as for the constructor.
   void plan_cuts(const std::vector<PatchMesh>& meshes, const SizeField& sizes, const Goals& goals, RunControl& control);
 
   std::size_t size() const { return segments_.size(); }
   const BoundarySegment& operator[](SegmentId s) const { return segments_[s]; }
-  /// The sides along a segment, by patch and half-edge.
+  /// Returns the sides along a segment, ordered by patch and half-edge.
   std::span<const SegmentSide> sides(SegmentId s) const {
     return std::span(sides_).subspan(begin_[s.value], begin_[s.value + 1] - begin_[s.value]);
   }
-  /// The sides of a patch, by segment and half-edge, as indices of all_sides().
+  /// Returns the sides of a patch as indices into all_sides(), ordered by segment and half-edge.
   std::span<const std::uint32_t> sides_of_patch(PatchId p) const { return by_patch_[p.value]; }
   std::span<const SegmentSide> all_sides() const { return sides_; }
 
-  /// Rounding left no room for a cut of this segment: it stays as it is.
+  /// Locks a segment because rounding left no room for a cut of it.
   void lock(SegmentId s) {
     if (!segments_[s].is_locked()) segments_[s].lock = Lock::kNoRoom;
   }
 
   Vec3 position(SegmentId s, double t) const;
 
-  /// Where the piece [t0, t1] is cut: on a shell next to an end that has shells, else between parts or in the middle.
-  /// Empty if the segment is locked or a half would be shorter than the floor.
+  /// Returns where the piece [t0, t1] is cut. Next to an end that has shells it is on a shell; otherwise it is between
+  /// two parts or in the middle. Returns nothing if the segment is locked or if one half would be shorter than the
+  /// floor.
   std::optional<double> cut(SegmentId s, double t0, double t1) const;
 
-  /// The parameters at which a segment is cut for its size, before anything else: into the fewest parts that are no
-  /// longer than the size there, equal where it is; on the side of a strip between its parts, by halves until no piece
-  /// is longer than the size in its middle; beside sharp corners on their shells (CornerShells). Ascending.
+  /// Returns the parameters at which a segment is cut for its size before anything else, ascending. It is divided into
+  /// the fewest parts that are no longer than the size there; the parts are equal where the size is. The side of a
+  /// strip is first cut between its parts and then by halves, until no piece is longer than the size in its middle.
+  /// Beside sharp corners, a segment is cut on their shells (CornerShells).
   std::vector<double> size_cuts(SegmentId s, const SizeField& sizes) const;
 
  private:
@@ -118,13 +129,14 @@ class SegmentTable {
 
   const Surface& surface_;
   double min_edge_length_;
-  std::vector<double> feature_;  ///< of each segment, the distance to the nearest; until `plan_cuts`
-  std::vector<Corner> corners_;  ///< until `plan_cuts`
-  UnionFind clusters_;           ///< ends that meet under small angles; until `plan_cuts`
+  std::vector<double> feature_;  ///< distance from each segment to its nearest feature; empty after `plan_cuts`
+  std::vector<Corner> corners_;  ///< empty after `plan_cuts`
+  /// Joins the ends of segments that meet under small angles. It is empty after `plan_cuts`.
+  UnionFind clusters_;
   IdVector<SegmentId, BoundarySegment> segments_;
   std::vector<SegmentSide> sides_;
   std::vector<std::uint32_t> begin_;
-  Grouping by_patch_;  ///< sides
+  Grouping by_patch_;  ///< indices of sides
   CornerShells corner_shells_;
 };
 

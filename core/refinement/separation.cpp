@@ -12,7 +12,7 @@
 namespace remesh {
 namespace {
 
-/// For every vertex, how many before it are in the same place.
+/// For every vertex, counts the vertices before it that are in the same place.
 std::vector<std::uint32_t> count_before(const Surface& surface, const std::vector<Vec3>& new_positions,
                                         RunControl& control) {
   struct Place {
@@ -48,7 +48,8 @@ class Mover {
   Mover(const Mover&) = delete;
   Mover& operator=(const Mover&) = delete;
 
-  /// Whether there was room for it.
+  /// Moves vertex v to `to` and makes the edges around it Delaunay. Returns false, with nothing changed, if there is no
+  /// room for that.
   bool move(std::uint32_t v, Vec2 to) {
     const Triangulation2d& mesh = patch_.mesh;
     std::vector<std::uint32_t> around;
@@ -67,7 +68,7 @@ class Mover {
   RunControl& control_;
 };
 
-/// The least length in the patch's plane that no rounding of coordinates loses, a multiple of the grid.
+/// Returns the least length in the patch's plane that rounding of coordinates cannot lose, as a multiple of the grid.
 double step_at(const Frame& frame, const Vec3& position) {
   const double largest = std::max({std::fabs(position.x), std::fabs(position.y), std::fabs(position.z)});
   const double ulps = 0x1p-50 * largest / frame.scale;

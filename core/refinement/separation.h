@@ -10,12 +10,12 @@
 
 namespace remesh {
 
-/// Sheets that lie in one another are refined alike, and a vertex of one may get the very coordinates of another's. All
-/// but the first of such vertices move within their plane, by a few of the steps in which coordinates there are
-/// rounded, and the edges around them are made Delaunay again.
-/// Input:   refined patches; vertices inside patches may be moved, no others.
-/// Output:  whether any was moved.
-/// Cost:    O(n log n) in the vertices.
+/// Sheets that lie in one another are refined alike, so a new vertex of one may get exactly the coordinates of a vertex
+/// of another. All but the first of such vertices are moved within their plane, by a few of the steps in which
+/// coordinates there are rounded. The edges around them are made Delaunay again.
+/// Input:  Refined patches. Only new vertices inside patches may be moved.
+/// Output: Whether any vertex was moved.
+/// Cost:   O(n log n) in the number of vertices.
 bool separate_new_vertices(const Surface& surface, std::vector<PatchMesh>& meshes, Refinement& refinement,
                            RunControl& control);
 

@@ -13,28 +13,30 @@
 namespace remesh {
 namespace {
 
-/// Of the box's diagonal: no size is smaller for a gap's sake.
+/// No size is made smaller than this fraction of the box's diagonal because of a gap or a short edge.
 constexpr double kFloor = 0x1p-11;
-/// In plane tolerances.
+/// No size is made smaller than this multiple of the plane tolerance because of a gap or a short edge.
 constexpr double kFloorTolerances = 10;
-/// A cell reaches at most this part of the gap in its middle. Smaller, and there are more samples than faces to come;
-/// larger, and a gap that shrinks towards the cell's end is seen too late.
+/// A cell reaches at most this fraction of the gap in its middle. If it were smaller, there would be more samples than
+/// faces in the result; if it were larger, a gap that shrinks towards the end of the cell would be seen too late.
 constexpr double kReach = 0.5;
-/// The same for what only a part of a cell may face. With less sizes are no better, and there are twice as many
-/// samples.
+/// This is the same limit for things that only a part of a cell may face. A smaller value makes sizes no better and
+/// doubles the samples.
 constexpr double kReachBeside = 1;
-/// Of the box's diagonal. Larger cells are cut also where only what is beside their middle is near, though it is joined
-/// to their patch: another place of theirs may face it. For smaller ones that would cost as many cells as a curved
-/// surface has facets' widths.
+/// Cells larger than this fraction of the box's diagonal are also cut if something near lies only beside their middle
+/// and is joined to their patch, because another place of the cell may face it. If this were done for smaller cells
+/// too, cells on a curved surface would have to be about as small as its facets are wide.
 constexpr double kCoarse = 0x1p-6;
-/// What grows faster is as large as it may be wherever two samples are told apart; and sums stay finite.
+/// No larger slope is used. With it, a size is the largest one as soon as two places can be told apart, and sums stay
+/// finite.
 constexpr double kSteepest = 0x1p40;
 
-/// The slot that decided this thread's last question: the next one is asked beside it, most often, and so begins there.
-/// Of whichever field: any slot of a field is a place to begin, and no answer depends on where that is.
+/// This slot decided this thread's last question. The next question is most often asked beside it, so the search begins
+/// there. The slot may belong to another field: any slot is a place to begin, and no answer depends on where the search
+/// began.
 thread_local std::size_t last_found = 0;
 
-/// A convex piece of a triangle: what a box leaves of it that has no end along z.
+/// This is a convex piece of a triangle: the part of it inside a box that has no end along z.
 class Piece {
  public:
   Piece(const Corners3& triangle, const Box3& box) {
@@ -48,7 +50,7 @@ class Piece {
   std::span<const Vec3> corners() const { return std::span(corners_).first(size_); }
 
  private:
-  /// Keeps the part where sign times the coordinate is at least `least`.
+  /// Reduces the piece to the part where sign times the coordinate is at least `least`.
   void clip(int axis, double sign, double least) {
     const auto height = [&](const Vec3& p) { return sign * p[axis] - least; };
     if (std::all_of(corners().begin(), corners().end(), [&](const Vec3& p) { return height(p) >= 0; })) return;
@@ -67,7 +69,8 @@ class Piece {
     size_ = count;
   }
 
-  /// Three and one more for each of four sides; rounding may make a few more along a side, which say nothing new.
+  /// There are three corners, and one more for each of four sides. Rounding may make a few more along a side, which can
+  /// be left out because they say nothing new.
   static constexpr std::size_t kMaxCorners = 10;
 
   std::array<Vec3, kMaxCorners> corners_;
@@ -76,7 +79,7 @@ class Piece {
 
 }  // namespace
 
-/// Gathers the samples, in local units.
+/// Collects the samples in local units.
 class SizeField::Sampler {
  public:
   Sampler(const Surface& surface, const Goals& goals, double plane_tolerance, RunControl& control)
@@ -99,20 +102,20 @@ class SizeField::Sampler {
   void drop_floor() { floor_ = 0; }
 
  private:
-  /// What lies of a patch in a box along its own axes, so that cells do not depend on how the part lies, and of any
-  /// depth. Boxes rather than triangles are cut, since triangles may be needles, many of them side by side within one
-  /// gap.
+  /// A cell is the part of a patch in a box along the patch's own axes. Along the third axis the box has no end. With
+  /// these axes, cells do not depend on how the part lies. Boxes are cut rather than triangles, because triangles may
+  /// be needles, with many of them side by side within one gap.
   struct Cell {
     PatchId patch;
     Box3 box;
-    std::vector<std::uint32_t> triangles;  ///< of the patch; all those that reach into the box
+    std::vector<std::uint32_t> triangles;  ///< numbered within the patch; all that reach into the box
   };
   struct Output {
     std::vector<Sample> samples;
     std::vector<Cell> cells;
   };
 
-  /// A triangle of a patch, and the box about what of it is in a cell.
+  /// This is a triangle of a patch, with the bounding box of its part in a cell.
   struct Part {
     std::uint32_t triangle;
     Box3 box;
@@ -120,11 +123,11 @@ class SizeField::Sampler {
 
   void look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const;
   static void cut(PatchId patch, std::span<const Part> parts, const Box3& box, std::vector<Cell>& cells);
-  /// Looks at n cells, `cell_at(i)`, in parallel; the output in their order.
+  /// Looks at n cells, which cell_at(i) returns, in parallel. The results are in their order.
   template <class CellAt>
   std::vector<Cell> look_at_all(const GapSearch& gaps, std::size_t n, const CellAt& cell_at);
 
-  /// Along the axes.
+  /// Returns the corners of a triangle along the axes.
   Corners3 corners(const Triangle& t, const Axes& axes) const {
     return {axes.along(surface_.local[t[0]]), axes.along(surface_.local[t[1]]), axes.along(surface_.local[t[2]])};
   }
@@ -147,8 +150,8 @@ class SizeField::Sampler {
 void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool may_cut, Output& out) const {
   const auto triangles = gaps.triangles_of(cell.patch);
   const Axes& axes = gaps.axes_of(cell.patch);
-  std::vector<Vec3> outline;     // of all pieces, along the axes
-  std::vector<Corners3> pieces;  // cut into triangles, in space
+  std::vector<Vec3> outline;     // corners of all pieces, along the axes
+  std::vector<Corners3> pieces;  // the pieces cut into triangles, in space
   std::vector<Part> parts;
   Box3 box;
   for (const std::uint32_t t : cell.triangles) {
@@ -167,7 +170,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
       pieces.push_back({axes.in_space(around[0]), axes.in_space(around[i - 1]), axes.in_space(around[i])});
   }
   if (outline.empty()) return;
-  // The place of the patch that is nearest to the middle of the box stands for all.
+  // The place of the patch that is nearest to the middle of the box stands for the whole cell.
   const Vec3 centre = 0.5 * (box.min + box.max);
   Vec3 middle;
   const Triangle* on = nullptr;
@@ -183,14 +186,14 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   for (const Vec3& p : outline) squared_reach = std::max(squared_reach, norm_squared(p - middle));
   const double reach = std::sqrt(squared_reach);
 
-  // Beyond that, no place of the cell has a gap that asks for less than the largest size.
+  // Beyond this distance, no place of the cell has a gap that asks for less than the largest size.
   const double limit = (proximity_ * largest_ + reach) * surface_.unit;
   const Vec3 place = surface_.centre + surface_.unit * axes.in_space(middle);
   const double gap = gaps.at(place, cell.patch, limit, on) / surface_.unit;
   const auto is_too_large_for = [&](double distance, double share) {
     return distance < HUGE_VAL && reach > share * std::max(distance, std::max(proximity_, 1.0) * floor_);
   };
-  // What the middle does not face, another place of the cell may.
+  // Another place of the cell may face something that the middle does not face.
   const auto is_too_large_beside = [&] {
     constexpr double kMoreThanMatters = 1.1;
     const double near = std::min(limit, kMoreThanMatters / kReachBeside * reach * surface_.unit);
@@ -211,7 +214,7 @@ void SizeField::Sampler::look_at(const GapSearch& gaps, const Cell& cell, bool m
   out.samples.push_back({entry(in_space, size), {cell.patch, along_axes}});
 }
 
-/// `box` is about all parts.
+/// Cuts a cell in the middle of its longer side. `box` is the bounding box of all parts.
 void SizeField::Sampler::cut(PatchId patch, std::span<const Part> parts, const Box3& box, std::vector<Cell>& cells) {
   const Vec3 size = box.max - box.min;
   const int axis = size.x >= size.y ? 0 : 1;
@@ -254,7 +257,7 @@ void SizeField::Sampler::sample_gaps(const GapSearch& gaps) {
     std::iota(cell.triangles.begin(), cell.triangles.end(), 0u);
     return cell;
   };
-  // Whole patches first, then what they are cut into, round by round.
+  // Whole patches are looked at first, and then the cells into which they are cut, round by round.
   std::vector<Cell> cells = look_at_all(gaps, gaps.patch_count(), whole_patch);
   while (!cells.empty())
     cells = look_at_all(gaps, cells.size(), [&](std::size_t i) -> const Cell& { return cells[i]; });
@@ -270,7 +273,7 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
     FloatBox box;
     box.add(a);
     box.add(b);
-    // No segment is longer than itself, whatever rounding says.
+    // Rounding must not make a segment longer than the size that it asks for itself.
     samples_.push_back({entry(box, length * (1 + 2 * kNoise)), {}, {a, b}});
   }
 }
@@ -326,7 +329,8 @@ void SizeField::set_samples(std::span<const Sample> samples, RunControl& control
     in_order(cells_, &Sample::cell);
 }
 
-/// To a place. Not less than that to the box, whatever rounding says.
+/// Returns the distance from a sample to a place. It is not less than the distance to the sample's box, in spite of
+/// rounding.
 inline double SizeField::distance(std::size_t slot, const Vec3& p) const {
   const double to_box = std::sqrt(squared_distance(samples_[slot].box, p));
   if (!is_of_segments_) {
@@ -337,7 +341,7 @@ inline double SizeField::distance(std::size_t slot, const Vec3& p) const {
   return std::max(norm(nearest_on_segment(p, a, b) - p), to_box);
 }
 
-/// From the place of another sample that is farthest.
+/// Returns the distance from a sample to the farthest place of the sample `from`.
 double SizeField::farthest(std::size_t slot, std::size_t from) const {
   double farthest = 0;
   if (is_of_segments_) {
@@ -353,7 +357,8 @@ double SizeField::farthest(std::size_t slot, std::size_t from) const {
   return farthest;
 }
 
-/// Does another sample ask for less at each place of this one? Then, by the triangle's inequality, everywhere.
+/// Returns whether another sample asks for less at each place of this one. By the triangle inequality it then asks for
+/// less everywhere.
 bool SizeField::is_dominated(std::size_t slot) const {
   const Samples::Entry& sample = samples_[slot];
   const double size = sample.tag.value;
@@ -364,13 +369,14 @@ bool SizeField::is_dominated(std::size_t slot) const {
         return entry.tag.value + slope_ * std::sqrt(squared_farthest(entry.box, sample.box));
       },
       [&](std::size_t other) {
-        // One is enough.
+        // One such sample is enough, so the search ends here.
         if (samples_[other].tag.value + slope_ * farthest(other, slot) < size) best = -1;
       });
   return best != size;
 }
 
-/// The field is the same without them. Behind a wall of one width there are none; where gaps close they are most.
+/// Removes the samples that another one undercuts everywhere. The field stays the same. Behind a wall of one width
+/// there are no such samples; where gaps close, most are.
 void SizeField::drop_dominated(RunControl& control) {
   constexpr std::size_t kTried = 256, kBlock = 64;
   constexpr double kWorthwhile = 1.0 / 16;
@@ -389,8 +395,9 @@ void SizeField::drop_dominated(RunControl& control) {
   set_samples(samples, control);
 }
 
-/// At the nearest place within a radius. Monotone in the box and in the size, rounding included: no node promises more
-/// than its samples keep, and the answer does not depend on the order of the search.
+/// Returns the size that one node or sample asks for at the place within the radius around p that is nearest to it. The
+/// result never decreases when the sample's size or its distance grows, even with rounding. So no node promises more
+/// than its samples do, and the answer does not depend on the order of the search.
 inline double SizeField::size_from(const Samples::Entry& node, const Vec3& p, double radius) const {
   return node.tag.value + slope_ * std::max(0.0, std::sqrt(squared_distance(node.box, p)) - radius);
 }

@@ -1,4 +1,4 @@
-/// The longest edge that is allowed at each place of the surface.
+/// Gives the longest edge that is allowed at each place of the surface.
 #pragma once
 
 #include <array>
@@ -17,72 +17,78 @@
 
 namespace remesh {
 
-/// The least, over samples, of the sample's size plus the slope times the distance from it, or a little less. A sample
-/// is a segment, or a box along the axes of its patch: in space, so sizes also grade from patch to patch, and turn with
-/// the part.
-/// Holds:  at(x) <= goals.max_edge_length; |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1 (two edges of
-///         lengths h and gradation h that meet: their sizes are read one h apart); it reads the input, never the
-///         growing mesh; scales with it by powers of two, exactly; the same for any number of threads.
-/// Cost:   at() is O(log n) as long as sizes vary slowly; constant where there is no proximity and no gradation.
-///         Memory: some 70 bytes a sample, at most kMaxSamples and two a segment; those that another one undercuts
-///         everywhere are left out, which takes as long as an at() for each.
+/// The size at a place is the minimum, over all samples, of the sample's size plus the slope times the distance from
+/// the sample. It may be a little less than that. A sample is a segment, or a box along the axes of its patch. Samples
+/// lie in space, so sizes also grade from patch to patch, and they turn with the part.
+/// Holds: at(x) <= goals.max_edge_length. |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1. (If two edges
+///        of lengths h and gradation h meet, their sizes are read at places one h apart.) The field is computed from
+///        the input and never from the growing mesh. It scales with the input by powers of two, exactly. It is the same
+///        for any number of threads.
+/// Cost:  at() is O(log n) as long as sizes vary slowly. It is constant if there is neither proximity nor gradation.
+///        The memory is some 70 bytes a sample, for at most kMaxSamples samples and two a segment. Samples that another
+///        one undercuts everywhere are left out, which takes as long as one at() for each.
 class SizeField {
  public:
-  /// The same size everywhere.
+  /// Makes a field with the same size everywhere.
   explicit SizeField(double size = std::numeric_limits<double>::infinity()) : largest_(size) {}
 
-  /// With goals.proximity > 0: size = max((gap (1 + 2 kNoise) + plane_tolerance) / proximity, floor): what is ten gaps
-  /// long is cut into ten pieces, whatever the last digits of the input say; floor = max(goals.min_edge_length,
-  /// 2^-11 of the box's diagonal, 10 plane tolerances). Each patch is cut into cells until a cell reaches from its
-  /// middle at most half the gap there; all of it is given the size of its middle. So at() is at most twice what any
-  /// place asks for (where the gap shrinks as fast as one can come nearer); across a wall or a slot of one width it is
-  /// exact. Cells of which only a part may face something are cut until they reach no farther than to that; of what is
-  /// joined to their patch, only cells larger than some 2^-6 of the diagonal are.
+  /// If goals.proximity > 0, the size is max((gap (1 + 2 kNoise) + plane_tolerance) / proximity, floor). So an edge
+  /// that is ten gaps long is cut into ten pieces, whatever the last digits of the input say. The floor is
+  /// max(goals.min_edge_length, 2^-11 of the box's diagonal, 10 plane tolerances). Each patch is cut into cells until
+  /// every cell reaches from its middle at most half the gap there. The whole cell is given the size of its middle. So
+  /// at() is at most twice what any place asks for, even where the gap shrinks as fast as one can come nearer. Across a
+  /// wall or a slot of one width it is exact. A cell of which only a part may face something is cut until it reaches no
+  /// farther than to that. If what it may face is joined to the cell's patch, it is only cut while it is larger than
+  /// some 2^-6 of the diagonal.
   ///
-  /// Else, with goals.gradation > 0: an edge on a segment between essential vertices is as long as the segment at most,
-  /// so that is the size there (and 2 kNoise more, or rounding would cut it), though none under the floor.
+  /// Otherwise, if goals.gradation > 0, the sizes come from segments. An edge on a segment between essential vertices
+  /// is at most as long as the segment, so the segment's length is the size there. The size is larger than that by the
+  /// factor 1 + 2 kNoise, because rounding would otherwise cut the segment. It is not below the floor.
   ///
-  /// Input:  `gaps`: with proximity, null else; `segments` as pairs of essential vertices, of no matter then; the
-  ///         tolerance in model units.
+  /// Input:  `gaps` is there with proximity, and null otherwise. `segments` are pairs of essential vertices; they have
+  ///         no effect with proximity. The tolerance is in model units.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   SizeField(const Surface& surface, const GapSearch* gaps, std::span<const std::array<VertexId, 2>> segments,
             const Goals& goals, double plane_tolerance, RunControl& control);
 
-  /// What short segments alone ask for, with no floor under it.
-  /// Input:  as above, with goals.gradation > 0.
+  /// Makes the field that short segments alone ask for, with no floor under it.
+  /// Input: The same as for the constructor, with goals.gradation > 0.
   static SizeField without_floor(const Surface& surface, std::span<const std::array<VertexId, 2>> segments,
                                  const Goals& goals, RunControl& control);
 
-  /// Cells are not cut further where there would be more than these, and more than four a patch.
+  /// Cells are not cut further if that would make more than this number of samples, and more than four for each patch.
   static constexpr std::size_t kMaxSamples = std::size_t{1} << 19;
 
-  /// Sizes are kept in single precision, so those of one gap differ in their last digits: by less than this part.
+  /// Sizes are stored in single precision, so sizes of the same gap differ in their last digits. They differ by less
+  /// than this fraction.
   static constexpr double kNoise = 0x1p-21;
 
-  /// Is it the same everywhere? Then `largest()` is all there is to know.
+  /// Returns whether the size is the same everywhere. If so, it is `largest()`.
   bool is_uniform() const { return samples_.size() == 0; }
   double largest() const { return largest_; }
   std::size_t sample_count() const { return samples_.size(); }
-  /// No size is below this for the sake of a gap or a short edge; model units.
+  /// No size is below this because of a gap or a short edge. It is in model units.
   double floor() const { return floor_; }
-  /// Is the floor as high as it is for min_edge_length alone?
+  /// Returns whether the floor is as high as it is only because of min_edge_length.
   bool is_floor_asked() const { return is_floor_asked_; }
 
-  /// The size at a place, model units. May be called from any thread.
+  /// Returns the size at a place in model units. It may be called from any thread.
   double at(const Vec3& place) const;
-  /// Is length <= at(place)? Several times faster, the clearer the answer the more. With a radius: is it so for all
-  /// places that near? Then it may also say no where the answer is yes.
+  /// Returns whether length <= at(place). This is several times faster than at(), and the faster the clearer the answer
+  /// is. With a radius, returns whether this is so for all places within the radius. In that case it may return false
+  /// although it is so.
   bool allows(double length, const Vec3& place, double radius = 0) const;
 
  private:
-  /// In local units, rounded down.
+  /// This is a size in local units, rounded down.
   struct Size {
     float value = HUGE_VALF;
     void join(Size other) { value = std::min(value, other.value); }
   };
   using Samples = BoxTree<Size>;
   using Segment = std::array<Vec3, 2>;
-  /// What is in a box along the axes of a patch: a box along those of space is mostly air where it is askew.
+  /// A cell is what a box along the axes of a patch contains. A box along the axes of space would be mostly empty if
+  /// the patch is askew to them.
   struct Cell {
     PatchId patch;
     FloatBox box;
@@ -90,7 +96,7 @@ class SizeField {
   struct Sample {
     Samples::Entry entry;
     Cell cell;
-    Segment segment{};  ///< in a field of segments, instead
+    Segment segment{};  ///< used instead of `cell` in a field of segments
   };
   class Sampler;
 
@@ -107,13 +113,13 @@ class SizeField {
   double floor_ = 0;
   bool is_floor_asked_ = false;
   double slope_ = 0;
-  Vec3 centre_;  ///< local units as in Surface
+  Vec3 centre_;  ///< the middle of local units, as in Surface
   double unit_ = 1;
   bool is_of_segments_ = false;
   Samples samples_;
   IdVector<PatchId, Axes> axes_;
-  std::vector<Cell> cells_;        ///< by slot, in a field of gaps
-  std::vector<Segment> segments_;  ///< by slot, in a field of segments
+  std::vector<Cell> cells_;        ///< one per slot; empty in a field of segments
+  std::vector<Segment> segments_;  ///< one per slot; empty in a field of gaps
 };
 
 }  // namespace remesh

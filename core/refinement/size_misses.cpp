@@ -10,15 +10,15 @@
 namespace remesh {
 namespace {
 
-/// Patches with more triangles than this are looked at by several threads.
+/// Several threads look at a patch with more triangles than this.
 constexpr std::size_t kLarge = 1000;
-/// Each triangle takes some microseconds.
+/// This is the number of triangles in a task. Each takes some microseconds.
 constexpr std::size_t kTriangles = 256;
 
-/// Edges are compared with the sizes that were aimed at but for rounding.
+/// This is a relative slack for rounding when edges are compared with the sizes that were aimed at.
 constexpr double kHair = 1 + 1e-9;
 
-/// Lengths and places in local units, so that no square under- or overflows.
+/// Has the measures of a triangle. Lengths and places are in local units, so that no square under- or overflows.
 struct Measured {
   std::array<double, 3> length;
   std::array<Vec3, 3> middle;
@@ -32,7 +32,7 @@ struct Measured {
     }
   }
 
-  /// The largest size at a place by which an edge is still too long.
+  /// Returns the largest size at a place for which an edge is still too long.
   double too_small_size(const Vec3& place, double slope) const {
     double size = 0;
     for (std::size_t k = 0; k < 3; ++k)
@@ -101,7 +101,7 @@ class MissSearch {
   }
   std::uint8_t& is_missed(PatchId p, std::uint32_t t) { return refinement_.misses_sizes[first_[p.value] + t]; }
 
-  /// The gap at a place below which a triangle is too large for it.
+  /// Returns the gap at a place below which the triangle is too large for the place.
   double too_small_gap(const Measured& triangle, const Vec3& place) const {
     return triangle.too_small_size(place, slope_) * bounds_.goals.proximity - tolerance_;
   }
@@ -121,7 +121,8 @@ class MissSearch {
       if (!(limit > tolerance_)) return HUGE_VAL;
       return bounds_.gaps->at(in_model(place), p, limit * surface_.unit, crossing) / surface_.unit;
     };
-    // The centroids first: most triangles that are too large are so there, and their edges need no look.
+    // The centroids are looked at first. Most triangles that are too large are so there, and their edges need no
+    // search.
     for (std::uint32_t t = begin; t < end; ++t) {
       const Measured& here = measured[t - begin];
       const double limit = too_small_gap(here, here.centroid);
@@ -130,7 +131,7 @@ class MissSearch {
     for (std::uint32_t t = begin; t < end; ++t) {
       const Measured& here = measured[t - begin];
       for (std::uint32_t k = 0; k < 3; ++k) {
-        // An edge inside the patch is looked at once for both its triangles, as far as they are in one block.
+        // The middle of an edge inside the patch is looked at once for both its triangles, if they are in one block.
         const std::uint32_t h = 3 * t + k, twin = patch.mesh.twin(h);
         const bool is_shared = twin != Triangulation2d::kNone && twin / 3 >= begin && twin / 3 < end;
         if (is_shared && twin / 3 < t) continue;
@@ -150,12 +151,13 @@ class MissSearch {
       const auto is_too_long = [&](std::size_t k) {
         return !allows(*bounds_.graded, here.length[k] / Goals::kSizeSlack, here.middle[k]);
       };
-      // Segments are looked at everywhere: an edge that is as short as was aimed at is too long only for the floor.
+      // All segments were taken into account when sizes were chosen. So an edge that is as short as was aimed at can be
+      // too long only because of the floor.
       if (is_too_long(0) || is_too_long(1) || is_too_long(2)) note(p, t, here, 0);
     }
   }
 
-  /// `size`: some place of the triangle asks for less than this.
+  /// Notes that a triangle misses its bound. Some place of the triangle asks for less than `size`.
   void note(PatchId p, std::uint32_t t, const Measured& triangle, double size) {
     is_missed(p, t) = 1;
     if (is_frozen_[p.value] != 0) return;
@@ -165,7 +167,7 @@ class MissSearch {
       const double length = triangle.length[k] / kHair;
       return length <= std::min(floor, largest_) || allows(bounds_.sizes, length, triangle.middle[k]);
     };
-    // Input angles excuse small angles, not sizes.
+    // Input angles excuse small angles, but not sizes.
     const bool is_excuse = reason == UnrefinedReason::kInputAngle || reason == UnrefinedReason::kAcrossInputAngle;
     if (!is_excuse && !(is_as_aimed_at(0) && is_as_aimed_at(1) && is_as_aimed_at(2))) return;
     if (floor < size)
@@ -182,7 +184,7 @@ class MissSearch {
   const double tolerance_, largest_;  ///< local units
   Refinement& refinement_;
   RunControl& control_;
-  std::vector<std::size_t> first_;  ///< of each patch, its first triangle
+  std::vector<std::size_t> first_;  ///< index of each patch's first triangle
   std::vector<std::pair<PatchId, PatchId>> crossing_;
 };
 

@@ -1,4 +1,4 @@
-/// Refined triangles that are larger than gaps or short edges ask for.
+/// Finds refined triangles that are larger than gaps or short edges ask for.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,20 @@
 
 namespace remesh {
 
-/// The bounds that differ from place to place.
+/// Describes the bounds on sizes that differ from place to place.
 struct VaryingBounds {
   const Goals& goals;
   double plane_tolerance;  ///< model units
-  /// The sizes that refinement aimed at. They have a floor, and between the places that were looked at they are
+  /// These are the sizes that refinement aimed at. They have a floor. Between the places that were looked at they are
   /// interpolated.
   const SizeField& sizes;
-  /// With goals.proximity: the gaps themselves. Null without.
+  /// These are the gaps themselves, with goals.proximity; null otherwise.
   const GapSearch* gaps = nullptr;
-  /// With goals.gradation alone: what short edges ask for, with no floor under it. Null with proximity.
+  /// These are the sizes that short edges ask for, with no floor under them, if goals.gradation is set without
+  /// proximity; null otherwise.
   const SizeField* graded = nullptr;
-  /// Patches that cross or touch each other in the input, the smaller one first: between these there is no gap.
+  /// These pairs of patches cross or touch each other in the input. The smaller id is first. There is no gap between
+  /// them.
   std::span<const std::pair<PatchId, PatchId>> crossing = {};
 };
 
@@ -35,22 +37,22 @@ struct VaryingBounds {
 ///
 /// With proximity a place asks for the size (gap + plane_tolerance) / proximity. A triangle is looked at in its
 /// centroid and in the middles of its three edges, each as a place of its patch. It misses its bound if one of its
-/// edges is longer than Goals::kSizeSlack times what one of these places asks for and the slope (gradation - 1) times
-/// the way from there to the middle of the edge.
+/// edges is longer than Goals::kSizeSlack times the following sum: the size that one of these places asks for, plus the
+/// slope (gradation - 1) times the distance from there to the middle of the edge.
 ///
 /// With gradation alone, a segment between vertices that stay asks for its own length, and sizes grow from it with the
 /// distance. A triangle misses its bound if one of its edges is longer than Goals::kSizeSlack times the size in its
 /// middle.
 ///
-/// Input:   the refined patches. `is_frozen`: those that refinement had to leave alone, one per patch.
-/// Output:  `refinement.misses_sizes`; and in `refinement.reason`, for each of these triangles, why that is so. Where
-///          it is longer than the sizes that were aimed at, it is the reason that refinement had. Else these sizes were
-///          too large there: for the floor (`size_floor`, or `min_edge_length` where that is the floor), or since only
-///          so many places are looked at (`effort`).
-/// Holds:   the same for any number of threads.
-/// Errors:  kCancelled, kTimeout - through `control`.
-/// Cost:    two or three looks for gaps for each triangle, none of them farther than its edges are long times
-///          proximity; in parallel.
+/// Input:  The refined patches. `is_frozen` has one entry per patch; refinement had to leave the frozen ones alone.
+/// Output: `refinement.misses_sizes`, and for each of these triangles the reason in `refinement.reason`. If the
+///         triangle is longer than the sizes that were aimed at, the reason is the one that refinement had. Otherwise
+///         these sizes were too large there. That is because of the floor (`size_floor`, or `min_edge_length` where
+///         that is the floor), or because only so many places are looked at (`effort`).
+/// Holds:  The result is the same for any number of threads.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:   Two or three searches for gaps for each triangle, in parallel. None of them goes farther than the triangle's
+///         edges are long, times proximity.
 void note_size_misses(const Surface& surface, const std::vector<PatchMesh>& meshes,
                       const std::vector<std::uint8_t>& is_frozen, const VaryingBounds& bounds, Refinement& refinement,
                       RunControl& control);

@@ -1,4 +1,4 @@
-/// Which ways leave a patch steeply, and how long they are at least: what a gap is told by.
+/// Tells which ways leave a patch steeply, and how long they are at least. Gaps are recognised by this.
 #pragma once
 
 #include <algorithm>
@@ -11,12 +11,12 @@
 
 namespace remesh {
 
-/// What faces a patch is above it at more than 51 degrees (the square of the sine): two planes that meet see each other
-/// below 39 degrees, as by the detour of GapSearch. Without it, every second facet of a round hole would be a gap to
-/// the first.
+/// A place faces a patch if it is above the patch's plane at more than 51 degrees; this constant is the square of the
+/// sine of that angle. So two planes that meet see each other below 39 degrees, which agrees with the detour of
+/// GapSearch. Without this rule, every second facet of a round hole would count as a gap to the first.
 constexpr double kSteep = 0.604;
 
-/// Where all of a patch is.
+/// A slab contains all of a patch.
 struct Slab {
   Plane plane;
   double half_thickness = 0;
@@ -28,14 +28,15 @@ struct Slab {
   }
 };
 
-/// The space between two parallel planes, about something flat that lies askew to the axes. A curved surface is thin
-/// across: a box about a piece of width s is s deep, a layer s^2. So steepness, which depends on the way across, is
-/// told for many triangles at once.
-/// Input:  places with coordinates in [-1, 1], given with `add`.
-/// Holds:  in single precision, rounded outwards: what is added is inside.
+/// A layer is the space between two parallel planes that lie about something flat which is askew to the axes. A curved
+/// surface is thin across: a box about a part of width s is s deep, a layer only about s^2. Steepness depends on the
+/// way across, so with layers it is decided for many triangles at once.
+/// Input: Places with coordinates in [-1, 1], which are added with `add`.
+/// Holds: The numbers are in single precision and rounded outwards, so everything that was added is inside.
 struct Layer {
-  std::array<float, 3> across{0, 0, 0};  ///< a unit vector, to 2^-20; or null, then nothing is told
-  float least = HUGE_VALF;               ///< of the products of `across` with what is inside
+  /// This is a unit vector, up to 2^-20. If it is null, the layer says nothing.
+  std::array<float, 3> across{0, 0, 0};
+  float least = HUGE_VALF;  ///< smallest product of `across` with a place inside
   float most = -HUGE_VALF;
 
   Layer() = default;
@@ -51,18 +52,19 @@ struct Layer {
     if (x + kRounding > double{most}) most = -FloatBox::rounded_down(-x - kRounding);
   }
 
-  /// More than a product is wrong by.
+  /// This is more than the rounding error of a product.
   static constexpr double kRounding = 0x1p-48;
 };
 
-/// Of the products of a layer's direction with some places.
+/// This is the range of the products of a layer's direction with some places.
 struct Products {
   double least, most;
 };
 
-/// The square of the length of a steep way to what is in a box and in a layer, at least; infinity if there is none.
-/// Input:  the slab of the patch that the way leaves; the products of the places it may leave from; the square of its
-///         length at least, without steepness.
+/// Returns a lower bound for the square of the length of a steep way to something that is both in a box and in a layer.
+/// Returns infinity if there is no such way.
+/// Input: `slab` contains the patch that the way leaves. `from` has the products of the places that it may leave from.
+///        `squared_distance` is a lower bound for the square of its length if steepness is left aside.
 inline double squared_steep_distance(const Slab& slab, Products from, const FloatBox& box, const Layer& layer,
                                      double squared_distance) {
   Vec3 centre, half;
@@ -75,15 +77,15 @@ inline double squared_steep_distance(const Slab& slab, Products from, const Floa
   const double most_up = std::fabs(up) + range;
   if (most_up * most_up <= kSteep * squared_distance) return HUGE_VAL;
 
-  // It is so far across to the layer, if it is not between.
+  // This is the distance across to the layer. It counts only if the start is outside the layer.
   const bool is_along = layer.least > from.most;
   const double across =
       (is_along ? double{layer.least} - from.most : from.least - double{layer.most}) - Layer::kRounding;
   if (!(across > 0)) return squared_distance;
-  // Steep ways lie in a cone about the normal. What matters is the one nearest the layer's direction.
+  // Steep ways lie in a cone about the normal. The one that is nearest to the layer's direction decides.
   double cosine = (is_along ? 1 : -1) * dot(layer.direction(), slab.plane.normal);
   if (std::fabs(up) <= range) {
-    cosine = std::fabs(cosine);  // a cone to either side
+    cosine = std::fabs(cosine);  // the cone has a part on either side
   } else if (up < 0) {
     cosine = -cosine;
   }

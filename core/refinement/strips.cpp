@@ -14,41 +14,45 @@
 namespace remesh {
 namespace {
 
-/// Degrees: aimed at so much more than the bound.
+/// The angle that is aimed at is larger than the bound by this number of degrees.
 constexpr double kMargin = 0.02;
-/// More parts cannot be told apart by their ends.
+/// If there were more parts, their ends could not be told apart.
 constexpr double kMaxParts = 0x1p40;
-/// A strip's sides: by how much its width may change along it, and how far beyond one the other may begin, in widths.
+/// These are limits for the two sides of a strip: the factor by which its width may change along it, and how far beyond
+/// one side the other may begin, in widths.
 constexpr double kMaxWidening = 1.25;
 constexpr double kMaxShear = 0.5;
-/// Strips side by side are alike if their sides want parts in numbers that differ by no more. Sides that want three and
-/// four parts are well as they are: the ends of one are between those of the other.
+/// Strips side by side are alike if the numbers of parts that their sides want differ by no more than this factor.
+/// Sides that want three and four parts need no help: the ends of one are between those of the other anyway.
 constexpr double kAlike = 1.05;
-/// In sizes: the height of a row of equilateral triangles, a little less, so that the slanting edges are not too long.
+/// The height of a row is this multiple of the size. It is a little less than the height of equilateral triangles, so
+/// that the slanting edges are not too long.
 constexpr double kRow = 0.85;
-/// In sizes: what is no wider is as a row of squares.
+/// A strip that is no wider than this multiple of the size is like a row of squares.
 constexpr double kRim = 1.1;
-/// Wider strips have their sides far apart: what is between them can make up for a wrong end of a row.
+/// A strip has no more rows across it than this. In wider ones the sides are far apart, and the area between them can
+/// make up for a wrong end of a row.
 constexpr double kMaxRows = 12;
-/// A side is of one size if the smallest asks for no more parts than the largest times this, and one more.
+/// A side has one size if its smallest size asks for no more parts than its largest one times this factor, and one
+/// more.
 constexpr double kEven = 1.02;
 
 using Pair = std::array<SegmentId, 2>;
 using Pairs = std::vector<Pair, LeftUnset<Pair>>;
 
-/// Do two half-edges of a patch face each other all along?
+/// Returns whether two half-edges of a patch face each other all along.
 bool do_face(const PatchMesh& patch, std::uint32_t h, std::uint32_t other) {
   const Triangulation2d& mesh = patch.mesh;
   const Vec2 a = patch.uv[mesh.from(h)], b = patch.uv[mesh.to(h)];
   const Vec2 c = patch.uv[mesh.from(other)], d = patch.uv[mesh.to(other)];
   const Vec2 along = (1 / norm(b - a)) * (b - a);
-  // They run in opposite directions: c lies across from b, and d from a.
+  // The half-edges run in opposite directions: c lies across from b, and d from a.
   const auto [least, most] = std::minmax({cross(along, c - a), cross(along, d - a)});
   if (!(least > 0) || most > kMaxWidening * least) return false;
   return std::fabs(dot(along, c - b)) <= kMaxShear * least && std::fabs(dot(along, d - a)) <= kMaxShear * least;
 }
 
-/// The constrained half-edge that faces h over two triangles with a diagonal in common, or kNone.
+/// Returns the constrained half-edge that faces h over two triangles with a common diagonal, or kNone.
 std::uint32_t facing(const PatchMesh& patch, std::uint32_t h) {
   const Triangulation2d& mesh = patch.mesh;
   for (const std::uint32_t diagonal : {Triangulation2d::next(h), Triangulation2d::previous(h)}) {
@@ -60,12 +64,13 @@ std::uint32_t facing(const PatchMesh& patch, std::uint32_t h) {
   return Triangulation2d::kNone;
 }
 
-/// Segments that want parts and face each other in a patch: each pair both ways, ascending.
+/// Returns the pairs of segments that want parts and face each other in a patch. Each pair occurs in both orders. They
+/// are ascending.
 Pairs facing_segments(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
                       const std::vector<double>& wanted, RunControl& control) {
   const auto blocks = map_blocks<std::vector<Pair>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
     std::vector<Pair> pairs;
-    std::vector<std::pair<std::uint32_t, SegmentId>> segment_of;  // of half-edges
+    std::vector<std::pair<std::uint32_t, SegmentId>> segment_of;  // segments of half-edges
     for (; p < end; ++p) {
       segment_of.clear();
       for (const std::uint32_t i : table.sides_of_patch(PatchId(p))) {
@@ -89,8 +94,8 @@ Pairs facing_segments(const std::vector<PatchMesh>& meshes, const SegmentTable& 
   return pairs;
 }
 
-/// The smallest size that is read along a segment, at places that are half of the size in its middle apart, or a 16th
-/// of the segment.
+/// Returns the smallest size that is read along a segment. It is read at places that are half of the size in its middle
+/// apart, or a 16th of the segment if that is more.
 double smallest_size(const SegmentTable& table, SegmentId s, const SizeField& sizes) {
   if (sizes.is_uniform()) return sizes.largest();
   constexpr double kMaxSteps = 16;
@@ -100,21 +105,23 @@ double smallest_size(const SegmentTable& table, SegmentId s, const SizeField& si
   return least;
 }
 
-/// The largest of the sizes that are read along a segment, away from its ends.
+/// Returns the largest size that is read along a segment, away from its ends.
 double largest_size(const SegmentTable& table, SegmentId s, const SizeField& sizes) {
   double largest = 0;
   for (const double t : {0.25, 0.5, 0.75}) largest = std::max(largest, sizes.at(table.position(s, t)));
   return largest;
 }
 
-/// Elsewhere few facets have one size all over that is not that of all.
+/// Returns whether sizes come from walls. Otherwise few facets have one size everywhere that is not the size of the
+/// whole surface.
 bool is_behind_walls(const Goals& goals, const SizeField& sizes) { return goals.proximity > 0 && !sizes.is_uniform(); }
 
 double parts_of_size(const BoundarySegment& segment, double size) {
   return std::ceil(segment.length / size * (1 - 1e-12));
 }
 
-/// How many parts a segment wants if it is the side of a strip; 0: it is none, or has to be cut more finely anyway.
+/// Returns how many parts a segment wants if it is the side of a strip. Returns 0 if it is no such side, or has to be
+/// cut more finely anyway.
 double wanted_parts(const SegmentTable& table, SegmentId s, double feature, double tangent, const Goals& goals,
                     const SizeField& sizes) {
   const BoundarySegment& segment = table[s];
@@ -125,26 +132,26 @@ double wanted_parts(const SegmentTable& table, SegmentId s, double feature, doub
   const double parts = std::max(by_angle, by_size);
   const double most = goals.min_edge_length > 0 ? segment.length / segment.floor : kMaxParts;
   if (parts < 2 || 2 * parts > most) return 0;
-  // With twice as many parts as angles need it does not matter to these where the other side's are; and where a strip
-  // is as wide as a row of triangles is high, there are points inside.
+  // If there are twice as many parts as angles need, angles do not depend on where the parts of the other side end. If
+  // a strip is wider than a row of triangles is high, there are points inside.
   if (by_size < 2 * by_angle || feature <= kRow * size) return parts;
   if (!is_behind_walls(goals, sizes) || feature > std::min(segment.length, kMaxRows * size)) return 0;
   return by_size <= kEven * parts_of_size(segment, largest_size(table, s, sizes)) + 1 ? parts : 0;
 }
 
-/// Are there an odd number of rows of triangles across a strip, between two of its sides, one of them in that many
-/// parts? Empty if they are too many, or it is wider than long.
+/// Returns whether there is an odd number of rows of triangles across a strip, between two of its sides. One of the
+/// sides is in `parts` parts. Returns nothing if there are too many rows, or if the strip is wider than long.
 std::optional<bool> is_odd_across(const SegmentTable& table, const Pair& sides, double parts, const Goals& goals,
                                   const SizeField& sizes) {
   if (!is_behind_walls(goals, sizes)) return true;
   const Vec3 here = table.position(sides[0], 0.5);
   const Vec3 there = nearest_on_segment(here, table.position(sides[1], 0), table.position(sides[1], 1));
   const double width = norm(there - here);
-  // As wide as long, such as the rim of a wall: there points opposite each other are well, and so are the lattices on
-  // the wall's two sides.
+  // The strip is as wide as long, such as the rim of a wall. There it is best if points lie opposite each other, and if
+  // the lattices on the two sides of the wall do so, too.
   const double size_of_side = sizes.at(here);
   if (width > kRow * size_of_side && width <= kRim * size_of_side) return false;
-  // As high as the slanting edges allow.
+  // Rows are as high as the slanting edges allow.
   const double size = sizes.at(0.5 * (here + there)), half = table[sides[0]].length / parts / 2;
   const double rows = std::ceil(width / std::sqrt(std::max(size * size - half * half, size * size / 4)) * (1 - 1e-9));
   if (rows > kMaxRows || width > table[sides[0]].length) return std::nullopt;
@@ -164,7 +171,8 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
   std::vector<double> wanted(table.size());
   for_blocks(table.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t s = begin; s < end; ++s) {
-      // Sizes that vary take long to read: there all that may be cut are taken, until it is known which face another.
+      // Sizes that vary take long to read. So all segments that may be cut are taken at first, and sizes are read when
+      // it is known which segments face another.
       const double unknown = table[SegmentId(s)].is_locked() ? 0 : 1;
       wanted[s] = sizes.is_uniform() ? wanted_by(SegmentId(s)) : unknown;
     }
@@ -179,7 +187,7 @@ std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, 
     std::erase_if(pairs, [&](const Pair& pair) { return wanted[pair[0].value] == 0 || wanted[pair[1].value] == 0; });
   }
 
-  // From side to side over all strips that are alike, beginning with the smallest id.
+  // Go from side to side over all strips that are alike, beginning with the smallest id.
   std::vector<std::uint8_t> is_seen(table.size(), 0);
   std::vector<SegmentId> alike;
   for (const auto& [seed, unused] : pairs) {

@@ -1,4 +1,4 @@
-/// What waits to be done, the most urgent first.
+/// Stores tasks and returns the most urgent one first.
 #pragma once
 
 #include <cstddef>
@@ -8,14 +8,15 @@
 
 namespace remesh {
 
-/// Queues numbered by urgency: first comes what waits in the highest, and of those what came in first. Tasks that
-/// follow each other are kept together in blocks, since a queue of single ones would lead all over the memory; and each
-/// is told of some time before it comes, so that what it is about can be fetched meanwhile.
+/// The queues are numbered by urgency. The next task is from the highest queue that has any; within a queue, the first
+/// in is the first out. Tasks that follow each other are stored together in blocks, because a queue of single tasks
+/// would lead all over the memory. Each task is announced some time before it comes, so that its data can be fetched
+/// meanwhile.
 template <class Task>
 class TaskQueues {
  public:
-  /// Leaves nothing but the memory. From now on a block has so many tasks: of few tasks, most are alone in their
-  /// queues.
+  /// Removes everything but keeps the memory. From now on a block has `block_size` tasks. If there are few tasks, most
+  /// are alone in their queues, and small blocks are better.
   void clear(std::uint16_t block_size) {
     block_size_ = block_size;
     last_of_.clear();
@@ -38,7 +39,7 @@ class TaskQueues {
     ++size_;
   }
 
-  /// Output: false if nothing waits. `announce(task)`: of what comes soon, or came long ago.
+  /// Returns false if no task waits. Calls announce(task) with a task that comes soon, or that came long ago.
   template <class Announce>
   bool pop(Task& task, const Announce& announce) {
     while (!last_of_.empty() && last_of_.back() == kNone) last_of_.pop_back();
@@ -64,16 +65,17 @@ class TaskQueues {
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffff;
-  static constexpr std::size_t kMoreQueues = 32;  ///< the next tasks are a little more urgent, most often
-  /// Some tasks of one queue, one after the other.
+  static constexpr std::size_t kMoreQueues = 32;  ///< most often, the next tasks are only a little more urgent
+  /// A block has some tasks of one queue, in their order.
   struct Block {
-    std::uint32_t next;        ///< in its queue; of the last one, the first
-    std::uint16_t begin, end;  ///< of those that wait
+    /// This is the next block in its queue. For the last block, it is the first one.
+    std::uint32_t next;
+    std::uint16_t begin, end;  ///< the tasks that wait
   };
 
   Task& task_of(std::uint32_t block, std::uint32_t index) { return tasks_[std::size_t{block} * block_size_ + index]; }
 
-  /// A new block takes the place of the last one, behind it.
+  /// Appends a new block to a queue, behind `last`. `last` then names the new block.
   void append_block(std::uint32_t& last) {
     std::uint32_t at = free_;
     if (at == kNone) {
@@ -97,8 +99,8 @@ class TaskQueues {
   std::uint16_t block_size_ = 1;
   std::vector<std::uint32_t> last_of_;  ///< the last block of each queue, or kNone
   std::vector<Block> blocks_;
-  std::vector<Task> tasks_;     ///< of all blocks
-  std::uint32_t free_ = kNone;  ///< the first of the blocks that are free again, linked
+  std::vector<Task> tasks_;     ///< the tasks of all blocks
+  std::uint32_t free_ = kNone;  ///< the first unused block; they are linked by `next`
   std::size_t size_ = 0;
 };
 

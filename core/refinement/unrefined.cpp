@@ -11,11 +11,11 @@
 namespace remesh {
 namespace {
 
-/// What rounding may add to an edge or an area, relatively.
+/// This is the relative error that rounding may add to an edge or an area.
 constexpr double kRounding = 1e-9;
 
 bool meets(const Vec3& a, const Vec3& b, const Vec3& c, const Goals& goals, double tangent) {
-  // Differences of scaled numbers: no square under- or overflows.
+  // The differences are scaled, so that no square under- or overflows.
   const std::array<Vec3, 3> side{b - a, c - b, a - c};
   double longest = 0;
   for (const Vec3& s : side) longest = std::max({longest, std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)});

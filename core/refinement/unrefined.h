@@ -15,23 +15,23 @@ namespace remesh {
 struct UnrefinedFaces {
   std::vector<FaceId> faces;  ///< ascending
   std::vector<UnrefinedReason> reasons;
-  std::vector<std::uint8_t> misses_sizes;  ///< whether each is larger than gaps or short edges ask for
+  std::vector<std::uint8_t> misses_sizes;  ///< not 0: the face is larger than gaps or short edges ask for
 };
 
-/// Measures the triangles in space, on the output's doubles.
-/// Input:   `reason`: what the refinement says of each face; `misses_sizes`: whether it is larger than gaps or short
-///          edges ask for, one per face, or empty where none is.
-/// Output:  those with an angle below the goal, or an edge or an area above it by more than rounding, and those larger
-///          than gaps or short edges ask for, each with its reason.
-/// Holds:   the same for any number of threads.
-/// Errors:  kCancelled, kTimeout - through `control`.
-/// Cost:    O(faces).
+/// Finds the triangles that miss a goal. They are measured in space, with the output's doubles.
+/// Input:  `reason` is what refinement says of each face. `misses_sizes` has one entry per face, which is not 0 if the
+///         face is larger than gaps or short edges ask for. It is empty if no face is.
+/// Output: The triangles with an angle below the goal, or with an edge or an area above it by more than rounding, and
+///         those that are larger than gaps or short edges ask for. Each has its reason.
+/// Holds:  The result is the same for any number of threads.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
+/// Cost:   O(faces).
 UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const Triangle> faces,
                               std::span<const UnrefinedReason> reason, std::span<const std::uint8_t> misses_sizes,
                               const Goals& goals, RunControl& control);
 
-/// The same by reason, with places.
-/// Errors:  kCancelled, kTimeout - through `control`.
+/// Groups the same triangles by reason, with their places.
+/// Errors: kCancelled, kTimeout - asked to stop through `control`.
 std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std::span<const Vec3> positions,
                                            std::span<const Triangle> faces, RunControl& control);
 

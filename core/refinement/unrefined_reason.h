@@ -1,4 +1,4 @@
-/// Triangles that refinement has left below its bounds, and why.
+/// Describes triangles that miss the bounds of refinement, and the reasons why.
 #pragma once
 
 #include <cstddef>
@@ -10,20 +10,29 @@
 
 namespace remesh {
 
-/// Why a triangle does not meet the bounds that refinement aims at.
+/// Tells why a triangle does not meet the bounds that refinement aims at.
 enum class UnrefinedReason : std::uint8_t {
-  kInputAngle,        ///< it fills a corner of the input: both its edges there are of the patch's boundary
-  kAcrossInputAngle,  ///< its shortest edge joins two segments that meet under 60 degrees, as far from there on both
-  kSizeFloor,         ///< a point that would mend it, or a size that it misses, is below the floor or below rounding
-  kMinEdgeLength,     ///< the same for the option's floor
-  kBudget,            ///< the result would have more faces than allowed
-  kBoundaryLocked,    ///< a boundary would have to be split that must stay: as asked, or for a patch that stays
-  kEffort,            ///< the work that is in proportion was spent before the bounds were met
-  kOutputRounding,    ///< it met the bounds until its vertices were rounded to what the output format can hold
+  /// It fills a corner of the input: both its edges there are on the patch's boundary.
+  kInputAngle,
+  /// Its shortest edge joins two segments that meet under 60 degrees, at the same distance from their corner.
+  kAcrossInputAngle,
+  /// A point that would mend it, or a size that it misses, is below the floor or below rounding.
+  kSizeFloor,
+  /// The same, where the floor is the one of the option min_edge_length.
+  kMinEdgeLength,
+  /// The result would have more faces than allowed.
+  kBudget,
+  /// A boundary would have to be split that must stay, because it was asked for or because a patch stays as it is.
+  kBoundaryLocked,
+  /// A limit on the work was reached before the bounds were met.
+  kEffort,
+  /// It met the bounds until its vertices were rounded to what the output format can hold.
+  kOutputRounding,
 };
 inline constexpr int kUnrefinedReasonCount = 8;
 
-/// Triangles that refinement has left below its bounds. `places` holds the centroids of the first 100.
+/// These are the triangles that miss the bounds of refinement for one reason. `places` holds the centroids of the first
+/// 100.
 struct Unrefined {
   static constexpr std::size_t kMaxPlaces = 100;
 
@@ -37,7 +46,7 @@ struct Unrefined {
   }
 };
 
-/// The stable name.
+/// Returns the stable name of a reason.
 std::string_view unrefined_name(UnrefinedReason reason);
 
 }  // namespace remesh

@@ -1,4 +1,4 @@
-/// What refining a patch takes besides the patch.
+/// Defines the scratch memory for refining a patch.
 #pragma once
 
 #include <cstddef>
@@ -10,31 +10,31 @@
 
 namespace remesh {
 
-/// What a refiner works with during its turn. A thread has one for all its patches: most of these are small, and what
-/// each would need for itself is as large as they are.
+/// A refiner works with this memory during its turn. A thread has one for all its patches. Most patches are small, and
+/// each would need as much scratch memory as the patch itself has.
 struct Workplace {
-  /// A triangle that waits, by its shortest edge.
+  /// A task is a triangle that waits to be treated. Half-edge a-b is its shortest edge, and c is its apex.
   struct Task {
     std::uint32_t half_edge, a, b, c;
   };
-  /// A piece of a segment, and the cuts inside it.
+  /// This is a piece of a segment, with the range of the cuts inside it.
   struct Range {
     std::uint32_t piece;
     std::size_t first, last;
   };
 
-  /// A vertex that was taken away, and may have to come back.
+  /// This is a vertex that was removed and may have to be put back.
   struct Taken {
     Vec2 p;
     double value;
   };
 
   DelaunayMesh::Scratch mesh;
-  TaskQueues<Task> waiting;  ///< empty between turns: it is lent
-  // Of one operation.
+  TaskQueues<Task> waiting;  ///< empty between turns; a refiner borrows its memory
+  // These serve one operation.
   std::vector<std::uint32_t> encroached, to_cut, pieces;
   std::vector<Range> ranges;
-  // Of thinning out: vertices, triangles.
+  // These serve thinning out. They hold vertices or triangles.
   std::vector<std::uint32_t> to_thin, ring, other_ring, hole, remade;
   std::vector<Taken> taken;
 };

@@ -1,4 +1,4 @@
-/// Removes what lies outside the loops and in their holes.
+/// Removes the triangles that lie outside the loops or in their holes.
 #pragma once
 
 #include <span>
@@ -10,13 +10,13 @@
 
 namespace remesh {
 
-/// Keeps the triangles inside the loops.
-/// Input:   a triangulation in which all `loop_edges` are constrained; each is directed, with the inside on its left.
-///          An edge given in both directions has the inside on both sides (a slit).
-/// Output:  kDone; or kInconsistentLoops - a region is inside by one edge and outside by another; nothing is removed
-///          then.
-/// Cost:    O(n).
-/// Source:  rules.md, Carving.
+/// Keeps only the triangles inside the loops.
+/// Input:  `mesh` is a triangulation in which all `loop_edges` are constrained. Each loop edge is directed and has the
+///         inside on its left. An edge that is given in both directions has the inside on both sides (a slit).
+/// Output: kDone, or kInconsistentLoops if a region is inside by one edge and outside by another. Then nothing is
+///         removed.
+/// Cost:   O(n).
+/// Source: rules.md, Carving.
 Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunControl& control);
 
 }  // namespace remesh

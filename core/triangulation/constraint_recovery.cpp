@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::uint32_t kNone = Triangulation2d::kNone;
 
-/// Inserts segments one by one. The triangles that a segment crosses leave a cavity; what lies to its left and to its
-/// right is filled by a scan each, then made Delaunay again by flips.
+/// Inserts segments one by one. The triangles that a segment crosses are removed and leave a cavity. The part to the
+/// left of the segment and the part to its right are each filled by a scan. Flips then make the new triangles Delaunay.
 class Recovery {
  public:
   Recovery(std::span<const Vec2> points, Triangulation2d& mesh, RunControl& control)
@@ -22,7 +22,7 @@ class Recovery {
     mesh_.index_points(points.size());
   }
 
-  /// Constrains the segment if it is an edge already; returns whether it is.
+  /// Constrains the segment if it is an edge already. Returns whether it is.
   bool keep(std::uint32_t u, std::uint32_t v) {
     const Start start = leave(u, v);
     if (start.is_segment) mesh_.constrain(start.half_edge);
@@ -45,10 +45,13 @@ class Recovery {
  private:
   struct Start {
     std::uint32_t half_edge = kNone;
-    bool is_segment = false;  ///< half_edge is the segment itself, in either direction; else the first one it crosses
+    /// True if `half_edge` is the segment itself, in either direction. Otherwise `half_edge` is the first one that it
+    /// crosses.
+    bool is_segment = false;
   };
 
-  /// One side of the cavity, from u to v: chain edge i runs from vertex[i] to vertex[i+1]; inner[i] was its half-edge.
+  /// A chain is one side of the cavity, from u to v. Chain edge i runs from vertex[i] to vertex[i+1]. Before the cavity
+  /// was made, inner[i] was its half-edge inside the cavity.
   struct Chain {
     std::vector<std::uint32_t> vertex, inner;
   };
@@ -64,7 +67,8 @@ class Recovery {
     return {};
   }
 
-  /// Turns around u, both ways from any of its triangles, for the one in which the segment leaves.
+  /// Turns around u, from any of its triangles and in both directions, and finds the triangle through which the segment
+  /// leaves u.
   Start leave(std::uint32_t u, std::uint32_t v) const {
     const std::uint32_t first = mesh_.edge_at(u);
     if (first == kNone) return {};
@@ -83,13 +87,13 @@ class Recovery {
     return {};
   }
 
-  /// Walks from the first crossed half-edge to v and collects the cavity; false if a vertex or a constraint is in the
-  /// way (nothing has changed then).
+  /// Walks from the first crossed half-edge to v and collects the cavity. Returns false if a vertex or a constraint is
+  /// in the way; the mesh is unchanged then.
   bool dig(std::uint32_t h, std::uint32_t u, std::uint32_t v) {
     cavity_.clear();
     left_ = {{u}, {}};
     right_ = {{u}, {}};
-    // Half-edge h runs from the right of the segment to its left, seen from the triangle just passed.
+    // Half-edge h runs from the right of the segment to its left, seen from the triangle that was passed last.
     const auto pass_left = [&](std::uint32_t inner, std::uint32_t vertex) {
       left_.inner.push_back(inner);
       left_.vertex.push_back(vertex);
@@ -118,7 +122,8 @@ class Recovery {
 
   void fill() {
     for (const std::uint32_t t : cavity_) in_cavity_[t] = 1;
-    // An edge whose two sides both lie in the cavity hangs in it: it occurs twice among the chains, once a side.
+    // An edge that has the cavity on both its sides hangs in it. Such an edge occurs twice in the chains, once for each
+    // side.
     outer_.clear();
     for (const Chain* chain : {&left_, &right_})
       for (const std::uint32_t inner : chain->inner) {
@@ -153,7 +158,8 @@ class Recovery {
     }
   }
 
-  /// What a new triangle is joined to: a chain edge that waits for its slot, or a half-edge made before.
+  /// This is the neighbour of a new triangle along one edge: either a chain edge that waits for its slot, or an
+  /// existing half-edge.
   struct Side {
     bool is_chain_edge;
     std::uint32_t index;
@@ -166,10 +172,10 @@ class Recovery {
       mesh_.join(side.index, half_edge);
   }
 
-  /// Triangulates between a chain and the segment; returns the half-edge along the segment.
-  /// Every chain vertex sees the segment, so cutting each convex corner as it is met is enough: when the chain's end is
-  /// reached only the segment is left. (Toussaint and Avis, On a convex hull algorithm for polygons and its application
-  /// to triangulation problems, 1982.)
+  /// Triangulates the area between a chain and the segment. Returns the half-edge along the segment. Every chain vertex
+  /// sees the segment, so it is enough to cut off each convex corner as it is met: at the end of the chain only the
+  /// segment is left. (Toussaint and Avis, On a convex hull algorithm for polygons and its application to triangulation
+  /// problems, 1982.)
   std::uint32_t scan(const Chain& chain, std::size_t first_slot, bool is_right) {
     stack_.clear();
     stack_.push_back({chain.vertex[0], {}});
@@ -207,14 +213,14 @@ class Recovery {
   };
   struct Entry {
     std::uint32_t vertex;
-    Side side;  ///< of the edge from the entry below
+    Side side;  ///< beyond the edge from the entry below to this vertex
   };
 
   std::span<const Vec2> points_;
   Triangulation2d& mesh_;
   RunControl& control_;
   std::vector<std::uint8_t> in_cavity_;
-  // Scratch of one insertion, kept for its memory.
+  // This is the scratch memory of one insertion. It stays allocated for the next one.
   std::vector<std::uint32_t> cavity_, changed_, slot_;
   Chain left_, right_;
   std::vector<Outer> outer_;
@@ -223,9 +229,9 @@ class Recovery {
   std::size_t next_free_ = 0;
 };
 
-/// 0 .. n-1 in a random but fixed order (Fisher and Yates, with the splitmix64 generator). The result is the same in
-/// any order; the time is not: neighbours in a loop, one after the other, dig through the fans that the last one has
-/// left.
+/// Returns 0 .. n-1 in a random but fixed order (Fisher and Yates, with the splitmix64 generator). The result of the
+/// recovery is the same for any order, but the time is not: if the segments of a loop are inserted one after the other,
+/// each has to cross the fan of triangles that the one before has left.
 std::vector<std::uint32_t> scattered(std::size_t n) {
   std::vector<std::uint32_t> order(n);
   std::iota(order.begin(), order.end(), 0u);
@@ -244,13 +250,14 @@ std::vector<std::uint32_t> scattered(std::size_t n) {
 Outcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments, Triangulation2d& mesh,
                             RunControl& control) {
   Recovery recovery(points, mesh, control);
-  // A segment is looked for around the end that fewer segments meet at: around a hub of many, each would cost them all.
+  // A segment is looked for around the end where fewer segments meet. Around the other end it could be slow: at a hub
+  // where many segments meet, every search would turn past all of them.
   std::vector<std::uint32_t> met(points.size(), 0);
   for (const auto& [u, v] : segments) {
     ++met[u];
     ++met[v];
   }
-  // Most are there, and found fastest in the order of the loops.
+  // Most segments are edges already. These are found fastest in the order of the loops.
   std::vector<Segment> missing;
   for (std::size_t i = 0; i < segments.size(); ++i) {
     if (i % 256 == 0) control.check();

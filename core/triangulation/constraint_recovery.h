@@ -15,11 +15,12 @@ namespace remesh {
 using Segment = std::array<std::uint32_t, 2>;
 
 /// Makes every segment an edge, constrains it, and restores the constrained Delaunay property.
-/// Input:   a Delaunay triangulation; segments as pairs of point indices, in either direction, repeats allowed.
-/// Output:  kDone, or kCrossingConstraints: the triangulation is then valid but lacks segments.
-/// Holds:   the result does not depend on the order of the segments.
-/// Cost:    near-linear in the edges that the segments cross, in practice.
-/// Source:  S. W. Sloan, A fast algorithm for generating constrained Delaunay triangulations, 1993.
+/// Input:  `mesh` is a Delaunay triangulation of `points`. A segment is a pair of point indices, in either direction.
+///         Segments may be repeated.
+/// Output: kDone, or kCrossingConstraints. In the second case the triangulation is valid but lacks some segments.
+/// Holds:  The result does not depend on the order of the segments.
+/// Cost:   In practice it is near-linear in the number of edges that the segments cross.
+/// Source: S. W. Sloan, A fast algorithm for generating constrained Delaunay triangulations, 1993.
 Outcome constraint_recovery(std::span<const Vec2> points, std::span<const Segment> segments, Triangulation2d& mesh,
                             RunControl& control);
 

@@ -23,7 +23,7 @@ void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, std::ve
     if (!must_flip(points, mesh, h)) continue;
     const std::uint32_t g = mesh.twin(h);
     mesh.flip(h);
-    // The four sides of the quadrilateral; h and g themselves are Delaunay now.
+    // The four sides of the quadrilateral may have stopped being Delaunay. The flipped edge itself is Delaunay now.
     stack.insert(stack.end(), {Triangulation2d::next(g), Triangulation2d::previous(g), Triangulation2d::next(h),
                                Triangulation2d::previous(h)});
   }

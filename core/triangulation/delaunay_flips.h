@@ -12,14 +12,15 @@
 namespace remesh {
 
 /// Flips edges until every edge that is not constrained is locally Delaunay.
-/// Output:  the one constrained Delaunay triangulation of the points: ties of cocircular points are broken by
-///          in_circle_perturbed.
-/// Cost:    near-linear for what the sweep makes of scattered points; a stack holds only edges that may have changed.
-/// Source:  C. Lawson, 1977; J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 6;
-///          rules.md, Exact flips.
+/// Output: The unique constrained Delaunay triangulation of the points. It is unique because in_circle_perturbed breaks
+///         the ties of cocircular points.
+/// Cost:   Near-linear for the triangulation that the sweep makes of scattered points. A stack holds only the edges
+///         that may have changed.
+/// Source: C. Lawson, 1977; J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 6;
+///         rules.md, Exact flips.
 void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, RunControl& control);
 
-/// The same, begun from the half-edges in `stack` alone; it is empty afterwards.
+/// Does the same, but begins with the half-edges in `stack` alone. The stack is empty afterwards.
 void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, std::vector<std::uint32_t>& stack,
                     RunControl& control);
 

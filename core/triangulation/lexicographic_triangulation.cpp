@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::uint32_t kNone = Triangulation2d::kNone;
 
-/// The sweep's hull: a counter-clockwise ring of points; `edge[p]` is the half-edge from p to next[p].
+/// The hull of the sweep is a counter-clockwise ring of points. `edge[p]` is the half-edge from p to next[p].
 class Sweep {
  public:
   explicit Sweep(std::span<const Vec2> points)
@@ -20,7 +20,8 @@ class Sweep {
 
   Triangulation2d run(RunControl& control) {
     const std::uint32_t n = static_cast<std::uint32_t>(points_.size());
-    std::uint32_t first = 2;  // the first point beside the line through those before it
+    // This is the first point that does not lie on the line through the points before it.
+    std::uint32_t first = 2;
     while (first < n && orient2d(points_[0], points_[1], points_[first]) == 0) ++first;
     if (n < 3 || first == n) return {};
     start(first);
@@ -32,10 +33,11 @@ class Sweep {
   }
 
  private:
-  /// Fans point `first` to the collinear run 0 .. first-1.
+  /// Joins point `first` to the collinear points 0 .. first-1 by a fan of triangles.
   void start(std::uint32_t first) {
     const bool left = orient2d(points_[0], points_[1], points_[first]) > 0;
-    std::uint32_t previous_side = kNone;  // of the triangle before: its half-edge shared with the next one
+    // This is the half-edge of the triangle before that is shared with the next one.
+    std::uint32_t previous_side = kNone;
     for (std::uint32_t p = 0; p + 1 < first; ++p) {
       const std::uint32_t a = left ? p : p + 1, b = left ? p + 1 : p;
       const std::uint32_t h = mesh_.add_triangle(a, b, first);
@@ -60,10 +62,13 @@ class Sweep {
     }
   }
 
-  /// Joins p, which lies to the right of all before it, to every hull edge that it sees: these are a run around p-1.
+  /// Joins p to every hull edge that it sees. In lexicographic order p comes after all points before, so these edges
+  /// form a run around p-1.
   void attach(std::uint32_t p) {
-    std::uint32_t upper = p - 1;  // p-1 is on the hull, being the largest so far
-    std::uint32_t open = kNone;   // half-edge of the newest triangle that waits for its neighbour, on the upper side
+    // Point p-1 is on the hull, because it comes last of all points so far.
+    std::uint32_t upper = p - 1;
+    // This is the half-edge of the newest triangle on the upper side. It waits for its neighbour.
+    std::uint32_t open = kNone;
     std::uint32_t lower_open = kNone;
     while (sees(p, upper, next_[upper])) {
       const std::uint32_t following = next_[upper];
@@ -96,8 +101,8 @@ class Sweep {
     return orient2d(points_[a], points_[b], points_[p]) < 0;
   }
 
-  /// The triangle outside hull edge (a, next a), with apex p. Its first half-edge is twin to the hull edge; the next
-  /// one runs from a to p, the last one from p to next a.
+  /// Adds the triangle outside hull edge (a, next a), with apex p. Its first half-edge is the twin of the hull edge.
+  /// The next one runs from a to p, and the last one from p to next a.
   std::uint32_t add_outside(std::uint32_t p, std::uint32_t a) {
     const std::uint32_t h = mesh_.add_triangle(next_[a], a, p);
     mesh_.join(h, edge_[a]);

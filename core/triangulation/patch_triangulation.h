@@ -1,4 +1,4 @@
-/// The constrained Delaunay triangulation of one patch: sweep, flips, recovery and carving together.
+/// Computes the constrained Delaunay triangulation of one patch by sweep, flips, recovery and carving.
 #pragma once
 
 #include <span>
@@ -13,18 +13,20 @@ namespace remesh {
 
 struct PatchTriangulation {
   Outcome outcome = Outcome::kDone;
-  Triangulation2d mesh;  ///< over the points' indices; empty unless kDone
+  Triangulation2d mesh;  ///< indexes the input points; empty unless the outcome is kDone
 };
 
-/// Triangulates the inside of loops.
-/// Input:  pairwise different points in lexicographic order; directed loop edges with the inside on their left; an edge
-///         given in both directions is a slit.
-/// Output: the one constrained Delaunay triangulation, whatever the order of the edges.
-/// Cost:   O(n log n): above a few hundred points divide and conquer takes the place of the sweep and the first flips.
+/// Triangulates the inside of the loops.
+/// Input:  The points are pairwise different and in lexicographic order. Loop edges are directed and have the inside on
+///         their left. An edge that is given in both directions is a slit.
+/// Output: The unique constrained Delaunay triangulation, whatever the order of the edges.
+/// Cost:   O(n log n). Above a few hundred points, divide and conquer takes the place of the sweep and of the first
+///         flips.
 PatchTriangulation triangulate_patch(std::span<const Vec2> points, std::span<const Segment> loop_edges,
                                      RunControl& control);
 
-/// The Delaunay triangulation of points alone, by whichever of the two ways suits their number.
+/// Computes the Delaunay triangulation of the points, without any constraint. It uses the sweep for few points and
+/// divide and conquer for many.
 Triangulation2d triangulate_points(std::span<const Vec2> points, RunControl& control);
 
 }  // namespace remesh
