@@ -67,9 +67,8 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
     // The test does not depend on orientation: the faces must be on opposite sides of the edge, and not on each other.
     const double cosine = dot(geometry[f].normal, geometry[g].normal);
     if (!((adjacency.from(h) == adjacency.from(k) ? -cosine : cosine) > 0)) return;
-    // If a corner is rounded, it moves from the other face's plane by the same distance. The larger distance, of a
-    // corner of a large face from a small face's plane, would be explained by less rounding than it seems. So the
-    // smaller one counts.
+    // The rounding of a corner moves it off the other face's plane by its own amount. But it tilts a small face by so
+    // much that corners of a large face are further off the small face's plane. So the smaller distance counts.
     bends.add(std::min(bend(f, g), bend(g, f)), floor, tolerance);
   };
   const auto look_at_edge = [&](DifferentBends& bends, EdgeId e) {
