@@ -45,7 +45,7 @@
 namespace remesh {
 namespace {
 
-/// How an attempt at the surface ended.
+/// The outcome of an attempt at the surface.
 enum class Outcome {
   kVerified,          ///< the result passed verification
   kTooManyFaces,      ///< refinement made more faces than are allowed
@@ -375,9 +375,9 @@ class Run {
   Report report_;
   MendingLimits limits_;
   Prepared prepared_;
-  std::optional<Ladder> ladder_;            ///< for the prepared surface
-  std::optional<GoalRefinement> refiner_;   ///< for the prepared surface
-  FoundIntersections input_intersections_;  ///< for the prepared surface
+  std::optional<Ladder> ladder_;            ///< belongs to the prepared surface
+  std::optional<GoalRefinement> refiner_;   ///< belongs to the prepared surface
+  FoundIntersections input_intersections_;  ///< belongs to the prepared surface
   bool are_input_intersections_known_ = false;
   Regions regions_;
   Partition partition_;

@@ -1,4 +1,4 @@
-/// What the report says about an input: what was found in it, and what was done about it.
+/// The findings about an input, and what was done about each, as the report lists them.
 #pragma once
 
 #include <algorithm>

@@ -9,7 +9,7 @@
 
 namespace remesh {
 
-/// What went wrong. Each code has a stable name in the contract (`code_name`).
+/// The kinds of errors. Each code has a stable name in the contract (`code_name`).
 enum class Code {
   kInvalidMesh,
   kIndexOutOfRange,
@@ -85,8 +85,8 @@ class Error : public std::runtime_error {
 
   Code code;
   Stage stage;
-  std::optional<std::uint64_t> line;     ///< from 1, in the text that was read
-  std::optional<std::uint64_t> byte;     ///< from 0, in the binary data that was read
+  std::optional<std::uint64_t> line;     ///< line number from 1, in the text that was read
+  std::optional<std::uint64_t> byte;     ///< byte offset from 0, in the binary data that was read
   std::optional<std::uint64_t> element;  ///< face or vertex of the input, from 0
   std::optional<std::uint64_t> limit;    ///< the limit that was exceeded
   std::string option;                    ///< the option at fault, by its name in the contract

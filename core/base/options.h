@@ -31,8 +31,8 @@ struct Barriers {
   friend bool operator==(const Barriers&, const Barriers&) = default;
 };
 
-/// What a caller may ask for. Lengths are in model units, angles in degrees. If an optional is empty, the contract's
-/// default applies.
+/// The options of a run. Lengths are in model units, angles in degrees. If an optional is empty, the contract's default
+/// applies.
 struct Options {
   static constexpr double kMaxMinAngleDeg = 33;
   static constexpr double kMinRadiusEdgeRatio = 0.918;  ///< 1 / (2 sin 33 degrees), cut after three decimals
@@ -74,7 +74,7 @@ enum class Storage {
   kFloat,   ///< floats of 32 bits
 };
 
-/// How a run is carried out. None of these settings but `storage` changes a byte of the result.
+/// The settings with which a run is carried out. None of these settings but `storage` changes a byte of the result.
 struct RunSettings {
   int workers = 1;  ///< number of threads that compute, at least 1
   /// Fill Result::face_source and input_face_patch. This costs a point location per face.

@@ -18,8 +18,8 @@ class RankedIds {
  public:
   /// Replaces the set. `ids` may be in any order and may repeat.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-  /// Cost:   O(n) if at least about one in eight of the ids between the smallest and the largest is there, otherwise O(n
-  ///         log n).
+  /// Cost:   O(n) if about one in eight ids between the smallest and the largest is there or more, O(n log n)
+  ///         otherwise.
   void assign(std::span<const I> ids, const RunControl& control) {
     ids_.clear();
     ranks_.clear();

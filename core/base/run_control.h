@@ -1,4 +1,4 @@
-/// How a caller watches and stops a running remesh.
+/// Lets a caller watch and stop a running remesh.
 #pragma once
 
 #include <atomic>

@@ -24,8 +24,8 @@ struct Decimals {
 constexpr Decimals kUsual{-5, 0, 15}, kAny{-22, -22, 22};
 /// Where two counts are compared, each stops at this many numbers.
 constexpr std::size_t kRates = 64;
-/// How many large numbers must lack the last decimal of smaller ones before this proves that significant digits are
-/// limited: each lacks it by chance with a probability of 1/10, and log2(10) * 6 exceeds 18 bits.
+/// The number of large numbers that must lack the last decimal of smaller ones before this proves that significant
+/// digits are limited: each lacks it by chance with a probability of 1/10, and log2(10) * 6 exceeds 18 bits.
 constexpr std::size_t kEnoughCoarser = 6;
 /// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;
@@ -380,7 +380,8 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
     Witnesses<kEnoughCoarser> coarser;  // numbers that are coarser than the fixed step by a factor of ten at least
     double coarsest_last = 0, coarsest_shown = 0;  // the largest steps of numbers that show their last digit, or either
                                                    // of their last two
-    // How many numbers show their last digit and how many lack it, in the decade of the largest number and below it.
+    // Counts of the numbers that show their last digit and of those that lack it, in the decade of the largest number
+    // and below it.
     Witnesses<kRates> shown, lacking, shown_below, lacking_below;
     Vec3 largest_of_long;
   };
@@ -454,7 +455,7 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
 /// that it is no coincidence. All numbers are multiples of `unit`.
 bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals decimals) {
   const auto place_of = [&](double x) { return std::max(unit, shortest(x, decimals).quantum); };
-  // How many bits at the end of a number come from the float and not from the printing, in quarters of bits.
+  // The number of bits at the end of a number that come from the float and not from the printing, in quarters of bits.
   const auto seen = [](double x, double place) {
     const double ratio = last_place(x, kFloatBits) / place;
     return std::ilogb(ratio * ratio * ratio * ratio);

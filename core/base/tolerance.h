@@ -43,7 +43,7 @@ struct Rounding {
   Vec3 likely_steps = {};    ///< `steps` if they are proven; otherwise the steps that few numbers make likely; at least
                              ///< `steps`
   Vec3 possible_steps = {};  ///< the largest steps that the digits allow, proven or not; at least `steps`
-  /// Whether `possible_steps` come from printing. If not, they come from floats or doubles, which arithmetic may have
+  /// True if `possible_steps` come from printing. Otherwise they come from floats or doubles, which arithmetic may have
   /// rounded many times.
   bool is_decimal = false;
 

@@ -7,11 +7,11 @@
 namespace remesh {
 namespace {
 
-/// Relative to a point's distance from the line's first vertex. This is far more than the rounding error of its
-/// distances along the axes.
+/// The slack for distances along the axes, relative to a point's distance from the line's first vertex. It is far more
+/// than their rounding error.
 constexpr double kRounding = 0x1p-44;
 
-/// In turns. This is far more than the rounding error of angles, their sums and their differences.
+/// The slack for angles, in turns. It is far more than the rounding error of angles, their sums and their differences.
 constexpr double kAngleRounding = 0x1p-44;
 
 /// The number of faces between two checks for cancellation.

@@ -19,7 +19,7 @@ constexpr std::uint32_t kNone = Triangulation2d::kNone;
 /// origin.
 struct HalfEdge {
   std::uint32_t origin;  // kNone while the slot is free
-  std::uint32_t next;    // of a free slot: the next free one
+  std::uint32_t next;    // in a free slot, the next free slot
   std::uint32_t previous;
 };
 

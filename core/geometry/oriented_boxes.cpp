@@ -10,8 +10,8 @@
 namespace remesh {
 namespace {
 
-/// Relative to the largest coordinate. This is far more than the rounding error of products with unit vectors, and of
-/// the axes themselves.
+/// The slack of all tests, relative to the largest coordinate. It is far more than the rounding error of products with
+/// unit vectors, and of the axes themselves.
 constexpr double kRounding = 0x1p-40;
 
 /// If there are more triangles, the axes are computed from this many of them.

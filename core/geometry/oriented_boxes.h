@@ -33,7 +33,7 @@ class OrientedBoxes {
   /// A triangle that is tested against nodes.
   struct Query {
     std::array<Vec3, 3> corners, edges;
-    Vec3 normal;  ///< of any length
+    Vec3 normal;  ///< its length is arbitrary
   };
   Query query(const Triangle& face) const;
 

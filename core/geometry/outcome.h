@@ -1,5 +1,5 @@
-/// How the triangulation of one patch ended. It is an ordinary value and not an exception, because a patch that fails
-/// goes down the ladder.
+/// The way in which the triangulation of one patch ended. It is an ordinary value and not an exception, because a patch
+/// that fails goes down the ladder.
 #pragma once
 
 namespace remesh {

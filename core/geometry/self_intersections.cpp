@@ -185,8 +185,8 @@ class Search {
     }
   }
 
-  /// Of the edges between hubs of a face, the one with the most faces. If the face has none itself, the one with the
-  /// most faces at any of its hubs.
+  /// The edge with the most faces, of those between hubs of a face. If the face has none itself, the one with the most
+  /// faces at any of its hubs.
   HubEdge widest_edge(FaceId f) const {
     AtEdge widest;
     if (edge_at_.empty()) return widest.edge;

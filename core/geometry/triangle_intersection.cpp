@@ -115,7 +115,7 @@ bool has_separating_edge(const Corners2d& a, const Corners2d& b, int shared) {
 
 enum class Sides { kOneSide, kCoplanar, kBoth };
 
-/// How the corners of `b` that are not shared lie relative to the plane of `a`. kBoth includes touching.
+/// The position of the corners of `b` that are not shared, relative to the plane of `a`. kBoth includes touching.
 Sides sides_of(const Corners& a, const Corners& b, int shared) {
   int least = 1, greatest = -1;
   for (int k = shared; k < 3; ++k) {

@@ -32,7 +32,7 @@ struct Cracks {
 /// Cost:    O(b log b) for b open edges.
 Cracks find_cracks(const Surface& surface, const Adjacency& edges, double rounding, RunControl& control);
 
-/// How the mesh was prepared. Lengths are in model units.
+/// The tolerances with which the mesh was prepared, in model units.
 struct CrackRules {
   double rounding = 0;         ///< seams up to this width are closed
   double plane_tolerance = 0;  ///< edges are split at vertices up to this far away

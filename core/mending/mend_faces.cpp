@@ -310,7 +310,7 @@ class Mending {
   FaceList mended_;
   std::vector<std::uint8_t> is_degenerate_;
   std::vector<VertexId> loop_, sorted_loop_;
-  /// Whether needles of the current polygon that are not exactly on a line are dropped.
+  /// True if needles of the current polygon that are not exactly on a line are dropped.
   bool drops_needles_ = false;
   std::vector<Vec3> points_;
   Diagnostic repeated_{

@@ -25,8 +25,8 @@ namespace remesh {
 ///          counted as duplicate_vertex.
 /// Holds:   a closed surface stays closed. When a zero-area face is dropped, the vertices on its longest edges are
 ///          handed to the faces beyond these edges, so that each edge still meets its counterpart. A zero-area face is
-///          not dropped if such a face is marked in `as_it_is`, or if `degenerate` is Mend::kNo and it has three
-///          corners left.
+///          not dropped if one of the faces that would get its vertices is marked in `as_it_is`, or if `degenerate` is
+///          Mend::kNo and it has three corners left.
 /// Returns: whether anything had to be mended. If not, faces, corners and vertices are unchanged.
 /// Errors:  kEmptyMesh - no face has an area; kInvalidMesh - zero-area faces nest so deeply that mending them would
 ///          multiply the mesh.

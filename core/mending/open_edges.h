@@ -27,7 +27,7 @@ struct OpenEdge {
   bool is_open = true;  ///< the edge has only one face
 };
 
-/// How two open edges lie relative to each other.
+/// The position of two open edges relative to each other.
 struct Fit {
   double width = std::numeric_limits<double>::infinity();  ///< the larger of both distances between their ends
   bool runs_alike = false;                                 ///< both run the same way, as if one face were turned over
@@ -38,7 +38,8 @@ class OpenEdges {
  public:
   enum class Which {
     kOpen,  ///< edges with one face
-    /// Also edges with more faces, if most of them run one way. All half-edges that run that way are included.
+    /// Edges with one face, and edges with more faces of which most run one way. Of the latter, all half-edges that run
+    /// that way are included.
     kUnbalanced
   };
 

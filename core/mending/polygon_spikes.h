@@ -12,7 +12,7 @@
 
 namespace remesh {
 
-/// Which reversals stay. A corner whose two neighbours coincide is the tip of a reversal: the outline goes out and
+/// The reversals that stay. A corner whose two neighbours coincide is the tip of a reversal: the outline goes out and
 /// comes back along one edge. Inside the polygon that is a slit, which a triangulation can preserve; outside it cannot
 /// be preserved.
 /// The two sides of a narrow slit are within the tolerance of each other.
@@ -40,6 +40,7 @@ struct Spikes {
 ///          from the tip. Corners within the tolerance of each other count as one tip, or one foot. The polygon's area
 ///          vector defines what a right turn is.
 /// Holds:   the area vector of the outline is that of the polygon minus those of the needles.
+/// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n).
 Spikes cut_spikes(std::span<const Vec3> points, double tolerance, Reversals reversals, const RunControl& control);
 
@@ -51,8 +52,8 @@ struct PlaneSpikes {
 /// Does the same as cut_spikes with Reversals::kKeep, but also cuts off exact reversals that leave the polygon's plane.
 /// A slit lies in its face. A reversal that sticks out of the face is a spike, even if it lies inside the outline as
 /// seen from above: a triangulation through its tip would be a tent. The plane is that of the outline without any
-/// reversal, through the mean of its corners. A corner is out of the plane's reach if it is further away than
-/// `plane_tolerance`, or than any corner of that outline. A reversal is cut off from its first corner on that is out of
+/// reversal, through the mean of its corners. A corner is out of the plane's reach if it is further away than both
+/// `plane_tolerance` and all corners of that outline. A reversal is cut off from its first corner on that is out of
 /// reach.
 /// Output:  the spikes. If none leaves the plane, they are those of kKeep.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.

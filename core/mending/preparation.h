@@ -1,4 +1,4 @@
-/// From the mesh as read to a surface whose faces all have planes, and to the tolerance that its coordinates call for.
+/// Makes a surface whose faces all have planes from the mesh as read, and chooses the plane tolerance.
 #pragma once
 
 #include <cstdint>
@@ -57,7 +57,7 @@ class Prepared {
   std::optional<std::vector<VertexId>> pinched_;
 };
 
-/// What is reported about the input.
+/// The part of the report that is about the input.
 struct InputSummary {
   MeshStatistics statistics;   ///< those of the mesh as read, after welding its vertices
   double plane_tolerance = 0;  ///< the tolerance that is used, in model units

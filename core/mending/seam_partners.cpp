@@ -172,7 +172,7 @@ class Choice {
   struct Rank {
     std::size_t unpaired;
     int alike, across_pieces, across_labels;
-    long turns_behind;  ///< number of whole turns by which its angles exceed those of another way
+    long turns_behind;  ///< number of whole turns by which its angles exceed those of the first way
     long bend;          ///< in steps of kBendStep
     double width;
 

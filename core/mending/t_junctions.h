@@ -25,8 +25,6 @@ namespace remesh {
 /// Holds:   no point of the surface moves by more than the tolerance, and no face gets a vertex twice. Edges that run
 ///          along each other get the vertices on them in the same order, however near to each other these are. A
 ///          two-sided piece stays two-sided: a vertex that would twist the surface is left where it is.
-///          along each other get the vertices on them in the same order, however near these are to each other. What has
-///          two sides keeps them: a vertex that would twist the surface is left where it is.
 /// Returns: whether the surface changed.
 /// Cost:    O(b log b) for b open edges that are spread out; O(b sqrt b) if all of them lie along each other.
 bool split_t_junctions(Surface& surface, const Adjacency& edges, double tolerance,

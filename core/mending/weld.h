@@ -1,5 +1,4 @@
-/// From the mesh as read to the working surface: makes vertices with equal coordinates, or nearly equal ones, one
-/// vertex.
+/// Makes the working surface from the mesh as read. Vertices with equal coordinates, or nearly equal ones, become one.
 #pragma once
 
 #include <vector>

@@ -12,7 +12,7 @@ namespace remesh {
 struct FaceGeometry {
   Vec3 normal;  ///< unit length; if rounding leaves no direction, some direction across the longest side
   double area = 0;
-  /// Of a triangle, the smallest height. Of a polygon, twice its area over its longest extent. If a corner's distance
+  /// The smallest height of a triangle. For a polygon, twice its area over its longest extent. If a corner's distance
   /// from a plane is d, the face's angle to that plane is about d over this.
   double height = 0;
 };

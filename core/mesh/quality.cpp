@@ -347,7 +347,7 @@ class Angles {
 struct QualityBlock {
   Angles angles;
   Summary radius_edge, aspect, area, edge_length;
-  double volume = 0;  ///< of the tetrahedra between the triangles and a common point
+  double volume = 0;  ///< volume of the tetrahedra between the triangles and a common point
   std::array<std::uint64_t, kRadiusEdgeBins.size() - 1> radius_edge_counts{};
 
   void add(const QualityBlock& other) {

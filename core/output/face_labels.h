@@ -13,7 +13,7 @@ namespace remesh {
 /// have the same labels, so any of them will do.
 bool do_labels_need_sources(const FaceLabels& labels, const Barriers& barriers);
 
-/// For each output face the first input face of its patch.
+/// Returns, for each output face, the first input face of its patch.
 IdVector<FaceId, FaceId> first_faces(const Surface& surface, const PatchSet& patches,
                                      const IdVector<FaceId, PatchId>& face_patch);
 

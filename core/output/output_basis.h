@@ -1,4 +1,4 @@
-/// What a result needs to know of its run when an output format rounds its coordinates.
+/// The data about a run that its result needs when an output format rounds the coordinates.
 #pragma once
 
 #include "core/base/ids.h"

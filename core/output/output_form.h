@@ -7,9 +7,9 @@
 
 namespace remesh {
 
-/// How far an output format may move a vertex, relative to the input's diagonal. If the plane tolerance is larger, that
-/// is the bound instead. If this were smaller, parts at ordinary coordinates could not be written as binary STL; if it
-/// were larger, thin walls would lose a visible part of their thickness.
+/// The distance by which an output format may move a vertex, relative to the input's diagonal. If the plane tolerance
+/// is larger, that is the bound instead. If this were smaller, parts at ordinary coordinates could not be written as
+/// binary STL; if it were larger, thin walls would lose a visible part of their thickness.
 inline constexpr double kAllowedRounding = 1e-6;
 
 /// Measures the result: fills the report's `output`, `volume_obstacles` and `unrefined`.

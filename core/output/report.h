@@ -18,8 +18,8 @@
 namespace remesh {
 
 struct Report {
-  Options options;             ///< as they were used
-  double plane_tolerance = 0;  ///< as it was used, in model units
+  Options options;             ///< the options that were used
+  double plane_tolerance = 0;  ///< the tolerance that was used, in model units
   bool plane_tolerance_is_automatic = true;
   /// The step to which coordinates are proven to be rounded; without proof, the last place of the largest coordinate.
   double rounding_step = 0;

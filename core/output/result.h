@@ -16,7 +16,7 @@ struct Result {
   /// The patch of each input face, or of its first piece; invalid if the face was dropped. Empty if face_source is.
   IdVector<FaceId, PatchId> input_face_patch;
   Report report;
-  OutputBasis basis;  ///< for round_output
+  OutputBasis basis;  ///< the data that round_output needs
 };
 
 }  // namespace remesh

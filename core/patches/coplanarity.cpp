@@ -7,7 +7,8 @@
 namespace remesh {
 namespace {
 
-/// How far printing moves a coordinate, in steps, and a little more for the rounding of earlier computations.
+/// The distance by which printing moves a coordinate, in steps, and a little more for the rounding of earlier
+/// computations.
 constexpr double kPrinted = 0.51;
 
 }  // namespace

@@ -64,7 +64,7 @@ class Coplanarity {
   /// A lower bound on how far the unit normal may move before a face does not look along it any more.
   double normal_to_spare(FaceId f, const Vec3& normal, double tol) const {
     if (is_thin(f)) return HUGE_VAL;
-    constexpr double kRounding = 1e-15;  // of a squared sine
+    constexpr double kRounding = 1e-15;  // rounding error of a squared sine
     const double cosine = dot(geometry_[f].normal, normal);
     return std::sqrt(std::min(1.0, squared_sine(f, tol))) - std::sqrt(std::max(0.0, 1 - cosine * cosine) + kRounding);
   }

@@ -1,4 +1,4 @@
-/// From a prepared surface to its patches, with all that later stages need to know of them.
+/// Divides a prepared surface into patches, and computes all that later stages need to know of them.
 #pragma once
 
 #include <cstdint>

@@ -277,7 +277,7 @@ class Merging {
   /// A bound on the position of a region relative to a new plane. It is computed from the region's box and its position
   /// relative to the old plane.
   static Lie lie_after_turn(const Content& content, const Plane& old, const Plane& plane) {
-    constexpr double kRounding = 1e-15;  // of distances, in local units
+    constexpr double kRounding = 1e-15;  // error of distances, in local units
     const Vec3 turn = plane.normal - old.normal;
     const Vec3 centre = 0.5 * (content.box.min + content.box.max), half = 0.5 * (content.box.max - content.box.min);
     const double shift = plane.distance(centre) - old.distance(centre);
