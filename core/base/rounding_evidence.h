@@ -21,10 +21,10 @@ namespace remesh {
 /// A model's exact dimensions prove nothing either: they agree in any case. But such dimensions are multiples of a
 /// coarser decimal step, so only the values that are no multiples of it count. A claim between the true decimal place
 /// and that of the dimensions is wrong in one of two ways, by m = 2^a * 5^b:
-/// - a > b, for example 0.02 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are no multiples
-///   of five claimed steps count, with one bit each where m = 2.
-/// - a < b, for example 0.05 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are odd multiples
-///   of the claimed step count, with log2(5) bits each where m = 5.
+/// - a > b, for example 0.02 is claimed where the true step is 0.01, and the dimensions are multiples of 0.1. Values
+///   that are no multiples of five claimed steps count, with one bit each where m = 2.
+/// - a < b, for example 0.05 is claimed where the true step is 0.01, and the dimensions are multiples of 0.1. Values
+///   that are odd multiples of the claimed step count, with log2(5) bits each where m = 5.
 /// The smaller sum must reach 18 bits. Of 33 values that were rounded at random both sums reach it in 99.9 % of all
 /// cases.
 inline constexpr int kEvidence = 18;

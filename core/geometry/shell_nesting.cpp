@@ -158,8 +158,9 @@ ShellNesting::ShellNesting(std::span<const Vec3> positions, std::span<const Vert
   follow(inner, links);
 }
 
-/// Looks for other links where a shell's link leads to a shell that crosses one which may contain the first. From such
-/// a shell it does not follow where the first one lies.
+/// Corrects links. If the link of a shell leads to a second shell, and that one crosses a third which may contain the
+/// first, then it does not follow from the second shell where the first one lies. Instead, a link is looked for among
+/// the shells that may contain the first one.
 void ShellNesting::correct(const std::vector<std::uint32_t>& inner, std::vector<Link>& links) const {
   const auto is_beside = [&](std::size_t i) { return links[i].nest != kNone && !links[i].is_within; };
   std::vector<std::uint32_t> beside;
@@ -375,8 +376,9 @@ bool ShellNesting::is_touching(const Vec3& p, double reach, std::uint32_t nest) 
   return is_touching;
 }
 
-/// Returns whether it may follow from another shell where this nest's shell lies. If the other shell is seen from this
-/// one and does not contain it, both lie in the same shell, because shells that contain either of them also count.
+/// Returns whether it may follow from another shell where this nest's shell lies. If the other shell is the nearest one
+/// seen from this one and does not contain it, both lie in the same shell. Otherwise a shell that contains only one of
+/// them would be nearer, because such shells count, too.
 bool ShellNesting::may_tell(std::uint32_t other, std::uint32_t nest) const {
   return may_contain(other, nest) || boxes_[other].min.x < boxes_[nest].min.x;
 }

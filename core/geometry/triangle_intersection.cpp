@@ -78,8 +78,8 @@ bool does_segment_meet(const Vec3& p, const Vec3& q, const Corners& t) {
   const int side_p = orient3d(t[0], t[1], t[2], p), side_q = orient3d(t[0], t[1], t[2], q);
   if (side_p * side_q > 0) return false;
   if (side_p != 0 || side_q != 0) {
-    // The line crosses the plane in one point. It is in the triangle if the line does not pass edges on different
-    // sides.
+    // The line crosses the plane in one point. It is in the triangle unless the line passes some edges on one side and
+    // others on the other side.
     const int sides[] = {orient3d(p, q, t[0], t[1]), orient3d(p, q, t[1], t[2]), orient3d(p, q, t[2], t[0])};
     const auto [least, greatest] = std::minmax_element(std::begin(sides), std::end(sides));
     return *least * *greatest >= 0;

@@ -50,8 +50,8 @@ struct PolygonTolerances {
 /// - If the polygon is hardly higher than the tolerance, only exact spikes are cut off.
 /// Input:  4 or more points, no two consecutive ones equal.
 /// Output: no triangles if there is nothing but spikes.
-/// Holds:  the polygon gets the same triangles wherever its loop begins and whichever way it runs. Ties are no
-///         exception.
+/// Holds:  the polygon gets the same triangles wherever its loop begins and whichever way it runs, also if there are
+///         ties.
 PolygonSplit split_polygon(std::span<const Vec3> points, const PolygonTolerances& tolerances, RunControl& control);
 inline PolygonSplit split_polygon(std::span<const Vec3> points, double tolerance, RunControl& control) {
   return split_polygon(points, {tolerance, tolerance}, control);

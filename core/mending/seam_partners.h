@@ -36,7 +36,7 @@ struct SeamPartners {
 /// 1. leaves the fewest edges without a partner,
 /// 2. turns over the fewest faces,
 /// 3. joins what is connected already (over edges, or over partners that had no alternative), and after that what has
-/// the same label,
+///    the same label,
 /// 4. has the smallest angles behind the faces, that is, through the bodies: so bodies that touch stay two,
 /// 5. bends least.
 /// If several ways are equally good, as where a surface is there twice, all these edges become one, as they would if

@@ -24,8 +24,8 @@ struct EssentialVertices {
 /// Input:   vertices in `forced` stay in any case: those that the ladder has forced, or all with
 ///          keep_boundary_vertices. `pinched` are those that pinched_vertices finds. The plane tolerance is in local
 ///          units.
-/// Output:  the vertices that stay. A vertex inside a patch stays only if it is a corner of some other face, too. Then
-///          the triangulation of the patch must have it as a point.
+/// Output:  the vertices that stay. A vertex inside a patch stays only if it is also a corner of a face that is not
+///          connected there. Then the triangulation of the patch must have it as a point.
 /// Holds:   a vertex goes only if
 ///          - it has exactly two patch-boundary edges in the whole mesh,
 ///          - its faces are connected around it, and
