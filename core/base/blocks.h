@@ -83,9 +83,8 @@ std::vector<To, LeftUnset<To>> concatenate(const std::vector<std::vector<From>>&
 }
 
 /// Calls `make(i)` for i from 0 to n - 1 in parallel. Calls `take(i, result)` on the results in ascending order, one at
-/// a time. Only a few results exist at once.
+/// a time. Only a few results exist at once. Checks for cancellation before each call of `make`.
 /// Output: false if some call of `take` returned false. Then `take` is not called again, and `make` soon is not either.
-/// Checks for cancellation before each call of `make`.
 template <class Result, class Make, class Take>
 bool map_in_order(std::size_t n, RunControl& control, const Make& make, const Take& take) {
   if (n == 1) {

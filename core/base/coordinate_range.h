@@ -4,7 +4,8 @@
 namespace remesh {
 
 /// The limits behind the error `coordinate_range`. All stages compute in the mesh's own units, so scale alone is no
-/// limit, except at the ends of the range of doubles. Points that cannot be told apart in these units cannot be proven.
+/// limit, except at the ends of the range of doubles. Nothing can be proven of points that these units do not
+/// distinguish.
 struct CoordinateRange {
   /// Every vertex must be nearer to the middle of the mesh than this. Frames are up to twice as large, and must not
   /// overflow.

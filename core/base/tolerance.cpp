@@ -172,8 +172,8 @@ class Coordinates {
 /// The multiples of a step, which is a power of two over a power of five.
 struct Lattice {
   int decimals = 0;
-  double quantum = 0;  ///< a power of two; the lattice's numbers times five to the power of `decimals` are its
-                       ///< multiples
+  /// A power of two. The lattice's numbers times five to the power of `decimals` are its multiples.
+  double quantum = 0;
 
   double step() const { return times_power_of_five(quantum, -decimals); }
   bool is_within_reach() const { return std::abs(decimals) <= kAny.most; }
@@ -234,8 +234,8 @@ struct Claim {
 /// The claim of the lattice that all coordinates share.
 struct Fixed {
   Claim claim;
-  bool is_last_digit_shown = false;  ///< there are numbers that show the last digit and have as many digits as the
-                                     ///< largest
+  /// There are numbers that show the last digit and have as many digits as the largest.
+  bool is_last_digit_shown = false;
 };
 
 int count_digits(std::int64_t n) {
@@ -366,8 +366,8 @@ class SignificantDigits {
 /// The claim of significant digits.
 struct Significant {
   Claim claim;
-  double coarsest = 0;  ///< the largest step of a number that is not exact, which is one that shows one of its last two
-                        ///< digits
+  /// The largest step of a number that is not exact, which is one that shows one of its last two digits.
+  double coarsest = 0;
   bool is_apart = false;  ///< large numbers lack decimals that small ones have, and not by chance
 };
 
@@ -378,8 +378,8 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
   struct Found {
     Evidence evidence;
     Witnesses<kEnoughCoarser> coarser;  // numbers that are coarser than the fixed step by a factor of ten at least
-    double coarsest_last = 0, coarsest_shown = 0;  // the largest steps of numbers that show their last digit, or either
-                                                   // of their last two
+    // The largest steps of numbers that show their last digit, and of numbers that show either of their last two.
+    double coarsest_last = 0, coarsest_shown = 0;
     // Counts of the numbers that show their last digit and of those that lack it, in the decade of the largest number
     // and below it.
     Witnesses<kRates> shown, lacking, shown_below, lacking_below;
@@ -394,9 +394,8 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
       Found{},
       [&](Found& f, double x, int axis) {
         const Lattice place = significant.place(x);
-        if (!place.is_within_reach())
-          return place.decimals > 0;  // ignored if the number is too small; impossible
-                                      // if its place is too large
+        // A number that is too small for this is ignored. If its place is too large instead, the rule cannot hold.
+        if (!place.is_within_reach()) return place.decimals > 0;
         if (!place.holds(x)) return false;
         const std::int64_t units = std::abs(place.units(x));
         f.evidence.add(x, units, lattice.units(x), axis);

@@ -20,8 +20,8 @@ struct PatchMesh {
   std::vector<VertexId> vertices;  ///< in lexicographic order of their plane coordinates; refinement appends to them
   std::vector<Vec2> uv;            ///< one per vertex
   Triangulation2d mesh;            ///< over `vertices`; boundary edges are constrained
-  std::set<std::pair<std::uint32_t, std::uint32_t>> held;  ///< edges constrained only for the chord rule; not in any
-                                                           ///< loop
+  /// Edges that are constrained only for the chord rule. They are in no loop.
+  std::set<std::pair<std::uint32_t, std::uint32_t>> held;
   std::uint32_t loops = 0;
   PatchReason reason = PatchReason::kNone;
 

@@ -20,11 +20,12 @@ namespace {
 /// The number of vertices whose edges are sorted together.
 constexpr std::size_t kVertices = 1024;
 
-/// A hub may have millions of edges. Work on them checks for cancellation once in this many.
+/// A single vertex may have millions of edges. Work on them checks for cancellation once in this many.
 constexpr std::size_t kBetweenChecks = 1 << 16;
 
-/// Returns whether all edges at a vertex have two half-edges in opposite directions. `forward` has the keys, in order,
-/// of the half-edges that run from the vertex to larger ones, and `backward` those of the half-edges that run to it.
+/// Returns whether all edges between a vertex and larger ones have two half-edges in opposite directions. `forward` has
+/// the keys, in order, of the half-edges that run from the vertex to larger ones, and `backward` those of the
+/// half-edges that run to it.
 bool are_pairs(std::span<const std::uint64_t> forward, std::span<const std::uint64_t> backward) {
   if (forward.size() != backward.size()) return false;
   for (std::size_t i = 0; i < forward.size(); ++i)
@@ -84,8 +85,8 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> h
   // bucket.
   std::array<std::uint32_t, 2 * kVertices + 1> place{};
   using Keys = std::vector<std::uint64_t, LeftUnset<std::uint64_t>>;
-  Keys gathered(half_edges.size()), keys(half_edges.size());  // a key has the larger vertex in its upper half and the
-                                                              // half-edge in its lower half
+  // A key has the larger vertex in its upper half and the half-edge in its lower half.
+  Keys gathered(half_edges.size()), keys(half_edges.size());
   std::vector<std::uint16_t, LeftUnset<std::uint16_t>> bucket(half_edges.size());
   static_assert(2 * kVertices <= 1 << 16);
   for (std::size_t i = 0; i < half_edges.size(); ++i) {

@@ -308,8 +308,8 @@ class Angles {
   const AngleCounts& counts() const { return counts_; }
 
  private:
-  static constexpr auto kRightAngle = static_cast<std::size_t>(90 / kBinDegrees);  ///< the bin that begins at 90
-                                                                                   ///< degrees
+  /// The bin that begins at 90 degrees.
+  static constexpr auto kRightAngle = static_cast<std::size_t>(90 / kBinDegrees);
 
   /// An angle, given by its cosine and its sine times a common factor.
   struct Direction {

@@ -107,7 +107,7 @@ class Growth {
     std::vector<NewRegion> regions = {};
   };
 
-  /// Finds the edges over which regions may grow at all.
+  /// Finds the joints, which are the edges over which regions may grow at all.
   void find_joints() {
     static_assert(kBlock % kBits == 0, "no word belongs to two blocks");
     joints_.resize((surface_.corners.size() + kBits - 1) / kBits);

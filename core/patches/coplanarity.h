@@ -40,8 +40,8 @@ class Coplanarity {
   }
 
   /// Returns whether the two triangles at an edge bend by more than kUnquestionedBend and by more than printing can
-  /// explain. If they do, no four points that are printed as their corners lie in one plane. (To first order, a move of
-  /// a corner along an axis changes the volume of the four corners by the area of the opposite face along that axis.)
+  /// explain. If they do, no four points of one plane would be printed as their corners. (To first order, a move of a
+  /// corner along an axis changes the volume of the four corners by the area of the opposite face along that axis.)
   bool is_bend(std::uint32_t h) const;
 
   double height(FaceId f) const { return geometry_[f].height; }

@@ -205,8 +205,7 @@ class Selection {
         reached = position.along;
       }
       if (split == 0 && is_in_order) continue;
-      if (split == 0 || looks > kMaxLooks * (end - begin + 1)) {  // the run folds back, or is too costly: all its
-                                                                  // vertices stay
+      if (split == 0 || looks > kMaxLooks * (end - begin + 1)) {  // it folds back, or is too costly: all stay
         for (std::size_t k = i + 1; k < j; ++k) essential_[run_[k]] = 1;
         continue;
       }
