@@ -198,7 +198,7 @@ void ShellNesting::follow(const std::vector<std::uint32_t>& inner, const std::ve
   }
 }
 
-/// The nest to which a link leads a shell of nest `nest`. That nest itself need not have been followed yet.
+/// The nest around a shell of `nest` that has this link. `nest` itself need not have been followed yet.
 std::uint32_t ShellNesting::around(const Link& link, std::uint32_t nest) const {
   if (link.nest == kNone || link.is_within) return link.nest;
   // If shells cross, or touch up to rounding, the other shell may lie in some that are not around this one.

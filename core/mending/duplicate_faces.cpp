@@ -183,7 +183,7 @@ class Duplicates {
   /// one.
   double extent(FaceId f) const { return extents_.empty() ? 0 : extents_[of_faces_.set_of[f.value]]; }
 
-  /// The edges of the faces with a fate. Each edge is listed once, because many such faces may share an edge.
+  /// The edges of the faces with this fate. Each edge is listed once, because many such faces may share an edge.
   std::vector<EdgeId> edges_of(std::uint8_t fate) const {
     std::vector<EdgeId> edges;
     StopCheck check(control_);
@@ -198,7 +198,7 @@ class Duplicates {
     return edges;
   }
 
-  /// Drops connected faces with a fate together, unless is_needed(e) holds for one of their edges.
+  /// Drops connected faces with this fate together, unless is_needed(e) holds for one of their edges.
   template <class IsNeeded>
   void decide(std::uint8_t fate, const IsNeeded& is_needed) {
     const std::vector<EdgeId> edges = edges_of(fate);
