@@ -22,7 +22,7 @@ struct Decimals {
   int least = 0, least_in_common = 0, most = 0;
 };
 constexpr Decimals kUsual{-5, 0, 15}, kAny{-22, -22, 22};
-/// Where two counts are compared, each stops at this many numbers.
+/// Two counts that are compared with each other stop at this many numbers.
 constexpr std::size_t kRates = 64;
 /// The number of large numbers that must lack the last decimal of smaller ones before this proves that significant
 /// digits are limited: each lacks it by chance with a probability of 1/10, and log2(10) * 6 exceeds 18 bits.

@@ -79,7 +79,7 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
   };
   DifferentBends all;
   const auto look_at_all = [&](std::size_t count, const auto& look_at) {
-    // As soon as one block has enough bends, the others do not matter.
+    // The other blocks do not matter as soon as one block has enough bends.
     std::atomic<bool> is_over = all.count() >= amounts;
     const auto blocks = map_blocks<DifferentBends>(count, kBlock, control, [&](std::size_t i, std::size_t end) {
       DifferentBends bends;

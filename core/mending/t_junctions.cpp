@@ -332,7 +332,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
       sides.join(a, b, is_opposite);
       continue;
     }
-    // Of the vertices that made the edge, the one furthest away from its original edge is chosen.
+    // Among the vertices that made the edge, the one furthest away from its original edge is chosen.
     std::uint32_t worst = Split::kNone;
     for (const std::uint32_t h : around)
       for (const std::uint32_t j : of_edge(h))
@@ -377,7 +377,7 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
   }
   Split split(surface, junctions, control);
   std::vector<Junction> left;
-  // Without one vertex, another may become harmless or harmful. If this does not end, none of the vertices is inserted.
+  // If one vertex is left out, another may become harmless or harmful. If this does not end, no vertex is inserted.
   constexpr int kMaxPasses = 16;
   for (int pass = 0;; ++pass) {
     const auto twisting = twisting_junctions(surface, split, junctions, tolerance, control);
