@@ -45,34 +45,34 @@
 namespace remesh {
 namespace {
 
-/// How an attempt at the surface ended.
+/// The outcome of an attempt at the surface.
 enum class Outcome {
-  kVerified,          ///< the result holds
+  kVerified,          ///< the result passed verification
   kTooManyFaces,      ///< refinement made more faces than are allowed
   kRefinementFailed,  ///< the check failed on patches whose refinement can be left out
   kPatchesFailed,     ///< some patches have no triangles, or the check failed on them
   kFacesFailed,       ///< patches failed that are single faces already
 };
 
-/// Where the next attempt begins. What comes before that in the pipeline is kept.
+/// The step at which the next attempt begins. The results of earlier steps of the pipeline are used again.
 enum class Step { kPrepare, kPartition, kTriangulate, kFinish };
 
-/// What is tried after each outcome. Whoever takes a decision (GoalRefinement, Ladder, MendingLimits) keeps it for all
-/// later attempts, and each of them can take only so many, so that this ends.
+/// The table of what is tried after each outcome. A decision (in GoalRefinement, Ladder or MendingLimits) holds for all
+/// later attempts, and each of the three can make only a limited number of decisions, so this ends.
 struct Retry {
   Outcome outcome;
   Step next;
 };
 constexpr std::array kRetries{
     Retry{Outcome::kVerified, Step::kFinish},
-    // Refine again with a smaller budget. The patches and their loops are kept.
+    // Refine again with a smaller budget. The patches and their loops are used again.
     Retry{Outcome::kTooManyFaces, Step::kTriangulate},
-    // Refine again, but leave the patches that failed as they are. The patches and their loops are kept.
+    // Refine again, but leave the patches that failed as they are. The patches and their loops are used again.
     Retry{Outcome::kRefinementFailed, Step::kTriangulate},
-    // Split the patches that failed under a tighter tolerance, at last into single faces (Ladder). The prepared surface
-    // is kept, and so are the regions of all other faces.
+    // Split the patches that failed under a tighter tolerance, in the end into single faces (Ladder). The prepared
+    // surface is used again, and so are the regions of all other faces.
     Retry{Outcome::kPatchesFailed, Step::kPartition},
-    // Mend again, but copy the faces that failed verbatim. Nothing is kept but that decision.
+    // Mend again, but copy the faces that failed verbatim. Nothing is used again but that decision.
     Retry{Outcome::kFacesFailed, Step::kPrepare},
 };
 
@@ -80,7 +80,7 @@ Step step_after(Outcome outcome) {
   return std::find_if(kRetries.begin(), kRetries.end(), [&](const Retry& r) { return r.outcome == outcome; })->next;
 }
 
-/// One run over one surface: what the stages hand to each other.
+/// One run on one surface. Its members are what the stages pass on to each other.
 class Run {
  public:
   Run(const PolygonMesh& input, const Options& options, RunControl& control, std::vector<Diagnostic> diagnostics)
@@ -96,9 +96,9 @@ class Run {
     for (Step step = Step::kPrepare; step != Step::kFinish; step = step_after(attempt())) {
       // Weld, choose the tolerance, mend.
       if (step == Step::kPrepare) prepare();
-      // Coplanar faces, their patches, edge loops and essential vertices: sections 2 to 4 of the report.
+      // Sections 2 to 4 of the 2018 report: find coplanar faces, their patches, edge loops and essential vertices.
       if (step <= Step::kPartition) find_patches();
-      // Every patch: projection, lexicographic triangulation, flips, recovery of the loops, carving: section 5.
+      // Section 5, for every patch: projection, lexicographic triangulation, flips, recovery of the loops, carving.
       triangulate();
     }
     complete_report();
@@ -108,7 +108,7 @@ class Run {
   Report analyze() {
     prepare();
     find_patches();
-    // Triangulated, but not kept: what refinement would make of it is told by its triangles.
+    // The triangles are not part of the report, but they predict what refinement would make of the patches.
     triangulate();
     examine_input();
     if (options_.refine) warn_of_curves(surface(), partition_.patches, report_.diagnostics);
@@ -159,15 +159,15 @@ class Run {
                                      {options_.reference_axis, options_.reference_direction}, control_);
   }
 
-  /// From the patches' triangles to a verdict.
+  /// Goes from the patches' triangles to a verdict.
   Outcome attempt() {
     if (!are_input_intersections_known_) find_input_intersections(Triangulated(surface(), control_));
     watch_.enter(Stage::kAssembly);
     std::vector<FailedPatch> failed = find_failed_patches(candidate_.meshes);
     if (!failed.empty()) return step_up(failed);
-    // No edge inside a patch may be the edge of another one.
+    // No edge inside a patch may be the edge of another patch.
     candidate_.has_chords = !flip_chords(candidate_.meshes, surface().vertex_count(), control_);
-    // All patches together: angles, sizes, what is left of conflicts between them.
+    // All patches together: improve angles and sizes, and resolve the remaining conflicts between patches.
     refine();
     watch_.enter(Stage::kAssembly);
     assemble(candidate_, surface(), goals(), control_);
@@ -177,7 +177,7 @@ class Run {
     if (report_.verified.all_true()) return Outcome::kVerified;
     if (refiner_->freeze(report_.verified.failed_patches)) return Outcome::kRefinementFailed;
     for (const PatchId p : report_.verified.failed_patches) failed.push_back({p, PatchReason::kVerificationFailed});
-    // What is wrong with the whole is no single patch's: all of them take a step.
+    // If the result as a whole is wrong, no single patch is at fault, so all patches take a step.
     if (failed.empty())
       for (std::size_t p = 0; p < partition_.patches.count(); ++p)
         failed.push_back({PatchId(p), PatchReason::kVerificationFailed});
@@ -208,7 +208,8 @@ class Run {
           .with_limit(max);
   }
 
-  /// The independent check of the promises. It makes what it needs of the surface itself, or checks it.
+  /// Runs the independent check of the promises. The check computes what it needs of the surface itself, or verifies
+  /// it.
   void check_candidate() {
     prepared_.release_all_but_order();
     watch_.enter(Stage::kVerify);
@@ -235,7 +236,8 @@ class Run {
     return Outcome::kFacesFailed;
   }
 
-  /// Errors: kVerificationFailed - they have been copied before.
+  /// Marks faces to be copied verbatim in the next attempt.
+  /// Errors: kVerificationFailed - all of them have been copied before.
   void keep_verbatim(const std::vector<FaceId>& exhausted) {
     limits_.as_it_is.resize(input_.face_count(), 0);
     bool is_new = false;
@@ -245,7 +247,7 @@ class Run {
       limits_.as_it_is[source.value] = 1;
     }
     if (is_new || give_up_joining()) return;
-    // What cannot be told apart at the mesh's scale is the input's fault, everything else is ours.
+    // If a face cannot be resolved at the mesh's scale, the input is at fault. Otherwise the fault is ours.
     for (const FaceId f : exhausted)
       if (is_unresolved(surface(), f)) throw unresolved(surface(), f);
     const std::vector<std::string>& failures = report_.verified.failures;
@@ -257,9 +259,9 @@ class Run {
         .at_element(source.value);
   }
 
-  /// Vertices that were put into faces where sheets nearly touch, or seams that were closed there, may be what keeps a
-  /// result from holding.
-  /// Output: whether there were such; both are left alone from now on.
+  /// Gives up splitting edges at T-junctions and closing seams. Where sheets nearly touch, new vertices in faces or
+  /// closed seams may be the reason why a result fails verification.
+  /// Output: whether there were any. Both are left alone from now on.
   bool give_up_joining() {
     const auto is_joining = [&](const Diagnostic& d) {
       return (d.code == DiagnosticCode::kTJunction && options_.repair.t_junctions) ||
@@ -271,7 +273,7 @@ class Run {
     return were_joined;
   }
 
-  /// Faces that intersect before anything is done to them, seen by patch.
+  /// Finds the faces that intersect before anything is done to them. They are looked for between patches.
   void find_input_intersections(const Triangulated& faces) {
     watch_.enter(Stage::kVerify);
     input_intersections_ =
@@ -285,7 +287,7 @@ class Run {
   void examine_input() {
     const Triangulated faces(surface(), control_);
     find_input_intersections(faces);
-    // Of a polygon one triangle stands for all.
+    // The first triangle of a polygon stands for the polygon.
     std::vector<std::pair<FaceId, FaceId>> pairs;
     for (const auto& [f, g] : input_intersections_.pairs)
       pairs.push_back({FaceId(faces.first_of(f)), FaceId(faces.first_of(g))});
@@ -305,7 +307,7 @@ class Run {
     report_.volume_bound = partition_.summaries.volume_bound;
   }
 
-  /// Once the result holds.
+  /// Completes the report after the result has passed verification.
   void complete_report() {
     summarise();
     report_.volume_bound = report_.verified.volume_bound;
@@ -316,7 +318,7 @@ class Run {
     if (!report_.verified.are_all_intersections_known) warn_of_many_intersections(report_.diagnostics);
   }
 
-  /// Writes down what is verified, rounds it for its format, and measures what has become of it.
+  /// Makes the result of what is verified, rounds it for its format, and measures the rounded result.
   Result finish(const RunSettings& settings) {
     Result result;
     result.mesh.positions = std::move(candidate_.positions);
@@ -330,10 +332,10 @@ class Run {
     const bool are_sources_needed =
         settings.want_face_source || do_labels_need_sources(input_.labels, options_.barriers);
     IdVector<FaceId, FaceId> source;
-    // Each has its parts that wait for nothing but themselves.
+    // The two tasks have serial parts that do not depend on each other, so they run at the same time.
     do_all([&] { measure_output(result, control_); },
            [&] {
-             // Where each output face came from: the input face under its centroid.
+             // The source of each output face is the input face under its centroid.
              source = are_sources_needed ? face_source(surface(), partition_.patches, candidate_.meshes, control_)
                                          : first_faces(surface(), partition_.patches, result.face_patch);
              candidate_.clear();
@@ -352,7 +354,7 @@ class Run {
     OutputBasis basis;
     basis.normals.reserve(candidate_.meshes.size());
     for (const PatchMesh& mesh : candidate_.meshes) basis.normals.push_back(mesh.frame.normal);
-    // The input's bounding box may have corners of faces that are gone.
+    // The input's bounding box may have corners of faces that were dropped.
     Box3 box;
     for (const Vec3& p : positions) box.add(p);
     basis.allowed_move = std::max(report_.plane_tolerance, kAllowedRounding * box.diagonal());
@@ -373,23 +375,23 @@ class Run {
   Report report_;
   MendingLimits limits_;
   Prepared prepared_;
-  std::optional<Ladder> ladder_;            ///< of the surface as prepared
-  std::optional<GoalRefinement> refiner_;   ///< of the surface as prepared
-  FoundIntersections input_intersections_;  ///< of the surface as prepared
+  std::optional<Ladder> ladder_;            ///< belongs to the prepared surface
+  std::optional<GoalRefinement> refiner_;   ///< belongs to the prepared surface
+  FoundIntersections input_intersections_;  ///< belongs to the prepared surface
   bool are_input_intersections_known_ = false;
   Regions regions_;
   Partition partition_;
   Candidate candidate_;
 };
 
-/// One of so many threads, kept by the thread that calls. TBB (2021.8) keeps some KB of each arena whose workers did
-/// not come in time, for ever: one for each run would fill the memory of a process that lives long.
+/// An arena with this many threads. The calling thread stores it for later runs. TBB (2021.8) never frees some KB of
+/// each arena whose workers did not come in time, so an arena per run would fill the memory of a long-lived process.
 tbb::task_arena& kept_arena(int threads) {
   thread_local std::map<int, tbb::task_arena> arenas;
   return arenas.try_emplace(threads, threads).first->second;
 }
 
-/// Runs `work` on so many threads; in the arena that the caller is in, if it has as many.
+/// Runs `work` on this many threads. If the caller's arena has as many, it runs there.
 template <class Work>
 auto in_arena(int threads, Work work) {
   if (tbb::this_task_arena::max_concurrency() == threads) return work();

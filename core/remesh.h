@@ -1,4 +1,4 @@
-/// The pipeline's entry: a surface in, the same surface re-triangulated out, with its report.
+/// The pipeline's entry. It takes a surface, and gives the same surface re-triangulated, with a report.
 #pragma once
 
 #include <vector>
@@ -12,26 +12,29 @@
 
 namespace remesh {
 
-/// How many threads a run takes: as many as its settings and the process (tbb::global_control) allow, and as the input
-/// is worth (RunSettings::serial_corners).
+/// The number of threads of a run. It is limited by the settings, by the process (tbb::global_control), and by the size
+/// of the input (RunSettings::serial_corners).
 int thread_count(const PolygonMesh& input, const Options& options, const RunSettings& settings);
 
-/// Re-triangulates a surface: coplanar faces become patches, patches are triangulated from their essential vertices.
-/// Input:   a mesh that holds what PolygonMesh promises; `diagnostics` of its reader, passed on into the report.
+/// Re-triangulates a surface: coplanar faces become patches, and patches are triangulated from their essential
+/// vertices.
+/// Input:   a mesh that satisfies what PolygonMesh promises; the `diagnostics` of its reader, which are passed on into
+///          the report.
 /// Output:  vertices with their input coordinates, bit for bit, or rounded to the settings' storage (round_output);
-///          triangles by patch; the report with a verdict all true.
+///          triangles by patch; the report, with a verdict in which all is true.
 /// Holds:   the six promises of README.md; the same bytes for any number of workers.
-/// Errors:  kEmptyMesh, kInvalidMesh - see prepare; kInvalidOption - see check_options; kOutputTooLarge - more
-///          faces than allowed are certain, or there; kCancelled, kTimeout - asked to stop through `control`;
-///          kVerificationFailed - even the last rung of the ladder failed the check; kNotAcceptable - the settings'
-///          storage cannot hold the result.
+/// Errors:  kEmptyMesh, kInvalidMesh - see prepare; kInvalidOption - see check_options; kOutputTooLarge - there are
+///          more faces than allowed, or there certainly would be; kCancelled, kTimeout - asked to stop through
+///          `control`; kVerificationFailed - even the last rung of the ladder failed the check; kNotAcceptable - the
+///          settings' storage cannot hold the result.
 /// Cost:    O(n log n) in the input's corners.
 Result remesh_surface(const PolygonMesh& input, const Options& options, const RunSettings& settings,
                       RunControl& control, std::vector<Diagnostic> diagnostics = {});
 
-/// The report of `input` alone: statistics, patches, diagnostics, prediction; remeshes nothing, verifies nothing.
+/// Makes the report on `input` alone: statistics, patches, diagnostics, prediction. It remeshes nothing and verifies
+/// nothing.
 /// Input:   as for remesh_surface.
-/// Holds:   the same report for any number of workers, but for the times.
+/// Holds:   the report is the same for any number of workers, apart from the times.
 /// Errors:  kEmptyMesh, kInvalidMesh - see prepare; kInvalidOption - see check_options; kCancelled, kTimeout - asked to
 ///          stop through `control`.
 /// Cost:    O(n log n) in the input's corners.

@@ -17,13 +17,13 @@
 
 namespace remesh {
 
-/// A size of blocks for work of some nanoseconds an item: long enough to be worth a task, and for a stop to be obeyed
-/// soon.
+/// Block size for work that costs a few nanoseconds per item. It is large enough to be worth a task, and small enough
+/// that a cancellation is noticed soon.
 inline constexpr std::size_t kItemsPerBlock = 8192;
 
-/// Splits [0, n) into blocks of `size`, calls `body(begin, end)` on each in parallel and returns the results in the
-/// order of the blocks. The blocks depend on n alone: whoever combines the results in order gets the same bits from any
-/// number of threads. A point of cancellation before each block.
+/// Splits [0, n) into blocks of `size`, calls `body(begin, end)` on each in parallel, and returns the results in the
+/// order of the blocks. The blocks depend on n alone, so a caller that combines the results in order gets the same bits
+/// from any number of threads. Checks for cancellation before each block.
 template <class Result, class Body>
 std::vector<Result> map_blocks(std::size_t n, std::size_t size, RunControl& control, const Body& body) {
   std::vector<Result> results((n + size - 1) / size);
@@ -39,7 +39,7 @@ std::vector<Result> map_blocks(std::size_t n, std::size_t size, RunControl& cont
   return results;
 }
 
-/// The same for a body that keeps its results itself, by index.
+/// Does the same for a body that stores its results itself, by index.
 template <class Body>
 void for_blocks(std::size_t n, std::size_t size, RunControl& control, const Body& body) {
   if (n <= size) {
@@ -53,7 +53,8 @@ void for_blocks(std::size_t n, std::size_t size, RunControl& control, const Body
   });
 }
 
-/// The ids, ascending, of those of 0 .. n - 1 for which `is_wanted(i)` is true; asked for in parallel.
+/// Returns those ids i of 0 .. n - 1 for which `is_wanted(i)` is true, in ascending order. Calls `is_wanted` in
+/// parallel.
 template <class Id, class IsWanted>
 std::vector<Id> select_ids(std::size_t n, std::size_t size, RunControl& control, const IsWanted& is_wanted) {
   const auto found = map_blocks<std::vector<Id>>(n, size, control, [&](std::size_t begin, std::size_t end) {
@@ -67,7 +68,7 @@ std::vector<Id> select_ids(std::size_t n, std::size_t size, RunControl& control,
   return all;
 }
 
-/// What blocks made, one after another, each item as `convert` has it; in parallel.
+/// Joins the items of all blocks in the order of the blocks, and passes each item through `convert`. Runs in parallel.
 template <class To, class From, class Convert = std::identity>
 std::vector<To, LeftUnset<To>> concatenate(const std::vector<std::vector<From>>& blocks, RunControl& control,
                                            const Convert& convert = {}) {
@@ -81,10 +82,9 @@ std::vector<To, LeftUnset<To>> concatenate(const std::vector<std::vector<From>>&
   return all;
 }
 
-/// Calls `make(i)` for i from 0 to n - 1 in parallel, and `take(i, result)` on each result in that order, one at a
-/// time. No more than a few results are there at once.
-/// Output: false if some `take` said false: then there are no more calls of it, and soon none of `make`. A point of
-///         cancellation before each.
+/// Calls `make(i)` for i from 0 to n - 1 in parallel. Calls `take(i, result)` on the results in ascending order, one at
+/// a time. Only a few results exist at once. Checks for cancellation before each call of `make`.
+/// Output: false if some call of `take` returned false. Then `take` is not called again, and `make` soon is not either.
 template <class Result, class Make, class Take>
 bool map_in_order(std::size_t n, RunControl& control, const Make& make, const Take& take) {
   if (n == 1) {

@@ -1,4 +1,4 @@
-/// Items that are changed rarely, so that they need not be one's own until then.
+/// A vector that shares another one's items until it is changed.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace remesh {
 
-/// A vector that may look at another one's items until it is changed; then it has a copy of its own.
-/// Holds: what it looks at outlives it and stays as it is.
+/// A vector that refers to another one's items until it is changed, and copies them then.
+/// Holds: the items that it refers to outlive it and do not change.
 template <class Index, class T>
 class CopyOnWrite {
  public:
@@ -25,7 +25,7 @@ class CopyOnWrite {
   CopyOnWrite(CopyOnWrite&& other) noexcept
       : own_(std::move(other.own_)), items_(std::exchange(other.items_, std::span<const T>())) {}
   CopyOnWrite& operator=(CopyOnWrite other) noexcept {
-    own_ = std::move(other.own_);  // keeps its place in memory
+    own_ = std::move(other.own_);  // moving the vector does not move its items in memory
     items_ = other.items_;
     return *this;
   }
@@ -45,14 +45,14 @@ class CopyOnWrite {
   auto end() const { return items_.end(); }
   std::span<const T> items() const { return items_; }
 
-  /// Calls `change` with the vector; what others had is copied before.
+  /// Calls `change` with the vector of items. Shared items are copied first.
   template <class Change>
   void change(const Change& change) {
     if (!is_own()) own_.assign(items_.begin(), items_.end());
     change(own_);
     items_ = own_;
   }
-  /// Looks at nobody else's items from now on.
+  /// Copies shared items, so that the vector refers to nobody else's items from now on.
   void detach() {
     change([](const std::vector<T>&) {});
   }

@@ -1,4 +1,4 @@
-/// What is told about an input: what was found in it, and what was done about it.
+/// The findings about an input, and what was done about each, as the report lists them.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ enum class DiagnosticCode {
   kRoundingCapped,
 };
 
-/// Something that was found, dropped, merged or split. `elements` holds the first 100, in the input's numbering from 0.
+/// Something that was found, dropped, merged or split. `elements` has the first 100, in the input's numbering from 0.
 struct Diagnostic {
   static constexpr std::size_t kMaxElements = 100;
 
@@ -41,7 +41,7 @@ struct Diagnostic {
   std::vector<std::uint64_t> elements;
   std::string message;
 
-  /// Elements may come in any order: the first in the input's are kept, in that order.
+  /// Elements may be added in any order. The list has the smallest of them, in ascending order.
   void add(std::uint64_t element) {
     ++count;
     if (elements.size() == kMaxElements) {
@@ -50,14 +50,14 @@ struct Diagnostic {
     }
     elements.insert(std::upper_bound(elements.begin(), elements.end(), element), element);
   }
-  /// Counts once for both, which are listed next to each other.
+  /// Counts a pair as one, and lists its two elements next to each other.
   void add_pair(std::uint64_t first, std::uint64_t second) {
     ++count;
     if (elements.size() + 2 <= kMaxElements) elements.insert(elements.end(), {first, second});
   }
 };
 
-/// The stable name.
+/// The stable name of a code.
 std::string_view diagnostic_name(DiagnosticCode code);
 
 }  // namespace remesh

@@ -1,4 +1,4 @@
-/// The end of what is made of a million parts.
+/// Frees objects that consist of a million parts, in parallel.
 #pragma once
 
 #include <tbb/blocked_range.h>
@@ -13,10 +13,10 @@
 
 namespace remesh {
 
-/// Empties a vector whose items have memory of their own, in parallel: to free that of a million patches takes a tenth
-/// of a second, and somebody who has stopped the work waits for it.
-/// Holds:  nothing is thrown. It is done in parallel even where the caller's group of tasks has been cancelled, but not
-///         where there is no memory for tasks.
+/// Empties a vector whose items own memory, in parallel. To free the memory of a million patches takes a tenth of a
+/// second, and somebody who has cancelled the work waits for it.
+/// Holds:  nothing is thrown. The work is parallel even if the caller's group of tasks has been cancelled, but not if
+///         there is no memory for tasks.
 template <class T>
 void drop_all(std::vector<T>& items) noexcept {
   constexpr std::size_t kFew = 1 << 12;
@@ -34,12 +34,12 @@ void drop_all(std::vector<T>& items) noexcept {
   try {
     if (items.size() > kFew) tbb::this_task_arena::isolate(drop_in_parallel);
   } catch (const std::bad_alloc&) {
-    // What is left ends with the vector.
+    // The items that are left are freed with the vector.
   }
   std::vector<T>().swap(items);
 }
 
-/// A vector that ends with drop_all.
+/// A vector that is emptied by drop_all when it goes out of scope.
 template <class T>
 struct Dropped {
   Dropped() = default;

@@ -1,4 +1,4 @@
-/// The one exception type: what ends a request.
+/// The one exception type of the library. An exception ends a request.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace remesh {
 
-/// What went wrong, by its stable name in the contract (`code_name`).
+/// The kinds of errors. Each code has a stable name in the contract (`code_name`).
 enum class Code {
   kInvalidMesh,
   kIndexOutOfRange,
@@ -34,7 +34,7 @@ enum class Code {
   kInternal,
 };
 
-/// A stage of the pipeline, in the order in which they run; its name is in progress, timings and errors.
+/// The stages of the pipeline, in the order in which they run. Their names appear in progress, timings and errors.
 enum class Stage {
   kQueued,
   kRead,
@@ -57,7 +57,7 @@ std::string_view code_name(Code code);
 /// The stable name of a stage: `read`, `weld`, ...
 std::string_view stage_name(Stage stage);
 
-/// Ends a request. Everything that locates the fault is in the caller's numbering.
+/// Ends a request. All numbers that locate the fault are in the caller's numbering.
 class Error : public std::runtime_error {
  public:
   Error(Code code, Stage stage, const std::string& message) : std::runtime_error(message), code(code), stage(stage) {}
@@ -85,10 +85,10 @@ class Error : public std::runtime_error {
 
   Code code;
   Stage stage;
-  std::optional<std::uint64_t> line;     ///< from 1, in the text that was read
-  std::optional<std::uint64_t> byte;     ///< from 0, in the binary data that was read
+  std::optional<std::uint64_t> line;     ///< line number from 1, in the text that was read
+  std::optional<std::uint64_t> byte;     ///< byte offset from 0, in the binary data that was read
   std::optional<std::uint64_t> element;  ///< face or vertex of the input, from 0
-  std::optional<std::uint64_t> limit;    ///< the bound that was passed
+  std::optional<std::uint64_t> limit;    ///< the limit that was exceeded
   std::string option;                    ///< the option at fault, by its name in the contract
 };
 

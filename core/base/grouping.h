@@ -1,4 +1,4 @@
-/// Items grouped by small numbers, in parallel.
+/// Groups items by small integer keys, in parallel.
 #pragma once
 
 #include <algorithm>
@@ -14,10 +14,10 @@
 
 namespace remesh {
 
-/// The numbers 0 .. n-1 by their keys.
+/// The numbers 0 .. n-1, grouped by their keys.
 template <class Item>
 struct GroupingOf {
-  std::vector<std::uint32_t> begin;          ///< of each key's items; one entry more than there are keys
+  std::vector<std::uint32_t> begin;          ///< where each key's items begin; one entry more than there are keys
   std::vector<Item, LeftUnset<Item>> items;  ///< ascending in each group
 
   std::span<const Item> operator[](std::size_t key) const {
@@ -26,11 +26,11 @@ struct GroupingOf {
 };
 using Grouping = GroupingOf<std::uint32_t>;
 
-/// A counting sort of 0 .. n-1 by key_of(i), which is below `key_count` and asked for twice.
-/// Cost:   O(n + keys); on the caller's TBB arena, as far as there are many more items than keys.
+/// Groups 0 .. n-1 by key_of(i) with a counting sort. Keys are below `key_count`. Calls `key_of` twice for each i.
+/// Cost:   O(n + keys). Runs on the caller's TBB arena, and in parallel if there are many more items than keys.
 template <class Item = std::uint32_t, class KeyOf>
 GroupingOf<Item> group_by(std::size_t n, std::size_t key_count, const KeyOf& key_of, RunControl& control) {
-  // Each block counts for itself; so many items in each that all counts together are fewer than items.
+  // Each block has counts of its own. Blocks are so large that all counts together are fewer than the items.
   constexpr std::size_t kLeast = 1 << 14;
   const std::size_t size = std::max(kLeast, 8 * key_count);
   const std::size_t blocks = (n + size - 1) / size;
@@ -62,9 +62,9 @@ GroupingOf<Item> group_by(std::size_t n, std::size_t key_count, const KeyOf& key
   return groups;
 }
 
-/// Items in ascending order, which begins with key_of(item), a number below `key_count`.
-/// Cost:   O(n + keys + n log m), where m items have one key. Few items with many keys: O(n log n). In order already:
-///         O(n).
+/// Sorts items into ascending order. That order must agree with key_of(item), a number below `key_count`.
+/// Cost:   O(n + keys + n log m), where m is the largest number of items with one key. Few items with many keys cost
+///         O(n log n), and items that are in order already cost O(n).
 template <class Items, class KeyOf>
 Items sorted_by_key(Items items, std::size_t key_count, const KeyOf& key_of, RunControl& control) {
   if (std::is_sorted(items.begin(), items.end())) return items;

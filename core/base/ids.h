@@ -1,4 +1,5 @@
-/// Ids that cannot be mixed up: a VertexId is no FaceId, and neither is a number.
+/// Ids of different kinds, which the compiler does not let anybody mix up: a VertexId is no FaceId, and neither is a
+/// number.
 #pragma once
 
 #include <compare>
@@ -13,7 +14,7 @@
 
 namespace remesh {
 
-/// A 32-bit index with a kind. Invalid by default; printable as its prefix and number (`v12`).
+/// A 32-bit index of one kind. It is invalid by default, and prints as its prefix and number (`v12`).
 template <class Tag>
 struct Id {
   static constexpr std::uint32_t kInvalid = std::numeric_limits<std::uint32_t>::max();
@@ -55,7 +56,7 @@ class IdVector {
 
   IdVector() = default;
   explicit IdVector(std::size_t n, const T& value = T()) : items_(n, value) {}
-  /// `n` items as the allocator makes them: with LeftUnset all have to be set.
+  /// Makes `n` items as the allocator makes them. With LeftUnset, the caller has to set all of them.
   static IdVector of_size(std::size_t n) {
     IdVector vector;
     vector.items_ = Items(n);
@@ -72,7 +73,7 @@ class IdVector {
   void assign(std::size_t n, const T& value) { items_.assign(n, value); }
   void clear() { items_.clear(); }
 
-  /// Appends and returns the id of what was appended.
+  /// Appends an item and returns its id.
   I push_back(T item) {
     items_.push_back(std::move(item));
     return I(items_.size() - 1);
@@ -93,7 +94,8 @@ class IdVector {
   Items items_;
 };
 
-/// Allocates memory that nobody has written to yet: what many threads fill, each its part, none has to clear first.
+/// Allocates memory without initialising it. Many threads that each fill a part need not wait until one has cleared it
+/// all.
 template <class T>
 struct LeftUnset : std::allocator<T> {
   static_assert(std::is_trivially_copyable_v<T>);

@@ -1,4 +1,4 @@
-/// An order for parallel work: what is large goes first, so that none of it is left for the end.
+/// An order for parallel work: large items go first, so that no thread is left with one of them at the end.
 #pragma once
 
 #include <algorithm>
@@ -13,12 +13,12 @@
 namespace remesh {
 
 struct LargeFirst {
-  std::vector<std::uint32_t> order;  ///< all items
-  std::size_t large = 0;             ///< so many of them, at the beginning, are worth a task each
+  std::vector<std::uint32_t> order;  ///< all items, the large ones first
+  std::size_t large = 0;             ///< the number of large items; each of them is worth a task of its own
 };
 
-/// 0 .. n-1: those with more than `limit` work(i) first, the most work before the others and equals by number; then the
-/// rest, by number.
+/// Orders 0 .. n-1. Items with work(i) above `limit` come first, in descending order of work and, where that is equal,
+/// by number. The other items follow by number.
 template <class Work>
 LargeFirst large_first(std::size_t n, std::size_t limit, const Work& work) {
   struct Item {
@@ -45,8 +45,8 @@ LargeFirst large_first(std::size_t n, std::size_t limit, const Work& work) {
   return result;
 }
 
-/// Calls `body(i)` for 0 .. n-1 in parallel: each of those with more than `limit` work(i) is a task, the others go in
-/// groups. A point of cancellation before each task.
+/// Calls `body(i)` for 0 .. n-1 in parallel. Each item with work(i) above `limit` is a task of its own, and the others
+/// are grouped. Checks for cancellation before each task.
 template <class Work, class Body>
 void for_large_first(std::size_t n, std::size_t limit, const Work& work, RunControl& control, const Body& body) {
   const LargeFirst by_work = large_first(n, limit, work);

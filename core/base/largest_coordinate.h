@@ -1,4 +1,4 @@
-/// The size of a set of points: what they are scaled by, before anything could overflow.
+/// The size of a set of points. Points are scaled by it before anything can overflow.
 #pragma once
 
 #include <algorithm>
@@ -13,15 +13,15 @@
 
 namespace remesh {
 
-/// The largest of a point's coordinates, without sign.
+/// The largest absolute value of a point's coordinates.
 inline double largest_coordinate(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
 
-/// The largest coordinate of all points, without sign; 0 if there are none.
+/// The largest absolute value of all points' coordinates; 0 if there are no points.
 /// Cost:   O(n), on the caller's TBB arena.
 inline double largest_coordinate(std::span<const Vec3> points, RunControl& control) {
   constexpr std::size_t kBlock = 1 << 14;
   const auto largest = map_blocks<double>(points.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
-    // Of each axis for itself: three chains of comparisons at once, and none waits for another one's.
+    // Each axis has a maximum of its own. So three chains of comparisons run at once, and none waits for another.
     Vec3 m;
     for (std::size_t i = begin; i < end; ++i) {
       m.x = std::max(m.x, std::fabs(points[i].x));

@@ -1,4 +1,4 @@
-/// What a caller may ask of the pipeline; names and meanings are the contract's.
+/// The options and settings of the pipeline. The contract defines their names and meanings.
 #pragma once
 
 #include <cstdint>
@@ -9,10 +9,10 @@
 
 namespace remesh {
 
-/// Where the in-plane x axis of a patch points (rules.md, Patch frames).
+/// The direction of a patch's x axis in its plane (rules.md, Patch frames).
 enum class ReferenceAxis { kX, kDominantEdge, kGiven };
 
-/// What is mended on the way in; each mending is counted in the report.
+/// The defects that are mended before the pipeline begins. The report counts each mending.
 struct Repair {
   bool duplicates = true;
   bool degenerate = true;
@@ -23,7 +23,7 @@ struct Repair {
   friend bool operator==(const Repair&, const Repair&) = default;
 };
 
-/// Which labels bound patches inside a plane.
+/// The kinds of labels that separate patches within a plane.
 struct Barriers {
   bool object = true;
   bool group = true;
@@ -31,7 +31,8 @@ struct Barriers {
   friend bool operator==(const Barriers&, const Barriers&) = default;
 };
 
-/// Lengths are in model units, angles in degrees. An empty optional means: the default of the contract.
+/// The options of a run. Lengths are in model units, angles in degrees. If an optional is empty, the contract's default
+/// applies.
 struct Options {
   static constexpr double kMaxMinAngleDeg = 33;
   static constexpr double kMinRadiusEdgeRatio = 0.918;  ///< 1 / (2 sin 33 degrees), cut after three decimals
@@ -41,28 +42,30 @@ struct Options {
   std::optional<double> min_angle_deg;          ///< 0 to kMaxMinAngleDeg
   std::optional<double> max_radius_edge_ratio;  ///< instead of min_angle_deg
   std::optional<double> max_edge_length;        ///< > 0
-  std::optional<double> max_edge_fraction;      ///< instead of max_edge_length; of the bounding box's diagonal
-  std::optional<double> max_area;               ///< > 0
-  std::optional<double> min_edge_length;        ///< > 0
-  double proximity = 0;                         ///< 0: off
-  std::optional<double> gradation;              ///< > 1
+  std::optional<double> max_edge_fraction;  ///< instead of max_edge_length; a fraction of the bounding box's diagonal
+  std::optional<double> max_area;           ///< > 0
+  std::optional<double> min_edge_length;    ///< > 0
+  double proximity = 0;                     ///< 0: off
+  std::optional<double> gradation;          ///< > 1
   std::optional<std::uint64_t> max_output_faces;
   bool split_boundaries = true;
   bool keep_boundary_vertices = false;
-  std::optional<double> plane_tolerance;  ///< > 0; empty: from the input's rounding noise
+  std::optional<double> plane_tolerance;  ///< > 0; empty: computed from the input's rounding noise
   double normal_tolerance = 1e-6;         ///< per component of the unit normal, 0 to kMaxNormalTolerance
   double weld_tolerance = 0;              ///< 0: only equal coordinates are one vertex
   Repair repair;
   Barriers barriers;
-  bool local_origin = false;  ///< write about an origin near the part what the output format cannot hold otherwise
+  /// If the output format cannot hold the result otherwise, write it relative to an origin near the part.
+  bool local_origin = false;
   ReferenceAxis reference_axis = ReferenceAxis::kDominantEdge;
   Vec3 reference_direction;  ///< used with ReferenceAxis::kGiven; any length but 0
 };
 
-/// Errors: Code::kInvalidOption - a value out of its range, or two options that exclude each other (`option` is set).
+/// Errors: Code::kInvalidOption - a value is out of its range, or two options exclude each other (`option` is set).
 void check_options(const Options& options);
 
-/// The same for what only the input tells: lengths given as a part of its bounding box's diagonal.
+/// Checks what depends on the input: lengths that are given as a fraction of its bounding box's diagonal.
+/// Errors: as above.
 void check_options(const Options& options, double diagonal);
 
 /// The numbers in which an output format stores coordinates.
@@ -71,13 +74,15 @@ enum class Storage {
   kFloat,   ///< floats of 32 bits
 };
 
-/// How a run is carried out; nothing here but `storage` changes a byte of the result.
+/// The settings with which a run is carried out. None of these settings but `storage` changes a byte of the result.
 struct RunSettings {
-  int workers = 1;                ///< threads that compute, at least 1
-  bool want_face_source = false;  ///< fill Result::face_source and input_face_patch (costs a point location a face)
-  /// Where the work grows with the input alone (nothing is refined), one thread takes an input of fewer corners.
+  int workers = 1;  ///< number of threads that compute, at least 1
+  /// Fill Result::face_source and input_face_patch. This costs a point location per face.
+  bool want_face_source = false;
+  /// If nothing is refined, so that the work grows with the input alone, an input with fewer corners is computed by one
+  /// thread.
   std::size_t serial_corners = 0;
-  /// The result is rounded to these numbers, and is checked, measured and reported as they have it.
+  /// The result is rounded to these numbers. It is checked, measured and reported as rounded.
   Storage storage = Storage::kDouble;
 };
 

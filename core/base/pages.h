@@ -1,4 +1,4 @@
-/// Memory that is about to be written to.
+/// Asks the system in advance for the pages of memory that is about to be written.
 #pragma once
 
 #include <cstddef>
@@ -10,9 +10,9 @@
 
 namespace remesh {
 
-/// Takes the pages of memory from the system that is about to be written to as a whole, all of them at once: one by
-/// one, as each is touched first, they take half as long again. Does nothing for little memory, nor where the system
-/// does not know how.
+/// Asks the system for all pages of a block of memory at once. The whole block should be about to be written. When
+/// pages are taken one by one, each at the first access to it, they take 50 % longer. Does nothing for little memory,
+/// or if the system does not support it.
 void take_pages(void* memory, std::size_t bytes);
 
 template <class T>
@@ -20,7 +20,7 @@ void take_pages(std::span<T> items) {
   take_pages(items.data(), items.size_bytes());
 }
 
-/// Reserves memory for `n` items that one thread will make: all threads take its pages.
+/// Reserves memory for `n` items that one thread will make. All threads take its pages.
 template <class T>
 void reserve_pages(std::vector<T>& items, std::size_t n, RunControl& control) {
   items.reserve(n);

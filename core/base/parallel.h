@@ -1,4 +1,4 @@
-/// TBB's loops in the form that may stand inside one another.
+/// TBB's loops, in a form that may be nested.
 #pragma once
 
 #include <tbb/parallel_for.h>
@@ -14,11 +14,12 @@
 
 namespace remesh {
 
-/// Runs a loop of TBB's. Two things are not as one expects of a plain one in a task of another loop:
-/// - Where a task has thrown, all others' inner loops end at once, their work undone, and return as if it were done.
-///   This throws then, for no result to be made of it; the outer loop throws what came first.
-/// - A thread that waits for an inner loop takes any task there is, so that outer ones would pile up on its stack. Here
-///   it waits for the inner loop's own.
+/// Runs a loop of TBB. A plain TBB loop inside a task of another loop has two surprising properties:
+/// - When a task has thrown, the inner loops of all other tasks end at once, with their work undone, and return as if
+///   it were done. In that case this function throws, so that no result is made of undone work. The outer loop then
+///   throws the first exception.
+/// - A thread that waits for an inner loop takes any task there is, so outer tasks would pile up on its stack. Here it
+///   takes only tasks of the inner loop.
 template <class Loop>
 void run_loop(const Loop& loop) {
   tbb::this_task_arena::isolate(loop);
@@ -26,13 +27,13 @@ void run_loop(const Loop& loop) {
     throw Error(Code::kCancelled, Stage::kQueued, "another part of the work has failed");
 }
 
-/// tbb::parallel_for.
+/// Runs tbb::parallel_for.
 template <class... Arguments>
 void for_all(Arguments&&... arguments) {
   run_loop([&] { tbb::parallel_for(std::forward<Arguments>(arguments)...); });
 }
 
-/// tbb::parallel_sort.
+/// Runs tbb::parallel_sort, or std::sort if there are few items.
 template <class Iterator, class... Less>
 void sort_all(Iterator begin, Iterator end, const Less&... less) {
   constexpr int kFew = 500;
@@ -40,7 +41,7 @@ void sort_all(Iterator begin, Iterator end, const Less&... less) {
   run_loop([&] { tbb::parallel_sort(begin, end, less...); });
 }
 
-/// tbb::parallel_invoke.
+/// Runs tbb::parallel_invoke.
 template <class... Parts>
 void do_all(const Parts&... parts) {
   run_loop([&] { tbb::parallel_invoke(parts...); });

@@ -1,4 +1,4 @@
-/// Sorting of numbers that are few in most cases.
+/// Sorts integers that are few in most cases.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,9 @@
 
 namespace remesh {
 
-/// Writes numbers, all different, in ascending order. In most cases they are few, and each goes behind as many as are
-/// smaller: this has no branch that cannot be foreseen. A hub of a surface has millions.
+/// Writes `keys`, which are all different, to `sorted` in ascending order. Few keys are placed by counting how many
+/// smaller ones there are, which has no branch that the processor would predict badly. A vertex where very many faces
+/// meet may have millions of keys; these are sorted.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 inline void put_in_order(std::span<const std::uint64_t> keys, std::span<std::uint64_t> sorted,
                          const RunControl& control) {

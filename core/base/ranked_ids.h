@@ -1,4 +1,4 @@
-/// Few of many ids, in order.
+/// A small set of ids in ascending order.
 #pragma once
 
 #include <algorithm>
@@ -12,13 +12,14 @@
 
 namespace remesh {
 
-/// Some ids, ascending and each once, and which of them each one is. Keeps its memory from one set to the next.
+/// Different ids in ascending order, and the rank of each among them. The memory is reused from one set to the next.
 template <class I>
 class RankedIds {
  public:
-  /// Takes the place of what was there. `ids`: in any order, as often as they come.
+  /// Replaces the set. `ids` may be in any order and may repeat.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-  /// Cost: O(n) where most ids between the smallest and the largest are there, O(n log n) else.
+  /// Cost:   O(n) if about one in eight ids between the smallest and the largest is there or more, O(n log n)
+  ///         otherwise.
   void assign(std::span<const I> ids, const RunControl& control) {
     ids_.clear();
     ranks_.clear();
@@ -44,17 +45,19 @@ class RankedIds {
   std::span<const I> ids() const { return ids_; }
   std::size_t size() const { return ids_.size(); }
   I operator[](std::size_t rank) const { return ids_[rank]; }
-  /// Input: one of the ids.
+  /// The rank of one of the ids.
+  /// Input: `id` is in the set.
   std::uint32_t rank(I id) const {
     if (!ranks_.empty()) return ranks_[id.value - first_];
     return static_cast<std::uint32_t>(std::lower_bound(ids_.begin(), ids_.end(), id) - ids_.begin());
   }
 
  private:
-  static constexpr std::size_t kSparse = 8;  ///< one id in so many is too few for a place for each
+  /// If fewer than one in this many ids of the range are there, ranks are not stored for the whole range.
+  static constexpr std::size_t kSparse = 8;
 
   std::vector<I> ids_;
-  std::vector<std::uint32_t> ranks_;  ///< of the ids from the first on; none where these are few
+  std::vector<std::uint32_t> ranks_;  ///< by id less `first_`; empty if the ids are sparse
   std::uint32_t first_ = 0;
 };
 

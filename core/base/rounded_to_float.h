@@ -1,13 +1,13 @@
-/// Rounding to floats that no compiler leaves out.
+/// Rounds doubles to floats in a way that no compiler optimises away.
 #pragma once
 
 #include "core/base/vec.h"
 
 namespace remesh {
 
-/// The float nearest to a number, ties to even; an infinity beyond the largest float.
-/// It is a function of its own, one number at a time, since GCC 12 drops the rounding where it turns two coordinates to
-/// floats and back at once (`-O2 -fno-trapping-math`).
+/// The float nearest to a number, ties to even. Beyond the largest float it is an infinity.
+/// This is a function of its own that rounds one number at a time, because GCC 12 drops the rounding if it converts two
+/// coordinates to floats and back at once (`-O2 -fno-trapping-math`).
 double rounded_to_float(double value);
 
 inline Vec3 rounded_to_float(const Vec3& p) {

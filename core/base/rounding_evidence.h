@@ -21,10 +21,10 @@ namespace remesh {
 /// A model's exact dimensions prove nothing either: they agree in any case. But such dimensions are multiples of a
 /// coarser decimal step, so only the values that are no multiples of it count. A claim between the true decimal place
 /// and that of the dimensions is wrong in one of two ways, by m = 2^a * 5^b:
-/// - a > b, for example 0.02 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are no multiples
-///   of five claimed steps count, with one bit each where m = 2.
-/// - a < b, for example 0.05 is claimed of 0.01, and the dimensions are multiples of 0.1. Values that are odd multiples
-///   of the claimed step count, with log2(5) bits each where m = 5.
+/// - a > b, for example 0.02 is claimed where the true step is 0.01, and the dimensions are multiples of 0.1. Values
+///   that are no multiples of five claimed steps count, with one bit each where m = 2.
+/// - a < b, for example 0.05 is claimed where the true step is 0.01, and the dimensions are multiples of 0.1. Values
+///   that are odd multiples of the claimed step count, with log2(5) bits each where m = 5.
 /// The smaller sum must reach 18 bits. Of 33 values that were rounded at random both sums reach it in 99.9 % of all
 /// cases.
 inline constexpr int kEvidence = 18;
@@ -87,13 +87,13 @@ class LowestNumbers {
   std::int64_t bound_ = std::numeric_limits<std::int64_t>::max();
 };
 
-/// Counts the numbers that do not follow from others. The gaps between them are read from the lowest number on,
-/// coordinate after coordinate. A gap counts unless it belongs to a run of gaps that came before, in the same order or
-/// in the opposite one. Such a run is a regular grid, a circle's other half, the same circle along another axis, or the
-/// next one of many equal holes. The first number of each coordinate counts, too.
+/// Counts the numbers that do not follow from others. It reads the gaps between the numbers from the lowest on, one
+/// coordinate after another. A gap counts unless it belongs to a run of gaps that occurred before, in the same order or
+/// in the opposite one. Such a run comes from a regular grid, a circle's other half, the same circle along another
+/// axis, or the next one of many equal holes. The first number of each coordinate counts, too.
 ///
-/// Runs also repeat by chance where the gaps have few sizes. There are 2^14 pairs of places where two equal runs may
-/// begin, for 64 numbers a coordinate. So only a run that is less probable than 2^-14 is taken for a copy.
+/// Runs also repeat by chance if the gaps have few sizes. With 64 numbers per coordinate, there are 2^14 pairs of
+/// places where two equal runs may begin. So a run is taken for a copy only if its probability is below 2^-14.
 class IndependentNumbers {
  public:
   /// `spacing(n)` is the mean distance, near n, of all numbers that may be here.
@@ -125,7 +125,7 @@ class IndependentNumbers {
 
  private:
   static constexpr double kRun = 14;
-  /// Gaps say nothing where the numbers are so dense that nearly all possible ones are there.
+  /// Gaps say nothing if the numbers are so dense that nearly all possible ones are there.
   static constexpr double kMinBits = 1;
 
   std::size_t longest_run(std::size_t i) const {
@@ -141,10 +141,10 @@ class IndependentNumbers {
 
   double log_ = 0;
   std::int64_t separator_ = 0;
-  std::vector<std::int64_t> gaps_;  // each coordinate's after a negative number of its own
+  std::vector<std::int64_t> gaps_;  // the gaps of each coordinate follow a negative number that occurs only once
 };
 
-/// Numbers of one kind that show a step: different ones, and how many of these are independent.
+/// Numbers of one kind that show a step. It counts how many of them are different and independent.
 template <std::size_t kEnough>
 class Signs {
  public:
@@ -169,16 +169,17 @@ class Signs {
   std::array<LowestNumbers, 3> lowest_;
 };
 
-/// How many independent values there are that say something about a claimed step.
+/// The number of independent values that say something about a claimed step.
 struct Weight {
   int not_of_five = 0;  ///< values that are no multiples of five claimed steps
   int odd = 0;          ///< values that are odd multiples of the claimed step
 
-  /// The bits that the true step is not finer than the claimed one's part 2^-k.
+  /// The bits of evidence that the true step is not finer than the claimed step times 2^-k.
   double bits(int k) const { return std::min(not_of_five * bits_each(k, true), odd * bits_each(k, false)); }
 
  private:
-  /// The bits of one value: log2 of the smallest m = 2^a * 5^b above 2^k with a > b, or else a < b.
+  /// The bits of one value: log2 of the smallest m = 2^a * 5^b above 2^k with a > b (`are_more_twos`) or a < b
+  /// (otherwise).
   static double bits_each(int k, bool are_more_twos) {
     double least = std::numeric_limits<double>::infinity();
     const double log2_of_5 = std::log2(5.0);
@@ -191,10 +192,10 @@ struct Weight {
   }
 };
 
-/// The values that show a step (see kEvidence).
+/// Collects the values that show a step (see kEvidence).
 class Evidence {
  public:
-  /// `steps` is x in steps. `place` is x in units that are the same for all numbers.
+  /// `steps` is x as a number of claimed steps. `place` is x in a unit that is the same for all numbers.
   void add(double x, std::int64_t steps, std::int64_t place, int axis) {
     if (steps % 5 != 0) not_of_five_.add(x, place, axis);
     if (steps % 2 != 0) odd_.add(x, place, axis);
@@ -203,7 +204,7 @@ class Evidence {
     not_of_five_.add(others.not_of_five_);
     odd_.add(others.odd_);
   }
-  /// `step(n)` is the step of numbers near the n-th unit.
+  /// `step(n)` is the step of numbers near the n-th unit, in units.
   template <class Step>
   Weight weight(const Step& step) const {
     const int odd = odd_.count([&](std::int64_t n) { return 2 * step(n); });

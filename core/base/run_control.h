@@ -1,4 +1,4 @@
-/// How a caller watches and stops a running remesh.
+/// Lets a caller watch and stop a running remesh.
 #pragma once
 
 #include <atomic>
@@ -9,31 +9,31 @@
 
 namespace remesh {
 
-/// Shared between the thread that computes and those that watch. All members may be called from any thread.
-/// Work calls `check()` often enough (every few thousand elements) that a stop is obeyed within 100 ms.
+/// State that the computing thread shares with the threads that watch it. All members may be called from any thread.
+/// Work calls `check()` so often (every few thousand elements) that a request to stop takes effect within 100 ms.
 class RunControl {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// Asks the work to stop; it ends with Code::kCancelled. The first reason given wins.
+  /// Asks the work to stop. It ends with Code::kCancelled. Only the first request to stop counts.
   void cancel() { request_stop(Reason::kCancelled); }
-  /// Asks the work to stop because its time is over; it ends with Code::kTimeout.
+  /// Asks the work to stop because its time is over. It ends with Code::kTimeout.
   void expire() { request_stop(Reason::kTimeout); }
   bool is_stopped() const { return stop_.load(std::memory_order_relaxed) != Reason::kNone; }
 
-  /// Errors: kCancelled or kTimeout - a stop was asked for.
+  /// Errors: kCancelled or kTimeout - somebody asked the work to stop.
   void check() const {
     const Reason reason = stop_.load(std::memory_order_relaxed);
     if (reason != Reason::kNone) throw_stopped(reason);
   }
 
-  /// Enters a stage: progress starts again at 0. Also a point of cancellation.
+  /// Enters a stage. Progress starts again at 0. Checks for cancellation.
   void enter(Stage stage) {
     check();
     fraction_ppm_.store(0, std::memory_order_relaxed);
     stage_.store(stage, std::memory_order_relaxed);
   }
-  /// Progress within the stage, 0 to 1. Also a point of cancellation.
+  /// Sets the progress within the stage, 0 to 1. Checks for cancellation.
   void progress(double fraction) {
     check();
     fraction_ppm_.store(static_cast<std::int32_t>(fraction * 1e6), std::memory_order_relaxed);

@@ -7,16 +7,16 @@
 
 namespace remesh {
 
-/// Small blocks are cut from a few larger ones, and given back with these when the resource goes: of a thousand small
-/// objects, allocating is most of the work. Large blocks come from the heap and go back to it at once, so that an
-/// object that grows keeps no more than it needs. Not for several threads at once.
+/// Cuts small blocks from a few larger ones, and frees all of them when the resource is destroyed. For a thousand small
+/// objects, allocation would be most of the work otherwise. Large blocks come from the heap and return to it at once,
+/// so that a growing object uses no more memory than it needs. It must not be used by several threads at once.
 class SmallBlocks : public std::pmr::memory_resource {
  public:
-  /// `first`: bytes of the first of the larger blocks.
+  /// `first`: the size in bytes of the first of the larger blocks.
   explicit SmallBlocks(std::size_t first) : small_(first, &heap_) {}
 
  private:
-  /// As `operator new` has it: the standard's resource asks for an alignment, which takes it longer.
+  /// Calls plain `operator new`. The standard's resource passes an alignment, which makes it slower.
   class Heap : public std::pmr::memory_resource {
     void* do_allocate(std::size_t bytes, std::size_t alignment) override {
       if (alignment > __STDCPP_DEFAULT_NEW_ALIGNMENT__) throw std::bad_alloc();
@@ -44,7 +44,7 @@ class SmallBlocks : public std::pmr::memory_resource {
   std::pmr::monotonic_buffer_resource small_;
 };
 
-/// For the short vectors of one call: on the stack, as far as that suffices.
+/// Memory for the short vectors of one call. It is on the stack as far as that suffices, and from the heap beyond.
 class StackMemory : public std::pmr::monotonic_buffer_resource {
  public:
   StackMemory() : monotonic_buffer_resource(bytes_, sizeof bytes_) {}

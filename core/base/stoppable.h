@@ -1,4 +1,4 @@
-/// Serial work on many items that a stop can end.
+/// Long serial work that can be cancelled.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace remesh {
 
-/// Serial loops over the input call this once an item. It looks for a stop once in `kCalls` calls, so that it costs a
-/// few instructions, and items that cost up to a microsecond each end within some ten milliseconds.
+/// Serial loops over the input call this once per item. It checks for cancellation once in `kCalls` calls, so that it
+/// costs only a few instructions. If items cost up to a microsecond each, the loop stops within some ten milliseconds.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 class StopCheck {
  public:
@@ -30,15 +30,15 @@ class StopCheck {
   std::uint32_t left_ = kCalls;
 };
 
-/// Sorts like std::sort, in parallel where there are many items, and ends at a stop: then the items are in no order,
-/// and some may be missing. Sorting ten million items takes seconds otherwise.
+/// Sorts like std::sort, in parallel if there are many items, and stops when it is cancelled. Then the items are in no
+/// order, and some may be missing. Sorting ten million items takes seconds, which is too long to wait.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 template <class Iterator, class Less = std::less<>>
 void sort_stoppable(Iterator begin, Iterator end, const RunControl& control, const Less& less = {}) {
   constexpr std::ptrdiff_t kFew = 1 << 13;
   control.check();
   if (end - begin <= kFew) return std::sort(begin, end, less);
-  // A look is one read of memory that hardly ever changes. Most comparisons cost more.
+  // A check is one read of memory that hardly ever changes. Most comparisons cost more.
   sort_all(begin, end, [&](const auto& a, const auto& b) {
     control.check();
     return less(a, b);

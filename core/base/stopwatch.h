@@ -1,4 +1,4 @@
-/// The times of the stages.
+/// Measures the time of each stage.
 #pragma once
 
 #include <array>
@@ -14,7 +14,8 @@ struct StageTime {
   double ms;
 };
 
-/// Says where the run is, and keeps the time of each stage. A stage that is entered again adds to its time.
+/// Tells the RunControl which stage the run is in, and measures the time of each stage. The times of a stage that is
+/// entered several times add up.
 class Stopwatch {
  public:
   explicit Stopwatch(RunControl& control) : control_(control) {}

@@ -15,26 +15,27 @@
 namespace remesh {
 namespace {
 
-/// The decimals that are tried: first those of usual numbers, then all whose powers of five are doubles. Negative ones
-/// leave out zeros to the left of the point; but whole numbers are taken to be meant as that where all are short.
+/// The numbers of decimals that are tried: first those of usual numbers, then all whose powers of five are exact
+/// doubles. A negative number of decimals means zeros to the left of the point. If all coordinates are short whole
+/// numbers, these are taken as they are: `least_in_common` of usual numbers is 0.
 struct Decimals {
   int least = 0, least_in_common = 0, most = 0;
 };
 constexpr Decimals kUsual{-5, 0, 15}, kAny{-22, -22, 22};
-/// Up to this many numbers are counted where two counts are compared.
+/// Two counts that are compared with each other stop at this many numbers.
 constexpr std::size_t kRates = 64;
-/// How many large numbers must lack the last decimal of smaller ones before this proves that significant digits are
-/// limited: each lacks it by chance with a probability of 1/10, and log2(10) * 6 exceeds 18 bits.
+/// The number of large numbers that must lack the last decimal of smaller ones before this proves that significant
+/// digits are limited: each lacks it by chance with a probability of 1/10, and log2(10) * 6 exceeds 18 bits.
 constexpr std::size_t kEnoughCoarser = 6;
 /// A number counts as short if it has at most this many units.
 constexpr double kShort = 4294967296.0;
-/// That all coordinates agree on a quantum proves more than that one is short: so many units of it may be in the
-/// largest.
+/// If all coordinates agree on a quantum, this proves more than one short number does. So the largest coordinate may
+/// have up to this many units of it.
 constexpr double kShortTogether = 0x1p45;
-/// Numbers of at least this part of the largest one show how many significant digits there are where the smallest have
-/// more decimals than fit beside the largest.
+/// If the smallest coordinates have more decimals than fit beside the largest one, then only coordinates of at least
+/// this fraction of the largest are used to find the number of significant digits.
 constexpr double kLarge = 0x1p-12;
-/// The units that a float has room for.
+/// The number of bits and of units in a float.
 constexpr int kFloatBits = 24;
 constexpr double kFloatUnits = 0x1p24;
 
@@ -44,9 +45,9 @@ struct Decimal {
   double quantum = 0;
 };
 
-/// x as an odd number of quanta, once the last bits, which are its own rounding and the product's, are forgotten.
+/// Writes x as an odd number of quanta. The last bits are ignored: they come from the rounding of x and of the product.
 Decimal odd_part(double x) {
-  // By the number's own bits: this is most of the work of reading all coordinates' digits.
+  // This works on the bits of the number, because reading the digits of all coordinates spends most of its time here.
   constexpr int kBias = 1023, kBits = 52;
   const auto bits = std::bit_cast<std::uint64_t>(x);
   int field = static_cast<int>(bits >> kBits & 0x7ff);
@@ -56,7 +57,8 @@ Decimal odd_part(double x) {
     mantissa = static_cast<std::uint64_t>(std::ldexp(std::fabs(std::frexp(x, &exponent)), kBits + 1));
     field = exponent + kBias - 1;
   }
-  // The roundest number within two of the mantissa: the multiple of eight there, if any, or the first one of four.
+  // The roundest number within two of the mantissa: the multiple of eight if there is one, otherwise the first multiple
+  // of four.
   const std::uint64_t of_eight = (mantissa + 2) & ~std::uint64_t{7};
   const std::uint64_t roundest = of_eight + 2 >= mantissa ? of_eight : (mantissa + 1) & ~std::uint64_t{3};
   const int zeros = std::countr_zero(roundest);
@@ -74,13 +76,13 @@ double times_power_of_five(double x, int d) {
     for (std::size_t i = 1; i < p.size(); ++i) p[i] = 5 * p[i - 1];
     return p;
   }();
-  // Of coordinates that differ by hundreds of powers of ten the places do, too.
+  // If coordinates differ by hundreds of powers of ten, so do their places.
   for (; d > kAny.most; d -= kAny.most) x *= powers.back();
   for (; d < -kAny.most; d += kAny.most) x /= powers.back();
   return d >= 0 ? x * powers[static_cast<std::size_t>(d)] : x / powers[static_cast<std::size_t>(-d)];
 }
 
-/// The form of x with the fewest units; quantum 0 if none is short.
+/// The form of x with the fewest units. Its quantum is 0 if no form is short.
 Decimal shortest(double x, Decimals decimals) {
   Decimal best;
   for (int d = decimals.least; d <= decimals.most; ++d) {
@@ -92,9 +94,10 @@ Decimal shortest(double x, Decimals decimals) {
   return best;
 }
 
-/// The coordinates that say something, looked at by blocks in parallel: those nearer to 0 than any tolerance are a 0
-/// that arithmetic has missed, as in 6.1e-17 for the cosine of a right angle. They are scaled by a power of two to be
-/// near 1: decimals of a number near the largest double are none themselves.
+/// The coordinates that carry information, read in blocks in parallel. Coordinates nearer to 0 than any tolerance are
+/// left out: they are a 0 that arithmetic has missed, such as 6.1e-17 for the cosine of a right angle. The coordinates
+/// are scaled by a power of two so that the largest is near 1, because no decimals could be computed for numbers near
+/// the largest double.
 class Coordinates {
  public:
   Coordinates(std::span<const Vec3> positions, RunControl& control) : positions_(positions), control_(control) {
@@ -107,7 +110,7 @@ class Coordinates {
       box.add(part);
     if (box.is_empty()) return;
     const auto most_of = [](const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); };
-    // A power that has a reciprocal, too.
+    // The power must have a reciprocal, too.
     constexpr int kMost = 1000;
     if (const double most = std::max(most_of(box.min), most_of(box.max)); most > 0)
       unit_ = std::ldexp(1.0, std::clamp(std::ilogb(most), -kMost, kMost));
@@ -119,13 +122,13 @@ class Coordinates {
     }
   }
 
-  /// What 1 stands for.
+  /// The length in the caller's units that is 1 here.
   double unit() const { return unit_; }
-  /// Per axis.
+  /// The largest absolute value of each axis; 0 if all of the axis are negligible.
   const Vec3& largest() const { return largest_; }
   double largest_of_all() const { return std::max({largest_.x, largest_.y, largest_.z}); }
 
-  /// Whether `holds` is true of all.
+  /// Returns whether `holds` is true of all coordinates.
   template <class Holds>
   bool are_all(const Holds& holds) const {
     return found_in_all(
@@ -133,9 +136,9 @@ class Coordinates {
         .has_value();
   }
 
-  /// What `add` finds in all of them, from `none` on: it is given what its block has come to, a coordinate and its
-  /// axis; `join` gives the first of two blocks what the second has come to. Either says false if nothing can be found
-  /// any more.
+  /// Accumulates over all coordinates, from `none` on. `add(found, x, axis)` adds a coordinate to what its block has
+  /// found so far. `join(found, other)` adds what another block has found. Either returns false if nothing can be found
+  /// any more, and then the result is empty.
   template <class Found, class Add, class Join>
   std::optional<Found> found_in_all(const Found& none, const Add& add, const Join& join) const {
     std::atomic<bool> is_over = false;
@@ -166,23 +169,25 @@ class Coordinates {
   Vec3 largest_;
 };
 
-/// The multiples of a power of two over a power of five.
+/// The multiples of a step, which is a power of two over a power of five.
 struct Lattice {
   int decimals = 0;
-  double quantum = 0;  ///< a power of two: of the numbers times five to the power of `decimals`
+  /// A power of two. The lattice's numbers times five to the power of `decimals` are its multiples.
+  double quantum = 0;
 
   double step() const { return times_power_of_five(quantum, -decimals); }
   bool is_within_reach() const { return std::abs(decimals) <= kAny.most; }
-  /// Whether x is a multiple but for the last bits.
+  /// Returns whether x is a multiple of the step, apart from its last bits.
   bool holds(double x) const { return odd_part(times_power_of_five(x, decimals)).quantum >= quantum; }
-  /// How many steps x is.
+  /// The number of steps in x.
   std::int64_t units(double x) const { return std::llround(times_power_of_five(x, decimals) / quantum); }
   Lattice times(int power_of_two, int power_of_five) const {
     return {decimals - power_of_five, std::ldexp(quantum, power_of_two)};
   }
 };
 
-/// The lattice of all coordinates of at least `cutoff` after d decimals, if there is one that leaves them short.
+/// The coarsest lattice of d decimals that has all coordinates of at least `cutoff`. Empty if they would not be short
+/// in it.
 std::optional<Lattice> common_lattice(const Coordinates& coordinates, int d, double cutoff) {
   const double largest = times_power_of_five(coordinates.largest_of_all(), d);
   const auto take = [&](double& least, double quantum) {
@@ -199,7 +204,7 @@ std::optional<Lattice> common_lattice(const Coordinates& coordinates, int d, dou
   return Lattice{d, *quantum};
 }
 
-/// The common lattice with the fewest decimals. There is none for very long whole numbers: their last digit may well
+/// The common lattice with the fewest decimals. Very long whole numbers have none, because their last digit may well
 /// stand left of the point.
 std::optional<Lattice> common_lattice(const Coordinates& coordinates, Decimals decimals, double cutoff) {
   for (int d = decimals.least_in_common; d <= decimals.most; ++d) {
@@ -215,10 +220,10 @@ std::optional<Lattice> common_lattice(const Coordinates& coordinates, Decimals d
 struct Claim {
   Vec3 steps = {};
   Weight weight = {};
-  bool is_in_doubt = false;  ///< for another reason than the number of values
+  bool is_in_doubt = false;  ///< for a reason other than the number of values
 
   bool is_proven() const { return !is_in_doubt && weight.bits(0) >= kEvidence; }
-  /// The largest part of the steps, by powers of two, that is not too coarse in all likelihood.
+  /// The steps divided by the smallest power of two for which they are likely not too coarse.
   Vec3 likely_steps() const {
     for (int k = 0; k <= kEvidence; ++k)
       if (weight.bits(k) >= kLikely) return std::ldexp(1.0, -k) * steps;
@@ -229,7 +234,8 @@ struct Claim {
 /// The claim of the lattice that all coordinates share.
 struct Fixed {
   Claim claim;
-  bool is_last_digit_shown = false;  ///< by numbers with as many digits as the largest
+  /// There are numbers that show the last digit and have as many digits as the largest.
+  bool is_last_digit_shown = false;
 };
 
 int count_digits(std::int64_t n) {
@@ -280,7 +286,7 @@ double nearest_float(double x) {
 
 Vec3 larger_of(const Vec3& a, const Vec3& b) { return {std::max(a.x, b.x), std::max(a.y, b.y), std::max(a.z, b.z)}; }
 
-/// A number of steps as units * 2^twos * 5^fives, where two and five do not divide the units.
+/// A number of steps, written as units * 2^twos * 5^fives, where neither two nor five divides the units.
 struct Factors {
   std::int64_t units = 0;
   int twos = 0, fives = 0;
@@ -295,8 +301,8 @@ struct Factors {
   double steps() const { return std::ldexp(times_power_of_five(1, fives), twos); }
 };
 
-/// The coordinates of at least `cutoff` that show most digits of the lattice, one for each power of two that their last
-/// digit may refer to. The longest comes first.
+/// The coordinates of at least `cutoff` that show the most digits of the lattice, in descending order of these digits.
+/// There is one for each power of two that the last digit may refer to.
 std::vector<Factors> longest_numbers(const Coordinates& coordinates, const Lattice& lattice, double cutoff) {
   constexpr int kMost = 4;
   using Longest = std::array<Factors, 2 * kMost + 1>;
@@ -322,10 +328,12 @@ std::vector<Factors> longest_numbers(const Coordinates& coordinates, const Latti
   return sorted;
 }
 
-/// A rule by which digits may be limited: the place of a number's last digit depends on the number's size.
+/// Significant digits as a rule by which numbers may have been rounded: the place of the last digit depends on the
+/// number's size.
 class SignificantDigits {
  public:
-  /// A longest number tells how many digits there are, and by its last one to which power of two times ten they refer.
+  /// The number of digits is that of `longest`, a longest number. Its last digit tells to which power of two times ten
+  /// the digits refer.
   SignificantDigits(const Lattice& lattice, const Factors& longest)
       : last_(lattice.times(longest.twos, longest.fives)),
         last_step_(last_.step()),
@@ -334,16 +342,16 @@ class SignificantDigits {
   }
 
   Lattice last() const { return last_; }
-  /// Of a number of that size.
+  /// The place of the last digit of a number of x's size.
   Lattice place(double x) const { return decimal_place(x, 1 - digits_); }
-  /// The decimal place, of those that the digits refer to, which is not above the step.
+  /// The largest of the digits' decimal places that is not above the step.
   double not_above(double step) const { return decimal_place(step, 0).step(); }
-  /// Whether a number of so many units of its place has more than half of the digits. A shorter one may be exact: a 1
-  /// beside numbers below it.
+  /// Returns whether a number of this many units of its place has more than half of the digits. A shorter number may be
+  /// exact, such as a 1 beside numbers below it.
   bool is_long(std::int64_t units) const { return units % half_ != 0; }
 
  private:
-  /// That of x's first digit, or one so many places before it.
+  /// The place of x's first digit, shifted by `before` places to the left.
   Lattice decimal_place(double x, int before) const {
     const int e = static_cast<int>(std::floor(std::log10(std::fabs(x) / last_step_ * (1 + 1e-12)))) + before;
     return last_.times(e, e);
@@ -358,18 +366,22 @@ class SignificantDigits {
 /// The claim of significant digits.
 struct Significant {
   Claim claim;
-  double coarsest = 0;    ///< the largest step of a number that is not exact: it shows one of its last two digits
+  /// The largest step of a number that is not exact, which is one that shows one of its last two digits.
+  double coarsest = 0;
   bool is_apart = false;  ///< large numbers lack decimals that small ones have, and not by chance
 };
 
-/// Nothing, if any coordinate has more digits. `fixed_step` is that of which all are multiples; 0: there is none.
+/// Tests a rule of significant digits. The result is empty if any coordinate has more digits. All coordinates are
+/// multiples of `fixed_step`; it is 0 if there is no such step.
 std::optional<Significant> significant_digits(const Coordinates& coordinates, const SignificantDigits& significant,
                                               const Lattice& lattice, double fixed_step) {
   struct Found {
     Evidence evidence;
-    Witnesses<kEnoughCoarser> coarser;             // than the fixed step, by ten at least
-    double coarsest_last = 0, coarsest_shown = 0;  // of numbers that show their last digit, or that or the one before
-    // How many numbers show their last digit, and how many do not, in the largest one's decade and below it.
+    Witnesses<kEnoughCoarser> coarser;  // numbers that are coarser than the fixed step by a factor of ten at least
+    // The largest steps of numbers that show their last digit, and of numbers that show either of their last two.
+    double coarsest_last = 0, coarsest_shown = 0;
+    // Counts of the numbers that show their last digit and of those that lack it, in the decade of the largest number
+    // and below it.
     Witnesses<kRates> shown, lacking, shown_below, lacking_below;
     Vec3 largest_of_long;
   };
@@ -382,7 +394,8 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
       Found{},
       [&](Found& f, double x, int axis) {
         const Lattice place = significant.place(x);
-        if (!place.is_within_reach()) return place.decimals > 0;  // so small a number, or so large a place
+        // A number that is too small for this is ignored. If its place is too large instead, the rule cannot hold.
+        if (!place.is_within_reach()) return place.decimals > 0;
         if (!place.holds(x)) return false;
         const std::int64_t units = std::abs(place.units(x));
         f.evidence.add(x, units, lattice.units(x), axis);
@@ -409,8 +422,8 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
         return true;
       });
   if (!found) return std::nullopt;
-  // If digits were limited, small and large numbers would show their last digit equally often. If most large ones do
-  // and most small ones do not, both are exact decimals, all but a few.
+  // If digits were limited, small and large numbers would show their last digit equally often. If most large numbers
+  // show it and most small ones lack it, then all but a few numbers are exact decimals.
   constexpr std::size_t kFew = 6;
   const auto are_most = [](const auto& some, const auto& others) {
     return some.count() >= kFew && 2 * some.count() > 3 * others.count();
@@ -420,7 +433,7 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
     return n == 0 ? 1
                   : std::max(1.0, significant.place(static_cast<double>(n) * lattice.step()).step() / lattice.step());
   };
-  // Many large numbers, and none shows its last digit: they are exact, and lack nothing.
+  // If there are many large numbers and none shows its last digit, they are exact and lack nothing.
   const bool are_large_exact = found->shown.count() == 0 && found->lacking.count() >= kFew;
   const double coarsest = are_large_exact ? found->coarsest_last : found->coarsest_shown;
   Significant result{
@@ -436,17 +449,18 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
   return result;
 }
 
-/// Whether the decimals are those of floats, to so many places that the floats' own rounding shows: each is the nearest
-/// to a float with as many places as it has, and several of them would not be by chance. All are multiples of `unit`.
+/// Returns whether the decimals are printed floats, with so many digits that the floats' own rounding shows. Each
+/// number must then be the decimal nearest to a float, with as many places as it has, and so many of them must agree
+/// that it is no coincidence. All numbers are multiples of `unit`.
 bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals decimals) {
   const auto place_of = [&](double x) { return std::max(unit, shortest(x, decimals).quantum); };
-  // How many quarters of bits at a number's end are the float's and not the printing's.
+  // The number of bits at the end of a number that come from the float and not from the printing, in quarters of bits.
   const auto seen = [](double x, double place) {
     const double ratio = last_place(x, kFloatBits) / place;
     return std::ilogb(ratio * ratio * ratio * ratio);
   };
   if (seen(coordinates.largest_of_all(), unit) < 1) return false;
-  // If they were decimals, each would be so near to a float with a probability of two to the power of minus its bits.
+  // If the numbers were not floats, each would be this near to a float with a probability of 2^-bits.
   constexpr int kEnough = 4 * kEvidence;
   using Found = Witnesses<kEnough>;
   const auto witnesses = coordinates.found_in_all(
@@ -463,19 +477,19 @@ bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals de
   return all_seen >= kEnough;
 }
 
-/// The last places of the largest coordinates as floats.
+/// The float's last place for the largest coordinate of each axis.
 Vec3 float_steps(const Coordinates& coordinates) {
   const auto step = [](double x) { return x == 0 ? 0 : last_place(x, kFloatBits); };
   const Vec3& largest = coordinates.largest();
   return {step(largest.x), step(largest.y), step(largest.z)};
 }
 
-/// What significant digits of coordinates show, if there is a number of digits that none exceeds. `unit` becomes the
-/// place of the last digit.
+/// The claim of significant digits, if there is a number of digits that no coordinate exceeds. Sets `unit` to the place
+/// of the last digit.
 std::optional<Significant> find_significant_digits(const Coordinates& coordinates, const Lattice& lattice,
                                                    double cutoff, double fixed_step, double& unit) {
-  // The longest number may end in an even digit or in a five by chance, and then seems to refer to another power of
-  // two. But then others have more digits.
+  // The longest number may end in an even digit or in a five by chance. Then it seems to refer to another power of two,
+  // but other numbers have more digits, so the next ones are tried.
   constexpr std::size_t kTries = 3;
   const std::vector<Factors> longest = longest_numbers(coordinates, lattice, cutoff);
   for (std::size_t i = 0; i < kTries && longest[i].units > 0; ++i) {
@@ -488,7 +502,8 @@ std::optional<Significant> find_significant_digits(const Coordinates& coordinate
   return std::nullopt;
 }
 
-/// What decimals of coordinates prove, if they have any in common. `unit` becomes the place of the last digit.
+/// The claim that the decimals of the coordinates make, if they have a common lattice. Sets `unit` to the place of the
+/// last digit.
 std::optional<Claim> claim_of_decimals(const Coordinates& coordinates, Decimals decimals, double& unit) {
   if (const auto lattice = common_lattice(coordinates, decimals, 0)) {
     unit = lattice->step();
@@ -505,7 +520,7 @@ std::optional<Claim> claim_of_decimals(const Coordinates& coordinates, Decimals 
     fixed.claim.is_in_doubt = true;
     return fixed.claim;
   }
-  // The smallest ones may have more decimals than a double of the largest one's size.
+  // The smallest numbers may have more decimals than a double of the largest number's size can hold.
   const double cutoff = kLarge * coordinates.largest_of_all();
   const auto lattice = common_lattice(coordinates, decimals, cutoff);
   if (!lattice) return std::nullopt;
@@ -522,7 +537,7 @@ Rounding rounding_of(const Coordinates& coordinates) {
   if (coordinates.are_all([](double x) { return odd_part(x).units < kFloatUnits; })) {
     const Vec3 as_floats = float_steps(coordinates);
     const auto common = common_lattice(coordinates, 0, 0);
-    // Else the numbers are so short that nothing was rounded off to make floats of them.
+    // If the common step is larger, the numbers are so short that they lost nothing when they became floats.
     if (!common || common->step() <= std::max({as_floats.x, as_floats.y, as_floats.z}))
       return {as_floats, as_floats, as_floats, false};
   }
@@ -539,10 +554,10 @@ Rounding rounding_of(const Coordinates& coordinates) {
   return {steps, steps, steps, false};
 }
 
-/// One length for three: the root of the mean of their squares.
+/// One length for three steps: the root of the mean of their squares.
 double mean_step(const Vec3& steps) {
   if (steps.x == steps.y && steps.y == steps.z) return steps.x;
-  // Near 1, where squares neither over- nor underflow.
+  // The steps are scaled to about 1, where their squares neither overflow nor underflow.
   const int exponent = std::ilogb(std::max({steps.x, steps.y, steps.z}));
   const Vec3 scaled{std::ldexp(steps.x, -exponent), std::ldexp(steps.y, -exponent), std::ldexp(steps.z, -exponent)};
   return std::ldexp(std::sqrt(dot(scaled, scaled) / 3), exponent);

@@ -1,4 +1,4 @@
-/// Disjoint sets of 0 .. n-1.
+/// Disjoint sets of the numbers 0 .. n-1.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,8 @@
 
 namespace remesh {
 
-/// The representative of a set is its smallest member, so it does not depend on the order of the joins. Threads may
-/// call both functions at once; what is found then is good as soon as all joins are over.
+/// The representative of a set is its smallest member, so it does not depend on the order of the joins. Several threads
+/// may call `find` and `join` at once. A result of `find` is final only when all joins are over.
 class UnionFind {
  public:
   explicit UnionFind(std::size_t n = 0) : parent_(n) {
@@ -33,14 +33,14 @@ class UnionFind {
     while (true) {
       const std::uint32_t parent = at(i).load(std::memory_order_relaxed);
       if (parent == i) return i;
-      // Halves the way up. Whatever others write here meanwhile is an ancestor, too.
+      // This halves the path to the root. If another thread writes here meanwhile, it writes an ancestor, too.
       const std::uint32_t above = at(parent).load(std::memory_order_relaxed);
       if (above != parent) at(i).store(above, std::memory_order_relaxed);
       i = above;
     }
   }
-  /// After all joins, makes i point at its representative. Threads may share the members among them: each one writes
-  /// its own only, so that none is turned back to an ancestor in between.
+  /// Makes i point at its representative. All joins must be over. Several threads may call this, each for members of
+  /// its own. Each call writes only its own member, so no other call can set it back to a mere ancestor.
   void flatten(std::uint32_t i) {
     std::uint32_t root = i;
     for (std::uint32_t above = at(i).load(std::memory_order_relaxed); above != root;) {
@@ -49,18 +49,18 @@ class UnionFind {
     }
     at(i).store(root, std::memory_order_relaxed);
   }
-  /// After flatten() of all.
+  /// The representative of i, after flatten() was called for every member.
   std::uint32_t root_of(std::uint32_t i) const { return parent_[i]; }
-  /// Returns whether the two were apart: true n - k times in all where k sets are left.
+  /// Joins two sets, and returns whether they were apart. If k sets are left of n, it has returned true n - k times.
   bool join(std::uint32_t i, std::uint32_t j) {
-    // As most pairs of neighbours have, once some are joined.
+    // Most pairs of neighbours have the same parent already, once some are joined.
     if (at(i).load(std::memory_order_relaxed) == at(j).load(std::memory_order_relaxed)) return false;
     while (true) {
       i = find(i);
       j = find(j);
       if (i == j) return false;
       if (i > j) std::swap(i, j);
-      std::uint32_t root = j;  // if it is one still
+      std::uint32_t root = j;  // expected value: j is still a root
       if (at(j).compare_exchange_strong(root, i, std::memory_order_relaxed)) return true;
     }
   }

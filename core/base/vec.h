@@ -11,7 +11,7 @@ struct Vec2 {
   double x = 0;
   double y = 0;
 
-  /// Lexicographic, x first: the order of the sweep and of all ties in a patch.
+  /// Compares lexicographically, x first. This is the order of the sweep and of all ties in a patch.
   friend constexpr auto operator<=>(const Vec2&, const Vec2&) = default;
   friend constexpr Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
   friend constexpr Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }
@@ -23,7 +23,7 @@ struct Vec3 {
   double y = 0;
   double z = 0;
 
-  /// Lexicographic: the order of ties in space.
+  /// Compares lexicographically. This is the order of ties in space.
   friend constexpr auto operator<=>(const Vec3&, const Vec3&) = default;
   friend constexpr Vec3 operator+(const Vec3& a, const Vec3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
   friend constexpr Vec3 operator-(const Vec3& a, const Vec3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
@@ -43,27 +43,27 @@ constexpr Vec3 cross(const Vec3& a, const Vec3& b) {
 }
 
 constexpr double norm_squared(const Vec3& a) { return dot(a, a); }
-/// Length without overflow or underflow of the squares.
+/// The length. The squares neither overflow nor underflow.
 inline double norm(const Vec3& a) {
   const double squared = norm_squared(a);
-  // Almost always the squares are far from both, and this is several times as fast.
+  // The squares are almost always far from both limits, and this is several times as fast.
   if (squared > 0x1p-900 && squared < 0x1p1000) return std::sqrt(squared);
   return std::hypot(a.x, a.y, a.z);
 }
 inline double norm(Vec2 a) { return std::hypot(a.x, a.y); }
-/// The unit vector of `a`; the null vector stays null.
+/// The unit vector in the direction of `a`. The null vector stays null.
 inline Vec3 normalized(const Vec3& a) {
   const double n = norm(a);
   return n > 0 ? Vec3{a.x / n, a.y / n, a.z / n} : Vec3{};
 }
 inline bool is_finite(const Vec3& a) { return std::isfinite(a.x) && std::isfinite(a.y) && std::isfinite(a.z); }
 
-/// Axis-aligned box; empty until something is added.
+/// An axis-aligned box. It is empty until something is added.
 struct Box3 {
   Vec3 min{HUGE_VAL, HUGE_VAL, HUGE_VAL};
   Vec3 max{-HUGE_VAL, -HUGE_VAL, -HUGE_VAL};
 
-  /// A coordinate that is no number adds nothing.
+  /// A coordinate that is not a number (NaN) adds nothing.
   void add(const Vec3& p) { add({p, p}); }
   void add(const Box3& other) {
     min = {std::min(min.x, other.min.x), std::min(min.y, other.min.y), std::min(min.z, other.min.z)};

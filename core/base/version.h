@@ -3,7 +3,7 @@
 
 namespace remesh {
 
-/// As in the report and in `--version`.
+/// The version as it is shown in the report and by `--version`.
 const char* version();
 
 }  // namespace remesh

@@ -1,4 +1,4 @@
-/// The order of faces around an edge, and which of them bound one solid there.
+/// The order of the faces around an edge, and which of them bound one solid there.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,19 @@ namespace remesh {
 
 /// A triangle at the edge from a to b.
 struct FaceAtEdge {
-  Vec3 apex;                ///< its third corner
-  bool is_forward = false;  ///< it runs from a to b
-  std::uint32_t layer = 0;  ///< of those in one plane that look the same way, the smallest is next to the solid
-  std::uint32_t tag = 0;    ///< for the caller; where layers are equal this counts
+  Vec3 apex;                ///< the third corner
+  bool is_forward = false;  ///< the triangle runs from a to b, not from b to a
+  std::uint32_t layer = 0;  ///< orders faces in one plane with the same orientation; the smallest is next to the solid
+  std::uint32_t tag = 0;    ///< identifies the face for the caller; also orders faces with equal layers
 };
 
-/// Pairs the faces at an edge that have solid between them and no other pair there: as in nested parentheses, where a
-/// face behind which the solid begins opens one, and a face at which it ends closes one. Faces in one plane count as
-/// moved apart by an infinitesimal, each away from the side that it looks to. So back to back they are walls of two
-/// solids, and of those that look the same way each has a layer of its own.
-/// Input:  coordinates as orient3d takes them. Sorts `faces`. Those whose corners lie on a line are left out.
-/// Output: the tags of each pair.
+/// Pairs the faces at an edge that have solid between them and no other pair in that solid. This works like nested
+/// parentheses: a face behind which the solid begins opens one, and a face at which the solid ends closes one. Faces in
+/// one plane are treated as if each were moved by an infinitesimal, away from the side that it looks to. So two faces
+/// back to back are the walls of two solids, and faces with the same orientation have a layer each.
+/// Input:  coordinates in the range of orient3d. The function sorts `faces`, and removes those whose corners lie on a
+///         line.
+/// Output: the tags of the two faces of each pair.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O(k log k) for k faces.
 std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_around_edge(const Vec3& a, const Vec3& b,

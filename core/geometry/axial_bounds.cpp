@@ -7,18 +7,19 @@
 namespace remesh {
 namespace {
 
-/// Of a place's distance to the line's first vertex: far more than rounding in its distances along the axes.
+/// The slack for distances along the axes, relative to a point's distance from the line's first vertex. It is far more
+/// than their rounding error.
 constexpr double kRounding = 0x1p-44;
 
-/// In turns: far more than rounding in angles, their sums and differences.
+/// The slack for angles, in turns. It is far more than the rounding error of angles, their sums and their differences.
 constexpr double kAngleRounding = 0x1p-44;
 
-/// Between two points of cancellation.
+/// The number of faces between two checks for cancellation.
 constexpr std::size_t kFacesBetweenChecks = 1 << 14;
 
 constexpr AxialBounds::Arc kEverything{0, 1};
 
-/// From one angle on to another, in turns: at least 0, at most 1.
+/// The turn from one angle on to another, at least 0 and at most 1.
 double turn(double from, double to) {
   const double way = to - from;
   return way - std::floor(way);
@@ -68,7 +69,8 @@ AxialBounds::Arc AxialBounds::arc_of(const Triangle& face) const {
     doubt = std::max(doubt, kAngleRounding + rounding / distance);
     arc = joined(arc, {std::atan2(flat.y, flat.x) / (2 * std::numbers::pi), 0});
   }
-  // A face that is seen under half a turn or more may reach over the line; one of the two vertices alone lies on it.
+  // A face that is seen under half a turn or more may reach across the line. A face whose corners are all on the line's
+  // two vertices lies on it.
   return arc.length >= 0 && arc.length + 2 * doubt < 0.5 ? Arc{arc.begin - doubt, arc.length + 2 * doubt} : kEverything;
 }
 

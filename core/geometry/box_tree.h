@@ -1,4 +1,4 @@
-/// A tree of axis-aligned boxes with something small noted on each, searched best first.
+/// A tree of axis-aligned boxes with a small tag on each. Searches visit the most promising boxes first.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +18,8 @@
 
 namespace remesh {
 
-/// A box in single precision, rounded outwards: half the memory, and what is outside of it is outside of the exact one.
+/// A box in single precision, rounded outwards. It takes half the memory, and a point outside of it is also outside of
+/// the exact box.
 struct FloatBox {
   std::array<float, 3> min{HUGE_VALF, HUGE_VALF, HUGE_VALF};
   std::array<float, 3> max{-HUGE_VALF, -HUGE_VALF, -HUGE_VALF};
@@ -43,11 +44,11 @@ struct FloatBox {
   }
 };
 
-/// How far x is outside of [min, max].
+/// The distance of x from the interval [min, max]; 0 inside it.
 inline double excess(double min, double max, double x) { return std::max(0.0, std::max(min - x, x - max)); }
 
-/// From a place to the nearest point of the box. Every step is monotone: never more than that of a box inside this one,
-/// rounding included.
+/// The squared distance from p to the nearest point of the box. Every step of the computation is monotone, so even with
+/// rounding the result is never more than that of a box inside this one.
 inline double squared_distance(const FloatBox& b, const Vec3& p) {
   const double x = excess(b.min[0], b.max[0], p.x);
   const double y = excess(b.min[1], b.max[1], p.y);
@@ -62,7 +63,8 @@ inline double squared_distance(const FloatBox& a, const FloatBox& b) {
   }
   return sum;
 }
-/// From the place of `from` that is farthest from the box to the box; as monotone in the box.
+/// The squared distance to the box from that point of `from` which is farthest from the box. It is monotone in the box,
+/// too.
 inline double squared_farthest(const FloatBox& b, const FloatBox& from) {
   double sum = 0;
   for (int axis = 0; axis < 3; ++axis) {
@@ -73,13 +75,13 @@ inline double squared_farthest(const FloatBox& b, const FloatBox& from) {
   return sum;
 }
 
-/// For trees in which nothing is noted.
+/// The tag of trees that need none.
 struct NoTag {
   void join(NoTag) {}
 };
 
-/// The boxes stand in the slots of a SlotTree; a node is its box and its tag and nothing else.
-/// Tag:    what is noted; `Tag::join(other)` makes it true of both.
+/// Boxes in the slots of a SlotTree. A node of the tree stores a box and a tag, and nothing else.
+/// Tag:    a type with a function `Tag::join(other)`, after which the tag is true of both.
 /// Holds:  the order of the slots depends on the boxes alone, not on threads.
 /// Cost:   O(n log n) to build, in parallel.
 template <class Tag>
@@ -96,21 +98,22 @@ class BoxTree {
 
   std::size_t size() const { return entries_.size(); }
   const Entry& operator[](std::size_t slot) const { return entries_[slot]; }
-  /// Is it one of those, not a node that joins some?
+  /// Returns whether an entry is one of those in the slots, and not a node that joins several.
   bool is_slot(const Entry& entry) const {
     return !std::less<>()(&entry, entries_.data()) && std::less<>()(&entry, entries_.data() + entries_.size());
   }
-  /// Which of the entries given to the constructor this is.
+  /// The index that the slot's entry had when it was given to the constructor.
   std::uint32_t number(std::size_t slot) const { return number_[slot]; }
 
-  /// Lets note(tag, numbers) add to each tag, of entries and of nodes, what is to be learnt only from all that is in
-  /// it.
-  /// Cost:   O(n log n) of what is noted, in parallel.
+  /// Calls note(tag, numbers) for each tag of entries and nodes, where `numbers` are those of all entries in it. So
+  /// tags can get information that joining alone would not give.
+  /// Cost:   O(n log n) numbers are passed in all, in parallel.
   template <class Note>
   void note(const Note& note, RunControl& control);
 
-  /// Lets visit(slot) lower `best` until no entry can. `bound(entry)` is the least that anything in an entry's box may
-  /// attain, infinity for what is of no interest; it must not be more for an entry than for those joined to it.
+  /// Calls visit(slot), which may lower `best`, until no entry can lower it any more. `bound(entry)` is the smallest
+  /// value that anything in the entry's box can attain, and infinity for entries of no interest. The bound of a node
+  /// must not be above the bounds of the entries that it joins.
   template <class Bound, class Visit>
   void search(const double& best, const Bound& bound, const Visit& visit) const;
 
@@ -126,7 +129,7 @@ class BoxTree {
   SlotTree slots_;
   std::vector<Entry> entries_;         ///< by slot
   std::vector<std::uint32_t> number_;  ///< by slot
-  std::vector<Entry> nodes_;           ///< level after level
+  std::vector<Entry> nodes_;           ///< stored level after level
 };
 
 template <class Tag>
@@ -150,7 +153,7 @@ BoxTree<Tag>::BoxTree(std::span<const Entry> entries, RunControl& control)
 template <class Tag>
 void BoxTree<Tag>::sort(std::span<const Entry> entries, RunControl& control) {
   struct Place {
-    std::array<float, 3> centre;  ///< of the box, twice
+    std::array<float, 3> centre;  ///< twice the box's centre
     std::uint32_t number;
   };
   std::vector<Place> places(size());
@@ -195,7 +198,7 @@ void BoxTree<Tag>::search(const double& best, const Bound& bound, const Visit& v
     double bound;
     std::size_t node;
   };
-  // Depth first, the better child first: at most one waiting sibling a level.
+  // The search goes depth first, and visits the better child first. So at most one sibling waits on each level.
   std::array<Waiting, SlotTree::kMaxLevels> stack;
   std::size_t depth = 0;
   const int leaf_level = slots_.leaf_level();

@@ -15,28 +15,31 @@ namespace {
 
 constexpr std::uint32_t kNone = Triangulation2d::kNone;
 
-/// Half-edges 2i and 2i+1 are the two directions of edge i. Around the origin, `next` follows counter-clockwise.
+/// Half-edges 2i and 2i+1 are the two directions of edge i. `next` is the next half-edge counter-clockwise around the
+/// origin.
 struct HalfEdge {
   std::uint32_t origin;  // kNone while the slot is free
-  std::uint32_t next;    // of a free slot: the next free one
+  std::uint32_t next;    // in a free slot, the next free slot
   std::uint32_t previous;
 };
 
 constexpr std::uint32_t sym(std::uint32_t h) { return h ^ 1; }
 
-/// The triangulation of a run of points, first and last in the order of the cut.
+/// The triangulation of a run of points. The first and last point are those in the order of the cut.
 struct Part {
   std::uint32_t first;  // the hull half-edge, counter-clockwise, that leaves the first point
   std::uint32_t last;   // the hull half-edge, clockwise, that leaves the last point
-  // Slots for new edges: a chain through `next`. A part owns three slots a point, so parts never contend.
+  // Slots for new edges, as a list linked by `next`. A part owns three slots per point, so parts that are computed in
+  // parallel never share slots.
   std::uint32_t free_head;
   std::uint32_t free_tail;
 };
 
-/// Divides by vertical cuts into strips of about sqrt(n) points and these by horizontal cuts down to 2 or 3. Cutting
-/// strips across keeps the small parts compact, so that few of the edges made early are deleted later.
-/// A horizontal cut is a vertical one in a frame turned by a right angle, which changes no orientation and no circle:
-/// merging is the same, and only the order of points, (y, -x), differs.
+/// Divides the points by vertical cuts into strips of about sqrt(n) points, and the strips by horizontal cuts into runs
+/// of 2 or 3 points. Cutting strips across makes the small parts compact, so that few of the edges made early are
+/// deleted later.
+/// A horizontal cut is a vertical one in a frame turned by a right angle, which changes no orientation and no circle.
+/// So merging is the same, and only the order of points, (y, -x), differs.
 class DivideAndConquer {
  public:
   DivideAndConquer(std::span<const Vec2> input, RunControl& control)
@@ -115,7 +118,8 @@ class DivideAndConquer {
     return part;
   }
 
-  /// The same part with its first and last point by (x, y). Walks the hull clockwise, the outside to the left.
+  /// Finds the first and last point of a part in the order of (x, y). Walks along the hull clockwise, with the outside
+  /// to the left.
   Part turned(Part part) const {
     const std::uint32_t start = part.last;
     std::uint32_t h = start;
@@ -130,7 +134,7 @@ class DivideAndConquer {
 
   // --- merging ---
 
-  /// Joins two parts, all points of `left` being before those of `right` in the order of the cut.
+  /// Joins two parts. All points of `left` must be before those of `right` in the order of the cut.
   Part merge(const Part& left, const Part& right) {
     Part part{left.first, right.last, left.free_head, right.free_tail};
     edges_[left.free_tail].next = right.free_head;
@@ -138,7 +142,8 @@ class DivideAndConquer {
     std::uint32_t base = lower_tangent(part, left.last, right.first);
     for (std::uint32_t step = 1;; ++step) {
       if (step % kCheckInterval == 0) control_.check();
-      // The base runs from right to left; the next triangle stands on it, with a neighbour of one of its ends as apex.
+      // The base runs from right to left. The next triangle stands on it, and its apex is a neighbour of one of the
+      // base's ends.
       const std::uint32_t left_point = origin(sym(base)), right_point = origin(base);
       const Vec2 l = points_[left_point], r = points_[right_point];
 
@@ -179,8 +184,8 @@ class DivideAndConquer {
     }
   }
 
-  /// Adds the edge below which neither part has a point, from right to left; keeps part.first and part.last on the
-  /// hull.
+  /// Adds the edge, from right to left, below which neither part has a point. Updates part.first and part.last so that
+  /// they stay on the hull.
   std::uint32_t lower_tangent(Part& part, std::uint32_t left_inner, std::uint32_t right_inner) {
     for (;;) {
       if (orient2d(origin_point(right_inner), origin_point(left_inner), target_point(left_inner)) > 0)
@@ -213,7 +218,7 @@ class DivideAndConquer {
     return h;
   }
 
-  /// Puts h, alone at its origin so far, counter-clockwise after `place`.
+  /// Inserts h counter-clockwise after `place`. Before, h is alone at its origin.
   void insert_after(std::uint32_t place, std::uint32_t h) {
     const std::uint32_t following = edges_[place].next;
     edges_[h].next = following;
@@ -222,7 +227,7 @@ class DivideAndConquer {
     edges_[following].previous = h;
   }
 
-  /// The new edge from the target of a to the origin of b, across the face to the left of both.
+  /// Adds an edge from the target of a to the origin of b, across the face to the left of both.
   std::uint32_t connect(Part& part, std::uint32_t a, std::uint32_t b) {
     const std::uint32_t h = make_edge(part, origin(sym(a)), origin(b));
     insert_after(left_next(a), h);
@@ -242,7 +247,8 @@ class DivideAndConquer {
 
   // --- the answer ---
 
-  /// From edges to triangles, in an order that depends on the triangulation alone. `hull` has the outside to its left.
+  /// Makes triangles of the edges, in an order that depends on the triangulation alone. `hull` has the outside to its
+  /// left.
   Triangulation2d extract(std::uint32_t hull) {
     const std::uint32_t n = static_cast<std::uint32_t>(input_.size());
     std::vector<std::uint32_t> edge_at(n);
@@ -253,7 +259,7 @@ class DivideAndConquer {
     }
     std::uint32_t hull_size = 0;
     constexpr std::uint32_t kOutside = kNone - 1;
-    std::vector<std::uint32_t> slot(edges_.size(), kNone);  // where a half-edge is in the result
+    std::vector<std::uint32_t> slot(edges_.size(), kNone);  // the place of a half-edge in the result
     std::uint32_t h = hull;
     do {
       slot[h] = kOutside;
@@ -262,14 +268,15 @@ class DivideAndConquer {
     } while (h != hull);
 
     Triangulation2d result;
-    if (hull_size == 2 * (n - 1)) return result;  // a path: all on one line
+    if (hull_size == 2 * (n - 1)) return result;  // the edges are a path: all points are on one line
     result.reserve(2 * n - 2 - hull_size);
     const auto begins_triangle = [&](std::uint32_t g) {
       return slot[g] != kOutside && origin(sym(g)) > origin(g) && origin(sym(edges_[g].next)) > origin(g);
     };
     for (std::uint32_t p = 0; p < n; ++p) {
       if (p % kCheckInterval == 0) control_.check();
-      // The neighbours after p are within a half-plane, so the triangles to be made at p are one run around it.
+      // The neighbours that are after p in order lie in a half-plane, so the triangles to be made at p are one run
+      // around it.
       std::uint32_t g = edge_at[p];
       do {
         if (begins_triangle(g) && !begins_triangle(edges_[g].previous)) break;
@@ -292,7 +299,7 @@ class DivideAndConquer {
   RunControl& control_;
   std::size_t strip_size_;
   std::vector<std::uint32_t> order_;  // input indices, strip by strip and upwards in each
-  std::vector<Vec2> points_;          // in that order
+  std::vector<Vec2> points_;          // in the order of `order_`
   std::vector<HalfEdge> edges_;
 };
 

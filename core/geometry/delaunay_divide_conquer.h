@@ -1,4 +1,5 @@
-/// The Delaunay triangulation of many points in guaranteed O(n log n), for sets on which sweeping and flipping is slow.
+/// The Delaunay triangulation of many points in guaranteed O(n log n). It is meant for points on which sweeping and
+/// flipping is slow.
 #pragma once
 
 #include <span>
@@ -9,14 +10,14 @@
 
 namespace remesh {
 
-/// The Delaunay triangulation of points, ties of cocircular points broken by in_circle_perturbed.
+/// Computes the Delaunay triangulation of points. Ties of cocircular points are broken by in_circle_perturbed.
 /// Input:   pairwise different points in lexicographic order (x, then y); at most 2^28.
 /// Output:  counter-clockwise triangles over the points' indices, each beginning with its smallest point; they are
 ///          ordered by that point, and around it counter-clockwise. Empty if all points are on one line.
-/// Holds:   the same set of triangles as flipping any other triangulation of the points gives; the same bytes for any
-///          number of threads.
+/// Holds:   the triangles are the same as when any other triangulation of the points is flipped to be Delaunay. The
+///          result has the same bytes for any number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
-/// Cost:    O(n log n) always, O(n) after sorting for evenly scattered points; runs on the caller's TBB arena.
+/// Cost:    O(n log n) always; O(n) after sorting for evenly scattered points. Runs on the caller's TBB arena.
 /// Source:  Guibas, Stolfi, Primitives for the Manipulation of General Subdivisions and the Computation of Voronoi
 ///          Diagrams, 1985, section 9; cuts in two directions as in Dwyer, A Faster Divide-and-Conquer Algorithm for
 ///          Constructing Delaunay Triangulations, 1987, but strips first.

@@ -5,14 +5,15 @@
 namespace remesh {
 namespace {
 
-/// Between two segments, where neither nearest point is an end; else infinitely long.
+/// The shortest vector between two segments if neither of its ends is an end of a segment; otherwise infinitely long.
 Vec3 way_inside(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const Vec3 ab = b - a, cd = d - c, ac = c - a;
   const Vec3 normal = cross(ab, cd);
   const double n = norm_squared(normal);
   const double s = dot(cross(ac, cd), normal), t = dot(cross(ac, ab), normal);
   if (!(s > 0 && s < n && t > 0 && t < n)) return {HUGE_VAL, 0, 0};
-  // Between points of the two, not along the normal: that one means nothing where they are almost parallel.
+  // The vector is computed from points of the two segments, not along the normal, which is meaningless if they are
+  // almost parallel.
   return (c + (t / n) * cd) - (a + (s / n) * ab);
 }
 
@@ -31,7 +32,7 @@ Vec3 nearest_on_triangle(const Vec3& p, const Corners3& triangle) {
   const double n = norm_squared(normal);
   const auto is_inside = [&](const Vec3& from, const Vec3& to) { return dot(cross(normal, to - from), p - from) >= 0; };
   if (n > 0 && is_inside(a, b) && is_inside(b, c) && is_inside(c, a)) return p - (dot(p - a, normal) / n) * normal;
-  // All three sides: which of them p is beyond is not to be trusted in a needle.
+  // All three sides are tried, because in a needle it is not reliable to tell which of them p is beyond.
   Vec3 nearest = nearest_on_segment(p, a, b);
   double least = norm_squared(nearest - p);
   for (const Vec3& q : {nearest_on_segment(p, b, c), nearest_on_segment(p, c, a)}) {

@@ -1,4 +1,4 @@
-/// Distances between points and triangles in space, to rounding.
+/// Distances between points and triangles in space, up to rounding.
 #pragma once
 
 #include <array>
@@ -9,12 +9,13 @@ namespace remesh {
 
 using Corners3 = std::array<Vec3, 3>;
 
-/// The point of the segment or triangle that is nearest to p. Without extent or area it is the set of its points.
+/// The point of a segment or triangle that is nearest to p. A segment or triangle without extent counts as the set of
+/// its points.
 Vec3 nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b);
 Vec3 nearest_on_triangle(const Vec3& p, const Corners3& triangle);
 
-/// From one triangle to another that does not cross it, by the shortest way. Where they cross, it is not null, but some
-/// way between their borders and faces.
+/// The shortest vector from one triangle to another, if they do not cross. If they cross, it is not null, but some
+/// vector between their borders and faces.
 Vec3 shortest_way(const Corners3& s, const Corners3& t);
 
 }  // namespace remesh

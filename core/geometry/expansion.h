@@ -1,5 +1,5 @@
-/// Expansions: real numbers as exact sums of doubles, for the exact stage of predicates.
-/// Operations are exact as long as nothing under- or overflows: a predicate says for which coordinates that is so.
+/// Expansions represent real numbers as exact sums of doubles. They serve the exact stage of predicates.
+/// Operations are exact as long as nothing under- or overflows. Each predicate says for which coordinates this is so.
 /// Source: Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997.
 #pragma once
 
@@ -9,16 +9,16 @@
 
 namespace remesh::exact {
 
-/// A real number as the exact sum of its terms, smallest first, none of them 0; the empty sum is 0. The terms are
-/// strongly nonoverlapping (Shewchuk), so the sign of the sum is that of its last term. `Capacity` is the most terms
-/// that the operations which made it can give.
+/// A real number as the exact sum of its terms. The terms are in ascending order of magnitude, and none is 0; the empty
+/// sum is 0. They are strongly nonoverlapping (Shewchuk), so the sign of the sum is that of the last term. `Capacity`
+/// is the largest number of terms that the operations which made the expansion can give.
 template <int Capacity>
 struct Expansion {
   std::array<double, Capacity> terms;  // the first `size` are set
   int size = 0;
 
   Expansion() = default;
-  /// Only what is set: capacities are for the worst case, and it is rare.
+  /// Copies only the terms that are set. Capacities are for the worst case, which is rare.
   Expansion(const Expansion& other) : size(other.size) { std::copy_n(other.terms.data(), size, terms.data()); }
   Expansion& operator=(const Expansion& other) {
     size = other.size;
@@ -32,13 +32,13 @@ struct Expansion {
   int sign() const { return size == 0 ? 0 : terms[size - 1] > 0 ? 1 : -1; }
 };
 
-/// A rounded result and what rounding lost: `value + error` is exact.
+/// A rounded result and its rounding error. Their sum `value + error` is exact.
 struct Rounded {
   double value;
   double error;
 };
 
-/// Needs |a| >= |b| or a = 0.
+/// Requires |a| >= |b| or a = 0.
 inline Rounded fast_two_sum(double a, double b) {
   const double sum = a + b;
   return {sum, b - (sum - a)};
@@ -51,7 +51,7 @@ inline Rounded two_sum(double a, double b) {
   return {sum, (a - a_virtual) + (b - b_virtual)};
 }
 
-/// Dekker's split into two halves of at most 26 bits, whose products are exact.
+/// Dekker's split into two halves of at most 26 bits. Products of such halves are exact.
 inline Rounded split(double a) {
   constexpr double kSplitter = 0x1p27 + 1;
   const double big = kSplitter * a;
@@ -59,8 +59,7 @@ inline Rounded split(double a) {
   return {high, a - high};
 }
 
-/// `b_split` is split(b).
-// Not std::fma: where the machine lacks the instruction that is a slow call.
+/// `b_split` is split(b). This does not use std::fma, which is a slow call on machines that lack the instruction.
 inline Rounded two_product(double a, double b, Rounded b_split) {
   const double product = a * b;
   const Rounded a_split = split(a);
@@ -70,7 +69,7 @@ inline Rounded two_product(double a, double b, Rounded b_split) {
   return {product, error};
 }
 
-/// a - b.
+/// The exact difference a - b.
 inline Expansion<2> difference(double a, double b) {
   const Rounded rounded = two_sum(a, -b);
   Expansion<2> result;
@@ -79,7 +78,7 @@ inline Expansion<2> difference(double a, double b) {
   return result;
 }
 
-/// Shewchuk's FAST-EXPANSION-SUM: merges the terms by magnitude and carries the sum through them.
+/// Shewchuk's FAST-EXPANSION-SUM. It merges the terms by magnitude and carries the sum through them.
 inline void add(const double* a, int a_size, const double* b, int b_size, double* sum, int& sum_size) {
   int i = 0, j = 0;
   const auto next = [&] {
@@ -142,7 +141,7 @@ Expansion<2 * N> operator*(const Expansion<N>& a, double factor) {
 
 template <int M, int N>
 Expansion<2 * M * N> operator*(const Expansion<M>& a, const Expansion<N>& b) {
-  // Two buffers take turns as the running sum: a sum cannot be added in place.
+  // Two buffers take turns as the running sum, because a sum cannot be computed in place.
   std::array<Expansion<2 * M * N>, 2> sums;
   int current = 0;
   for (int i = 0; i < b.size; ++i) {

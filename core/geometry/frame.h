@@ -1,23 +1,23 @@
-/// The plane frame of a patch: one map from space to the plane, computed once and stored.
+/// The plane frame of a patch. It is one map from space to the plane, computed once and stored.
 #pragma once
 
 #include "core/base/vec.h"
 
 namespace remesh {
 
-/// Right-handed: x_axis cross y_axis = normal, all unit. Plane coordinates are
-/// ((p - origin) . x_axis, (p - origin) . y_axis) / scale, then rounded to `grid`; they lie within [-1, 1].
+/// The frame is right-handed: x_axis cross y_axis = normal, and all three have unit length. Plane coordinates are
+/// ((p - origin) . x_axis, (p - origin) . y_axis) / scale, rounded to `grid`. They lie within [-1, 1].
 struct Frame {
   Vec3 origin;
   Vec3 x_axis{1, 0, 0};
   Vec3 y_axis{0, 1, 0};
   Vec3 normal{0, 0, 1};
-  double scale = 1;  ///< a power of two, model units
-  double grid = 0;  ///< plane coordinates are multiples of this power of two: 2^-40, or 2^-100 where that merges points
+  double scale = 1;  ///< a power of two, in model units
+  /// Plane coordinates are multiples of this power of two. It is 2^-40, or 2^-100 if that would merge points.
+  double grid = 0;
 };
 
-/// Three directions at right angles to each other, each of length 1, to rounding: the coordinates of something flat
-/// that lies askew in space.
+/// Three orthogonal unit vectors, up to rounding. They give coordinates to something flat that lies askew in space.
 struct Axes {
   Vec3 x{1, 0, 0};
   Vec3 y{0, 1, 0};

@@ -9,21 +9,22 @@
 namespace remesh {
 namespace {
 
-/// Between two points of cancellation.
+/// The number of comparisons between two checks for cancellation.
 constexpr std::uint32_t kComparisonsBetweenChecks = 1 << 16;
 
-/// Sign of the area of abc seen along an axis.
+/// The sign of the area of abc, seen along an axis.
 int orientation(const Vec3& a, const Vec3& b, const Vec3& c, int axis) {
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   return orient2d({a[u], a[v]}, {b[u], b[v]}, {c[u], c[v]});
 }
 
-/// The half-planes about a line in their order around it, from that of the first point given.
+/// The half-planes about a line, in their order around it, from that of the first point on.
 class HalfPlanes {
  public:
   HalfPlanes(const Vec3& from, const Vec3& to) : from_(from), to_(to) {}
 
-  /// Parts of space, ascending: three parts of the line, then the half-planes; two of these parts are one each.
+  /// Parts of space, ascending: three parts of the line, and four parts around it. Of the latter, kFirstHalfPlane and
+  /// kOppositeHalfPlane are one half-plane each.
   enum Part { kBefore, kBetween, kBeyond, kFirstHalfPlane, kUpper, kOppositeHalfPlane, kLower };
 
   Part part_of(const Vec3& p) {
@@ -42,13 +43,15 @@ class HalfPlanes {
     if (side != 0) return side > 0 ? kUpper : kLower;
     return orientation(from_, to_, p, axis_) == turn_ ? kFirstHalfPlane : kOppositeHalfPlane;
   }
-  /// Of two points in kUpper, or two in kLower: > 0 if the half-plane of `a` comes before that of `b`, 0 if it is one.
+  /// Compares two points in kUpper, or two in kLower: > 0 if the half-plane of `a` comes before that of `b`, 0 if they
+  /// are in the same one.
   int order(const Vec3& a, const Vec3& b) const { return orient3d(from_, to_, a, b); }
 
  private:
   Vec3 from_, to_;
   std::optional<Vec3> first_;
-  int axis_ = 0, turn_ = 0;  ///< along which the first half-plane is seen, and how
+  /// The axis along which the first half-plane is seen, and its orientation as seen along it.
+  int axis_ = 0, turn_ = 0;
 };
 
 }  // namespace

@@ -14,7 +14,7 @@
 namespace remesh {
 namespace {
 
-/// Which way a shell looks: outwards, or inwards as a cavity does.
+/// The way in which a shell looks: outwards, or inwards as a cavity does.
 enum class Side : std::int8_t { kOut, kIn };
 
 /// The labels of each shell, ascending.
@@ -23,7 +23,7 @@ class LabelsOfShells {
   LabelsOfShells(const Shells& shells, const BodyLabels& labels, RunControl& control) : labels_(labels) {
     if (labels.are_alike()) return;
     using Pair = std::pair<std::uint32_t, std::uint32_t>;
-    // Neighbours in the file belong together: most blocks have few pairs.
+    // Neighbours in the file belong together in most cases, so most blocks have few pairs.
     for (const std::vector<Pair>&of_block : map_blocks<std::vector<Pair>>(
              shells.of_face.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
                std::vector<Pair> sets;
@@ -43,7 +43,7 @@ class LabelsOfShells {
     pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   }
 
-  /// Have two shells a label in common? Cost: O(k log n) where one of them has k.
+  /// Returns whether two shells have a label in common. Cost: O(k log n), where one of them has k labels.
   bool do_share(std::uint32_t a, std::uint32_t b) const {
     if (labels_.are_alike()) return true;
     auto few = of(a), many = of(b);
@@ -76,18 +76,19 @@ bool contains(const Box3& outer, const Box3& inner) {
   return true;
 }
 
-/// The shells that are not closed. Nobody can tell what they enclose, but whether they are around a place.
+/// The shells that are not closed. Nobody can tell what they enclose, but only how far they wind around a place.
 class OpenPieces {
  public:
   OpenPieces(std::span<const Vec3> positions, std::span<const VertexId> corners, const Shells& shells,
              RunControl& control)
       : positions_(positions), corners_(corners), shells_(shells), control_(control) {}
 
-  /// Are they around a closed shell more, or less, than around the one that it lies in?
+  /// Returns whether the open pieces wind around a closed shell more, or less, than around the one that it lies in.
   bool are_between(std::uint32_t shell, std::optional<std::uint32_t> outer) {
     if (ends_.empty()) prepare();
     if (!number_ || !contains(number_->box(), shells_.all[shell].box)) return false;
-    // Each side of a box is around about a sixth, in its middle: this is more than rounding, and less than one side.
+    // From the middle of a box, each of its sides covers about a sixth of all directions. This threshold is above
+    // rounding and below one side.
     constexpr double kClearly = 0.1;
     return std::fabs(around(shell) - (outer ? around(*outer) : 0)) > kClearly;
   }
@@ -123,7 +124,7 @@ class OpenPieces {
   std::span<const VertexId> corners_;
   const Shells& shells_;
   RunControl& control_;
-  std::vector<std::pair<Vec3, Vec3>> ends_;  ///< of each shell the first and the last vertex in space
+  std::vector<std::pair<Vec3, Vec3>> ends_;  ///< the lexicographically first and last vertex of each shell
   std::vector<Triangle> triangles_;
   std::optional<WindingNumber> number_;
 };
@@ -134,7 +135,7 @@ class Judging {
           RunControl& control)
       : shells_(shells), nesting_(nesting), open_(open), labels_(shells, labels, control), control_(control) {}
 
-  /// Output: by shell, whether it looks the wrong way.
+  /// Output: for each shell, whether it looks the wrong way.
   std::vector<std::uint8_t> run() {
     is_wrong_.assign(shells_.all.size(), 0);
     const auto& nests = nesting_.nests();
@@ -158,7 +159,7 @@ class Judging {
 
   Side side(std::uint32_t shell) const { return shells_.all[shell].volume > 0 ? Side::kOut : Side::kIn; }
 
-  /// The way that a shell is to look whose next one outside has been judged.
+  /// The way in which a shell should look. The next shell outside must have been judged.
   Side right_side(std::uint32_t shell, std::uint32_t outer) const {
     if (shells_.all[shell].has_open_neighbours) return side(shell);
     if (outer == kNone) return Side::kOut;
@@ -172,18 +173,18 @@ class Judging {
     return side(shell) == Side::kIn && is_outer_wrong ? Side::kOut : side(shell);
   }
 
-  /// May something that is not closed lie between the two?
+  /// Returns whether an open piece may lie between the two shells.
   bool is_in_doubt(std::uint32_t shell, std::uint32_t outer) {
     return open_.are_between(shell, outer == kNone ? std::nullopt : std::optional(outer));
   }
 
-  /// Is a shell in the place of one that is right nothing but the same once more?
+  /// Returns whether a shell, in the same place as one that is right, is merely a copy of that one.
   bool is_copy(std::uint32_t shell, std::uint32_t other) const {
     return !is_wrong_[other] && side(shell) == side(other) && labels_.do_share(shell, other);
   }
 
-  /// Puts shells in one place in order: first those of the body around them, and of these those that look as they
-  /// should.
+  /// Puts shells in one place into their order from outside in. Shells of the body around them come first, and among
+  /// these the ones that look the right way.
   std::vector<std::uint32_t> from_outside(std::vector<std::uint32_t> shells, std::uint32_t outer) const {
     if (shells.size() == 1) return shells;
     using Key = std::tuple<bool, bool, std::uint32_t>;

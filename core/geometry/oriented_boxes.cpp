@@ -10,18 +10,19 @@
 namespace remesh {
 namespace {
 
-/// Of the largest coordinate: far more than rounding in products with unit vectors and in the axes themselves.
+/// The slack of all tests, relative to the largest coordinate. It is far more than the rounding error of products with
+/// unit vectors, and of the axes themselves.
 constexpr double kRounding = 0x1p-40;
 
-/// The axes of more triangles are those of so many of them.
+/// If there are more triangles, the axes are computed from this many of them.
 constexpr std::size_t kSamples = 16;
 
 constexpr int kRounds = 2;
 
-/// Between two points of cancellation.
+/// The number of slots between two checks for cancellation.
 constexpr std::size_t kSlotsBetweenChecks = 1 << 16;
 
-/// Leaves of `points` the corners of their convex hull, counter-clockwise, as well as rounding tells.
+/// Reduces `points` to the corners of their convex hull, counter-clockwise, up to rounding.
 void reduce_to_hull(std::vector<Vec2>& points) {
   std::sort(points.begin(), points.end());
   std::vector<Vec2> hull;
@@ -37,8 +38,9 @@ void reduce_to_hull(std::vector<Vec2>& points) {
   points = std::move(hull);
 }
 
-/// Turns the other two axes about this one so that the rectangle along them is the least that holds the points, by area
-/// and perimeter (a triangle's three have all the same area): a side of it lies on a side of the convex hull.
+/// Turns the other two axes about this one so that the rectangle along them that holds the points is as small as
+/// possible. One of its sides lies on a side of the convex hull. The size takes both area and perimeter into account,
+/// because for a triangle all three candidates have the same area.
 void turn_about(std::size_t axis, std::span<const Vec3> points, std::vector<Vec2>& flat, std::array<Vec3, 3>& axes) {
   const Vec3 u = axes[(axis + 1) % 3], v = axes[(axis + 2) % 3];
   flat.clear();
@@ -74,7 +76,8 @@ OrientedBoxes::OrientedBoxes(const TriangleTree& tree, std::span<const Vec3> pos
     : positions_(positions),
       margin_(margin + kRounding * largest_coordinate(positions, control)),
       boxes_(tree.node_count()) {
-  // Level by level: one task for many small nodes, one node a task where they are large.
+  // The nodes of one level are computed in parallel. Many small nodes share a task, and each large node has one of its
+  // own.
   constexpr std::size_t kBlock = 4096;
   for (std::size_t begin = 0, nodes = 1; begin < boxes_.size(); begin += nodes, nodes *= 2)
     for_blocks(nodes, std::max<std::size_t>(1, nodes * kBlock / (tree.size() + 1)), control,
@@ -102,7 +105,8 @@ OrientedBoxes::Box OrientedBoxes::box_of(const TriangleTree& tree, std::size_t n
     for (const Vec3& p : corners(slot)) samples.push_back(p - origin);
   for (const Vec3& p : samples) moments.add(p);
   box.axes = principal_axes(moments).axes;
-  // That is the way of what is flat, or long; within it, what is square would lie anyhow.
+  // These axes follow what is flat or long. A square cross-section, however, leaves them undetermined, so they are
+  // turned.
   std::vector<Vec2> flat;
   for (int round = 0; round < kRounds; ++round)
     for (std::size_t axis = 0; axis < 3; ++axis) turn_about(axis, samples, flat, box.axes);
@@ -139,7 +143,7 @@ bool OrientedBoxes::are_apart(const Query& triangle, std::size_t node) const {
   const Box& box = boxes_[node];
   const std::array<Vec3, 3> p{triangle.corners[0] - box.centre, triangle.corners[1] - box.centre,
                               triangle.corners[2] - box.centre};
-  // Any direction will do: what rounding makes of it is one, too.
+  // Any direction may serve as a separating axis, so rounding in its computation does no harm.
   const auto is_apart_along = [&](const Vec3& way, double reach) {
     const auto [least, most] = std::minmax({dot(way, p[0]), dot(way, p[1]), dot(way, p[2])});
     const double doubt = margin_ * (std::fabs(way.x) + std::fabs(way.y) + std::fabs(way.z));

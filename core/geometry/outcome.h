@@ -1,4 +1,5 @@
-/// How the triangulation of one patch ended: an ordinary value, since a patch that fails goes down the ladder.
+/// The way in which the triangulation of one patch ended. It is an ordinary value and not an exception, because a patch
+/// that fails goes down the ladder.
 #pragma once
 
 namespace remesh {
@@ -7,7 +8,7 @@ enum class Outcome {
   kDone,
   kCrossingConstraints,  ///< two loop edges cross, or a vertex lies inside a loop edge
   kInconsistentLoops,    ///< a region would be inside by one loop edge and outside by another
-  kDegenerate,           ///< all points on one line
+  kDegenerate,           ///< all points lie on one line
 };
 
 }  // namespace remesh

@@ -15,7 +15,7 @@ Corners corners(const Triangle& t, std::span<const Vec3> positions) {
   return {positions[t[0].value], positions[t[1].value], positions[t[2].value]};
 }
 
-/// Is all of `b` on or beyond the line of one of a's edges?
+/// Returns whether all of `b` is on or beyond the line of one of a's edges.
 bool is_apart(const std::array<Vec2, 3>& a, const std::array<Vec2, 3>& b) {
   const int turn = orient2d(a[0], a[1], a[2]);
   for (std::size_t i = 0; i < 3; ++i)
@@ -42,7 +42,7 @@ bool do_overlap(const Triangle& f, const Triangle& g, std::span<const Vec3> posi
     for (const Vec3& p : *t) largest = std::max({largest, norm(p - a[0])});
   const double scale = largest > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(largest), -1000, 1000)) : 1;
   if (!is_in_plane_of(a, b, scale, tolerance) || !is_in_plane_of(b, a, scale, tolerance)) return false;
-  // Dropping an axis keeps lines; that of the largest component keeps most of the area.
+  // Dropping an axis preserves lines. Dropping the axis of the normal's largest component preserves most of the area.
   const Vec3 n = cross(scale * (a[1] - a[0]), scale * (a[2] - a[0]));
   const double x = std::fabs(n.x), y = std::fabs(n.y), z = std::fabs(n.z);
   const auto flat = [&](const Corners& t) {

@@ -1,4 +1,4 @@
-/// Whether two triangles lie on each other.
+/// Tests whether two triangles lie on each other.
 #pragma once
 
 #include <span>
@@ -8,11 +8,13 @@
 
 namespace remesh {
 
-/// Do two triangles lie in one plane, within the tolerance and whichever way they look, and cover there a common area?
-/// Holds:   symmetric but for rounding; with exactly coplanar triangles exact, as far as the projection keeps areas.
+/// Returns whether two triangles lie in one plane, within the tolerance and in either orientation, and cover a common
+/// area there.
+/// Holds:   the result is symmetric up to rounding. For exactly coplanar triangles it is exact, as far as the
+///          projection preserves areas.
 bool do_overlap(const Triangle& f, const Triangle& g, std::span<const Vec3> positions, double tolerance);
 
-/// A place where two triangles that intersect do so, about: the middle of what their boxes have in common.
+/// The approximate place where two triangles intersect: the middle of the intersection of their boxes.
 Vec3 meeting_place(const Triangle& f, const Triangle& g, std::span<const Vec3> positions);
 
 }  // namespace remesh

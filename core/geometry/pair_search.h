@@ -1,4 +1,4 @@
-/// Pairs of faces that meet, found by their boxes, in parallel and in bounded memory.
+/// Finds pairs of faces that meet, by their boxes, in parallel and in bounded memory.
 #pragma once
 
 #include <algorithm>
@@ -20,15 +20,15 @@ namespace remesh {
 
 using FacePairs = std::vector<std::pair<FaceId, FaceId>>;
 
-/// Adds to `result` what body(begin, end, room) gives for blocks of 0 .. n-1, block after block, until there are more
-/// than `max_pairs`. A body may stop as soon as it has more than `room`.
-/// Holds:   the same result for any number of threads.
+/// Appends to `result` what body(begin, end, room) returns for blocks of 0 .. n-1, block after block, until there are
+/// more than `max_pairs`. A body may stop as soon as it has more than `room` pairs.
+/// Holds:   the result is the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 template <class Body>
 void gather_pairs(std::size_t n, std::size_t block, std::size_t max_pairs, SelfIntersections& result,
                   RunControl& control, const Body& body) {
-  // Tasks between two looks at how many pairs there are: few enough that a surface lying on itself many times does not
-  // take quadratic time to say so.
+  // The number of blocks between two checks of the number of pairs. It is small, so that a surface that lies on itself
+  // many times does not take quadratic time until it is noticed.
   constexpr std::size_t kBlocksInRound = 64;
   for (std::size_t begin = 0; begin < n && result.is_complete; begin += block * kBlocksInRound) {
     const std::size_t room = max_pairs - result.pairs.size();
@@ -40,38 +40,42 @@ void gather_pairs(std::size_t n, std::size_t block, std::size_t max_pairs, SelfI
   }
 }
 
-/// The triangles of a tree, and by how much its boxes are made wider.
+/// The triangles of a tree, and how to search them.
 struct SearchedTriangles {
   const TriangleTree& tree;
   std::span<const Vec3> positions;
   std::span<const Triangle> faces;
-  double margin = 0;
-  enum { kByTriangles, kByBoxes } by = kByTriangles;  ///< kByBoxes: some stand for their boxes, wherever they are in it
-  /// Told which slots meet too many by their boxes; true: from then on fewer nodes are of interest to some of them.
+  double margin = 0;  ///< the search widens boxes by this
+  /// kByBoxes: some triangles only stand for their boxes, and what they stand for may be anywhere in the box.
+  enum { kByTriangles, kByBoxes } by = kByTriangles;
+  /// Called with the slots whose boxes meet too many others. If it returns true, fewer nodes are of interest to some of
+  /// these slots from then on.
   std::function<bool(std::span<const std::uint32_t> slots)> lose_interest = {};
 };
 
-/// Adds to `result` the pairs of a tree's slots whose triangles meet, within the margin, and for which
-/// is_pair(slot, other) holds, until there are more than `max_pairs`. Of pairs that are further apart only some are
-/// asked for.
-/// Input:   face_of(slot): what is written down; is_of_no_interest(slot, node): no slot of the node makes a pair.
-/// Holds:   of two slots the earlier one finds the pair; the same result for any number of threads.
+/// Appends to `result` the pairs of a tree's slots whose triangles meet, within the margin, and for which is_pair(slot,
+/// other) holds, until there are more than `max_pairs`. Of the pairs that are further apart, is_pair is called for
+/// some.
+/// Input:   face_of(slot) is the face that is reported for a slot. is_of_no_interest(slot, node) says that no slot of
+///          the node makes a pair with this one.
+/// Holds:   the earlier one of two slots finds the pair. The result is the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
-/// Cost:    for each slot O(log n) and those whose boxes meet its own, but where these are many more than pairs, as
-///          among needles askew to the axes, those whose OrientedBoxes do.
+/// Cost:    for each slot, O(log n) and the number of slots whose boxes meet its own. If these are many more than the
+///          pairs, as among needles askew to the axes, the number of slots whose OrientedBoxes meet its own.
 template <class FaceOf, class IsOfNoInterest, class IsPair>
 void find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of, const IsOfNoInterest& is_of_no_interest,
                 const IsPair& is_pair, std::size_t max_pairs, SelfIntersections& result, RunControl& control) {
   const TriangleTree& tree = triangles.tree;
   constexpr std::size_t kBlock = 256;
   constexpr std::uint32_t kTestsBetweenChecks = 4096;
-  // A slot with more tests in vain than `most_in_vain` is left for later, and what it has found is not kept.
+  // If a slot needs more tests without success than `most_in_vain`, its pairs are dropped and it is searched again
+  // later.
   std::vector<std::uint32_t> slots;
   std::vector<std::uint8_t> is_for_later(tree.size(), 0);
   std::optional<OrientedBoxes> oriented;
   std::size_t most_in_vain = 0;
   const auto search = [&](std::size_t slot, std::size_t room, std::uint32_t& tests, FacePairs& pairs) {
-    control.check();  // a look at many nodes may find nothing
+    control.check();  // a search of many nodes may find nothing, and would not check otherwise
     Box3 box = tree.box(slot);
     for (int axis = 0; axis < 3; ++axis) {
       box.min[axis] -= triangles.margin;
@@ -106,7 +110,8 @@ void find_pairs(const SearchedTriangles& triangles, const FaceOf& face_of, const
                                       [&](std::size_t slot) { return is_for_later[slot] != 0; });
     std::fill(is_for_later.begin(), is_for_later.end(), std::uint8_t{0});
   };
-  // Well-shaped faces have some twenty neighbours. A few slots may have more, all of them together some times n.
+  // Well-shaped faces have some twenty neighbours. A few slots may have more, as long as all of them together make only
+  // a few times n tests.
   constexpr std::size_t kFewInVain = 64, kInVainPerSlot = 4;
   search_all(tree.size(), kFewInVain, [](std::size_t i) { return i; });
   const auto search_later = [&](std::size_t most) {

@@ -21,34 +21,35 @@ namespace {
 
 constexpr std::size_t kBlock = 4096;
 
-/// Between two points of cancellation.
+/// The number of tests between two checks for cancellation.
 constexpr std::uint32_t kTestsBetweenChecks = 4096;
 
-/// So many faces of a patch are asked for at once, whether any is near another patch.
+/// The number of faces of a patch that are tested together for being near another patch.
 constexpr std::size_t kRun = 32;
 
-/// Patches near a run: more are not held against each of its faces, but looked up.
+/// If up to this many patches are near a run of faces, each face is tested against all of them. If there are more, they
+/// are looked up in the tree for each face.
 constexpr std::size_t kFewPatches = 16;
 
-/// Where sheets lie in one another each face is near many patches. Beyond so many parts a face, on the average of many
-/// faces, nothing is gained by looking at patches, and they would take all memory.
+/// If sheets lie in one another, each face is near many patches. If there are more parts than this per face, on average
+/// over many faces, looking at patches gains nothing, and the parts would take all memory.
 constexpr std::size_t kMaxPartsPerFace = 4;
 constexpr std::size_t kManyParts = 1 << 16;
 
-/// Nor beyond so many looks whether a face is near a patch, as where the facets of a cone stand on a fan of needles:
-/// all boxes meet all others in one point.
+/// The same goes for the tests whether a face is near a patch. For example, if the facets of a cone stand on a fan of
+/// needles, all boxes meet all others in one point.
 constexpr std::size_t kMaxLooksPerFace = 256;
 
-/// Heights are sums of three products: their rounding, of the largest coordinate.
+/// The rounding error of heights, relative to the largest coordinate. Heights are sums of three products.
 constexpr double kHeightMargin = 0x1p-49;
 
-/// Where a patch is: its box, and its heights along its normal.
+/// The extent of a patch: its box, and its heights along its normal.
 struct Place {
   Box3 box;
   double low = HUGE_VAL, high = -HUGE_VAL;
 };
 
-/// A place to which several threads add at once; what it comes to does not depend on their order.
+/// A Place to which several threads may add at once. The result does not depend on their order.
 class SharedPlace {
  public:
   SharedPlace() {
@@ -70,22 +71,22 @@ class SharedPlace {
   }
 
  private:
-  std::array<std::atomic<double>, 8> bounds_;  ///< upper ones, and lower ones with their signs changed
+  std::array<std::atomic<double>, 8> bounds_;  ///< the upper bounds, and the negated lower bounds
 };
 
-/// What lies of a face where another patch is; lengths as in Cull.
+/// The part of a face that lies where another patch is. Lengths are as in Cull.
 struct Part {
   Box3 box;
   std::uint32_t face;
   PatchId of, near;
 };
 
-/// Sorts out what may intersect at all. Lengths are scaled to the largest coordinate.
+/// Finds the faces and parts of faces that may intersect at all. Lengths are scaled to the largest coordinate.
 class Cull {
  public:
   Cull(const PatchedFaces& surface, RunControl& control)
       : surface_(surface), control_(control), count_(surface.normals.size()), places_(surface.normals.size()) {
-    // Without overflow for any magnitude, and exactly.
+    // The scale is a power of two, so that scaling is exact. Nothing overflows, whatever the coordinates' magnitude.
     int exponent = 0;
     std::frexp(largest_coordinate(surface.positions, control), &exponent);
     scale_ = std::ldexp(1.0, -std::clamp(exponent, -1000, 1000));
@@ -93,7 +94,8 @@ class Cull {
 
   void run() {
     find_places();
-    // Faces of small patches are held against each other anyway: they ask for large patches alone.
+    // All faces of small patches are tested against each other anyway, so these faces look only for large patches near
+    // them.
     std::vector<PatchId> all, large;
     StopCheck check(control_);
     for (std::uint32_t p = 0; p < places_.size(); ++p) {
@@ -133,7 +135,7 @@ class Cull {
       looks.fetch_add(near.looks, std::memory_order_relaxed);
       return near;
     });
-    // Where it is more, it is so whatever the order in which blocks are counted.
+    // The counts exceed the limits, or do not, whatever the order in which blocks are counted.
     if (are_too_many(parts.load(std::memory_order_relaxed), looks.load(std::memory_order_relaxed))) {
       faces_.resize(surface_.face_count());
       std::iota(faces_.begin(), faces_.end(), 0u);
@@ -150,9 +152,9 @@ class Cull {
     }
   }
 
-  /// Faces that are held against all others among them.
+  /// The faces that are tested against all others among them.
   const std::vector<std::uint32_t>& faces() const { return faces_; }
-  /// The rest: parts of faces, each near another patch.
+  /// The rest: parts of faces that are near another patch.
   const std::vector<Part>& parts() const { return parts_; }
 
   TriangleTree tree_of(const std::vector<Box3>& boxes) const {
@@ -177,8 +179,8 @@ class Cull {
  private:
   struct Near {
     std::vector<std::uint32_t> faces;
-    std::deque<Part> parts;  ///< there may be millions: none of them is moved where there are more
-    std::size_t looks = 0;   ///< at patches
+    std::deque<Part> parts;  ///< a deque, because there may be millions, and none is moved when more are added
+    std::size_t looks = 0;   ///< number of patches that were looked at
   };
 
   bool has_few(PatchId p) const { return count_[p.value].load(std::memory_order_relaxed) <= kFewFaces; }
@@ -190,15 +192,16 @@ class Cull {
     return box;
   }
 
-  /// Where the faces of one patch that begin there end, at most at `last`.
+  /// The end of the run of faces of one patch that begins at `begin`; at most `last`.
   std::size_t end_of_run(std::size_t begin, std::size_t last) const {
     std::size_t end = begin + 1;
     while (end < last && surface_.patch[end] == surface_.patch[begin]) ++end;
     return end;
   }
 
-  /// Finds the other patches that some of these faces of one patch may be near. Asked for a run at once: of most runs
-  /// there are none. Where there are many, not all of them are found. Returns how many were looked at.
+  /// Finds the other patches that may be near some of these faces, which belong to one patch. It tests a run of faces
+  /// at once, because most runs have no other patches near them. If there are many, not all of them are found. Returns
+  /// how many patches were looked at.
   std::size_t find_near(std::size_t begin, std::size_t end, const std::vector<PatchId>& patches,
                         const TriangleTree& tree, std::vector<PatchId>& near, StopCheck& check) const {
     near.clear();
@@ -218,10 +221,10 @@ class Cull {
     return looks;
   }
 
-  /// Does a box reach the heights over a patch's plane at which the patch is? Boxes of turned patches are wide, and
-  /// this tells what is beside them.
+  /// Returns whether a box reaches the heights over a patch's plane at which the patch is. The boxes of patches that
+  /// are askew to the axes are wide, and this test excludes what is beside the patch.
   bool is_at_height(const Box3& box, PatchId p) const {
-    constexpr double kMargin = 4 * kHeightMargin;  // also for the middle and the extents
+    constexpr double kMargin = 4 * kHeightMargin;  // also covers the rounding of the middle and the extents
     const Place place = places_[p.value].get();
     const Vec3& n = surface_.normals[p.value];
     const Vec3 extent = 0.5 * (box.max - box.min);
@@ -235,7 +238,7 @@ class Cull {
     return {dot(n, corner(f, 0)), dot(n, corner(f, 1)), dot(n, corner(f, 2))};
   }
 
-  /// Also counts the faces of each patch.
+  /// Finds the places of all patches, and counts the faces of each.
   void find_places() {
     boxes_of_runs_.resize(surface_.face_count() / kRun + 1);
     for_blocks(surface_.face_count(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -261,7 +264,7 @@ class Cull {
     });
   }
 
-  /// A patch without faces is nowhere.
+  /// A patch without faces gets a box that meets no face.
   Box3 box_of_patch(PatchId p) const {
     const Box3 box = places_[p.value].get().box;
     return box.is_empty() ? Box3{Vec3{2, 2, 2}, Vec3{2, 2, 2}} : box;
@@ -278,7 +281,7 @@ class Cull {
     return boxes;
   }
 
-  /// Finds the parts of a face that are near patches; `tree` has the boxes of these.
+  /// Finds the parts of a face that are near patches. `tree` has the boxes of these patches.
   void look_at(std::size_t f, const std::vector<PatchId>& patches, const TriangleTree& tree, Near& near,
                StopCheck& check) const {
     tree.visit_meeting(box_of(f), 0, [&](std::size_t slot) {
@@ -289,7 +292,7 @@ class Cull {
       return true;
     });
   }
-  /// The same for a few other patches.
+  /// Does the same for a few other patches.
   void look_at(std::size_t f, const std::vector<PatchId>& patches, Near& near, StopCheck& check) const {
     const Box3 box = box_of(f);
     near.looks += patches.size();
@@ -304,9 +307,9 @@ class Cull {
     if (!box.is_empty()) near.parts.push_back({box, static_cast<std::uint32_t>(f), surface_.patch[f], p});
   }
 
-  /// The box of what lies of a face where a patch is, by height over that patch's plane; empty if nothing does, or if
-  /// it is not where the patch's box is. Of a needle that only touches the patch with its short side, that is this side
-  /// alone.
+  /// The box of the part of a face that lies where a patch is, by height over that patch's plane. It is empty if there
+  /// is no such part, or if it does not meet the patch's box. If a needle only touches the patch with its short side,
+  /// the part is that side alone.
   Box3 part_near(std::size_t f, PatchId patch) const {
     const Place place = places_[patch.value].get();
     const double low = place.low - kHeightMargin, high = place.high + kHeightMargin;
@@ -318,7 +321,7 @@ class Cull {
       const double rise = height[j] - height[i];
       for (const double level : {low, high}) {
         if ((height[i] < level) == (height[j] < level)) continue;
-        // Where the side crosses the level, as well as rounded heights tell.
+        // The place where the side crosses the level, up to the rounding of heights.
         const double t = (level - height[i]) / rise, doubt = 2 * kHeightMargin / std::fabs(rise);
         for (const double s : {t - doubt, t + doubt})
           box.add(corner(f, i) + std::clamp(s, 0.0, 1.0) * (corner(f, j) - corner(f, i)));
@@ -335,15 +338,15 @@ class Cull {
   const PatchedFaces& surface_;
   RunControl& control_;
   double scale_ = 1;
-  std::vector<std::atomic<std::uint32_t>> count_;  ///< faces of each patch
+  std::vector<std::atomic<std::uint32_t>> count_;  ///< number of faces of each patch
   std::vector<SharedPlace> places_;
-  std::vector<Box3> boxes_of_runs_;  ///< of those that are full: each begins among faces of its own
+  std::vector<Box3> boxes_of_runs_;  ///< boxes of full runs; the index is the first face / kRun
   std::vector<std::uint32_t> faces_;
   std::vector<Part> parts_;
 };
 
-/// What is left of a surface, with vertices of its own: where patches are large, they are few. They stand in the order
-/// in which they were.
+/// The faces of a surface that are left, with vertices of their own, because if patches are large, these vertices are
+/// few. The vertices stay in their order.
 class Excerpt {
  public:
   Excerpt(const PatchedFaces& surface, const Cull& cull, RunControl& control) : surface_(surface) {
@@ -373,7 +376,7 @@ class Excerpt {
   }
 
   const std::vector<Vec3>& positions() const { return positions_; }
-  /// A face of the surface that is left.
+  /// One of the surface's faces that are left, over the new vertices.
   Triangle face(std::size_t f) const {
     const auto [a, b, c] = surface_.face(f);
     return {VertexId(number_[a.value]), VertexId(number_[b.value]), VertexId(number_[c.value])};
@@ -381,12 +384,12 @@ class Excerpt {
 
  private:
   const PatchedFaces& surface_;
-  std::vector<std::uint32_t> number_;  ///< of the surface's vertices
+  std::vector<std::uint32_t> number_;  ///< new number of each vertex of the surface
   std::vector<Vec3> positions_;
 };
 
-/// Pairs of faces of two patches, of those parts of either that are where the other is. Where many patches meet, as at
-/// the apex of a cone, all these parts lie in one place: they are held against each other patch by patch.
+/// Finds pairs of faces of two patches, among those parts of either that are where the other is. If many patches meet,
+/// as at the apex of a cone, all these parts lie in one place; therefore they are compared patch by patch.
 class Meetings {
  public:
   Meetings(const Cull& cull, const Excerpt& excerpt, RunControl& control)
@@ -429,7 +432,7 @@ class Meetings {
     return std::minmax({parts_[part].of, parts_[part].near});
   }
   std::size_t size() const { return begin_.size() - 1; }
-  /// The parts of two patches, those of the one first.
+  /// The parts of two patches near each other. Those of the one patch come first.
   std::span<const std::uint32_t> meeting(std::size_t m) const {
     return std::span(order_).subspan(begin_[m], begin_[m + 1] - begin_[m]);
   }
@@ -439,7 +442,7 @@ class Meetings {
         std::partition_point(meeting.begin(), meeting.end(), [&](std::uint32_t i) { return parts_[i].of == one; }) -
         meeting.begin());
   }
-  /// Are there many parts of both patches? Of few a tree tells less than it costs.
+  /// Returns whether both patches have many parts. For few parts, a tree costs more than it saves.
   bool is_large(std::span<const std::uint32_t> meeting) const {
     constexpr std::size_t kMaxTests = 1 << 14, kFewParts = 16;
     const std::size_t one = first_of_other(meeting), other = meeting.size() - one;
@@ -461,7 +464,7 @@ class Meetings {
       }
   }
 
-  /// The parts of the one patch are looked up among those of the other, which are more.
+  /// Looks up the parts of one patch in a tree of those of the other, which has more.
   void search(std::span<const std::uint32_t> meeting, std::size_t max_pairs, SelfIntersections& found) const {
     constexpr std::size_t kPartsPerTask = 256;
     const std::size_t other = first_of_other(meeting);
@@ -496,8 +499,8 @@ class Meetings {
   const Excerpt& excerpt_;
   std::vector<Vec3> positions_;
   RunControl& control_;
-  std::vector<std::uint32_t> order_;  ///< of the parts, meeting after meeting
-  std::vector<std::uint32_t> begin_;  ///< of each meeting, in `order_`; one more
+  std::vector<std::uint32_t> order_;  ///< the parts, meeting after meeting
+  std::vector<std::uint32_t> begin_;  ///< where each meeting begins in `order_`; one entry more than there are meetings
 };
 
 }  // namespace
@@ -506,7 +509,7 @@ SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t m
   Cull cull(surface, control);
   cull.run();
   const Excerpt excerpt(surface, cull, control);
-  // Between small patches and inside patches: whole faces.
+  // Between small patches, and inside patches, whole faces are compared.
   std::vector<Triangle> faces(cull.faces().size());
   std::vector<std::uint32_t> pieces(cull.faces().size());
   for_blocks(faces.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -521,7 +524,7 @@ SelfIntersections patch_intersections(const PatchedFaces& surface, std::size_t m
     f = FaceId(cull.faces()[f.value]);
     g = FaceId(cull.faces()[g.value]);
   }
-  // Where one of two patches is large: each face only where the other patch is.
+  // If one of two patches is large, each face is compared only in the place where the other patch is.
   if (!cull.parts().empty()) Meetings(cull, excerpt, control).find_pairs(max_pairs, found);
   std::sort(found.pairs.begin(), found.pairs.end());
   found.pairs.erase(std::unique(found.pairs.begin(), found.pairs.end()), found.pairs.end());

@@ -14,13 +14,14 @@
 
 namespace remesh {
 
-/// A triangulated patch. `reason` says why there is none.
+/// A triangulated patch. If there is no triangulation, `reason` says why.
 struct PatchMesh {
-  Frame frame;                     ///< model units
-  std::vector<VertexId> vertices;  ///< in lexicographic order of their plane coordinates; refinement adds to the end
+  Frame frame;                     ///< in model units
+  std::vector<VertexId> vertices;  ///< in lexicographic order of their plane coordinates; refinement appends to them
   std::vector<Vec2> uv;            ///< one per vertex
   Triangulation2d mesh;            ///< over `vertices`; boundary edges are constrained
-  std::set<std::pair<std::uint32_t, std::uint32_t>> held;  ///< constrained for the chord rule alone: not of any loop
+  /// Edges that are constrained only for the chord rule. They are in no loop.
+  std::set<std::pair<std::uint32_t, std::uint32_t>> held;
   std::uint32_t loops = 0;
   PatchReason reason = PatchReason::kNone;
 

@@ -1,4 +1,4 @@
-/// Why a patch was not remeshed.
+/// The reasons why a patch was not remeshed.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ enum class PatchReason : std::uint8_t {
   kVerificationFailed
 };
 
-/// The stable name; empty for kNone.
+/// The stable name of a reason; empty for kNone.
 std::string_view reason_name(PatchReason reason);
 
 }  // namespace remesh

@@ -1,4 +1,4 @@
-/// Which patch each face is of, and the planes of patches.
+/// The patches of a surface: which patch each face belongs to, and the patches' planes.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,12 @@
 
 namespace remesh {
 
-/// The edge-connected pieces of planes.
+/// The patches of a surface. They are the edge-connected pieces of its regions.
 struct PatchSet {
   FilledIdVector<FaceId, PatchId> of_face;
-  IdVector<PatchId, Plane> planes;               ///< local units
-  IdVector<PatchId, double> deviation;           ///< of its region's farthest corner from the plane
-  std::vector<std::uint32_t> face_begin{0};      ///< faces of patch p: faces[face_begin[p] .. face_begin[p + 1])
+  IdVector<PatchId, Plane> planes;               ///< in local units
+  IdVector<PatchId, double> deviation;           ///< distance of the region's farthest corner from the plane
+  std::vector<std::uint32_t> face_begin{0};      ///< the faces of patch p are faces[face_begin[p] .. face_begin[p + 1])
   std::vector<FaceId, LeftUnset<FaceId>> faces;  ///< ascending within a patch
 
   std::size_t count() const { return planes.size(); }
@@ -25,8 +25,8 @@ struct PatchSet {
   }
 };
 
-/// Whether half-edge h bounds its patch: on its edge there is not exactly one other face, of the same patch, that looks
-/// the same way.
+/// Returns whether half-edge h bounds its patch. It does unless its edge has exactly one other face, and that face
+/// belongs to the same patch and has the same orientation.
 inline bool is_patch_boundary(const Adjacency& adjacency, const PatchSet& set, std::uint32_t h) {
   const std::uint32_t twin = adjacency.twin(h);
   return twin == Adjacency::kNone || set.of_face[adjacency.face_of(twin)] != set.of_face[adjacency.face_of(h)];

@@ -8,18 +8,19 @@
 
 namespace remesh {
 
-/// Sums over points, from which the least-squares plane follows; sums of two sets add up.
+/// Sums over a set of points, from which its least-squares plane follows. The sums of two sets can be added.
 struct PointMoments {
   double count = 0;
   Vec3 sum;
-  std::array<double, 6> products{};  ///< of xx, xy, xz, yy, yz, zz
+  std::array<double, 6> products{};  ///< sums of the products xx, xy, xz, yy, yz, zz
 
   void add(const Vec3& p);
   void merge(const PointMoments& other);
   Vec3 mean() const { return (1 / count) * sum; }
 };
 
-/// The axes of the points' covariance: orthonormal but for rounding, and the mean squares along them.
+/// The principal axes of a set of points, orthonormal up to rounding, and the mean squares of the points' coordinates
+/// along them.
 struct PrincipalAxes {
   std::array<Vec3, 3> axes;
   std::array<double, 3> squares;
@@ -27,8 +28,9 @@ struct PrincipalAxes {
 /// Source: Jacobi's rotations.
 PrincipalAxes principal_axes(const PointMoments& moments);
 
-/// The unit normal of the least-squares plane, either way round, and the points' root mean square distance from it.
-/// Points within about 1 of the origin: below some 1e-8 of their spread the distance is rounding.
+/// The unit normal of the least-squares plane, in either direction, and the points' root mean square distance from the
+/// plane. The points should be within about 1 of the origin. A distance below some 1e-8 of the points' spread is
+/// rounding error.
 struct PlaneFit {
   Vec3 normal;
   double rms = 0;

@@ -20,8 +20,8 @@ struct Difference {
 
 __extension__ typedef __int128 Wide;
 
-/// The exact vector between two points of the lattice of multiples of 2^-40 in [-1, 1]^2, in units of 2^-40: on it are
-/// nearly all points of patches. Coordinates are at most 2^41.
+/// The exact vector between two points of the lattice of multiples of 2^-40 in [-1, 1]^2, in units of 2^-40. Nearly all
+/// points of patches are on this lattice. Coordinates are at most 2^41.
 struct LatticeVector {
   std::int64_t x, y;
 };
@@ -29,7 +29,7 @@ struct LatticeVector {
 Wide cross(LatticeVector a, LatticeVector b) { return Wide{a.x} * b.y - Wide{a.y} * b.x; }
 Wide lift(LatticeVector a) { return Wide{a.x} * a.x + Wide{a.y} * a.y; }
 
-/// The point itself; nothing if it is not of the lattice.
+/// The point as a lattice vector; empty if it is not on the lattice.
 std::optional<LatticeVector> on_lattice(Vec2 p) {
   const double x = p.x * 0x1p40, y = p.y * 0x1p40;
   if (!(std::fabs(x) <= 0x1p40 && std::fabs(y) <= 0x1p40)) return std::nullopt;
@@ -42,8 +42,8 @@ LatticeVector operator-(LatticeVector a, LatticeVector b) { return {a.x - b.x, a
 
 int sign_of(Wide x) { return (x > 0) - (x < 0); }
 
-/// Lifts and cross products are at most 2^83, their products more than the type holds: lifts are taken in two parts,
-/// the lower one of 42 bits, so that no sum below exceeds 2^127.
+/// Lifts and cross products are at most 2^83, so their products exceed the range of the type. Therefore lifts are split
+/// into two parts, the lower one of 42 bits, so that no sum below exceeds 2^127.
 int in_circle(LatticeVector a, LatticeVector b, LatticeVector c) {
   constexpr int kLow = 42;
   constexpr std::int64_t kMask = (std::int64_t{1} << kLow) - 1;
@@ -55,7 +55,7 @@ int in_circle(LatticeVector a, LatticeVector b, LatticeVector c) {
   add(lift(a), cross(b, c));
   add(lift(b), cross(c, a));
   add(lift(c), cross(a, b));
-  // The shift rounds down: what it leaves is not negative.
+  // The shift rounds down, so the remainder is not negative.
   const Wide upper = high + (low >> kLow);
   return upper != 0 ? sign_of(upper) : sign_of(low & kMask);
 }
@@ -79,7 +79,7 @@ int in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
 }
 
 int in_circle_tie(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
-  // The in-circle determinant is linear in the points' lifts to the paraboloid: lowering one lift adds that lift's
+  // The in-circle determinant is linear in the points' lifts to the paraboloid. Lowering one lift adds that lift's
   // cofactor, which is the orientation of the other three points.
   const Vec2 smallest = std::min({a, b, c, d});
   if (smallest == d) return remesh::orient2d(a, b, c);

@@ -1,7 +1,7 @@
-/// Exact geometric predicates in the plane: a cheap filter first, then integers for points of the lattice on which
-/// patches lie, expansion arithmetic for others.
-/// The coordinates' magnitudes must be 0 or within [2^-120, 2^120] (patch frames guarantee it), so that no product
-/// under- or overflows.
+/// Exact geometric predicates in the plane. A cheap filter decides most cases. For the others, points on the lattice on
+/// which patches lie are computed with integers, and other points with expansions.
+/// The magnitude of each coordinate must be 0 or within [2^-120, 2^120], so that no product under- or overflows. Patch
+/// frames guarantee this.
 /// Source: Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997.
 #pragma once
 
@@ -11,19 +11,20 @@
 
 namespace remesh {
 
-/// Sign of the signed area of abc: > 0 counter-clockwise, < 0 clockwise, 0 exactly collinear.
+/// The sign of the signed area of abc: > 0 if counter-clockwise, < 0 if clockwise, 0 if exactly collinear.
 int orient2d(Vec2 a, Vec2 b, Vec2 c);
 
-/// Sign for counter-clockwise abc: > 0 if d is inside their circle, < 0 outside, 0 exactly cocircular.
-/// It turns with the orientation of abc.
+/// For counter-clockwise abc: > 0 if d is inside their circle, < 0 if it is outside, 0 if exactly cocircular.
+/// For clockwise abc, the sign is reversed.
 int in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d);
 
-/// in_circle with ties broken: never 0 for four distinct points of which a, b, c are not collinear.
-/// Of four cocircular points the lexicographically smallest is moved inwards by an infinitesimal, so that the
-/// Delaunay diagonal is the one at that point: one answer for any order of input, and no cycling of flips.
+/// in_circle with ties broken. It is never 0 for four distinct points of which a, b, c are not collinear.
+/// If the four points are cocircular, the lexicographically smallest one is moved inwards by an infinitesimal, so that
+/// the Delaunay diagonal is the one at that point. Therefore there is one answer for any order of the input, and flips
+/// do not cycle.
 int in_circle_perturbed(Vec2 a, Vec2 b, Vec2 c, Vec2 d);
 
-/// The part of a predicate that the filter cannot decide. Call the predicate, not these.
+/// The parts of predicates that the filter cannot decide. Callers use the predicates above, not these.
 namespace exact {
 
 int orient2d(Vec2 a, Vec2 b, Vec2 c);
@@ -33,7 +34,8 @@ int in_circle_tie(Vec2 a, Vec2 b, Vec2 c, Vec2 d);
 }  // namespace exact
 
 inline int orient2d(Vec2 a, Vec2 b, Vec2 c) {
-  // Half an ulp of 1, and Shewchuk's bound on the relative error of the determinant (ccwerrboundA).
+  // kEpsilon is half an ulp of 1. The error bound is Shewchuk's, for the relative error of the determinant
+  // (ccwerrboundA).
   constexpr double kEpsilon = 0x1p-53;
   constexpr double kErrorBound = (3 + 16 * kEpsilon) * kEpsilon;
   const double left = (a.x - c.x) * (b.y - c.y);
@@ -42,13 +44,14 @@ inline int orient2d(Vec2 a, Vec2 b, Vec2 c) {
   const double error = kErrorBound * (std::fabs(left) + std::fabs(right));
   if (determinant > error) return 1;
   if (determinant < -error) return -1;
-  // Nothing underflows, so each product has a factor that is exactly 0: points on a line along an axis, mostly.
+  // Nothing underflows, so each of the two products has a factor that is exactly 0. In most cases, the points are on a
+  // line along an axis.
   if (left == 0 && right == 0) return 0;
   return exact::orient2d(a, b, c);
 }
 
 inline int in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
-  // As above (iccerrboundA).
+  // The constants are as above (iccerrboundA).
   constexpr double kEpsilon = 0x1p-53;
   constexpr double kErrorBound = (10 + 96 * kEpsilon) * kEpsilon;
   const Vec2 ad = a - d, bd = b - d, cd = c - d;

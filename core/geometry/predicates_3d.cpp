@@ -30,7 +30,8 @@ std::vector<Vec3> scaled_for_predicates(std::span<const Vec3> positions, RunCont
   std::vector<Vec3> scaled(positions.begin(), positions.end());
   if (largest == 0) return scaled;
   const int shift = 249 - std::ilogb(largest);
-  // The factor itself may be out of range: two steps, of which a large coordinate's first one is exact.
+  // The factor itself may be out of range, so the positions are multiplied in two steps. For a large coordinate, the
+  // first step is exact.
   const double first = std::ldexp(1, shift / 2), second = std::ldexp(1, shift - shift / 2);
   for_blocks(scaled.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t v = begin; v < end; ++v) scaled[v] = second * (first * scaled[v]);

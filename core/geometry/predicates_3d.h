@@ -1,6 +1,6 @@
-/// Exact orientation in space: a cheap filter first, then expansion arithmetic.
-/// The coordinates' magnitudes must be 0 or within [2^-250, 2^250], so that no product under- or overflows;
-/// `scaled_for_predicates` gets them there. In this range orient2d (predicates.h) is exact, too.
+/// Exact orientation in space. A cheap filter decides most cases, and expansion arithmetic decides the others.
+/// The magnitude of each coordinate must be 0 or within [2^-250, 2^250], so that no product under- or overflows.
+/// `scaled_for_predicates` scales coordinates into this range. In it, orient2d (predicates.h) is exact, too.
 /// Source: Shewchuk, Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates, 1997.
 #pragma once
 
@@ -13,26 +13,27 @@
 
 namespace remesh {
 
-/// Sign of the signed volume of abcd: > 0 if d is on the side of the plane abc from which abc is counter-clockwise,
-/// < 0 on the other side, 0 exactly coplanar.
+/// The sign of the signed volume of abcd: > 0 if d is on the side of the plane abc from which abc is counter-clockwise,
+/// < 0 if it is on the other side, 0 if exactly coplanar.
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
-/// The positions times the power of two that brings the largest magnitude of a coordinate into [2^249, 2^250).
+/// Multiplies the positions by the power of two that brings the largest magnitude of a coordinate into [2^249, 2^250).
 /// Input:  finite coordinates of any magnitude.
-/// Holds:  predicates on the result have the sign of those on the input, as long as every coordinate that is not 0 is
-///         at least 2^-499 of the largest; smaller ones may lose digits.
+/// Holds:  predicates have the same sign on the result as on the input, as long as every coordinate that is not 0 is at
+///         least 2^-499 of the largest. Smaller coordinates may lose digits.
 std::vector<Vec3> scaled_for_predicates(std::span<const Vec3> positions, RunControl& control);
 
-/// The part of a predicate that the filter cannot decide. Call the predicate, not this.
+/// The part of a predicate that the filter cannot decide. Callers use the predicate above, not this.
 namespace exact {
 
 int orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 
 }  // namespace exact
 
-/// The same where floating-point arithmetic is sure of it; 0 where it is not.
+/// The sign of orient3d if floating-point arithmetic is sure of it, otherwise 0.
 inline int certain_orient3d(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
-  // Half an ulp of 1, and Shewchuk's bound on the relative error of the determinant (o3derrboundA).
+  // kEpsilon is half an ulp of 1. The error bound is Shewchuk's, for the relative error of the determinant
+  // (o3derrboundA).
   constexpr double kEpsilon = 0x1p-53;
   constexpr double kErrorBound = (7 + 56 * kEpsilon) * kEpsilon;
   const Vec3 ab = b - a, ac = c - a, ad = d - a;

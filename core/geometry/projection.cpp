@@ -6,7 +6,7 @@
 namespace remesh {
 namespace {
 
-/// Edges this close to the longest one, relatively, count as equally long.
+/// Edges whose length differs from that of the longest one by at most this fraction count as equally long.
 constexpr double kEquallyLong = 1e-9;
 
 Vec3 dominant_edge(std::span<const Edge3> edges) {
@@ -26,12 +26,12 @@ Vec3 dominant_edge(std::span<const Edge3> edges) {
   return to - from;
 }
 
-/// The part of `direction` across `normal`, as a unit vector; null where they are (nearly) parallel.
+/// The part of `direction` that is orthogonal to `normal`, as a unit vector; null if the two are (nearly) parallel.
 Vec3 orthogonal_part(const Vec3& direction, const Vec3& normal) {
   const Vec3 unit = normalized(direction);
   const Vec3 part = unit - dot(unit, normal) * normal;
   if (norm(part) < 1e-3) return {};
-  // Once more: the first result is orthogonal only to rounding over its own length.
+  // This is done twice: the error of the first result is rounding divided by its own length.
   const Vec3 first = normalized(part);
   return normalized(first - dot(first, normal) * normal);
 }

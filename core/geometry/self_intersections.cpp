@@ -16,22 +16,22 @@
 namespace remesh {
 namespace {
 
-/// Between two points of cancellation.
+/// The number of faces between two checks for cancellation.
 constexpr std::size_t kFacesBetweenChecks = 4096;
 
 constexpr std::size_t kFacesPerTask = 256;
 
-/// A vertex with more faces than this is a hub: the pairs around it are found by their directions from it.
+/// A vertex with more faces than this is a hub. The pairs around it are found by their directions from it.
 constexpr std::uint32_t kMaxAtVertex = 64;
 
-/// Directions are rounded; their boxes are made wider by this.
+/// Directions are rounded, so their boxes are widened by this.
 constexpr double kDirectionMargin = 1e-12;
 
-/// By its box; not a triangle that holds it.
+/// A triangle whose box contains the whole sphere of directions. The triangle itself does not contain it.
 constexpr std::array kWholeSphere{Vec3{-1, -1, -1}, Vec3{1, 1, 1}, Vec3{1, 1, 1}};
 
-/// Hubs that a face has, that two share, or that all faces of a node have: different ones, ascending, and invalid ids
-/// behind them where there are fewer than three.
+/// The hubs that a face has, that two faces share, or that all faces of a node have. They are different and ascending.
+/// If there are fewer than three, invalid ids follow.
 using Hubs = std::array<VertexId, 3>;
 
 bool has(const Triangle& face, VertexId v) { return std::find(face.begin(), face.end(), v) != face.end(); }
@@ -47,16 +47,17 @@ Hubs common(const Hubs& a, const Hubs& b) {
   return select(a, [&](VertexId v) { return std::find(b.begin(), b.end(), v) != b.end(); });
 }
 
-/// Two hubs, ascending.
+/// An edge between two hubs, in ascending order.
 using HubEdge = std::pair<VertexId, VertexId>;
 constexpr HubEdge kNoEdge{};
 
-/// For searches in which boxes tell too little: of slots with hubs, what lies at other angles about an edge between
-/// hubs is of no interest.
+/// Helps searches in which boxes separate too little. For a slot with hubs, nodes that lie at other angles about an
+/// edge between hubs are of no interest.
 class AxialSearch {
  public:
-  /// Input:   edge_of(slot): one at the slot's face, or kNoEdge; triangles of the tree by their places in it.
-  /// Output:  whether there is such an edge at any of the slots.
+  /// Input:   edge_of(slot) is an edge at the slot's face, or kNoEdge. `faces` are the triangles of the tree, by their
+  ///          numbers in it.
+  /// Output:  whether any of the slots has such an edge.
   template <class EdgeOf>
   bool prepare(const TriangleTree& tree, std::span<const Vec3> positions, std::span<const Triangle> faces,
                std::span<const std::uint32_t> slots, const EdgeOf& edge_of, RunControl& control) {
@@ -71,7 +72,7 @@ class AxialSearch {
     for (std::size_t begin = 0, end = 0; begin < at_edge.size(); begin = end) {
       const HubEdge edge = at_edge[begin].first;
       while (end < at_edge.size() && at_edge[end].first == edge) ++end;
-      // To look at all of few takes less than the bounds of all nodes.
+      // To test all pairs of a few slots takes less time than to compute the bounds of all nodes.
       if ((end - begin) * (end - begin) < tree.size()) continue;
       bounds_.emplace_back(tree, positions, faces, edge.first, edge.second, control);
       for (std::size_t i = begin; i < end; ++i) {
@@ -91,7 +92,7 @@ class AxialSearch {
 
  private:
   struct Seen {
-    std::uint32_t bounds = 0;  ///< their place in `bounds_` and 1; 0: none
+    std::uint32_t bounds = 0;  ///< index into `bounds_` plus 1; 0 if there are none
     AxialBounds::Arc arc;
   };
   std::vector<AxialBounds> bounds_;
@@ -125,11 +126,11 @@ class Search {
   }
 
  private:
-  /// An edge between hubs, and how many faces it has.
+  /// An edge between hubs, and the number of its faces.
   struct AtEdge {
     HubEdge edge = kNoEdge;
     std::uint32_t faces = 0;
-    bool is_own = false;  ///< of the face that is asked about
+    bool is_own = false;  ///< whether it is an edge of the face in question
   };
 
   void find_hubs() {
@@ -184,7 +185,8 @@ class Search {
     }
   }
 
-  /// Of the edges between hubs where a face is, that with the most faces; if it has none itself, of those at its hubs.
+  /// The edge with the most faces, of those between hubs of a face. If the face has none itself, the one with the most
+  /// faces at any of its hubs.
   HubEdge widest_edge(FaceId f) const {
     AtEdge widest;
     if (edge_at_.empty()) return widest.edge;
@@ -198,8 +200,8 @@ class Search {
     return widest.edge;
   }
 
-  /// The hubs that decide where two faces are held against each other: if there is none, wherever their boxes meet; at
-  /// the one; or at the edge between the first two.
+  /// The hubs that two faces share. They decide where the two faces are compared: without a common hub, wherever their
+  /// boxes meet; with one, at that hub; with more, at the edge between the first two.
   Hubs shared_hubs(FaceId f, FaceId g) const {
     if (is_hub_.empty()) return {};
     return select(hubs_of(f), [&](VertexId v) { return has(faces_[g.value], v); });
@@ -216,7 +218,7 @@ class Search {
     std::vector<Hubs> hubs;
     if (!is_hub_.empty())
       hubs = tree.joined<Hubs>([&](std::size_t slot) { return hubs_of(tree.face(slot)); }, common, control_);
-    // The piece of all faces of a node.
+    // The piece to which all faces of a node belong; kNoPiece if there is none.
     std::vector<std::uint32_t> pieces;
     if (std::any_of(pieces_.begin(), pieces_.end(), [](std::uint32_t piece) { return piece != kNoPiece; }))
       pieces =
@@ -248,7 +250,8 @@ class Search {
         max_pairs_, result_, control_);
   }
 
-  /// Faces that share two hubs meet elsewhere, too, only if they are in one half-plane about the edge between these.
+  /// Compares faces that share two hubs. Such faces meet elsewhere, too, only if they are in one half-plane about the
+  /// edge between these hubs.
   void find_at_edges() {
     struct Grouped {
       HubEdge edge;
@@ -262,7 +265,7 @@ class Search {
       pages.clear();
       for (std::size_t i = begin; i < end; ++i) {
         if (i % kFacesBetweenChecks == 0) control_.check();
-        // One without a third corner is the edge, and meets the others in what they share.
+        // A face without a third corner is the edge itself, and meets the others only in what they share.
         for (const VertexId v : faces_[at_edge_[i].second.value])
           if (v != from && v != to) pages.push_back({v, at_edge_[i].second});
       }
@@ -292,8 +295,8 @@ class Search {
                  });
   }
 
-  /// Seen from a hub its faces are arcs, and two of them that share nothing else meet elsewhere, too, only if these
-  /// arcs do.
+  /// Compares the faces at one hub. Seen from the hub, the faces are arcs, and two faces that share nothing else meet
+  /// elsewhere, too, only if their arcs meet.
   void find_at_hub(std::size_t begin, std::size_t end) {
     const VertexId hub = at_hub_[begin].first;
     std::vector<Vec3> corners;
@@ -338,8 +341,8 @@ class Search {
         max_pairs_, result_, control_);
   }
 
-  /// A triangle of directions that holds the arc: its two ends and where the tangents there cross; none if that is far
-  /// away.
+  /// A triangle of directions that contains the arc of a face: the arc's two ends, and the point where the tangents
+  /// there cross. Empty if that point is far away.
   std::optional<std::array<Vec3, 3>> around_arc(VertexId hub, const Triangle& face) const {
     std::array<Vec3, 2> ends;
     std::size_t n = 0;
@@ -348,7 +351,7 @@ class Search {
     if (n == 1) ends[1] = ends[0];
     const Vec3 middle = 0.5 * (ends[0] + ends[1]);
     const double cosine_squared = norm_squared(middle);
-    constexpr double kWide = 0.01;  // beyond some 168 degrees
+    constexpr double kWide = 0.01;  // reached at some 168 degrees
     if (cosine_squared < kWide) return std::nullopt;
     return std::array{ends[0], ends[1], (1 / cosine_squared) * middle};
   }

@@ -18,20 +18,20 @@
 namespace remesh {
 namespace {
 
-/// Volumes of shells that coincide differ by rounding only, relative to themselves.
+/// The volumes of shells that coincide differ only by rounding, by at most this fraction.
 constexpr double kSameVolume = 1e-9;
 
-/// A point nearer to a shell than this part of its own shell's extent counts as touching it.
+/// A point counts as touching a shell if it is nearer to it than this fraction of its own shell's extent.
 constexpr double kTouch = 1e-12;
 
-/// Triangles that are looked at between two points of cancellation.
+/// The number of triangles that are looked at between two checks for cancellation.
 constexpr std::size_t kLooksBetweenChecks = 4096;
 
-/// Shells to a task: their work varies.
+/// The number of shells per task. It is small because their work varies.
 constexpr std::size_t kShellsPerBlock = 16;
 
-/// The directions in which a shell's outermost vertices are looked for. The first is the one in which other shells are
-/// looked for then: on the way there is nothing of the shell itself, nor of what lies in it.
+/// The directions in which a shell's outermost vertices are looked for. Later, other shells are looked for in the first
+/// direction, because on that way there is nothing of the shell itself, nor of what lies in it.
 constexpr std::array<Vec3, 14> kDirections{{{-1, 0, 0},
                                             {1, 0, 0},
                                             {0, 1, 0},
@@ -65,7 +65,7 @@ double volume(const Box3& box) {
   return box.is_empty() ? 0 : (box.max.x - box.min.x) * (box.max.y - box.min.y) * (box.max.z - box.min.z);
 }
 
-/// Does a box have half its volume or more in another one?
+/// Returns whether half of a box's volume or more is in another box.
 bool is_half_in(const Box3& box, const Box3& other) {
   Box3 both;
   for (int axis = 0; axis < 3; ++axis) {
@@ -81,19 +81,19 @@ void sort_out(std::vector<std::uint32_t>& numbers) {
   numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
 }
 
-/// The least number of a nest in a node of a tree.
+/// The smallest number of a nest in a node of a tree.
 struct FirstNest {
   std::uint32_t nest = ShellNesting::kNone;
   void join(FirstNest other) { nest = std::min(nest, other.nest); }
 };
 
 struct Crossing {
-  int turns = 0;           ///< 1 in the direction of the triangle's normal, -1 against it, 0 not
-  bool is_beyond = false;  ///< on the way from p along x; else against it
+  int turns = 0;  ///< 1 in the direction of the triangle's normal, -1 against it, 0 if the line misses the triangle
+  bool is_beyond = false;  ///< the crossing is on the way from p along x, not against it
 };
 
-/// How the line through p along x passes a triangle in the direction of x. As if p were moved by an infinitesimal, so
-/// that a line through an edge passes just one of the faces there.
+/// The way in which the line through p along x crosses a triangle. The point p is treated as if it were moved by an
+/// infinitesimal, so that a line through an edge crosses exactly one of the faces there.
 Crossing crossing(const Corners3& triangle, const Vec3& p) {
   int turns = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -108,17 +108,17 @@ Crossing crossing(const Corners3& triangle, const Vec3& p) {
   return {turns, orient3d(triangle[0], triangle[1], triangle[2], p) * turns < 0};
 }
 
-/// The place along x where the line through p along x passes a triangle's plane, as far as rounding tells.
+/// The x at which the line through p along x crosses a triangle's plane, up to rounding.
 double where_passed(const Corners3& triangle, const Vec3& p) {
   const auto& [a, b, c] = triangle;
   const Vec3 normal = cross(b - a, c - a);
   const double x = a.x - (normal.y * (p.y - a.y) + normal.z * (p.z - a.z)) / normal.x;
   const auto [low, high] = std::minmax({a.x, b.x, c.x});
-  // Where the plane runs along the line, anywhere in the triangle's range will do.
+  // If the plane is parallel to the line, any value in the triangle's range will do.
   return std::isfinite(x) ? std::clamp(x, low, std::max(low, std::min(high, p.x))) : std::min(high, p.x);
 }
 
-/// Does an edge of `s` pass through the inside of `t`?
+/// Returns whether an edge of `s` passes through the inside of `t`.
 bool passes_through(const Corners3& s, const Corners3& t) {
   std::array<int, 3> side;
   for (std::size_t i = 0; i < 3; ++i) side[i] = orient3d(t[0], t[1], t[2], s[i]);
@@ -134,11 +134,12 @@ bool passes_through(const Corners3& s, const Corners3& t) {
 
 }  // namespace
 
-/// Points of a shell, the same for any order of its faces: outermost vertices, then middles, to rounding, of its
-/// longest edge and of its largest face of each direction.
+/// Points of a shell. They are the same for any order of its faces: first the outermost vertices, then the midpoints,
+/// up to rounding, of its longest edge and of its largest face in each direction.
 struct ShellNesting::Samples {
   std::array<Vec3, kDirections.size()> vertices;
-  /// Never empty. The first is one that faces -x, so that a line from there meets what stands beside.
+  /// Never empty. The first one is on a face that looks to -x, so that a line from there meets the shells that stand
+  /// beside.
   std::vector<Vec3> middles;
 };
 
@@ -157,7 +158,9 @@ ShellNesting::ShellNesting(std::span<const Vec3> positions, std::span<const Vert
   follow(inner, links);
 }
 
-/// A shell that crosses one which may contain another tells nothing of where that other one lies.
+/// Corrects links. If the link of a shell leads to a second shell, and that one crosses a third which may contain the
+/// first, then it does not follow from the second shell where the first one lies. Instead, a link is looked for among
+/// the shells that may contain the first one.
 void ShellNesting::correct(const std::vector<std::uint32_t>& inner, std::vector<Link>& links) const {
   const auto is_beside = [&](std::size_t i) { return links[i].nest != kNone && !links[i].is_within; };
   std::vector<std::uint32_t> beside;
@@ -180,7 +183,8 @@ void ShellNesting::correct(const std::vector<std::uint32_t>& inner, std::vector<
   });
 }
 
-/// What a link leads to begins further on along -x, or there too and is larger.
+/// Finds the nest around each inner nest, by its link. The nests are visited by ascending x, because a link leads to a
+/// nest that begins at a smaller x, or at the same x and is larger.
 void ShellNesting::follow(const std::vector<std::uint32_t>& inner, const std::vector<Link>& links) {
   std::vector<std::uint32_t> order(inner.size());
   std::iota(order.begin(), order.end(), 0u);
@@ -194,10 +198,10 @@ void ShellNesting::follow(const std::vector<std::uint32_t>& inner, const std::ve
   }
 }
 
-/// The nest that a link leads to, for a shell of another one; that one need not have been followed itself.
+/// The nest around a shell of `nest` that has this link. `nest` itself need not have been followed yet.
 std::uint32_t ShellNesting::around(const Link& link, std::uint32_t nest) const {
   if (link.nest == kNone || link.is_within) return link.nest;
-  // Where shells cross, or touch to rounding, the other one may lie in some that are not around this one.
+  // If shells cross, or touch up to rounding, the other shell may lie in some that are not around this one.
   std::uint32_t around = nests_[link.nest].around;
   while (around != kNone && !may_contain(around, nest)) {
     control_.check();
@@ -232,7 +236,7 @@ void ShellNesting::group_by_place() {
     if (i % kLooksBetweenChecks == 0) control_.check();
     std::optional<Samples> samples;
     if (is_like_last(i) || (i + 1 < solids.size() && is_like_last(i + 1))) samples = samples_of(solids[i]);
-    // In the same place they have the same outermost vertices, however they are triangulated.
+    // Shells in the same place have the same outermost vertices, however they are triangulated.
     if (is_like_last(i) && samples->vertices == samples_of_last->vertices)
       nests_.back().shells.push_back(solids[i]);
     else
@@ -255,7 +259,7 @@ bool ShellNesting::may_contain(std::uint32_t outer, std::uint32_t inner) const {
   return outer < inner && contains(boxes_[outer], boxes_[inner]);
 }
 
-/// The nests whose boxes lie in the box of an earlier one, ascending. Most meshes of many parts have few.
+/// The nests whose boxes lie in the box of an earlier one, ascending. Most meshes with many parts have few.
 std::vector<std::uint32_t> ShellNesting::nests_in_boxes() const {
   if (nests_.size() < 2) return {};
   using Tree = BoxTree<FirstNest>;
@@ -303,7 +307,8 @@ ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
   using Outermost = std::pair<double, Vec3>;
   std::array<Outermost, kDirections.size()> vertices;
   vertices.fill({-HUGE_VAL, {}});
-  std::array<Middle, 7> middles;  // of an edge; of faces by the axis that they look along most, or against it
+  // The first is that of an edge. The others are those of faces, by the axis along which they look most, or against it.
+  std::array<Middle, 7> middles;
   std::size_t looks = 0;
   for (const std::uint32_t f : (*faces_)[shell]) {
     if (looks++ % kLooksBetweenChecks == 0) control_.check();
@@ -330,8 +335,8 @@ ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
   return samples;
 }
 
-/// By a point of the shell that is clear of all that may contain it. Where shells touch in places only, one of its
-/// outermost vertices is clear, or else a middle of an edge or of a face.
+/// Finds the link of a nest with a point of its shell that touches no shell which may contain it. If shells touch only
+/// in places, one of the outermost vertices is such a point, or else the middle of an edge or of a face.
 ShellNesting::Link ShellNesting::link_of(std::uint32_t nest, Tellers tellers) const {
   const double touch = touch_of(nest);
   const Samples samples = samples_of(nests_[nest].shells[0]);
@@ -343,7 +348,7 @@ ShellNesting::Link ShellNesting::link_of(std::uint32_t nest, Tellers tellers) co
   return nearest(samples.vertices[0], touch, nest, tellers);
 }
 
-/// A point nearer to a nest's shell than this touches it.
+/// A point nearer to a nest's shell than this counts as touching it.
 double ShellNesting::touch_of(std::uint32_t nest) const {
   const Box3& box = boxes_[nest];
   double largest = 0;
@@ -363,7 +368,7 @@ bool ShellNesting::is_touching(const Vec3& p, double reach, std::uint32_t nest) 
     if (!may_contain(other, nest)) return true;
     const Corners3 t = corners3(f);
     const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
-    // Most are far from their plane. Twice the distance leaves room for rounding.
+    // Most triangles' planes are far from p. Twice the distance leaves room for rounding.
     if (std::fabs(dot(normal, p - t[0])) > 2 * reach * norm(normal)) return true;
     is_touching = norm(nearest_on_triangle(p, t) - p) <= reach;
     return !is_touching;
@@ -371,13 +376,15 @@ bool ShellNesting::is_touching(const Vec3& p, double reach, std::uint32_t nest) 
   return is_touching;
 }
 
-/// May a shell tell where this nest's lies? If it is seen from it, and does not contain it, then both lie in the same:
-/// those that contain this one tell, too, and so do those that contain that one.
+/// Returns whether it may follow from another shell where this nest's shell lies. If the other shell is the nearest one
+/// seen from this one and does not contain it, both lie in the same shell. Otherwise a shell that contains only one of
+/// them would be nearer, because such shells count, too.
 bool ShellNesting::may_tell(std::uint32_t other, std::uint32_t nest) const {
   return may_contain(other, nest) || boxes_[other].min.x < boxes_[nest].min.x;
 }
 
-/// By the nearest face, in the direction of -x from p, of a shell that may tell. It is near where many stand in a row.
+/// Finds the nearest face, from p in the direction of -x, of a shell from which it may follow where this nest lies. If
+/// many shells stand in a row, that face is near.
 ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_t nest, Tellers tellers) const {
   struct Hit {
     double x;
@@ -385,7 +392,7 @@ ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_
   };
   std::vector<Hit> hits;
   std::size_t looks = 0;
-  // In ever larger steps: what is far is looked at only where nothing is near.
+  // The search goes in ever larger steps, so that far faces are looked at only if there are no near ones.
   double reach = boxes_[nest].diagonal() / static_cast<double>(faces_of_tree_.size());
   constexpr double kStep = 16;
   for (bool is_last = false; !is_last && hits.empty(); reach *= kStep) {
@@ -395,7 +402,7 @@ ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_
       if (++looks % kLooksBetweenChecks == 0) control_.check();
       const auto [f, other] = faces_of_tree_[tree_->face(slot).value];
       if (other == nest || !(tellers == Tellers::kAll ? may_tell(other, nest) : may_contain(other, nest))) return true;
-      // There may be a nearer one outside the box.
+      // There may be a nearer face outside the box.
       const Corners3 t = corners3(f);
       const double x = where_passed(t, p);
       if (!is_last && x < begin) return true;
@@ -409,8 +416,8 @@ ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_
   if (hits.empty()) return {};
   double nearest_x = -HUGE_VAL;
   for (const Hit& hit : hits) nearest_x = std::max(nearest_x, hit.x);
-  // Where faces of several shells lie on each other, the innermost that contains this one counts, or else the largest:
-  // the others may lie in it.
+  // If faces of several shells lie on each other, the innermost shell that contains this one counts. If none contains
+  // it, the largest one counts, because the others may lie in it.
   Link best;
   for (const auto& [x, link] : hits) {
     if (x < nearest_x - tie) continue;
@@ -422,8 +429,8 @@ ShellNesting::Link ShellNesting::nearest(const Vec3& p, double tie, std::uint32_
   return best;
 }
 
-/// Those of other nests of which an edge passes through a face of this one's first shell, or the other way round,
-/// ascending. Touching does not count.
+/// The other nests that cross this one, ascending: an edge of theirs passes through a face of this nest's first shell,
+/// or the other way round. Touching does not count.
 std::vector<std::uint32_t> ShellNesting::crossed_by(std::uint32_t nest) const {
   const auto faces = (*faces_)[nests_[nest].shells[0]];
   constexpr std::size_t kFacesPerBlock = 256;
@@ -458,7 +465,7 @@ bool ShellNesting::is_place_in_doubt(std::uint32_t shell) const {
   if (!tree_ || nest == kNone) return false;
   for (const std::uint32_t other : crossed_by(nest))
     if (other == nests_[nest].around || is_half_in(boxes_[nest], boxes_[other])) return true;
-  // It may cross the one around it in edges only.
+  // The shell may cross the one around it only in edges.
   const double touch = touch_of(nest);
   const Samples samples = samples_of(nests_[nest].shells[0]);
   const auto is_told = [&](const Vec3& p, Tellers tellers) {

@@ -1,4 +1,4 @@
-/// Which closed shells lie in which.
+/// Finds which closed shells lie in which.
 #pragma once
 
 #include <cstdint>
@@ -17,17 +17,18 @@
 namespace remesh {
 
 /// The closed shells that enclose a volume, from outside in.
-/// Input:   three corners a face; coordinates within [-2^250, 2^250]. What is given outlives this.
-/// Holds:   right where shells do not cross each other, whether they touch or not; which of two shells is nearer to a
-///          third is told to rounding. The same for any number of threads and any order of the faces.
-/// Cost:    O(n) where no shell's box lies in another's; else O(n log n) for a tree, and for each shell in a box of
-///          another one what lies on the way from it to the nearest shell that is not in it. Where that one crosses
-///          others, what lies on the way to the nearest larger one.
+/// Input:   three corners per face; coordinates within [-2^250, 2^250]. The arguments must outlive this object.
+/// Holds:   the result is right if shells do not cross each other, whether they touch or not. Which of two shells is
+///          nearer to a third one is decided up to rounding. The result is the same for any number of threads and any
+///          order of the faces.
+/// Cost:    O(n) if no shell's box lies in another's. Otherwise O(n log n) for a tree, and for each shell in the box of
+///          another one the number of faces on the way from it to the nearest shell that is not in it. If that shell
+///          crosses others, the number of faces on the way to the nearest larger one.
 class ShellNesting {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  /// The shells in one place: nearly always one, and several where they coincide.
+  /// The shells in one place. There is one in nearly all cases, and several if shells coincide.
   struct Nest {
     std::vector<std::uint32_t> shells;
     std::uint32_t around = kNone;  ///< the next nest outside
@@ -36,20 +37,22 @@ class ShellNesting {
   ShellNesting(std::span<const Vec3> positions, std::span<const VertexId> corners, const Shells& shells,
                RunControl& control);
 
-  /// A nest comes after those that it lies in.
+  /// All nests. A nest comes after those that it lies in.
   const std::vector<Nest>& nests() const { return nests_; }
-  /// Does a shell cross the one around it, or, with half its box or more in the box of another one, that one? Then nobody
-  /// can tell in which it lies. Touching does not count, nor do shells that coincide.
+  /// Returns whether a shell crosses the one around it, or crosses another shell whose box contains half of this
+  /// shell's box or more. Then nobody can tell in which one it lies. Touching does not count as crossing, and
+  /// coinciding shells do not cross.
   bool is_place_in_doubt(std::uint32_t shell) const;
 
  private:
-  /// The nearest shell that may tell where another one lies, seen from that one.
+  /// A shell from which it follows where another shell lies. It is the nearest such shell, seen from the other one.
   struct Link {
     std::uint32_t nest = kNone;
-    bool is_within = false;  ///< it does contain it; else both lie in the same
+    bool is_within = false;  ///< true: it contains the other shell; false: both lie in the same nest
   };
   struct Samples;
-  /// Whose faces count when a link is looked for: of all shells that may tell, or of those only that may contain it.
+  /// The shells whose faces count when a link is looked for: all from which it may follow, or only those that may
+  /// contain the shell.
   enum class Tellers : std::uint8_t { kAll, kLarger };
 
   void group_by_place();
@@ -80,9 +83,9 @@ class ShellNesting {
   RunControl& control_;
   std::vector<Nest> nests_;
   std::vector<Box3> boxes_;             ///< by nest
-  std::vector<std::uint32_t> nest_of_;  ///< by shell; kNone for those that are in none
+  std::vector<std::uint32_t> nest_of_;  ///< by shell; kNone for shells that are in no nest
   std::optional<Grouping> faces_;       ///< by shell
-  /// A face and its nest: of each triangle that the tree has, those of the first shell of each nest.
+  /// A face in the tree, and its nest. The tree has the faces of the first shell of each nest.
   struct FaceOfTree {
     std::uint32_t face, nest;
   };

@@ -12,10 +12,11 @@
 namespace remesh {
 namespace {
 
-/// The smallest volume of a solid, in parts of its area times its extent: a doubled sheet has rounding only.
+/// The smallest volume of a solid, relative to its area times its extent. The volume of a doubled sheet is only
+/// rounding.
 constexpr double kNoVolume = 1e-12;
 
-/// Half-edges of one edge that are looked at between two points of cancellation.
+/// The number of half-edges that are looked at between two checks for cancellation.
 constexpr std::size_t kLooksBetweenChecks = 4096;
 
 class ShellSearch {
@@ -99,7 +100,7 @@ class ShellSearch {
     });
   }
 
-  /// Calls visit(around) with the half-edges of each edge that has not two faces that run in opposite directions.
+  /// Calls visit(around) with the half-edges of each edge, except edges with just two faces in opposite directions.
   template <class Visit>
   void for_odd_edges(const Visit& visit) const {
     std::size_t looks = 0;
@@ -114,7 +115,8 @@ class ShellSearch {
   std::uint32_t shell_of(std::uint32_t half_edge) const { return shells_.of_face[edges_.face_of(half_edge).value]; }
 
   void find_open_ones() {
-    // The faces of each shell that run along the edge from its first half-edge's start, less those that run back.
+    // The number of each shell's faces that run along the edge in the direction of its first half-edge, minus the
+    // number of those that run back.
     std::vector<std::pair<std::uint32_t, int>> runs;
     for_odd_edges([&](std::span<const std::uint32_t> around) {
       runs.clear();
@@ -132,7 +134,7 @@ class ShellSearch {
 
   bool is_open(std::uint32_t half_edge) const { return !shells_.all[shell_of(half_edge)].is_closed; }
 
-  /// Joins those that are not closed where they have solid between them. Output: whether there were any.
+  /// Joins shells that are not closed where they have solid between them. Output: whether any were joined.
   bool join_open_ones(UnionFind& sets) const {
     bool is_any_joined = false;
     std::vector<FaceAtEdge> faces;
@@ -158,8 +160,8 @@ class ShellSearch {
 
   Vec3 twice_area(std::size_t f) const { return cross(corner(f, 1) - corner(f, 0), corner(f, 2) - corner(f, 0)); }
 
-  /// Adds up what `add(part, f)` adds for the faces of closed shells; `take(shell, part)` takes a part of the sum. The
-  /// parts depend on the order of the faces alone.
+  /// Sums over the faces of closed shells. `add(part, f)` adds face f to a partial sum, and `take(shell, part)` adds a
+  /// partial sum to its shell. The partial sums depend only on the order of the faces.
   template <class Part, class Add, class Take>
   void sum_up(const Add& add, const Take& take) {
     using Parts = std::vector<std::pair<std::uint32_t, Part>>;
@@ -178,7 +180,8 @@ class ShellSearch {
   }
 
   void add_volumes() {
-    // The tetrahedra between the faces and a point of their shell: from afar they would drown in rounding.
+    // The tetrahedra are those between the faces and a point of their shell. With a point far away, the volume would be
+    // lost in rounding errors.
     sum_up<double>(
         [&](double& volume, std::size_t f) {
           const Vec3 from = corner(shells_.all[shells_.of_face[f]].first.value, 0);

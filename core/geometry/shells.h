@@ -1,4 +1,4 @@
-/// The pieces of a surface that close by themselves.
+/// Finds the parts of a surface that are closed by themselves.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@
 
 namespace remesh {
 
-/// The labels of faces: each number stands for an object, a group and a material together. A face of a mesh has one. A
-/// face that stands for several others has those of all of them.
+/// The labels of faces. Each number stands for a combination of object, group and material. A face of a mesh has one
+/// label. A face that stands for several others has the labels of all of them.
 struct BodyLabels {
-  std::vector<std::uint32_t> set_of;    ///< the set of labels that each has; empty: all are labelled alike
-  std::vector<std::uint32_t> begin{0};  ///< set s has labels[begin[s] .. begin[s + 1]), ascending; no two are equal
+  std::vector<std::uint32_t> set_of;    ///< the set of labels of each face; empty if all faces have the same labels
+  std::vector<std::uint32_t> begin{0};  ///< set s is labels[begin[s] .. begin[s + 1]), ascending; no two sets are equal
   std::vector<std::uint32_t> labels;
 
   bool are_alike() const { return set_of.empty(); }
@@ -24,14 +24,15 @@ struct BodyLabels {
 };
 
 struct Shell {
-  FaceId first;  ///< its smallest face
+  FaceId first;  ///< the shell's smallest face
   bool is_closed = true;
-  bool has_open_neighbours = false;  ///< closed, but faces of shells that are not stand on its edges
-  double volume = 0;                 ///< signed; this and the rest of closed ones only
+  bool has_open_neighbours = false;  ///< the shell is closed, but faces of open shells stand on its edges
+  /// The signed volume. Volume, area and box are only set for closed shells.
+  double volume = 0;
   double area = 0;
   Box3 box;
 
-  /// A doubled sheet encloses nothing but rounding.
+  /// Returns whether the shell encloses more than rounding. A doubled sheet does not.
   bool is_solid() const;
 };
 
@@ -40,16 +41,18 @@ struct Shells {
   std::vector<std::uint32_t, LeftUnset<std::uint32_t>> of_face;  ///< by face
 };
 
-/// Finds the shells: faces are connected over edges of two faces, and at an edge of more over the two that alone have
-/// their labels there and run in opposite directions. A shell is closed if at each edge as many of its faces run one
-/// way as the other. So a cavity that touches the outer shell along an edge, and a fin on a body, leave closed what is.
-/// Those that are not closed then are connected over edges of more faces, too, over each two of them that have solid
-/// between them (around_edge.h). So two bodies with a wall each between them are two closed shells, also without
-/// labels. Where they have one wall between them, it closes the body that it looks out of, and the other one is open.
-/// Input:   three corners a face, their edges and labels; coordinates within [-2^250, 2^250].
-/// Output:  areas and boxes are there where there are several closed shells, or one of negative volume.
-/// Holds:   the same for any number of threads.
-/// Cost:    O(n), and O(k log k) for an edge of k faces.
+/// Finds the shells of a surface. Faces are connected over edges with two faces. At an edge with more faces, two of
+/// them are connected if they alone have their labels there and run in opposite directions. A shell is closed if at
+/// each edge as many of its faces run one way as the other. Therefore a cavity that touches the outer shell along an
+/// edge, or a fin on a body, does not open a closed shell.
+/// Shells that are not closed then are connected over edges with more faces, too: at such an edge, each two faces that
+/// have solid between them are connected (around_edge.h). So two bodies with a wall each between them are two closed
+/// shells, also without labels. If they have a single wall between them, it closes the body that it looks out of, and
+/// the other body is open.
+/// Input:   three corners per face, their edges and labels; coordinates within [-2^250, 2^250].
+/// Output:  areas and boxes are set if there are several closed shells, or one of negative volume.
+/// Holds:   the result is the same for any number of threads.
+/// Cost:    O(n), and O(k log k) for an edge with k faces.
 Shells find_shells(std::span<const Vec3> positions, std::span<const VertexId> corners, const Adjacency& edges,
                    const BodyLabels& labels, RunControl& control);
 

@@ -1,4 +1,4 @@
-/// Items in slots under a binary tree that is arithmetic alone.
+/// Puts items into slots under a binary tree whose structure is computed and not stored.
 #pragma once
 
 #include <algorithm>
@@ -14,9 +14,10 @@
 
 namespace remesh {
 
-/// Items stand in slots 0 .. n-1, neighbours in space near each other. Node j of level l has the slots
-/// [n j / 2^l, n (j+1) / 2^l), so nothing has to be kept of it but what is noted on it. Its children are the nodes 2j
-/// and 2j + 1 of the next level; a leaf has at most four slots. Nodes are numbered level after level.
+/// Items are in slots 0 .. n-1, and items that are near each other in space have slots near each other. Node j of level
+/// l has the slots [n j / 2^l, n (j+1) / 2^l), so the tree needs no memory but for the values of its nodes. The
+/// children of node j are the nodes 2j and 2j + 1 of the next level. A leaf has at most four slots. Nodes are numbered
+/// level after level.
 class SlotTree {
  public:
   static constexpr std::size_t kMaxLevels = 40;  ///< more than ids have bits
@@ -30,10 +31,11 @@ class SlotTree {
   int leaf_level() const { return leaf_level_; }
   std::size_t node_count() const { return number(leaf_level_ + 1, 0); }
   static std::size_t number(int level, std::size_t j) { return (std::size_t{1} << level) - 1 + j; }
-  /// Its first slot; that of node j + 1 is the end of its slots.
+  /// The first slot of a node. Its slots end where those of node j + 1 begin.
   std::size_t begin(int level, std::size_t j) const { return (slots_ * j) >> level; }
 
-  /// Calls visit(j) for the nodes of a level, in parallel: many small nodes are one task, large ones one each.
+  /// Calls visit(j) for the nodes of a level, in parallel. Many small nodes share a task, and each large node has one
+  /// of its own.
   template <class Visit>
   void visit_level(int level, RunControl& control, const Visit& visit) const {
     const std::size_t nodes = std::size_t{1} << level;
@@ -42,8 +44,8 @@ class SlotTree {
     });
   }
 
-  /// Puts items in the order of their slots. split(items, middle) parts those of a node so that the first `middle` are
-  /// those of its first child.
+  /// Puts items into the order of their slots. split(items, middle) reorders the items of a node so that the first
+  /// `middle` belong to its first child.
   template <class Item, class Split>
   void sort(std::span<Item> items, RunControl& control, const Split& split) const {
     for (int level = 0; level < leaf_level_; ++level)
@@ -53,8 +55,9 @@ class SlotTree {
       });
   }
 
-  /// Gives each node what of_slots(begin, end), for leaves, or of_children(first, second) says, from below. There are
-  /// slots.
+  /// Computes the value of each node, from the leaves up: of_slots(begin, end) gives that of a leaf, and
+  /// of_children(first, second) that of another node.
+  /// Input:  there is at least one slot.
   template <class Node, class OfSlots, class OfChildren>
   void join(std::span<Node> nodes, RunControl& control, const OfSlots& of_slots, const OfChildren& of_children) const {
     for (int level = leaf_level_; level >= 0; --level)
@@ -73,9 +76,9 @@ class SlotTree {
   int leaf_level_ = 0;
 };
 
-/// Parts items so that all before `middle` are, along the axis on which they are spread widest, before all from there
-/// on.
-/// Input:  centre_of(item): where it is, by axis; tie_of(item): an order of those at one place.
+/// Reorders items along the axis on which they are spread most, so that no item before `middle` is behind one from
+/// `middle` on.
+/// Input:  centre_of(item) is the place of an item, by axis. tie_of(item) orders items at one place.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 template <class Item, class CentreOf, class TieOf>
 void split_widest(std::span<Item> items, std::size_t middle, const CentreOf& centre_of, const TieOf& tie_of,

@@ -25,7 +25,7 @@ Corners2d project(const Corners& t, int axis) {
 int orientation(const Corners2d& t) { return orient2d(t[0], t[1], t[2]); }
 
 /// An axis along which the triangle does not lose its area: that of the largest component of its normal, as far as
-/// rounding lets us see. None if it has no area.
+/// rounding allows. Empty if the triangle has no area.
 std::optional<int> projection_axis(const Corners& t) {
   const Vec3 normal = cross(t[1] - t[0], t[2] - t[0]);
   const double x = std::fabs(normal.x), y = std::fabs(normal.y), z = std::fabs(normal.z);
@@ -37,13 +37,14 @@ std::optional<int> projection_axis(const Corners& t) {
   return std::nullopt;
 }
 
-/// Do the closed intervals between two pairs of points of one line overlap? Lexicographic order is order on a line.
+/// Returns whether the closed intervals between two pairs of points on one line overlap. On a line, the lexicographic
+/// order is the order along it.
 template <class Point>
 bool do_overlap(const Point& p, const Point& q, const Point& r, const Point& s) {
   return std::max(std::min(p, q), std::min(r, s)) <= std::min(std::max(p, q), std::max(r, s));
 }
 
-/// Do the closed segments pq and rs meet? Either may be a point.
+/// Returns whether the closed segments pq and rs meet. Either may be a point.
 bool do_segments_meet(Vec2 p, Vec2 q, Vec2 r, Vec2 s) {
   const int pq_r = orient2d(p, q, r), pq_s = orient2d(p, q, s);
   const int rs_p = orient2d(r, s, p), rs_q = orient2d(r, s, q);
@@ -52,7 +53,7 @@ bool do_segments_meet(Vec2 p, Vec2 q, Vec2 r, Vec2 s) {
 }
 
 bool do_segments_meet(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
-  // Some three of the points span the common plane, if there is one; else all four are on one line.
+  // If the four points have a common plane, some three of them span it, unless all four are on one line.
   for (const Corners& t : {Corners{p, q, r}, Corners{p, q, s}, Corners{r, s, p}, Corners{r, s, q}})
     if (const auto axis = projection_axis(t))
       return orient3d(p, q, r, s) == 0 &&
@@ -60,7 +61,7 @@ bool do_segments_meet(const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s
   return do_overlap(p, q, r, s);
 }
 
-/// Does the closed segment pq meet the triangle, which has area in the plane?
+/// Returns whether the closed segment pq meets the triangle, which has area in the plane.
 bool does_segment_meet(Vec2 p, Vec2 q, const Corners2d& t) {
   const int turn = orientation(t);
   bool is_inside = true;
@@ -72,12 +73,13 @@ bool does_segment_meet(Vec2 p, Vec2 q, const Corners2d& t) {
   return is_inside;
 }
 
-/// Does the closed segment pq meet the triangle? Either may be without extent.
+/// Returns whether the closed segment pq meets the triangle. Either may have no extent.
 bool does_segment_meet(const Vec3& p, const Vec3& q, const Corners& t) {
   const int side_p = orient3d(t[0], t[1], t[2], p), side_q = orient3d(t[0], t[1], t[2], q);
   if (side_p * side_q > 0) return false;
   if (side_p != 0 || side_q != 0) {
-    // The line passes the plane in one point, which is in the triangle if the line has no edge on either side of it.
+    // The line crosses the plane in one point. It is in the triangle unless the line passes some edges on one side and
+    // others on the other side.
     const int sides[] = {orient3d(p, q, t[0], t[1]), orient3d(p, q, t[1], t[2]), orient3d(p, q, t[2], t[0])};
     const auto [least, greatest] = std::minmax_element(std::begin(sides), std::end(sides));
     return *least * *greatest >= 0;
@@ -88,9 +90,9 @@ bool does_segment_meet(const Vec3& p, const Vec3& q, const Corners& t) {
   return do_segments_meet(p, q, *first, *last);
 }
 
-/// Is there a line along an edge of `a` that has `a` on one side and `b` on the other, so that they meet in nothing but
-/// the shared corners, which come first in both? `a` has area; if `b` has, too, then one of the two has such a line
-/// wherever that is so.
+/// Returns whether an edge of `a` has a line with `a` on one side and `b` on the other, so that the two meet only in
+/// the shared corners. These come first in both. `a` must have area. If `b` has area, too, and the two meet only in the
+/// shared corners, then one of the two has such an edge.
 bool has_separating_edge(const Corners2d& a, const Corners2d& b, int shared) {
   const int turn = orientation(a);
   const auto is_beyond = [&](int i, int j) {
@@ -98,14 +100,14 @@ bool has_separating_edge(const Corners2d& a, const Corners2d& b, int shared) {
       const int side = orient2d(a[i], a[j], b[k]) * turn;
       if (side > 0) return false;
       if (side < 0) continue;
-      // On the line itself b may go on from the one shared corner, away from the edge.
+      // If one corner is shared, b may lie on the line beyond that corner, away from the edge.
       if (shared != 1) return false;
       const Vec2 common = a[0], other = i == 0 ? a[j] : a[i];
       if ((b[k] < common) == (other < common)) return false;
     }
     return true;
   };
-  // The edges that hold all shared corners.
+  // Only edges that contain all shared corners are tried.
   if (is_beyond(0, 1)) return true;
   if (shared == 2) return false;
   return is_beyond(2, 0) || (shared == 0 && is_beyond(1, 2));
@@ -113,7 +115,7 @@ bool has_separating_edge(const Corners2d& a, const Corners2d& b, int shared) {
 
 enum class Sides { kOneSide, kCoplanar, kBoth };
 
-/// How the corners of `b` that are not shared lie to the plane of `a`; kBoth includes touching.
+/// The position of the corners of `b` that are not shared, relative to the plane of `a`. kBoth includes touching.
 Sides sides_of(const Corners& a, const Corners& b, int shared) {
   int least = 1, greatest = -1;
   for (int k = shared; k < 3; ++k) {
@@ -125,7 +127,7 @@ Sides sides_of(const Corners& a, const Corners& b, int shared) {
   return least == 0 && greatest == 0 ? Sides::kCoplanar : Sides::kBoth;
 }
 
-/// Moves equal ids to the front of both lists, in the same order; how many.
+/// Moves equal ids to the front of both lists, in the same order. Returns how many there are.
 template <class List>
 int align(List& a, List& b) {
   int shared = 0;
@@ -143,7 +145,7 @@ int align(List& a, List& b) {
 Corners corners(const Triangle& t, std::span<const Vec3> positions) {
   return {positions[t[0].value], positions[t[1].value], positions[t[2].value]};
 }
-/// Of one, two or three corners; the last one stands for those that are missing.
+/// The places of one, two or three corners. The last corner fills the places of missing ones.
 Corners corners(const std::vector<VertexId>& t, std::span<const Vec3> positions) {
   return {positions[t[0].value], positions[t[std::min<std::size_t>(1, t.size() - 1)].value], positions[t.back().value]};
 }
@@ -155,8 +157,9 @@ std::vector<VertexId> distinct(const Triangle& t) {
   return ids;
 }
 
-/// Are all corners of `b` that are not shared seen, without exact arithmetic, to be on one side of the plane of `a`?
-/// Then the two meet in what they share, whether `b` has area or not. So it is with most neighbours on a surface.
+/// Returns whether all corners of `b` that are not shared are certainly on one side of the plane of `a`, by
+/// floating-point arithmetic alone. Then the two meet only in what they share, whether `b` has area or not. This is so
+/// for most neighbours on a surface.
 bool is_clearly_beyond(const Corners& a, const Corners& b, int shared) {
   if (shared == 3) return false;
   const int side = certain_orient3d(a[0], a[1], a[2], b[2]);
@@ -165,10 +168,10 @@ bool is_clearly_beyond(const Corners& a, const Corners& b, int shared) {
   return side != 0;
 }
 
-/// do_intersect for triangles that have area; `axis` is one of a's projection.
+/// do_intersect for triangles that have area. `axis` is a projection axis of a.
 bool do_proper_triangles_intersect(const Corners& a, const Corners& b, int shared, int axis) {
   if (shared == 3) return true;
-  // What is apart in a projection is apart in space.
+  // Triangles that are apart in a projection are apart in space.
   const Corners2d flat_a = project(a, axis), flat_b = project(b, axis);
   if (has_separating_edge(flat_a, flat_b, shared)) return false;
   if (orientation(flat_b) != 0 && has_separating_edge(flat_b, flat_a, shared)) return false;
@@ -176,18 +179,19 @@ bool do_proper_triangles_intersect(const Corners& a, const Corners& b, int share
   const Sides sides_of_b = sides_of(a, b, shared);
   if (sides_of_b != Sides::kBoth) return sides_of_b == Sides::kCoplanar;
   if (sides_of(b, a, shared) == Sides::kOneSide) return false;
-  // A ray from a shared corner leaves a triangle through the opposite edge.
+  // A ray from the shared corner leaves a triangle through the opposite edge.
   if (shared == 1) return does_segment_meet(a[1], a[2], b) || does_segment_meet(b[1], b[2], a);
   for (int i = 0; i < 3; ++i)
     if (does_segment_meet(a[i], a[(i + 1) % 3], b) || does_segment_meet(b[i], b[(i + 1) % 3], a)) return true;
   return false;
 }
 
-/// do_intersect where at least one of the two has no area. Rare, so plain rather than fast.
+/// do_intersect for two triangles of which at least one has no area. This is rare, so the code is simple rather than
+/// fast.
 bool do_degenerate_triangles_intersect(const Triangle& f, const Triangle& g, std::span<const Vec3> positions) {
   std::vector<VertexId> a = distinct(f), b = distinct(g);
   const int shared = align(a, b);
-  // One is a shared corner, a shared edge, or both are the segment of the same three corners.
+  // One of the two is a shared corner or a shared edge, or both are the segment of the same three corners.
   if (shared == static_cast<int>(std::min(a.size(), b.size()))) return false;
   const Corners corners_a = corners(a, positions), corners_b = corners(b, positions);
   const bool has_a_area = projection_axis(corners_a).has_value(), has_b_area = projection_axis(corners_b).has_value();
@@ -198,14 +202,15 @@ bool do_degenerate_triangles_intersect(const Triangle& f, const Triangle& g, std
     return does_segment_meet(*first, *last, has_a_area ? corners_a : corners_b);
   }
   if (shared == 1) {
-    // A ray from the shared corner leaves a triangle through the opposite edge; from within that edge, at its ends.
+    // A ray from the shared corner leaves a triangle through the opposite edge. If the shared corner lies within that
+    // edge, the ray leaves at the edge's ends.
     const auto does_exit_meet = [](const Corners& t, const Corners& other) {
       if (!do_segments_meet(t[0], t[0], t[1], t[2])) return does_segment_meet(t[1], t[2], other);
       return does_segment_meet(t[1], t[1], other) || does_segment_meet(t[2], t[2], other);
     };
     return does_exit_meet(corners_a, corners_b) || does_exit_meet(corners_b, corners_a);
   }
-  // Both go on along the line of the shared edge, beyond the same end of it.
+  // The triangles intersect if both continue along the line of the shared edge, beyond the same end of it.
   if (has_a_area || has_b_area) return false;
   const auto [first, last] = std::minmax(corners_a[0], corners_a[1]);
   const Vec3 &apex_a = corners_a[2], &apex_b = corners_b[2];

@@ -10,7 +10,7 @@ namespace {
 
 /// A triangle on its way to its slot.
 struct Item {
-  Vec3 centre;  ///< of its box, twice: no rounding more than needed
+  Vec3 centre;  ///< twice the centre of the triangle's box, which avoids one rounding
   FaceId face;
 };
 
@@ -22,10 +22,10 @@ Box3 box_of(const Triangle& face, std::span<const Vec3> positions) {
 
 constexpr std::size_t kFacesBetweenChecks = 1 << 16;
 
-/// Nodes of more faces are split by places alone: groups may be wide, and one in another.
+/// Nodes with more faces are split by place alone, because groups may be wide, or lie in one another.
 constexpr std::size_t kManyFaces = 1 << 13;
 
-/// Groups are split like faces, by the places of all of them, until there is one in a node.
+/// Groups of faces. They are split like faces, by the places of whole groups, until a node has a single group.
 class Groups {
  public:
   Groups(std::span<const std::uint32_t> of_face, std::span<const Item> items, RunControl& control) : of_face_(of_face) {
@@ -55,7 +55,7 @@ class Groups {
   bool is_in_group(const Item& item) const { return of_face_[item.face.value] != TriangleTree::kNoGroup; }
 
   std::span<const std::uint32_t> of_face_;
-  std::vector<Vec3> centres_;  ///< of the boxes of its faces' centres
+  std::vector<Vec3> centres_;  ///< for each group, the centre of the box around its faces' centres
 };
 
 constexpr std::size_t kBlock = 4096;

@@ -1,4 +1,4 @@
-/// A tree of boxes over the triangles of a surface, to find those near a place.
+/// A tree of boxes over the triangles of a surface, for finding those near a place.
 #pragma once
 
 #include <array>
@@ -18,14 +18,15 @@
 
 namespace remesh {
 
-/// The triangles stand in the slots of a SlotTree; a node is its box and nothing else.
+/// Triangles in the slots of a SlotTree. A node stores its box and nothing else.
 /// Holds:   the slots and boxes depend on the surface alone, not on threads.
-/// Cost:    O(n log n) to build, in parallel; a query O(log n + what it finds) for triangles of like size.
+/// Cost:    O(n log n) to build, in parallel. A query costs O(log n + what it finds) if the triangles have similar
+///          sizes.
 class TriangleTree {
  public:
-  /// Input:   `groups`, if not empty, has one entry a face: in nodes of up to 2^13 faces those of one group stand in
-  ///          slots next to each other, those of kNoGroup wherever they are in space. So few of the nodes below have
-  ///          faces of a group and others.
+  /// Input:   `groups` is empty or has one entry per face. In nodes of up to 2^13 faces, the faces of one group have
+  ///          slots next to each other, and those of kNoGroup are ordered by place. So few of the nodes below mix faces
+  ///          of a group with others.
   /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
   TriangleTree(std::span<const Vec3> positions, std::span<const Triangle> faces, RunControl& control,
                std::span<const std::uint32_t> groups = {});
@@ -35,28 +36,28 @@ class TriangleTree {
   FaceId face(std::size_t slot) const { return face_[slot]; }
   const Box3& box(std::size_t slot) const { return slot_box_[slot]; }
 
-  /// Nodes are numbered level after level, those of a level from left to right.
+  /// The number of nodes. Nodes are numbered level after level, and from left to right in each level.
   std::size_t node_count() const { return node_box_.size(); }
-  /// The slots of a node: from the first, up to before the second.
+  /// The slots of a node: the first one, and the one after the last.
   std::pair<std::size_t, std::size_t> slots(std::size_t node) const {
     const int level = static_cast<int>(std::bit_width(node + 1)) - 1;
     const std::size_t j = node - SlotTree::number(level, 0);
     return {slots_.begin(level, j), slots_.begin(level, j + 1)};
   }
 
-  /// Calls visit(slot) for the slots from `first` on whose boxes meet `box` (touching included), in ascending order,
-  /// as long as visit returns true.
+  /// Calls visit(slot) for the slots from `first` on whose boxes meet `box` (touching included). It visits them in
+  /// ascending order, and stops when visit returns false.
   template <class Visit>
   void visit_meeting(const Box3& box, std::size_t first, const Visit& visit) const {
     visit_meeting(
         box, first, [](std::size_t) { return false; }, visit);
   }
-  /// The same without the nodes for which is_of_no_interest(node) holds.
+  /// Does the same, but skips nodes for which is_of_no_interest(node) holds.
   template <class IsOfNoInterest, class Visit>
   void visit_meeting(const Box3& box, std::size_t first, const IsOfNoInterest& is_of_no_interest,
                      const Visit& visit) const;
 
-  /// A value for each node: those of its slots, joined.
+  /// Computes a value for each node by joining those of its slots.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   template <class Value, class OfSlot, class Join>
   std::vector<Value> joined(const OfSlot& of_slot, const Join& join, RunControl& control) const;
@@ -68,10 +69,10 @@ class TriangleTree {
   SlotTree slots_;
   Unset<FaceId> face_;    ///< by slot
   Unset<Box3> slot_box_;  ///< by slot
-  Unset<Box3> node_box_;  ///< level after level
+  Unset<Box3> node_box_;  ///< stored level after level
 };
 
-/// Do the closed boxes have a point in common?
+/// Returns whether the two closed boxes have a point in common.
 inline bool do_meet(const Box3& a, const Box3& b) {
   return a.min.x <= b.max.x && b.min.x <= a.max.x && a.min.y <= b.max.y && b.min.y <= a.max.y && a.min.z <= b.max.z &&
          b.min.z <= a.max.z;
@@ -84,7 +85,7 @@ void TriangleTree::visit_meeting(const Box3& box, std::size_t first, const IsOfN
     int level;
     std::size_t j;
   };
-  // Depth first: at most one waiting sibling a level.
+  // The search goes depth first, so at most one sibling waits on each level.
   std::array<Node, SlotTree::kMaxLevels> stack;
   std::size_t depth = 0;
   stack[depth++] = {0, 0};

@@ -1,4 +1,4 @@
-/// A triangulation of points in the plane: flat arrays, three corners and three twins a triangle.
+/// A triangulation of points in the plane, stored in flat arrays: three corners and three twins per triangle.
 #pragma once
 
 #include <array>
@@ -7,9 +7,9 @@
 
 namespace remesh {
 
-/// Half-edge h = 3t + k runs from corner k to corner k+1 of triangle t; corners are counter-clockwise and index the
-/// points that were triangulated. Its twin runs the other way in the neighbouring triangle, or is kNone on the hull.
-/// A constraint is a bit beside the twin, equal on both sides.
+/// Half-edge h = 3t + k runs from corner k to corner k+1 of triangle t. Corners are counter-clockwise, and are indices
+/// of the points that were triangulated. The twin of a half-edge runs the other way in the neighbouring triangle; it is
+/// kNone on the hull. A constraint is a bit stored with the twin, and is equal on both sides.
 class Triangulation2d {
  public:
   static constexpr std::uint32_t kNone = 0x7fffffffu;
@@ -27,51 +27,52 @@ class Triangulation2d {
   std::uint32_t twin(std::uint32_t h) const { return twin_[h] & kNone; }
   bool is_constrained(std::uint32_t h) const { return (twin_[h] & kConstraint) != 0; }
 
-  /// Appends a triangle without neighbours; returns its first half-edge (from a to b).
+  /// Appends a triangle without neighbours, and returns its first half-edge (from a to b).
   std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const std::uint32_t h = half_edge_count();
     corner_.insert(corner_.end(), {a, b, c});
     twin_.insert(twin_.end(), {kNone, kNone, kNone});
     return h;
   }
-  /// Puts other corners into triangle h/3, so that half-edge h runs from a to b. Twins stay to be set.
+  /// Replaces the corners of triangle h/3 so that half-edge h runs from a to b. The caller has to set the twins.
   void set_triangle(std::uint32_t h, std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     corner_[h] = a;
     corner_[next(h)] = b;
     corner_[previous(h)] = c;
   }
-  /// Joins two half-edges; either may be kNone. Their constraint bit is cleared.
+  /// Makes two half-edges twins. Either may be kNone. Clears their constraint bits.
   void join(std::uint32_t g, std::uint32_t h) {
     if (g != kNone) twin_[g] = h;
     if (h != kNone) twin_[h] = g;
   }
-  /// The same, carrying a constraint bit.
+  /// Does the same, and sets the constraint bit if `constrained`.
   void join(std::uint32_t g, std::uint32_t h, bool constrained) {
     join(g, h);
     if (constrained) constrain(g != kNone ? g : h);
   }
-  /// Marks the edge of h, on both its sides.
+  /// Constrains the edge of h, on both sides.
   void constrain(std::uint32_t h) {
     twin_[h] |= kConstraint;
     if (twin(h) != kNone) twin_[twin(h)] |= kConstraint;
   }
 
-  /// Replaces edge (a, b) by (c, d), where c and d are the apexes of h and of its twin. h must have a twin and bound a
-  /// strictly convex quadrilateral; this does not check it. Afterwards h runs from d to c within the same two
-  /// triangles: triangle h/3 is (d, c, a), the other one (c, d, b).
+  /// Replaces edge (a, b) by (c, d), where c and d are the apexes of h and of its twin. h must have a twin, and the two
+  /// triangles must form a strictly convex quadrilateral; this is not checked. Afterwards h runs from d to c within the
+  /// same two triangles: triangle h/3 is (d, c, a), and the other one (c, d, b).
   void flip(std::uint32_t h);
 
-  /// Builds the index behind edge_at(); from then on flip() keeps it. `points` is the number of points.
+  /// Builds the index behind edge_at(). From then on flip() updates it. `points` is the number of points.
   void index_points(std::size_t points);
   void drop_index() { edge_at_.clear(); }
   /// Enters the corners of triangle h/3 into the index, after set_triangle().
   void index_triangle(std::uint32_t h) {
     for (const std::uint32_t g : {h, next(h), previous(h)}) edge_at_[corner_[g]] = g;
   }
-  /// A half-edge that leaves point p, or kNone if no triangle has it. Needs index_points().
+  /// A half-edge that leaves point p, or kNone if no triangle has p. Requires index_points().
   std::uint32_t edge_at(std::uint32_t p) const { return edge_at_[p]; }
 
-  /// Keeps the triangles whose entry in `keep` is not 0, in order; a lost neighbour leaves kNone. Drops the index.
+  /// Removes the triangles whose entry in `keep` is 0; the others stay in order. A twin that is removed becomes kNone.
+  /// Drops the index.
   void compact(const std::vector<std::uint8_t>& keep);
 
   void reserve(std::size_t triangles) {

@@ -11,10 +11,10 @@
 namespace remesh {
 namespace {
 
-/// A node counts as one small face from so many times its own radius on.
+/// A node counts as one small face if its distance is at least this many times its own radius.
 constexpr double kFar = 2;
 
-/// The largest distance of a point to one in the box.
+/// The largest distance of a point to any point of the box.
 double reach(const Vec3& p, const Box3& box) {
   const auto along = [&](int axis) { return std::max(p[axis] - box.min[axis], box.max[axis] - p[axis]); };
   return norm(Vec3{along(0), along(1), along(2)});
@@ -45,7 +45,7 @@ WindingNumber::Node WindingNumber::node_of(std::size_t slot) const {
   return {tree_.box(slot), twice_area, size * (kThird * a + kThird * b + kThird * c), size};
 }
 
-/// Of a triangle as seen from a point, positive if from behind.
+/// The solid angle of a triangle as seen from a point. It is positive if the triangle is seen from behind.
 /// Source: van Oosterom, Strackee, The Solid Angle of a Plane Triangle, 1983.
 double WindingNumber::solid_angle(std::size_t slot, const Vec3& p) const {
   const Triangle& t = triangles_[tree_.face(slot).value];
@@ -71,7 +71,7 @@ double WindingNumber::at(const Vec3& p) const {
       sum += dot((0.5 / distance) * node.twice_area, (1 / distance) * normalized(way));
       continue;
     }
-    // A node's children follow it as in a heap.
+    // Nodes are numbered as in a heap, so that the children of node i are 2i + 1 and 2i + 2.
     if (const std::size_t child = 2 * index + 1; child < nodes_.size()) {
       stack[depth++] = child + 1;
       stack[depth++] = child;

@@ -1,4 +1,4 @@
-/// How far a surface with holes is around a point.
+/// Measures how far a surface that may have holes winds around a point.
 #pragma once
 
 #include <span>
@@ -11,12 +11,12 @@
 
 namespace remesh {
 
-/// The winding numbers of triangles around points: 1 in a closed surface that looks outwards, 0 outside of it, and
-/// between the two as much as the triangles cover of all directions.
-/// Input:   what is given outlives this; coordinates within [-2^250, 2^250].
-/// Holds:   right to some hundredths: triangles far away count as one small face.
+/// The winding number of triangles around points. It is 1 inside a closed surface that looks outwards, and 0 outside of
+/// it. Around an open surface it is the part of all directions that the triangles cover.
+/// Input:   the arguments must outlive this object; coordinates within [-2^250, 2^250].
+/// Holds:   results are right up to some hundredths, because triangles far away count as one small face.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
-/// Cost:    O(n log n) to build, O(log n) for a point, but for places where many triangles are near.
+/// Cost:    O(n log n) to build, and O(log n) for a point, unless many triangles are near it.
 /// Source:  Barill, Dickson, Schmidt, Levin, Jacobson, Fast Winding Numbers for Soups and Clouds, 2018.
 class WindingNumber {
  public:
@@ -29,9 +29,9 @@ class WindingNumber {
  private:
   struct Node {
     Box3 box;
-    Vec3 twice_area;         ///< the sum of vectors
-    Vec3 moment;             ///< the centroids, each as often as there is area
-    double twice_sizes = 0;  ///< the sum of the vectors' lengths
+    Vec3 twice_area;         ///< the sum of the triangles' area vectors, doubled
+    Vec3 moment;             ///< the sum of the triangles' centroids, weighted by area
+    double twice_sizes = 0;  ///< the sum of the lengths of these vectors
   };
   Node node_of(std::size_t slot) const;
   double solid_angle(std::size_t slot, const Vec3& p) const;

@@ -9,14 +9,15 @@
 namespace remesh {
 namespace {
 
-/// Pairs that are connected.
+/// A set of connected pairs.
 struct Piece {
   std::vector<std::uint32_t> pairs;
-  bool is_possible = true;  ///< there is a side
-  bool is_closed = true;    ///< it borders on nothing else
+  bool is_possible = true;  ///< the pairs have two consistent sides
+  bool is_closed = true;    ///< the pairs border on no other faces
   bool are_labels_alike = true;
-  int votes = 0;      ///< edges over which the one side looks as the neighbours do, less those of the other one
-  double volume = 0;  ///< of the one side
+  /// The number of edges over which side 0 looks as the neighbours do, minus that for the other side.
+  int votes = 0;
+  double volume = 0;  ///< volume of side 0
 };
 
 class SideChoice {
@@ -57,7 +58,8 @@ class SideChoice {
 
   bool is_first(FaceId f) const { return pairs_[pair_of_[f.value]].first == f; }
 
-  /// Gives each pair of a piece the one of its faces that is on the one side: 0 for the first, 1 for the second.
+  /// Finds the piece of a pair. Sets for each of its pairs the face that is on side 0: 0 means the first face, 1 the
+  /// second.
   Piece walk(std::uint32_t seed) {
     Piece piece;
     piece.pairs.push_back(seed);
@@ -100,7 +102,7 @@ class SideChoice {
 
   bool is_gone(FaceId f) const { return pair_of_[f.value] == kNone && is_dropped_[f.value]; }
 
-  /// Six times that between a face and a point.
+  /// Six times the volume between a face and a point.
   double volume(FaceId f, const Vec3& from) const {
     const auto loop = surface_.face(f);
     const Vec3 a = surface_.local[loop[0]] - from;
@@ -133,7 +135,7 @@ class SideChoice {
   std::size_t looks_ = 0;
 };
 
-/// Which of the faces would look the wrong way, with those that are kept.
+/// Returns which faces would look the wrong way if only the faces in `is_kept` stayed.
 std::vector<std::uint8_t> would_be_inside_out(const Surface& surface, const FaceLabels& labels,
                                               const std::vector<std::uint8_t>& is_kept, RunControl& control) {
   FaceList kept;

@@ -1,4 +1,4 @@
-/// Which side stays of walls that stand back to back.
+/// Chooses which side of a wall stays if two faces stand back to back.
 #pragma once
 
 #include <cstdint>
@@ -14,23 +14,23 @@
 
 namespace remesh {
 
-/// Two faces over one loop that look opposite ways, the first of which is the smaller one.
+/// Two faces with the same loop of vertices and opposite orientations. The first one has the smaller number.
 struct BackToBack {
   FaceId first, second;
   bool is_first_kept = true;
 };
 
-/// Of each two faces one is to go. Chooses for pairs that are connected together, so that those that stay look the same
-/// way over each edge, and also the same way as what they border on. Where they border on nothing else they are two
-/// shells, and one of these goes:
-/// - If they have different labels they are walls of two bodies, and the one that looks outwards stays: as a body of
-///   its own in another one it is right.
-/// - Else the one with the smallest face stays.
-/// - A shell that would look the wrong way then (geometry/inside_out.h) goes after all, and the other one stays.
-/// Input:   the pairs, each of whose edges has two faces if one face of each pair goes. `is_dropped`, by face, is set
-///          for all others that go, and for the second ones. `labels` are those of the input, `of_faces` those of the
-///          faces.
-/// Output:  is_first_kept. Pieces with one side only are left as they were.
+/// Chooses, for pairs of faces of which one is to go, which one that is. It decides for all connected pairs together,
+/// so that the faces that stay look the same way over each edge, and the same way as the faces that they border on. If
+/// connected pairs border on nothing else, they form two shells, and one of these goes:
+/// - If the two have different labels, they are walls of two bodies, and the one that looks outwards stays: it is right
+///   as a body of its own inside another one.
+/// - Otherwise the one with the smallest face stays.
+/// - If the shell chosen so looks the wrong way (geometry/inside_out.h), it goes after all, and the other one stays.
+/// Input:   the pairs. If one face of each pair goes, each of their edges has two faces. `is_dropped` has one entry per
+///          face, and is set for all other faces that go and for the second faces of the pairs. `labels` are those of
+///          the input, `of_faces` those of the faces.
+/// Output:  is_first_kept. Connected pairs without two consistent sides are left as they were.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).
 void choose_sides(const Surface& surface, const Adjacency& edges, const FaceLabels& labels, const BodyLabels& of_faces,

@@ -13,14 +13,14 @@
 namespace remesh {
 namespace {
 
-/// Neighbours must be this many tolerances high to bear witness of noise.
+/// Only neighbours that are at least this many tolerances high can show noise.
 constexpr double kWitness = 8;
-/// Where more faces than this meet at an edge, none of them bears witness.
+/// If more faces than this meet at an edge, the edge is ignored.
 constexpr std::size_t kMaxAround = 8;
 
 constexpr std::size_t kBlock = 4096;
 
-/// Distances that differ by more than their own rounding, up to as many as tell noise from shape.
+/// Collects distances that differ by more than their own rounding, up to the number that separates noise from shape.
 class DifferentBends {
  public:
   void add(double distance, double floor, double tolerance) {
@@ -32,7 +32,7 @@ class DifferentBends {
   std::size_t count() const { return count_; }
 
  private:
-  /// The bits of a double that are left tell one part in a thousand.
+  /// The remaining bits of a double distinguish values that differ by one part in a thousand.
   static constexpr int kForgotten = 42;
 
   void add(std::uint64_t key) {
@@ -54,7 +54,7 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
     double most = 0;
     for (const VertexId v : surface.face(of)) {
       most = std::max(most, std::fabs(plane.distance(surface.local[v])));
-      if (most > tolerance) break;  // a bend of another kind, however large
+      if (most > tolerance) break;  // such a bend is of another kind, however large it is
     }
     return most;
   };
@@ -64,11 +64,11 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
   const auto look_at_pair = [&](DifferentBends& bends, std::uint32_t h, std::uint32_t k) {
     const FaceId f = adjacency.face_of(h), g = adjacency.face_of(k);
     if (f == g || !is_witness(f) || !is_witness(g)) return;
-    // Whichever way they look: they are on either side of the edge, not one on the other.
+    // The test does not depend on orientation: the faces must be on opposite sides of the edge, and not on each other.
     const double cosine = dot(geometry[f].normal, geometry[g].normal);
     if (!((adjacency.from(h) == adjacency.from(k) ? -cosine : cosine) > 0)) return;
-    // A corner's rounding moves it from the other face's plane by as much; of a large face off the plane of a small
-    // one it explains more.
+    // The rounding of a corner moves it off the other face's plane by its own amount. But it tilts a small face by so
+    // much that corners of a large face are further off the small face's plane. So the smaller distance counts.
     bends.add(std::min(bend(f, g), bend(g, f)), floor, tolerance);
   };
   const auto look_at_edge = [&](DifferentBends& bends, EdgeId e) {
@@ -79,7 +79,7 @@ bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const 
   };
   DifferentBends all;
   const auto look_at_all = [&](std::size_t count, const auto& look_at) {
-    // Once a block has enough, the others do not matter.
+    // The other blocks do not matter as soon as one block has enough bends.
     std::atomic<bool> is_over = all.count() >= amounts;
     const auto blocks = map_blocks<DifferentBends>(count, kBlock, control, [&](std::size_t i, std::size_t end) {
       DifferentBends bends;

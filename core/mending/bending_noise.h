@@ -10,15 +10,15 @@
 
 namespace remesh {
 
-/// Rounding bends each pair of faces by another amount. One bend, or the same one in several places, may be part of the
-/// shape: a crown, or the facets of a cylinder. So many different ones are noise.
+/// The number of different bends that count as noise. Rounding bends each pair of faces by another amount. A single
+/// bend, or the same one in several places, may be part of the shape: a crown, or the facets of a cylinder.
 inline constexpr std::size_t kBendsOfNoise = 3;
 
-/// Whether well-shaped neighbours bend by more than `floor` and at most `tolerance` (local units), by so many different
-/// amounts. Polygons that leave their own plane by as much count as pairs do.
-/// Input:  at most kBendsOfNoise amounts.
-/// Holds:  says the same of faces wound as they should be and of others, of each once and of each several times, and in
-///         any order: mending comes later.
+/// Returns whether well-shaped neighbours bend by more than `floor` and at most `tolerance` (local units), by at least
+/// `amounts` different amounts. A polygon counts like a pair if it leaves its own plane by such an amount.
+/// Input:  `amounts` is at most kBendsOfNoise.
+/// Holds:  the result does not depend on the winding of the faces, on repeated faces, or on any order, because these
+///         are mended later.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 bool is_noise_present(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry, double floor,
                       double tolerance, std::size_t amounts, RunControl& control);

@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// The number of each input face; empty where all are labelled alike.
+/// The number of each input face; empty if all have the same labels.
 IdVector<FaceId, std::uint32_t> number_all(const FaceLabels& labels, RunControl& control) {
   const std::size_t faces =
       std::max({labels.object.of_face.size(), labels.group.of_face.size(), labels.material.of_face.size()});
@@ -20,7 +20,7 @@ IdVector<FaceId, std::uint32_t> number_all(const FaceLabels& labels, RunControl&
   return numbers;
 }
 
-/// Sets of one label each, one for each number.
+/// One set with a single label for each number.
 BodyLabels single_labels(const IdVector<FaceId, std::uint32_t>& numbers) {
   BodyLabels result;
   const std::uint32_t count = *std::max_element(numbers.begin(), numbers.end()) + 1;

@@ -1,4 +1,4 @@
-/// Which object, group and material faces belong to, as one number.
+/// Represents the object, group and material of each face as one number.
 #pragma once
 
 #include <cstddef>
@@ -15,24 +15,24 @@
 
 namespace remesh {
 
-/// Numbers the combinations of those labels that are barriers, in order of first use.
-/// Output:  one number a face; empty where no barrier is used.
+/// Numbers the combinations of those labels that are barriers, in the order of their first use.
+/// Output:  one number per face; empty if no barrier is used.
 IdVector<FaceId, std::uint32_t> number_labels(const FaceLabels& labels, const Barriers& barriers, std::size_t faces,
                                               RunControl& control);
 
-/// The labels of faces that came from one input face each, whatever the barriers are.
-/// Cost:    O(n log k) for k combinations of labels, of which neighbours in the input have few.
+/// The labels of faces that each came from one input face. Barriers do not matter.
+/// Cost:    O(n log k) for k combinations of labels. Neighbours in the input have few.
 BodyLabels labels_of_sources(const FaceLabels& labels, std::span<const FaceId> source, RunControl& control);
 
-/// The labels of patches: those of all their faces. So shells of a result have the labels that they had in the surface,
-/// also where labels bound no patches.
-/// Output:  a set for each patch.
+/// The labels of patches. A patch has the labels of all its faces, so the shells of a result have the labels that they
+/// had in the surface, even if labels do not bound patches.
+/// Output:  one set per patch.
 /// Cost:    as above.
 BodyLabels labels_of_patches(const FaceLabels& labels, const Surface& surface, const PatchSet& patches,
                              RunControl& control);
 
-/// The labels of a result's faces: those of their patches.
-/// Input:   `face_patch`: the patch of each face.
+/// The labels of a result's faces, which are those of their patches.
+/// Input:   `face_patch` is the patch of each face.
 BodyLabels labels_of_result(const BodyLabels& of_patches, std::span<const PatchId> face_patch, RunControl& control);
 
 }  // namespace remesh

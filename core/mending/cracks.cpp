@@ -19,13 +19,13 @@ namespace {
 
 constexpr std::size_t kBlock = 256;
 
-/// A crack is no wider than this part of its edges, nor of how far its faces reach from them.
+/// The largest width of a crack, relative to the length of its edges and to how far its faces reach from them.
 constexpr double kCrackShare = 0.1;
 
-/// The widest crack that an edge may be a side of.
+/// The widest crack of which an edge may be a side.
 double widest(const OpenEdge& edge) { return kCrackShare * std::min(edge.length, edge.depth); }
 
-/// Of each open edge the nearest one of those that it is asked about, and how wide the crack between them is.
+/// The nearest partner that was found for an open edge, and the width of the crack between them.
 struct Nearest {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -33,7 +33,7 @@ struct Nearest {
   double width = 0;
 };
 
-/// Calls find(i, nearest) for all edges, which returns how many others were looked at. Output: empty if it is too many.
+/// Calls find(i, nearest) for all edges. It returns how many others it looked at. Output: empty if there were too many.
 template <class Find>
 std::vector<Nearest> find_all(std::size_t edges, RunControl& control, const Find& find) {
   LooksAtEdges looks(edges);
@@ -48,7 +48,7 @@ std::vector<Nearest> find_all(std::size_t edges, RunControl& control, const Find
   return all;
 }
 
-/// Edges whose ends are both near to those of another one.
+/// Finds edges whose ends are both near to those of another one.
 class Pairs {
  public:
   Pairs(const OpenEdges& open, double tolerance, RunControl& control)
@@ -57,7 +57,7 @@ class Pairs {
   std::size_t find(std::size_t i, Nearest& nearest) const {
     nearest.width = widest(open_[i]);
     if (!(nearest.width > tolerance_)) return 0;
-    // Edges that are exactly as far have to be seen, too, so that the order of the input decides nothing.
+    // Edges at exactly the same distance must be found, too, so that the order of the input does not matter.
     double best = std::nextafter(nearest.width, HUGE_VAL);
     return open_.search(i, best, control_, [&](std::uint32_t j) {
       if (open_[i].face == open_[j].face) return;
@@ -75,7 +75,7 @@ class Pairs {
   RunControl& control_;
 };
 
-/// Edges that run along another one without the same ends.
+/// Finds edges that run along another one without having the same ends.
 class Alongside {
  public:
   Alongside(const Surface& surface, const OpenEdges& open, double tolerance, RunControl& control)
@@ -126,8 +126,8 @@ class Alongside {
   };
   using Tree = BoxTree<ExactBox>;
 
-  /// How far an edge is from the line of another one, as far as they run beside each other: for half of the shorter one
-  /// at least, else infinitely far.
+  /// The largest distance of an edge from the line of another one, over the part where they run beside each other. This
+  /// part must be at least half of the shorter one; otherwise the result is infinite.
   double width(const OpenEdge& edge, const OpenEdge& other) const {
     constexpr double kBeside = 0.5;
     const Vec3 a = surface_.local[other.from], p = surface_.local[edge.from], q = surface_.local[edge.to];
@@ -149,18 +149,18 @@ class Alongside {
   Tree tree_;
 };
 
-/// What edges an input has as it would be joined.
+/// The numbers of edges of each kind that an input has after joining.
 struct EdgeKinds {
-  std::uint64_t welded_open = 0;  ///< after welding alone
+  std::uint64_t welded_open = 0;  ///< open edges after welding alone
   std::uint64_t open = 0, of_many = 0;
-  std::uint64_t lost = 0;  ///< sides of faces that have become a point
+  std::uint64_t lost = 0;  ///< edges of faces that have become a point
 
   bool is_better_than(const EdgeKinds& other) const {
     return open < other.open && of_many <= other.of_many && lost <= other.lost;
   }
 };
 
-/// Joins the input as it is prepared with a weld tolerance, and counts.
+/// Joins the input as it would be prepared with a weld tolerance, and counts its edges.
 class Trial {
  public:
   Trial(const PolygonMesh& input, const Options& options, const CrackRules& rules, RunControl& control)
@@ -173,7 +173,7 @@ class Trial {
       return Adjacency(surface.vertex_count(), surface.face_begin, surface.corners, control_);
     };
     const EdgeKinds welded = count(adjacency());
-    // Within a larger weld tolerance no seams are left.
+    // A weld tolerance above the rounding leaves no seams.
     const bool has_seams = options_.repair.seams && tolerance < rules_.rounding;
     Seams seams({rules_.rounding / surface.unit, options_.repair.winding});
     if (has_seams) seams.close(surface, adjacency(), Mend::kYes, control_);
@@ -186,7 +186,7 @@ class Trial {
     if (has_seams && is_split) seams.close(surface, adjacency(), Mend::kYes, control_);
     EdgeKinds kinds = count(adjacency());
     kinds.welded_open = welded.open;
-    // What rounding makes of a polygon's corners is mended.
+    // Corners of a polygon that only splitting and seams make coincide are mended later, so they do not count.
     kinds.lost = welded.lost;
     return kinds;
   }
@@ -254,7 +254,8 @@ Cracks find_cracks(const Surface& surface, const Adjacency& edges, double roundi
 
 std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, const Options& options,
                             const CrackRules& rules, RunControl& control) {
-  // Where the widest are no cracks, as the sides of a slot, a smaller tolerance may still be of use.
+  // The widest gaps may be no cracks, but for example the sides of a slot. Then a smaller tolerance may still be of
+  // use.
   constexpr int kMaxTries = 4;
   const std::vector<double>& widths = cracks.widths;
   if (widths.empty()) return "";

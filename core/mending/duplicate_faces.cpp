@@ -52,7 +52,8 @@ class Duplicates {
   static constexpr std::uint8_t kStays = 0, kDropped = 1, kBack = 2, kCopy = 3;
 
  private:
-  /// All faces that may repeat another one: this one is at each of its edges then, so that one of them tells.
+  /// Finds all faces that may repeat another one. The other face is at each of their edges then, so it suffices to look
+  /// at one edge.
   std::vector<FaceId> find_suspects() const {
     auto suspects = select_ids<FaceId>(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t f) {
       const std::uint32_t h = surface_.face_begin[f], twin = edges_.twin(h);
@@ -62,7 +63,7 @@ class Duplicates {
     for (const EdgeId e : edges_.odd_edges()) {
       check();
       const auto around = edges_.half_edges(e);
-      // Between a corner and its repetition there is no direction to look in.
+      // An edge between a corner and its repetition has no direction.
       const bool is_point = edges_.from(around[0]) == edges_.to(around[0]);
       if (around.size() > 2 || (around.size() == 2 && (is_point || do_go_on_alike(around[0], around[1]))))
         for (const std::uint32_t h : around) suspects.push_back(edges_.face_of(h));
@@ -70,8 +71,8 @@ class Duplicates {
     return suspects;
   }
 
-  /// Whether two faces at an edge have the same vertex after it, seen in one direction: as most have not, nobody has to
-  /// look at them any closer.
+  /// Returns whether two faces at an edge have the same next vertex, seen in one direction. Most have not, and need no
+  /// closer look.
   bool do_go_on_alike(std::uint32_t g, std::uint32_t h) const {
     const VertexId after = edges_.to(edges_.next(g));
     return edges_.from(g) == edges_.from(h) ? after == edges_.to(edges_.next(h)) : after == edges_.from(before(h));
@@ -81,8 +82,8 @@ class Duplicates {
     return h == surface_.face_begin[f] ? surface_.face_begin[f + 1] - 1 : h - 1;
   }
 
-  /// Of each face the half-edge between its smallest vertex and the smaller of that one's neighbours: the same edge for
-  /// all faces over the same loop, whichever way they run.
+  /// Finds for each face the half-edge between its smallest vertex and the smaller of that vertex's neighbours. This is
+  /// the same edge for all faces over the same loop, whichever way they run.
   void find_first_half_edges() {
     first_.resize(surface_.face_count());
     for_blocks(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -113,7 +114,7 @@ class Duplicates {
     return edges_.from(h) < edges_.to(h);
   }
 
-  /// Vertex number i of the loop, begun at its smallest vertex towards the smaller neighbour.
+  /// Vertex number i of the loop. The count begins at the smallest vertex and goes towards its smaller neighbour.
   VertexId vertex(FaceId f, std::size_t i) const {
     const auto loop = surface_.face(f);
     const std::size_t first = first_[f.value] - surface_.face_begin[f.value], n = loop.size();
@@ -128,7 +129,7 @@ class Duplicates {
     return 0;
   }
 
-  /// The faces that begin on one edge.
+  /// Compares the faces whose first half-edges are on one edge.
   void compare() {
     sort_stoppable(faces_.begin(), faces_.end(), control_, [&](FaceId f, FaceId g) {
       const int sign = order(f, g);
@@ -142,7 +143,7 @@ class Duplicates {
     }
   }
 
-  /// Of faces over one loop, ascending, one that looks each way is left.
+  /// Decides on faces over one loop, ascending. One face of each orientation is left.
   void decide_on(std::span<const FaceId> alike) {
     if (fate_.empty()) {
       fate_.assign(surface_.face_count(), kStays);
@@ -178,10 +179,11 @@ class Duplicates {
     for (const Box3& box : boxes) extents_.push_back(box.diagonal());
   }
 
-  /// How large all is that is labelled as a face is. A wall that two bodies have is the smaller one's.
+  /// The extent of everything that has the same labels as a face. A wall that two bodies share belongs to the smaller
+  /// one.
   double extent(FaceId f) const { return extents_.empty() ? 0 : extents_[of_faces_.set_of[f.value]]; }
 
-  /// The edges of the faces with a fate, each once: many such faces may have one edge in common.
+  /// The edges of the faces with this fate. Each edge is listed once, because many such faces may share an edge.
   std::vector<EdgeId> edges_of(std::uint8_t fate) const {
     std::vector<EdgeId> edges;
     StopCheck check(control_);
@@ -196,7 +198,7 @@ class Duplicates {
     return edges;
   }
 
-  /// Faces with a fate that are connected are dropped together, unless is_needed(e) holds for an edge of theirs.
+  /// Drops connected faces with this fate together, unless is_needed(e) holds for one of their edges.
   template <class IsNeeded>
   void decide(std::uint8_t fate, const IsNeeded& is_needed) {
     const std::vector<EdgeId> edges = edges_of(fate);
@@ -223,7 +225,8 @@ class Duplicates {
       if (fate_[f] == fate && !has_to_stay[cluster.find(f)]) fate_[f] = kDropped;
   }
 
-  /// A copy is the wall of a second body if only with it as many faces run one way as the other along its edges.
+  /// Decides on copies. A copy is the wall of a second body if only with it as many faces run one way as the other
+  /// along its edges.
   void decide_on_copies() {
     StopCheck check(control_);
     decide(kCopy, [&](EdgeId e) {
@@ -269,8 +272,8 @@ class Duplicates {
   RunControl& control_;
   std::vector<BackToBack> pairs_;
   BodyLabels of_faces_;
-  std::vector<double> extents_;                                 ///< by label; empty where all are alike
-  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< of each face
+  std::vector<double> extents_;  ///< one per set of labels; empty if all labels are equal
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< one per face
   std::vector<std::uint8_t> fate_;
   std::vector<FaceId> faces_;
 };

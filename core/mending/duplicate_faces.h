@@ -1,4 +1,4 @@
-/// Faces that repeat another one.
+/// Drops faces that repeat another one.
 #pragma once
 
 #include <vector>
@@ -12,19 +12,24 @@
 
 namespace remesh {
 
-/// Finds faces over the same loop of vertices and drops all but one of each: the one whose labels are on the smallest
-/// part of the surface, so that a wall that two bodies have is that of the inner one; among equals the first.
-/// A face that repeats another one seen from behind is dropped only where that is right: where, with all of its
-/// connected kind gone, each of its edges has exactly two faces. Else it stays: it is the other side of a sheet, or
-/// the wall of a second solid, and without it the surface would be open or would have edges of three faces. Which of
-/// the two is dropped does not depend on their order where their labels or what is around them tells (back_to_back.h).
-/// A face that repeats another one and looks the same way stays only where it is the wall of a second body, one of the
-/// two mirrored: where with it as many faces run one way as the other along an edge, and without it not.
-/// Input:   a welded surface, and the labels of the input that it came from. A polygon that touches itself is not looked
-///          at.
-/// Output:  the surface without them, with Mend::kYes. Counts duplicate_face, those dropped and those left apart.
+/// Finds faces over the same loop of vertices, and drops all but one of them. The one whose labels are on the smallest
+/// part of the surface stays, so that a wall which two bodies share becomes that of the inner body. Among equals, the
+/// first one stays.
+/// Two kinds of faces may stay all the same:
+/// - A face that repeats another one seen from behind. It is dropped only if, with all such faces gone that are
+///   connected with it, each of its edges has exactly two faces. Otherwise it is the other side of a sheet, or the wall
+///   of a second solid, and without it the surface would be open or would have edges with three faces. Which face of
+///   the pair is dropped does not depend on their order, if their labels or the faces around them decide it
+///   (back_to_back.h).
+/// - A face that repeats another one and looks the same way. It stays only if it is the wall of a second body, where
+///   one of the two is mirrored. This is so if along one of its edges as many faces run one way as the other with it,
+///   but not without it.
+/// Input:   a welded surface, and the labels of the input that it came from. Polygons that touch themselves are
+///          ignored.
+/// Output:  with Mend::kYes, the surface without the dropped faces. Counts faces that are dropped and faces that are
+///          left, each as duplicate_face.
 /// Returns: whether the surface changed.
-/// Cost:    O(n log n) where faces repeat others seen from behind; else O(n).
+/// Cost:    O(n log n) if faces repeat others seen from behind; otherwise O(n).
 bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
                           std::vector<Diagnostic>& diagnostics, RunControl& control);
 

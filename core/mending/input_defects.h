@@ -1,4 +1,4 @@
-/// What is found in a welded surface without changing it.
+/// Reports defects of a welded surface without changing it.
 #pragma once
 
 #include <span>
@@ -11,9 +11,9 @@
 
 namespace remesh {
 
-/// Reports, from a welded surface: non_manifold_edge and open_boundary (elements: the input faces at such edges), and
-/// non_manifold_vertex (elements: vertices where faces meet that are not connected there over edges).
-/// Input:   as pinched_vertices finds them.
+/// Reports three defects of a welded surface: non_manifold_edge and open_boundary (elements are the input faces at such
+/// edges), and non_manifold_vertex (elements are vertices whose faces are not all connected over edges there).
+/// Input:   `pinched` are the vertices that pinched_vertices finds.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 void find_defects(const Surface& welded, const Adjacency& edges, std::span<const VertexId> pinched,
                   std::vector<Diagnostic>& diagnostics, RunControl& control);

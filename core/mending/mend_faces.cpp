@@ -20,7 +20,7 @@
 namespace remesh {
 namespace {
 
-/// Loops of some nanoseconds an item look for a stop after so many.
+/// Loops with a few nanoseconds per item check for cancellation once in this many items.
 constexpr std::uint32_t kBetweenChecks = 1 << 14;
 
 class Mending {
@@ -54,17 +54,17 @@ class Mending {
   }
 
  private:
-  // In original coordinates, scaled exactly: a line of the input is a line here.
+  // Original coordinates, scaled exactly, so that a line of the input is a line here.
   Vec3 exact(VertexId v) const { return (1 / surface_.unit) * surface_.positions[v]; }
 
   bool are_collinear(std::span<const VertexId> loop) const {
-    // Against the first two different points.
+    // All corners are tested against the first two, which are different points.
     for (std::size_t i = 2; i < loop.size(); ++i)
       if (!is_collinear(exact(loop[0]), exact(loop[1]), exact(loop[i]))) return false;
     return true;
   }
 
-  /// Whether a face is a triangle with an area: most are, and nothing is to be done for them.
+  /// Returns whether a face is a triangle with an area. Most faces are, and need no mending.
   bool is_sound(FaceId f) const { return surface_.face(f).size() == 3 && !is_without_area(surface_, f); }
 
   bool are_all_sound() const {
@@ -89,7 +89,7 @@ class Mending {
     return std::adjacent_find(sorted_loop_.begin(), sorted_loop_.end()) != sorted_loop_.end();
   }
 
-  /// Whether nothing is left of the loop when every edge goes that it runs back along at once.
+  /// Returns whether nothing is left of the loop after every edge is removed that the loop runs back along directly.
   bool cancels_itself() const {
     std::vector<VertexId> left;
     for (const VertexId v : loop_) {
@@ -99,7 +99,7 @@ class Mending {
         left.push_back(v);
     }
     std::size_t first = 0, end = left.size();
-    while (end - first >= 3) {  // around its end, too
+    while (end - first >= 3) {  // also removes such edges across the loop's end
       if (left[first + 1] == left[end - 1]) {
         ++first;
         --end;
@@ -119,7 +119,7 @@ class Mending {
     for (const VertexId v : surface_.face(f))
       if (loop_.empty() || loop_.back() != v) loop_.push_back(v);
     while (loop_.size() > 1 && loop_.front() == loop_.back()) loop_.pop_back();
-    if (cancels_itself()) {  // nothing opens
+    if (cancels_itself()) {  // dropping the face opens nothing
       zero_area_.add(source.value);
       return;
     }
@@ -157,8 +157,8 @@ class Mending {
       emit_triangle(triangle, source, label, are_collinear(triangle));
   }
 
-  /// Splits the polygon of points_. No triangulation of one that crosses itself is right, but it may do so only because
-  /// a spike was rounded further than is proven.
+  /// Splits the polygon in points_. If it crosses itself, no triangulation is right. But it may cross itself only
+  /// because a spike was rounded further than is proven, so it is split again with a larger tolerance for spikes.
   PolygonSplit split_points() {
     PolygonSplit split = split_polygon(points_, plane_tolerance_, control_);
     if (split.kind != PolygonKind::kSelfCrossing || possible_rounding_ <= plane_tolerance_) return split;
@@ -172,13 +172,14 @@ class Mending {
     return *cuts_;
   }
 
-  /// Takes the spikes off the loop, and makes the split one of what is left of it.
+  /// Takes the spikes off the loop, and adapts the split to the rest of the loop.
   void take_spikes(PolygonSplit& split, FaceId f, std::uint32_t label) {
     const FaceId source = surface_.face_source[f];
     const auto corners_of = [&](const std::array<std::uint32_t, 3>& needle) {
       return PolygonCuts::Corners{loop_[needle[0]], loop_[needle[1]], loop_[needle[2]]};
     };
-    // Needles that are not exactly on a line go if nobody would miss one of them; else all are faces.
+    // Needles that are not exactly on a line are dropped if no other face shares an edge with any of them. Otherwise
+    // all of them become faces.
     StopCheck check(control_);
     drops_needles_ = degenerate_ == Mend::kYes && split.spike_tolerance > 0 &&
                      std::all_of(split.spikes.needles.begin(), split.spikes.needles.end(), [&](const auto& needle) {
@@ -200,14 +201,14 @@ class Mending {
     loop_.resize(outline.size());
   }
 
-  /// Whether no other face is at the sides of a needle.
+  /// Returns whether no other face is at the sides of a needle.
   bool is_missed_by_nobody(const PolygonCuts::Corners& t, FaceId f) {
     return !cuts().is_of_others(t[0], t[1], f) && !cuts().is_of_others(t[1], t[2], f);
   }
 
-  /// A triangle that was cut off a polygon. Exactly on a line it is a face without area like
-  /// any other. What only local units take for a line stays.
-  /// Returns: whether it is gone, or goes as a face without area.
+  /// Handles a triangle that was cut off a polygon. If it is exactly on a line, it is a face without area like any
+  /// other. If it is on a line only in local units, it stays.
+  /// Returns: whether it is gone, or will go as a face without area.
   bool take_needle(const PolygonCuts::Corners& t, double tolerance, FaceId source, std::uint32_t label) {
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return true;
     const bool is_degenerate = are_collinear(t);
@@ -217,12 +218,13 @@ class Mending {
     return is_dropped || (is_degenerate && degenerate_ == Mend::kYes);
   }
 
-  /// One with a repeated corner is left out: its edges cancel each other.
+  /// Emits a triangle, unless it has a repeated corner; the edges of such a triangle cancel each other.
   void emit_triangle(const std::array<VertexId, 3>& t, FaceId source, std::uint32_t label, bool is_degenerate) {
     if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) emit(t, source, label, is_degenerate);
   }
 
-  /// Zero-area faces that share edges lie on one line. Each such cluster hands its vertices to the faces around it.
+  /// Drops zero-area faces. Those that share edges lie on one line. Each such cluster hands its vertices to the faces
+  /// around it.
   void drop_degenerate() {
     const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners, control_);
     UnionFind cluster(surface_.face_count());
@@ -236,7 +238,8 @@ class Mending {
         first = f;
       }
     }
-    // The vertices of each cluster along its line: for collinear points the lexicographic order is the line's order.
+    // The vertices of each cluster along its line. For collinear points, the lexicographic order is the order along the
+    // line.
     std::vector<std::pair<std::uint32_t, VertexId>> on_line;
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
       if (f % kBetweenChecks == 0) control_.check();
@@ -254,7 +257,7 @@ class Mending {
     });
     on_line.erase(std::unique(on_line.begin(), on_line.end()), on_line.end());
 
-    // A cluster stays where it would hand a vertex to a face that takes none.
+    // A cluster stays if it would hand a vertex to a face that must not get any.
     std::vector<std::uint8_t> stays(surface_.face_count(), 0);
     for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
       if (f % kBetweenChecks == 0) control_.check();
@@ -307,7 +310,8 @@ class Mending {
   FaceList mended_;
   std::vector<std::uint8_t> is_degenerate_;
   std::vector<VertexId> loop_, sorted_loop_;
-  bool drops_needles_ = false;  ///< of the polygon, those that are not exactly on a line
+  /// True if needles of the current polygon that are not exactly on a line are dropped.
+  bool drops_needles_ = false;
   std::vector<Vec3> points_;
   Diagnostic repeated_{
       DiagnosticCode::kDuplicateVertex,
@@ -337,7 +341,7 @@ bool is_collinear(const Vec3& a, const Vec3& b, const Vec3& c) {
 
 bool is_without_area(const Surface& surface, FaceId f) {
   const auto loop = surface.face(f);
-  // Scaled exactly, in original coordinates: a line of the input is a line here.
+  // Original coordinates, scaled exactly, so that a line of the input is a line here.
   const auto exact = [&](int i) { return (1 / surface.unit) * surface.positions[loop[i]]; };
   return loop.size() == 3 && is_collinear(exact(0), exact(1), exact(2));
 }

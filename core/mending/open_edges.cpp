@@ -12,7 +12,7 @@
 namespace remesh {
 namespace {
 
-/// Edges of more faces than this are looked at by nobody: all pairs of these would be too many.
+/// Edges with more faces than this are ignored, because there are too many pairs of such edges.
 constexpr std::size_t kMaxFaces = 8;
 
 }  // namespace
@@ -39,7 +39,8 @@ OpenEdges::OpenEdges(const Surface& surface, const Adjacency& edges, Which which
     }
   }
   if (edges_.empty()) return;
-  // By half-edge, so that those of one face are next to each other and a polygon is measured once.
+  // They are sorted by half-edge, so that the edges of one face are next to each other and a polygon is measured only
+  // once.
   sort_stoppable(edges_.begin(), edges_.end(), control,
                  [](const OpenEdge& a, const OpenEdge& b) { return a.half_edge < b.half_edge; });
   FaceId last;
@@ -98,7 +99,7 @@ Fit OpenEdges::fit(std::size_t i, std::size_t j, double reach) const {
 }
 
 bool OpenEdges::do_lie_on_each_other(std::size_t i, std::size_t j, double reach) const {
-  // Of what lies on each other within so many times the distance nobody can tell whether it was meant to be one.
+  // If faces lie on each other within this many times the distance, nobody can tell whether they were meant to be one.
   constexpr double kOnEachOther = 4;
   const OpenEdge &a = edges_[i], &b = edges_[j];
   if (!(dot(a.inward, b.inward) > 0)) return false;

@@ -1,4 +1,4 @@
-/// The open edges of a surface, and which of them run beside each other as the two sides of a crack do.
+/// The open edges of a surface, and a test whether two of them run beside each other like the two sides of a crack.
 #pragma once
 
 #include <atomic>
@@ -20,51 +20,54 @@ struct OpenEdge {
   std::uint32_t half_edge = 0;
   FaceId face;
   VertexId from, to;
-  Vec3 inward;  ///< unit: across the edge in the plane of its face, into it
+  Vec3 inward;  ///< unit vector across the edge, in the plane of its face and into the face
   double length = 0;
-  double depth = 0;     ///< how far the face reaches from the edge; of a polygon, its least height
-  double height = 0;    ///< the face's least height
-  bool is_open = true;  ///< its edge has one face
+  double depth = 0;     ///< how far the face reaches from the edge; for a polygon, its smallest height
+  double height = 0;    ///< the face's smallest height
+  bool is_open = true;  ///< the edge has only one face
 };
 
-/// How two open edges lie beside each other.
+/// The position of two open edges relative to each other.
 struct Fit {
   double width = std::numeric_limits<double>::infinity();  ///< the larger of both distances between their ends
   bool runs_alike = false;                                 ///< both run the same way, as if one face were turned over
 };
 
-/// Open edges, to be searched by their middles.
+/// The open edges of a surface, in a tree that finds them by their middles.
 class OpenEdges {
  public:
   enum class Which {
-    kOpen,       ///< edges with one face
-    kUnbalanced  ///< also those with some more faces of which most run one way: each of these
+    kOpen,  ///< edges with one face
+    /// Edges with one face, and edges with more faces of which most run one way. Of the latter, all half-edges that run
+    /// that way are included.
+    kUnbalanced
   };
 
-  /// Output: the open edges, by half-edge.
+  /// Output: the open edges, ordered by half-edge.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
-  /// Cost:   O(b log b) in open edges, and the corners of their faces.
+  /// Cost:   O(b log b) for b open edges, and the corners of their faces.
   OpenEdges(const Surface& surface, const Adjacency& edges, Which which, RunControl& control);
 
   std::size_t size() const { return edges_.size(); }
   const OpenEdge& operator[](std::size_t i) const { return edges_[i]; }
   Vec3 middle(std::size_t i) const;
 
-  /// How two edges lie beside each other, if these are the two sides of a crack.
-  /// Output: an infinite width if they are not: they are one edge, or edges of one triangle; or, told with `reach` as
-  ///         the distance that does not count, their faces lie on each other, as two sheets do or a sheet and its back.
+  /// Measures how two edges lie relative to each other.
+  /// Output: the width is infinite if the edges cannot be two sides of a crack. This is so if they are the same edge or
+  ///         edges of one triangle, or if their faces lie on each other, like two sheets or a sheet and its back.
+  ///         Distances up to `reach` do not count for this.
   Fit fit(std::size_t i, std::size_t j, double reach) const;
 
-  /// Whether the faces at two edges lie on each other as far as can be told, with `reach` as the distance that does
-  /// not count.
+  /// Returns whether the faces at two edges seem to lie on each other. Distances up to `reach` do not count.
   bool do_lie_on_each_other(std::size_t i, std::size_t j, double reach) const;
-  /// By how much a surface of the faces at two edges would bend there: 0 if it goes straight on.
+  /// The angle by which a surface of the faces at two edges would bend there; 0 if it continues straight.
   double turn(std::size_t i, std::size_t j) const;
-  /// The angle between the faces at two edges that run in opposite directions, behind these: where the body is.
+  /// The angle between the faces at two edges that run in opposite directions, measured behind the faces, through the
+  /// body.
   double angle_behind(std::size_t i, std::size_t j) const;
 
-  /// Calls visit(j) for the edges whose middles are nearer than `best` to that of i, itself included; visit may lower
-  /// `best`. Returns how many were visited.
+  /// Calls visit(j) for the edges whose middles are nearer than `best` to the middle of edge i, including i itself.
+  /// `visit` may lower `best`. Returns how many edges were visited.
   template <class Visit>
   std::size_t search(std::size_t i, const double& best, RunControl& control, const Visit& visit) const {
     constexpr std::size_t kBetweenChecks = 4096;
@@ -82,11 +85,12 @@ class OpenEdges {
     return visits;
   }
 
-  /// Whether the first edge comes before the second one, by where they are, in whatever order they were read.
+  /// Returns whether the first edge comes before the second one. This depends on where they are, not on the order in
+  /// which they were read.
   bool is_before(std::size_t i, std::size_t j) const;
 
  private:
-  /// The same box in full precision: tolerances are far less than single precision tells.
+  /// The box in full precision, because tolerances are far smaller than single precision can resolve.
   struct ExactBox {
     Box3 box;
     void join(const ExactBox& other) { box.add(other.box); }
@@ -100,14 +104,14 @@ class OpenEdges {
   Tree tree_;
 };
 
-/// Counts looks at pairs of open edges. Ordinary boundaries have a few for each; where many lie along one line, all
-/// pairs are too many.
+/// Counts the tests of pairs of open edges. On ordinary boundaries there are a few for each edge. If many edges lie
+/// along one line, there are too many pairs to test them all.
 class LooksAtEdges {
  public:
   explicit LooksAtEdges(std::size_t open_edges) : most_(kFew + kMaxPerEdge * open_edges) {}
 
   void add(std::size_t looks) { looks_.fetch_add(looks, std::memory_order_relaxed); }
-  /// Whether there were too many: it does not depend on the order in which they were added.
+  /// Returns whether there were too many tests. This does not depend on the order in which they were added.
   bool are_too_many() const { return looks_.load(std::memory_order_relaxed) > most_; }
 
  private:
@@ -117,7 +121,7 @@ class LooksAtEdges {
   std::atomic<std::size_t> looks_{0};
 };
 
-/// A length as messages have it, to two digits.
+/// A length with two digits, as it appears in messages.
 std::string few_digits(double length);
 
 }  // namespace remesh

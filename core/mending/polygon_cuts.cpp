@@ -16,7 +16,7 @@ PolygonCuts::PolygonCuts(Surface& surface, RunControl& control)
 
 std::vector<PolygonCuts::Corners> PolygonCuts::cut(std::span<const VertexId> loop, const PolygonSplit& split) {
   auto triangles = split.triangles;
-  // One that crosses itself is cut as badly by either diagonal.
+  // A quadrilateral that crosses itself is cut equally badly by either diagonal.
   const bool has_choice =
       split.kind == PolygonKind::kSelfCrossing || (split.kind == PolygonKind::kNotPlanar && split.has_two_ways);
   if (loop.size() == 4 && has_choice && is_taken(loop[0], loop[2]) != is_taken(loop[1], loop[3])) {
@@ -26,14 +26,15 @@ std::vector<PolygonCuts::Corners> PolygonCuts::cut(std::span<const VertexId> loo
       triangles = {{0, 1, 2}, {0, 2, 3}};
   }
 
-  // By vertices: a loop may pass one of them, and an edge, more than once. A cut is met from both its sides.
+  // The key is a pair of vertices and not of corners, because a loop may pass a vertex or an edge more than once. Each
+  // cut is met from both of its sides.
   std::map<Edge, std::optional<VertexId>> vertex_of;
   for (std::size_t i = 0; i < loop.size(); ++i) vertex_of[std::minmax(loop[i], loop[(i + 1) % loop.size()])] = {};
   std::vector<Corners> result;
   std::vector<VertexId> around;
   for (const auto& t : triangles) {
     around.clear();
-    std::size_t apex = 0;  // sees every edge of the outline
+    std::size_t apex = 0;  // a corner that sees every edge of the outline
     for (int side = 0; side < 3; ++side) {
       const VertexId a = loop[t[side]], b = loop[t[(side + 1) % 3]];
       around.push_back(a);
@@ -64,7 +65,7 @@ bool PolygonCuts::is_taken(VertexId a, VertexId b) const {
   if (cuts_.contains(std::minmax(a, b))) return true;
   const EdgeId edge = edges_.find(a, b);
   if (!edge.is_valid()) return false;
-  // Faces that have but two different corners will go.
+  // Faces that have only two different corners will be dropped, so they do not count.
   const auto around = edges_.half_edges(edge);
   return std::any_of(around.begin(), around.end(), [&](std::uint32_t h) {
     const auto loop = surface_.face(edges_.face_of(h));
@@ -76,7 +77,7 @@ bool PolygonCuts::is_free_place(const Vec3& p) const {
   return !std::binary_search(places_.begin(), places_.end(), p) && !new_places_.contains(p);
 }
 
-/// A new vertex between two others. Output: none if so many are there that no place was found.
+/// Makes a new vertex between two others. Output: empty if no free place was found among the vertices there.
 std::optional<VertexId> PolygonCuts::vertex_on(VertexId a, VertexId b) {
   constexpr int kHalvings = 20;
   const auto [first, second] = std::minmax(a, b);

@@ -1,4 +1,4 @@
-/// Cuts polygons into triangles so that no cut joins sheets that the surface keeps apart.
+/// Cuts polygons into triangles in such a way that no cut joins sheets that the surface keeps apart.
 #pragma once
 
 #include <array>
@@ -16,9 +16,9 @@
 
 namespace remesh {
 
-/// The edges that faces of a surface have, and those that cuts have added. A cut along one of them would make an edge
-/// of four faces where two faces met twice.
-/// Holds: the surface's faces do not change while this lives; cut adds vertices to it.
+/// The edges of the faces of a surface, and those that cuts have added. A cut along an edge that is there already would
+/// make an edge with four faces where there were two edges with two faces each.
+/// Holds: the surface's faces must not change while this object exists. `cut` adds vertices to the surface.
 class PolygonCuts {
  public:
   using Corners = std::array<VertexId, 3>;
@@ -27,13 +27,14 @@ class PolygonCuts {
   PolygonCuts(Surface& surface, RunControl& control);
 
   /// The triangles of a polygon that is not to stay whole.
-  /// Input:  its loop, no two consecutive corners equal, and how it splits.
-  /// Output: triangles over the loop's vertices. Where a cut is taken, a quadrilateral without a plane takes the other
-  ///         one, if that lies inside; else the cut gets a new vertex on it, in its middle if that place is free.
+  /// Input:  the polygon's loop, with no two consecutive corners equal, and how it splits.
+  /// Output: triangles over the loop's vertices. If a cut is an edge already, a quadrilateral without a plane is cut
+  ///         along its other diagonal, if that lies inside. Otherwise the cut gets a new vertex, at its middle if that
+  ///         place is free.
   /// Cost:   O(k log n) for k corners.
   std::vector<Corners> cut(std::span<const VertexId> loop, const PolygonSplit& split);
 
-  /// Whether a face other than f has an edge between two vertices.
+  /// Returns whether a face other than f has an edge between two vertices.
   bool is_of_others(VertexId a, VertexId b, FaceId f) const;
 
  private:
@@ -46,7 +47,7 @@ class PolygonCuts {
   Surface& surface_;
   Adjacency edges_;
   std::set<Edge> cuts_;
-  std::vector<Vec3> places_;  ///< of the surface's vertices, sorted
+  std::vector<Vec3> places_;  ///< the places of the surface's vertices, sorted
   std::set<Vec3> new_places_;
 };
 

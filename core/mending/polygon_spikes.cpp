@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// Whether the way over three places turns back at the second one. Tolerance 0: exactly.
+/// Returns whether the way over three places turns back at the second one. Tolerance 0 means exactly.
 bool does_turn_back(const Vec3& from, const Vec3& tip, const Vec3& to, double tolerance) {
   const Vec3 back = from - tip, on = to - tip;
   if (!(dot(back, on) > 0)) return false;
@@ -20,7 +20,8 @@ bool does_turn_back(const Vec3& from, const Vec3& tip, const Vec3& to, double to
   return tolerance > 0 && shorter > 2 * tolerance && norm(cross(back, on)) <= tolerance * longer;
 }
 
-/// Whether a polygon has a spike, or corners within the tolerance of each other, where one may hide. Most have neither.
+/// Returns whether a polygon has a spike, or corners within the tolerance of each other, which may hide one. Most
+/// polygons have neither.
 bool may_have_spikes(std::span<const Vec3> points, double tolerance, const RunControl& control) {
   StopCheck check(control);
   const std::size_t n = points.size();
@@ -32,10 +33,11 @@ bool may_have_spikes(std::span<const Vec3> points, double tolerance, const RunCo
   return false;
 }
 
-/// The corners of a polygon as a ring from which corners can be taken.
+/// The corners of a polygon as a ring from which corners can be removed.
 class Ring {
  public:
-  /// `leaves` has a flag per corner, or is empty: 1 makes the tip of an exact reversal go, even if such tips are kept.
+  /// `leaves` is empty or has one flag per corner: 1 makes the tip of an exact reversal go, even if such tips stay
+  /// otherwise.
   Ring(std::span<const Vec3> points, double tolerance, Reversals reversals, std::span<const std::uint8_t> leaves = {})
       : points_(points),
         tolerance_(tolerance),
@@ -66,11 +68,11 @@ class Ring {
       const auto [from, to] = sides_of(tip);
       if (!turns_back(from, tip, to)) continue;
       if (reversals_ == Reversals::kKeepSlits && is_slit(from, tip, to)) continue;
-      // Where the tip is blunt, what is beside it goes first.
+      // If the tip is blunt, the corners beside it go first.
       while (next_[from] != tip) take(next_[from], spikes);
       while (next_[tip] != to) take(next_[tip], spikes);
       take(tip, spikes);
-      // The foot of a spike is one corner.
+      // The foot of a spike becomes one corner.
       if (are_one(from, to)) take(to, spikes);
       waiting_.push_back(next_[from]);
       waiting_.push_back(from);
@@ -95,7 +97,7 @@ class Ring {
     return points_[i] == points_[j] || norm(points_[i] - points_[j]) <= tolerance_;
   }
 
-  /// The corners next to a tip, on both sides, that are not one with it; but for a few, they are its neighbours.
+  /// The corners on both sides of a tip that are not one with it. In most cases these are its neighbours.
   Sides sides_of(std::uint32_t tip) const {
     constexpr int kMaxSteps = 3;
     Sides sides{before_[tip], next_[tip]};
@@ -107,11 +109,11 @@ class Ring {
   }
 
   bool turns_back(std::uint32_t from, std::uint32_t tip, std::uint32_t to) const {
-    // Of a triangle nothing would be left; if it has an area, that stays.
+    // Nothing would be left of a triangle, so a triangle with an area is not cut.
     return does_turn_back(points_[from], points_[tip], points_[to], count_ > 3 ? tolerance_ : 0);
   }
 
-  /// Whether the outline comes back to where it left, with its inside around the tip.
+  /// Returns whether the outline comes back to where it left, with the polygon's inside around the tip.
   bool is_slit(std::uint32_t from, std::uint32_t tip, std::uint32_t to) const {
     const Vec3 turn = cross(points_[tip] - points_[from], points_[to] - points_[tip]);
     return are_one(from, to) && dot(turn, area_vector_) < 0;
@@ -129,14 +131,14 @@ class Ring {
   double tolerance_;
   Reversals reversals_;
   std::span<const std::uint8_t> leaves_;
-  Vec3 area_vector_;  ///< in proportion to it; where slits are looked for
+  Vec3 area_vector_;  ///< proportional to the area vector; only set if slits are looked for
   std::uint32_t count_;
   std::vector<std::uint32_t> next_, before_;
   std::vector<std::uint8_t> is_there_;
-  std::vector<std::uint32_t> waiting_;  ///< the corners to look at, the first one last
+  std::vector<std::uint32_t> waiting_;  ///< the corners to look at; the next one is at the end
 };
 
-/// An outline lies in this plane, and the corners of a slit may be so far from it.
+/// The plane of an outline, and how far from it the corners of a slit may be.
 struct OutlinePlane {
   Vec3 normal, centre;
   double reach = 0;
@@ -163,8 +165,8 @@ OutlinePlane plane_of(std::span<const Vec3> points, std::span<const std::uint32_
   return plane;
 }
 
-/// Marks the corners of spikes that are out of reach of the plane, and those that are further out on such a spike.
-/// Output: whether it marked one.
+/// Marks the corners of spikes that are out of the plane's reach, and those that are further out on the same spike.
+/// Output: whether it marked any.
 bool mark_leaving(std::span<const Vec3> points, const Spikes& spikes, const OutlinePlane& plane, double tolerance,
                   std::vector<std::uint8_t>& leaves, StopCheck& check) {
   const auto are_one = [&](std::uint32_t i, std::uint32_t j) {
@@ -172,7 +174,8 @@ bool mark_leaving(std::span<const Vec3> points, const Spikes& spikes, const Outl
   };
   leaves.assign(points.size(), 0);
   bool is_any = false;
-  // The last one that was cut is next to the outline. What a spike stands on is known before the spike.
+  // The needle that was cut last is next to the outline. In this order, what a spike stands on is known before the
+  // spike.
   for (auto needle = spikes.needles.rbegin(); needle != spikes.needles.rend(); ++needle) {
     check();
     const auto [before, tip, next] = *needle;

@@ -14,7 +14,7 @@
 namespace remesh {
 namespace {
 
-/// Whether all corners turn left, strictly.
+/// Returns whether all corners turn left, strictly.
 bool is_convex(std::span<const Vec2> uv) {
   for (std::size_t i = 0; i < uv.size(); ++i)
     if (orient2d(uv[i], uv[(i + 1) % uv.size()], uv[(i + 2) % uv.size()]) <= 0) return false;
@@ -27,7 +27,7 @@ void fan(std::span<const Vec3> points, PolygonSplit& result) {
   for (std::uint32_t i = 1; i + 1 < n; ++i) result.triangles.push_back({apex, (apex + i) % n, (apex + i + 1) % n});
 }
 
-/// Where a cyclic sequence begins that is lexicographically least, of n items.
+/// The place where the lexicographically smallest rotation of a cyclic sequence of n items begins.
 /// Cost: O(n).
 /// Source: Shiloach, Fast canonization of circular strings, Journal of Algorithms 2 (1981).
 template <class At>
@@ -48,7 +48,7 @@ std::size_t least_rotation(std::size_t n, const At& at, RunControl& control) {
   return std::min(i, j);
 }
 
-/// A polygon's corners in an order that depends on its points alone, not on where it begins or which way it runs.
+/// A polygon's corners in an order that depends on its points alone, not on where the loop begins or which way it runs.
 struct CanonicalLoop {
   std::vector<std::uint32_t> corners;
   bool is_reversed = false;
@@ -78,7 +78,8 @@ CanonicalLoop canonical_loop(std::span<const Vec3> points, RunControl& control) 
   return loop;
 }
 
-/// Input:  a polygon without spikes, but for reversals.
+/// Splits a polygon that has no spikes.
+/// Input:  a polygon without spikes; reversals are allowed.
 PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
   const auto n = static_cast<std::uint32_t>(points.size());
   PolygonSplit result;
@@ -121,7 +122,7 @@ PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance,
     return result;
   }
 
-  // Corners that meet in space (the ends of a bridge) are one point of the triangulation.
+  // Corners that meet in space (such as the ends of a bridge) are one point of the triangulation.
   std::vector<std::uint32_t> order(n), point_of(n);
   std::iota(order.begin(), order.end(), 0u);
   sort_stoppable(order.begin(), order.end(), control, [&](std::uint32_t a, std::uint32_t b) {
@@ -137,7 +138,7 @@ PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance,
       plane_points.push_back(uv[i]);
       corner_of_point.push_back(i);
     } else if (points[i] != points[order[k - 1]]) {
-      is_merged = true;  // different points of space fall together: one lies above the other
+      is_merged = true;  // different points in space have the same place in the plane: one lies above the other
     }
     point_of[i] = static_cast<std::uint32_t>(plane_points.size() - 1);
   }
@@ -160,7 +161,7 @@ PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance,
   return result;
 }
 
-/// Splits what is left when these spikes have been cut off.
+/// Splits what is left after these spikes have been cut off.
 PolygonSplit split_without(Spikes spikes, std::span<const Vec3> points, double plane_tolerance, RunControl& control) {
   if (spikes.needles.empty()) return split_outline(points, plane_tolerance, control);
   std::vector<Vec3> outline;
@@ -173,8 +174,8 @@ PolygonSplit split_without(Spikes spikes, std::span<const Vec3> points, double p
   return result;
 }
 
-/// The tolerance within which spikes are looked for. All corners of a polygon that is hardly higher than it would be
-/// tips: of such a polygon only what is exactly a spike is one.
+/// The tolerance with which spikes are looked for. If a polygon is hardly higher than the tolerance, all of its corners
+/// would be tips, so only its exact spikes count.
 double usable_tolerance(std::span<const Vec3> points, double spike_tolerance) {
   constexpr double kThin = 2 * kThinFace;
   Box3 box;
@@ -191,12 +192,12 @@ PolygonSplit split_canonical(std::span<const Vec3> points, const PolygonToleranc
   };
   Spikes all = cut_spikes(points, tolerance, Reversals::kCut, control);
   if (all.needles.empty()) return without({});
-  // A polygon with slits alone stays as it is: to cut off a narrow one would close it.
+  // A polygon that has only slits stays as it is, because cutting off a narrow slit would close it.
   const bool has_slits_alone =
       tolerance > 0 && cut_spikes(points, tolerance, Reversals::kKeepSlits, control).needles.empty();
   PolygonSplit result = without(has_slits_alone ? Spikes() : cut_spikes(points, tolerance, Reversals::kKeep, control));
   if (result.kind == PolygonKind::kPlanar) return result;
-  // What sticks out of the plane is no slit. Seen from above, a spike may look like one.
+  // A part that sticks out of the plane is no slit. Seen from above, a spike may look like one.
   PlaneSpikes in_space = cut_spikes_out_of_plane(points, tolerance, tolerances.plane, control);
   if (result.kind == PolygonKind::kNotPlanar && !in_space.has_left_plane) return result;
   if (has_slits_alone || in_space.has_left_plane) {

@@ -16,47 +16,50 @@
 namespace remesh {
 
 enum class PolygonKind {
-  kPlanar,        ///< flat within the tolerance and simple (it may touch itself, as along a bridge to a hole)
+  kPlanar,        ///< flat within the tolerance, and simple; it may touch itself, as along a bridge to a hole
   kNotPlanar,     ///< simple in its best plane, but not flat
   kSelfCrossing,  ///< crosses itself in its best plane, or has no area there
 };
 
 struct PolygonSplit {
   PolygonKind kind = PolygonKind::kPlanar;
-  bool has_two_ways = false;  ///< a convex quadrilateral: its other diagonal cuts it as well
-  /// Corner numbers of each triangle.
+  bool has_two_ways = false;  ///< a convex quadrilateral; its other diagonal cuts it as well
+  /// The corner numbers of each triangle.
   std::vector<std::array<std::uint32_t, 3>> triangles;
-  /// The spikes that were cut off first, as cut_spikes has them; the corners of `outline` ascend. Without a spike both
-  /// are empty. `kind` and `triangles` are those of the outline.
+  /// The spikes that were cut off first, as in cut_spikes; the corners of `outline` are ascending. Without a spike both
+  /// lists are empty. `kind` and `triangles` are those of the outline.
   Spikes spikes;
-  double spike_tolerance = 0;  ///< within which they were looked for; 0: they are exact
+  double spike_tolerance = 0;  ///< the tolerance with which spikes were looked for; 0: they are exact
 
   bool has_spikes() const { return !spikes.needles.empty(); }
 };
 
-/// Both are in the points' units.
+/// Tolerances, in the units of the points.
 struct PolygonTolerances {
   double plane = 0;   ///< how far from its plane the corners of a flat polygon may be
-  double spikes = 0;  ///< how far a spike's way back may be from its way out; 0: only exact ones go
+  double spikes = 0;  ///< how far a spike's way back may be from its way out; 0: only exact spikes are cut off
 };
 
-/// Looks at a polygon and triangulates it: by its constrained Delaunay triangulation in the plane of its Newell normal;
-/// one that crosses itself there by a fan from its lexicographically smallest corner, since no triangulation of it is
-/// right. Spikes are cut off before. Those that come back a part of the way or within the tolerance always go. Exact
-/// reversals go if they leave the polygon's plane (see cut_spikes_out_of_plane), or if the polygon would cross itself
-/// with them, as it does if they run outwards. A polygon that is hardly higher than the tolerance has exact spikes
-/// only.
+/// Classifies a polygon and triangulates it. The triangulation is constrained Delaunay in the plane of the polygon's
+/// Newell normal. If the polygon crosses itself there, it is a fan from the lexicographically smallest corner, because
+/// no triangulation would be right.
+/// Spikes are cut off before:
+/// - Spikes that come back part of the way, or within the tolerance, are always cut off.
+/// - Exact reversals are cut off if they leave the polygon's plane (see cut_spikes_out_of_plane), or if the polygon
+///   would cross itself with them, as it does if they run outwards.
+/// - If the polygon is hardly higher than the tolerance, only exact spikes are cut off.
 /// Input:  4 or more points, no two consecutive ones equal.
-/// Output: no triangles if nothing but spikes is there.
-/// Holds:  the polygon gets the same triangles wherever it begins and whichever way it runs, ties included.
+/// Output: no triangles if there is nothing but spikes.
+/// Holds:  the polygon gets the same triangles wherever its loop begins and whichever way it runs, also if there are
+///         ties.
 PolygonSplit split_polygon(std::span<const Vec3> points, const PolygonTolerances& tolerances, RunControl& control);
 inline PolygonSplit split_polygon(std::span<const Vec3> points, double tolerance, RunControl& control) {
   return split_polygon(points, {tolerance, tolerance}, control);
 }
 
-/// Calls visit(triangle) with a face, if it is one, else with those that split_polygon makes of it. The tolerance is in
-/// local units.
-/// Returns: what kind of polygon it is.
+/// Calls visit(triangle) with a face that is a triangle, or with each of the triangles that split_polygon makes of
+/// another face. The tolerance is in local units.
+/// Returns: the kind of the polygon.
 template <class Visit>
 PolygonKind visit_triangles(const Surface& surface, FaceId f, RunControl& control, const Visit& visit,
                             double tolerance = 0) {

@@ -32,7 +32,7 @@ class Preparation {
       : input_(input), options_(options), limits_(limits), summary_(summary), control_(control) {}
 
   Prepared run(Stopwatch& watch) {
-    // Vertices with equal coordinates, or nearly equal ones, become one.
+    // Makes vertices with equal coordinates, or nearly equal ones, one vertex.
     watch.enter(Stage::kWeld);
     surface() = weld(input_, options_.barriers, summary_.diagnostics, control_, options_.weld_tolerance);
     control_.check();
@@ -51,7 +51,8 @@ class Preparation {
 
   void measure() {
     const auto& positions = surface().positions.items();
-    // Local units are about as large as the diagonal. The spikes of a mesh of full doubles are no part of its area.
+    // Local units are about as large as the diagonal. Spikes within the rounding of full doubles do not count for the
+    // area.
     const Triangulated triangles(surface(), control_, kToleranceFloor);
     summary_.statistics =
         measure_surface(positions, surface().face_begin, surface().corners, adjacency(), triangles.corners(), control_);
@@ -71,13 +72,13 @@ class Preparation {
     rounding_ = automatic;
     spike_rounding_ = std::min(kToleranceSteps * rounding.possible_step(),
                                kToleranceCeiling * summary_.statistics.bounding_box.diagonal());
-    // Who asks for more than the digits explain wants to flatten what bends by more, too.
+    // A caller who asks for more than the digits explain wants larger bends to be flattened, too.
     const bool are_digits_noise = rounding.is_decimal && automatic == kToleranceSteps * rounding.possible_step();
     if (are_digits_noise && summary_.plane_tolerance <= automatic) prepared_.printed_steps = rounding.possible_steps;
   }
 
-  /// The diagonal of the bounding box of all faces with an area. A face without one may have a corner anywhere, which
-  /// says nothing about how large the model is.
+  /// The diagonal of the bounding box of all faces with an area. A face without area may have a corner anywhere, which
+  /// says nothing about the size of the model.
   double diagonal_of_faces() {
     if (summary_.statistics.quality.min_angle_deg > 0) return summary_.statistics.bounding_box.diagonal();
     const FaceGeometries& of_face = prepared_.geometry(control_);
@@ -140,15 +141,15 @@ class Preparation {
       prepared_.release();
       is_as_measured_ = false;
     };
-    // Faces that repeat others go.
+    // Faces that repeat others are dropped.
     const std::size_t place = found.size();
     std::vector<Diagnostic> repeated;
     const bool is_repeated =
         drop_duplicate_faces(surface(), adjacency(), input_.labels, mend_if(repair.duplicates), repeated, control_);
     if_changed(is_repeated);
-    // Seams close, first where both sides have the same vertices: one body's seam may lie on another's edges, and would
-    // be split there on one side only. Then edges are split at the vertices that lie on them, so that each edge of
-    // other seams has its partner, and these close.
+    // Seams are closed. Those whose two sides have the same vertices come first, because one body's seam may lie on
+    // another body's edges, and would be split there on one side only. Then edges are split at the vertices that lie on
+    // them, so that each edge of the other seams gets its partner, and these seams are closed.
     Seams seams({std::min(rounding_, summary_.plane_tolerance) / surface().unit, repair.winding});
     const Mend mend_seams = mend_if(repair.seams && limits_.is_joining_allowed);
     const bool is_joined = mend_seams == Mend::kYes && seams.close(surface(), adjacency(), mend_seams, control_);
@@ -156,7 +157,8 @@ class Preparation {
     const Mend mend_t_junctions = mend_if(repair.t_junctions && limits_.is_joining_allowed);
     bool is_split = split_at_vertices(tolerance, mend_t_junctions);
     if_changed(is_split);
-    // Whoever welds vertices wants them on edges, too. The smaller tolerance comes first: it splits thin faces as well.
+    // If vertices are welded within a tolerance, vertices within it of an edge belong on that edge, too. The smaller
+    // tolerance comes first, because it also splits thin faces.
     if (const double near = options_.weld_tolerance / surface().unit;
         near > tolerance && mend_t_junctions == Mend::kYes) {
       const bool is_split_again = split_at_vertices(near, mend_t_junctions);
@@ -171,13 +173,13 @@ class Preparation {
     if ((is_joined || is_joined_again) && repair.duplicates && drop_new_duplicates(repeated, is_repeated ? 1 : 0))
       if_changed(true);
     found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());
-    // Faces without a plane are split, faces without an area dropped; nothing opens.
+    // Faces without a plane are split, and faces without area are dropped. Neither opens the surface.
     const bool is_mended =
         !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.as_it_is, mend_if(repair.degenerate), found,
                                            control_, spike_rounding_ / surface().unit);
     if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
-    // Neighbours look the same way, and closed shells the way they should if that is asked for.
+    // Neighbours are made to look the same way, and closed shells the right way if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
     if (!is_solid())
       if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));
@@ -191,10 +193,11 @@ class Preparation {
     return is_changed;
   }
 
-  /// Drops the faces that repeat others since seams have closed, if that opens nothing: parts of two copies may have
-  /// become one, and others not.
-  /// Input:   what was told of repeated faces before, of which the first `dropped` tell what is no longer there.
-  /// Output:  whether the surface changed; `told` is what is to be told of both times then.
+  /// Drops faces that repeat others only since seams have closed, if that opens nothing. It may open the surface,
+  /// because some parts of two copies may have become one, and others not.
+  /// Input:   `told` has the diagnostics on repeated faces so far. The first `dropped` of them are on faces that were
+  ///          dropped.
+  /// Output:  whether the surface changed. If it did, `told` has the diagnostics on both passes.
   bool drop_new_duplicates(std::vector<Diagnostic>& told, std::size_t dropped) {
     std::vector<Diagnostic> all, again;
     drop_duplicate_faces(surface(), adjacency(), input_.labels, Mend::kNo, all, control_);
@@ -209,7 +212,7 @@ class Preparation {
     return true;
   }
 
-  /// Adds what was found to one that tells of the same, or to the end.
+  /// Adds a finding to the diagnostic with the same message, or to the end.
   static void add_to(std::vector<Diagnostic>& diagnostics, Diagnostic&& found) {
     const auto same = std::find_if(diagnostics.begin(), diagnostics.end(),
                                    [&](const Diagnostic& d) { return d.message == found.message; });
@@ -219,7 +222,7 @@ class Preparation {
     same->count = count;
   }
 
-  /// Adds to what is told of open edges how wide the cracks are that mending has left.
+  /// Adds to the diagnostic on open edges how wide the cracks are that mending has left.
   void tell_cracks() {
     std::vector<Diagnostic>& found = summary_.diagnostics;
     const auto open = std::find_if(found.begin(), found.end(),
@@ -230,9 +233,9 @@ class Preparation {
                                      rules, control_);
   }
 
-  /// Are all faces triangles, and their angles so far from 0 that the measures show what mend_faces would prove of one
-  /// after the other? The sides of an angle are differences of two doubles: right to some 1e-16 of themselves, where
-  /// they are not too small for a double.
+  /// Returns whether all faces are triangles whose angles are so far from 0 that mend_faces would find nothing to do.
+  /// The sides of an angle are differences of two doubles. They are right up to some 1e-16 of their lengths, unless
+  /// they are too small for a double.
   bool are_clearly_sound() {
     constexpr double kClearAngle = 1e-6, kClearLength = 1e-100;
     const Quality& measured = summary_.statistics.quality;
@@ -241,7 +244,8 @@ class Preparation {
            measured.edge_length.min > kClearLength * summary_.statistics.bounding_box.diagonal();
   }
 
-  /// Is it closed, of one piece and clearly of positive volume? Then nothing of it is inside out.
+  /// Returns whether the surface is closed, in one piece, and clearly of positive volume. Then nothing of it is inside
+  /// out.
   bool is_solid() {
     constexpr double kClearly = 1e-9;
     const MeshStatistics& input = summary_.statistics;
@@ -255,9 +259,9 @@ class Preparation {
   InputSummary& summary_;
   RunControl& control_;
   Prepared prepared_;
-  double rounding_ = 0;         ///< model units: how far the rounding of coordinates may move a point
-  double spike_rounding_ = 0;   ///< model units: the same, by the step that the digits allow without proof
-  bool is_as_measured_ = true;  ///< nothing has been mended since
+  double rounding_ = 0;         ///< in model units; how far the rounding of coordinates may move a point
+  double spike_rounding_ = 0;   ///< in model units; the same for the step that the digits allow without proof
+  bool is_as_measured_ = true;  ///< nothing has been mended since the surface was measured
 };
 
 }  // namespace

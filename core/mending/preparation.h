@@ -1,4 +1,4 @@
-/// From the mesh as read to a surface of which every face has a plane, and the tolerance that its coordinates ask for.
+/// Makes a surface whose faces all have planes from the mesh as read, and chooses the plane tolerance.
 #pragma once
 
 #include <cstdint>
@@ -20,18 +20,20 @@
 
 namespace remesh {
 
-/// What the stages after it work on.
+/// The surface on which the later stages work, and what they need to know of it.
 class Prepared {
  public:
   Surface surface;
-  std::vector<FaceId> without_area;  ///< that were left so
-  Vec3 printed_steps = {};           ///< model units, per axis; of decimals that explain the tolerance; 0: none do
+  std::vector<FaceId> without_area;  ///< faces without area that were not dropped
+  /// The steps of decimals that explain the tolerance, per axis and in model units; 0 if none do.
+  Vec3 printed_steps = {};
 
-  /// Of the surface; made when they are asked for and not there.
+  /// Data about the surface. It is computed when it is asked for the first time.
   const Adjacency& adjacency(RunControl& control);
   const FaceGeometries& geometry(RunControl& control);
   const std::vector<VertexId>& pinched(RunControl& control);  ///< see pinched_vertices
-  /// The surface has changed, or nobody is likely to ask for them again: together they are as large as the surface.
+  /// Frees the data. Call it if the surface has changed, or if nobody is likely to ask again: together the data is as
+  /// large as the surface.
   void release() {
     order_ = {};
     adjacency_.reset();
@@ -39,13 +41,13 @@ class Prepared {
     release_geometry();
   }
   void release_geometry() { geometry_ = {}; }
-  /// The same, but the order of the half-edges stays, which is what the check would have to make anew.
+  /// Does the same, but the order of the half-edges stays, because the check would have to compute it again.
   void release_all_but_order() {
     auto order = adjacency_ ? std::move(*adjacency_).take_order() : std::move(order_);
     release();
     order_ = std::move(order);
   }
-  /// The surface's half-edges by (smaller, larger vertex, half-edge), once all else has been released.
+  /// The surface's half-edges by (smaller vertex, larger vertex, half-edge). Available after release_all_but_order().
   std::span<const std::uint32_t> order() const { return order_; }
 
  private:
@@ -55,23 +57,25 @@ class Prepared {
   std::optional<std::vector<VertexId>> pinched_;
 };
 
-/// What is told of the input.
+/// The part of the report that is about the input.
 struct InputSummary {
-  MeshStatistics statistics;   ///< of the mesh as read, its vertices welded
-  double plane_tolerance = 0;  ///< as used, model units
+  MeshStatistics statistics;   ///< those of the mesh as read, after welding its vertices
+  double plane_tolerance = 0;  ///< the tolerance that is used, in model units
   bool plane_tolerance_is_automatic = true;
   double rounding_step = 0;             ///< see Report
-  std::vector<Diagnostic> diagnostics;  ///< the reader's come first
+  std::vector<Diagnostic> diagnostics;  ///< those of the reader come first
 };
 
-/// Mendings that an earlier attempt found to stand in the way.
+/// Mendings that must not be done, because an earlier attempt found that they cause failures.
 struct MendingLimits {
-  std::vector<std::uint8_t> as_it_is;  ///< per input face, or empty: see mend_faces
-  bool is_joining_allowed = true;      ///< false: no T-junction is split and no seam closed, whatever options ask for
+  std::vector<std::uint8_t> as_it_is;  ///< one per input face, or empty; see mend_faces
+  /// If false, no T-junction is split and no seam is closed, whatever the options say.
+  bool is_joining_allowed = true;
 };
 
-/// Welds, measures, chooses the plane tolerance and mends, in this order.
-/// Output:  the surface; and the summary, which has the reader's diagnostics when it comes.
+/// Welds the mesh, measures it, chooses the plane tolerance, and mends the surface, in this order.
+/// Input:   `summary` has the reader's diagnostics.
+/// Output:  the surface, and the rest of `summary`.
 /// Errors:  kEmptyMesh - no face, or none with an area; kInvalidMesh - see weld and mend_faces; kCancelled, kTimeout -
 ///          through `control`.
 /// Cost:    O(n log n).

@@ -10,17 +10,17 @@
 namespace remesh {
 namespace {
 
-/// In model units.
+/// The measures of a face, in model units.
 struct Measures {
-  double longest = 0;             ///< side
-  double shortest = HUGE_VAL;     ///< side
+  double longest = 0;             ///< length of the longest side
+  double shortest = HUGE_VAL;     ///< length of the shortest side
   double height = HUGE_VAL;       ///< twice the area over the longest side
-  double farthest_from_zero = 0;  ///< coordinate
+  double farthest_from_zero = 0;  ///< largest absolute value of a coordinate
 };
 
 double largest(const Vec3& p) { return std::max({std::fabs(p.x), std::fabs(p.y), std::fabs(p.z)}); }
 
-/// Differences of halves do not overflow; in units of the largest of them no product does.
+/// Differences of halved coordinates do not overflow. In units of the largest difference, no product overflows either.
 Measures measures_of(const Surface& surface, FaceId f) {
   const std::span<const VertexId> loop = surface.face(f);
   const auto half = [&](std::size_t i) { return 0.5 * surface.positions[loop[i % loop.size()]]; };
@@ -59,7 +59,7 @@ std::string number_text(double x) {
 }  // namespace
 
 bool is_unresolved(const Surface& surface, FaceId f) {
-  // Some roundings, of the face's own sides and of the mesh's largest coordinates.
+  // This is a few times the rounding error of the face's own sides, and of the mesh's largest coordinates.
   constexpr double kResolved = 0x1p-50;
   const Measures m = measures_of(surface, f);
   const double scale = std::max({m.longest, m.farthest_from_zero, largest(surface.centre), surface.unit});

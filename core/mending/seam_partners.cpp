@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t kBlock = 256;
 
-/// All pairs of edges that could be partners, each once.
+/// All pairs of edges that could be partners. Each pair is listed once.
 struct Candidates {
   std::vector<SeamPair, LeftUnset<SeamPair>> pairs;
   bool is_complete = true;
@@ -36,7 +36,8 @@ Candidates find_candidates(const OpenEdges& open, const SeamRules& rules, RunCon
   const auto blocks =
       map_blocks<std::vector<SeamPair>>(open.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
         std::vector<SeamPair> pairs;
-        // So that what is exactly as far is found, rounding of the middles included.
+        // The radius is a little larger, so that edges at exactly the tolerance are found despite the rounding of the
+        // middles.
         const double radius = tolerance * (1 + 1e-6) + 1e-300;
         for (std::size_t i = begin; i < end && !looks.are_too_many(); ++i) {
           if (!is_worth_a_look(open[i])) continue;
@@ -53,7 +54,7 @@ Candidates find_candidates(const OpenEdges& open, const SeamRules& rules, RunCon
   return {concatenate<SeamPair>(blocks, control), true};
 }
 
-/// Which faces are connected over edges of two faces, or over edges that are each other's partners.
+/// Knows which faces are connected over edges with two faces, or over edges that are each other's partners.
 class Pieces {
  public:
   Pieces(const Surface& surface, const Adjacency& edges, const OpenEdges& open, std::span<const SeamPair> partners,
@@ -87,11 +88,11 @@ class Pieces {
   UnionFind pieces_;
 };
 
-/// What speaks against a pair, or against several.
+/// The reasons against a pair, or against several pairs.
 struct Doubts {
   int alike = 0, across_pieces = 0, across_labels = 0;
-  double behind = 0;  ///< sum of the angles behind the faces
-  double bend = 0;    ///< sum of the squares of the angles by which the surface bends
+  double behind = 0;  ///< the sum of the angles behind the faces
+  double bend = 0;    ///< the sum of the squares of the angles by which the surface bends
 
   void add(const Doubts& other) {
     alike += other.alike;
@@ -102,7 +103,7 @@ struct Doubts {
   }
 };
 
-/// Decides where edges have several that could be their partners.
+/// Chooses partners for edges that have several candidates.
 class Choice {
  public:
   Choice(const Surface& surface, const Adjacency& edges, const OpenEdges& open, std::vector<SeamPair>& chosen,
@@ -113,10 +114,10 @@ class Choice {
         chosen_(chosen),
         check_(control) {}
 
-  /// Input:  groups of pairs: all pairs of edges that are connected by such pairs.
+  /// Input:  groups of pairs. A group has all pairs of edges that are connected by such pairs.
   void run(std::vector<std::span<const SeamPair>> groups) {
-    // What is clear connects pieces, and this may make other groups clear. Groups of one round do not know of each
-    // other, so that their order decides nothing.
+    // Clear choices connect pieces, and this may make other groups clear. The groups of one round do not know of each
+    // other, so their order does not matter.
     constexpr int kMaxRounds = 4;
     bool is_news = true;
     for (int round = 0; round < kMaxRounds && is_news; ++round) {
@@ -132,12 +133,13 @@ class Choice {
   }
 
  private:
-  /// As many edges are paired off in every possible way.
+  /// For up to this many edges, every possible way to pair them is tried.
   static constexpr std::size_t kFew = 8;
   using Joins = std::vector<std::pair<std::pair<VertexId, VertexId>, std::pair<VertexId, VertexId>>>;
 
-  /// Chooses among the pairs of a group, if something speaks for it that is not chance or if it does not have to.
-  /// Output: whether it has.
+  /// Chooses among the pairs of a group. With `has_to_be_clear`, it chooses only if there are better reasons than
+  /// chance.
+  /// Output: whether it has decided.
   bool choose(std::span<const SeamPair> pairs, bool has_to_be_clear) {
     pairs_ = pairs;
     nodes_.clear();
@@ -166,11 +168,11 @@ class Choice {
             open_.angle_behind(p.i, p.j), turn * turn};
   }
 
-  /// One way to pair edges off, as far as it is better or worse than others.
+  /// The properties of one way to pair edges by which it is better or worse than others.
   struct Rank {
     std::size_t unpaired;
     int alike, across_pieces, across_labels;
-    long turns_behind;  ///< whole turns more than another way has
+    long turns_behind;  ///< number of whole turns by which its angles exceed those of the first way
     long bend;          ///< in steps of kBendStep
     double width;
 
@@ -187,7 +189,7 @@ class Choice {
 
   struct Rival {
     Rank rank;
-    std::vector<std::size_t> way;  ///< pairs
+    std::vector<std::size_t> way;  ///< numbers of pairs
   };
 
   Rank rank_of(std::span<const std::size_t> pairs) {
@@ -198,7 +200,7 @@ class Choice {
       width += pairs_[k].fit.width;
     }
     const std::size_t unpaired = nodes_.size() - 2 * pairs.size();
-    // However edges are paired off, if all are, the angles differ by whole turns.
+    // In all ways that pair all edges, the sums of the angles differ only by whole turns.
     long turns = 0;
     if (unpaired == 0 && sum.alike == 0) {
       if (!behind_) behind_ = sum.behind;
@@ -226,7 +228,7 @@ class Choice {
       return true;
     }
     if (has_to_be_clear || best_->unpaired > 0) return false;
-    // As where a surface is there twice. With exact coordinates all would be one edge.
+    // This happens, for example, if a surface is there twice. With exact coordinates, all these edges would be one.
     std::vector<std::size_t> all;
     for (const Rival& rival : rivals_)
       if (!best_->is_clearly_better_than(rival.rank)) all.insert(all.end(), rival.way.begin(), rival.way.end());
@@ -240,8 +242,8 @@ class Choice {
     return static_cast<std::size_t>(std::find(nodes_.begin(), nodes_.end(), node) - nodes_.begin());
   }
 
-  /// Tries the ways to pair off the edges from the k-th on, of which so many were left over before it.
-  /// It calls itself eight times deep at most.
+  /// Tries all ways to pair the edges from number k on. `left_over` edges before it have no partner. The function
+  /// recurses at most eight levels deep.
   void try_from(std::size_t k, std::size_t left_over) {
     while (k < nodes_.size() && is_taken_[k]) ++k;
     check_();
@@ -261,11 +263,12 @@ class Choice {
       way_.pop_back();
       is_taken_[other] = false;
     }
-    // What leaves more edges than the best way is never better.
+    // A way that leaves more edges without a partner than the best one is never better.
     if (!best_ || left_over < best_->unpaired) try_from(k + 1, left_over + 1);
   }
 
-  /// What becomes one, in order. Edges with the same ends are the same edge, whichever of its faces is meant.
+  /// The joins that these pairs make, in order. Edges with the same ends are the same edge, whichever of its faces is
+  /// meant.
   Joins joins_of(std::span<const std::size_t> pairs) const {
     Joins joins;
     for (const std::size_t k : pairs) {
@@ -277,7 +280,7 @@ class Choice {
     return joins;
   }
 
-  /// Whether nothing speaks as much for anything else.
+  /// Returns whether no other result is about as good as the best one.
   bool is_clear() const {
     const Joins joins = joins_of(best_way_);
     return std::all_of(rivals_.begin(), rivals_.end(), [&](const Rival& rival) {
@@ -285,7 +288,7 @@ class Choice {
     });
   }
 
-  /// Takes the best pair of all, and so on; nothing if an edge is left over.
+  /// Takes the best pair of all, then the best of the rest, and so on. Takes none if an edge is left over in the end.
   void choose_one_by_one() {
     std::vector<std::size_t> order(pairs_.size());
     for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
@@ -323,17 +326,17 @@ class Choice {
   std::vector<SeamPair>& chosen_;
   StopCheck check_;
   std::span<const SeamPair> pairs_;
-  std::vector<std::uint32_t> nodes_;  ///< the edges, by where they are
-  std::vector<Doubts> doubts_;        ///< of each pair
+  std::vector<std::uint32_t> nodes_;  ///< the edges, in the order of their places
+  std::vector<Doubts> doubts_;        ///< one per pair
   std::array<std::array<std::size_t, kFew>, kFew> pair_of_{};
   std::array<bool, kFew> is_taken_{};
   std::vector<std::size_t> way_, best_way_;
   std::optional<Rank> best_;
-  std::optional<double> behind_;  ///< the angles of the first way that leaves no edge
-  std::vector<Rival> rivals_;     ///< ways that were about as good as the best so far, itself included
+  std::optional<double> behind_;  ///< the sum of the angles of the first way that pairs all edges
+  std::vector<Rival> rivals_;     ///< the ways that were about as good as the best one so far, and that one itself
 };
 
-/// Takes out the pairs that run the same way and would make a piece one-sided if their ends became one.
+/// Removes the pairs whose edges run the same way and would make a piece one-sided if their ends became one.
 void drop_twisting(const Surface& surface, const Adjacency& edges, const OpenEdges& open, std::vector<SeamPair>& pairs,
                    RunControl& control) {
   if (std::none_of(pairs.begin(), pairs.end(), [](const SeamPair& p) { return p.fit.runs_alike; })) return;
@@ -346,7 +349,7 @@ void drop_twisting(const Surface& surface, const Adjacency& edges, const OpenEdg
     sides.join(sides.of(edges.face_of(around[0])), sides.of(edges.face_of(around[1])),
                edges.from(around[0]) == edges.from(around[1]));
   }
-  // Those that need no face turned over come first, then the long ones.
+  // Pairs that need no face turned over come first, and among equals the long ones.
   sort_stoppable(pairs.begin(), pairs.end(), control, [&](const SeamPair& p, const SeamPair& q) {
     const auto key = [&](const SeamPair& pair) { return std::tuple(pair.fit.runs_alike, -open[pair.i].length); };
     const auto first = [&](const SeamPair& pair) { return open.is_before(pair.i, pair.j) ? pair.i : pair.j; };

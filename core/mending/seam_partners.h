@@ -1,4 +1,4 @@
-/// Which open edges are the two sides of a seam.
+/// Decides which open edges are the two sides of a seam.
 #pragma once
 
 #include <cstdint>
@@ -11,37 +11,38 @@
 
 namespace remesh {
 
-/// When open edges are the two sides of a seam.
+/// The conditions under which open edges are the two sides of a seam.
 struct SeamRules {
-  double tolerance = 0;      ///< local units: what the rounding of the coordinates explains
-  bool takes_alike = false;  ///< also edges that run the same way, as faces will be turned over where that is needed
+  double tolerance = 0;  ///< in local units; the distance that the rounding of the coordinates explains
+  /// Edges that run the same way may also be partners, because faces will be turned over if necessary.
+  bool takes_alike = false;
 };
 
-/// Two open edges, by their numbers, and how they lie beside each other.
+/// Two open edges, by their numbers, and how they lie relative to each other.
 struct SeamPair {
   std::uint32_t i = 0, j = 0;
   Fit fit;
 };
 
 struct SeamPartners {
-  std::vector<SeamPair> pairs;          ///< an edge is in two only where all become one
-  std::vector<std::uint8_t> is_beside;  ///< of each edge, whether another one could be its partner
-  bool is_complete = true;              ///< false: there were too many edges beside each other to look at
+  std::vector<SeamPair> pairs;          ///< an edge is in two pairs only if all edges there become one
+  std::vector<std::uint8_t> is_beside;  ///< one per edge: whether another edge could be its partner
+  bool is_complete = true;              ///< false: too many edges lie beside each other to test them all
 };
 
-/// Pairs off the edges that lie beside each other within the tolerance.
-/// Edges no longer than twice the tolerance, or of faces so thin (kThinFace), have no partners. Where more than two
-/// edges lie beside each other, as where two bodies touch along a seam, that way is chosen which
-/// 1. leaves the fewest without a partner,
-/// 2. has the fewest faces turned over,
-/// 3. joins what is connected already (over edges, or over partners where nothing else was beside these), then what has
-///    one label,
-/// 4. has the least angles behind the faces, that is through the bodies: so bodies that touch stay two,
+/// Pairs the edges that lie beside each other within the tolerance.
+/// Edges no longer than twice the tolerance, and edges of faces so thin (kThinFace), have no partners. More than two
+/// edges may lie beside each other, for example where two bodies touch along a seam. Then it chooses the way that
+/// 1. leaves the fewest edges without a partner,
+/// 2. turns over the fewest faces,
+/// 3. joins what is connected already (over edges, or over partners that had no alternative), and after that what has
+///    the same label,
+/// 4. has the smallest angles behind the faces, that is, through the bodies: so bodies that touch stay two,
 /// 5. bends least.
-/// Where several ways are as good, as where a surface is there twice, all these edges become one, as they would if
-/// coordinates were exact; or if some have no partner, all stay open. An edge that runs the same way as its partner has
-/// none if that would make a piece one-sided.
-/// Cost:    O(b log b) in edges; O(n) more if it takes more than positions to decide.
+/// If several ways are equally good, as where a surface is there twice, all these edges become one, as they would if
+/// coordinates were exact; or if some have no partner, all stay open. An edge that runs the same way as its partner
+/// gets none if that would make a piece one-sided.
+/// Cost:    O(b log b) for b edges; O(n) more if positions alone do not decide.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 SeamPartners find_seam_partners(const Surface& surface, const Adjacency& edges, const OpenEdges& open,
                                 const SeamRules& rules, RunControl& control);

@@ -15,7 +15,7 @@
 namespace remesh {
 namespace {
 
-/// Vertices that become one. Only those at the ends of partners are known here.
+/// Sets of vertices that become one. Only vertices at the ends of partners are in such sets.
 class Clusters {
  public:
   Clusters(const Surface& surface, const JoinedPlaces& joined, std::vector<VertexId> vertices, RunControl& control)
@@ -30,7 +30,7 @@ class Clusters {
     }
   }
 
-  /// Whether all would lie in a box with a diagonal of at most `limit` if both were one.
+  /// Returns whether all vertices of the two clusters together lie in a box with a diagonal of at most `limit`.
   bool can_join(VertexId a, VertexId b, double limit) const {
     Box3 box = clusters_[root(number(a))].box;
     box.add(clusters_[root(number(b))].box);
@@ -48,7 +48,8 @@ class Clusters {
     smaller.parent = first;
   }
 
-  /// Calls visit(vertex, the one that it becomes, the box of all these) for all those in clusters of two or more.
+  /// Calls visit(vertex, the vertex that it becomes, the box of the cluster) for all vertices in clusters of two or
+  /// more.
   template <class Visit>
   void for_each_joined(RunControl& control, const Visit& visit) const {
     StopCheck check(control);
@@ -62,14 +63,14 @@ class Clusters {
  private:
   struct Cluster {
     std::uint32_t parent, size;
-    VertexId least;  ///< of its vertices, the one with the least place
+    VertexId least;  ///< the cluster's vertex with the lexicographically smallest place
     Box3 box;
   };
 
   std::uint32_t number(VertexId v) const {
     return static_cast<std::uint32_t>(std::lower_bound(vertices_.begin(), vertices_.end(), v) - vertices_.begin());
   }
-  // Joined by size: no longer than the logarithm.
+  // Smaller clusters are joined to larger ones, so the path to the root is at most logarithmic.
   std::uint32_t root(std::uint32_t k) const {
     while (clusters_[k].parent != k) k = clusters_[k].parent;
     return k;
@@ -88,7 +89,7 @@ class Closing {
 
   /// Finds which vertices become one. Output: false if none do.
   bool run(std::vector<SeamPair> pairs) {
-    // The nearest first: whoever comes later joins only if the cluster stays within the tolerance.
+    // The nearest pairs come first. A later pair is joined only if its clusters stay within the tolerance.
     sort_stoppable(pairs.begin(), pairs.end(), control_, [&](const SeamPair& a, const SeamPair& b) {
       if (a.fit.width != b.fit.width) return a.fit.width < b.fit.width;
       const auto first = [&](const SeamPair& p) { return open_.is_before(p.i, p.j) ? p.i : p.j; };
@@ -96,8 +97,8 @@ class Closing {
     });
     pairs_ = std::move(pairs);
     choose_pairs();
-    // A pair that is left out makes clusters smaller, which spoils nothing that was sound: at the second look all are
-    // sound.
+    // Leaving out a pair makes clusters smaller, which cannot violate a condition that held before. So after the second
+    // look, all pairs are sound.
     while (!pairs_.empty()) {
       look();
       if (spoilt_.empty()) return true;
@@ -114,13 +115,13 @@ class Closing {
   }
 
   VertexId image(VertexId v) const { return image_[v]; }
-  /// A face at each edge that closes.
+  /// One face for each edge that closes.
   const std::vector<FaceId>& closed() const { return closed_; }
-  /// Whether the edge of an open half-edge closes.
+  /// Returns whether the edge of an open half-edge closes.
   bool is_closed(std::uint32_t half_edge) const {
     return std::binary_search(closed_half_edges_.begin(), closed_half_edges_.end(), half_edge);
   }
-  /// The vertices that others become, and where all these were.
+  /// The vertices that others become, each with the box of the places of all these.
   const std::vector<std::pair<VertexId, Box3>>& boxes() const { return boxes_; }
   double width() const {
     double width = 0;
@@ -129,12 +130,12 @@ class Closing {
   }
 
  private:
-  /// An edge of which an end becomes one with another vertex.
+  /// An edge of which at least one end becomes one with another vertex.
   struct Moved {
-    VertexId low, high;  ///< of its new ends
+    VertexId low, high;  ///< the smaller and the larger of its new ends
     VertexId old_low, old_high;
     std::uint32_t half_edge;
-    bool is_forward;  ///< from low to high
+    bool is_forward;  ///< it runs from low to high
 
     auto ends() const { return std::tuple(low, high); }
     auto old_ends() const { return std::tuple(old_low, old_high); }
@@ -155,7 +156,7 @@ class Closing {
     return Clusters(surface_, joined_, std::move(ends), control_);
   }
 
-  /// The ends of two edges that become one.
+  /// The ends that become one if two edges do.
   std::array<std::pair<VertexId, VertexId>, 2> ends_of(const SeamPair& p) const {
     const OpenEdge &a = open_[p.i], &b = open_[p.j];
     return {{{a.from, p.fit.runs_alike ? b.from : b.to}, {a.to, p.fit.runs_alike ? b.to : b.from}}};
@@ -167,7 +168,7 @@ class Closing {
     StopCheck check(control_);
     const auto is_refused = [&](const SeamPair& p) {
       check();
-      // The edges are longer than any cluster, so that what happens at one end is nothing to the other.
+      // The edges are longer than any cluster, so the clusters at their two ends are independent of each other.
       const double limit = rules_.tolerance * (1 + 1e-9);
       const auto ends = ends_of(p);
       if (std::any_of(ends.begin(), ends.end(),
@@ -182,8 +183,8 @@ class Closing {
     pairs_ = std::move(chosen);
   }
 
-  /// Joins the ends of the pairs and looks at what comes of it: which edges close, and which vertices would spoil
-  /// something.
+  /// Joins the ends of the pairs and looks at the result: which edges close, and which vertices would violate a
+  /// condition.
   void look() {
     Clusters clusters = make_clusters();
     StopCheck check(control_);
@@ -215,7 +216,8 @@ class Closing {
     sort_stoppable(closed_half_edges_.begin(), closed_half_edges_.end(), control_);
   }
 
-  /// The edges of which an end is one with another vertex, in order. Notes what of their faces collapses.
+  /// The edges with an end that becomes one with another vertex, in order. Also notes the vertices of faces that would
+  /// collapse.
   std::vector<Moved> moved_edges() {
     std::vector<Moved> moved;
     StopCheck check(control_);
@@ -233,7 +235,8 @@ class Closing {
         const VertexId from = loop[i], to = loop[i + 1 == loop.size() ? 0 : i + 1];
         if (!is_joined(from) && !is_joined(to)) continue;
         const VertexId a = image_[from], b = image_[to];
-        if (a == b) continue;  // the corner of a polygon that is there twice; or one that collapses has been noted
+        // Either a polygon has the corner twice, or the face collapses and has been noted.
+        if (a == b) continue;
         const auto half_edge = static_cast<std::uint32_t>(surface_.face_begin[f] + i);
         moved.push_back({std::min(a, b), std::max(a, b), std::min(from, to), std::max(from, to), half_edge, a < b});
       }
@@ -242,7 +245,7 @@ class Closing {
     return moved;
   }
 
-  /// Whether a face with joined corners has lost more than corners that repeat their neighbours.
+  /// Returns whether a face with joined corners has lost more than corners that repeat their neighbours.
   bool does_collapse(std::span<const VertexId> loop) {
     loop_.clear();
     for (const VertexId v : loop)
@@ -256,9 +259,10 @@ class Closing {
     return loop.size() == 3 || left < 3 || different < 3;
   }
 
-  /// Input: edges in order. Of those that come to lie on each other, not all of which were one before, each way has to
-  /// have as many as the other: they are the edge of one surface, or of several that touch there, as two bodies do.
-  /// All else would not be a surface.
+  /// Tests the edges that come to lie on each other and were different ones before. As many of them must run one way as
+  /// the other. Then they are the edge of one surface, or of several that touch there, as two bodies do. Anything else
+  /// would not be a surface.
+  /// Input: edges in order.
   void look_at_edges(std::span<const Moved> moved) {
     StopCheck check(control_);
     for (std::size_t begin = 0, end = 0; begin < moved.size(); begin = end) {
@@ -279,8 +283,8 @@ class Closing {
     }
   }
 
-  /// Whether faces may be turned over so that each way has as many: an even number, and if these are two, they are
-  /// known to leave the surface two sides.
+  /// Returns whether faces may be turned over so that as many edges run one way as the other. There must be an even
+  /// number of edges. If there are two, they must be known partners, which leave the surface two-sided.
   bool may_be_turned(std::span<const Moved> group) const {
     if (!rules_.takes_alike || group.size() % 2 != 0) return false;
     const auto is_paired = [&](const Moved& edge) {
@@ -306,10 +310,10 @@ class Closing {
   RunControl& control_;
   std::vector<SeamPair> pairs_;
   std::vector<std::uint32_t> paired_;         ///< half-edges of the pairs, ascending
-  FilledIdVector<VertexId, VertexId> image_;  ///< what each vertex becomes
-  std::vector<std::uint8_t> is_joined_;       ///< with another vertex
+  FilledIdVector<VertexId, VertexId> image_;  ///< the vertex that each vertex becomes
+  std::vector<std::uint8_t> is_joined_;       ///< whether it becomes one with another vertex
   std::vector<std::pair<VertexId, Box3>> boxes_;
-  std::vector<VertexId> spoilt_;  ///< images that must not be
+  std::vector<VertexId> spoilt_;  ///< images of vertices that must not be joined
   std::vector<FaceId> closed_;
   std::vector<std::uint32_t> closed_half_edges_;  ///< ascending
   std::vector<VertexId> loop_;
@@ -327,7 +331,7 @@ Box3 JoinedPlaces::box_of(const Surface& surface, VertexId v) const {
 
 void JoinedPlaces::add(const Surface& surface, const std::vector<std::pair<VertexId, Box3>>& boxes,
                        RunControl& control) {
-  // What was joined again comes first, so that its larger box stays.
+  // Vertices that were joined again come first, so that their larger boxes win.
   std::vector<std::pair<VertexId, Box3>> all;
   StopCheck check(control);
   for (const auto& [v, box] : boxes) {
@@ -364,7 +368,7 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
   }
   Closing closing(surface, edges, open, rules_, places_, control);
   const bool is_any = !partners.pairs.empty() && closing.run(std::move(partners.pairs));
-  // An edge stays one that others lie beside if these have closed without it.
+  // An edge still counts as one that others lie beside if these others have closed without it.
   std::vector<Ends> left_ends;
   for (std::size_t i = 0; i < open.size(); ++i) {
     check();

@@ -1,4 +1,4 @@
-/// Which way pieces of a surface look.
+/// Tracks the relative orientation of the faces in each piece of a surface.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +10,7 @@
 
 namespace remesh {
 
-/// Which faces look the same way, as far as edges tell that they were joined over.
+/// Knows which faces have the same orientation, as far as the edges over which they were joined tell.
 class Sides {
  public:
   explicit Sides(std::size_t faces) : parent_(faces), size_(faces, 1), is_turned_(faces, 0) {
@@ -28,7 +28,7 @@ class Sides {
     return side;
   }
 
-  /// Joins the pieces of two faces, which look opposite ways or not.
+  /// Joins the pieces of two faces. `is_opposite` says whether the two faces look opposite ways.
   void join(Side a, Side b, std::uint8_t is_opposite) {
     if (a.piece == b.piece) return;
     if (size_[a.piece] < size_[b.piece]) std::swap(a, b);
@@ -39,7 +39,7 @@ class Sides {
 
  private:
   std::vector<std::uint32_t> parent_, size_;
-  std::vector<std::uint8_t> is_turned_;  ///< against the parent
+  std::vector<std::uint8_t> is_turned_;  ///< whether a face looks opposite to its parent
 };
 
 }  // namespace remesh

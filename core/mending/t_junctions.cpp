@@ -22,19 +22,21 @@ namespace {
 
 constexpr std::size_t kBlock = 256;
 
-/// So many looks at vertices near open edges, a corner of the surface: of ordinary surfaces it is one or two. Where
-/// edges and vertices lie along one line by the thousand, splitting them would take quadratic time and memory.
+/// The number of tests of vertices near open edges that is allowed per corner of the surface. On ordinary surfaces
+/// there are one or two. If thousands of edges and vertices lie along one line, splitting the edges would take
+/// quadratic time and memory.
 constexpr std::size_t kMaxLooksPerCorner = 4;
 constexpr std::size_t kFewLooks = 4096;
 
-/// Noted on the boxes of the tree: the same in full precision. The tolerance is far less than single precision tells.
+/// The tag of the tree's boxes: the box in full precision. The tolerance is far smaller than single precision can
+/// resolve.
 struct ExactBox {
   Box3 box;
   void join(const ExactBox& other) { box.add(other.box); }
 };
 using VertexTree = BoxTree<ExactBox>;
 
-/// A vertex on an open edge: its place in the edge's order, and how far off.
+/// A vertex on an open edge. `place` is its position along the edge, and `distance` that from the edge.
 struct Junction {
   FaceId face;
   VertexId vertex;
@@ -43,11 +45,11 @@ struct Junction {
   double place = 0;
 };
 
-/// In which order vertices come along an edge. Two edges that run along each other are handed the same vertices and
-/// must have them in the same order, or they meet twisted, as in a Moebius strip. Their directions differ by noise, so
-/// vertices beside each other, as on both sides of a seam, would come in any order: the direction is tilted a little,
-/// the same way for an edge and one that runs back, and decides between these by more than noise. Then the order is
-/// exact, however near vertices are to each other.
+/// The order of vertices along an edge. Two edges that run along each other get the same vertices and must have them in
+/// the same order, or they meet twisted, as in a Moebius strip. The directions of such edges differ by noise, so
+/// vertices beside each other, as on both sides of a seam, would come in any order. Therefore the direction is tilted a
+/// little, the same way for an edge and for one that runs back. The tilt is larger than noise and decides the order of
+/// such vertices. Apart from that, the order is exact, however near vertices are to each other.
 class Order {
  public:
   explicit Order(const Vec3& way) : is_backwards_(dot(way, kTowards) < 0) {
@@ -55,9 +57,9 @@ class Order {
     for (int axis = 0; axis < 3; ++axis) direction_[axis] = std::round(tilted[axis] * kSteps) * (kUnit / kSteps);
   }
 
-  /// A first look, in local units times kUnit.
+  /// The approximate place along the edge, in local units times kUnit.
   double place(const Vec3& p) const { return dot(p, direction_); }
-  /// Whether places are so far apart that rounding did not decide between them.
+  /// Returns whether two places are so far apart that rounding did not decide their order.
   static bool is_clear(double a, double b) { return std::fabs(a - b) > 1e-14 * kUnit; }
 
   bool is_before(const Surface& surface, VertexId p, VertexId q) const {
@@ -66,23 +68,24 @@ class Order {
     };
     const int sign = (along(0) + along(1) + along(2)).sign();
     if (sign != 0) return sign > 0;
-    // Local units may not tell them apart.
+    // Local units may not distinguish the two vertices.
     return is_backwards_ ? surface.positions[q] < surface.positions[p] : surface.positions[p] < surface.positions[q];
   }
 
  private:
-  /// Far more than noise, and so little that only vertices which lie this part of the tolerance apart are swapped.
+  /// The tilt is far more than noise, but so small that it only swaps vertices whose places along the edge differ by at
+  /// most this part of the tolerance.
   static constexpr double kTilt = 1.0 / 64;
-  /// No simple ratios, so that edges at right angles to it are rare.
+  /// The components have no simple ratios, so that edges at right angles to this direction are rare.
   static constexpr Vec3 kTowards{1, 0.7548776662466927, 0.5698402909980532};
-  /// In these steps and units no product underflows, whatever the coordinates.
+  /// With these steps and units no product underflows, whatever the coordinates are.
   static constexpr double kSteps = 0x1p30, kUnit = 0x1p900;
 
   bool is_backwards_;
   Vec3 direction_;
 };
 
-/// Does the segment come within `margin` of the box? Never no by rounding alone if it does by more than that.
+/// Returns whether the segment comes within `margin` of the box. Rounding alone never makes it false.
 bool is_near(const Vec3& a, const Vec3& b, double margin, const Box3& box) {
   double from = 0, to = 1;
   for (int axis = 0; axis < 3; ++axis) {
@@ -99,9 +102,10 @@ bool is_near(const Vec3& a, const Vec3& b, double margin, const Box3& box) {
   return from <= to + kRounding;
 }
 
-/// Is all of the box within `distance` of the place? Monotone in the box, rounding included.
+/// Returns whether all of the box is within `distance` of the place. The result is monotone in the box, even with
+/// rounding.
 bool is_within(const Vec3& place, double distance, const Box3& box) {
-  if (std::fabs(box.min.x - place.x) > distance) return false;  // as nearly always
+  if (std::fabs(box.min.x - place.x) > distance) return false;  // true in nearly all cases
   Vec3 farthest;
   for (int axis = 0; axis < 3; ++axis)
     farthest[axis] = std::max(std::fabs(box.min[axis] - place[axis]), std::fabs(box.max[axis] - place[axis]));
@@ -109,8 +113,8 @@ bool is_within(const Vec3& place, double distance, const Box3& box) {
 }
 
 struct Found {
-  std::vector<Junction> junctions;  ///< by half-edge, in order along it; every vertex once a face
-  bool is_complete = true;          ///< false: there are more
+  std::vector<Junction> junctions;  ///< by half-edge, in order along it; each vertex at most once per face
+  bool is_complete = true;          ///< false if there are more
 };
 
 class Search {
@@ -141,7 +145,7 @@ class Search {
                             std::memory_order_relaxed);
           return junctions;
         });
-    // Where it is more, it is so whatever the order in which edges are looked at.
+    // The count exceeds the limit, or does not, whatever the order in which edges are looked at.
     result.is_complete = looks.load(std::memory_order_relaxed) <= most_looks;
     std::vector<Junction>& all = result.junctions;
     if (result.is_complete)
@@ -152,7 +156,7 @@ class Search {
     sort_stoppable(all.begin(), all.end(), control_,
                    [&](const Junction& a, const Junction& b) { return key(a) < key(b); });
     drop_own_vertices(all);
-    // On the nearest edge only, if a face has several such.
+    // If a face has several edges near a vertex, only the nearest one gets it.
     all.erase(
         std::unique(all.begin(), all.end(),
                     [](const Junction& a, const Junction& b) { return a.face == b.face && a.vertex == b.vertex; }),
@@ -184,8 +188,8 @@ class Search {
 
   Vec3 way(std::uint32_t h) const { return surface_.local[edges_.to(h)] - surface_.local[edges_.from(h)]; }
 
-  /// Calls visit(junction) for the vertices on an edge, those of its own face included. Returns how many were looked
-  /// at.
+  /// Calls visit(junction) for the vertices on an edge, including those of its own face. Returns how many vertices were
+  /// looked at.
   template <class Visit>
   std::size_t find_on(std::uint32_t h, const VertexTree& tree, const Visit& visit) const {
     const Vec3 a = surface_.local[edges_.from(h)], b = surface_.local[edges_.to(h)];
@@ -214,7 +218,8 @@ class Search {
     return looks;
   }
 
-  /// Those found until there were more looks than are allowed: the same ones whatever threads have looked at.
+  /// The junctions that are found until there are more tests than allowed. They are the same whatever the threads have
+  /// tested.
   std::vector<Junction> find_first(const VertexTree& tree, std::size_t most_looks) const {
     std::vector<Junction> junctions;
     std::size_t looks = 0;
@@ -225,7 +230,7 @@ class Search {
     return junctions;
   }
 
-  /// Those that lie on an edge of a face that has them. Input:  sorted by face.
+  /// Removes junctions whose vertex is a corner of the edge's face. Input: sorted by face.
   void drop_own_vertices(std::vector<Junction>& junctions) const {
     std::vector<VertexId> corners;
     FaceId last;
@@ -249,15 +254,15 @@ class Search {
   const std::vector<std::uint8_t>& as_it_is_;
   RunControl& control_;
   std::vector<std::uint32_t> open_;  ///< half-edges
-  std::vector<VertexId> vertices_;   ///< of the open boundary
+  std::vector<VertexId> vertices_;   ///< vertices of the open boundary
 };
 
-/// The surface with its open edges split, and what came of it.
+/// The surface's faces with their open edges split.
 struct Split {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   FaceList faces;
-  std::vector<std::uint32_t> junction_of;  ///< of each corner, kNone for those that the face had
+  std::vector<std::uint32_t> junction_of;  ///< one per corner; kNone for corners that the face had before
 
   Split(const Surface& surface, const std::vector<Junction>& junctions, RunControl& control) {
     std::vector<VertexId> loop;
@@ -279,9 +284,9 @@ struct Split {
   }
 };
 
-/// Finds the vertices that would join faces so that a piece with two sides had one only, or that would have faces
-/// turned over for an edge too short to tell which way they look.
-/// Output: a junction for each new edge that does; empty as good as always.
+/// Finds two kinds of vertices: those that would join faces so that a two-sided piece becomes one-sided, and those that
+/// would make faces turn over because of an edge that is too short to tell which way they look.
+/// Output: a junction for each new edge that does this; empty in nearly all cases.
 std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Split& split,
                                               const std::vector<Junction>& junctions, double tolerance,
                                               RunControl& control) {
@@ -300,7 +305,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
         return around.size() == 2 && runs_one_way(around) && (is_new(around[0]) || is_new(around[1]));
       }))
     return {};
-  // First what the surface says by itself, then the new edges, the long ones before the short ones.
+  // The edges that were there before come first, then the new ones, the long ones before the short ones.
   Sides sides(split.faces.face_count());
   std::vector<std::pair<double, EdgeId>> new_edges;
   for (std::uint32_t e = 0; e < edges.edge_count(); ++e) {
@@ -327,7 +332,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
       sides.join(a, b, is_opposite);
       continue;
     }
-    // Of the vertices that made it the one that lies furthest off its edge.
+    // Among the vertices that made the edge, the one furthest away from its original edge is chosen.
     std::uint32_t worst = Split::kNone;
     for (const std::uint32_t h : around)
       for (const std::uint32_t j : of_edge(h))
@@ -372,7 +377,7 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
   }
   Split split(surface, junctions, control);
   std::vector<Junction> left;
-  // What one vertex spoils another may mend or spoil anew; where that goes on and on, all are left.
+  // If one vertex is left out, another may become harmless or harmful. If this does not end, no vertex is inserted.
   constexpr int kMaxPasses = 16;
   for (int pass = 0;; ++pass) {
     const auto twisting = twisting_junctions(surface, split, junctions, tolerance, control);

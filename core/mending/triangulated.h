@@ -11,26 +11,26 @@
 
 namespace remesh {
 
-/// A surface's faces as triangles, polygons split by split_polygon, less their spikes. Looks into the surface: where
-/// that has nothing but triangles, they are its own.
+/// The faces of a surface as triangles. Polygons are split by split_polygon, without their spikes. If the surface has
+/// only triangles, this refers to them and does not copy them.
 class Triangulated {
  public:
-  /// The tolerance is in local units. A surface that has been mended has no spikes, and needs none.
+  /// The tolerance is in local units. A mended surface has no spikes, and needs no tolerance.
   explicit Triangulated(const Surface& surface, RunControl& control, double tolerance = 0);
 
-  /// Has the surface other polygons?
+  /// Returns whether the surface has polygons other than triangles.
   bool are_split() const { return are_split_; }
   std::size_t size() const { return corners().size() / 3; }
-  /// Three a triangle.
+  /// The corners of the triangles, three each.
   std::span<const VertexId> corners() const { return are_split() ? std::span(corners_) : surface_->corners.items(); }
   Triangle triangle(std::size_t t) const { return {corners()[3 * t], corners()[3 * t + 1], corners()[3 * t + 2]}; }
-  /// The face that a triangle is of; ascending.
+  /// The face to which a triangle belongs. Ascending in t.
   FaceId face(std::size_t t) const { return are_split() ? face_[t] : FaceId(t); }
   /// The first triangle of a face.
   std::size_t first_of(FaceId f) const;
-  /// By how much the triangles' area is more than the faces'. A flat polygon that crosses itself has the area that its
-  /// outline winds around, counted with its sign (Newell); the fan that stands for it covers more. One that is not flat
-  /// has no other area than its triangles have. In local units.
+  /// The area of the triangles minus the area of the faces, in local units. A flat polygon that crosses itself has the
+  /// area around which its outline winds, counted with its sign (Newell), while the fan that stands for it covers more.
+  /// A polygon that is not flat has no area but that of its triangles.
   double excess_area() const { return excess_area_; }
 
  private:

@@ -31,16 +31,17 @@ struct Indexed {
   }
 };
 
-/// By vertex of the input; nothing for one that no face uses.
+/// One entry per input vertex. The entries of vertices that no face uses are not set.
 using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
 
 /// Finds, for each vertex that is used, the first one with its coordinates.
-/// Output: false if that takes too long: someone has chosen coordinates that collide. Sorting takes its time always.
+/// Output: false if that takes too long, because someone has chosen coordinates that collide. Sorting always takes a
+///         bounded time.
 bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::vector<std::uint8_t>& is_used,
                         Numbers& stands_for, RunControl& control) {
   constexpr std::uint64_t kFree = 0xffffffffffffffffu;
-  constexpr std::size_t kMaxLooks = 16;  // a vertex, on average
-  // Adding 0 makes -0 0, which it equals.
+  constexpr std::size_t kMaxLooks = 16;  // per vertex, on average
+  // Adding 0 turns -0 into 0, which it equals.
   const auto hash = [](const Vec3& p) {
     std::uint64_t h = 0;
     for (const double c : {p.x, p.y, p.z}) {
@@ -49,9 +50,9 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
     }
     return h;
   };
-  // All threads fill one table, of vertices behind the upper halves of their hashes: these tell most others apart,
-  // whose places are far off in memory. Which slot a place gets depends on them; that its first vertex stays in it does
-  // not.
+  // All threads fill one table. An entry is a vertex and the upper half of its hash, which distinguishes it from most
+  // others; to compare coordinates would mean to read memory far away. The slot that a place gets depends on the
+  // threads. That the first vertex at the place ends up in this slot does not.
   std::vector<std::uint64_t, LeftUnset<std::uint64_t>> table(std::bit_ceil(2 * positions.size() + 1));
   for_blocks(table.size(), kItemsPerBlock, control,
              [&](std::size_t begin, std::size_t end) { std::fill_n(&table[begin], end - begin, kFree); });
@@ -72,7 +73,8 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
   };
   for_blocks(positions.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     std::size_t looks = 0;
-    // Some at once: the table is large, so that each slot takes its time to come.
+    // Several vertices are handled at once, because the table is large, and it takes time until a slot arrives from
+    // memory.
     std::array<std::uint64_t, 16> hashes;
     for (std::size_t i = begin; i < end && !is_colliding; begin = i) {
       const std::size_t stop = std::min(end, begin + hashes.size());
@@ -94,22 +96,22 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
   return true;
 }
 
-/// A grid of cells as wide as the weld tolerance twice. An axis of a cell is a whole number. Where coordinates are so
-/// large that no other one is within the tolerance, it is the coordinate itself.
+/// A grid of cells that are twice as wide as the weld tolerance. Each axis of a cell is a whole number. If a coordinate
+/// is so large that no other one is within the tolerance, it is the coordinate itself.
 class Grid {
  public:
   using Cell = std::array<double, 3>;
 
   explicit Grid(double tolerance) : reach_(tolerance * (1 + 1e-15)), width_(2 * tolerance) {}
 
-  // Adding 0 makes -0 0.
+  // Adding 0 turns -0 into 0.
   Cell cell_of(const Vec3& p) const {
     Cell cell;
     for (int axis = 0; axis < 3; ++axis) cell[axis] = (is_alone(p[axis]) ? p[axis] : number_of(p[axis])) + 0.0;
     return cell;
   }
 
-  /// Calls visit(cell) for the cells that have something within the tolerance of a place, for each once.
+  /// Calls visit(cell) once for each cell that may have something within the tolerance of a place.
   template <class Visit>
   void for_each_near(const Vec3& p, const Visit& visit) const {
     const Axis x = near(p.x), y = near(p.y), z = near(p.z);
@@ -119,8 +121,8 @@ class Grid {
   }
 
  private:
-  /// Two numbers nearly always. Rounding makes it three where a place is in the middle of its cell, and more where
-  /// coordinates have hardly more digits than the tolerance.
+  /// There are two numbers in nearly all cases. Rounding makes three if a place is in the middle of its cell, and more
+  /// if coordinates have hardly more digits than the tolerance.
   static constexpr int kMaxNumbers = 5;
   struct Axis {
     std::array<double, kMaxNumbers> numbers;
@@ -145,7 +147,8 @@ class Grid {
   double reach_, width_;
 };
 
-/// Finds the list of a cell by a hash of it. Coordinates may have been chosen so that all cells have one hash.
+/// Finds the list of a cell by the cell's hash. Someone may have chosen the coordinates so that all cells have the same
+/// hash.
 class HashedCells {
  public:
   static constexpr bool kMayCollide = true;
@@ -166,7 +169,7 @@ class HashedCells {
   std::size_t mask_;
 };
 
-/// Finds the list of a cell by a search among all cells in order. That takes longer than a hash, and never much longer.
+/// Finds the list of a cell by a search among all cells in order. This takes longer than a hash, but never much longer.
 class SortedCells {
  public:
   static constexpr bool kMayCollide = false;
@@ -182,7 +185,7 @@ class SortedCells {
     cells_.erase(std::unique(cells_.begin(), cells_.end()), cells_.end());
   }
 
-  /// The last list is that of all cells without a place.
+  /// The number of lists. The last one is that of all cells without a place.
   std::size_t count() const { return cells_.size() + 1; }
   std::size_t operator[](const Grid::Cell& cell) const {
     const auto at = std::lower_bound(cells_.begin(), cells_.end(), cell);
@@ -193,8 +196,8 @@ class SortedCells {
   std::vector<Grid::Cell> cells_;
 };
 
-/// Welding within a tolerance. Those that others stand for are further apart than the tolerance, so there are few of
-/// them in a cell, and few cells are within reach.
+/// Welds within a tolerance. The vertices that others become are further apart than the tolerance, so each cell has
+/// only a few of them, and only a few cells are within reach.
 template <class Cells>
 class NearWelding {
  public:
@@ -206,7 +209,7 @@ class NearWelding {
     next_.assign(places.size(), kNone);
   }
 
-  /// Output: false, and nothing of use, if lists turned out so long that this would take quadratic time.
+  /// Output: false, without a usable result, if lists are so long that this would take quadratic time.
   bool run(Numbers& stands_for, Diagnostic& wide) {
     for (std::uint32_t i = 0; i < places_.size(); ++i) {
       const Near near = find_near(i);
@@ -227,15 +230,16 @@ class NearWelding {
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffffu;
-  /// Around a place that is looked at, on average. Places a tolerance apart fill eight cells with some sixty.
+  /// The number of vertices that are looked at around a place, on average. Places one tolerance apart fill eight cells
+  /// with some sixty vertices.
   static constexpr std::size_t kMaxLooks = 128, kFewLooks = 1 << 20;
 
   struct Near {
-    std::uint32_t first = 0;  ///< the smallest
+    std::uint32_t first = 0;  ///< the smallest number
     std::uint32_t count = 0;
   };
 
-  /// Those within the tolerance that others stand for.
+  /// Finds the vertices within the tolerance that others become.
   Near find_near(std::uint32_t i) {
     const Vec3 p = places_[i].position;
     Near near;
@@ -243,7 +247,7 @@ class NearWelding {
       for (std::uint32_t other = heads_[cells_[cell]]; other != kNone && !has_too_many_looks(); other = next_[other]) {
         check_();
         ++looks_;
-        // Cells of one list would count a vertex twice.
+        // Two cells with the same list would count a vertex twice otherwise.
         if (!(norm(places_[other].position - p) <= tolerance_) || grid_.cell_of(places_[other].position) != cell)
           continue;
         near.first = near.count == 0 ? other : std::min(near.first, other);
@@ -262,13 +266,13 @@ class NearWelding {
   const Cells& cells_;
   StopCheck check_;
   std::size_t looks_ = 0;
-  // Lists that are freed at once, however many they are: the last vertex of each, and behind each vertex the one before
-  // it.
+  // Linked lists in two arrays, which are freed at once however many lists there are: the last vertex of each list, and
+  // for each vertex the one before it.
   std::vector<std::uint32_t> heads_;
   std::vector<std::uint32_t> next_;
 };
 
-/// Welds places, pairwise different and in lexicographic order, within a tolerance.
+/// Welds places within a tolerance. They are pairwise different and in lexicographic order.
 void weld_near(std::span<const Indexed> places, double tolerance, Numbers& stands_for, Diagnostic& wide,
                RunControl& control) {
   const Grid grid(tolerance);
@@ -278,7 +282,7 @@ void weld_near(std::span<const Indexed> places, double tolerance, Numbers& stand
     wide = std::move(found);
     return;
   }
-  // What was welded so far is forgotten.
+  // The welds of the first attempt are undone.
   StopCheck check(control);
   for (const Indexed& place : places) {
     check();
@@ -301,7 +305,7 @@ std::string place_text(const Vec3& p) {
   return "(" + number_text(p.x) + ", " + number_text(p.y) + ", " + number_text(p.z) + ")";
 }
 
-/// Names a vertex by its number in the input, and where it is.
+/// An error that names a vertex, by its number in the input, and its place.
 Error out_of_range(const Surface& surface, std::size_t v, const std::string& message) {
   const std::uint32_t number = surface.vertex_source[VertexId(v)].value;
   return Error(Code::kCoordinateRange, Stage::kWeld,
@@ -309,7 +313,7 @@ Error out_of_range(const Surface& surface, std::size_t v, const std::string& mes
       .at_element(number);
 }
 
-/// Names the first vertex that is so far from the origin: of a box as large, some vertex is.
+/// Reports the first vertex that is too far from the origin. If the box is too large, there is one.
 [[noreturn]] void throw_too_large(const Surface& surface) {
   std::size_t v = 0;
   const auto is_far = [&](const Vec3& p) {
@@ -322,7 +326,7 @@ Error out_of_range(const Surface& surface, std::size_t v, const std::string& mes
       "from the middle of the mesh. Scale the mesh down, or correct the vertex that lies far off");
 }
 
-/// Names the vertex that lies farthest from where most are, along the mesh.
+/// Reports the vertex that is farthest from the median along the mesh's longest axis.
 [[noreturn]] void throw_too_narrow(const Surface& surface, int axis, double length, double width) {
   const std::size_t n = surface.vertex_count();
   std::vector<double> along(n);
@@ -341,13 +345,13 @@ Error out_of_range(const Surface& surface, std::size_t v, const std::string& mes
           "no result can be proven for it. Correct the vertex that lies far off, or leave its faces out");
 }
 
-/// Of the box's sides the longest and the second longest.
+/// Throws if the box's second longest side is too short relative to its longest side.
 void refuse_lines(const Surface& surface, const Box3& box) {
-  // Halves do not overflow.
+  // Differences of halves do not overflow.
   const Vec3 half = 0.5 * box.max - 0.5 * box.min;
   std::array<double, 3> sides{half.x, half.y, half.z};
   std::sort(sides.begin(), sides.end());
-  // Exactly on a line along an axis there are faces without area only, which is told later.
+  // If all vertices are exactly on a line along an axis, there are only faces without area, which is reported later.
   if (sides[1] == 0 || sides[1] >= CoordinateRange::kNarrowest * sides[2]) return;
   const int axis = half.x == sides[2] ? 0 : half.y == sides[2] ? 1 : 2;
   throw_too_narrow(surface, axis, 2 * sides[2], 2 * sides[1]);
@@ -368,9 +372,9 @@ void set_local_units(Surface& surface, RunControl& control) {
   int exponent = 0;
   const double largest = std::max({half.x, half.y, half.z});
   std::frexp(largest, &exponent);
-  // Frames are up to twice as large, and have to be numbers still.
+  // Frames are up to twice as large, and must not overflow either.
   if (exponent > std::ilogb(CoordinateRange::kFarthest)) throw_too_large(surface);
-  // Doubles below that have ever fewer digits, too few for points in a plane.
+  // Smaller doubles have ever fewer digits, too few for points in a plane.
   if (largest < CoordinateRange::kSmallest && box.min != box.max)
     throw out_of_range(surface, 0,
                        "the mesh is too small to compute with: all its vertices are less than 2^-1022 (2.2e-308) away "
@@ -384,10 +388,11 @@ void set_local_units(Surface& surface, RunControl& control) {
   });
 }
 
-/// Vertices in the input's order, each where the first of those comes that are welded to it.
+/// The vertices after welding. They are in the input's order, each at the place of the first vertex that is welded to
+/// it.
 struct Welded {
-  FilledIdVector<VertexId, VertexId> source;  ///< in the input
-  Numbers of_input;                           ///< which of them one of the input is
+  FilledIdVector<VertexId, VertexId> source;  ///< number in the input
+  Numbers of_input;                           ///< for each input vertex, the welded one
 };
 
 Welded number_welded(const std::vector<std::uint8_t>& is_used, const Numbers& stands_for, Diagnostic& duplicate,
@@ -398,7 +403,7 @@ Welded number_welded(const std::vector<std::uint8_t>& is_used, const Numbers& st
   for (std::uint32_t i = 0; i < is_used.size(); ++i) {
     check();
     if (!is_used[i]) continue;
-    // With a tolerance, of two vertices with equal coordinates the first knows for which it stands.
+    // With a tolerance, if two vertices have equal coordinates, the first one knows which vertex both become.
     const std::uint32_t one = stands_for[stands_for[i]];
     if (one != i) duplicate.add(i);
     if (welded.of_input[one] == VertexId::kInvalid) {
@@ -410,7 +415,7 @@ Welded number_welded(const std::vector<std::uint8_t>& is_used, const Numbers& st
   return welded;
 }
 
-/// Whether all vertices are used, and none stands for another one.
+/// Returns whether all vertices are used, and none becomes another one.
 bool are_all_single(const std::vector<std::uint8_t>& is_used, const Numbers& stands_for, RunControl& control) {
   const auto are_single = map_blocks<std::uint8_t>(is_used.size(), kItemsPerBlock, control,
                                                    [&](std::size_t begin, std::size_t end) -> std::uint8_t {
@@ -476,7 +481,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
   for_blocks(faces, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) surface.face_source[FaceId(f)] = FaceId(f);
   });
-  if (are_all_single(is_used, stands_for, control)) {  // as most often
+  if (are_all_single(is_used, stands_for, control)) {  // the usual case
     surface.positions = CopyOnWrite<VertexId, Vec3>::of(input.positions.items());
     surface.corners = CopyOnWrite<std::size_t, VertexId>::of(input.corners);
     surface.vertex_source = FilledIdVector<VertexId, VertexId>::of_size(n);

@@ -16,7 +16,7 @@
 namespace remesh {
 namespace {
 
-/// The edges with two faces that look opposite ways: their first half-edges.
+/// The first half-edges of edges that have two faces which look opposite ways.
 std::vector<std::uint32_t> inconsistent_edges(const Adjacency& edges, RunControl& control) {
   std::vector<std::uint32_t> first;
   StopCheck check(control);
@@ -53,7 +53,7 @@ class Unifying {
   Unifying(const Surface& surface, const Adjacency& edges, RunControl& control)
       : surface_(surface), edges_(edges), control_(control), side_(surface.face_count(), kUnknown) {}
 
-  /// Puts each piece that one of these edges is in right.
+  /// Winds each piece consistently that has one of these edges.
   void run(const std::vector<std::uint32_t>& inconsistent) {
     is_turned.assign(surface_.face_count(), 0);
     for (const std::uint32_t h : inconsistent) {
@@ -67,12 +67,12 @@ class Unifying {
   }
 
   std::vector<std::uint8_t> is_turned;
-  std::vector<FaceId> one_sided;  ///< the first face of each piece that cannot be wound
+  std::vector<FaceId> one_sided;  ///< the first face of each piece that cannot be wound consistently
 
  private:
   static constexpr std::uint8_t kUnknown = 2;
 
-  /// Gives every face of a piece its side, the seed 0. Output: whether that is possible.
+  /// Gives every face of a piece its side. The seed has side 0. Output: whether the sides are consistent.
   bool walk(FaceId seed) {
     bool is_possible = true;
     piece_.assign(1, seed);
@@ -109,7 +109,7 @@ class Unifying {
     struct Side {
       double area = 0;
       std::size_t faces = 0;
-      Vec3 place{HUGE_VAL, HUGE_VAL, HUGE_VAL};  ///< decides between equals, whatever the order of the input
+      Vec3 place{HUGE_VAL, HUGE_VAL, HUGE_VAL};  ///< decides between equals, independently of the input's order
     };
     std::array<Side, 2> sides;
     StopCheck check(control_);

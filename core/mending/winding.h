@@ -1,4 +1,4 @@
-/// Which way faces look: the same way over each edge, and closed shells the way they should.
+/// Makes faces look the right way: the same way over each edge, and outwards or inwards as closed shells should.
 #pragma once
 
 #include <cstdint>
@@ -13,10 +13,11 @@
 
 namespace remesh {
 
-/// Turns faces over so that neighbours look the same way, piece by piece; pieces are connected over edges with two
-/// faces. In each the faces of less area turn. A piece for which there is no such way (a Moebius strip) stays as it is.
-/// Output:  counts inconsistent_winding: with Mend::kYes the faces turned, and the pieces that stay (one face of each);
-///          else the edges whose two faces look opposite ways (their first faces).
+/// Turns faces over so that neighbours look the same way. It works piece by piece, where pieces are connected over
+/// edges with two faces. In each piece, the faces of smaller total area turn. A piece that cannot be wound consistently
+/// (a Moebius strip) stays as it is.
+/// Output:  counts inconsistent_winding. With Mend::kYes, counts the faces that turned, and the pieces that stay (one
+///          face of each); otherwise the edges whose two faces look opposite ways (the first face of each).
 /// Returns: whether the surface changed.
 /// Cost:    O(n).
 bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
@@ -25,17 +26,18 @@ bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vec
 /// The faces of the closed shells that look the wrong way.
 struct InsideOutFaces {
   std::vector<std::uint8_t> is_inside_out;  ///< by face; empty if none is
-  std::vector<FaceId> first;                ///< a face of each such shell
+  std::vector<FaceId> first;                ///< one face of each such shell
 };
 
-/// Finds the closed shells that look the wrong way (geometry/inside_out.h). Polygons are judged as what they cover.
-/// Input:   `labels`: those of the input that the surface came from.
+/// Finds the closed shells that look the wrong way (geometry/inside_out.h). Polygons are judged by the triangles that
+/// cover them.
+/// Input:   `labels` are those of the input from which the surface came.
 InsideOutFaces find_inside_out_faces(const Surface& surface, const Adjacency& edges, const FaceLabels& labels,
                                      RunControl& control);
 
-/// Finds them, and turns them over.
-/// Input:   `labels`: those of the input that the surface came from.
-/// Output:  counts inside_out, the shells; elements are the first face of each.
+/// Finds the closed shells that look the wrong way, and turns them over.
+/// Input:   `labels` are those of the input from which the surface came.
+/// Output:  counts the shells as inside_out; elements are the first face of each.
 /// Returns: whether the surface changed.
 bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels& labels, Mend mend,
                      std::vector<Diagnostic>& diagnostics, RunControl& control);

@@ -17,14 +17,15 @@
 namespace remesh {
 namespace {
 
-/// Vertices whose edges are put in order in one go.
+/// The number of vertices whose edges are sorted together.
 constexpr std::size_t kVertices = 1024;
 
-/// A hub has millions of edges: work on them looks for a stop after so many.
+/// A single vertex may have millions of edges. Work on them checks for cancellation once in this many.
 constexpr std::size_t kBetweenChecks = 1 << 16;
 
-/// Whether the keys, of the half-edges from a vertex to larger ones and of those to it, in order, are those of as many
-/// edges of two half-edges each.
+/// Returns whether all edges between a vertex and larger ones have two half-edges in opposite directions. `forward` has
+/// the keys, in order, of the half-edges that run from the vertex to larger ones, and `backward` those of the
+/// half-edges that run to it.
 bool are_pairs(std::span<const std::uint64_t> forward, std::span<const std::uint64_t> backward) {
   if (forward.size() != backward.size()) return false;
   for (std::size_t i = 0; i < forward.size(); ++i)
@@ -52,7 +53,8 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
     });
   }
 
-  // First by parts of so many smaller vertices, then each part for itself.
+  // The half-edges are first grouped into parts of `kVertices` smaller vertices each. Then each part is sorted on its
+  // own.
   const std::size_t parts = (vertex_count + kVertices - 1) / kVertices;
   Grouping by_part = group_by(
       corners.size(), parts, [&](std::uint32_t h) { return smaller(h).value / kVertices; }, control);
@@ -66,7 +68,7 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
     const std::uint32_t begin = by_part.begin[part], end = by_part.begin[part + 1];
     edges_before[part + 1] = sort_part(part * kVertices, std::span(half_edges_).subspan(begin, end - begin), control);
   });
-  // How many edges are before each part is known now.
+  // After the sum, each entry is the number of edges before its part.
   std::partial_sum(edges_before.begin(), edges_before.end(), edges_before.begin());
   edge_begin_.resize(edges_before.back() + 1);
   edge_begin_.back() = static_cast<std::uint32_t>(corners.size());
@@ -76,13 +78,15 @@ Adjacency::Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> fa
     odd_edges_.insert(odd_edges_.end(), of_part.begin(), of_part.end());
 }
 
-/// Puts half-edges, ascending, whose smaller vertices are the kVertices from `first` on in the order of their edges,
-/// and finds their twins. Returns how many edges they are.
+/// Sorts half-edges in the order of their edges, and finds their twins. They are ascending, and their smaller vertices
+/// are among the kVertices from `first` on. Returns the number of their edges.
 std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> half_edges, RunControl& control) {
-  // A counting sort by the smaller vertex and by direction, then a small sort by the larger vertex within each bucket.
+  // This is a counting sort by the smaller vertex and by direction, and then a small sort by the larger vertex in each
+  // bucket.
   std::array<std::uint32_t, 2 * kVertices + 1> place{};
   using Keys = std::vector<std::uint64_t, LeftUnset<std::uint64_t>>;
-  Keys gathered(half_edges.size()), keys(half_edges.size());  // the larger vertex and the half-edge
+  // A key has the larger vertex in its upper half and the half-edge in its lower half.
+  Keys gathered(half_edges.size()), keys(half_edges.size());
   std::vector<std::uint16_t, LeftUnset<std::uint16_t>> bucket(half_edges.size());
   static_assert(2 * kVertices <= 1 << 16);
   for (std::size_t i = 0; i < half_edges.size(); ++i) {
@@ -106,7 +110,7 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> h
     const auto forward = sorted.subspan(begin, middle - begin), backward = sorted.subspan(middle, end - middle);
     put_in_order(all.subspan(begin, forward.size()), forward, control);
     put_in_order(all.subspan(middle, backward.size()), backward, control);
-    if (are_pairs(forward, backward)) {  // as most often
+    if (are_pairs(forward, backward)) {  // the usual case
       for (std::size_t i = 0; i < forward.size(); ++i) {
         const auto g = static_cast<std::uint32_t>(forward[i]), h = static_cast<std::uint32_t>(backward[i]);
         half_edges[begin + 2 * i] = std::min(g, h);
@@ -128,7 +132,7 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> h
   return edges;
 }
 
-/// Takes down the half-edges of an edge, by their keys, and which of them are twins.
+/// Stores the half-edges of one edge, given by their keys, and whether they are twins.
 void Adjacency::join_edge(std::span<const std::uint64_t> edge, std::uint32_t* half_edges) {
   for (std::size_t i = 0; i < edge.size(); ++i) {
     half_edges[i] = static_cast<std::uint32_t>(edge[i]);
@@ -139,7 +143,8 @@ void Adjacency::join_edge(std::span<const std::uint64_t> edge, std::uint32_t* ha
   twin_[half_edges[1]] = half_edges[0];
 }
 
-/// Of the half-edges from `begin` to `end`, whose first edge is `edge`. Returns those without twins.
+/// Sets where each edge begins, for the half-edges from `begin` to `end`, whose first edge is number `edge`. Returns
+/// the edges without twins.
 std::vector<EdgeId> Adjacency::number_edges(std::uint32_t edge, std::uint32_t begin, std::uint32_t end,
                                             RunControl& control) {
   const auto is_same = [&](std::uint32_t g, std::uint32_t h) {
@@ -150,7 +155,7 @@ std::vector<EdgeId> Adjacency::number_edges(std::uint32_t edge, std::uint32_t be
     if (edge % kBetweenChecks == 0) control.check();
     edge_begin_[edge] = begin;
     next = begin + 2;
-    if (twin_[half_edges_[begin]] != kNone) continue;  // as most have: the two are all
+    if (twin_[half_edges_[begin]] != kNone) continue;  // the usual case: the edge has just these two half-edges
     for (next = begin + 1; next < end && is_same(half_edges_[begin], half_edges_[next]);) ++next;
     odd.push_back(EdgeId(edge));
   }

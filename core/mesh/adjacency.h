@@ -1,4 +1,4 @@
-/// Which faces share which edges; edges may have one, two or more faces.
+/// Finds which faces share which edges. An edge may have one, two or more faces.
 #pragma once
 
 #include <algorithm>
@@ -17,11 +17,11 @@ struct EdgeTag {
 };
 using EdgeId = Id<EdgeTag>;
 
-/// Edges of a polygon mesh, grouped from its half-edges. A half-edge is a corner: it runs from that corner to the next
-/// one of its face, and its number is the corner's index in `corners`.
+/// The edges of a polygon mesh, found by grouping its half-edges. A half-edge runs from a corner of a face to that
+/// face's next corner, and its number is the index of its first corner in `corners`.
 class Adjacency {
  public:
-  /// Output: edges ordered by (smaller vertex, larger vertex); the half-edges of an edge ascending.
+  /// Output: the edges are ordered by (smaller vertex, larger vertex), and the half-edges of an edge are ascending.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   O(n) for vertices of bounded degree, O(n log n) at worst; on the caller's TBB arena.
   Adjacency(std::size_t vertex_count, std::span<const std::uint32_t> face_begin, std::span<const VertexId> corners,
@@ -29,29 +29,31 @@ class Adjacency {
 
   bool are_triangles() const { return are_triangles_; }
   std::size_t edge_count() const { return edge_begin_.size() - 1; }
-  /// The corners that run along edge e, in either direction: one a face (two where a polygon meets itself).
+  /// The half-edges of edge e, in either direction. There is one for each of its faces (two if a polygon meets itself
+  /// there).
   std::span<const std::uint32_t> half_edges(EdgeId e) const {
     return std::span(half_edges_).subspan(edge_begin_[e.value], edge_begin_[e.value + 1] - edge_begin_[e.value]);
   }
-  /// All half-edges in the order of their edges. The adjacency is of no use afterwards.
+  /// Moves out all half-edges, in the order of their edges. The adjacency is of no use afterwards.
   std::vector<std::uint32_t, LeftUnset<std::uint32_t>> take_order() && { return std::move(half_edges_); }
-  /// The edges without twins, ascending: all but those of two half-edges that run in opposite directions. Most meshes
-  /// have few, and they are what is asked for.
+  /// The edges without twins, ascending. An edge has twins if it has exactly two half-edges, and these run in opposite
+  /// directions. Most meshes have few edges without twins, and these are the ones that callers ask for.
   std::span<const EdgeId> odd_edges() const { return odd_edges_; }
-  /// The edge between two vertices; invalid if there is none. Cost: O(log n).
+  /// Finds the edge between two vertices. The result is invalid if there is none. Cost: O(log n).
   EdgeId find(VertexId a, VertexId b) const;
-  /// Cost: O(log n); nothing is stored for it, as most of what asks for a neighbour asks for the twin.
+  /// Finds the edge of a half-edge. Cost: O(log n). It is not stored, because callers that look for a neighbour use the
+  /// twin in most cases.
   EdgeId edge_of(std::uint32_t half_edge) const { return find(from(half_edge), to(half_edge)); }
   FaceId face_of(std::uint32_t half_edge) const { return are_triangles_ ? FaceId(half_edge / 3) : face_of_[half_edge]; }
   VertexId from(std::uint32_t half_edge) const { return corners_[half_edge]; }
   VertexId to(std::uint32_t half_edge) const { return corners_[next(half_edge)]; }
-  /// The following corner in the same face.
+  /// The next corner of the same face.
   std::uint32_t next(std::uint32_t half_edge) const {
     if (are_triangles_) return half_edge % 3 == 2 ? half_edge - 2 : half_edge + 1;
     const std::uint32_t f = face_of_[half_edge].value;
     return half_edge + 1 == face_begin_[f + 1] ? face_begin_[f] : half_edge + 1;
   }
-  /// The other half-edge where the edge has exactly two that run in opposite directions; else kNone.
+  /// The other half-edge of an edge that has exactly two, in opposite directions; otherwise kNone.
   std::uint32_t twin(std::uint32_t half_edge) const { return twin_[half_edge]; }
 
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -71,7 +73,7 @@ class Adjacency {
   Numbers twin_;
   std::vector<EdgeId> odd_edges_;
   bool are_triangles_ = true;
-  std::vector<FaceId> face_of_;  ///< where not all faces are triangles
+  std::vector<FaceId> face_of_;  ///< empty if all faces are triangles
 };
 
 }  // namespace remesh

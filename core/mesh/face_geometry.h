@@ -8,12 +8,12 @@
 
 namespace remesh {
 
-/// In local units.
+/// The measures of one face, in local units.
 struct FaceGeometry {
-  Vec3 normal;  ///< unit; where rounding leaves no direction, some direction across the longest side
+  Vec3 normal;  ///< unit length; if rounding leaves no direction, some direction across the longest side
   double area = 0;
-  /// The least height of a triangle; of a polygon, twice its area over its longest extent. What distance from a plane
-  /// says about the face's angle is that distance over this.
+  /// The smallest height of a triangle. For a polygon, twice its area over its longest extent. If a corner's distance
+  /// from a plane is d, the face's angle to that plane is about d over this.
   double height = 0;
 };
 
@@ -29,8 +29,8 @@ inline Vec3 face_centre(const Surface& surface, FaceId f) {
 }
 
 /// Measures every face.
-/// Output:  one for each face; of a polygon, by the sum of the cross products around it.
-/// Holds:   the same bits for any number of threads.
+/// Output:  one entry for each face. A polygon is measured by the sum of the cross products around it.
+/// Holds:   the result has the same bits for any number of threads.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(corners).
 FaceGeometries face_geometry(const Surface& surface, RunControl& control);

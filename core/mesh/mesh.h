@@ -23,18 +23,18 @@ struct LabelSet {
   friend bool operator==(const LabelSet&, const LabelSet&) = default;
 };
 
-/// What a face belongs to besides its patch. All three come back on the output's faces.
+/// The labels that a face has besides its patch. All three kinds are passed on to the output's faces.
 struct FaceLabels {
   LabelSet object;
   LabelSet group;
   LabelSet material;
-  /// The files that `mtllib` records name, in order; never opened.
+  /// The files that `mtllib` records name, in order. They are never opened.
   std::vector<std::string> material_libraries;
 
   friend bool operator==(const FaceLabels&, const FaceLabels&) = default;
 };
 
-/// A surface as it was read: polygons of any size, vertices as in the file.
+/// A surface as it was read. Its polygons may have any size, and its vertices are those of the file.
 /// Holds: face_begin has one entry more than there are faces, starts at 0, ends at corners.size(); every face has
 ///        3 or more corners; every corner is a valid vertex; every coordinate is finite.
 struct PolygonMesh {
@@ -55,7 +55,7 @@ struct PolygonMesh {
 
 using Triangle = std::array<VertexId, 3>;
 
-/// A triangulated surface. Faces are counter-clockwise seen from outside.
+/// A triangulated surface. Its faces are counter-clockwise seen from outside.
 struct TriangleMesh {
   IdVector<VertexId, Vec3> positions;
   IdVector<FaceId, Triangle> faces;

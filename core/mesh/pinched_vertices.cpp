@@ -19,7 +19,8 @@ class Search {
       : surface_(surface), edges_(edges), control_(control) {}
 
   std::vector<VertexId> run() {
-    // A walk around most vertices meets all their faces. Where all walks together meet all corners, each one does.
+    // A walk around a vertex meets all its faces in most cases. If all walks together meet all corners, then each walk
+    // met all faces of its vertex, and no vertex is pinched.
     find_corners();
     const auto met = map_blocks<std::size_t>(surface_.vertex_count(), kItemsPerBlock, control_,
                                              [&](std::size_t begin, std::size_t end) {
@@ -44,7 +45,7 @@ class Search {
   }
 
  private:
-  /// Of each vertex any corner: which one makes no difference.
+  /// Finds one corner of each vertex. It makes no difference which one.
   void find_corners() {
     some_.assign(surface_.vertex_count(), Adjacency::kNone);
     for_blocks(surface_.corners.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -59,7 +60,8 @@ class Search {
     return h == surface_.face_begin[f] ? surface_.face_begin[f + 1] - 1 : h - 1;
   }
 
-  /// How many corners at a vertex are reached from one of them over edges of two faces that look the same way.
+  /// Counts the corners at a vertex that can be reached from one of them over edges that have two faces with the same
+  /// orientation.
   std::uint32_t walk(std::size_t vertex, StopCheck& check) const {
     const std::uint32_t start = some_[vertex];
     if (start == Adjacency::kNone) return 0;
@@ -77,7 +79,8 @@ class Search {
     return count;
   }
 
-  /// Of the others, joins the corners over whatever edges there are. `fans`: of each vertex how many corners it has.
+  /// Returns those of `odd` that have several fans: joins the corners at these vertices over edges of any kind, and
+  /// counts the parts. `fans` is the number of corners of each vertex.
   std::vector<VertexId> with_several_fans(const std::vector<VertexId>& odd, std::vector<std::uint32_t> fans) const {
     std::vector<std::uint8_t> is_odd(surface_.vertex_count(), 0);
     for (const VertexId v : odd) is_odd[v.value] = 1;

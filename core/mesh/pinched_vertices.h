@@ -1,4 +1,4 @@
-/// Vertices where a surface touches itself.
+/// Finds the vertices where a surface touches itself.
 #pragma once
 
 #include <vector>
@@ -9,7 +9,8 @@
 
 namespace remesh {
 
-/// Vertices, ascending, at which the faces fall into fans that have no edge in common, of however many faces.
+/// Returns the vertices, ascending, whose faces fall into several fans that have no edge in common. A fan may have any
+/// number of faces.
 /// Cost: O(n log n) at worst.
 std::vector<VertexId> pinched_vertices(const Surface& surface, const Adjacency& edges, RunControl& control);
 

@@ -24,16 +24,16 @@ namespace {
 constexpr std::size_t kBlock = 4096;
 constexpr double kDegrees = 180 / 3.14159265358979323846;
 
-/// Bins of the radius-edge ratio: from the equilateral triangle's 1/sqrt(3) upwards. 0.7071, 1 and 1.4142 are the
-/// bounds that 45, 30 and 20.7 degrees give (1 / (2 sin angle)); 1.1831 is that of 25 degrees, the default of
-/// refinement.
+/// Limits of the bins of the radius-edge ratio, which is at least 1/sqrt(3), the ratio of the equilateral triangle.
+/// 0.7071, 1 and 1.4142 are the ratios for 45, 30 and 20.7 degrees (1 / (2 sin angle)). 1.1831 is that for 25 degrees,
+/// the default of refinement.
 constexpr std::array<double, 14> kRadiusEdgeBins = {0.57,   0.6,    0.65, 0.7071, 0.8, 0.9,  1.0,
                                                     1.1831, 1.4142, 2.0,  3.0,    5.0, 10.0, 100.0};
 constexpr int kAngleBins = 18;
 constexpr double kBinDegrees = 180.0 / kAngleBins;
 
-/// Coordinates are multiplied by this power of two before anything else, so that neither the squares nor the products
-/// of three lengths overflow, and denormal extents are not lost. Exact, and undone exactly at the end.
+/// Multiplies coordinates by a power of two before anything else, so that neither squares nor products of three lengths
+/// overflow, and denormal extents are not lost. The scaling is exact, and it is undone exactly at the end.
 class Scale {
  public:
   Scale(std::span<const Vec3> positions, RunControl& control) {
@@ -43,7 +43,8 @@ class Scale {
   }
 
   Vec3 operator()(const Vec3& p) const { return factor_ * p; }
-  /// A measure of `dimension` lengths in model units again; what no double can hold becomes the largest one.
+  /// Converts a measure that is a product of `dimension` lengths back to model units. A value beyond the largest double
+  /// becomes the largest double.
   double undo(double measure, int dimension) const {
     return std::clamp(std::ldexp(measure, dimension * exponent_), -DBL_MAX, DBL_MAX);
   }
@@ -53,7 +54,7 @@ class Scale {
   double factor_ = 1;
 };
 
-/// Smallest, largest and sum of what was added.
+/// The smallest, the largest and the sum of the values that were added.
 struct Summary {
   double min = std::numeric_limits<double>::infinity();
   double max = -std::numeric_limits<double>::infinity();
@@ -80,23 +81,25 @@ Range undo(const Scale& scale, const Range& range, int dimension) {
 }
 
 struct TriangleMeasures {
-  int grown = 0;  ///< lengths below are multiplied by 2^grown, products of two by its square; not the area
+  /// The lengths below are multiplied by 2^grown, and products of two lengths by its square. The area is not.
+  int grown = 0;
   double twice_area = 0;
-  Vec3 normal;                            ///< as long as `twice_area`
-  std::array<double, 3> along{0, 0, 0};   ///< of each corner's angle: its cosine times the two sides there
-  std::array<double, 3> length{0, 0, 0};  ///< of the side opposite each corner
-  std::array<double, 3> cosine{0, 0, 0};  ///< of each corner's angle; without sense where there is no area
-  double shortest = 0;                    ///< of the lengths
+  Vec3 normal;                            ///< its length is `twice_area`
+  std::array<double, 3> along{0, 0, 0};   ///< for each corner, the cosine of its angle times the lengths of the two
+                                          ///< sides there
+  std::array<double, 3> length{0, 0, 0};  ///< for each corner, the length of the opposite side
+  std::array<double, 3> cosine{0, 0, 0};  ///< for each corner, the cosine of its angle; meaningless if there is no area
+  double shortest = 0;                    ///< the shortest of the lengths
   double area = 0;
   double radius_edge_ratio = HUGE_VAL;  ///< infinite for zero area
   double aspect_ratio = HUGE_VAL;       ///< infinite for zero area
 
-  /// In degrees. The sines of all three angles are `twice_area` over the two sides there.
+  /// The angle in degrees. The sine of each angle is `twice_area` over the product of the two sides there.
   double angle(std::size_t corner) const { return std::atan2(twice_area, along[corner]) * kDegrees; }
 };
 
-/// `opposite`: the side opposite each corner. Written out for each, without branches, and inlined: so the compiler can
-/// measure several triangles at once (`Lanes`).
+/// Measures a triangle, given the side opposite each corner. The function has no branches, spells out all three sides,
+/// and is always inlined. Therefore the compiler can measure several triangles at once (`Lanes`).
 [[gnu::always_inline]] inline TriangleMeasures measure_sides(const Vec3& opposite_a, const Vec3& opposite_b,
                                                              const Vec3& opposite_c) {
   TriangleMeasures out;
@@ -122,7 +125,7 @@ struct TriangleMeasures {
   const double inner = more < c ? more : c, longest = more < c ? c : more, middle = less < inner ? inner : less;
   out.shortest = less < c ? less : c;
   out.area = out.twice_area / 2;
-  // R = abc / (4 area): over the shortest side, the product of the two others is left.
+  // R = abc / (4 area), so R over the shortest side is the product of the two other sides over 4 times the area.
   const double radius_edge_ratio = middle * longest / (2 * out.twice_area);
   const double aspect_ratio = longest * (a + b + c) / (2 * std::sqrt(3.0) * out.twice_area);
   const bool has_ratio = (out.twice_area > 0) & (out.shortest > 0);
@@ -131,7 +134,8 @@ struct TriangleMeasures {
   return out;
 }
 
-/// A triangle that is tiny beside the whole is brought to size 1, or its squares would underflow.
+/// Measures a triangle that is tiny beside the whole mesh. It is scaled to a size of about 1, because its squares would
+/// underflow otherwise.
 [[gnu::noinline]] TriangleMeasures measure_tiny(const Vec3& a, const Vec3& b, const Vec3& c) {
   double largest = 0;
   for (const Vec3& s : {c - b, a - c, b - a})
@@ -145,7 +149,8 @@ struct TriangleMeasures {
   return out;
 }
 
-/// Are these sides, two of the three, so short that squares of their squares have lost digits?
+/// Returns whether a triangle is so small that the squares of its squared sides have lost digits. `a` and `b` are the
+/// lengths of two of its sides.
 bool are_tiny(double a, double b) { return !(std::max(a, b) > 0x1p-248); }
 
 TriangleMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -153,7 +158,7 @@ TriangleMeasures measure(const Vec3& a, const Vec3& b, const Vec3& c) {
   return are_tiny(m.length[0], m.length[1]) ? measure_tiny(a, b, c) : m;
 }
 
-/// Triangles side by side, row by row: the compiler measures as many at once as fit into a register.
+/// A batch of triangles, stored row by row, so that the compiler can measure as many at once as fit into a register.
 class Lanes {
  public:
   static constexpr std::size_t kCount = 16;
@@ -164,7 +169,7 @@ class Lanes {
     c_.put(lane, c);
   }
 
-  /// Measures the first `count`.
+  /// Measures the first `count` triangles.
   void measure(std::size_t count, const Vec3& centre) {
     measure_all(centre);
     for (std::size_t i = 0; i < count; ++i) {
@@ -177,7 +182,7 @@ class Lanes {
     }
   }
 
-  /// Without the normal.
+  /// The measures of a triangle, without its normal.
   [[gnu::always_inline]] TriangleMeasures operator[](std::size_t i) const {
     TriangleMeasures m;
     m.grown = grown_[i];
@@ -191,11 +196,11 @@ class Lanes {
     m.aspect_ratio = aspect_ratio_[i];
     return m;
   }
-  /// Of the tetrahedron to the centre.
+  /// The signed volume of the tetrahedron between the triangle and the centre.
   double volume(std::size_t i) const { return volume_[i]; }
 
  private:
-  using Row = double[kCount];  // GCC 12 makes no vectors of the same loop over std::array
+  using Row = double[kCount];  // GCC 12 does not vectorise the same loop over std::array
   struct Points {
     Row x{}, y{}, z{};
     void put(std::size_t i, const Vec3& p) {
@@ -206,7 +211,7 @@ class Lanes {
     Vec3 operator[](std::size_t i) const { return {x[i], y[i], z[i]}; }
   };
 
-  /// On its own, or the loop is no vectors' any more.
+  /// This is not inlined, because GCC does not vectorise the loop otherwise.
   [[gnu::noinline]] void measure_all(const Vec3& centre) {
     for (std::size_t i = 0; i < kCount; ++i) {
       const Vec3 a = a_[i], b = b_[i], c = c_[i];
@@ -241,12 +246,14 @@ std::size_t bin_of_angle(double degrees) {
   return std::min(static_cast<std::size_t>(degrees / kBinDegrees), std::size_t{kAngleBins - 1});
 }
 
-/// Bins of angles by their cosines: an arc tangent for each angle would cost as much as all other measures together.
+/// Finds the bins of angles by their cosines. An arc tangent for each angle would cost as much as all other measures
+/// together.
 class BinsByCosine {
  public:
   BinsByCosine() {
     for (int i = 0; i < kCells; ++i) {
-      // The rounded cosine may be off, by some 1e-15, and so may an angle from atan2: such are told apart by that one.
+      // The rounded cosine may be wrong by some 1e-15, and so may an angle from atan2. Angles this near to the limit of
+      // a bin are decided by atan2.
       constexpr double kMargin = 1e-12;
       const auto bin = [](double cosine) { return bin_of_angle(std::acos(std::clamp(cosine, -1.0, 1.0)) * kDegrees); };
       const std::size_t low = bin(cosine_of(i) - kMargin), high = bin(cosine_of(i + 1) + kMargin);
@@ -254,7 +261,7 @@ class BinsByCosine {
     }
   }
 
-  /// Output: -1 where it takes the angle itself to tell.
+  /// Output: the bin, or -1 if only the angle itself can decide.
   int operator()(double cosine) const {
     return bin_[std::clamp(static_cast<int>((cosine + 1) * kHalf), 0, kCells - 1)];
   }
@@ -267,11 +274,12 @@ class BinsByCosine {
   std::array<std::int8_t, kCells> bin_;
 };
 
-/// The smallest and the largest of many angles, and how many there are in each bin.
+/// Collects the smallest and the largest of many angles, and the number of angles in each bin.
 class Angles {
  public:
   void add(const TriangleMeasures& m, const BinsByCosine& bin_of) {
-    // Where squares of lengths have lost digits, cosines have, too; where there is no area, the angles are 0 or 180.
+    // If squares of lengths have lost digits, so have the cosines. If there is no area, the angles are 0 or 180
+    // degrees.
     if (!(m.twice_area > 0x1p-400) || m.shortest < 0x1p-300) {
       for (std::size_t i = 0; i < 3; ++i) add(m.angle(i));
       return;
@@ -279,7 +287,8 @@ class Angles {
     count(m, 0, bin_of);
     count(m, 1, bin_of);
     count(m, 2, bin_of);
-    // All three have the same sine: the largest cosine is the smallest angle's.
+    // The three values of `along` are the cosines times the lengths of the sides there, and `twice_area` is the sine
+    // times the same lengths. So the largest one belongs to the smallest angle.
     const double least = std::min(std::min(m.along[0], m.along[1]), m.along[2]);
     const double most = std::max(std::max(m.along[0], m.along[1]), m.along[2]);
     if (const Direction d{most, m.twice_area}; d.is_before(smallest_)) smallest_ = d;
@@ -293,26 +302,27 @@ class Angles {
     for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
   }
 
-  /// 0 where nothing was added, as all others.
+  /// The smallest and the largest angle. Both are 0 if nothing was added, like all other measures.
   double min() const { return is_empty() ? 0 : std::min(min_, smallest_.degrees()); }
   double max() const { return is_empty() ? 0 : std::max(max_, largest_.degrees()); }
   const AngleCounts& counts() const { return counts_; }
 
  private:
-  static constexpr auto kRightAngle = static_cast<std::size_t>(90 / kBinDegrees);  ///< the bin from there on
+  /// The bin that begins at 90 degrees.
+  static constexpr auto kRightAngle = static_cast<std::size_t>(90 / kBinDegrees);
 
-  /// An angle by its cosine and sine, in some unit.
+  /// An angle, given by its cosine and its sine times a common factor.
   struct Direction {
     double cosine, sine;
 
-    /// By their cotangents: those of needles differ where their cosines are the same.
+    /// Compares angles by their cotangents. The cotangents of needles' angles differ even if their cosines are equal.
     bool is_before(const Direction& other) const { return cosine * other.sine > other.cosine * sine; }
     double degrees() const { return std::atan2(sine, cosine) * kDegrees; }
   };
 
   [[gnu::always_inline]] void count(const TriangleMeasures& m, std::size_t corner, const BinsByCosine& bin_of) {
     const double cosine = m.cosine[corner];
-    // Of right angles there are many, and they would be told by the arc tangent each.
+    // Right angles are frequent, and each would need the arc tangent otherwise.
     if (std::fabs(cosine) < 1e-12) {
       ++counts_[m.along[corner] > 0 ? kRightAngle - 1 : kRightAngle];
       return;
@@ -327,17 +337,17 @@ class Angles {
   }
   bool is_empty() const { return min_ > max_ && largest_.sine == 0; }
 
-  double min_ = HUGE_VAL, max_ = -HUGE_VAL;  ///< degrees, of the angles that were computed
-  Direction smallest_{-1, 0};                ///< of the others; 180 degrees where there are none
-  Direction largest_{1, 0};                  ///< of the others; 0 where there are none
+  double min_ = HUGE_VAL, max_ = -HUGE_VAL;  ///< in degrees, of the angles that were computed with atan2
+  Direction smallest_{-1, 0};                ///< the smallest of the other angles; 180 degrees if there are none
+  Direction largest_{1, 0};                  ///< the largest of the other angles; 0 if there are none
   AngleCounts counts_{};
 };
 
-/// What one block of triangles contributes.
+/// The measures of one block of triangles.
 struct QualityBlock {
   Angles angles;
   Summary radius_edge, aspect, area, edge_length;
-  double volume = 0;  ///< of the tetrahedra between the triangles and some point
+  double volume = 0;  ///< volume of the tetrahedra between the triangles and a common point
   std::array<std::uint64_t, kRadiusEdgeBins.size() - 1> radius_edge_counts{};
 
   void add(const QualityBlock& other) {
@@ -351,14 +361,15 @@ struct QualityBlock {
   }
 };
 
-/// Which of the bins: branches would be guessed wrong as often as right.
+/// Finds the bin of a ratio without branches, because these would be predicted wrongly half of the time.
 std::size_t bin_of_ratio(double ratio) {
   std::size_t bin = 0;
   for (std::size_t i = 1; i + 1 < kRadiusEdgeBins.size(); ++i) bin += ratio >= kRadiusEdgeBins[i];
   return bin;
 }
 
-/// Measures triangles, and the edges that they are the first at; edges without twins are left out.
+/// Measures triangles, and their edges. An edge is measured at the first of its two triangles. Edges without twins are
+/// left out.
 QualityBlock measure_block(const Scale& scale, std::span<const Vec3> positions, const Adjacency& adjacency,
                            const Vec3& centre, std::size_t begin, std::size_t end) {
   static const BinsByCosine bin_of;
@@ -383,7 +394,7 @@ QualityBlock measure_block(const Scale& scale, std::span<const Vec3> positions, 
       const auto add_edge = [&](std::uint32_t k, double length) {
         const std::uint32_t twin = adjacency.twin(h + k);
         if (twin == Adjacency::kNone || twin < h + k) return;
-        // Of a side that is tiny beside the others the square has lost digits.
+        // If a side is tiny beside the others, its square has lost digits.
         const bool is_exact = m.grown == 0 && length > 0x1p-450;
         block.edge_length.add(is_exact ? length : norm(corner(h + k) - corner(h + (k + 1) % 3)));
       };
@@ -407,7 +418,8 @@ Block combined(const std::vector<Block>& blocks) {
   return total;
 }
 
-/// Input:  a mesh of triangles; `centre`, in the scale's units, for the volume.
+/// Measures all triangles of a mesh, and all its edges.
+/// Input:  `centre`: the apex of the tetrahedra that add up to the volume, in the scale's units.
 QualityBlock measure_triangles(const Scale& scale, std::span<const Vec3> positions, const Adjacency& adjacency,
                                std::size_t count, const Vec3& centre, RunControl& control) {
   QualityBlock total =
@@ -444,7 +456,7 @@ Quality quality_of(const QualityBlock& total, const Scale& scale) {
   return quality;
 }
 
-/// What the vertices that faces use come to.
+/// The measures of the vertices that faces use.
 struct VertexBlock {
   std::uint64_t vertices = 0, components = 0;
   Box3 box;
@@ -478,10 +490,10 @@ VertexBlock measure_vertices(std::span<const Vec3> positions, std::span<const st
   }));
 }
 
-/// What the edges come to.
+/// The counts of the edges.
 struct EdgeCounts {
   std::uint64_t edges = 0, boundary = 0, non_manifold = 0;
-  std::uint64_t inconsistent = 0;  ///< without two half-edges in opposite directions
+  std::uint64_t inconsistent = 0;  ///< edges without two half-edges in opposite directions
 };
 
 EdgeCounts count_edges(const Adjacency& adjacency, RunControl& control) {
@@ -538,7 +550,7 @@ MeshStatistics measure_surface(std::span<const Vec3> positions, std::span<const 
   out.euler = static_cast<std::int64_t>(out.vertices) - static_cast<std::int64_t>(edges.edges) +
               static_cast<std::int64_t>(out.faces);
 
-  // Volume is measured from the middle of the box: far from the origin it would drown in rounding.
+  // The volume is measured from the middle of the box, because far from the origin it would be lost in rounding errors.
   Vec3 centre;
   if (!out.bounding_box.is_empty()) centre = 0.5 * (scale(out.bounding_box.min) + scale(out.bounding_box.max));
   const std::size_t count = triangles.size() / 3;

@@ -1,4 +1,4 @@
-/// Counts and measures of a mesh, as values.
+/// The counts and measures of a mesh.
 #pragma once
 
 #include <cstdint>
@@ -15,13 +15,14 @@ struct Range {
   double max = 0;
 };
 
-/// `edges` has one entry more than `counts`; the first and last bins take what lies beyond.
+/// A histogram. `edges` has one entry more than `counts`. The first and the last bin also count values beyond them.
 struct Histogram {
   std::vector<double> edges;
   std::vector<std::uint64_t> counts;
 };
 
-/// Quality of a set of triangles, Verdict's definitions (Knupp et al., The Verdict Geometric Quality Library, 2007).
+/// The quality of a set of triangles, by Verdict's definitions (Knupp et al., The Verdict Geometric Quality Library,
+/// 2007).
 struct Quality {
   double min_angle_deg = 0;
   double max_angle_deg = 0;
@@ -33,7 +34,7 @@ struct Quality {
   Histogram radius_edge_histogram;
 };
 
-/// Counts and measures of a surface; `volume` is empty if it is open.
+/// The counts and measures of a surface. `volume` is empty if the surface is open.
 struct MeshStatistics {
   std::uint64_t vertices = 0;
   std::uint64_t faces = 0;
@@ -44,7 +45,8 @@ struct MeshStatistics {
   std::int64_t euler = 0;
   double area = 0;
   std::optional<double> volume;
-  /// Pairs of faces that intersect; of the input as mended, and not those inside one large patch. Empty: not counted.
+  /// The number of pairs of faces that intersect. For the input, it is counted after mending, without the pairs inside
+  /// one large patch. Empty if it was not counted.
   std::optional<std::uint64_t> intersecting_pairs;
   Box3 bounding_box;
   Quality quality;

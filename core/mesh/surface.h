@@ -1,4 +1,4 @@
-/// The working surface: what the stages after `weld` see.
+/// The surface on which the stages after `weld` work.
 #pragma once
 
 #include <cmath>
@@ -14,12 +14,12 @@
 
 namespace remesh {
 
-/// Faces to put into a surface in place of its own.
+/// Faces that will replace those of a surface.
 struct FaceList {
   std::vector<std::uint32_t> face_begin{0};
   std::vector<VertexId> corners;
   FilledIdVector<FaceId, FaceId> face_source;
-  IdVector<FaceId, std::uint32_t> face_label;  ///< empty: all 0
+  IdVector<FaceId, std::uint32_t> face_label;  ///< empty if all labels are 0
 
   std::size_t face_count() const { return face_begin.size() - 1; }
   void add_face(std::span<const VertexId> loop, FaceId source, std::uint32_t label) {
@@ -32,22 +32,23 @@ struct FaceList {
 };
 
 /// Polygons over welded vertices.
-/// Holds:   positions are pairwise different. What is as it was in the mesh that it was made from is still that one's,
-///          which outlives it. From mend_faces on: every vertex is used, polygons are planar, no face has a repeated
-///          consecutive corner, and none zero area but those that mend_faces keeps.
+/// Holds:   no two positions are equal. Data that did not change still belongs to the mesh from which the surface was
+///          made, and that mesh outlives the surface. From mend_faces on, every vertex is used, polygons are planar, no
+///          face repeats a corner directly after it, and no face has zero area except those that mend_faces lets pass.
 struct Surface {
   CopyOnWrite<VertexId, Vec3> positions;
-  /// The positions less the box's centre, over `unit`, a power of two: within [-1, 1]. The stages compute in these, so
-  /// that nothing overflows and scaling by powers of two changes nothing.
+  /// The positions minus the box's centre, divided by `unit`, which is a power of two. They are within [-1, 1]. The
+  /// stages compute with these, so that nothing overflows, and a scaling by powers of two changes nothing.
   FilledIdVector<VertexId, Vec3> local;
-  Vec3 centre;      ///< of the box, model units
+  Vec3 centre;      ///< the centre of the bounding box, in model units
   double unit = 1;  ///< model units per local unit
   CopyOnWrite<std::size_t, std::uint32_t> face_begin{std::vector<std::uint32_t>{0}};
   CopyOnWrite<std::size_t, VertexId> corners;
   FilledIdVector<VertexId, VertexId>
-      vertex_source;  ///< the first input vertex with these coordinates; of a new one, a neighbour's
-  FilledIdVector<FaceId, FaceId> face_source;  ///< the input face this one came from; ascending
-  IdVector<FaceId, std::uint32_t> face_label;  ///< equal numbers: no barrier between the faces; empty: none at all
+      vertex_source;  ///< the first input vertex with these coordinates; for a new vertex, that of a neighbour
+  FilledIdVector<FaceId, FaceId> face_source;  ///< the input face from which each face came; ascending
+  /// Faces with equal labels have no barrier between them. Empty if there are no labels.
+  IdVector<FaceId, std::uint32_t> face_label;
 
   std::size_t vertex_count() const { return positions.size(); }
   std::size_t face_count() const { return face_begin.size() - 1; }
@@ -56,9 +57,9 @@ struct Surface {
     return corners.items().subspan(face_begin[f.value], face_begin[f.value + 1] - face_begin[f.value]);
   }
 
-  /// A place of the model in local units.
+  /// Converts a place of the model to local units.
   Vec3 to_local(const Vec3& p) const {
-    // Below this, coordinates count as 0: predicates must not underflow.
+    // Coordinates below this count as 0, because predicates must not underflow.
     constexpr double kLeast = CoordinateRange::kNarrowest;
     Vec3 q;
     for (int axis = 0; axis < 3; ++axis) {
@@ -68,7 +69,8 @@ struct Surface {
     return q;
   }
 
-  /// Calls `take` with the input faces that some faces, ascending, came from: with each once, however it was split.
+  /// Calls `take` with each input face from which some of the given faces came. The given faces are ascending. Each
+  /// input face is passed once, even if it was split.
   template <class Take>
   void for_each_source(std::span<const FaceId> of_faces, Take take) const {
     FaceId last;
@@ -76,14 +78,14 @@ struct Surface {
       if (face_source[f] != last) take(last = face_source[f]);
   }
 
-  /// Has these faces, over its own vertices, from now on.
+  /// Replaces the faces by these. They use the surface's own vertices.
   void take_faces(FaceList&& faces) {
     face_begin = std::move(faces.face_begin);
     corners = std::move(faces.corners);
     face_source = std::move(faces.face_source);
     face_label = std::move(faces.face_label);
   }
-  /// Looks into the mesh that it was made from no more.
+  /// Copies all that still belongs to the mesh from which the surface was made, so that the surface no longer needs it.
   void detach() {
     positions.detach();
     face_begin.detach();

@@ -1,4 +1,4 @@
-/// Triangles as one row of corners, the form in which polygons are.
+/// Views triangles as a flat array of corners, the form in which polygons are stored.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ inline std::span<const VertexId> corners_of(std::span<const Triangle> faces) {
   return {faces.front().data(), 3 * faces.size()};
 }
 
-/// Where the corners of each of so many triangles begin.
+/// Makes the `face_begin` of this many triangles: the index of the first corner of each.
 inline std::vector<std::uint32_t> triangle_begins(std::size_t face_count, RunControl& control) {
   constexpr std::size_t kBlock = 1 << 16;
   std::vector<std::uint32_t> begins(face_count + 1);

@@ -1,4 +1,4 @@
-/// Vertices that no face uses.
+/// Removes vertices that no face uses.
 #pragma once
 
 #include "core/base/run_control.h"
@@ -6,7 +6,7 @@
 
 namespace remesh {
 
-/// Takes the vertices out of a surface that no face uses. The others stay in their order and get new numbers.
+/// Removes from a surface the vertices that no face uses. The others stay in their order and get new numbers.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(vertices + corners).
 void drop_unused_vertices(Surface& surface, RunControl& control);

@@ -20,7 +20,7 @@ class AllTriangles {
 
   std::size_t count() const { return begin_.back(); }
 
-  /// Calls visit(number, patch, first half-edge there) for each of them, in parallel.
+  /// Calls visit(number, patch, first half-edge in the patch) for each triangle, in parallel.
   template <class Visit>
   void for_each(const Visit& visit) const {
     for_blocks(count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -34,7 +34,7 @@ class AllTriangles {
 
  private:
   RunControl& control_;
-  std::vector<std::size_t> begin_;  ///< of each patch; one entry more
+  std::vector<std::size_t> begin_;  ///< first number of each patch's triangles; one entry more than there are patches
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-/// Joins the patches' triangles into one mesh.
+/// Joins the triangles of all patches into one mesh.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace remesh {
 
-/// The output's triangles, by patch, over the essential vertices in their input order.
+/// The output's triangles, ordered by patch. Their vertices are the essential ones in their input order.
 struct Assembled {
   IdVector<VertexId, VertexId> vertex;  ///< the surface vertex of each output vertex, ascending
   IdVector<FaceId, Triangle> faces;
@@ -19,10 +19,10 @@ struct Assembled {
 };
 
 /// Joins the triangles of all patches over the vertices that they share.
-/// Input:   `surface_vertices`: the number of those that the patches' vertices are among, with those that refinement
-///          made; a mesh for each patch.
-/// Output:  the triangles as they stand in the meshes, patch by patch; vertices that none uses are left out.
-/// Holds:   the same for any number of threads.
+/// Input:   `surface_vertices` is the number of the surface's vertices, including those that refinement made. There is
+///          one mesh per patch.
+/// Output:  the triangles as they are in the meshes, patch by patch. Vertices that no triangle uses are left out.
+/// Holds:   the result is the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(vertices + triangles).
 Assembled assembly(std::size_t surface_vertices, const std::vector<PatchMesh>& meshes, RunControl& control);

@@ -1,4 +1,4 @@
-/// A remeshed surface that is still to be verified.
+/// A remeshed surface that has yet to be verified.
 #pragma once
 
 #include <span>
@@ -22,51 +22,51 @@
 
 namespace remesh {
 
-/// The triangles of all patches, first by patch and then as one mesh.
+/// The triangles of all patches, first as separate meshes and then as one mesh.
 struct Candidate {
-  std::vector<PatchMesh> meshes;  ///< one for each patch
-  bool has_chords = false;        ///< some edges in patches are edges of others too, whatever is flipped
+  std::vector<PatchMesh> meshes;  ///< one per patch
+  bool has_chords = false;        ///< some edges inside patches are also edges of others, and flips do not help
   Refinement refinement;
   Assembled assembled;
-  IdVector<VertexId, Vec3> positions;  ///< of `assembled`
-  UnrefinedFaces unrefined;            ///< of `assembled`
+  IdVector<VertexId, Vec3> positions;  ///< those of `assembled`
+  UnrefinedFaces unrefined;            ///< those of `assembled`
 
   Candidate() = default;
-  /// A million meshes are freed in parallel.
+  /// Frees the meshes in parallel, because there may be a million.
   ~Candidate();
   Candidate(const Candidate&) = delete;
   Candidate& operator=(const Candidate&) = delete;
 
-  /// Has no triangles any more, so that it can take those of another attempt.
+  /// Removes all triangles, so that it can take those of another attempt.
   void clear();
 };
 
-/// Makes one mesh of the patches' meshes. With `goals`, finds the triangles that miss them.
+/// Makes one mesh of the patches' meshes. If there are `goals`, finds the triangles that miss them.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(vertices + triangles).
 void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, RunControl& control);
 
-/// What the check is to know besides the candidate.
+/// The information that the check needs besides the candidate.
 struct CheckedAgainst {
   const PolygonMesh& input;
   const Surface& surface;
   const PatchSet& patches;
   const InputIntersections& intersections;
-  double plane_tolerance = 0;  ///< model units
-  double weld_tolerance = 0;   ///< model units
+  double plane_tolerance = 0;  ///< in model units
+  double weld_tolerance = 0;   ///< in model units
   const Goals* goals = nullptr;
-  std::span<const std::uint8_t> frozen;       ///< patches that refinement had to leave; see RefinementClaim
+  std::span<const std::uint8_t> frozen;       ///< patches that refinement left as they were; see RefinementClaim
   std::span<const std::uint32_t> edge_order;  ///< see Claim::surface_edge_order
 };
 
-/// Holds the candidate against the surface that it was made from (see verify).
+/// Checks the candidate against the surface from which it was made (see verify).
 Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunControl& control);
 
 /// The pairs of patches that intersect in the input.
 InputIntersections intersecting_patches(const FoundIntersections& found, const PatchSet& patches);
 
-/// Those of the result. Also patches that fold over themselves in the input, since the check does not look into all of
-/// them.
+/// The pairs of patches that intersect in the result. They include patches that fold over themselves in the input,
+/// because the check does not look into all of these.
 InputIntersections patches_that_still_intersect(InputIntersections of_input, const Verdict& verdict,
                                                 const IdVector<FaceId, PatchId>& face_patch);
 

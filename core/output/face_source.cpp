@@ -25,7 +25,7 @@ IdVector<FaceId, FaceId> face_source(const Surface& surface, const PatchSet& pat
     const PatchLocator locator(surface, faces, patch.frame, control);
     for_blocks(patch.mesh.triangle_count(), kLookUps, control, [&](std::size_t first, std::size_t last) {
       for (auto t = static_cast<std::uint32_t>(first); t < last; ++t) {
-        control.check();  // among needles, many are near
+        control.check();  // among needles, a search visits many faces
         const auto uv = [&](std::uint32_t k) { return patch.uv[patch.mesh.from(3 * t + k)]; };
         const Vec2 centroid = (1.0 / 3.0) * (uv(0) + uv(1) + uv(2));
         source[FaceId(begin[p] + t)] = surface.face_source[faces[locator.nearest(centroid).face]];

@@ -1,4 +1,4 @@
-/// Which input face lies under each output face.
+/// Finds the input face under each output face.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,9 @@
 namespace remesh {
 
 /// Output: for each output face, in assembly's order, the input face (in the input's numbering) that contains its
-///         centroid in the plane of their patch; the nearest one where rounding or a dropped vertex leaves none.
-/// Cost:   O((n + m) log n) for n input and m output faces of a patch, by a tree of boxes.
+///         centroid in the plane of their patch. If rounding or a dropped vertex leaves no such face, it is the nearest
+///         one.
+/// Cost:   O((n + m) log n) for a patch with n input and m output faces, by a tree of boxes.
 IdVector<FaceId, FaceId> face_source(const Surface& surface, const PatchSet& patches,
                                      const std::vector<PatchMesh>& meshes, RunControl& control);
 

@@ -1,4 +1,4 @@
-/// What a result still needs to know of its run when an output format rounds its coordinates.
+/// The data about a run that its result needs when an output format rounds the coordinates.
 #pragma once
 
 #include "core/base/ids.h"
@@ -11,13 +11,13 @@
 namespace remesh {
 
 struct OutputBasis {
-  IdVector<PatchId, Vec3> normals;  ///< unit, of the patches' frames
-  double allowed_move = 0;          ///< of a vertex, by rounding; model units
+  IdVector<PatchId, Vec3> normals;  ///< unit normals of the patches' frames
+  double allowed_move = 0;          ///< how far rounding may move a vertex, in model units
   bool is_refined = false;          ///< there were goals
   Goals goals{.max_edge_length = 0, .max_area = 0, .max_faces = 0};
-  UnrefinedFaces unrefined;          ///< of the result's faces, those that miss the goals
-  InputIntersections intersections;  ///< patches that intersect before anything is rounded
-  BodyLabels patch_labels;           ///< by patch: those of all faces that it stands for
+  UnrefinedFaces unrefined;          ///< the faces of the result that miss the goals
+  InputIntersections intersections;  ///< patches that intersect before rounding
+  BodyLabels patch_labels;           ///< by patch: the labels of all faces that it stands for
 };
 
 }  // namespace remesh

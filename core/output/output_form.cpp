@@ -25,20 +25,20 @@
 namespace remesh {
 namespace {
 
-/// For messages: three digits are enough.
+/// A number for messages, with three digits.
 std::string short_text(double value) {
   char digits[32];
   const auto written = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 3);
   return {digits, written.ptr};
 }
 
-/// The distance from a number's float to the next one away from zero.
+/// The distance from the float nearest to a number to the next float away from zero.
 double step_of_floats(double value) {
   const auto nearest = static_cast<float>(std::fabs(value));
   return static_cast<double>(std::nextafter(nearest, std::numeric_limits<float>::infinity())) - nearest;
 }
 
-/// `digits` times a power of ten, as a reader of these digits gets it.
+/// `digits` times a power of ten, as it would be read from text.
 double decimal(double digits, int exponent) {
   char text[64];
   auto end = std::to_chars(text, text + sizeof text, digits, std::chars_format::fixed, 0).ptr;
@@ -49,8 +49,9 @@ double decimal(double digits, int exponent) {
   return value;
 }
 
-/// A point near the middle of a box with few digits: multiples of the largest power of ten that is at most half the
-/// box's longest side. An axis on which the box is no further from 0 than it is long keeps its coordinates.
+/// A point near the middle of a box whose coordinates have few digits: they are multiples of the largest power of ten
+/// that is at most half the box's longest side. An axis on which the box is no further from 0 than it is long gets the
+/// coordinate 0.
 Vec3 origin_near(const Box3& box) {
   const Vec3 sides = box.max - box.min;
   const double longest = std::max({sides.x, sides.y, sides.z});
@@ -61,17 +62,17 @@ Vec3 origin_near(const Box3& box) {
   for (int axis = 0; axis < 3; ++axis) {
     if (std::max(std::fabs(box.min[axis]), std::fabs(box.max[axis])) <= longest) continue;
     const double steps = std::round((box.min[axis] / 2 + box.max[axis] / 2) / step);
-    // What has more digits than a double has no origin of few digits.
+    // If the coordinate needs more digits than a double has, there is no origin with few digits.
     if (std::fabs(steps) < 0x1p53) origin[axis] = decimal(steps, exponent);
   }
   return origin;
 }
 
-/// A result's points in floats relative to an origin, and what the check says of them.
+/// A result's points in floats relative to an origin, and the verdict on them.
 struct FloatForm {
   Vec3 origin;
   std::vector<Vec3> stored;
-  double largest_move = 0;  ///< of a point
+  double largest_move = 0;  ///< largest distance by which a point moved
   UnrefinedFaces unrefined;
   StoredVerdict verdict;
 
@@ -124,8 +125,8 @@ class FloatRounding {
     form.verdict = check_stored_form(claim, control_);
   }
 
-  /// Faces that miss the goals now. Those that did before keep their reason. Those that are larger than gaps or short
-  /// edges ask for stay listed, because rounding does not change that.
+  /// Lists the faces that miss the goals after rounding. Faces that missed them before have the same reason as before.
+  /// Faces that are larger than gaps or short edges allow stay listed, because rounding does not change that.
   void list_unrefined(FloatForm& form) const {
     const UnrefinedFaces& before = result_.basis.unrefined;
     const auto& faces = result_.mesh.faces;
@@ -134,7 +135,7 @@ class FloatRounding {
     for (std::size_t i = 0; i < before.faces.size(); ++i) {
       if (i % kItemsPerBlock == 0) control_.check();
       const FaceId f = before.faces[i];
-      if (f.value >= faces.size()) continue;  // the check calls this malformed
+      if (f.value >= faces.size()) continue;  // the check reports this as malformed
       reason[f.value] = before.reasons[i];
       misses_sizes[f.value] = before.misses_sizes[i];
     }
@@ -199,7 +200,7 @@ std::string names_of_formats(Storage storage) {
   throw Error(Code::kNotAcceptable, Stage::kWrite, message).for_option("format");
 }
 
-/// The words for what rounding must not bring about, whatever the result is; empty where the check found none of it.
+/// Describes a fault that rounding must never cause, whatever the result is. Empty if the check found no such fault.
 std::string_view own_mistake(const StoredVerdict& verdict) {
   if (!verdict.fault) return {};
   switch (*verdict.fault) {
@@ -265,7 +266,7 @@ void measure_output(Result& result, RunControl& control) {
   const std::span<const VertexId> corners = corners_of(result.mesh.faces.items());
   const auto begins = triangle_begins(result.mesh.faces.size(), control);
   const Adjacency edges(positions.size(), begins, corners, control);
-  // Each has its parts that wait for nothing but themselves.
+  // The two tasks have serial parts that do not depend on each other, so they run at the same time.
   do_all([&] { report.output = measure_surface(positions, begins, corners, edges, corners, control); },
          [&] {
            const BodyLabels labels = labels_of_result(result.basis.patch_labels, result.face_patch.items(), control);

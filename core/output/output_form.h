@@ -1,4 +1,4 @@
-/// A verified result in the numbers that its output format can hold, and what is reported of it then.
+/// Rounds a verified result to the numbers that its output format can hold, and measures it for the report.
 #pragma once
 
 #include "core/base/options.h"
@@ -7,29 +7,30 @@
 
 namespace remesh {
 
-/// The largest share of the input's diagonal by which an output format may move a vertex. Where the plane tolerance is
-/// larger, that bounds the move. Smaller, and parts at ordinary coordinates would not be written as binary STL; larger,
-/// and thin walls would lose a visible part of their thickness.
+/// The distance by which an output format may move a vertex, relative to the input's diagonal. If the plane tolerance
+/// is larger, that is the bound instead. If this were smaller, parts at ordinary coordinates could not be written as
+/// binary STL; if it were larger, thin walls would lose a visible part of their thickness.
 inline constexpr double kAllowedRounding = 1e-6;
 
-/// Measures the result as it stands: fills the report's `output`, `volume_obstacles` and `unrefined`.
+/// Measures the result: fills the report's `output`, `volume_obstacles` and `unrefined`.
 /// Input:   a mesh, its basis, the intersections of its verdict, and its `output_origin`.
-/// Holds:   places and the bounding box are the model's, also where the mesh is relative to an origin.
+/// Holds:   places and the bounding box are in the model's coordinates, even if the mesh is relative to an origin.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(n log n).
 void measure_output(Result& result, RunControl& control);
 
-/// Rounds a verified result to the numbers of a storage, checks what has become of it (verify/stored_form.h), and
-/// changes the report with it: rounding, origin, deviation, volume bound, intersections. To be measured again if its
-/// points have changed.
-/// Input:   a result in doubles, as remesh_surface gives it; `local_origin`: may the points be relative to an origin
-///          near the part, where they do not hold as they are?
-/// Output:  whether any point has changed. The mesh's positions are then numbers of the storage, relative to the
+/// Rounds a verified result to the numbers of a storage, and checks the rounded result (verify/stored_form.h). Updates
+/// the report: rounding, origin, deviation, volume bound and intersections. If points have changed, the result has to
+/// be measured again.
+/// Input:   a result in doubles, as remesh_surface makes it. `local_origin` says whether the points may be relative to
+///          an origin near the part if they fail the check otherwise.
+/// Output:  whether any point has changed. If so, the mesh's positions are numbers of the storage, relative to the
 ///          report's output_origin if there is one.
-/// Holds:   where every point is at hand in the storage, nothing changes. The same for any number of threads.
+/// Holds:   if the storage holds every point exactly, nothing changes. The result is the same for any number of
+///          threads.
 /// Errors:  kNotAcceptable - the storage cannot hold the result; the message says why, how far apart the storage's
-///          numbers are there, and what would do. kVerificationFailed - the list of faces that rounding costs fails its
-///          check; kCancelled, kTimeout - through `control`.
+///          numbers are there, and what would help. kVerificationFailed - the list of faces that miss the goals after
+///          rounding fails its check. kCancelled, kTimeout - through `control`.
 /// Cost:    O(n log n).
 bool round_output(Storage storage, bool local_origin, Result& result, RunControl& control);
 

@@ -1,4 +1,4 @@
-/// What a run tells about itself, as plain values. Field names are those of the contract's JSON report.
+/// The report of a run, as plain values. Field names are those of the contract's JSON report.
 #pragma once
 
 #include <cstdint>
@@ -18,23 +18,26 @@
 namespace remesh {
 
 struct Report {
-  Options options;             ///< as used
-  double plane_tolerance = 0;  ///< as used, model units
+  Options options;             ///< the options that were used
+  double plane_tolerance = 0;  ///< the tolerance that was used, in model units
   bool plane_tolerance_is_automatic = true;
-  double rounding_step = 0;  ///< to which coordinates are proven to be rounded; else the last place of the largest one
-  double volume_bound = 0;   ///< of the change of volume: the verdict's; of an analysis, PatchSummaries'
+  /// The step to which coordinates are proven to be rounded; without proof, the last place of the largest coordinate.
+  double rounding_step = 0;
+  /// Bound on the change of volume. It is the verdict's, or for an analysis that of PatchSummaries.
+  double volume_bound = 0;
   MeshStatistics input;
   MeshStatistics output;
-  /// The largest distance by which the output format moved a vertex, model units; 0 if it holds all of them.
+  /// The largest distance by which the output format moved a vertex, in model units; 0 if it holds all coordinates.
   double output_rounding = 0;
-  /// The point that the written coordinates are relative to; empty if they are the model's own.
+  /// The point to which the written coordinates are relative; empty if they are the model's own.
   std::optional<Vec3> output_origin;
   std::vector<PatchSummary> patches;
   std::vector<Diagnostic> diagnostics;
-  std::vector<VolumeObstacle> volume_obstacles;  ///< of the result; of an analysis: of the input as mended
+  std::vector<VolumeObstacle> volume_obstacles;  ///< those of the result; for an analysis, those of the input as mended
   std::uint64_t predicted_faces = 0;
-  std::optional<double> smallest_gap;  ///< to the nearest facet that is not a neighbour, model units; see gap_search.h
-  std::vector<Unrefined> unrefined;    ///< by reason, in the order of the enumeration; only those that occur
+  /// The smallest distance of a facet from another one that is not its neighbour, in model units; see gap_search.h.
+  std::optional<double> smallest_gap;
+  std::vector<Unrefined> unrefined;  ///< one per reason that occurs, in the order of the enumeration
   std::uint32_t refinement_rounds = 0;
   Verdict verified;
   std::vector<StageTime> timing_ms;

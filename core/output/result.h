@@ -1,4 +1,4 @@
-/// What a run gives back.
+/// The result of a run.
 #pragma once
 
 #include "core/base/ids.h"
@@ -8,15 +8,15 @@
 
 namespace remesh {
 
-/// A verified mesh and what is to be told of it.
+/// A verified mesh and its report.
 struct Result {
   TriangleMesh mesh;
   IdVector<FaceId, PatchId> face_patch;  ///< one per output face; indexes report.patches
   IdVector<FaceId, FaceId> face_source;  ///< the input face under each face's centroid; empty unless asked for
-  /// The patch of each input face, or of its first piece; invalid where it was dropped. Empty like face_source.
+  /// The patch of each input face, or of its first piece; invalid if the face was dropped. Empty if face_source is.
   IdVector<FaceId, PatchId> input_face_patch;
   Report report;
-  OutputBasis basis;  ///< for round_output
+  OutputBasis basis;  ///< the data that round_output needs
 };
 
 }  // namespace remesh

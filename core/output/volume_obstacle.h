@@ -1,4 +1,4 @@
-/// What keeps a surface from bounding a volume.
+/// Something that keeps a surface from bounding a volume.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace remesh {
 
-/// Something that keeps a surface from bounding a volume. `places` holds the first 100: middles of edges, of faces, of
-/// where two faces meet.
+/// One kind of defect that keeps a surface from bounding a volume. `places` has the first 100: the middles of edges, of
+/// faces, or of places where two faces meet.
 struct VolumeObstacle {
   static constexpr std::size_t kMaxPlaces = 100;
 
@@ -24,7 +24,7 @@ struct VolumeObstacle {
     ++count;
     if (places.size() < kMaxPlaces) places.push_back(place);
   }
-  /// What comes after.
+  /// Adds the obstacles of a later block.
   void add(const VolumeObstacle& other) {
     count += other.count;
     const std::size_t more = std::min(kMaxPlaces - places.size(), other.places.size());

@@ -17,11 +17,11 @@
 namespace remesh {
 namespace {
 
-/// An edge with more faces than this is taken to have too small angles only between neighbours in their order around
-/// it: all of them, if faces were in order, but the order is by rounded angles.
+/// If an edge has more faces than this, only faces next to each other in their order around it are tested for small
+/// angles. In exact order this would find all small angles, but the order is by rounded angles.
 constexpr std::size_t kFewAround = 8;
 
-/// What is in the way, by kind.
+/// The obstacles, by kind.
 struct Obstacles {
   VolumeObstacle open{DiagnosticCode::kOpenBoundary, 0, {}}, non_manifold{DiagnosticCode::kNonManifoldEdge, 0, {}},
       winding{DiagnosticCode::kInconsistentWinding, 0, {}}, duplicate{DiagnosticCode::kDuplicateFace, 0, {}},
@@ -38,7 +38,7 @@ Vec3 centroid(const Triangle& t, std::span<const Vec3> positions) {
   return third(0) + third(1) + third(2);
 }
 
-/// Looks at edges, one after the other.
+/// Examines edges, one after the other.
 class EdgeExamination {
  public:
   EdgeExamination(std::span<const Vec3> positions, const Adjacency& edges, RunControl& control)
@@ -64,7 +64,8 @@ class EdgeExamination {
 
   VertexId apex(std::uint32_t h) const { return edges_.from(edges_.next(edges_.next(h))); }
 
-  /// Do two faces meet under more than a right angle? Without a root: where numbers would overflow the answer is no.
+  /// Returns whether two faces meet at more than a right angle. It computes no root. If numbers overflow, the answer is
+  /// no.
   bool are_wide_apart(std::uint32_t h, std::uint32_t g) const {
     const Vec3 from = positions_[edges_.from(h).value], axis = positions_[edges_.to(h).value] - from;
     const double squared = norm_squared(axis);
@@ -77,11 +78,11 @@ class EdgeExamination {
   }
 
   bool has_small_angle(std::span<const std::uint32_t> around) {
-    // As at most edges.
+    // This is so at most edges.
     if (around.size() == 2 && are_wide_apart(around[0], around[1])) return false;
     const Vec3 a = positions_[edges_.from(around[0]).value], b = positions_[edges_.to(around[0]).value];
     const Vec3 axis = normalized(b - a);
-    // Unit vectors from the edge into each face, across the edge; faces without area have none.
+    // Unit vectors from the edge into each face, at right angles to the edge. Faces without area have none.
     arms_.clear();
     for (const std::uint32_t h : around) {
       check_();
@@ -113,7 +114,7 @@ class EdgeExamination {
     return false;
   }
 
-  /// Faces on the same three vertices, seen from the edge of their two smallest.
+  /// Counts faces over the same three vertices. They are found at the edge between the two smallest of these.
   void count_duplicates(std::span<const std::uint32_t> around) {
     apexes_.clear();
     for (const std::uint32_t h : around)

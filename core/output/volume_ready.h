@@ -1,4 +1,4 @@
-/// What a volume mesher (TetGen, Gmsh) would refuse in a surface, and where.
+/// Finds what a volume mesher (TetGen, Gmsh) would refuse in a surface, and where.
 #pragma once
 
 #include <span>
@@ -14,16 +14,19 @@
 
 namespace remesh {
 
-/// Faces meet under a small dihedral angle below this.
+/// A dihedral angle between faces is small if it is below this.
 inline constexpr double kSmallDihedralDeg = 0.1;
 
-/// Output:  what is in the way, by code: open_boundary, non_manifold_edge and inconsistent_winding (edges),
-///          duplicate_face (faces over the same vertices as an earlier one), self_intersection and overlapping_faces
-///          (the given pairs, but for duplicates), small_dihedral (edges at which two faces nearly lie on each other),
-///          inside_out (closed shells that look the wrong way, by their first faces). None: the surface bounds volumes.
-/// Input:   three corners a face; their edges and labels; `intersections` of the faces, sorted; coplanar ones within
-///          the tolerance count as overlapping.
-/// Holds:   the same for any number of threads.
+/// Finds what keeps a surface from bounding volumes.
+/// Input:   three corners per face, their edges and labels; `intersections` of the faces, sorted. Faces that are
+///          coplanar within the tolerance count as overlapping.
+/// Output:  the obstacles, by code. If there is none, the surface bounds volumes.
+///          - open_boundary, non_manifold_edge and inconsistent_winding count edges.
+///          - duplicate_face counts faces over the same vertices as an earlier one.
+///          - self_intersection and overlapping_faces count the given pairs, without duplicates.
+///          - small_dihedral counts edges at which two faces nearly lie on each other.
+///          - inside_out counts closed shells that look the wrong way, by their first faces.
+/// Holds:   the result is the same for any number of threads.
 /// Cost:    O(n log n).
 std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const VertexId> corners,
                                                   const Adjacency& edges, const BodyLabels& labels,

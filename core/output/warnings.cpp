@@ -6,14 +6,14 @@
 namespace remesh {
 namespace {
 
-/// A surface of fewer faces is a polyhedron: a dozen polygons have a patch each.
+/// A surface with fewer faces is a polyhedron. For example, each of a dozen polygons may have a patch of its own.
 constexpr std::size_t kMinFacets = 50;
 
 }  // namespace
 
 void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector<Diagnostic>& diagnostics) {
   Diagnostic warning{DiagnosticCode::kCurvedSurface, 0, {}, ""};
-  std::vector<FaceId> alone;  // ascending, as the patches' first faces are
+  std::vector<FaceId> alone;  // ascending, because the patches' first faces are
   for (std::size_t p = 0; p < patches.count(); ++p) {
     const auto faces = patches.faces_of(PatchId(p));
     if (faces.size() == 1) alone.push_back(faces[0]);

@@ -1,4 +1,4 @@
-/// Diagnostics about the run as a whole.
+/// Makes diagnostics on the run as a whole.
 #pragma once
 
 #include <vector>
@@ -9,11 +9,11 @@
 
 namespace remesh {
 
-/// Warns where most facets are patches of their own. They stand for a curved surface then, and a bound on angles or
-/// sizes in each of them makes many faces.
+/// Warns if most facets are patches of their own. Then they stand for a curved surface, and a bound on angles or sizes
+/// makes many faces in each of them.
 void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector<Diagnostic>& diagnostics);
 
-/// Adds to the diagnostic of intersections that there are too many for the verdict to be about all of them.
+/// Adds to the diagnostic on intersections that there are too many of them for the verdict to cover all.
 void warn_of_many_intersections(std::vector<Diagnostic>& diagnostics);
 
 }  // namespace remesh

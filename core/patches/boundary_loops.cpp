@@ -8,7 +8,7 @@ namespace remesh {
 BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
                              RunControl& control) {
   BoundaryLoops loops;
-  // Where a loop may begin: the boundary's half-edges, patch by patch.
+  // The half-edges of the boundary, patch by patch. A loop may begin at any of them.
   const auto starts = map_blocks<std::vector<std::uint32_t>>(
       patches.faces.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
         std::vector<std::uint32_t> found;
@@ -19,7 +19,8 @@ BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency,
         }
         return found;
       });
-  std::vector<bool>& is_walked = loops.is_boundary;  // in the end; bits: this is where the run has most in memory
+  // In the end all boundary half-edges are walked. These are bits, because here the run uses most memory.
+  std::vector<bool>& is_walked = loops.is_boundary;
   is_walked.resize(surface.corners.size());
   const auto close_patch = [&] {
     loops.patch_begin.push_back(static_cast<std::uint32_t>(loops.loop_begin.size() - 1));
@@ -36,7 +37,7 @@ BoundaryLoops boundary_loops(const Surface& surface, const Adjacency& adjacency,
         check();
         loops.half_edges.push_back(h);
         is_walked[h] = true;
-        // Turn about the head of h, through the patch's faces, to the next open edge.
+        // Turn around the head of h, through the patch's faces, to the next boundary half-edge.
         h = adjacency.next(h);
         while (!is_patch_boundary(adjacency, patches, h)) {
           check();

@@ -23,15 +23,17 @@
 namespace remesh {
 namespace {
 
-/// A face is looked at by at most this many growths that end up without it; then only by those that have their plane.
+/// After a face was found by this many growths that ended without it, only growths that already have their final plane
+/// may take it.
 constexpr std::uint8_t kMaxTrials = 8;
 
-/// Growing and merging fewer faces costs less than fitting a plane to their corners.
+/// For fewer faces than this, growing and merging costs less than fitting a plane to their corners.
 constexpr std::size_t kFewFaces = 32;
 
 constexpr std::size_t kBlock = 4096;
 
-/// Faces accepted so far, for the plane through them: area-weighted, so that the normal depends on the rim alone.
+/// Sums over the faces accepted so far, for the plane through them. They are weighted by area, so that the normal
+/// depends on the rim alone.
 struct Fit {
   Vec3 area_vector, moment;
   double area = 0;
@@ -74,10 +76,10 @@ class Growth {
   }
 
  private:
-  /// What a region's faces come to, in its plane.
+  /// The measures of a region's faces relative to its plane.
   struct Extent {
-    double deviation = 0;  ///< of the farthest corner
-    double height = 0;     ///< of the highest face
+    double deviation = 0;  ///< distance of the farthest corner
+    double height = 0;     ///< height of the highest face
     void add(const Extent& other) {
       deviation = std::max(deviation, other.deviation);
       height = std::max(height, other.height);
@@ -85,7 +87,7 @@ class Growth {
   };
 
   struct NewRegion {
-    bool is_thin;  ///< these after all others
+    bool is_thin;  ///< thin regions come after all others
     Seed seed;
     Plane plane;
     Extent extent;
@@ -97,15 +99,15 @@ class Growth {
     Extent extent;
   };
 
-  /// What one thread has while it grows regions.
+  /// The state of one thread while it grows regions.
   struct Walk {
     Seeds seeds;
-    std::vector<std::uint32_t> found = {};  ///< faces, by the growth that is going on
-    std::uint32_t now = 0;                  ///< its number
+    std::vector<std::uint32_t> found = {};  ///< faces of the current growth
+    std::uint32_t now = 0;                  ///< number of the current growth
     std::vector<NewRegion> regions = {};
   };
 
-  /// Over which edges regions may grow at all.
+  /// Finds the joints, which are the edges over which regions may grow at all.
   void find_joints() {
     static_assert(kBlock % kBits == 0, "no word belongs to two blocks");
     joints_.resize((surface_.corners.size() + kBits - 1) / kBits);
@@ -120,11 +122,12 @@ class Growth {
     });
   }
 
-  /// Input:  of the edge's half-edges the smaller one.
+  /// Input:  the smaller half-edge of an edge.
   bool is_joint(std::uint32_t h) const { return (joints_[h / kBits] >> h % kBits & 1) != 0; }
 
-  /// Gives each face without a region the number of its island for one: of those that hang together over joints.
-  /// Output: how many islands there are.
+  /// Writes the number of its island to each face without a region, in place of the region. An island consists of faces
+  /// that are connected over joints.
+  /// Output: the number of islands.
   std::size_t number_islands() {
     const std::size_t n = surface_.face_count();
     UnionFind sets(n);
@@ -140,7 +143,7 @@ class Growth {
     const auto roots = select_ids<std::uint32_t>(n, kBlock, control_, [&](std::size_t f) {
       return sets.root_of(static_cast<std::uint32_t>(f)) == f && stamp_[f] != kTaken;
     });
-    // A root has its island's number for a stamp, until all know theirs; that stands where their region's will.
+    // The stamp of a root is its island's number, until all faces have that number in place of their region's.
     for_blocks(roots.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) stamp_[roots[i]] = static_cast<std::uint32_t>(i);
     });
@@ -155,14 +158,14 @@ class Growth {
     return roots.size();
   }
 
-  /// The faces without a region, by islands. All other faces come last.
+  /// Groups the faces without a region by islands. All other faces come last.
   Grouping find_islands() {
     const std::size_t count = number_islands();
     const auto key = [&](std::uint32_t f) { return stamp_[f] == kTaken ? count : regions_.of_face[FaceId(f)].value; };
     return group_by(surface_.face_count(), count + 1, key, control_);
   }
 
-  /// Gives every face a region, island by island; then regions are numbered in the order of their seeds.
+  /// Gives every face a region, island by island. Then numbers the regions in the order of their seeds.
   void grow() {
     const Grouping islands = find_islands();
     const std::size_t count = islands.begin.size() - 2;
@@ -182,7 +185,7 @@ class Growth {
   }
 
   void number_regions(const std::vector<std::vector<NewRegion>>& found, std::span<const std::uint32_t> faces) {
-    // What is asked most often is at hand.
+    // The values that comparisons need most often are copied to where they are quickly read.
     struct Place {
       bool is_thin;
       double area;
@@ -195,8 +198,8 @@ class Growth {
       if (a.is_thin == b.is_thin && a.area != b.area) return a.area > b.area;
       return a.region->is_before(*b.region);
     });
-    // All faces are taken: a seed may have its region's number for a stamp.
-    // By way of `items`: for all threads to fill, not for one to clear.
+    // All faces are taken, so the stamp of a seed is free for its region's number.
+    // The vectors are resized through `items`, so that all threads fill them and no single thread clears them first.
     regions_.planes.items().resize(first_region_ + all.size());
     regions_.deviation.items().resize(first_region_ + all.size());
     seeds_.resize(all.size());
@@ -222,7 +225,7 @@ class Growth {
 
   void grow_on(std::span<const std::uint32_t> island, Walk& walk) {
     std::size_t left = island.size();
-    // Thin faces seed only what no other face has taken.
+    // Thin faces become seeds only of what no other face has taken.
     for (const bool thin : {false, true}) {
       const auto is_open = [&](FaceId f) { return stamp_[f.value] != kTaken && rule_.is_thin(f) == thin; };
       walk.seeds.begin(island);
@@ -243,7 +246,7 @@ class Growth {
     }
   }
 
-  /// The plane of an island that fits one, as most do: growing could only come to the same.
+  /// Finds the plane of an island that fits one, as most do. Growing would find the same region.
   std::optional<InPlane> plane_of_all(FaceId seed, std::span<const std::uint32_t> island) const {
     if (rule_.is_single(seed)) return std::nullopt;
     const Fit fit = fit_of(seed, island);
@@ -256,8 +259,9 @@ class Growth {
     return extent ? std::optional(InPlane{plane, *extent}) : std::nullopt;
   }
 
-  /// Makes a plane the one nearest to all corners, and moves that to their middle: few of them may be far on one side.
-  /// Output: whether they might lie in a band about it.
+  /// Replaces a plane by the one nearest to all corners, and moves that to the middle of the corners' range, because a
+  /// few of them may be far away on one side.
+  /// Output: whether all corners might lie in a band about the plane.
   bool move_to_corners(Plane& plane, std::span<const std::uint32_t> faces, double band) const {
     struct Moments : PointMoments {
       void add(const PointMoments& other) { merge(other); }
@@ -297,7 +301,7 @@ class Growth {
     }
   }
 
-  /// Finds the plane of the seed's region by growing while fitting, then the region by growing in that plane.
+  /// Finds the plane of the seed's region by growing while fitting. Then finds the region by growing in that plane.
   InPlane grow_from(FaceId seed, Walk& walk) {
     const Plane seed_plane = Plane{face_centre(surface_, seed), geometry_[seed].normal};
     if (rule_.is_single(seed)) {
@@ -315,7 +319,7 @@ class Growth {
     return {plane, extent_of(walk.found, plane)};
   }
 
-  /// Output: nothing if some face does not fit the plane.
+  /// Output: empty if some face does not fit the plane.
   std::optional<Extent> extent_if_all_fit(std::span<const std::uint32_t> faces, const Plane& plane, double tol) const {
     std::atomic<bool> do_fit = true;
     const auto extent = sum_over<Extent>(faces, [&](FaceId f, Extent& sum) {
@@ -332,7 +336,7 @@ class Growth {
     });
   }
 
-  /// Sums by blocks of faces, these in their order.
+  /// Sums over blocks of faces, in the order of the faces.
   template <class Sum, class Add>
   Sum sum_over(std::span<const std::uint32_t> faces, const Add& add) const {
     const auto sum_block = [&](std::size_t begin, std::size_t end) {
@@ -346,8 +350,8 @@ class Growth {
     return all;
   }
 
-  /// A layer is tested against one plane, and the plane is fitted anew when the region has doubled: so the order within
-  /// a layer does not matter.
+  /// Grows a region while fitting its plane. A whole layer is tested against one plane, and the plane is fitted again
+  /// only when the region has doubled. So the order within a layer does not matter.
   Plane grow_fitting(FaceId seed, Plane plane, double tol, Walk& walk) {
     std::vector<std::uint32_t>& found = walk.found;
     begin_growth(seed, walk);
@@ -378,7 +382,7 @@ class Growth {
     return fit.area > 0 ? fit.plane() : plane;
   }
 
-  /// Thin faces say nothing, but the seed has to.
+  /// Sums over faces. Thin faces are left out, except the seed.
   Fit fit_of(FaceId seed, std::span<const std::uint32_t> faces) const {
     return sum_over<Fit>(faces, [&](FaceId f, Fit& sum) {
       if (!rule_.is_thin(f) || f == seed) sum.add(geometry_[f], face_centre(surface_, f));
@@ -403,7 +407,7 @@ class Growth {
     }
   }
 
-  /// The seed's number stands for the region's until all are known.
+  /// Marks faces as taken. The seed's number stands for the region's until all regions are known.
   void take(std::span<const std::uint32_t> faces, FaceId seed) {
     for_blocks(faces.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -421,17 +425,17 @@ class Growth {
   const Coplanarity rule_;
   Regions& regions_;
   RunControl& control_;
-  std::uint32_t first_region_ = 0;  // older ones are not touched
+  std::uint32_t first_region_ = 0;  // older regions are not changed
   std::atomic<std::size_t> faces_taken_ = 0;
-  /// Per face: the growth on its island that found it last, or that it has its region.
+  /// Per face: the last growth on its island that found it, or kTaken if it has a region.
   std::vector<std::uint32_t, LeftUnset<std::uint32_t>> stamp_;
   static constexpr std::uint32_t kTaken = 0xffffffffu;
   std::vector<std::uint8_t> trials_;
   static constexpr std::size_t kBits = 64;
-  std::vector<std::uint64_t> joints_;  ///< a bit a half-edge; set for the smaller one of an edge
-  // Of the new regions.
+  std::vector<std::uint64_t> joints_;  ///< one bit per half-edge, set for the smaller half-edge of a joint
+  // The following are about the new regions.
   std::vector<FaceId> seeds_;
-  std::vector<double> heights_;  ///< of each one's highest face
+  std::vector<double> heights_;  ///< height of each one's highest face
 };
 
 }  // namespace

@@ -7,7 +7,8 @@
 namespace remesh {
 namespace {
 
-/// What printing does to a coordinate, in its steps, and a little more for what the numbers went through before.
+/// The distance by which printing moves a coordinate, in steps, and a little more for the rounding of earlier
+/// computations.
 constexpr double kPrinted = 0.51;
 
 }  // namespace
@@ -15,7 +16,7 @@ constexpr double kPrinted = 0.51;
 Coplanarity::Coplanarity(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
                          const CoplanarityRule& rule, RunControl& control)
     : surface_(surface), adjacency_(adjacency), geometry_(geometry), rule_(rule) {
-  // Corners lie within [-1, 1]; the floor is relative to the diagonal.
+  // Corners lie within [-1, 1]. The floor is relative to the diagonal.
   const auto box_of = [&](std::size_t begin, std::size_t end) {
     Box3 box;
     for (std::size_t v = begin; v < end; ++v) box.add(surface.local[VertexId(v)]);
@@ -52,7 +53,7 @@ bool Coplanarity::are_apart(FaceId f, FaceId g) const {
   const double cosine = dot(geometry_[f].normal, geometry_[g].normal);
   if (cosine > kNearlyFlat || is_thin(f) || is_thin(g)) return false;
   const double a = squared_sine(f, tolerance(f)), b = squared_sine(g, tolerance(g));
-  // Less than the cosine of the two angles' sum, and a little for rounding.
+  // The right side is the cosine of the sum of the two angles. A little is added for rounding.
   return a < 1 && b < 1 && cosine + 1e-12 < std::sqrt((1 - a) * (1 - b)) - std::sqrt(a * b);
 }
 

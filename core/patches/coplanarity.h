@@ -1,4 +1,4 @@
-/// What the rule of coplanarity says of faces, of neighbours and of faces and planes.
+/// The tests of coplanarity for single faces, for neighbours, and for faces and planes.
 #pragma once
 
 #include <algorithm>
@@ -11,14 +11,15 @@
 
 namespace remesh {
 
-/// Faces are held within this part of the tolerance on either side of the plane, so that input and output, both in that
-/// band, are never further apart than the tolerance. While the plane is still being fitted all of it is allowed.
+/// The corners of a region are within this fraction of the tolerance on either side of the plane. So input and output,
+/// which are both in this band, are never further apart than the tolerance. While the plane is still being fitted, the
+/// whole tolerance is allowed.
 inline constexpr double kBand = 0.5;
 
-/// What may be rounding of a fitted plane's root mean square distance, in local units.
+/// The part of a fitted plane's root mean square distance that may be rounding, in local units.
 inline constexpr double kFitRounding = 1e-7;
 
-/// Lengths are in local units.
+/// The rule of coplanarity, applied to the faces of one surface. Lengths are in local units.
 class Coplanarity {
  public:
   Coplanarity(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
@@ -26,25 +27,26 @@ class Coplanarity {
 
   double tolerance(FaceId f) const { return tolerance_at_[(*rule_.rung)[f]]; }
   bool is_thin(FaceId f) const { return geometry_[f].height < kThinFace * tolerance(f); }
-  /// Has the ladder put it alone?
+  /// Returns whether the ladder has made the face a patch of its own.
   bool is_single(FaceId f) const { return (*rule_.rung)[f] == kSingleFace; }
 
   bool are_in_one_zone(FaceId f, FaceId g) const { return rule_.zone->empty() || (*rule_.zone)[f] == (*rule_.zone)[g]; }
 
-  /// May a region grow from one to the other over their edge, of which h is a half-edge with a twin?
+  /// Returns whether a region may grow from one face to the other over their edge. h is a half-edge of that edge, and
+  /// has a twin.
   bool may_be_joined(std::uint32_t h, FaceId f, FaceId g) const {
     return are_in_one_zone(f, g) && (*rule_.rung)[g] == (*rule_.rung)[f] &&
            (are_flat(f, g) || (!are_apart(f, g) && !is_bend(h)));
   }
 
-  /// Whether the two triangles at an edge bend by more than kUnquestionedBend and than printing can do: then no four
-  /// corners that are printed as theirs lie in one plane. (To first order the volume of the four changes by the faces'
-  /// areas along each axis.)
+  /// Returns whether the two triangles at an edge bend by more than kUnquestionedBend and by more than printing can
+  /// explain. If they do, no four points of one plane would be printed as their corners. (To first order, a move of a
+  /// corner along an axis changes the volume of the four corners by the area of the opposite face along that axis.)
   bool is_bend(std::uint32_t h) const;
 
   double height(FaceId f) const { return geometry_[f].height; }
 
-  /// Of a face's farthest corner from a plane.
+  /// The distance of a face's farthest corner from a plane.
   double distance(FaceId f, const Plane& plane) const {
     double farthest = 0;
     for (const VertexId v : surface_.face(f))
@@ -52,28 +54,30 @@ class Coplanarity {
     return farthest;
   }
 
-  /// Does a face look along a plane's normal, as far as the tolerance explains what it turns against it?
+  /// Returns whether a face looks along a plane's normal. It may turn against the normal as far as the tolerance
+  /// explains.
   bool has_normal(FaceId f, const Vec3& normal, double tol) const {
     if (is_thin(f)) return true;
     const double cosine = dot(geometry_[f].normal, normal);
     return cosine > 0 && 1 - cosine * cosine <= squared_sine(f, tol);
   }
-  /// By how much at least the unit normal that a face looks along may change and the face still does.
+  /// A lower bound on how far the unit normal may move before a face does not look along it any more.
   double normal_to_spare(FaceId f, const Vec3& normal, double tol) const {
     if (is_thin(f)) return HUGE_VAL;
-    constexpr double kRounding = 1e-15;  // of the square of a sine
+    constexpr double kRounding = 1e-15;  // rounding error of a squared sine
     const double cosine = dot(geometry_[f].normal, normal);
     return std::sqrt(std::min(1.0, squared_sine(f, tol))) - std::sqrt(std::max(0.0, 1 - cosine * cosine) + kRounding);
   }
 
-  /// Is a face in a plane, to a tolerance?
+  /// Returns whether a face lies in a plane, within a tolerance.
   bool fits(FaceId f, const Plane& plane, double tol) const {
     double deviation = 0;
     return fits(f, plane, tol, deviation);
   }
-  /// The same, and raises `deviation` to the distance of its farthest corner, if it is.
+  /// Does the same. If the face lies in the plane, raises `deviation` to the distance of its farthest corner.
   bool fits(FaceId f, const Plane& plane, double tol, double& deviation) const {
-    // The normal first: it is one test, where a large polygon with many neighbours has many corners.
+    // The normal is tested first, because that is one test, while a large polygon with many neighbours has many
+    // corners.
     if (!has_normal(f, plane.normal, tol)) return false;
     double farthest = deviation;
     for (const VertexId v : surface_.face(f)) {
@@ -86,36 +90,37 @@ class Coplanarity {
   }
 
  private:
-  /// Neighbours whose normals have more than this cosine, as most have, are not apart: no need to look closer.
+  /// Neighbours are not apart if the cosine of the angle between their normals is above this, as it is in most cases.
   static constexpr double kNearlyFlat = 0.9999;
 
-  /// The square of the sine of the angle that a face may have to its plane: what the distance explains; the floor is
-  /// per component of the normal.
+  /// The square of the sine of the angle that a face may have to its plane. It is what the distance explains, and at
+  /// least what the normal tolerance per component allows.
   double squared_sine(FaceId f, double tol) const {
     const double sine = std::max(rule_.normal_tolerance, kThinFace * tol / geometry_[f].height);
     return 3 * sine * sine;
   }
 
-  /// Whether neighbours whose normals have this cosine turn so little that no bend is looked for; the floor, per
-  /// component of the normal, is granted in any case.
+  /// Returns whether the normals of neighbours, given the cosine of their angle, differ so little that no bend is
+  /// looked for. The normal tolerance per component is allowed in any case.
   bool is_unquestioned(double cosine) const {
     return 1 - cosine <= std::max(kUnquestionedBend, 1.5 * rule_.normal_tolerance * rule_.normal_tolerance);
   }
 
-  /// Whether two neighbours look the same way, as most do: then they are neither apart nor is there a bend.
+  /// Returns whether two neighbours look nearly the same way, as most do. Then they are not apart, and there is no
+  /// bend.
   bool are_flat(FaceId f, FaceId g) const {
     const double cosine = dot(geometry_[f].normal, geometry_[g].normal);
     return cosine > kNearlyFlat && is_unquestioned(cosine);
   }
 
-  /// Whether two neighbours turn so far against each other that no plane fits both.
+  /// Returns whether two neighbours turn so far against each other that no plane fits both.
   bool are_apart(FaceId f, FaceId g) const;
 
   const Surface& surface_;
   const Adjacency& adjacency_;
   const FaceGeometries& geometry_;
   const CoplanarityRule& rule_;
-  std::array<double, kSingleFace + 1> tolerance_at_{};  ///< each rung
+  std::array<double, kSingleFace + 1> tolerance_at_{};  ///< by rung
 };
 
 }  // namespace remesh

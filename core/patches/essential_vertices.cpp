@@ -13,10 +13,11 @@
 namespace remesh {
 namespace {
 
-/// Simplification looks at each vertex of a run at most this often on average; what is left then stays.
+/// Simplification looks at each vertex of a run at most this often on average. Vertices that are left then stay.
 constexpr std::size_t kMaxLooks = 64;
 
-/// Where a point lies about a chord: how far off it, and how far along it (0 at its start, 1 at its end).
+/// The position of a point relative to a chord: its distance from the chord, and its place along it (0 at the start, 1
+/// at the end).
 struct ChordPosition {
   double distance, along;
 };
@@ -46,7 +47,7 @@ class Selection {
   EssentialVertices run() {
     find_boundary();
     mark_junctions();
-    // What touches there must go on touching.
+    // Parts that touch in a vertex must still touch in it afterwards.
     for (const VertexId v : pinched_) essential_[v] = 1;
     for (const VertexId v : vertices_) {
       check_();
@@ -58,8 +59,8 @@ class Selection {
       if (degree_[v.value] == 2 && !is_walked_[edges_at(v)[0].value]) close_ring(v);
     }
     keep_doubled_chords();
-    // Inside a patch, a vertex has a closed fan of that patch's faces: if it is a corner of something else, too, its
-    // faces do not hang together there.
+    // A vertex inside a patch has a closed fan of that patch's faces. If it is a corner of some other face, too, its
+    // faces are not all connected there, so it is pinched.
     return {std::move(essential_), pinched_.empty()};
   }
 
@@ -75,17 +76,17 @@ class Selection {
   }
   VertexId other_end(EdgeId e, VertexId v) const { return low(e) == v ? high(e) : low(e); }
 
-  /// Those of the boundary.
+  /// The boundary edges at a vertex.
   std::span<const EdgeId> edges_at(VertexId v) const {
     return std::span(incident_).subspan(first_[v.value], degree_[v.value]);
   }
-  /// Of the two boundary edges at a vertex.
+  /// The other one of the two boundary edges at a vertex.
   EdgeId other_edge(VertexId v, EdgeId e) const {
     const auto edges = edges_at(v);
     return edges[0] == e ? edges[1] : edges[0];
   }
 
-  /// The patch-boundary edges, and those at each vertex.
+  /// Finds the patch-boundary edges, and those at each vertex.
   void find_boundary() {
     const std::size_t vertices = surface_.vertex_count();
     degree_.assign(vertices, 0);
@@ -97,7 +98,7 @@ class Selection {
       ++degree_[high(e).value];
     }
     vertices_ = select_ids<VertexId>(vertices, kItemsPerBlock, control_, [&](std::size_t v) { return degree_[v] > 0; });
-    // Most vertices have none: nothing is written for them.
+    // Most vertices have none, and nothing is written for them.
     first_.resize(vertices);
     std::uint32_t all = 0;
     for (const VertexId v : vertices_) {
@@ -131,7 +132,7 @@ class Selection {
     });
   }
 
-  /// Follows the boundary from an essential vertex to the next one and simplifies what lies between.
+  /// Follows the boundary from an essential vertex to the next one, and simplifies the run between them.
   void walk(VertexId start, EdgeId e) {
     if (is_walked_[e.value]) return;
     run_.assign(1, start);
@@ -147,7 +148,8 @@ class Selection {
     simplify(0, run_.size() - 1);
   }
 
-  /// A closed boundary without a corner: anchored at its smallest vertex and the one farthest from that.
+  /// Simplifies a closed boundary without a corner. It is anchored at its smallest vertex and at the one farthest from
+  /// that.
   void close_ring(VertexId start) {
     run_.assign(1, start);
     EdgeId e = edges_at(start)[0];
@@ -176,8 +178,9 @@ class Selection {
       for (const VertexId v : run_) essential_[v] = 1;
   }
 
-  /// Keeps, between two kept vertices of the run, as many as the tolerance asks for: the one farthest from the chord,
-  /// then again on both sides (Douglas and Peucker, 1973). Among equally far ones the smallest place decides.
+  /// Makes as many vertices of a run essential, between two that are, as the tolerance requires. It takes the one
+  /// farthest from the chord, and then does the same on both sides (Douglas and Peucker, 1973). Among equally far
+  /// vertices, the one at the smallest place counts.
   void simplify(std::size_t begin, std::size_t end) {
     std::size_t looks = 0;
     spans_.assign(1, {begin, end});
@@ -202,7 +205,7 @@ class Selection {
         reached = position.along;
       }
       if (split == 0 && is_in_order) continue;
-      if (split == 0 || looks > kMaxLooks * (end - begin + 1)) {  // folded back, or too costly: all stay
+      if (split == 0 || looks > kMaxLooks * (end - begin + 1)) {  // it folds back, or is too costly: all stay
         for (std::size_t k = i + 1; k < j; ++k) essential_[run_[k]] = 1;
         continue;
       }
@@ -212,13 +215,13 @@ class Selection {
     }
   }
 
-  /// Two boundaries between the same two vertices, both straight within the tolerance, would become one edge: a crack
-  /// would close, or a thin patch vanish. Such runs keep all their vertices.
+  /// Finds two boundaries between the same two vertices that are both straight within the tolerance. They would become
+  /// one edge, so that a crack would close or a thin patch vanish. Therefore all vertices of such runs stay.
   void keep_doubled_chords() {
     struct Chord {
       VertexId a, b;      // a < b
       VertexId from;      // the end where the run begins
-      EdgeId first_edge;  // of the run, at `from`
+      EdgeId first_edge;  // the first edge of the run, at `from`
     };
     std::vector<Chord> chords;
     for (const VertexId v : vertices_) {
@@ -262,9 +265,9 @@ class Selection {
   RunControl& control_;
   StopCheck check_;
   IdVector<VertexId, std::uint8_t> essential_;
-  std::vector<VertexId> vertices_;                              ///< of the boundary
+  std::vector<VertexId> vertices_;                              ///< vertices of the boundary
   std::vector<std::uint32_t> degree_;                           ///< boundary edges at each vertex
-  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< of them in `incident_`
+  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< where each vertex's edges begin in `incident_`
   std::vector<EdgeId> incident_;
   std::vector<bool> is_walked_;
   std::vector<VertexId> run_;

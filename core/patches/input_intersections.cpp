@@ -41,7 +41,8 @@ std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& f
     }
     begin = end;
     if (surface.face(f).size() == 3) continue;
-    // Two of its triangles share it. So they do the bridge to a hole, which is no edge of another face.
+    // Two triangles of the polygon share a diagonal. They also share the bridge to a hole, but that is an edge of no
+    // other face.
     sort_stoppable(sides.begin(), sides.end(), control);
     for (std::size_t i = 1; i < sides.size(); ++i)
       if (sides[i] == sides[i - 1]) all.push_back({sides[i].first, sides[i].second, f});
@@ -50,8 +51,8 @@ std::vector<Diagonal> diagonals_of(const Surface& surface, const Triangulated& f
   return all;
 }
 
-/// Calls add(f, g) for each polygon f that has an edge of another face g for a diagonal: however it is split, they
-/// touch. Ends with false when add says that it is enough.
+/// Calls add(f, g) for each polygon f and other face g such that an edge of g is a diagonal of f. However the polygon
+/// is split, the two touch. Stops and returns false if add returns false.
 template <class Add>
 bool for_each_edge_on_a_diagonal(const Surface& surface, const Triangulated& faces, RunControl& control,
                                  const Add& add) {

@@ -19,16 +19,16 @@ namespace remesh {
 
 /// Faces of a surface that intersect, in pairs.
 struct FoundIntersections {
-  std::vector<std::pair<FaceId, FaceId>> pairs;  ///< sorted, the smaller face first, each pair once
-  bool is_complete = true;                       ///< false: there are more
+  std::vector<std::pair<FaceId, FaceId>> pairs;  ///< sorted; the smaller face first; each pair once
+  bool is_complete = true;                       ///< false if there are more pairs
 };
 
-/// At most so many pairs are looked for: beyond, the surface lies on itself all over.
+/// The search stops at this many pairs. With more, the surface lies on itself all over.
 inline constexpr std::size_t kMaxIntersections = 100'000;
 
-/// Finds the faces that intersect, but for those inside one large simple patch; a polygon and a face with an edge on
-/// one of its diagonals are such, too. Reports self_intersection and overlapping_faces (coplanar within the tolerance,
-/// model units): pairs; elements are input faces.
+/// Finds the faces that intersect, except pairs inside one large simple patch. A polygon and a face with an edge on one
+/// of the polygon's diagonals count as intersecting, too. Reports pairs as self_intersection, and as overlapping_faces
+/// if they are coplanar within the tolerance (model units). Elements are input faces.
 FoundIntersections find_intersections(const Surface& surface, const Triangulated& faces, const PatchSet& patches,
                                       const std::vector<std::uint8_t>& is_simple, double plane_tolerance,
                                       std::vector<Diagnostic>& diagnostics, RunControl& control);

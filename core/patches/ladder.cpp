@@ -5,8 +5,8 @@
 namespace remesh {
 namespace {
 
-/// After this many rounds, what fails goes to single faces at once: a chain of neighbours failing one after the other
-/// must not cost a round for each of its steps.
+/// After this many rounds, a patch that fails goes to single faces at once. A chain of neighbours that fail one after
+/// the other must not cost a round for each of its rungs.
 constexpr int kPatientRounds = 6;
 
 }  // namespace

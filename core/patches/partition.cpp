@@ -25,20 +25,20 @@ Partition make_partition(Prepared& prepared, double plane_tolerance, const Optio
   const double tolerance = plane_tolerance / surface.unit;
   const Adjacency& adjacency = prepared.adjacency(control);
   Partition result;
-  // Section 2: faces that lie in one plane.
+  // Section 2: find faces that lie in one plane.
   watch.enter(Stage::kRegions);
   coplanar_regions(surface, adjacency, prepared.geometry(control),
                    {tolerance, options.normal_tolerance, &ladder.zone(), &ladder.rung(),
                     (1 / surface.unit) * prepared.printed_steps},
                    regions, control);
-  // Section 3: the pieces of these that hang together.
+  // Section 3: find the connected pieces of these.
   watch.enter(Stage::kPatches);
   result.patches = patches(surface, adjacency, regions, control);
   const std::vector<double> areas = patch_areas(result.patches, prepared.geometry(control), control);
   result.with_thin_faces = find_patches_with_thin_faces(prepared.geometry(control), result.patches, tolerance, control);
-  // Most runs do not come back here, and it is as large as all the rest of the surface.
+  // Most runs do not come back here, and the geometry is as large as all the rest of the surface.
   prepared.release_geometry();
-  // Section 4: their boundaries, and the vertices of these that cannot be left out.
+  // Section 4: find their boundaries, and the vertices on these that cannot be left out.
   watch.enter(Stage::kLoops);
   result.loops = boundary_loops(surface, adjacency, result.patches, control);
   watch.enter(Stage::kEssentialVertices);

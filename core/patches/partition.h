@@ -1,4 +1,4 @@
-/// From a prepared surface to its patches, with all that later stages ask of them.
+/// Divides a prepared surface into patches, and computes all that later stages need to know of them.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +18,13 @@
 
 namespace remesh {
 
-/// A surface in pieces: its patches, their boundary loops and the vertices of these that stay.
+/// A surface divided into patches, with their boundary loops and the vertices on these that stay.
 struct Partition {
   PatchSet patches;
   BoundaryLoops loops;
   EssentialVertices essential;
   PatchSummaries summaries;
-  std::vector<PatchId> with_thin_faces;  ///< patches with a face that may be turned over, once for each such face
+  std::vector<PatchId> with_thin_faces;  ///< patches with faces that may be turned over; listed once per such face
 
   std::uint64_t face_count_of(const std::vector<FailedPatch>& failed) const {
     std::uint64_t faces = 0;
@@ -33,22 +33,22 @@ struct Partition {
   }
 };
 
-/// Splits a surface into patches: sections 2 to 4 of the 2018 report.
-/// Input:   `plane_tolerance` in model units; `regions`: those found for an earlier partition. Faces that the ladder
-///          has taken out of their region get a new one.
-/// Output:  the partition; `regions` of all faces.
-/// Holds:   the same for any number of threads.
+/// Splits a surface into patches, as in sections 2 to 4 of the 2018 report.
+/// Input:   `plane_tolerance` is in model units. `regions` are those of an earlier partition, or empty. Faces that the
+///          ladder has taken out of their region get a new one.
+/// Output:  the partition, and the `regions` of all faces.
+/// Holds:   the result is the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).
 Partition make_partition(Prepared& prepared, double plane_tolerance, const Options& options, Ladder& ladder,
                          Regions& regions, Stopwatch& watch, RunControl& control);
 
-/// Which patches cover nothing twice in their plane: their loops do not cross, and none of their faces is so thin that
-/// it may be turned over.
-/// Input:   a mesh for each patch.
+/// Returns which patches cover nothing twice in their plane: their loops do not cross, and none of their faces is so
+/// thin that it may be turned over.
+/// Input:   one mesh per patch.
 std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const std::vector<PatchMesh>& meshes);
 
-/// The patches of which there are no triangles, and why.
+/// Returns the patches that could not be triangulated, and the reasons.
 std::vector<FailedPatch> find_failed_patches(const std::vector<PatchMesh>& meshes);
 
 }  // namespace remesh

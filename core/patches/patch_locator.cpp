@@ -10,8 +10,8 @@
 namespace remesh {
 namespace {
 
-/// More than any distance is wrong by: what boxes are nearer by, so that nothing as near as the best so far is ever
-/// passed over, and the answer does not depend on the order of the search.
+/// An upper bound on the error of distances. Boxes count as nearer by this, so that nothing as near as the best so far
+/// is ever passed over, and the answer does not depend on the order of the search.
 constexpr double kRounding = 0x1p-48;
 
 Vec3 in_space(Vec2 p) { return {p.x, p.y, 0}; }
@@ -23,7 +23,7 @@ double distance_to_segment(Vec2 a, Vec2 b, Vec2 p) {
   return norm(p - (a + t * ab));
 }
 
-/// 0 inside a triangle, of either orientation, else the distance to its rim.
+/// The distance of a point from the rim of a triangle, or 0 inside it. The triangle may have either orientation.
 double distance_to_triangle(const std::array<Vec2, 3>& t, Vec2 p) {
   int left = 0, right = 0;
   double distance = HUGE_VAL;

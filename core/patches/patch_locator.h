@@ -17,26 +17,27 @@
 
 namespace remesh {
 
-/// Input faces and places to look up that are worth a task of their own.
+/// A patch with more input faces and places to look up than this is worth a task of its own.
 inline constexpr std::size_t kLargePatch = 1000;
-/// A size of blocks of look-ups, each of a microsecond.
+/// Block size for look-ups, which cost about a microsecond each.
 inline constexpr std::size_t kLookUps = 4096;
 
-/// The faces of one patch in its plane, as triangles under a tree of boxes.
+/// The faces of one patch in its plane, as triangles in a tree of boxes.
 class PatchLocator {
  public:
-  /// Input:  surface and frame, which outlive this.
+  /// Input:  the surface and the frame must outlive this object.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   O(n log n), in parallel.
   PatchLocator(const Surface& surface, std::span<const FaceId> faces, const Frame& frame, RunControl& control);
 
   struct Place {
     std::uint32_t face = 0;  ///< position in `faces`
-    Triangle corners;        ///< of the triangle: the face itself, or a part of it
-    std::array<Vec2, 3> uv;  ///< of these
+    Triangle corners;        ///< the corners of the triangle, which is the face itself or a part of it
+    std::array<Vec2, 3> uv;  ///< the corners' plane coordinates
   };
-  /// The triangle nearest to p; of equally near ones that of the first face, and of its triangles the first.
-  /// Cost:   O(log n) where faces do not crowd.
+  /// Finds the triangle nearest to p. If several are equally near, it is that of the first face, and of the face's
+  /// triangles the first.
+  /// Cost:   O(log n), unless many faces crowd around p.
   Place nearest(Vec2 p) const;
 
  private:
@@ -49,7 +50,7 @@ class PatchLocator {
 
   const Surface& surface_;
   const Frame& frame_;
-  std::vector<Part, LeftUnset<Part>> parts_;  ///< face after face
+  std::vector<Part, LeftUnset<Part>> parts_;  ///< one face after another
   BoxTree<NoTag> tree_;
 };
 

@@ -31,7 +31,7 @@ PatchReason reason_for(Outcome outcome) {
   return PatchReason::kNotPlanar;
 }
 
-/// Meshes one patch after the other, keeping its scratch memory.
+/// Meshes one patch after the other, and reuses its scratch memory.
 class Mesher {
  public:
   Mesher(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, const BoundaryLoops& loops,
@@ -64,13 +64,14 @@ class Mesher {
 
  private:
   using Side = std::array<VertexId, 2>;
-  /// Where one of the vertices is in the plane.
+  /// The place of one of the vertices in the plane.
   struct Flat {
     Vec2 uv;
     std::uint32_t index;
   };
 
-  /// Essential corners of the patch's faces: those of its loops, and those where something else touches its inside.
+  /// Collects the essential corners of the patch's faces: those on its loops, and those where something else touches
+  /// its inside.
   void collect_vertices(PatchId p) {
     corners_.clear();
     StopCheck check(control_);
@@ -88,7 +89,7 @@ class Mesher {
     vertices_.assign(corners_, control_);
   }
 
-  /// The loops, less the vertices that are not essential.
+  /// Collects the loops without the vertices that are not essential.
   void collect_sides(PatchId p) {
     sides_.clear();
     StopCheck check(control_);
@@ -114,7 +115,7 @@ class Mesher {
     for (const VertexId v : vertices_.ids()) points_.push_back(surface_.positions[v]);
     edges_.clear();
     for (const auto& [a, b] : sides_) edges_.push_back({surface_.positions[a], surface_.positions[b]});
-    // A vertex as the origin, in model units: differences of the input's own coordinates lose nothing.
+    // The origin is a vertex, in model units, because differences of the input's own coordinates are nearly exact.
     const Vec3 origin = *std::min_element(points_.begin(), points_.end());
     result.frame = make_frame(plane.normal, origin, points_, edges_, rule_.axis, rule_.direction, grid);
 
@@ -149,20 +150,20 @@ class Mesher {
     return triangulation.outcome;
   }
 
-  /// In the order of the plane.
+  /// The number of a vertex in the order of plane coordinates.
   std::uint32_t rank_of(VertexId v) const { return rank_[vertices_.rank(v)]; }
 
   bool is_triangle(PatchId p) const {
     return patches_.faces_of(p).size() == 1 && surface_.face(patches_.faces_of(p)[0]).size() == 3 && sides_.size() == 3;
   }
 
-  /// Lays a triangle into the plane along its longest side. Its height is never 0 there, however thin it is: rounding
-  /// of the projection cannot turn it over.
+  /// Lays a triangle into the plane along its longest side. Its height there is never 0, however thin it is, so the
+  /// rounding of the projection cannot turn it over.
   void lay_out_triangle(PatchId p, PatchMesh& result) const {
     const auto loop = surface_.face(patches_.faces_of(p)[0]);
     std::array<VertexId, 3> corner{loop[0], loop[1], loop[2]};
-    // Differences first: a small triangle far from the origin loses nothing. In its own unit: of one that is far
-    // smaller than the mesh, products would underflow in the mesh's.
+    // Differences come first, so that a small triangle far from the origin loses no digits. They are taken in the
+    // triangle's own unit: if it is far smaller than the mesh, products would underflow in the mesh's unit.
     const auto difference = [&](int i) {
       return surface_.positions[corner[(i + 1) % 3]] - surface_.positions[corner[i % 3]];
     };
@@ -188,8 +189,8 @@ class Mesher {
     std::frexp(norm(ab), &exponent);
     frame.scale = std::ldexp(unit, exponent);
     const Vec3 b = surface_.positions[corner[1]], c = surface_.positions[corner[2]];
-    // Of a needle the third corner may come to lie before the first one, or behind the second: nearly as long sides are
-    // told from the longest by rounding.
+    // In a needle, the third corner may come to lie before the first one or behind the second, because rounding decides
+    // which of several nearly equal sides is the longest.
     const Vec2 uv_b{std::min(to_plane(frame, b).x, 1.0), 0};
     const Vec2 uv_c{std::clamp(to_plane(frame, c).x, -1.0, 1.0), std::max(to_plane(frame, c).y, kFineGrid)};
 
@@ -210,7 +211,7 @@ class Mesher {
     for (std::uint32_t k = 0; k < 3; ++k) result.mesh.constrain(h + k);
   }
 
-  /// The power of two above the largest part of some sides, as far as it has a reciprocal.
+  /// The power of two above the largest component of the sides, limited so that it has a reciprocal.
   static double unit_of(const std::array<Vec3, 3>& sides) {
     double largest = 0;
     for (const Vec3& s : sides) largest = std::max({largest, std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)});
@@ -220,7 +221,7 @@ class Mesher {
     return std::ldexp(1.0, std::clamp(exponent, -kMost, kMost));
   }
 
-  /// Do two unit vectors, or none, stand far from each other's line?
+  /// Returns whether two unit vectors point clearly along different lines. Null vectors do not.
   static bool is_across(const Vec3& a, const Vec3& b) {
     constexpr double kClearly = 1e-3;
     return norm(cross(a, b)) > kClearly;
@@ -253,7 +254,7 @@ std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adj
   std::vector<PatchMesh>& meshes = all.items;
   reserve_pages(meshes, n, control);
   meshes.resize(n);
-  // The small ones in groups.
+  // Small patches are meshed in groups.
   const LargeFirst by_size = large_first(
       n, 1000, [&](std::uint32_t p) -> std::size_t { return patches.face_begin[p + 1] - patches.face_begin[p]; });
   std::atomic<std::size_t> done{0};

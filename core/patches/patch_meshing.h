@@ -1,4 +1,4 @@
-/// One patch, from its loops to its triangles; all patches in parallel.
+/// Triangulates patches from their loops, all patches in parallel.
 #pragma once
 
 #include <algorithm>
@@ -18,16 +18,16 @@
 
 namespace remesh {
 
-/// How patches are projected.
+/// The choice of the patches' x axes (see make_frame).
 struct ProjectionRule {
   ReferenceAxis axis = ReferenceAxis::kDominantEdge;
   Vec3 direction;
 };
 
 /// Triangulates every patch from its essential vertices.
-/// Output:  one mesh per patch, in patch order, whatever the number of threads.
-/// Holds:   loops are kept; plane coordinates are multiples of 2^-40, or of 2^-100 where the coarser grid makes points
-///          meet or loops cross. A patch of one triangle cannot fail.
+/// Output:  one mesh per patch, in the order of patches, for any number of threads.
+/// Holds:   all loop edges are in the mesh. Plane coordinates are multiples of 2^-40, or of 2^-100 if points would meet
+///          or loops cross on the coarser grid. A patch of one triangle cannot fail.
 /// Cost:    O(n log n); on the caller's TBB arena, by patch, large ones first.
 std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
                                     const BoundaryLoops& loops, const EssentialVertices& essential,

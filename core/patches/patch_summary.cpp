@@ -14,7 +14,7 @@
 namespace remesh {
 namespace {
 
-/// Measures of a model near the largest double stay numbers, as those of the whole surface do.
+/// Limits measures of a model near the largest double to that double, like those of the whole surface.
 double within_double(double measure) { return std::min(measure, DBL_MAX); }
 
 std::size_t distinct(std::vector<VertexId>& vertices, RunControl& control) {
@@ -56,8 +56,8 @@ class Summariser {
     s.area = within_double(areas_[p.value] * surface_.unit * surface_.unit);
     s.deviation = patches_.deviation[p] * surface_.unit;
 
-    // A region with k loop corners (a vertex counts as often as loops pass it) on l loops and m points inside is
-    // cut into k + 2 m + 2 l - 4 triangles.
+    // A region with k loop corners on l loops and m points inside is cut into k + 2 m + 2 l - 4 triangles. A vertex
+    // counts in k as often as loops pass it.
     rim_.clear();
     StopCheck check(control_);
     for (std::uint32_t l = loops_.patch_begin[p.value]; l < loops_.patch_begin[p.value + 1]; ++l)
@@ -74,7 +74,7 @@ class Summariser {
   }
 
  private:
-  /// Of all corners of the patch's faces.
+  /// Counts the essential vertices among all corners of the patch's faces.
   std::size_t count_essential(PatchId p) {
     corners_.clear();
     StopCheck check(control_);
@@ -94,9 +94,9 @@ class Summariser {
   const EssentialVertices& essential_;
   const Ladder& ladder_;
   RunControl& control_;
-  // Scratch of one patch.
-  std::vector<VertexId> rim_;      ///< essential ones of its loops
-  std::vector<VertexId> corners_;  ///< essential ones of its faces
+  // The following is scratch memory for one patch.
+  std::vector<VertexId> rim_;      ///< essential vertices of its loops
+  std::vector<VertexId> corners_;  ///< essential vertices of its faces
 };
 
 }  // namespace
@@ -120,7 +120,7 @@ std::vector<double> patch_areas(const PatchSet& patches, const FaceGeometries& g
   for_blocks(patches.count(), kPatchesPerBlock, control, [&](std::size_t p, std::size_t end) {
     for (; p < end; ++p) {
       const auto faces = patches.faces_of(PatchId(p));
-      if (faces.size() <= kItemsPerBlock) {  // most are, and there may be as many as faces
+      if (faces.size() <= kItemsPerBlock) {  // most patches are small, and there may be as many as faces
         areas[p] = sum(faces);
         continue;
       }

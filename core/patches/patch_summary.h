@@ -1,4 +1,4 @@
-/// What the report says of each patch.
+/// The part of the report on each patch.
 #pragma once
 
 #include <vector>
@@ -12,12 +12,12 @@
 namespace remesh {
 
 enum class PatchStatus { kRemeshed, kReduced, kKept };
-/// The stable name.
+/// The stable name of a status.
 std::string_view status_name(PatchStatus status);
 
 struct PatchSummary {
-  Vec3 normal;        ///< unit
-  double offset = 0;  ///< normal . x = offset on the plane
+  Vec3 normal;        ///< unit length
+  double offset = 0;  ///< normal . x = offset for points x of the plane
   double area = 0;
   std::uint64_t input_faces = 0;
   std::uint64_t output_faces = 0;
@@ -25,25 +25,27 @@ struct PatchSummary {
   std::uint32_t essential_vertices = 0;
   PatchStatus status = PatchStatus::kRemeshed;
   PatchReason reason = PatchReason::kNone;
-  double deviation = 0;  ///< largest distance of an input vertex of the patch to its plane
+  double deviation = 0;  ///< largest distance of an input vertex of the patch from its plane
 };
 
 struct PatchSummaries {
   std::vector<PatchSummary> patches;
-  std::uint64_t triangles = 0;  ///< that the patches' loops and points ask for (Euler); what they get, if none fails
-  /// Model units cubed, over all patches: their area times the distance between the planes, one below and one above the
-  /// patch's own, between which it lies.
+  /// The number of triangles that the patches' loops and points require (Euler). If none fails, they get as many.
+  std::uint64_t triangles = 0;
+  /// The sum over all patches of their area times the distance between the two planes, one below and one above the
+  /// patch's own, between which the patch lies. In cubed model units.
   double volume_bound = 0;
 };
 
-/// The areas of the patches: the sums of their faces'.
-/// Output:  one for each patch, in squares of the local unit.
-/// Holds:   the same bits for any number of threads.
+/// Computes the areas of the patches, which are the sums of their faces' areas.
+/// Output:  one area per patch, in squared local units.
+/// Holds:   the result has the same bits for any number of threads.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(faces).
 std::vector<double> patch_areas(const PatchSet& patches, const FaceGeometries& geometry, RunControl& control);
 
-/// Summarises the patches as they stand; `areas` as above; `output_faces` is what Euler's formula gives.
+/// Summarises the patches. `areas` come from patch_areas. `output_faces` is set to the number of triangles that Euler's
+/// formula gives.
 PatchSummaries summarise_patches(const Surface& surface, const Adjacency& adjacency, const std::vector<double>& areas,
                                  const PatchSet& patches, const BoundaryLoops& loops,
                                  const EssentialVertices& essential, const Ladder& ladder, RunControl& control);

@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// Of each face the first one of its patch.
+/// The first face of each face's patch.
 class FirstFaces {
  public:
   FirstFaces(const Surface& surface, const Adjacency& adjacency, const Regions& regions, RunControl& control)
@@ -58,10 +58,10 @@ class FirstFaces {
 
   const Regions& regions_;
   std::vector<std::uint32_t> first_of_region_;
-  UnionFind pieces_;  ///< of regions that may fall apart; empty where these hang together
+  UnionFind pieces_;  ///< pieces of regions that may not be connected; empty if all regions are
 };
 
-/// Numbers the pieces of regions that edges hold together, by their first faces.
+/// Numbers the edge-connected pieces of regions by their first faces.
 void number_pieces(const Surface& surface, const Adjacency& adjacency, const Regions& regions, PatchSet& set,
                    RunControl& control) {
   const std::size_t n = surface.face_count();

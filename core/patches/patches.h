@@ -1,4 +1,4 @@
-/// Numbers the patches: edge-connected pieces of a plane.
+/// Numbers the patches, which are the edge-connected pieces of regions.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,8 @@
 
 namespace remesh {
 
-/// Input:  `regions.are_connected` is taken at its word: then each region is a piece.
+/// Makes the patches of the regions.
+/// Input:  if `regions.are_connected` is set, each region is a piece; this is not checked.
 /// Output: one patch per edge-connected piece of a region, numbered by its first face.
 /// Source: J. Vermaak, The Surface Remeshing Module in ChiTech, 2018, section 3; rules.md, Connected patches.
 PatchSet patches(const Surface& surface, const Adjacency& adjacency, const Regions& regions, RunControl& control);

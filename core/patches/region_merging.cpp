@@ -15,12 +15,13 @@
 namespace remesh {
 namespace {
 
-/// Until a region has doubled, all its faces are held against new planes at most so often for the sake of much smaller
-/// regions.
+/// Until a region has doubled, all its faces are tested against new planes at most this often for the sake of much
+/// smaller regions.
 constexpr std::uint8_t kMaxWalks = 8;
 /// A region this many times as large as another one is much larger.
 constexpr std::size_t kMuchLarger = 4;
-/// Of a region so many faces are remembered that spoke against a plane: where another one is no better they tell soon.
+/// The number of faces that are remembered for each region because they did not fit a plane. If another plane is no
+/// better, they show it soon.
 constexpr std::size_t kMaxWitnesses = 8;
 
 constexpr std::size_t kBlock = 4096;
@@ -41,14 +42,14 @@ class Merging {
   void run() {
     if (first_region_ == regions_.planes.size()) return;
     pieces_.resize(regions_.planes.size() - first_region_);
-    // All faces of a region are on one step of the ladder.
+    // All faces of a region are on one rung of the ladder.
     for_blocks(pieces_.size(), kBlock, control_, [&](std::size_t r, std::size_t end) {
       for (; r < end; ++r) pieces_[r] = {rule_.tolerance(seeds_[r]), heights_[r], kNone, !rule_.is_single(seeds_[r])};
     });
     Pairs pairs = bordering_pieces();
-    if (pairs.empty()) return;  // as on most surfaces
+    if (pairs.empty()) return;  // on most surfaces
     joined_ = UnionFind(pieces_.size());
-    // Each pass may make neighbours of regions that were not; few are needed.
+    // Each pass may make neighbours of regions that were not. Few passes are needed.
     constexpr int kMaxPasses = 8;
     for (int pass = 0; pass < kMaxPasses; ++pass) {
       gather(pairs);
@@ -66,31 +67,32 @@ class Merging {
   static constexpr std::uint32_t kNone = 0xffffffffu;
   using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-  /// What is known of a region while regions are merged.
+  /// The state of a region while regions are merged.
   struct Piece {
     double tolerance = 0;
-    double height = 0;  ///< of its highest face: what its normal is worth
+    double height = 0;  ///< height of its highest face; tells how accurate its normal is
     std::uint32_t content = kNone;
     bool may_merge = false;
   };
-  /// How some faces lie about a plane.
+  /// The position of some faces relative to a plane.
   struct Lie {
-    double low = HUGE_VAL, high = -HUGE_VAL;  ///< of all corners, along the normal
-    double normal_to_spare = HUGE_VAL;        ///< so far at least it may change
+    double low = HUGE_VAL, high = -HUGE_VAL;  ///< the range of all corners' distances along the normal
+    double normal_to_spare = HUGE_VAL;        ///< the normal may move at least this far
   };
-  /// What a region consists of that has neighbours whose planes might be its own.
+  /// The content of a region that has neighbours with similar planes.
   struct Content {
     std::vector<FaceId> faces;
     PointMoments moments;
     Box3 box;
-    Lie lie;  ///< about its plane: no less than it is
+    Lie lie;  ///< position relative to its plane, as an upper bound
     std::vector<FaceId> witnesses;
-    std::size_t counted_from = 0;  ///< faces there were when walks were counted anew
+    std::size_t counted_from = 0;  ///< number of faces when `walks` was last reset
     std::uint8_t walks = 0;
     std::int8_t merged_in = -1;  ///< the last pass that added to it
   };
 
-  /// Pairs of new regions with an edge between them whose planes might be one, ascending: in the order of their seeds.
+  /// Pairs of new regions that share an edge and whose planes might be one. The pairs are ascending, so they are in the
+  /// order of their seeds.
   Pairs bordering_pieces() {
     const auto find = [&](std::size_t begin, std::size_t end) {
       Pairs found;
@@ -115,7 +117,7 @@ class Merging {
     return pairs;
   }
 
-  /// Whether two regions' planes turn against each other by no more than what the tolerance explains.
+  /// Returns whether the planes of two regions turn against each other by no more than the tolerance explains.
   bool is_alike(std::uint32_t a, std::uint32_t b) const {
     if (!pieces_[a].may_merge || !pieces_[b].may_merge) return false;
     const double cosine = dot(plane_of(a).normal, plane_of(b).normal);
@@ -124,7 +126,7 @@ class Merging {
     return cosine > 0 && 1 - cosine * cosine <= sine * sine;
   }
 
-  /// Finds what those regions consist of that are in a pair for the first time.
+  /// Collects the content of regions that are in a pair for the first time.
   void gather(const Pairs& pairs) {
     const auto first = static_cast<std::uint32_t>(contents_.size());
     for (const auto& [a, b] : pairs) {
@@ -148,18 +150,18 @@ class Merging {
         content.box.add(surface_.local[v]);
       }
       if (!add(f, regions_.planes[r], kBand * piece.tolerance, content.lie))
-        content.lie = {-HUGE_VAL, HUGE_VAL, -HUGE_VAL};  // a face by itself may be
+        content.lie = {-HUGE_VAL, HUGE_VAL, -HUGE_VAL};  // a region of a single face may not fit its own plane
       content.counted_from = content.faces.size();
     }
   }
 
-  /// Output: whether any were merged.
+  /// Output: whether any regions were merged.
   bool merge(const Pairs& pairs, int pass) {
     bool is_changed = false;
     for (const auto& pair : pairs) {
       control_.check();
       const auto [a, b] = std::minmax({joined_.find(pair.first), joined_.find(pair.second)});
-      // Nothing is new to those that have not changed since they were tried.
+      // A pair of regions that have not changed since they were tried needs no new try.
       if (a == b || (pass > 0 && std::max(content_of(a).merged_in, content_of(b).merged_in) < pass - 1)) continue;
       if (!try_merge(a, b)) continue;
       content_of(a).merged_in = static_cast<std::int8_t>(pass);
@@ -202,8 +204,8 @@ class Merging {
     return true;
   }
 
-  /// Whether two regions fit a plane when it is shifted along its normal, and how they lie about it.
-  /// Input:  the larger region's plane so far.
+  /// Returns whether two regions fit a plane that may be shifted along its normal, and their position relative to it.
+  /// Input:  `old` is the larger region's plane so far.
   bool do_fit(Content& large, const Content& small, const Plane& old, const Plane& plane, double band, Lie& lie) const {
     lie = {};
     if (!add_all(large.witnesses, plane, band, lie) || !add_all(small.faces, plane, band, lie)) return false;
@@ -222,7 +224,8 @@ class Merging {
     return false;
   }
 
-  /// Adds how a face lies about a plane. Output: whether it looks along its normal and all can be within one band.
+  /// Adds the position of a face relative to a plane. Output: whether the face looks along the plane's normal, and all
+  /// faces so far can be within one band.
   bool add(FaceId f, const Plane& plane, double band, Lie& lie) const {
     if (!rule_.has_normal(f, plane.normal, band)) return false;
     lie.normal_to_spare = std::min(lie.normal_to_spare, rule_.normal_to_spare(f, plane.normal, band));
@@ -242,8 +245,8 @@ class Merging {
     return true;
   }
 
-  /// Makes the faces witnesses that are farthest out below and above and turn most; of several the one at the smallest
-  /// place.
+  /// Remembers, as witnesses, the faces that are farthest below and above the plane and the one that turns most. Among
+  /// equals, the face at the smallest place counts.
   void remember_farthest(Content& content, const Plane& plane, double band) const {
     std::array<std::pair<double, FaceId>, 3> farthest;
     farthest.fill({-HUGE_VAL, FaceId()});
@@ -271,9 +274,10 @@ class Merging {
     }
   }
 
-  /// How a region lies about a plane at most, told from its box and how it lies about its old plane.
+  /// A bound on the position of a region relative to a new plane. It is computed from the region's box and its position
+  /// relative to the old plane.
   static Lie lie_after_turn(const Content& content, const Plane& old, const Plane& plane) {
-    constexpr double kRounding = 1e-15;  // of distances, in local units
+    constexpr double kRounding = 1e-15;  // error of distances, in local units
     const Vec3 turn = plane.normal - old.normal;
     const Vec3 centre = 0.5 * (content.box.min + content.box.max), half = 0.5 * (content.box.max - content.box.min);
     const double shift = plane.distance(centre) - old.distance(centre);
@@ -282,7 +286,8 @@ class Merging {
     return {content.lie.low + shift - more, content.lie.high + shift + more, content.lie.normal_to_spare - norm(turn)};
   }
 
-  /// Gives a merged region the plane through all its corners, if they fit it, its faces and its deviation.
+  /// Completes a merged region: gives it the plane through all its corners if its faces fit it, and sets its faces and
+  /// its deviation.
   void finish(std::uint32_t r) {
     const Content& content = content_of(r);
     const double band = kBand * pieces_[r].tolerance;

@@ -9,15 +9,17 @@
 
 namespace remesh {
 
-/// Joins neighbouring regions that have one plane after all. Growth begins with a plane as good as one face, and on a
-/// thin frame that plane is wrong at the far end by many times the rounding; all corners together know better. Two
-/// regions at a time are held against the larger one's plane and against the one nearest to the corners of both, each
-/// shifted to the corners' middle; pairs of which one has grown are tried again.
-/// Input:  regions from `first_region` on; of each of them a face, and the height of its highest face. Older ones are
-///         not touched.
-/// Holds:  what coplanar_regions promises of regions. One that has been taken in by another has no faces any more.
-/// Cost:   O(n log n). A try costs the smaller region; the larger one is known by its box and by a few faces that did
-///         not fit before, and is held against a plane face by face a bounded number of times until it has doubled.
+/// Joins neighbouring regions that have one plane after all. Growth begins with the plane of a single face. On a thin
+/// frame, that plane is wrong at the far end by many times the rounding, and all corners together give a better one.
+/// Two regions at a time are tested against two planes: the larger region's, and the one nearest to the corners of
+/// both. Each plane is shifted to the middle of the corners. Pairs of which one region has grown are tried again.
+/// Input:  the regions from `first_region` on; for each of them a face, and the height of its highest face. Older
+///         regions are not changed.
+/// Holds:  the promises of coplanar_regions about regions. A region that was joined to another one has no faces any
+///         more.
+/// Cost:   O(n log n). A test costs as much as the smaller region. The larger region is represented by its box and by a
+///         few faces that did not fit before. It is tested face by face only a bounded number of times until it has
+///         doubled.
 void merge_regions(const Surface& surface, const Adjacency& adjacency, const Coplanarity& rule,
                    std::uint32_t first_region, std::span<const FaceId> seeds, std::span<const double> heights,
                    Regions& regions, RunControl& control);

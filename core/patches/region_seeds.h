@@ -1,4 +1,4 @@
-/// The faces from which regions are grown.
+/// Chooses the faces from which regions grow.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,8 @@
 
 namespace remesh {
 
-/// A face from which a region is grown: the largest first; among equally large ones the one at the smallest place.
+/// A face from which a region grows. The largest face comes first; among equally large ones, the one at the smallest
+/// place.
 struct Seed {
   double area = -1;
   Vec3 place;
@@ -25,14 +26,15 @@ struct Seed {
   }
 };
 
-/// Some faces in the order of seeds. Most faces get their region from another one, so that few are ever asked for: each
-/// block of faces knows its first, and is looked through again when that one has been taken.
+/// Gives some faces in the order of seeds. Most faces get their region from another face, so that only a few are ever
+/// needed as seeds. Therefore each block of faces knows its first one, and is searched again when that one has been
+/// taken.
 class Seeds {
  public:
   Seeds(const Surface& surface, const FaceGeometries& geometry, RunControl& control)
       : surface_(surface), geometry_(geometry), control_(control) {}
 
-  /// Begins with other faces, which stay as long as they are asked for.
+  /// Starts with other faces. The span must exist as long as `next` is called.
   void begin(std::span<const std::uint32_t> faces) {
     faces_ = faces;
     looks_left_ = kLooks * faces.size();
@@ -42,7 +44,7 @@ class Seeds {
     next_ = 0;
   }
 
-  /// The next one that is open still; invalid at the end. Faces that are not open stay so.
+  /// The next face that is still open; invalid at the end. A face that is not open must never become open again.
   template <class IsOpen>
   FaceId next(const IsOpen& is_open) {
     if (!is_sorted_ && looks_left_ > 0) return first(is_open);
@@ -54,7 +56,7 @@ class Seeds {
   Seed placed(FaceId f) const { return {geometry_[f].area, face_centre(surface_, f), f}; }
 
  private:
-  /// So often each face may be looked at before they are sorted.
+  /// Each face may be looked at this many times on average before the faces are sorted.
   static constexpr std::size_t kLooks = 8;
   static constexpr std::size_t kFacesPerBlock = 4096;
 
@@ -111,7 +113,7 @@ class Seeds {
   RunControl& control_;
   std::span<const std::uint32_t> faces_;
   std::size_t looks_left_ = 0;
-  std::vector<Seed> first_of_block_;  ///< no face: none of them is open
+  std::vector<Seed> first_of_block_;  ///< invalid if no face of the block is open
   std::vector<std::size_t> stale_;
   bool is_sorted_ = false;
   std::vector<FaceId> sorted_;
