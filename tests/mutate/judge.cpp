@@ -145,7 +145,9 @@ class Judge {
     // The square of a coordinate may be beyond all doubles.
     if (!std::isfinite(std::ldexp(std::max(area, before), 2 * scale_.exponent))) return;
     const double said = std::ldexp(report_.output.area, -2 * scale_.exponent);
-    const double rounding = 1e-6 * area + 4 * slack_ * output_.length_of_edges();
+    // A spike that is far away is cut off, but the judge's units are those of the input with it.
+    constexpr double kOwnRounding = 0x1p-100;
+    const double rounding = 1e-6 * area + 4 * slack_ * output_.length_of_edges() + kOwnRounding;
     if (!(std::fabs(area - said) <= rounding))
       object("area told", "the area is ", std::ldexp(area, 2 * scale_.exponent), ", and the report says ",
              report_.output.area);

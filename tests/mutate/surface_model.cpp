@@ -117,7 +117,9 @@ bool SurfaceModel::crosses_itself(const std::vector<std::uint32_t>& face, const 
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 2; j < n; ++j) {
       const Vec2 a = seen(i), b = seen(i + 1), c = seen(j), d = seen(j + 1);
-      if (side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0) return true;
+      if (i == 0 && j == n - 1) continue;  // they are neighbours
+      // To touch is to cross: then triangles of such a polygon may lie on each other, which is told.
+      if (side(a, b, c) * side(a, b, d) <= 0 && side(c, d, a) * side(c, d, b) <= 0) return true;
     }
   return false;
 }
