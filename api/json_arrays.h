@@ -15,9 +15,9 @@ struct NotPlain {};
 /// Reads an array of coordinate triples into `mesh`.
 /// Input:   `text` - the whole text; `begin` - the position in it of the array's first element or closing bracket.
 /// Output:  the position of the closing bracket. The numbers are those that nlohmann-json gives: correctly rounded,
-/// and an integer -0 is 0.
+///          and an integer -0 is 0.
 /// Errors:  NotPlain - it is not such an array of finite numbers, or has more of them than `limits` permit;
-/// kCancelled, kTimeout - through `control`.
+///          kCancelled, kTimeout - through `control`.
 std::size_t read_plain_vertices(std::string_view text, std::size_t begin, const ReadLimits& limits, RunControl& control,
                                 PolygonMesh& mesh);
 /// Reads an array of faces in the same way. Each face is an array of three or more whole numbers of up to eight

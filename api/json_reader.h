@@ -12,11 +12,11 @@ namespace remesh::api {
 /// Reads a bare mesh, {"vertices": [[x,y,z],...], "faces": [[i,j,k,...],...], "face_groups": [g,...]}, or a mesh
 /// together with options, {"mesh": {...}, "options": {...}}. The keys may be in any order.
 /// Output:  the polygons in their order. `face_groups` become group labels whose names are the numbers. Options go to
-/// `options`. Unknown keys are skipped and counted as `attribute_dropped`.
+///          `options`. Unknown keys are skipped and counted as `attribute_dropped`.
 /// Holds:   no document tree is built; memory is bounded by `limits` and the length of the text.
 /// Errors:  kMalformedJson - with the line: not JSON, nested too deeply, a known key given twice; kInvalidMesh - JSON
-/// of another shape; kIndexOutOfRange, kNonfiniteCoordinate - with the face or vertex, from 0; kEmptyMesh - no face;
-/// kMeshTooLarge - more than `limits`; for an option, the errors of OptionReader::add.
+///          of another shape; kIndexOutOfRange, kNonfiniteCoordinate - with the face or vertex, from 0; kEmptyMesh -
+///          no face; kMeshTooLarge - more than `limits`; for an option, the errors of OptionReader::add.
 /// Cost:    O(length); twice as much if it ends with an error.
 ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options);
 

@@ -12,7 +12,7 @@ namespace remesh::api {
 
 /// Writes one document. The caller opens and closes objects and arrays; the writer adds the commas.
 /// Holds: the text is valid UTF-8 whatever bytes the strings have. A number is the shortest text that reads back to
-/// the same double, or null if it is not finite.
+///        the same double, or null if it is not finite.
 class JsonWriter {
  public:
   void begin_object() { open('{'); }

@@ -20,7 +20,7 @@ struct FormPart {
 /// Input:  the whole body, and its Content-Type with the `boundary`.
 /// Holds:  no byte of a part's content is changed or copied.
 /// Errors: kMalformedMultipart - a missing or bad boundary, a part without a name, an encoding, more than 8 parts, a
-/// missing end, or anything else that RFC 7578 does not permit.
+///         missing end, or anything else that RFC 7578 does not permit.
 /// Cost:   O(body).
 std::vector<FormPart> parse_multipart(std::string_view body, std::string_view content_type);
 

@@ -68,8 +68,8 @@ using OptionValue = std::variant<std::monostate, bool, double, std::uint64_t, st
 OptionValue option_value(const OptionSpec& spec, const RequestOptions& options);
 /// The value as text, in the form that a query string accepts.
 std::string option_text(const OptionSpec& spec, const RequestOptions& options);
-/// The same options with the value that the pipeline takes for what was left open: min_angle_deg where neither it nor
-/// max_radius_edge_ratio is set, gradation with proximity. Sent again, they ask for the same.
+/// Replaces values that were left open by those that the pipeline will use: min_angle_deg if neither it nor
+/// max_radius_edge_ratio is set, and gradation if proximity is set. The returned options ask for the same result.
 RequestOptions with_defaults(RequestOptions options);
 
 /// The JSON type of an option's value before it became text. Query strings and flags are untyped.
@@ -80,7 +80,8 @@ class OptionReader {
  public:
   /// Reads one option. The items of a list are separated by commas.
   /// Errors: kUnknownOption - the message names the nearest known one; kInvalidOption - given twice, of the wrong
-  /// type, not a number, out of range, or together with an option that excludes it. Each error has `option` set.
+  ///         type, not a number, out of range, or together with an option that excludes it. Each error has `option`
+  ///         set.
   void add(std::string_view name, std::string_view text, ValueKind kind = ValueKind::kUntyped);
 
   /// Errors: kInvalidOption - the pipeline itself refuses the options (check_options).

@@ -88,7 +88,7 @@ void check_remesh(const Request& request, const Limits& limits);
 /// one that the job asked for. The option `local_origin` of `wanted` replaces the job's.
 /// Input:  `report` - returns the job's report; it is called only if the format contains the report.
 /// Output: as run_remesh. The mesh and the summary are checked and measured with the coordinates of the format that
-/// is written.
+///         is written.
 /// Errors: kUnknownOption, kInvalidOption, kNotAcceptable - also if a format cannot hold the result.
 Response write_kept(std::string_view mesh, const std::function<std::string()>& report, const Request& wanted,
                     RunControl& control);

@@ -18,9 +18,9 @@ class ApiKeys {
   static constexpr std::size_t kShortest = 16;
 
   /// Input:   `file` - a file with one key per line (empty lines and lines with # are skipped), or empty; `key` - one
-  /// more key, or empty.
+  ///          more key, or empty.
   /// Errors:  std::invalid_argument - the file is missing or has no key, or a key has less than 16 characters or
-  /// contains a blank.
+  ///          contains a blank.
   ApiKeys(std::string file, const std::string& key);
 
   /// Reads the file again.

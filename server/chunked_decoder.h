@@ -17,7 +17,7 @@ class ChunkedDecoder {
   /// touched.
   /// Output:  the number of bytes that belonged to this body.
   /// Errors:  HttpError 400 - a malformed chunk or trailer; 413 - the body is larger than the limit, which is thrown
-  /// as soon as a chunk's size shows it.
+  ///          as soon as a chunk's size shows it.
   std::size_t decode(std::string_view bytes, std::string& body);
 
   bool is_done() const { return state_ == State::kDone; }

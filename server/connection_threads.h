@@ -20,7 +20,7 @@ namespace remesh::server {
 class ConnectionThreads : public httplib::TaskQueue {
  public:
   /// Input: `end_waits` - called when the threads must end, to wake those that wait for something that may never
-  /// come.
+  ///        come.
   ConnectionThreads(std::size_t max_threads, std::function<void()> end_waits)
       : max_threads_(max_threads), end_waits_(std::move(end_waits)) {
     waiting_.reserve(max_threads);  // so that handing on a connection allocates no memory

@@ -10,7 +10,7 @@ namespace remesh::server {
 
 /// Makes the answer to a request that failed.
 /// Output:  problem+json. Unknown exceptions are logged under the request's id and answered by an opaque 500; lack of
-/// memory by 503. A 503 or 429 says when to try again.
+///          memory by 503. A 503 or 429 says when to try again.
 Response error_response(const std::exception_ptr& failure, std::string_view request_id);
 
 }  // namespace remesh::server

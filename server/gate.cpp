@@ -18,7 +18,7 @@ constexpr std::size_t kReserveStep = 1 << 20;
 /// Receives the bytes of a head.
 /// Output: empty if the client left or sent nothing in time.
 /// Input: `method` - set as soon as it is known, because a refusal has no body if the method is HEAD (RFC 9110,
-/// section 9.3.2).
+///        section 9.3.2).
 std::string receive_head(Connection& connection, const GateLimits& limits, std::string& method) {
   const Clock::time_point deadline = Clock::now() + limits.head_timeout;
   std::array<char, 8 << 10> buffer;

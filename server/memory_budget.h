@@ -27,7 +27,7 @@ class MemoryShare {
   /// a body of `expected` bytes would fit now, but does not reserve that yet: a client that announces much and sends
   /// little must not shut out others.
   /// Errors: HttpError 413 `mesh_too_large` - more than the whole budget; 503 `out_of_memory` - more than is free
-  /// now.
+  ///         now.
   void hold_body(std::uint64_t held, std::uint64_t expected);
   /// Reduces the reservation to the size of the answer, once the work is done.
   void hold_answer(std::uint64_t bytes) { resize(bytes); }

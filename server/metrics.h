@@ -34,7 +34,7 @@ class Metrics {
 
   /// Counts a request that is over.
   /// Input: `route` - the path of the route with `{id}` for the variable part, or "none"; `status` - 499 if the
-  /// client left before its answer; `method` - any text.
+  ///        client left before its answer; `method` - any text.
   void count_request(std::string_view route, std::string_view method, int status, double seconds);
   /// Counts a request that a limit turned away.
   /// Input: `reason` - the `code` of its problem.

@@ -21,7 +21,7 @@ struct HeadLimits {
 /// Input:   `checked` - the number of bytes that earlier calls have examined; it is updated.
 /// Output:  the length of the head with its empty line, or nothing if more bytes are needed.
 /// Errors:  HttpError 400 - a line that does not end in CRLF, a control character; 414 or 431 - longer than the
-/// limits.
+///          limits.
 /// Cost:    O(new bytes).
 std::optional<std::size_t> find_head_end(std::string_view bytes, std::size_t& checked, const HeadLimits& limits);
 
@@ -31,9 +31,9 @@ std::string_view method_of(std::string_view bytes);
 
 /// Parses a whole head, including the empty line.
 /// Output:  `head`, which must be empty before. If parsing fails, it is filled as far as parsing came, so that a
-/// refusal can carry the request's id.
+///          refusal can carry the request's id.
 /// Errors:  HttpError 400 - not HTTP/1.0 or 1.1, folded or malformed fields, no Host field or several, an invalid
-/// Host, a bad percent escape; 431 - too many fields.
+///          Host, a bad percent escape; 431 - too many fields.
 void parse_head(std::string_view bytes, const HeadLimits& limits, RequestHead& head);
 
 /// How a body is delimited (RFC 9112, section 6.3).
@@ -44,7 +44,7 @@ struct Framing {
 
 /// Finds out how the body is delimited.
 /// Errors:  HttpError 400 - a length that is repeated, malformed or beside a transfer coding, or a coding in
-/// HTTP/1.0; 411 - a POST without either; 501 - another coding than chunked.
+///          HTTP/1.0; 411 - a POST without either; 501 - another coding than chunked.
 Framing framing(const RequestHead& head);
 
 /// True if the client lets the connection stay open for another request (RFC 9112, section 9.3). HTTP/1.1 does so

@@ -72,7 +72,7 @@ class RequestRegistry {
   /// Registers a request under that id, or under a new one if a request with that id is running already.
   Entry add(const std::string& id, const std::string& owner = {});
   /// Output: nothing if there is no such request, and also if it belongs to somebody else, so that ids cannot be
-  /// probed.
+  ///         probed.
   std::shared_ptr<RunningRequest> find(const std::string& id, const std::string& owner = {}) const;
   std::vector<std::shared_ptr<RunningRequest>> computing() const;
   void cancel_all();

@@ -22,7 +22,7 @@ std::vector<WebFile> web_files();
 
 /// Makes a route for each file. The routes are public: clients need no key.
 /// Holds:   every answer has an `ETag`, and a matching `If-None-Match` gets 304; the headers let the page load from
-/// and connect to this daemon only; a client that does not accept gzip gets the unpacked bytes.
+///          and connect to this daemon only; a client that does not accept gzip gets the unpacked bytes.
 std::vector<Route> web_routes(const std::vector<WebFile>& files);
 
 }  // namespace remesh::server

@@ -24,9 +24,9 @@ struct WorkLimits {
 /// Runs `operation` on the request in the pool. While it runs, the request can be found in the registry. It stops
 /// when the client goes away, when its time is over, or when it is cancelled.
 /// Output:  the answer of the operation. `request.id` becomes the id under which it ran, and `request.timing` the
-/// times that it took; the request's body is consumed.
+///          times that it took; the request's body is consumed.
 /// Errors:  whatever the operation throws; remesh::Error kTimeout, kCancelled; HttpError 503 - the queue is full, no
-/// thread became free in time, or the request was ended because of its memory (413 if it was alone).
+///          thread became free in time, or the request was ended because of its memory (413 if it was alone).
 api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
                           const Operation& operation, Request& request, Connection& connection);
 

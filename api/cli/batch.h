@@ -30,7 +30,7 @@ struct BatchOutcome {
 /// name, both endings stay in it. An output folder inside the input folder is not searched.
 /// Holds:   except for the seconds, the bytes do not depend on the number of workers; no input mesh is overwritten.
 /// Errors:  FileError - the folder cannot be read, or the table cannot be written; remesh::Error kInvalidOption - the
-/// output folder is the input folder itself, or an output would overwrite one of the meshes.
+///          output folder is the input folder itself, or an output would overwrite one of the meshes.
 BatchOutcome run_batch(const BatchJob& job, RunControl& control);
 
 }  // namespace remesh::cli

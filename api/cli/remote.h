@@ -52,7 +52,7 @@ class Remote {
   /// Submits the job, waits for it and fetches the result. If nobody answers, it asks again for two minutes; this
   /// never makes a second job.
   /// Errors: RemoteError - the message names the job unless the mesh is at fault; remesh::Error kCancelled -
-  /// `control` says to stop, and the job was cancelled at the server.
+  ///         `control` says to stop, and the job was cancelled at the server.
   RemoteAnswer run(const RunControl& control);
   /// The line for a progress bar.
   std::string progress_line() const;

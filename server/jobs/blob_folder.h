@@ -24,7 +24,7 @@ class BlobFolder {
   std::string write(const std::string& id, std::string_view kind, std::string_view bytes) const;
   /// Reads a whole file.
   /// Errors: BlobLost - the file does not exist, or the disk cannot return its bytes; StoreError - it cannot be read
-  /// now.
+  ///         now.
   std::string read(const std::string& name) const;
   /// Returns the size of a file in bytes.
   /// Errors: as `read`.
