@@ -22,8 +22,8 @@ struct Job {
   std::optional<Format> input_format;  ///< empty: the format is found from the content
   std::string accept;                  ///< the value of the Accept header; empty accepts anything
   OptionReader options;
-  std::function<void()> release_mesh =
-      nullptr;  ///< called once the mesh has been read and its bytes are no longer needed
+  /// Called once the mesh has been read and its bytes are no longer needed.
+  std::function<void()> release_mesh = nullptr;
 };
 
 /// The answer to a remeshing: the mesh as bytes, and its report.

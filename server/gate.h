@@ -20,8 +20,8 @@ struct GateLimits {
   HeadLimits head;
   std::chrono::milliseconds head_timeout{10'000};  ///< for the whole head; also the grace period of the body
   std::uint64_t min_body_rate = 1024;              ///< bytes a second that a body must reach after the grace period
-  std::chrono::milliseconds write_timeout{
-      60'000};  ///< grace period of the answer, which must reach min_body_rate afterwards
+  /// Grace period of the answer, which must reach min_body_rate afterwards.
+  std::chrono::milliseconds write_timeout{60'000};
 };
 
 /// Reads the head of a request.

@@ -43,8 +43,8 @@ struct RunningRequest {
 
   enum class Eviction { kNone, kAmongOthers, kAlone };
   std::atomic<Eviction> eviction{Eviction::kNone};
-  std::uint64_t growth =
-      0;  ///< this request's estimated share in the growth of the process's memory; only MemoryWatch uses it
+  /// This request's estimated share in the growth of the process's memory; only MemoryWatch uses it.
+  std::uint64_t growth = 0;
 };
 
 /// `{"id": ..., "stage": ..., "fraction": ..., "elapsed_s": ...}`

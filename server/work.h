@@ -16,8 +16,8 @@ using Operation = std::function<api::Response(const api::Request&, const api::Li
 
 struct WorkLimits {
   api::Limits api;
-  std::chrono::milliseconds request_timeout{
-      300'000};                     ///< for computing; a request also waits no longer than this in the queue
+  /// For computing; a request also waits no longer than this in the queue.
+  std::chrono::milliseconds request_timeout{300'000};
   std::uint64_t memory_budget = 0;  ///< for all requests together; reported to a request that is too large for it
 };
 

@@ -87,8 +87,8 @@ class WorkerPool {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   std::deque<Entry> queue_;
-  std::vector<std::optional<Running>>
-      running_;  ///< one entry for each thread, so that starting a task allocates no memory
+  /// One entry for each thread, so that starting a task allocates no memory.
+  std::vector<std::optional<Running>> running_;
   std::size_t running_count_ = 0;
   /// The time until which one thread waits because a place may open then; the maximum if no thread does.
   Clock::time_point watched_until_ = Clock::time_point::max();
