@@ -46,8 +46,8 @@ std::size_t open_descriptors() {
   std::error_code failure;
   const std::filesystem::directory_iterator folder("/proc/self/fd", failure);
   if (failure) return 0;
-  return static_cast<std::size_t>(std::distance(begin(folder), end(folder))) -
-         1;  // the open folder itself does not count
+  // The open folder itself does not count.
+  return static_cast<std::size_t>(std::distance(begin(folder), end(folder))) - 1;
 }
 
 double seconds_of(const timeval& time) {

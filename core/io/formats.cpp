@@ -12,12 +12,12 @@
 namespace remesh {
 namespace {
 
-// A locale must not change what a file ending means.
+// A locale must not change the meaning of a file ending.
 char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool is_space(char c) { return is_blank(c) || c == '\n' || c == '\r'; }
 
-/// The first token that is neither blank nor in a comment line.
+/// Returns the first token that is neither blank nor in a comment line.
 std::string_view first_word(std::string_view text) {
   for (;;) {
     const auto begin = std::find_if_not(text.begin(), text.end(), is_space);
@@ -34,7 +34,7 @@ bool equals_ignoring_case(std::string_view text, std::string_view lower_case) {
                     [](char c, char lower) { return to_lower(c) == lower; });
 }
 
-/// How files begin that are often taken for meshes that we read, in lower case.
+/// The beginning, in lower case, of files that are often mistaken for meshes in our formats.
 struct Mark {
   std::string_view begin;
   std::string_view name;
@@ -66,8 +66,8 @@ bool has_stl_keyword(std::string_view text) {
   return false;
 }
 
-/// Whether text is STL: one of its first lines begins with "solid", and after it there is a keyword of STL, since the
-/// record of another format could be named "solid", too. Before it there may be lines of any kind.
+/// True if text is STL: one of its first lines begins with "solid", and a keyword of STL follows later, because a
+/// record of another format could be named "solid" too. Any lines may come before it.
 bool is_text_stl(std::string_view text) {
   constexpr std::size_t kHead = 4096;
   for (std::size_t begin = 0; begin < std::min(text.size(), kHead);) {
@@ -129,7 +129,7 @@ std::string_view media_type(Format format) {
     case Format::kJson: return "application/json";
     case Format::kStl:
     case Format::kStlAscii: return "model/stl";
-    // None of these is registered.
+    // None of these media types is registered.
     case Format::kPly: return "application/x-ply";
     case Format::kOff: return "application/x-off";
     case Format::kVtu: return "application/x-vtu";
@@ -139,7 +139,7 @@ std::string_view media_type(Format format) {
 }
 
 Format sniff_format(std::string_view content) {
-  // Before all marks: a binary STL's header may say anything, "solid" too.
+  // The length is checked before all marks, because the header of a binary STL may contain anything, even "solid".
   if (has_length_of_binary_stl(content)) return Format::kStl;
   const std::string_view text = content.starts_with("\xef\xbb\xbf") ? content.substr(3) : content;
   const std::string_view word = first_word(text);

@@ -13,7 +13,7 @@ constexpr int kSurface = 2;         // dimension of a physical group
 constexpr int kTriangle = 2;        // Gmsh's number of the element type
 constexpr int kTagsPerElement = 2;  // physical group and elementary entity
 
-/// A name that stays within its quotes and its line.
+/// Makes a name that stays within its quotes and its line.
 std::string quoted(std::string_view name) {
   std::string clean = without_control_characters(name.empty() ? "unnamed" : name);
   std::replace(clean.begin(), clean.end(), '"', '\'');
