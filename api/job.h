@@ -31,7 +31,7 @@ struct RemeshAnswer {
   Format format = Format::kObj;
   std::string body;
   Report report;
-  RequestOptions options;  ///< as they were used
+  RequestOptions options;  ///< the options that were used
   StageTimes times;
 };
 
@@ -45,7 +45,7 @@ struct AnalysisAnswer {
 /// The remeshed surface before it is written. `options.format` is the format that was asked for.
 struct Remeshed {
   Result result;
-  RequestOptions options;  ///< as they were used
+  RequestOptions options;  ///< the options that were used
   StageTimes times;
 };
 

@@ -162,7 +162,7 @@ class Handler final : public nlohmann::json_sax<Json> {
   std::array<double, 3> coordinates_{};
   std::size_t coordinate_count_ = 0;
   std::unordered_map<std::string, std::uint32_t> group_index_;
-  std::vector<std::string> unknown_keys_;  // the first few
+  std::vector<std::string> unknown_keys_;  // only the first few
   std::uint64_t unknown_key_count_ = 0;
   std::uint32_t ticks_ = 0;
 };
@@ -417,7 +417,7 @@ bool Handler::parse_error(std::size_t, const std::string& token, const Json::exc
   constexpr int kNumberOverflow = 406;
   const bool is_overflow = error.id == kNumberOverflow;
   const std::string_view last(at_ == text_.data() ? at_ : at_ - 1, text_.data() + text_.size());
-  const bool is_named = last.starts_with("NaN") || last.starts_with("Infinity");  // as some programs write them
+  const bool is_named = last.starts_with("NaN") || last.starts_with("Infinity");  // some programs write these
   if (skipped_depth_ == 0 && !stack_.empty() && (is_overflow || is_named)) {
     const Place place = stack_.back();
     if (place == Place::kVertex) {
@@ -485,7 +485,8 @@ ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl
     return result;
   } catch (const NotPlain&) {
   } catch (const Error&) {
-    control.check();  // else the parser, which has not seen the arrays, misjudges where it is: once more with all
+    // Unless it was cancelled, read everything again: the parser has not seen the arrays and misjudges its position.
+    control.check();
   }
   return read_json_by_events(text, limits, control, options);
 }

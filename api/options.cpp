@@ -410,7 +410,7 @@ const OptionSpec* find_option(std::string_view name) {
 }
 
 const OptionSpec& nearest_option(std::string_view name) {
-  constexpr std::size_t kLongestCompared = 64;  // the caller chooses the name's length
+  constexpr std::size_t kLongestCompared = 64;  // the caller chooses the length of the name
   const std::string_view start = name.substr(0, kLongestCompared);
   const auto distance = [&](const OptionSpec& spec) { return edit_distance(start, spec.name); };
   return *std::min_element(kTable.begin(), kTable.end(),

@@ -46,7 +46,7 @@ struct OptionSpec {
   OptionField field;
   std::string_view help;
   std::string_view unset = {};         ///< the word for "no value" if the option may have none: `none`, `auto`
-  std::optional<double> minimum = {};  ///< for numbers
+  std::optional<double> minimum = {};  ///< smallest value, for numbers
   bool above_minimum = false;          ///< the minimum itself is excluded
   std::optional<double> maximum = {};
   std::string_view excludes = {};  ///< an option that may not be given together with this one

@@ -238,7 +238,7 @@ void unpack(Unpacker& in, OutputBasis& basis) {
 }  // namespace
 
 std::string pack_result(const KeptResult& kept) {
-  constexpr std::size_t kPerFace = 12;  // about
+  constexpr std::size_t kPerFace = 12;  // an estimate
   const Result& result = kept.result;
   Packer out;
   out.reserve(4096 + kept.exact_report.size() + result.mesh.positions.size() * sizeof(Vec3) +

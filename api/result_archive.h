@@ -22,7 +22,7 @@ struct KeptResult {
   /// The report on the result in doubles, as JSON. It is empty unless the job's own report describes coordinates that
   /// were rounded for its format.
   std::string exact_report;
-  Result result;  ///< in doubles, with its basis; its report is empty
+  Result result;  ///< the result in doubles, with its basis; its report is empty
 };
 
 /// Packs a result.

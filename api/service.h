@@ -73,7 +73,7 @@ Response run_analyze(const Request& request, const Limits& limits, RunControl& c
 
 /// The result of a remeshing whose answer is fetched later, in any format. See result_archive.
 struct KeptRemesh {
-  std::string mesh;    ///< in the format of result_archive
+  std::string mesh;    ///< the mesh in the format of result_archive
   std::string report;  ///< the report object as JSON
   WorkDone done;
 };

@@ -20,9 +20,9 @@ namespace remesh::server {
 struct Config {
   Address bind{"127.0.0.1", 8080};
   std::optional<Address> ops_bind;  ///< a separate port for liveness, readiness and metrics
-  std::string api_key_file;         ///< empty: none
-  std::string api_key;              ///< from the environment only, because a flag would show in the list of processes
-  bool allow_anonymous = false;     ///< permits listening beyond loopback without any API key
+  std::string api_key_file;         ///< empty if there is none
+  std::string api_key;           ///< read from the environment only, because a flag would show in the list of processes
+  bool allow_anonymous = false;  ///< permits listening beyond loopback without any API key
   Cors cors;
 
   int workers = 1;
@@ -55,7 +55,7 @@ enum class Command { kServe, kHealth, kPrintConfig, kCheckConfig, kExit };
 
 struct Invocation {
   Command command = Command::kServe;
-  int exit_code = 0;  ///< for kExit: 0 after help or version, 2 if the configuration is wrong
+  int exit_code = 0;  ///< set for kExit: 0 after help or version, 2 if the configuration is wrong
   Config config;
 };
 

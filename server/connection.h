@@ -1,4 +1,4 @@
-/// One accepted connection: reads and writes under deadlines, and notices when the client goes away.
+/// One accepted connection. It reads and writes under deadlines, and notices when the client goes away.
 #pragma once
 
 #include <chrono>
@@ -121,7 +121,7 @@ class Connection {
 
   int socket_;
   std::string peer_address_;
-  std::optional<Clock::time_point> ask_at_;  ///< when a half-closed client is probed next
+  std::optional<Clock::time_point> ask_at_;  ///< the time of the next probe of a half-closed client
   Pace write_pace_;
   std::string put_back_;        ///< bytes that were read too far and will be read again
   std::size_t read_again_ = 0;  ///< the number of bytes in `put_back_` that were read again

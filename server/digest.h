@@ -19,7 +19,7 @@ std::string hex(const Sha256& digest);
 /// Compares two digests in a time that does not reveal where they differ.
 bool equal_in_constant_time(const Sha256& a, const Sha256& b);
 
-/// The value of a `Repr-Digest` field (RFC 9530): `sha-256=:...:`.
+/// Returns the value of a `Repr-Digest` field (RFC 9530): `sha-256=:...:`.
 std::string repr_digest(std::string_view bytes);
 
 }  // namespace remesh::server

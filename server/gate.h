@@ -18,7 +18,7 @@ namespace remesh::server {
 
 struct GateLimits {
   HeadLimits head;
-  std::chrono::milliseconds head_timeout{10'000};  ///< for the whole head; also the grace period of the body
+  std::chrono::milliseconds head_timeout{10'000};  ///< time for the whole head; also the grace period of the body
   std::uint64_t min_body_rate = 1024;              ///< bytes a second that a body must reach after the grace period
   /// Grace period of the answer, which must reach min_body_rate afterwards.
   std::chrono::milliseconds write_timeout{60'000};

@@ -7,8 +7,6 @@
 /// a request ends. So the gate reads the head, and httplib gets a head that we wrote, with the method and the
 /// normalised path. The real request waits beside it, and its body is read once a route has accepted it. A request
 /// that the gate refuses goes the same way and fails before routing, so that all answers leave on the same path.
-/// true request waits beside it; its body is read once a route has taken it. What the gate refuses goes the same way
-/// and fails before routing, so that there is one way out for all.
 #pragma once
 
 #include <chrono>

@@ -13,7 +13,7 @@ namespace remesh::server {
 
 /// The size limits of a head.
 struct HeadLimits {
-  std::size_t max_bytes = 32 << 10;  ///< for the request line, the fields and the empty line together
+  std::size_t max_bytes = 32 << 10;  ///< total of the request line, the fields and the empty line
   std::size_t max_fields = 100;
 };
 

@@ -47,7 +47,7 @@ struct RunningRequest {
   std::uint64_t growth = 0;
 };
 
-/// `{"id": ..., "stage": ..., "fraction": ..., "elapsed_s": ...}`
+/// Formats the progress of a request: `{"id": ..., "stage": ..., "fraction": ..., "elapsed_s": ...}`
 std::string progress_json(const RunningRequest& request);
 
 class RequestRegistry {

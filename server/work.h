@@ -16,9 +16,10 @@ using Operation = std::function<api::Response(const api::Request&, const api::Li
 
 struct WorkLimits {
   api::Limits api;
-  /// For computing; a request also waits no longer than this in the queue.
+  /// The longest time that a request may compute. It also waits no longer than this in the queue.
   std::chrono::milliseconds request_timeout{300'000};
-  std::uint64_t memory_budget = 0;  ///< for all requests together; reported to a request that is too large for it
+  /// Memory for all requests together; reported to a request that is too large for it.
+  std::uint64_t memory_budget = 0;
 };
 
 /// Runs `operation` on the request in the pool. While it runs, the request can be found in the registry. It stops

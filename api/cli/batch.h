@@ -12,7 +12,7 @@ struct BatchJob {
   std::string folder;         ///< searched with its subfolders
   std::string report;         ///< the table to write; `-` for standard output
   std::string output_folder;  ///< empty: no meshes are written
-  api::Fields options;        ///< by their names in the API
+  api::Fields options;        ///< options by their names in the API
   api::Limits limits;         ///< `workers` applies to all files together
 };
 

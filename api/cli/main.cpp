@@ -38,7 +38,7 @@ struct Arguments {
   std::string batch;  // a folder; it replaces the input
   std::string server;
   int workers = 1;
-  api::Fields options;  // by their names in the API
+  api::Fields options;  // options by their names in the API
 };
 
 /// The command line is incomplete or contradicts itself.

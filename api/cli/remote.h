@@ -29,10 +29,10 @@ struct RemoteJob {
   std::string server;   ///< http://host:8080, with a path if a proxy needs one
   std::string api_key;  ///< empty if there is none
   std::string_view mesh;
-  std::string content_type;      ///< of the mesh; empty: the format is found from the content
-  std::string content_encoding;  ///< of the mesh; empty if it has none
+  std::string content_type;      ///< media type of the mesh; empty: the format is found from the content
+  std::string content_encoding;  ///< coding of the mesh; empty if it has none
   std::string accept;            ///< media type of the answer; empty: the format of the mesh
-  api::Fields options;           ///< by their names in the API
+  api::Fields options;           ///< options by their names in the API
   bool wants_report = false;
 };
 

@@ -40,7 +40,7 @@ class Parser {
       } else if (!is_line_end(*at_) && !take_other_record()) {
         return false;
       }
-      ++at_;  // over the line end
+      ++at_;  // skips the line end
     }
     return true;
   }

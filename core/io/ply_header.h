@@ -1,4 +1,4 @@
-/// The header of a PLY file.
+/// Parses the header of a PLY file.
 #pragma once
 
 #include <cstddef>
@@ -37,7 +37,7 @@ struct PlyProperty {
 struct PlyElement {
   std::string name;
   std::uint64_t count = 0;
-  std::vector<PlyProperty> properties;  ///< at least one if count > 0
+  std::vector<PlyProperty> properties;  ///< one or more if count > 0
   std::uint64_t line = 0;               ///< the line of its declaration
 
   /// The smallest size of a record in bytes, which it has if its lists are empty.

@@ -31,8 +31,8 @@ struct Seams {
 
 struct Boundary {
   std::int64_t input_vertices = 0;  ///< number of input vertices that faces use
-  std::vector<double> deviation;    ///< for each patch: largest distance of a dropped boundary vertex from its chord
-  std::vector<double> slivers;      ///< for each patch: area between the input's chains and the output's
+  std::vector<double> deviation;    ///< largest distance of a dropped boundary vertex from its chord, by patch
+  std::vector<double> slivers;      ///< area between the input's chains and the output's, by patch
 };
 
 /// Reports kLostVertex, kLostLoop, kBoundary, kChord, kForeignVertex, kNewVertex, kNewOffLine.

@@ -110,7 +110,7 @@ class BoundaryGraph {
   const Node& node(VertexId v) const { return nodes_[node_of_[v.value]]; }
 
   BoundingEdges bounding_;
-  /// Of each vertex; most are inside patches, and share node 0, where no edge ends.
+  /// The node of each vertex. Most vertices are inside patches and share node 0, where no edge ends.
   std::vector<std::uint32_t> node_of_;
   std::vector<Node> nodes_;
 };

@@ -172,7 +172,7 @@ class EdgeTable {
 
   Faces faces_;
   const RunControl& control_;
-  std::vector<std::uint32_t> face_of_;  ///< for each half-edge; empty if all faces are triangles
+  std::vector<std::uint32_t> face_of_;  ///< the face of each half-edge; empty if all faces are triangles
   using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
   Numbers bucket_;      ///< uses of vertex v's edges: [bucket_[v], bucket_[v + 1])
   Numbers half_edges_;  ///< sorted by patch and half-edge along each edge; empty if the order was given

@@ -101,13 +101,13 @@ class FacingFacets {
   std::vector<std::array<VertexId, 3>> triangles_;
   Facets facets_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;
-  std::vector<std::uint32_t> body_;  ///< for each patch: the closed body that it bounds, or kOpen
+  std::vector<std::uint32_t> body_;  ///< the closed body that each patch bounds, or kOpen
   /// Each vertex of several patches with each of these patches, sorted.
   std::vector<std::pair<VertexId, PatchId>> contacts_;
   std::vector<std::pair<Part, PatchId>> edges_;  ///< each bounding edge with each of its patches, sorted
-  std::vector<std::uint32_t> border_begin_;      ///< for each patch: the first part of its border
+  std::vector<std::uint32_t> border_begin_;      ///< the first part of each patch's border
   std::vector<Part> border_parts_;
-  std::vector<std::uint32_t> border_tree_;  ///< for each patch: its tree, or kNoTree
+  std::vector<std::uint32_t> border_tree_;  ///< the tree of each patch, or kNoTree
   std::vector<BoxTree<NoTag>> trees_;
   std::span<const std::pair<PatchId, PatchId>> crossing_;
   bool is_crossing_known_ = true;

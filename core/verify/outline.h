@@ -1,4 +1,4 @@
-/// Outlines of polygons in space, as the checker measures them.
+/// Measures outlines of polygons in space, for the checker.
 #pragma once
 
 #include <cstddef>

@@ -54,10 +54,10 @@ struct Measures {
 struct Reading {
   Heights heights;
   Measures measures;
-  double reach = 0;    ///< largest coordinate relative to the frame's origin
-  FaceId facing_away;  ///< for the input: the first face that points away and is higher than the tolerance
-  std::vector<std::uint32_t> folded;  ///< for the input: all faces that point away
-  bool are_all_positive = true;       ///< for the output
+  double reach = 0;                   ///< largest coordinate relative to the frame's origin
+  FaceId facing_away;                 ///< the first input face that points away and is higher than the tolerance
+  std::vector<std::uint32_t> folded;  ///< all input faces that point away
+  bool are_all_positive = true;       ///< all output triangles are positively oriented
   std::vector<Finding> findings;
 
   void add(const Reading& other) {

@@ -14,7 +14,6 @@
 ///    tolerance, the height of each input vertex over the output below it is measured instead. The height of each new
 ///    vertex over the input is measured too, unless it is within the tolerance of both A and B. Between vertices the
 ///    bound applies.
-///    is within the tolerance of both A and B; between vertices the bound stands.
 #pragma once
 
 #include <cstdint>

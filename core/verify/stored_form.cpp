@@ -407,7 +407,7 @@ class StoredCheck {
   const StoredClaim& claim_;
   RunControl& control_;
   const bool has_origin_;
-  std::vector<double> moves_;  ///< for each vertex
+  std::vector<double> moves_;  ///< the move of each vertex
   std::vector<FaceRun> runs_;
   StoredVerdict verdict_;
 };

@@ -19,16 +19,17 @@ namespace remesh {
 
 /// What the pipeline claims about the coordinates that a file will have.
 struct StoredClaim {
-  std::span<const Vec3> positions;  ///< of the verified mesh
+  std::span<const Vec3> positions;  ///< the positions of the verified mesh
   std::span<const Vec3> stored;     ///< the numbers in the file, one point for each of `positions`
   Vec3 origin;                      ///< the point that a reader adds to each point of `stored`
   Storage storage = Storage::kFloat;
   std::span<const Triangle> faces;
   std::span<const PatchId> face_patch;
-  std::span<const Vec3> normals;                      ///< unit normal of each patch
-  double allowed_move = 0;                            ///< largest permitted move of a vertex, model units
-  const InputIntersections* intersections = nullptr;  ///< of the verified mesh, by patch; null if there are none
-  const RefinementClaim* refinement = nullptr;        ///< of the stored mesh; null if nothing was refined
+  std::span<const Vec3> normals;  ///< unit normal of each patch
+  double allowed_move = 0;        ///< largest permitted move of a vertex, model units
+  /// Intersections of the verified mesh, by patch; null if there are none.
+  const InputIntersections* intersections = nullptr;
+  const RefinementClaim* refinement = nullptr;  ///< the claim for the stored mesh; null if nothing was refined
   /// The faces that were listed for the verified mesh, ascending, and the reasons. They are set together with
   /// `refinement`.
   std::span<const FaceId> unrefined_before = {};
@@ -63,7 +64,7 @@ struct StoredVerdict {
   std::vector<double> patch_moves;   ///< the same for the vertices of each patch
   double volume_bound = 0;           ///< bound on the change of volume, if the mesh is closed
   bool has_intersections = false;  ///< false: no vertex has moved, so the intersections are those of the verified mesh
-  std::vector<std::pair<FaceId, FaceId>> intersections;  ///< as Verdict::intersections
+  std::vector<std::pair<FaceId, FaceId>> intersections;  ///< see Verdict::intersections
   bool are_all_intersections_known = true;
 };
 

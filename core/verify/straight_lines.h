@@ -63,8 +63,8 @@ class StraightLines {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   std::vector<Line> lines_;
-  std::vector<std::uint32_t> line_of_;  ///< for each vertex, the line that it is inside of
-  std::vector<Reach> reaches_;          ///< for the ends of the lines, sorted
+  std::vector<std::uint32_t> line_of_;  ///< the line that each vertex is inside of, or kNone
+  std::vector<Reach> reaches_;          ///< the entries of the lines' ends, sorted
 };
 
 }  // namespace remesh::verification

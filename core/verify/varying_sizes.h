@@ -73,8 +73,8 @@ class VaryingSizes {
   const Model& model_;
   const double proximity_, slope_;
   std::optional<FacingFacets> facets_;  ///< set with proximity
-  Graded lines_,
-      pieces_;  ///< set without proximity; `lines_` asks for the largest possible lengths, `pieces_` for the smallest
+  /// They are set without proximity. `lines_` asks for the largest possible lengths, `pieces_` for the smallest.
+  Graded lines_, pieces_;
 };
 
 }  // namespace remesh::verification

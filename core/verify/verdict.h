@@ -25,7 +25,7 @@ struct Verdict {
   /// False if the input or the output has too many intersections to know for all of them whether their patches
   /// intersect in the input.
   bool are_all_intersections_known = true;
-  /// The first failures in words, for logs and tests.
+  /// Descriptions of the first failures, for logs and tests.
   std::vector<std::string> failures;
 
   bool all_true() const { return surface && conforming && delaunay && quality.value_or(true); }

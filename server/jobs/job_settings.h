@@ -13,7 +13,7 @@ namespace remesh::server::jobs {
 enum class Role { kServe, kWork, kBoth };
 
 struct JobSettings {
-  /// `sqlite`, a PostgreSQL URL, or `none`.
+  /// The job store: `sqlite`, a PostgreSQL URL, or `none`.
   std::string store = "none";
   /// The folder for SQLite's file. `auto` means the first writable one of $STATE_DIRECTORY, $XDG_STATE_HOME/remeshd,
   /// ~/.local/state/remeshd and /var/lib/remeshd; if none is writable, there are no jobs.
@@ -26,15 +26,17 @@ struct JobSettings {
   std::int64_t max_queued = 100'000;
 };
 
-/// The folder that `state_dir` means, made where it is missing; empty where none can be written.
-/// Errors: std::invalid_argument - a folder that was named cannot be.
+/// Finds the folder that `state_dir` means, and creates it if it is missing.
+/// Output: empty if `state_dir` is `auto` and no folder can be written.
+/// Errors: std::invalid_argument - the named folder cannot be written.
 std::string find_state_dir(const std::string& state_dir);
 
-/// Whether the start would find its folders. Makes none: whoever checks need not be who starts.
-/// Errors: std::invalid_argument - one that was named cannot be written.
+/// Checks that the daemon could write its folders when it starts. It creates none, because the user who checks the
+/// configuration need not be the user who starts the daemon.
+/// Errors: std::invalid_argument - a folder that was named cannot be written.
 void check_folders(const JobSettings& settings);
 
-/// The store's address without its password.
+/// Returns the store's address with its password replaced by asterisks.
 std::string without_password(const std::string& store);
 
 }  // namespace remesh::server::jobs

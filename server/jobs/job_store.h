@@ -20,7 +20,7 @@ namespace remesh::server::jobs {
 
 enum class JobState { kQueued, kRunning, kSucceeded, kFailed, kCancelled, kExpired };
 
-/// The name in the contract: `queued`, ...
+/// The name of a state in the API: `queued`, ...
 std::string_view state_name(JobState state);
 std::optional<JobState> state_from_name(std::string_view name);
 /// True if the state never changes again. The one exception is that a succeeded job expires later.
@@ -82,10 +82,10 @@ struct Claim {
 /// The way in which a job ended.
 struct JobOutcome {
   JobState state = JobState::kSucceeded;
-  std::string mesh;    ///< of a job that succeeded
-  std::string report;  ///< of a job that succeeded
+  std::string mesh;    ///< the packed mesh of a job that succeeded
+  std::string report;  ///< the report of a job that succeeded
   int problem_status = 0;
-  std::string problem;            ///< of a job that failed: problem+json
+  std::string problem;            ///< problem+json of a job that failed
   std::string problem_code = {};  ///< the code in `problem`, for metrics
 };
 
@@ -100,7 +100,7 @@ struct JobRecord {
   std::int64_t created_ms = 0;
   std::optional<std::int64_t> started_ms, finished_ms, expires_ms;
   int problem_status = 0;
-  std::string problem;  ///< of a job that ended without a result: problem+json whose request_id is the job's id
+  std::string problem;  ///< problem+json of a job that ended without a result; its request_id is the job's id
 };
 
 struct Progress {

@@ -249,7 +249,7 @@ void SqlStore::remove_files(const std::vector<std::string>& files) {
   for (const std::string& file : files) folder_->remove(file);
 }
 
-// ---- submitting
+// ---- submission
 
 std::optional<Submission> SqlStore::find_repeated(Database& database, const NewJob& job) {
   if (!job.idempotency) return std::nullopt;
@@ -303,7 +303,7 @@ Submission SqlStore::submit(const NewJob& job) {
   });
 }
 
-// ---- working
+// ---- claims
 
 std::optional<Claim> SqlStore::claim(std::string_view worker, std::uint64_t max_memory) {
   const std::string sql =
@@ -387,7 +387,7 @@ bool SqlStore::give_back(const Claim& claim, Attempt attempt) {
   });
 }
 
-// ---- asking
+// ---- queries
 
 std::optional<JobRecord> SqlStore::find(const std::string& id) {
   static const std::string sql = std::string(kRecord) + "WHERE id = $1";

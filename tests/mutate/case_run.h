@@ -22,7 +22,7 @@ struct CaseResult {
   std::string outcome;  ///< `accepted`, `refused: CODE`, `stopped`, `slow`, `out_of_memory`
   double seconds = 0;
   std::vector<Objection> findings;
-  double stop_busy_ms = 0;  ///< for a stopped run: its processor time from the stop to its end
+  double stop_busy_ms = 0;  ///< processor time from the stop to the end, for a stopped run
 };
 
 CaseResult try_case(const Case& c, const TryLimits& limits);

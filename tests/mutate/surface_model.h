@@ -66,9 +66,9 @@ class SurfaceModel {
   double height(std::size_t f) const;
   /// True if the outline turns back over itself at a corner. Such a spike has no area and is dropped.
   bool has_spike(std::size_t f, double reach) const;
-  /// Returns the distance from a point to the nearest face. For a face without a plane, its box is used.
+  /// Returns a point of a face. For a plane face, the point is within it.
   Vec3 sample(std::size_t f, Random& random) const;
-  /// The distance from a point to the nearest face, or to the box of one without a plane.
+  /// Returns the distance from a point to the nearest face. For a face without a plane, its box is used.
   double distance(const Vec3& p) const;
 
  private:
@@ -81,7 +81,7 @@ class SurfaceModel {
   double flatness_ = 0;
   std::vector<Vec3> originals_, positions_;
   std::vector<std::vector<std::uint32_t>> faces_;
-  std::vector<Vec3> normals_;  ///< for each face; the length is twice the face's area
+  std::vector<Vec3> normals_;  ///< the faces' normals; each is as long as twice the area of its face
   std::vector<double> thickness_;
   std::vector<Box3> boxes_;
   Edges edges_;

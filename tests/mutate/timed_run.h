@@ -20,14 +20,15 @@ enum class Ending {
 
 struct RunEnd {
   Ending ending = Ending::kDone;
-  std::optional<Error> error;  ///< for kRefused
-  std::string strange;         ///< for kStrange: type and message
+  std::optional<Error> error;  ///< the error, for kRefused
+  std::string strange;         ///< type and message of the exception, for kStrange
   double wall_s = 0;
   bool was_stopped = false;      ///< it was stopped while it ran
   Stage stage = Stage::kQueued;  ///< the stage in which the stop arrived
   double stop_wall_ms = 0;       ///< time from the stop to the end
-  double stop_busy_ms = 0;       ///< the processor time of that, of the run's own thread or a worker's share: what a
-                                 ///< machine without other work would have needed
+  /// The time that a machine without other work would have needed from the stop to the end. It is the processor time of
+  /// the run's own thread or, if that is larger, an equal share of the process's time for each worker.
+  double stop_busy_ms = 0;
 };
 
 /// Runs `work` and asks it to stop after `stop_after_s`.

@@ -1,7 +1,7 @@
 /// Surfaces that make single steps of the pipeline as expensive as a file can. Somebody might send one to keep a core
 /// busy.
 ///
-/// Faces are triangles unless said otherwise, vertices are welded and used, coordinates are exact.
+/// Faces are triangles unless said otherwise. All vertices are welded and used, and coordinates are exact.
 #pragma once
 
 #include <cstddef>

@@ -15,7 +15,7 @@ namespace remesh::test {
 /// in the file.
 struct PlainMesh {
   std::vector<std::array<Vec3, 3>> triangles;
-  std::vector<std::string> solid_of;  ///< for text STL: the name of each triangle's solid
+  std::vector<std::string> solid_of;  ///< the name of each triangle's solid, for text STL
 };
 
 /// Reads all formats except JSON. The test fails if the file does not follow its format.

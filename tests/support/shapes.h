@@ -1,7 +1,8 @@
 /// Small surfaces that tests make, and functions that move, scale, renumber and join them.
 ///
-/// Every generator gives welded vertices (no two with equal coordinates), all of them used, and faces counter-clockwise
-/// from outside; a flat sheet faces +z. Sizes are in model units and chosen so that coordinates are exact.
+/// Every generator makes welded vertices (no two have equal coordinates), which are all used. Faces are
+/// counter-clockwise from outside, and a flat sheet faces +z. Sizes are in model units and chosen so that coordinates
+/// are exact.
 #pragma once
 
 #include <cstdint>

@@ -45,7 +45,7 @@ class StageChain {
 
   mutable RunControl control;
   Surface surface;
-  double tolerance;  ///< local units
+  double tolerance;  ///< in local units
   Adjacency adjacency;
   FaceGeometries geometry;
   Regions regions;
