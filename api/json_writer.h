@@ -47,7 +47,7 @@ class JsonWriter {
     key(name);
     string(value);
   }
-  /// Without this overload, a pointer to characters would convert to bool.
+  /// This overload exists because a pointer to characters would otherwise convert to bool.
   void member(std::string_view name, const char* value) { member(name, std::string_view(value)); }
   template <class T>
   void member(std::string_view name, const std::optional<T>& value) {

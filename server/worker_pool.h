@@ -24,8 +24,8 @@ enum class JobSize { kSmall, kLarge };
 
 /// Tasks start in the order of their arrival, with two exceptions so that huge meshes cannot starve small ones:
 /// - While every running task is either large or has run for more than `kLong`, one small task may start beyond
-/// `max_running`. Once that one has run for so long too, another may start. At most `max_running` tasks run in this
-/// way.
+///   `max_running`. Once that one has run for so long too, another may start. At most `max_running` tasks run in this
+///   way.
 /// - The last quarter of the queue is reserved for small tasks.
 class WorkerPool {
  public:

@@ -235,7 +235,7 @@ void limit_memory(int workers) {
 int run(const Arguments& arguments) {
   static RunControl control;
   stop_on_signals(control);
-  // As many threads run as were asked for, even if the machine has fewer cores.
+  // This permits as many threads as were asked for, even if the machine has fewer cores.
   const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
                                         static_cast<std::size_t>(arguments.workers));
   limit_memory(arguments.workers);

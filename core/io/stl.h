@@ -9,7 +9,7 @@
 
 namespace remesh {
 
-/// True if the data has exactly the length that follows from its count of triangles if it is binary STL.
+/// True if the data is exactly as long as binary STL with its count of triangles is.
 bool has_length_of_binary_stl(std::string_view content);
 /// True if STL data is binary. This is recognised by the length, whatever the header contains (it may be "solid"), or
 /// by zero bytes, which text does not have.

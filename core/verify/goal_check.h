@@ -13,6 +13,7 @@
 namespace remesh::verification {
 
 /// Reports kUnlisted, kListedInVain, kCertificate, kShortEdge, kLockedBoundary, kTooManyFaces.
+///
 /// Everything is measured on the output's doubles. Two programs that compute the same measure differ in the last
 /// digits. So a face within 1e-9 of a bound may be listed or not. The same holds within VaryingSizes::kClearly of a
 /// bound that varies from place to place.

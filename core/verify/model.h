@@ -37,7 +37,8 @@ class Points {
 /// Vertices are numbered as in the surface. The new vertices of a refined result follow. After them come output
 /// vertices that are neither (moved, or a second one at the same place), so that everything that uses them fails by
 /// its edges.
-/// Lengths are scaled by a power of two so that coordinates are at most 1, so that nothing overflows or underflows.
+///
+/// Lengths are scaled by a power of two to coordinates of at most 1, so that nothing overflows or underflows.
 struct Model {
   Model() = default;
   Model(Model&&) = default;  // it cannot be copied, because its spans refer to its own members

@@ -17,7 +17,7 @@
 
 namespace remesh {
 
-/// What the pipeline claims about the coordinates that a file will have.
+/// The pipeline's claim about the coordinates that a file will have.
 struct StoredClaim {
   std::span<const Vec3> positions;  ///< the positions of the verified mesh
   std::span<const Vec3> stored;     ///< the numbers in the file, one point for each of `positions`
@@ -40,8 +40,8 @@ struct StoredClaim {
 
 /// The goals that a triangle must meet once its corners have moved by up to `move`. The bound on angles does not
 /// change. The bounds on edges and areas grow by as much as such a move can enlarge a triangle that just meets them,
-/// but the bound on edges grows by no more than a millionth. For example, a cube with ten edges of 0.1 along each
-/// side is not at fault, although 0.1 is not a float.
+/// but by no more than a millionth of themselves. For example, a cube with ten edges of 0.1 along each side is not at
+/// fault, although 0.1 is not a float.
 Goals goals_after_rounding(const Goals& goals, double move);
 
 enum class StoredFault {

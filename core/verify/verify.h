@@ -21,7 +21,7 @@
 
 namespace remesh {
 
-/// What refinement claims to have reached.
+/// Refinement's claim about what it has reached.
 struct RefinementClaim {
   Goals goals;
   /// The output faces that do not meet the goals, ascending: faces with an angle below the bound, or with an edge or
@@ -40,7 +40,7 @@ struct InputIntersections {
   bool is_complete = true;  ///< false: there are so many intersections that some pairs may be missing
 };
 
-/// What the pipeline claims to have done.
+/// The pipeline's claim about what it has done.
 struct Claim {
   const Surface& surface;                  ///< the surface that was remeshed
   std::span<const PatchId> surface_patch;  ///< patch of each face of `surface`

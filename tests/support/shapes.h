@@ -48,7 +48,8 @@ PolygonMesh slotted_plate(int cuts = 1);
 PolygonMesh two_squares_touching_at_a_vertex(int cuts = 1);
 /// Makes a square sheet twice over the same vertices, facing up and down. It is closed and has no volume.
 PolygonMesh double_sheet(int cuts = 1);
-/// Makes a sheet of `n` x `n` cells of four triangles each, with inner points that are moved at random.
+/// Makes a sheet of `n` x `n` cells whose inner grid points are moved at random. Each cell is four triangles around its
+/// middle.
 PolygonMesh noisy_sheet(int n, unsigned seed);
 
 // These functions make solids.
