@@ -51,7 +51,7 @@ std::vector<std::string> memory_limits() {
   return limits;
 }
 
-/// Sizes in bytes; 0 if they cannot be found out.
+/// The memory of this process in bytes; 0 if it cannot be found out.
 struct MemoryInUse {
   std::uint64_t resident = 0;
   std::uint64_t writable = 0;  ///< all writable memory, touched or not

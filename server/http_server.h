@@ -34,7 +34,7 @@ struct HttpSettings {
   std::chrono::milliseconds idle_timeout{3'000};
   const ApiKeys* keys = nullptr;  ///< the keys that clients must show; null if none are required
   Cors cors;
-  Metrics* metrics = nullptr;  ///< where requests are counted; null if they are not
+  Metrics* metrics = nullptr;  ///< the metrics that count requests; null if they are not counted
 };
 
 class HttpServer {

@@ -122,7 +122,7 @@ FileContent FileContent::read(int fd, const std::string& path, const RunControl&
   struct stat status {};
   const bool has_size = ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
   FileContent content;
-  // It reserves one byte more than the file's size, so that the end is found without another chunk.
+  // This reserves one byte more than the file's size, so that the end is found without another chunk.
   if (has_size) content.reserve(static_cast<std::size_t>(status.st_size) + 1);
   if (const off_t from = has_size ? ::lseek(fd, 0, SEEK_CUR) : -1; from >= 0 && from < status.st_size) {
     const auto size = static_cast<std::size_t>(status.st_size - from);

@@ -73,7 +73,7 @@ Error too_large(std::uint64_t most, const DecompressionLimits& limits) {
       .with_limit(is_ratio ? limits.max_ratio : limits.max_bytes);
 }
 
-/// The memory for the next bytes.
+/// The memory into which the next decompressed bytes are written.
 struct Room {
   char* data;
   std::size_t size;

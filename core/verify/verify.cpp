@@ -114,7 +114,7 @@ constexpr std::size_t kMaxPairs = 100'000;
 /// Writes the pairs of output faces that intersect to the verdict.
 void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is_positive, Findings& findings,
                          Verdict& verdict, RunControl& control) {
-  // A vertex that is not finite intersects nothing, and it has failed already.
+  // A face with a vertex that is not finite intersects nothing, and such a result has failed already.
   if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); })) return;
   std::vector<Vec3> normals;
   normals.reserve(claim.frames.size());

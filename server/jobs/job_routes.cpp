@@ -32,7 +32,7 @@ HttpError expired() {
   return HttpError(410, "result_expired", "the result was kept for its time or until it was deleted, and is gone");
 }
 
-/// Runs a question to the store.
+/// Calls a function that asks the store.
 /// Errors: HttpError 503 instead of StoreError.
 template <typename Question>
 auto ask(Question question) {

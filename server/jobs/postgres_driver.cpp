@@ -179,7 +179,7 @@ class PostgresDriver : public DatabaseDriver {
             // Rows that just fit into a page are neither compressed nor moved out of line. This halves the work for
             // large blobs.
             "ALTER TABLE remeshd_blob ALTER COLUMN data SET STORAGE PLAIN",
-            // The table is small and its rows change often, so it is vacuumed as often.
+            // The table of jobs is small and its rows change often, so it is vacuumed often.
             "ALTER TABLE remeshd_job SET (fillfactor = 70, autovacuum_vacuum_scale_factor = 0.02, "
             "autovacuum_vacuum_threshold = 500, autovacuum_analyze_scale_factor = 0.05)"};
   }

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kMaxRatio = 100;  // of a compressed file
+constexpr std::uint64_t kMaxRatio = 100;  // decompressed to compressed bytes of a file
 
 std::string read_file(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);

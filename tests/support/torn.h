@@ -12,7 +12,7 @@ using Displace = std::function<Vec3(const Vec3&)>;
 /// True if a face with this centre belongs to the second part.
 using IsSecond = std::function<bool(const Vec3& centre)>;
 
-/// Makes a random plane through the point (0.3, 0.4, 0.2), which is in the middle of nothing.
+/// Makes a random plane through the point (0.3, 0.4, 0.2), which has no special position.
 IsSecond above_a_plane(unsigned seed);
 /// Moves each coordinate by up to `most` at random, differently at every call. A copy begins the sequence anew.
 Displace noise(unsigned seed, double most);
