@@ -1,4 +1,4 @@
-// GET /v1/capabilities and GET /openapi.json.
+// Answers GET /v1/capabilities and GET /openapi.json.
 #include "api/json_writer.h"
 #include "api/negotiation.h"
 #include "api/options.h"
@@ -9,7 +9,7 @@
 
 namespace remesh::api {
 
-/// Generated from openapi.yaml while building.
+/// The build generates this text from openapi.yaml.
 extern const char* const kOpenapiJson;
 
 namespace {

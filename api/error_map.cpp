@@ -1,4 +1,4 @@
-// The one table from the core's codes to HTTP, and problem+json.
+// The only table that maps the core's codes to HTTP, and the writer of problem+json.
 #include "api/json_writer.h"
 #include "api/service.h"
 
@@ -32,7 +32,7 @@ int status_of(Code code) {
   return 500;
 }
 
-/// "index_out_of_range" -> "Index out of range"
+/// Makes a title from a code: "index_out_of_range" becomes "Index out of range".
 std::string title_of(std::string_view code) {
   std::string title(code);
   for (char& c : title) {
@@ -53,7 +53,7 @@ Problem to_problem(const Error& error) {
   problem.byte = error.byte;
   problem.element = error.element;
   problem.limit = error.limit;
-  // The name that was sent may be empty: there is no such option, either.
+  // The name that was sent may be empty, which is also the name of an unknown option.
   if (!error.option.empty() || error.code == Code::kUnknownOption) problem.option = error.option;
   if (error.code == Code::kInternal)
     problem.detail = "something went wrong here; the log says more under this request id";

@@ -23,7 +23,7 @@ double ms_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// What reading gave, and the options with those that the mesh brought.
+/// The mesh that was read, and the options, including those from the mesh file.
 struct Input {
   Format format = Format::kObj;
   ReadResult read;
@@ -31,7 +31,7 @@ struct Input {
   double read_ms = 0;
 };
 
-/// The options as they will be used under a server's bound.
+/// Applies a server's limit to the options.
 RequestOptions bounded(RequestOptions options, const Limits& limits) {
   std::optional<std::uint64_t>& faces = options.core.max_output_faces;
   if (faces && *faces > limits.max_output_faces) {
@@ -45,7 +45,8 @@ RequestOptions bounded(RequestOptions options, const Limits& limits) {
   return options;
 }
 
-/// What a reader's message leaves open: that the format was a guess, and the usual reason for a text of one line.
+/// The remark that is added to a reader's message. It says if the format was a guess, and why a text may have only
+/// one line.
 std::string remark(Format format, bool is_named, std::string_view mesh) {
   std::string text;
   if (!is_named) {
@@ -58,7 +59,8 @@ std::string remark(Format format, bool is_named, std::string_view mesh) {
   return text;
 }
 
-/// A mesh in any format but JSON. Errors: as read_mesh, those of something that is no mesh with a remark.
+/// Reads a mesh in any format except JSON.
+/// Errors: as read_mesh; if the content is not a mesh, the message gets a remark.
 ReadResult read_with_remarks(Format format, const Job& job, const ReadLimits& limits, RunControl& control) {
   try {
     return read_mesh(format, job.mesh, limits, control);
@@ -102,7 +104,7 @@ StageTimes stage_times(const Input& input, const Report& report) {
   return times;
 }
 
-/// {"mesh": ..., "report": ...}; the mesh first, so that the report can say how long it took to write.
+/// Writes {"mesh": ..., "report": ...}. The mesh comes first, so that the report can say how long writing it took.
 std::string write_json_answer(const Result& result, const RequestOptions& options, StageTimes& times,
                               RunControl& control) {
   constexpr std::size_t kBytesPerVertex = 60;

@@ -1,4 +1,4 @@
-/// One remeshing from bytes to bytes: what the daemon and the command line share.
+/// One remeshing or analysis from bytes to bytes. The daemon and the command line share it.
 #pragma once
 
 #include <functional>
@@ -16,55 +16,58 @@
 
 namespace remesh::api {
 
-/// What is to be done. `options` holds those known before the mesh is read; a JSON mesh may bring more.
+/// A remeshing or analysis to be done. `options` holds those known before the mesh is read; a JSON mesh may add more.
 struct Job {
   std::string_view mesh;
-  std::optional<Format> input_format;  ///< nothing: the content tells
-  std::string accept;                  ///< as in the header of that name; empty: anything
+  std::optional<Format> input_format;  ///< empty: the format is found from the content
+  std::string accept;                  ///< the value of the Accept header; empty accepts anything
   OptionReader options;
-  std::function<void()> release_mesh = nullptr;  ///< called once the mesh is read and its bytes not needed any more
+  /// Called once the mesh has been read and its bytes are no longer needed.
+  std::function<void()> release_mesh = nullptr;
 };
 
-/// The remeshed surface and its report, and the mesh as bytes.
+/// The answer to a remeshing: the mesh as bytes, and its report.
 struct RemeshAnswer {
   Format format = Format::kObj;
   std::string body;
   Report report;
-  RequestOptions options;  ///< as used
+  RequestOptions options;  ///< the options that were used
   StageTimes times;
 };
 
-/// An analysis has only a report.
+/// The answer to an analysis, which has only a report.
 struct AnalysisAnswer {
   Report report;
   RequestOptions options;
   StageTimes times;
 };
 
-/// The remeshed surface before it is written. `options.format` is the format that the job asks for.
+/// The remeshed surface before it is written. `options.format` is the format that was asked for.
 struct Remeshed {
   Result result;
-  RequestOptions options;  ///< as used
+  RequestOptions options;  ///< the options that were used
   StageTimes times;
 };
 
-/// A result is made for one of two purposes.
+/// The purpose that a result is computed for.
 enum class Purpose {
-  kAnswer,   ///< it is written at once: in the numbers of the job's format, and with what that format tells
-  kKeeping,  ///< it is written in any format, later: in doubles, with all that some format tells
+  kAnswer,   ///< it is written at once, rounded and measured for the chosen format
+  kKeeping,  ///< it is written later in any format, so it has doubles and everything that any format shows
 };
 
-/// What can be refused before the mesh is read. Errors: of options, of the formats.
+/// Checks everything that can be refused before the mesh is read.
+/// Errors: those of options and of formats.
 void check_job(const Job& job, const Limits& limits);
 
-/// All of a job but the writing. Errors: of options, of the format, of reading, of the pipeline.
+/// Does everything but the writing.
+/// Errors: those of options, of the format, of reading and of the pipeline.
 Remeshed remesh_for_job(Job job, const Limits& limits, Purpose purpose, RunControl& control);
 
-/// Errors: of options, of the format, of reading, of the pipeline.
+/// Errors: those of options, of the format, of reading and of the pipeline.
 RemeshAnswer run_remesh_job(Job job, const Limits& limits, RunControl& control);
 AnalysisAnswer run_analyze_job(Job job, const Limits& limits, RunControl& control);
 
-/// The report object alone, as a document.
+/// Writes the report alone as a JSON document.
 std::string report_document(const RemeshAnswer& answer, RunControl& control);
 
 }  // namespace remesh::api

@@ -18,7 +18,8 @@ class Scanner {
   Scanner(std::string_view text, std::size_t begin, RunControl& control)
       : begin_(text.data()), at_(begin_ + begin), end_(begin_ + text.size()), control_(control) {}
 
-  /// Reads elements by `read_element` up to the closing bracket; returns where that is.
+  /// Reads elements by `read_element` up to the closing bracket.
+  /// Output: the position of that bracket.
   template <class ReadElement>
   std::size_t read_array(const ReadElement& read_element) {
     if (peek() != ']') {
@@ -33,7 +34,7 @@ class Scanner {
     return static_cast<std::size_t>(at_ - begin_);
   }
 
-  /// The next character that is no blank.
+  /// Skips blanks and returns the next character.
   char peek() {
     while (at_ != end_ && (*at_ == ' ' || *at_ == '\n' || *at_ == '\r' || *at_ == '\t')) ++at_;
     if (at_ == end_) throw NotPlain();
@@ -45,7 +46,8 @@ class Scanner {
     ++at_;
   }
 
-  /// A JSON number: no sign but -, no zeros in front, digits on both sides of the point.
+  /// Reads a JSON number: its only sign is -, it has no leading zeros, and there are digits on both sides of its
+  /// point.
   double take_number() {
     peek();
     const char* digits = at_ + (*at_ == '-');
@@ -56,7 +58,8 @@ class Scanner {
     if (point != end_ && *point == '.' && (point + 1 == end_ || !is_digit(point[1]))) throw NotPlain();
 
     double value = 0;
-    // As std::from_chars, but faster; what is too large comes as an infinity, and what is too small as 0.
+    // This works like std::from_chars, but faster. A number that is too large gives an infinity, and one that is too
+    // small gives 0.
     const auto [stop, status] = fast_float::from_chars(at_, end_, value);
     if (status != std::errc{} || !std::isfinite(value)) throw NotPlain();
     at_ = stop;

@@ -1,4 +1,4 @@
-/// The long arrays of a JSON mesh, read without a parser's events.
+/// Fast readers for the long arrays of a JSON mesh, which work without a parser's events.
 #pragma once
 
 #include <string_view>
@@ -9,18 +9,19 @@
 
 namespace remesh::api {
 
-/// Thrown where an array is not plain: another reader knows what to make of it.
+/// Thrown if an array needs the general reader, because it is unusual or wrong.
 struct NotPlain {};
 
 /// Reads an array of coordinate triples into `mesh`.
-/// Input:   the whole text, and where in it the array's first element or closing bracket stands.
-/// Output:  where its closing bracket stands. Numbers as nlohmann-json hands them on: correctly
-///          rounded, and an integer -0 is 0.
-/// Errors:  NotPlain - it is no such array of finite numbers, or has more of them than `limits`;
+/// Input:   `text` - the whole text; `begin` - the position in it of the array's first element or closing bracket.
+/// Output:  the position of the closing bracket. The numbers are those that nlohmann-json gives: correctly rounded,
+///          and an integer -0 is 0.
+/// Errors:  NotPlain - it is not such an array of finite numbers, or has more of them than `limits` permit;
 ///          kCancelled, kTimeout - through `control`.
 std::size_t read_plain_vertices(std::string_view text, std::size_t begin, const ReadLimits& limits, RunControl& control,
                                 PolygonMesh& mesh);
-/// The same of faces: arrays of three or more whole numbers of up to eight digits.
+/// Reads an array of faces in the same way. Each face is an array of three or more whole numbers of up to eight
+/// digits.
 std::size_t read_plain_faces(std::string_view text, std::size_t begin, const ReadLimits& limits, RunControl& control,
                              PolygonMesh& mesh);
 

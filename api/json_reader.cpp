@@ -24,8 +24,8 @@ constexpr std::size_t kMaxDepth = 64;
 constexpr std::size_t kMaxNamedKeys = 8;
 constexpr std::uint64_t kMaxIndex = VertexId::kInvalid - 1;
 
-/// Walks over the text for the parser. All copies stand where the one place is that they share: whoever else knows it
-/// sees how far the parser is, and can go on in its stead.
+/// Iterates over the text for the parser. All copies share one position, so the handler can see how far the parser
+/// is, and can move it.
 class TrackedIterator {
  public:
   using iterator_category = std::input_iterator_tag;
@@ -46,8 +46,8 @@ class TrackedIterator {
   const char** at_;
 };
 
-/// How the arrays of vertices and of faces are read: by the parser's events, which takes any JSON and knows what is
-/// wrong with it, or without, which takes a sixth of the time.
+/// How the arrays of vertices and faces are read. The parser's events handle any JSON and can explain errors. The
+/// plain readers take a sixth of the time.
 enum class Arrays { kByEvents, kPlain };
 
 enum class Place { kRoot, kMesh, kVertices, kVertex, kFaces, kFace, kFaceGroups, kOptions, kOptionList };
@@ -55,7 +55,7 @@ enum class Place { kRoot, kMesh, kVertices, kVertex, kFaces, kFace, kFaceGroups,
 enum class Key { kMesh, kOptions, kVertices, kFaces, kFaceGroups, kUnknown };
 constexpr std::array<std::string_view, 5> kKeyNames{"mesh", "options", "vertices", "faces", "face_groups"};
 
-/// A number as the parser hands it on; `token` is empty for integers.
+/// A number from the parser. `token` is empty for integers.
 struct Number {
   double value;
   bool is_integer;
@@ -63,9 +63,9 @@ struct Number {
   std::uint64_t magnitude;
   std::string_view token;
 
-  /// To JSON Schema 2.0 and 1e0 are integers, too, and so they are here.
+  /// Treats 2.0 and 1e0 as integers, as JSON Schema does.
   Number as_integer() const {
-    constexpr double kLargest = 0x1p53;  // beyond, a double stands for several integers
+    constexpr double kLargest = 0x1p53;  // beyond this, a double represents several integers
     if (is_integer || value != std::floor(value) || std::fabs(value) > kLargest) return *this;
     return {value, true, value < 0, static_cast<std::uint64_t>(std::fabs(value)), {}};
   }
@@ -74,7 +74,7 @@ struct Number {
   }
 };
 
-/// Receives the parser's events; `stack_` says in which part of the document they fall.
+/// Receives the parser's events. `stack_` tells to which part of the document they belong.
 class Handler final : public nlohmann::json_sax<Json> {
  public:
   Handler(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options, Place root,
@@ -92,11 +92,11 @@ class Handler final : public nlohmann::json_sax<Json> {
 
   ReadResult take_mesh();
 
-  // The events.
+  // These functions receive the parser's events.
   bool null() override { return scalar(ValueKind::kNull, "null"); }
   bool boolean(bool value) override { return scalar(ValueKind::kBoolean, value ? "true" : "false"); }
   bool string(std::string& value) override { return scalar(ValueKind::kString, value); }
-  bool binary(Json::binary_t&) override { return false; }  // JSON text has none
+  bool binary(Json::binary_t&) override { return false; }  // JSON text contains none
   bool number_unsigned(std::uint64_t value) override {
     return number({static_cast<double>(value), true, false, value, {}});
   }
@@ -138,7 +138,7 @@ class Handler final : public nlohmann::json_sax<Json> {
   [[noreturn]] void fail(Code code, const std::string& message) const;
   [[noreturn]] void fail_shape(const std::string& message) const { fail(Code::kInvalidMesh, message); }
   [[noreturn]] void fail_at(Code code, std::uint64_t element, const std::string& message) const;
-  /// A value of a wrong kind came in the place where the document is now.
+  /// Throws the error for a value of a wrong kind at the current place of the document.
   [[noreturn]] void fail_value() const;
 
   std::string_view text_;
@@ -151,7 +151,7 @@ class Handler final : public nlohmann::json_sax<Json> {
   Arrays arrays_;
 
   std::vector<Place> stack_;
-  std::size_t skipped_depth_ = 0;  // levels below a key that is not understood
+  std::size_t skipped_depth_ = 0;  // nesting levels below an unknown key
   Key key_ = Key::kUnknown;
   std::array<bool, kKeyNames.size()> seen_{};
   std::string option_name_;
@@ -162,13 +162,13 @@ class Handler final : public nlohmann::json_sax<Json> {
   std::array<double, 3> coordinates_{};
   std::size_t coordinate_count_ = 0;
   std::unordered_map<std::string, std::uint32_t> group_index_;
-  std::vector<std::string> unknown_keys_;  // the first few
+  std::vector<std::string> unknown_keys_;  // only the first few
   std::uint64_t unknown_key_count_ = 0;
   std::uint32_t ticks_ = 0;
 };
 
 std::uint64_t Handler::line() const {
-  // The parser has looked at one byte more than the value it hands on.
+  // The parser has read one byte beyond the value that it reports.
   const char* const end = at_ == text_.data() ? at_ : at_ - 1;
   return 1 + static_cast<std::uint64_t>(std::count(text_.data(), end, '\n'));
 }
@@ -208,7 +208,7 @@ void Handler::fail_value() const {
 
 std::string_view Handler::expected_of_key() const { return key_ == Key::kMesh ? "an object" : "an array"; }
 
-// A stop is obeyed and progress shown every few thousand events.
+// Checks for cancellation and updates the progress every few thousand events.
 void Handler::tick() {
   constexpr std::uint32_t kTicks = 4096;
   if (++ticks_ % kTicks != 0) return;
@@ -323,7 +323,8 @@ void Handler::enter_child(bool is_object) {
   }
 }
 
-/// The parser stands behind an opening bracket; it is put before the closing one, as if there were nothing between.
+/// Reads an array without the parser. The parser stands after the opening bracket and is moved to the closing one, as
+/// if the array were empty.
 void Handler::read_plain_array() {
   const auto here = static_cast<std::size_t>(at_ - text_.data());
   if (stack_.back() == Place::kVertices) {
@@ -416,7 +417,7 @@ bool Handler::parse_error(std::size_t, const std::string& token, const Json::exc
   constexpr int kNumberOverflow = 406;
   const bool is_overflow = error.id == kNumberOverflow;
   const std::string_view last(at_ == text_.data() ? at_ : at_ - 1, text_.data() + text_.size());
-  const bool is_named = last.starts_with("NaN") || last.starts_with("Infinity");  // as some programs write them
+  const bool is_named = last.starts_with("NaN") || last.starts_with("Infinity");  // some programs write these
   if (skipped_depth_ == 0 && !stack_.empty() && (is_overflow || is_named)) {
     const Place place = stack_.back();
     if (place == Place::kVertex) {
@@ -426,7 +427,8 @@ bool Handler::parse_error(std::size_t, const std::string& token, const Json::exc
     if (is_overflow && place == Place::kFace) fail_value();
     if (is_overflow && place == Place::kOptions) options_.add(option_name_, token, ValueKind::kNumber);
   }
-  // The parser's own words, without its prefix "[json.exception....] "; they quote what was read, of any length.
+  // The message uses the parser's text without its prefix "[json.exception....] ". That text quotes the input, which
+  // may be long.
   constexpr std::size_t kLongest = 300;
   const std::string_view what = error.what();
   const std::size_t prefix = what.find("] ");
@@ -483,7 +485,8 @@ ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl
     return result;
   } catch (const NotPlain&) {
   } catch (const Error&) {
-    control.check();  // else the parser, which has not seen the arrays, misjudges where it is: once more with all
+    // Unless it was cancelled, read everything again: the parser has not seen the arrays and misjudges its position.
+    control.check();
   }
   return read_json_by_events(text, limits, control, options);
 }

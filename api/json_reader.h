@@ -1,4 +1,4 @@
-/// Meshes and options from JSON, straight into flat arrays.
+/// Reads meshes and options from JSON directly into flat arrays.
 #pragma once
 
 #include <string_view>
@@ -9,24 +9,24 @@
 
 namespace remesh::api {
 
-/// Reads a bare mesh, {"vertices": [[x,y,z],...], "faces": [[i,j,k,...],...], "face_groups": [g,...]}, or a mesh beside
-/// its options, {"mesh": {...}, "options": {...}}; keys in any order.
-/// Output:  polygons as listed; `face_groups` become group labels, named by the number. Options go to `options`. Keys
-///          that are not understood are skipped and counted as `attribute_dropped`.
-/// Holds:   no document tree is built; memory is bounded by `limits` and the text's length.
-/// Errors:  kMalformedJson - with the line: not JSON, nested too deep, a known key given twice; kInvalidMesh - JSON,
-///          but not of this shape; kIndexOutOfRange, kNonfiniteCoordinate - with the face or vertex, from 0; kEmptyMesh
-///          - no face; kMeshTooLarge - past `limits`; of an option, what OptionReader::add says.
-/// Cost:    O(length); twice of what ends with an error.
+/// Reads a bare mesh, {"vertices": [[x,y,z],...], "faces": [[i,j,k,...],...], "face_groups": [g,...]}, or a mesh
+/// together with options, {"mesh": {...}, "options": {...}}. The keys may be in any order.
+/// Output:  the polygons in their order. `face_groups` become group labels whose names are the numbers. Options go to
+///          `options`. Unknown keys are skipped and counted as `attribute_dropped`.
+/// Holds:   no document tree is built; memory is bounded by `limits` and the length of the text.
+/// Errors:  kMalformedJson - with the line: not JSON, nested too deeply, a known key given twice; kInvalidMesh - JSON
+///          of another shape; kIndexOutOfRange, kNonfiniteCoordinate - with the face or vertex, from 0; kEmptyMesh -
+///          no face; kMeshTooLarge - more than `limits`; for an option, the errors of OptionReader::add.
+/// Cost:    O(length); twice as much if it ends with an error.
 ReadResult read_json(std::string_view text, const ReadLimits& limits, RunControl& control, OptionReader& options);
 
-/// The same, every number by an event of nlohmann-json's parser: what read_json falls back to where anything is odd or
-/// wrong.
+/// Reads the same, but gets every number as an event of nlohmann-json's parser. read_json falls back to it if
+/// anything is unusual or wrong.
 ReadResult read_json_by_events(std::string_view text, const ReadLimits& limits, RunControl& control,
                                OptionReader& options);
 
 /// Reads an options object alone: {"plane_tolerance": 1e-5, "repair": ["degenerate"]}.
-/// Errors: kMalformedJson; kInvalidOption; what OptionReader::add says.
+/// Errors: kMalformedJson; kInvalidOption; those of OptionReader::add.
 void read_json_options(std::string_view text, RunControl& control, OptionReader& options);
 
 }  // namespace remesh::api

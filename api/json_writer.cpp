@@ -36,7 +36,7 @@ void JsonWriter::key(std::string_view name) {
 
 void JsonWriter::number(double value) {
   if (!std::isfinite(value)) return null();
-  // Most readers take "-0" for an integer and lose its sign.
+  // Most readers treat "-0" as an integer and lose its sign.
   if (value == 0 && std::signbit(value)) return literal("-0.0");
   separate();
   append_real(out_, value);

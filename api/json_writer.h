@@ -1,4 +1,5 @@
-/// JSON text, written as it goes along: no document tree, so that answers of millions of faces cost only their bytes.
+/// Writes JSON text sequentially, without a document tree, so that an answer of millions of faces takes only the
+/// memory of its bytes.
 #pragma once
 
 #include <cstdint>
@@ -9,9 +10,9 @@
 
 namespace remesh::api {
 
-/// Writes one document. The caller opens and closes what it should; commas come by themselves.
-/// Holds: the text is valid UTF-8, whatever bytes the strings have; numbers are the shortest text that reads back to
-///        the same double, and null where they are not finite.
+/// Writes one document. The caller opens and closes objects and arrays; the writer adds the commas.
+/// Holds: the text is valid UTF-8 whatever bytes the strings have. A number is the shortest text that reads back to
+///        the same double, or null if it is not finite.
 class JsonWriter {
  public:
   void begin_object() { open('{'); }
@@ -26,10 +27,10 @@ class JsonWriter {
   void integer(std::uint64_t value);
   void signed_integer(std::int64_t value);
   void string(std::string_view value);
-  /// A value that is JSON already.
+  /// Writes a value that is JSON already.
   void raw(std::string_view json) { literal(json); }
 
-  /// A key with its value; null where there is none.
+  /// These functions write a key with its value, or with null if there is none.
   void member(std::string_view name, bool value) {
     key(name);
     boolean(value);
@@ -46,7 +47,7 @@ class JsonWriter {
     key(name);
     string(value);
   }
-  /// Else a pointer to characters would be taken for a bool.
+  /// This overload exists because a pointer to characters would otherwise convert to bool.
   void member(std::string_view name, const char* value) { member(name, std::string_view(value)); }
   template <class T>
   void member(std::string_view name, const std::optional<T>& value) {

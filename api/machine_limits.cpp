@@ -23,7 +23,8 @@ std::string contents(const std::string& path) {
   return text.str();
 }
 
-/// A file of our control group (version 2) and of those above it: every one of them may set a limit.
+/// Returns the contents of a file of our control group (version 2) and of all groups above it, because each of them
+/// may set a limit.
 std::vector<std::string> of_cgroups(const std::string& file) {
   std::istringstream groups(contents("/proc/self/cgroup"));
   std::vector<std::string> found;
@@ -50,10 +51,10 @@ std::vector<std::string> memory_limits() {
   return limits;
 }
 
-/// In bytes; 0 where it cannot be told.
+/// The memory of this process in bytes; 0 if it cannot be found out.
 struct MemoryInUse {
   std::uint64_t resident = 0;
-  std::uint64_t writable = 0;  ///< touched or not
+  std::uint64_t writable = 0;  ///< all writable memory, touched or not
 };
 
 MemoryInUse memory_in_use() {
@@ -91,7 +92,7 @@ std::uint64_t usable_memory() {
   std::uint64_t bytes =
       static_cast<std::uint64_t>(::sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(::sysconf(_SC_PAGE_SIZE));
   for (const std::string& limit : memory_limits()) {
-    // "max" where there is none
+    // The file contains "max" if there is no limit, which reads as 0.
     if (const std::uint64_t granted = std::strtoull(limit.c_str(), nullptr, 10); granted > 0)
       bytes = std::min(bytes, granted);
   }

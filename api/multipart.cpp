@@ -15,14 +15,15 @@ constexpr std::string_view kLineEnd = "\r\n";
   throw Error(Code::kMalformedMultipart, Stage::kRead, "multipart/form-data: " + message);
 }
 
-/// Cuts a quoted string off `rest`, which begins behind its first quote; nothing if it does not end.
+/// Reads a quoted string from `rest`, which begins after the opening quote.
+/// Output: nothing if the string has no end.
 std::optional<std::string> take_quoted(std::string_view& rest) {
   std::string text;
   while (!rest.empty()) {
     char c = rest.front();
     rest.remove_prefix(1);
     if (c == '"') return text;
-    // Only a quote is escaped: old browsers send the backslashes of a path as they are.
+    // Only quotes are unescaped, because old browsers send the backslashes of a path as they are.
     if (c == '\\' && rest.starts_with('"')) {
       c = '"';
       rest.remove_prefix(1);
@@ -61,7 +62,7 @@ void read_part_header(std::string_view line, FormPart& part) {
   }
 }
 
-/// Cuts the headers and the blank line after them off `rest`.
+/// Reads the headers of a part and the blank line after them from `rest`.
 FormPart read_part_head(std::string_view& rest) {
   FormPart part;
   std::size_t bytes = 0;
@@ -113,7 +114,7 @@ std::vector<FormPart> parse_multipart(std::string_view body, std::string_view co
   const std::string dash_boundary = "--" + boundary_of(content_type);
   const std::string delimiter = std::string(kLineEnd) + dash_boundary;
 
-  // What stands before the first delimiter is to be ignored; it need not begin with a line end.
+  // Text before the first delimiter must be ignored. The first delimiter need not follow a line end.
   std::string_view rest = body;
   if (!rest.starts_with(dash_boundary)) {
     const std::size_t first = rest.find(delimiter);

@@ -14,10 +14,10 @@ namespace {
 
 struct MediaRange {
   std::string range;  ///< `model/obj`, `model/*`, `*/*`
-  double weight = 1;  ///< q
+  double weight = 1;  ///< the parameter q
 };
 
-/// A `q` that is none counts as 1: a header that is a little wrong still says what is wanted.
+/// Returns the parameter q. A malformed q counts as 1, because a slightly wrong header still says what is wanted.
 double weight_of(std::string_view parameters) {
   while (!parameters.empty()) {
     const auto [parameter, rest] = cut(parameters, ';');
@@ -47,7 +47,8 @@ const MediaRange* find_range(const std::vector<MediaRange>& ranges, std::string_
   return range == ranges.end() ? nullptr : &*range;
 }
 
-/// The weight that Accept gives a format by name or by type, `*/*` aside; nothing if neither occurs.
+/// The weight that Accept gives to a format by its name or its type, without `*/*`.
+/// Output: nothing if neither occurs.
 std::optional<double> weight_for(const std::vector<MediaRange>& ranges, Format format) {
   const std::string_view type = media_type(format);
   const MediaRange* range = find_range(ranges, type);
@@ -55,7 +56,7 @@ std::optional<double> weight_for(const std::vector<MediaRange>& ranges, Format f
   return range == nullptr ? std::nullopt : std::optional(range->weight);
 }
 
-/// The names of those that `is_one` says.
+/// Lists the names of the formats for which `is_one` is true.
 template <class Predicate>
 std::string names_of_formats(Predicate is_one) {
   std::string names;
@@ -92,7 +93,7 @@ Format choose_input_format(std::optional<Format> named, std::string_view content
 Format choose_output_format(std::optional<Format> option, std::string_view accept, Format input) {
   if (option) return *option;
   const std::vector<MediaRange> ranges = parse_accept(accept);
-  // The input's format first, so that it wins among equals.
+  // The input's format comes first, so that it wins a tie.
   std::vector<Format> candidates{input};
   for (const Format format : kFormats) {
     if (format != input) candidates.push_back(format);
@@ -100,7 +101,8 @@ Format choose_output_format(std::optional<Format> option, std::string_view accep
   const MediaRange* anything = find_range(ranges, "*/*");
   const double weight_of_others = ranges.empty() ? 1 : anything == nullptr ? 0 : anything->weight;
 
-  // By weight; among equals what is named goes before what "*/*" lets in. Nothing ranks above a weight of 0.
+  // Formats are ranked by weight. With equal weights, a named format ranks before one that only "*/*" permits. A
+  // weight of 0 is never chosen.
   using Rank = std::pair<double, bool>;
   std::optional<Format> best;
   Rank best_rank{0, true};

@@ -181,7 +181,7 @@ const std::array<OptionSpec, 20> kTable{{
       .for_option(std::string(spec.name));
 }
 
-// "a number from 0 to 33", "a number above 0"
+// Describes the range of a numeric option: "a number from 0 to 33", "a number above 0".
 std::string describe_range(const OptionSpec& spec) {
   std::string text = spec.type == OptionType::kInteger ? "a whole number" : "a number";
   if (spec.minimum && spec.maximum && !spec.above_minimum) {
@@ -247,7 +247,8 @@ double parse_number(const OptionSpec& spec, std::string_view text) {
   return *value;
 }
 
-/// Also "1e6" and "1000.0": to JSON Schema, and to who computes in doubles, those are integers.
+/// Reads an integer. "1e6" and "1000.0" are accepted too: they are integers in JSON Schema and to callers who compute
+/// in doubles.
 std::uint64_t parse_integer(const OptionSpec& spec, std::string_view text) {
   std::uint64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -260,7 +261,7 @@ std::uint64_t parse_integer(const OptionSpec& spec, std::string_view text) {
   return value;
 }
 
-/// The sign in front of a word of a list. `application/x-www-form-urlencoded` decodes a plus to a blank, so that one
+/// The sign in front of a word of a list. `application/x-www-form-urlencoded` decodes a plus to a blank, so a plus
 /// that was typed in a URL may arrive as a blank.
 enum class WordSign { kNone, kPlus, kMinus };
 
@@ -272,7 +273,7 @@ WordSign take_sign(std::string_view& word) {
   return sign;
 }
 
-/// Words without signs are the whole list. Words with signs change the default.
+/// Reads a list of words. Words without signs are the whole list; words with signs change the default.
 template <class T, std::size_t N>
 T parse_words(const OptionSpec& spec, const std::array<Word<T>, N>& words, std::string_view text) {
   T none, given;
@@ -364,7 +365,7 @@ void set_value(const OptionSpec& spec, std::string_view text, RequestOptions& op
       spec.field);
 }
 
-// JSON knows types, so a string is no number there; what may be unset takes null or its word.
+// JSON has types, so a string is not accepted as a number. An option that may be unset accepts null or its word.
 void check_kind(const OptionSpec& spec, std::string_view text, ValueKind kind) {
   bool fits = true;
   switch (kind) {
@@ -386,7 +387,7 @@ bool is_set(const OptionSpec& spec, const RequestOptions& options) {
   return !std::holds_alternative<std::monostate>(option_value(spec, options));
 }
 
-// Levenshtein's distance, row by row.
+// Computes the Levenshtein distance row by row.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});
@@ -410,7 +411,7 @@ const OptionSpec* find_option(std::string_view name) {
 }
 
 const OptionSpec& nearest_option(std::string_view name) {
-  constexpr std::size_t kLongestCompared = 64;  // the caller chooses the name's length
+  constexpr std::size_t kLongestCompared = 64;  // the caller chooses the length of the name
   const std::string_view start = name.substr(0, kLongestCompared);
   const auto distance = [&](const OptionSpec& spec) { return edit_distance(start, spec.name); };
   return *std::min_element(kTable.begin(), kTable.end(),

@@ -8,7 +8,7 @@
 namespace remesh::api {
 namespace {
 
-/// Looks after a stop every few thousand elements of a long list.
+/// Checks for cancellation every few thousand elements of a long list.
 class Pace {
  public:
   explicit Pace(RunControl& control) : control_(control) {}
@@ -105,7 +105,7 @@ void write_statistics(JsonWriter& json, const MeshStatistics& mesh) {
   json.end_object();
 }
 
-/// The same, and what the output format has made of the coordinates.
+/// Writes the statistics of the output, and the effect of the output format on the coordinates.
 void write_output(JsonWriter& json, const Report& report) {
   json.begin_object();
   write_statistics_members(json, report.output);
@@ -169,7 +169,7 @@ void write_diagnostics(JsonWriter& json, const std::vector<Diagnostic>& diagnost
   json.end_array();
 }
 
-/// Whether a volume mesher would take the surface, and if not why and where.
+/// Writes whether a volume mesher would accept the surface, and if not, the reasons and places.
 void write_volume_ready(JsonWriter& json, const std::vector<VolumeObstacle>& obstacles) {
   json.begin_object();
   json.member("ready", obstacles.empty());
@@ -218,7 +218,7 @@ void write_times(JsonWriter& json, const StageTimes& times) {
   json.end_object();
 }
 
-/// {"names": [...], "of_face": [...]}
+/// Writes {"names": [...], "of_face": [...]}.
 void write_labels(JsonWriter& json, std::string_view kind, const LabelSet& labels, Pace& pace) {
   if (!labels.is_used()) return;
   json.key(kind);
@@ -243,7 +243,8 @@ bool is_integer_text(std::string_view text) {
          (text == "0" || text.front() != '0');
 }
 
-/// The labels come back: groups whose names are numbers as `face_groups`, as JSON takes them; others by name.
+/// Writes the labels of the input. Groups whose names are all integers become `face_groups`, the form in which JSON
+/// input has them. Other labels are written by name.
 void write_face_labels(JsonWriter& json, const FaceLabels& labels, Pace& pace) {
   const LabelSet& group = labels.group;
   const bool are_numbers = group.is_used() && std::all_of(group.names.begin(), group.names.end(), is_integer_text);

@@ -1,4 +1,4 @@
-/// The report and the mesh of an answer as the contract's JSON.
+/// Writes the report and the mesh of an answer as JSON.
 #pragma once
 
 #include <array>
@@ -11,7 +11,7 @@
 
 namespace remesh::api {
 
-/// How long each stage took, reading and writing included.
+/// The time that each stage took, including reading and writing.
 class StageTimes {
  public:
   void add(Stage stage, double ms) {
@@ -37,14 +37,15 @@ enum class ReportKind {
   kAnalysis,  ///< without `output`, `unrefined` and `verified`
 };
 
-/// Writes an option's value; null where none is set.
+/// Writes an option's value, or null if none is set.
 void write_option_value(JsonWriter& json, const OptionValue& value);
 
-/// Writes the report object. `options.core` is replaced by the report's own options.
+/// Writes the report object. The report's own options replace `options.core`.
 void write_report(JsonWriter& json, const Report& report, const RequestOptions& options, ReportKind kind,
                   const StageTimes& times, RunControl& control);
 
-/// Writes the mesh object: vertices, faces, face_patch, face_source, and the labels that the input had.
+/// Writes the mesh object: vertices, faces, face_patch, face_source, input_face_patch, and the labels that the input
+/// had.
 void write_mesh(JsonWriter& json, const Result& result, RunControl& control);
 
 }  // namespace remesh::api

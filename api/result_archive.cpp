@@ -14,7 +14,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "archives are little-endian");
 static_assert(sizeof(Vec3) == 24);
 
-/// The last digit is the version of what follows.
+/// The last digit is the version of the format.
 constexpr std::string_view kMagic = "REMESHD3";
 
 constexpr std::uint32_t value_of(std::uint32_t number) { return number; }
@@ -23,7 +23,7 @@ constexpr std::uint32_t value_of(Id<Tag> id) {
   return id.value;
 }
 
-/// The corners of all triangles, one after another.
+/// Lists the corners of all triangles one after another.
 std::vector<VertexId> corners_of(const TriangleMesh& mesh) {
   std::vector<VertexId> corners;
   corners.reserve(mesh.faces.size() * 3);
@@ -49,15 +49,15 @@ class Packer {
     number(items.size());
     append(items.data(), items.size() * sizeof(T));
   }
-  /// Numbers that stand near each other mostly: each as its distance from the one before, in as few bytes as that
-  /// takes.
+  /// Writes numbers of which neighbours are mostly close. Each is stored as its difference from the one before, in as
+  /// few bytes as possible.
   template <class Items>
   void ids(const Items& items) {
     number(items.size());
     std::uint32_t last = 0;
     for (const auto& item : items) {
       const std::uint32_t value = value_of(item);
-      const std::uint32_t distance = value - last;  // modulo 2^32, so that no id needs a case of its own
+      const std::uint32_t distance = value - last;  // modulo 2^32, so that no id needs a special case
       std::uint32_t zigzag = (distance << 1) ^ (0u - (distance >> 31));
       for (; zigzag >= 0x80; zigzag >>= 7) out_ += static_cast<char>(zigzag | 0x80);
       out_ += static_cast<char>(zigzag);
@@ -184,7 +184,7 @@ void unpack(Unpacker& in, Summary& summary) {
   }
 }
 
-/// The numbers of the goals, in one order for both ways.
+/// The numbers of the goals in a fixed order, used by both packing and unpacking.
 template <class TheGoals>
 auto reals_of(TheGoals& goals) {
   return std::array{&goals.min_angle_deg,   &goals.max_edge_length, &goals.max_area,
@@ -238,7 +238,7 @@ void unpack(Unpacker& in, OutputBasis& basis) {
 }  // namespace
 
 std::string pack_result(const KeptResult& kept) {
-  constexpr std::size_t kPerFace = 12;  // about
+  constexpr std::size_t kPerFace = 12;  // an estimate
   const Result& result = kept.result;
   Packer out;
   out.reserve(4096 + kept.exact_report.size() + result.mesh.positions.size() * sizeof(Vec3) +

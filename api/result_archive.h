@@ -1,5 +1,5 @@
-/// A remeshed surface as bytes to keep: any format can be written from it later, with the bytes that the job itself
-/// would have written.
+/// The form in which the result of a job is stored. Any format can be written from it later, with the same bytes that
+/// the request itself would have got.
 #pragma once
 
 #include <string>
@@ -12,23 +12,26 @@
 
 namespace remesh::api {
 
-/// All that the writers of mesh formats need, but for the report.
+/// Everything that the writers of mesh formats need, except the report.
 struct KeptResult {
-  Format format = Format::kObj;  ///< that the job asked for
-  bool local_origin = false;     ///< as the job asked for
-  Summary summary;               ///< of the result in doubles
+  Format format = Format::kObj;  ///< the format that the job asked for
+  bool local_origin = false;     ///< the option of the job
+  Summary summary;               ///< describes the result in doubles
   std::string server_timing;
-  std::string file_name;  ///< of the upload, not trusted
-  /// The report on the result in doubles, as JSON, where the job's own report is about another format's numbers.
+  std::string file_name;  ///< the name of the uploaded file, not trusted
+  /// The report on the result in doubles, as JSON. It is empty unless the job's own report describes coordinates that
+  /// were rounded for its format.
   std::string exact_report;
-  Result result;  ///< in doubles, with its basis; its report is empty
+  Result result;  ///< the result in doubles, with its basis; its report is empty
 };
 
+/// Packs a result.
 /// Holds: unpack(pack(x)) has the same coordinates bit for bit, and all labels.
 /// Cost:  O(mesh).
 std::string pack_result(const KeptResult& kept);
 
-/// Errors: kInternal - the bytes are not what `pack_result` of this version gave.
+/// Unpacks a result.
+/// Errors: kInternal - the bytes do not come from `pack_result` of this version.
 KeptResult unpack_result(std::string_view bytes);
 
 }  // namespace remesh::api

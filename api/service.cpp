@@ -17,14 +17,15 @@
 namespace remesh::api {
 namespace {
 
-/// What a request asks for.
+/// A parsed request.
 struct ParsedRequest {
   Job job;
-  std::string file_name;  ///< of a form's upload, if it had one; not trusted
-  std::string decoded;    ///< the body, where it came compressed; the job looks into it
+  std::string file_name;  ///< the name of a form's upload, if it had one; not trusted
+  std::string decoded;    ///< the body if it was compressed; `job` refers to it
 };
 
-/// Whether the whole body is compressed. Errors: kUnsupportedMediaType - a coding that is not gzip.
+/// True if the whole body is compressed.
+/// Errors: kUnsupportedMediaType - a coding that is not gzip.
 bool is_compressed(const Request& request) {
   const std::string coding = ascii_lower(trim(request.content_encoding));
   if (coding.empty() || coding == "identity") return false;
@@ -35,8 +36,9 @@ bool is_compressed(const Request& request) {
   return true;
 }
 
-/// The body out of its Content-Encoding; `decoded` holds it where it has one.
-/// Errors: kUnsupportedMediaType; kMalformedRequest - the body is not in its coding.
+/// Returns the body without its Content-Encoding.
+/// Input: `decoded` - receives the body if it had one.
+/// Errors: kUnsupportedMediaType; kMalformedRequest - the body does not follow its coding.
 std::string_view decoded_body(const Request& request, const Limits& limits, RunControl& control, std::string& decoded) {
   if (!is_compressed(request)) return request.body;
   try {
@@ -50,7 +52,8 @@ std::string_view decoded_body(const Request& request, const Limits& limits, RunC
   return decoded;
 }
 
-/// The mesh and the options of a form. Other parts are refused: an option misspelt as a part would be lost otherwise.
+/// Reads the mesh and the options of a form. Other parts are refused: a misspelt part for options would otherwise be
+/// ignored.
 void read_form(std::string_view body, const Request& request, RunControl& control, ParsedRequest& parsed) {
   bool has_mesh = false;
   bool has_options = false;
@@ -74,7 +77,7 @@ void read_form(std::string_view body, const Request& request, RunControl& contro
   if (!has_mesh) throw Error(Code::kMalformedMultipart, Stage::kRead, "the form has no part \"mesh\"");
 }
 
-/// Fills `parsed` in place: the job looks into it.
+/// Fills `parsed` in place, because its `job` refers to its other members.
 void parse_request(const Request& request, const Limits& limits, RunControl& control, ParsedRequest& parsed) {
   if (request.body.size() > limits.max_body) {
     throw Error(Code::kBodyTooLarge, Stage::kRead, "the body is longer than " + number_text(limits.max_body) + " bytes")
@@ -95,7 +98,8 @@ void parse_request(const Request& request, const Limits& limits, RunControl& con
   }
 }
 
-/// A name that is safe in a header and as a file: no folders, only letters, digits and `._-`, not hidden, not long.
+/// Makes a name that is safe in a header and as a file: it has no folders, only letters, digits and `._-`, is not
+/// hidden and not long.
 std::string safe_file_name(std::string_view name, Format format) {
   constexpr std::size_t kLongest = 100;
   name = name.substr(name.find_last_of("/\\") + 1);
@@ -113,7 +117,7 @@ std::string safe_file_name(std::string_view name, Format format) {
   return safe.append(".").append(file_ending(format));
 }
 
-/// Server-Timing: `read;dur=1.2, ..., total;dur=30`.
+/// Formats the value of Server-Timing: `read;dur=1.2, ..., total;dur=30`.
 std::string server_timing(const StageTimes& times) {
   std::string text;
   for (int s = 0; s < kStageCount; ++s) {
@@ -123,7 +127,7 @@ std::string server_timing(const StageTimes& times) {
   return text + "total;dur=" + number_text(times.total());
 }
 
-/// `output_faces` is left to a remeshing.
+/// Counts the work. The caller sets `output_faces` after a remeshing.
 WorkDone work_done(const Report& report, const StageTimes& times) {
   WorkDone done;
   done.input_faces = report.input.faces;
@@ -139,14 +143,15 @@ WorkDone work_done(const Report& report, const StageTimes& times) {
   return done;
 }
 
-/// What its mesh is held to: one that is compressed within a compressed body gets the ratio once, not twice.
+/// The limits for the mesh of a request. A mesh that is compressed within a compressed body may use the ratio only
+/// once.
 Limits limits_of_mesh(const ParsedRequest& parsed, const Request& request, Limits limits) {
   if (!parsed.decoded.empty())
     limits.max_decompressed = most_decompressed(request.body.size(), decompression_limits(limits));
   return limits;
 }
 
-/// The headers of a result.
+/// Makes the header fields of a result.
 Fields result_headers(std::string_view summary, std::string_view timing, std::string_view file_name, Format format) {
   Fields headers{{"Remesh-Summary", std::string(summary)}, {"Server-Timing", std::string(timing)}};
   if (format != Format::kJson) {
@@ -155,7 +160,7 @@ Fields result_headers(std::string_view summary, std::string_view timing, std::st
   return headers;
 }
 
-/// Updates the members of a summary that rounding changes.
+/// Updates the members of a summary that change with rounding.
 void update_summary(const Result& rounded, Summary& summary, RunControl& control) {
   summary.min_angle_deg = measure_surface(rounded.mesh, control).quality.min_angle_deg;
   summary.origin = rounded.report.output_origin;
@@ -229,7 +234,7 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
   if (storage_of(format) != Storage::kDouble) kept.exact_report = answer.report;
   kept.result = std::move(remeshed.result);
   answer.mesh = pack_result(kept);
-  // A job succeeds only if its own format can hold the result, and the report is about the result in that format.
+  // A job succeeds only if its own format can hold the result, and its report describes the result in that format.
   if (round_output(storage_of(format), kept.local_origin, kept.result, control)) {
     measure_output(kept.result, control);
     answer.report = report_text(kept.result.report);
@@ -242,7 +247,7 @@ KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunC
 void check_remesh(const Request& request, const Limits& limits) {
   RunControl control;
   ParsedRequest parsed;
-  // What is compressed is looked at where it is read.
+  // A compressed body is not looked at here, but later when it is read.
   Request head = request;
   if (is_compressed(request)) head.body = head.content_encoding = head.content_type = "";
   parse_request(head, limits, control, parsed);

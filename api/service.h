@@ -1,5 +1,5 @@
-/// The operations of the contract as plain functions: bytes and strings in, bytes and strings out. No HTTP library, no
-/// sockets, no logging; the daemon and the command line both call these.
+/// The operations of the API as plain functions that take and return bytes and strings. They use no HTTP library, no
+/// sockets and no log. The daemon and the command line both call them.
 #pragma once
 
 #include <cstdint>
@@ -19,45 +19,45 @@ namespace remesh::api {
 
 using Fields = std::vector<std::pair<std::string, std::string>>;
 
-/// Bounds that a server sets; also what /v1/capabilities tells.
+/// The limits that a server sets. /v1/capabilities reports them.
 struct Limits {
   std::uint64_t max_body = 256ull << 20;           ///< bytes
-  std::uint64_t max_decompressed = 1024ull << 20;  ///< bytes of a body, or a mesh in it, out of gzip
-  std::uint64_t max_ratio = 100;                   ///< of those to the compressed ones, beyond the first MiB
+  std::uint64_t max_decompressed = 1024ull << 20;  ///< bytes of a body, or of a mesh in it, after decompression
+  std::uint64_t max_ratio = 100;  ///< largest ratio of decompressed to compressed bytes, beyond the first MiB
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;
   std::uint64_t max_output_faces = 50'000'000;
-  int workers = 1;  ///< threads one request may use
+  int workers = 1;  ///< threads that one request may use
   double request_timeout_s = 300;
-  /// Where a request names no `max_output_faces`, this many if it is fewer.
+  /// The limit for a request that names no `max_output_faces`, if it is below `max_output_faces`.
   std::uint64_t usual_output_faces = std::numeric_limits<std::uint64_t>::max();
   std::size_t serial_corners = 0;  ///< see RunSettings
 };
 
-/// Of those, what bounds a body, or a mesh in it, out of gzip.
+/// The part of the limits that applies to a compressed body, or to a compressed mesh in it.
 inline DecompressionLimits decompression_limits(const Limits& limits) {
   return {limits.max_decompressed, limits.max_ratio};
 }
 
-/// One request, after HTTP: `query` in the order given, decoded.
+/// One request, independent of HTTP. `query` has the pairs in their order, percent-decoded.
 struct Request {
   std::string_view body;
   std::string content_type;      ///< as sent, may be empty
   std::string content_encoding;  ///< as sent, may be empty
   std::string accept;            ///< as sent, may be empty
   Fields query;
-  std::function<void()> release_body = nullptr;  ///< called once the body is read and not needed any more
+  std::function<void()> release_body = nullptr;  ///< called once the body has been read and is no longer needed
 };
 
-/// A piece of work in numbers, for whoever counts what a daemon does.
+/// The amount of work that a request took, for metrics and the log.
 struct WorkDone {
   std::uint64_t input_faces = 0;
-  std::uint64_t output_faces = 0;                              ///< 0 of an analysis
-  std::uint64_t remeshed = 0, reduced = 0, kept = 0;           ///< patches
-  std::vector<std::pair<std::string_view, double>> stages_ms;  ///< those that ran
+  std::uint64_t output_faces = 0;                              ///< 0 for an analysis
+  std::uint64_t remeshed = 0, reduced = 0, kept = 0;           ///< numbers of patches
+  std::vector<std::pair<std::string_view, double>> stages_ms;  ///< only the stages that ran
 };
 
-/// What goes back: `headers` beyond Content-Type (Remesh-Summary, Server-Timing, Content-Disposition).
+/// An answer. `headers` are those besides Content-Type: Remesh-Summary, Server-Timing, Content-Disposition.
 struct Response {
   int status = 200;
   std::string content_type;
@@ -66,35 +66,39 @@ struct Response {
   std::optional<WorkDone> done = std::nullopt;
 };
 
-/// POST /v1/remesh and POST /v1/analyze, whole: options, reading, the pipeline, writing.
-/// Errors: remesh::Error, of any code.
+/// These functions do the whole of POST /v1/remesh and POST /v1/analyze: options, reading, the pipeline, writing.
+/// Errors: remesh::Error, with any code.
 Response run_remesh(const Request& request, const Limits& limits, RunControl& control);
 Response run_analyze(const Request& request, const Limits& limits, RunControl& control);
 
-/// The same remeshing for an answer that is fetched later, in any format: see result_archive.
+/// The result of a remeshing whose answer is fetched later, in any format. See result_archive.
 struct KeptRemesh {
-  std::string mesh;    ///< packed
+  std::string mesh;    ///< the mesh in the format of result_archive
   std::string report;  ///< the report object as JSON
   WorkDone done;
 };
+/// Remeshes like run_remesh, but returns the result in the form to be stored.
 /// Errors: as run_remesh.
 KeptRemesh run_remesh_to_keep(const Request& request, const Limits& limits, RunControl& control);
-/// What of a request to remesh can be refused before its mesh is read: options, form, media types.
+/// Checks everything of a request to remesh that can be refused before its mesh is read: the options, the form and
+/// the media types.
 /// Errors: as run_remesh.
 void check_remesh(const Request& request, const Limits& limits);
-/// Writes what was kept, in the format that `wanted` asks for by the option `format`, else by Accept, else in the one
-/// that the job asked for; with the option `local_origin` that `wanted` has, else the job's.
-/// Output: as run_remesh: mesh and summary are checked and measured in the numbers of the format written. `report` is
-///         asked for where the format has it.
-/// Errors: kUnknownOption, kInvalidOption, kNotAcceptable - also a format that cannot hold the result.
+/// Writes a stored result. The format is the one that `wanted` names by the option `format`, else by Accept, else the
+/// one that the job asked for. The option `local_origin` of `wanted` replaces the job's.
+/// Input:  `report` - returns the job's report; it is called only if the format contains the report.
+/// Output: as run_remesh. The mesh and the summary are checked and measured with the coordinates of the format that
+///         is written.
+/// Errors: kUnknownOption, kInvalidOption, kNotAcceptable - also if a format cannot hold the result.
 Response write_kept(std::string_view mesh, const std::function<std::string()>& report, const Request& wanted,
                     RunControl& control);
 
-/// GET /v1/capabilities and GET /openapi.json.
+/// These functions answer GET /v1/capabilities and GET /openapi.json.
 Response capabilities(const Limits& limits);
 Response openapi();
 
-/// An error of the contract (RFC 9457). Codes that only HTTP knows (`not_found`, `overloaded`, ...) use this directly.
+/// An error in the form of RFC 9457. Codes that only HTTP has (`not_found`, `overloaded`, ...) are written to it
+/// directly.
 struct Problem {
   int status = 500;
   std::string code = "internal";
@@ -103,9 +107,10 @@ struct Problem {
   std::optional<std::string> option;
 };
 
-/// The one table from core codes to HTTP.
+/// Maps an error of the core to HTTP. This is the only such table.
 Problem to_problem(const Error& error);
-/// application/problem+json with type, title, status, detail, code, request_id and what else is set.
+/// Makes an answer of type application/problem+json, with type, title, status, detail, code, request_id and the
+/// members that are set.
 Response to_response(const Problem& problem, std::string_view request_id);
 
 }  // namespace remesh::api

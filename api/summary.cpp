@@ -8,7 +8,7 @@
 namespace remesh::api {
 namespace {
 
-/// A message within one line, for a comment.
+/// Replaces control characters by blanks, so that a message fits into one line of a comment.
 std::string in_one_line(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; }, ' ');

@@ -1,4 +1,4 @@
-/// Small pieces of text for messages, headers and documents.
+/// Small functions on text for messages, headers and documents.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace remesh::api {
 
-/// The shortest text that reads back to the same number.
+/// Formats a number as the shortest text that reads back to the same number.
 inline std::string number_text(double value) {
   std::string text;
   append_real(text, value);
@@ -22,18 +22,18 @@ inline std::string number_text(std::uint64_t value) {
   return text;
 }
 
-/// What a caller sent, short enough for a message.
+/// Shortens text that a caller sent, so that it fits into a message.
 inline std::string shortened(std::string_view text, std::size_t longest = 64) {
   return text.size() <= longest ? std::string(text) : std::string(text.substr(0, longest)) + "...";
 }
-/// With quotes around it. A NUL, at which what() of an exception would end, is shown as JSON escapes it.
+/// Shortens text and puts it in quotes. A NUL is shown as in JSON, because what() of an exception would end there.
 inline std::string in_quotes(std::string_view text) {
   std::string quoted = '"' + shortened(text) + '"';
   for (std::size_t at = 0; (at = quoted.find('\0', at)) != std::string::npos;) quoted.replace(at, 1, "\\u0000");
   return quoted;
 }
 
-/// Lower case as ASCII, whatever the locale.
+/// Converts ASCII letters to lower case, independently of the locale.
 inline std::string ascii_lower(std::string_view text) {
   std::string lower(text);
   for (char& c : lower) {
@@ -42,7 +42,8 @@ inline std::string ascii_lower(std::string_view text) {
   return lower;
 }
 
-/// Parts `text` at the first `separator`: what is before and after it; nothing after where there is none.
+/// Splits `text` at the first `separator` into the parts before and after it. Without a separator the second part is
+/// empty.
 inline std::pair<std::string_view, std::string_view> cut(std::string_view text, char separator) {
   const std::size_t at = text.find(separator);
   if (at == std::string_view::npos) return {text, {}};

@@ -19,7 +19,7 @@
 namespace remesh::server {
 namespace {
 
-/// One setting: how it is read, how it is shown. The table of these is the configuration.
+/// One setting, with the functions that parse and show it. The table of all settings below defines the configuration.
 struct Setting {
   std::string flag;
   std::string help;
@@ -94,7 +94,7 @@ Setting bytes(std::string flag, std::string help, std::uint64_t& (*member)(Confi
           [member](Config c) { return format_bytes(member(c)); }};
 }
 Setting count(std::string flag, std::string help, std::uint64_t& (*member)(Config&)) {
-  // The core numbers elements with 32 bits.
+  // The limit exists because the core numbers elements with 32 bits.
   return {std::move(flag), std::move(help),
           [member](Config& c, const std::string& text) { member(c) = between(1, 2'000'000'000, parse_count(text)); },
           [member](Config c) { return format_count(member(c)); }};
@@ -105,7 +105,7 @@ Setting duration(std::string flag, std::string help, std::chrono::milliseconds& 
           [member](Config c) { return format_duration(member(c)); }};
 }
 
-/// Errors: std::invalid_argument - no kind of store that there is.
+/// Errors: std::invalid_argument - the text names no kind of store.
 std::string checked_store(const std::string& text) {
   if (text != "sqlite" && text != "none") jobs::make_postgres_driver(text);
   return text;
@@ -237,13 +237,14 @@ const std::vector<Setting>& settings() {
   return table;
 }
 
-/// 70 % of what may be used, in whole MiB.
+/// Returns 70 % of the memory that this process may use, in whole MiB.
 std::uint64_t default_memory_budget() {
   constexpr std::uint64_t kMebibyte = 1 << 20;
   return std::max<std::uint64_t>(1, api::usable_memory() / 10 * 7 / kMebibyte) * kMebibyte;
 }
 
-/// What depends on several settings. Errors: std::invalid_argument.
+/// Sets the defaults that depend on other settings, and checks settings against each other.
+/// Errors: std::invalid_argument.
 void complete(Config& config, Command command) {
   if (config.max_running == 0) config.max_running = config.workers;
   if (config.queue_size == 0) config.queue_size = static_cast<std::size_t>(std::max(16, 4 * config.workers));
@@ -254,11 +255,12 @@ void complete(Config& config, Command command) {
                                 " is reachable from other machines: set --api-key-file or REMESHD_API_KEY, or "
                                 "--allow-anonymous if anyone there may use this server");
   }
-  if (command == Command::kCheckConfig) jobs::check_folders(config.jobs);  // the start makes them
+  if (command == Command::kCheckConfig) jobs::check_folders(config.jobs);  // the start of the daemon creates them
 }
 
-/// Below this, a second thread makes a request no shorter, and takes the time of others. Measured on boxes: 2,000 faces
-/// take 1.14 ms on one thread and 1.26 ms on two, 3,900 take 2.13 and 2.08, 8,100 take 3.7 and 3.3.
+/// Meshes up to this many corners are computed on one thread. Below it, a second thread makes a request no faster and
+/// takes time from others. Measured on boxes: 2,000 faces take 1.14 ms on one thread and 1.26 ms on two, 3,900 take
+/// 2.13 and 2.08, 8,100 take 3.7 and 3.3.
 constexpr std::size_t kSerialCorners = 3 * 4096;
 
 }  // namespace
@@ -339,7 +341,7 @@ std::vector<std::string> unknown_variables() {
   std::vector<std::string> unknown;
   for (char** entry = environ; *entry != nullptr; ++entry) {
     const std::string name(api::cut(*entry, '=').first);
-    // Kubernetes gives such names to all that run beside a service called remeshd.
+    // Kubernetes sets variables of these names for everything that runs beside a service called remeshd.
     const bool is_of_service = name.starts_with("REMESHD_SERVICE_") || name.starts_with("REMESHD_PORT");
     if (!name.starts_with("REMESHD_") || is_of_service || name == "REMESHD_API_KEY") continue;
     const bool is_known = std::any_of(settings().begin(), settings().end(),

@@ -1,4 +1,4 @@
-/// What the daemon is told at its start: flag, else environment variable, else default.
+/// The settings of the daemon. Each comes from a flag, else from an environment variable, else from its default.
 #pragma once
 
 #include <chrono>
@@ -19,10 +19,10 @@ namespace remesh::server {
 
 struct Config {
   Address bind{"127.0.0.1", 8080};
-  std::optional<Address> ops_bind;  ///< liveness, readiness and metrics on a port of their own
-  std::string api_key_file;         ///< empty: none
-  std::string api_key;              ///< from the environment only: a flag would show in the list of processes
-  bool allow_anonymous = false;     ///< to listen beyond loopback, as long as there are no keys to ask for
+  std::optional<Address> ops_bind;  ///< a separate port for liveness, readiness and metrics
+  std::string api_key_file;         ///< empty if there is none
+  std::string api_key;           ///< read from the environment only, because a flag would show in the list of processes
+  bool allow_anonymous = false;  ///< permits listening beyond loopback without any API key
   Cors cors;
 
   int workers = 1;
@@ -32,16 +32,16 @@ struct Config {
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;
   std::uint64_t max_output_faces = 50'000'000;
-  int max_running = 0;         ///< 0 while not told: the workers' number
-  std::size_t queue_size = 0;  ///< 0 while not told: 4 a worker, at least 16
+  int max_running = 0;         ///< 0 until it is set; the default is the number of workers
+  std::size_t queue_size = 0;  ///< 0 until it is set; the default is 4 for each worker, at least 16
   std::uint64_t memory_budget = 1ull << 30;
   std::chrono::milliseconds request_timeout{300'000};
   std::chrono::milliseconds drain_time{25'000};
-  jobs::JobSettings jobs;  ///< the command line's default for its store is another: `sqlite`
+  jobs::JobSettings jobs;  ///< the default of the store on the command line is `sqlite` instead
 
   std::size_t max_connections = 512;
   std::size_t max_connections_per_address = 64;
-  std::chrono::milliseconds idle_timeout{3'000};  ///< 0: no connection is kept
+  std::chrono::milliseconds idle_timeout{3'000};  ///< 0 means that no connection stays open
   GateLimits gate;
 
   log::Format log_format = log::Format::kAuto;
@@ -50,25 +50,26 @@ struct Config {
   api::Limits api_limits() const;
 };
 
-/// What the command line asks for.
+/// The action that the command line asks for.
 enum class Command { kServe, kHealth, kPrintConfig, kCheckConfig, kExit };
 
 struct Invocation {
   Command command = Command::kServe;
-  int exit_code = 0;  ///< of kExit: help or version was printed, or the configuration is wrong
+  int exit_code = 0;  ///< set for kExit: 0 after help or version, 2 if the configuration is wrong
   Config config;
 };
 
-/// Reads command line and environment; `--help`, `--version` and complaints go to `out` and `err`.
+/// Reads the command line and the environment. The text of `--help` and `--version` goes to `out`, complaints go to
+/// `err`.
 Invocation read_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& err);
 
-/// The names that `role` has on the command line.
+/// The name of a role on the command line.
 std::string role_name(jobs::Role role);
 
-/// Variables of the environment that look like settings and are none: misspelt, most likely.
+/// Environment variables that begin like settings but are none. They are most likely misspelt.
 std::vector<std::string> unknown_variables();
 
-/// All settings, one `flag=value` a line.
+/// All settings as lines of `flag=value`.
 std::string print_config(const Config& config);
 
 }  // namespace remesh::server

@@ -30,16 +30,17 @@ namespace remesh::server {
 namespace {
 
 constexpr int kBacklog = 1024;
-/// Threads beyond the connections allowed, which tell the others that there is no room.
+/// Number of threads beyond the permitted connections, which tell further clients that there is no room.
 constexpr std::size_t kRefusers = 32;
-/// How long a client may go on sending after its refusal.
+/// How long a client may continue to send after its refusal.
 constexpr std::chrono::milliseconds kLinger{2000};
 constexpr std::chrono::milliseconds kRefusalLinger{200};
-/// The library matches paths with std::regex, which recurses for every character; no route of ours is nearly as long.
+/// The library matches paths with std::regex, which recurses for every character. No route is nearly this long.
 constexpr std::size_t kMaxPath = 1024;
 
-/// Hands its own head to httplib, whose answer it takes to the client. httplib writes head and body one after the
-/// other: a small body goes with its head, in one packet, which wakes the client once. What streams goes at once.
+/// Gives our own head to httplib and sends its answer to the client. httplib writes the head and the body separately.
+/// This stream buffers them, so that a small body goes in one packet with its head and wakes the client once.
+/// Streamed answers are sent at once.
 class ExchangeStream : public httplib::Stream {
  public:
   ExchangeStream(const Exchange& exchange, std::string head) : exchange_(exchange), head_(std::move(head)) {}
@@ -49,7 +50,7 @@ class ExchangeStream : public httplib::Stream {
     read_ += count;
     return static_cast<ssize_t>(count);
   }
-  /// Errors: ConnectionLost, which leaves the library at once and reaches whoever called it.
+  /// Errors: ConnectionLost, which passes through the library to the caller of `answer`.
   ssize_t write(const char* bytes, std::size_t size) override {
     constexpr std::size_t kMaxHeld = 16 << 10;
     const bool is_held = !exchange_.is_streamed && size <= kMaxHeld - held_.size();
@@ -61,11 +62,12 @@ class ExchangeStream : public httplib::Stream {
     }
     return static_cast<ssize_t>(size);
   }
-  /// Sends what is held. Errors: ConnectionLost.
+  /// Sends the buffered bytes.
+  /// Errors: ConnectionLost.
   void flush() { exchange_.connection.write_all(std::exchange(held_, {})); }
   bool is_readable() const override { return true; }
   bool is_writable() const override { return true; }
-  // The library would refuse descriptors that select() cannot take; it needs none.
+  // The library would refuse descriptors that select() cannot handle, but it needs none here.
   socket_t socket() const override { return INVALID_SOCKET; }
   void get_remote_ip_and_port(std::string& ip, int& port) const override {
     ip = exchange_.connection.peer_address();
@@ -80,7 +82,7 @@ class ExchangeStream : public httplib::Stream {
   std::string held_;
 };
 
-/// httplib hands its handlers no context of ours; each thread serves one exchange at a time.
+/// httplib passes no context of ours to its handlers. Each thread serves one exchange at a time.
 thread_local Exchange* current_exchange = nullptr;
 
 class CurrentExchange {
@@ -91,7 +93,7 @@ class CurrentExchange {
   CurrentExchange& operator=(const CurrentExchange&) = delete;
 };
 
-/// A path, escaped so that it can stand in a request line whatever bytes it has.
+/// Escapes a path so that it can stand in a request line, whatever bytes it contains.
 std::string percent_encode(std::string_view path) {
   constexpr std::string_view kDigits = "0123456789ABCDEF";
   std::string encoded;
@@ -108,7 +110,7 @@ std::string percent_encode(std::string_view path) {
   return encoded;
 }
 
-/// The head that httplib sees: nothing in it but what it needs to find a route.
+/// Makes the head that httplib sees. It contains only what is needed to find a route.
 std::string canonical_head(const Exchange& exchange) {
   const Request& request = exchange.request;
   const std::string method = exchange.refusal && request.method != "HEAD" ? "GET" : request.method;
@@ -116,7 +118,7 @@ std::string canonical_head(const Exchange& exchange) {
   return method + " " + path + " HTTP/1.1\r\nHost: remeshd\r\nContent-Length: 0\r\n\r\n";
 }
 
-/// A route's path as the regular expression that httplib takes; the parameter is its one group.
+/// Converts the path of a route to the regular expression that httplib needs. The parameter is its only group.
 std::string regex_of(std::string_view path) {
   constexpr std::string_view kParameter = "{id}";
   std::string regex;
@@ -140,11 +142,12 @@ std::string http_date() {
   std::tm utc{};
   ::gmtime_r(&now, &utc);
   std::array<char, 64> text{};
-  std::strftime(text.data(), text.size(), "%a, %d %b %Y %H:%M:%S GMT", &utc);  // the C locale: nothing sets another
+  std::strftime(text.data(), text.size(), "%a, %d %b %Y %H:%M:%S GMT",
+                &utc);  // no locale is ever set, so this is the C locale
   return text.data();
 }
 
-/// A field's value that cannot break out of its line: control characters become blanks.
+/// Makes a field's value safe against breaking out of its line: control characters become blanks.
 std::string one_line(std::string value) {
   for (char& c : value) {
     if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
@@ -171,7 +174,7 @@ class HttpServer::Listener : public httplib::Server {
       return new ConnectionThreads(settings_.max_connections + kRefusers + most_idle(settings_),
                                    [this] { idle_.end_all(); });
     };
-    // The library's own options let two daemons share a port in silence.
+    // With the library's own socket options, two daemons could share a port unnoticed.
     set_socket_options([](socket_t socket) {
       const int yes = 1;
       ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
@@ -190,7 +193,7 @@ class HttpServer::Listener : public httplib::Server {
     } else if (!bind_to_port(address.host, address.port)) {
       port_ = -1;
     }
-    // Once more for a backlog that a burst of clients fits in: the library's is 5.
+    // listen() is called again for a backlog that holds a burst of clients; the library's backlog is 5.
     if (port_ < 0 || ::listen(svr_sock_, kBacklog) != 0) {
       const std::string reason = errno != 0 ? std::strerror(errno) : "the address is not known";
       throw std::runtime_error("cannot listen on " + address.text() + ": " + reason);
@@ -216,8 +219,8 @@ class HttpServer::Listener : public httplib::Server {
       const std::lock_guard lock(mutex_);
       for (const int socket : sockets_) ::shutdown(socket, SHUT_RDWR);
     }
-    // Its accept() then fails, and the library closes its own descriptor in its own thread; its stop() would close it
-    // in this one, where another connection's may already have the number.
+    // This makes accept() fail, and the library closes its own descriptor in its own thread. The library's stop()
+    // would close it in this thread, when the number may already belong to another connection.
     ::shutdown(spare_, SHUT_RDWR);
     thread_.join();
   }
@@ -231,8 +234,8 @@ class HttpServer::Listener : public httplib::Server {
 
   void accept_connections() {
     listener_thread_ = std::this_thread::get_id();
-    // The library ends its loop on any error of accept() that it does not know, and closes the socket: a second
-    // descriptor for it lets the loop begin again.
+    // The library ends its loop and closes the socket after any error of accept() that it does not know. A second
+    // descriptor of the socket lets the loop begin again.
     while (!listen_once() && !stopping_) {
       log::write(log::Level::kWarning, "accept failed, listening again", {});
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -242,7 +245,7 @@ class HttpServer::Listener : public httplib::Server {
     }
   }
 
-  /// Output: false - the library gave up, and the socket is closed.
+  /// Output: false if the library gave up, which has closed the socket.
   bool listen_once() {
     try {
       return listen_after_bind();
@@ -265,7 +268,8 @@ class HttpServer::Listener : public httplib::Server {
     return true;
   }
 
-  /// Serves a request, where there is room for one more. Output: whether the connection is kept.
+  /// Serves one request if there is room for another connection.
+  /// Output: true if the connection stays open.
   bool admit(Connection& connection) {
     const Counted open(open_);
     if (std::this_thread::get_id() == listener_thread_ || open_ > settings_.max_connections) {
@@ -281,8 +285,8 @@ class HttpServer::Listener : public httplib::Server {
     return serve(connection);
   }
 
-  /// Waits for the next request on a connection that is kept. Some clients send a line end behind a body, which belongs
-  /// to nothing (RFC 9112, section 2.2).
+  /// Waits for the next request on a connection that stays open. Some clients send a line end after a body, which
+  /// belongs to no request and is skipped (RFC 9112, section 2.2).
   bool has_next(Connection& connection, std::optional<Event>& end) {
     const auto is_there = [&] {
       connection.skip_line_end();
@@ -295,7 +299,7 @@ class HttpServer::Listener : public httplib::Server {
     return connection.wait_for_input(*end, until) && (is_there() || connection.wait_for_input(*end, until));
   }
 
-  /// The last resort, where there is not even memory for an answer.
+  /// Sends a fixed answer as a last resort, when there is not even memory for a proper one.
   static void excuse(Connection& connection) {
     if (connection.bytes_written() > 0) return;
     try {
@@ -319,13 +323,14 @@ class HttpServer::Listener : public httplib::Server {
       return account_for(exchange, Outcome::kClientGone, settings_.metrics);
     }
     account_for(exchange, Outcome::kAnswered, settings_.metrics);
-    // Patience costs a thread, and many clients that are refused must not take those of others.
+    // Lingering occupies a thread, and many refused clients must not take the threads of others.
     const bool is_crowded =
         std::this_thread::get_id() == listener_thread_ || open_ > settings_.max_connections / 2 + kRefusers / 2;
     connection.finish(is_crowded ? std::chrono::milliseconds(0) : kRefusalLinger);
   }
 
-  /// One request, one answer. Output: whether the connection is kept.
+  /// Serves one request.
+  /// Output: true if the connection stays open.
   bool serve(Connection& connection) {
     connection.set_write_pace({settings_.gate.write_timeout, settings_.gate.min_body_rate});
     Exchange exchange(connection);
@@ -340,14 +345,14 @@ class HttpServer::Listener : public httplib::Server {
     if (exchange.is_kept) return true;
     exchange.active.reset();
     exchange.request.memory.reset();
-    // A client whose request was read whole mostly has nothing more to say; any other may be in the middle of its
-    // upload.
+    // A client whose whole request was read usually has nothing more to send. Any other client may be in the middle
+    // of its upload.
     const bool is_silent = exchange.is_read && !connection.has_unread_input();
     connection.finish(is_silent ? std::chrono::milliseconds(0) : kLinger);
     return false;
   }
 
-  /// Output: false - there is no request.
+  /// Output: false if there is no request.
   bool take_head(Exchange& exchange) const {
     RequestHead& head = exchange.request;
     try {
@@ -370,7 +375,8 @@ class HttpServer::Listener : public httplib::Server {
     if (head.path.size() > kMaxPath) throw not_found();
   }
 
-  /// Lets httplib route the request and write the answer. Errors: ConnectionLost.
+  /// Lets httplib route the request and write the answer.
+  /// Errors: ConnectionLost.
   void answer(Exchange& exchange) {
     const CurrentExchange current(exchange);
     ExchangeStream stream(exchange, canonical_head(exchange));
@@ -379,15 +385,15 @@ class HttpServer::Listener : public httplib::Server {
     stream.flush();
   }
 
-  /// Whether the connection is for another request: its client does not say otherwise and has done nothing wrong, and
-  /// both sides know where this exchange ends. A body that was not read, or an answer without a length, ends with the
-  /// connection.
+  /// True if the connection may serve another request: the client permits it and has done nothing wrong, and both
+  /// sides know where this exchange ends. If a body was not read, or an answer has no length, the exchange ends with
+  /// the connection.
   bool may_keep(const Exchange& exchange) const {
     return exchange.is_read && exchange.status < 400 && !exchange.is_streamed && settings_.idle_timeout.count() > 0 &&
            !idle_.is_over() && wants_to_be_kept(exchange.request);
   }
 
-  /// A route has taken the request: lets it in, and reads the body that it may have.
+  /// Admits a request that a route has accepted, and reads its body if there is one.
   void take_in(Exchange& exchange, const Route& route) {
     exchange.route = route.path;
     if (!route.is_open && settings_.keys != nullptr && !settings_.keys->admits(exchange.request)) {
@@ -412,7 +418,7 @@ class HttpServer::Listener : public httplib::Server {
     request.timing.body = milliseconds_between(start, Clock::now());
   }
 
-  /// Gives httplib the answer to write.
+  /// Gives the answer to httplib, which writes it.
   void give(Exchange& exchange, Response answer, httplib::Response& out) const {
     exchange.status = answer.status;
     exchange.problem_code = std::move(answer.problem_code);
@@ -458,7 +464,7 @@ class HttpServer::Listener : public httplib::Server {
     register_options("*", "OPTIONS");
   }
 
-  /// What the methods without a route of their own get at a path.
+  /// Registers the answers to methods that have no route at a path.
   void register_other_methods(const std::vector<Route>& routes, const std::string& path) {
     std::set<std::string> others{"GET", "POST", "PUT", "PATCH", "DELETE"};
     std::string allow;
@@ -510,7 +516,7 @@ class HttpServer::Listener : public httplib::Server {
     }
   }
 
-  /// What goes out when no handler has answered, and the last touch to every answer.
+  /// Registers the handlers for requests that no route has answered, and for the last changes to every answer.
   void register_ways_out() {
     using Handled = httplib::Server::HandlerResponse;
     set_pre_routing_handler([](const httplib::Request&, httplib::Response&) {
@@ -521,12 +527,12 @@ class HttpServer::Listener : public httplib::Server {
       try {
         std::rethrow_exception(failure);
       } catch (const ConnectionLost&) {
-        throw;  // nobody is there to be answered
+        throw;  // there is nobody to answer
       } catch (...) {
         give_failure(*current_exchange, failure, out);
       }
     });
-    // Called for every status from 400 on, also for those that a handler gave.
+    // This is called for every status from 400 on, also for those that a route has set.
     set_error_handler(httplib::Server::HandlerWithResponse([this](const httplib::Request&, httplib::Response& out) {
       if (current_exchange->status != 0) return Handled::Unhandled;
       give_failure(*current_exchange, std::make_exception_ptr(not_found()), out);
@@ -535,16 +541,16 @@ class HttpServer::Listener : public httplib::Server {
     set_post_routing_handler([this](const httplib::Request&, httplib::Response& out) {
       Exchange& exchange = *current_exchange;
       exchange.is_kept = may_keep(exchange);
-      out.headers.erase("Keep-Alive");  // the library's own times
+      out.headers.erase("Keep-Alive");  // the library has written its own times
       out.set_header("Connection", exchange.is_kept ? "keep-alive" : "close");
       if (const auto seconds = settings_.idle_timeout / std::chrono::seconds(1); exchange.is_kept && seconds > 0)
         out.set_header("Keep-Alive", "timeout=" + std::to_string(seconds));
-      out.headers.erase("Accept-Ranges");  // there are none
+      out.headers.erase("Accept-Ranges");  // range requests are not supported
       if (out.status == 204 || out.status == 304) out.headers.erase("Content-Length");
     });
   }
 
-  /// Lets `stop_all` find the sockets of connections that are open.
+  /// Registers the socket of an open connection, so that `stop_all` can find it.
   class OpenSocket {
    public:
     OpenSocket(Listener& listener, int socket) : listener_(listener), socket_(socket) {
@@ -572,7 +578,7 @@ class HttpServer::Listener : public httplib::Server {
   std::atomic<std::thread::id> listener_thread_{};
   std::atomic<bool> stopping_{false};
   std::atomic<bool> draining_{false};
-  std::atomic<std::size_t> open_{0};  ///< connections, without those that wait for their next request
+  std::atomic<std::size_t> open_{0};  ///< open connections, without idle ones
   IdleConnections idle_;
   std::atomic<std::size_t> active_{0};
   std::mutex mutex_;

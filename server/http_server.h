@@ -1,12 +1,12 @@
-/// The listener: accepts connections, one thread each, reads requests from each through the gate, one after another,
-/// and answers them. A connection is kept until its client says otherwise or it is not certain where the next
-/// request begins.
+/// The HTTP server. It accepts connections, one thread for each, reads requests through the gate one after another,
+/// and answers them. A connection stays open until the client asks for its end, or until it is not certain where the
+/// next request begins.
 ///
-/// cpp-httplib binds and accepts, routes, and writes the answers. It is not let near a byte that a client sends: its
-/// 0.11.4 has no overall deadlines, no bound on chunked bodies or lines, and can be misled about where a request ends.
-/// So the gate reads the head, and httplib is given one that we wrote: method and path, spelled one way. The
-/// true request waits beside it; its body is read once a route has taken it. What the gate refuses goes the same way
-/// and fails before routing, so that there is one way out for all.
+/// cpp-httplib binds and accepts, routes, and writes the answers. It never sees a byte that a client sends: its
+/// version 0.11.4 has no overall deadlines and no bound on chunked bodies or lines, and it can be misled about where
+/// a request ends. So the gate reads the head, and httplib gets a head that we wrote, with the method and the
+/// normalised path. The real request waits beside it, and its body is read once a route has accepted it. A request
+/// that the gate refuses goes the same way and fails before routing, so that all answers leave on the same path.
 #pragma once
 
 #include <chrono>
@@ -28,34 +28,36 @@ struct HttpSettings {
   GateLimits gate;
   std::size_t max_connections = 512;
   std::size_t max_connections_per_address = 64;
-  /// How long a connection is kept for its next request; 0: not at all. Those that wait do not count among the
-  /// connections above: there may be a quarter as many, then the one that has waited longest goes.
+  /// How long an idle connection stays open for its next request; 0 means that it is closed at once. Idle connections
+  /// do not count among the connections above. There may be about a quarter as many; beyond that, the one that has
+  /// waited longest is closed.
   std::chrono::milliseconds idle_timeout{3'000};
-  const ApiKeys* keys = nullptr;  ///< what to ask for; none: nothing
+  const ApiKeys* keys = nullptr;  ///< the keys that clients must show; null if none are required
   Cors cors;
-  Metrics* metrics = nullptr;  ///< where to count; none: nowhere
+  Metrics* metrics = nullptr;  ///< the metrics that count requests; null if they are not counted
 };
 
 class HttpServer {
  public:
-  /// Beside the routes themselves, each path answers OPTIONS, and other methods with 405; both say what is allowed.
+  /// Every path also answers OPTIONS, and answers 405 to methods without a route. Both list the allowed methods.
   HttpServer(const std::vector<Route>& routes, const HttpSettings& settings);
-  /// Stops.
+  /// Calls `stop`.
   ~HttpServer();
 
-  /// Takes the address; a port of 0 becomes a free one. Errors: std::runtime_error - it is taken, or not ours.
+  /// Binds the address; a port of 0 chooses a free one.
+  /// Errors: std::runtime_error - the address is in use or cannot be bound.
   void bind(const Address& address);
   int port() const;
-  /// Accepts connections in a thread of its own.
+  /// Starts a thread that accepts connections.
   void start();
-  /// Goes on, but keeps no connection any more.
+  /// Continues to serve, but keeps no connection open after its answer.
   void begin_drain();
   /// Closes the listener and all connections, and waits for their threads.
   void stop();
 
-  /// Requests whose head was admitted and whose answer is not sent yet.
+  /// The number of requests whose head was admitted and whose answer is not sent yet.
   std::size_t active_requests() const;
-  /// Those that wait for their next request included.
+  /// The number of open connections, including idle ones.
   std::size_t open_connections() const;
 
  private:
@@ -63,7 +65,8 @@ class HttpServer {
   std::unique_ptr<Listener> listener_;
 };
 
-/// Asks a server by GET. Output: the status, or 0 if there is no answer within two seconds.
+/// Sends a GET request to a server.
+/// Output: the status, or 0 if there is no answer within two seconds.
 int probe(const Address& address, const std::string& path);
 
 }  // namespace remesh::server

@@ -1,4 +1,4 @@
-/// Configuration, service, signals; the rest is in the library.
+/// The program remeshd: configuration, service and signals. Everything else is in the library.
 #include <malloc.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
@@ -21,7 +21,7 @@
 namespace remesh::server {
 namespace {
 
-/// Exit codes: 0 well, 1 failed, 2 misused.
+/// The exit code for failure. 0 means success, 2 means misuse.
 constexpr int kFailed = 1;
 
 sigset_t stop_signals() {
@@ -32,7 +32,7 @@ sigset_t stop_signals() {
   return signals;
 }
 
-/// Shells give 1024 descriptors and allow more; --max-connections may want them.
+/// Raises the limit of open descriptors. Shells set 1024 but permit more, which --max-connections may need.
 void raise_descriptor_limit() {
   rlimit files{};
   if (::getrlimit(RLIMIT_NOFILE, &files) != 0) return;
@@ -49,7 +49,8 @@ void reload_keys(Service& service) {
   }
 }
 
-/// Waits for one of the signals. Output: its number, or 0 when the time is over.
+/// Waits for one of the signals.
+/// Output: its number, or 0 if the time is over.
 int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::milliseconds> time) {
   if (!time) {
     int number = 0;
@@ -62,7 +63,7 @@ int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::millisec
   return number > 0 ? number : 0;
 }
 
-/// What is in force, as far as it is asked for when something goes wrong.
+/// Adds the settings in force that matter when something goes wrong.
 void add_settings(const Config& config, const Service& service, std::vector<log::Field>& fields) {
   fields.push_back({"workers", std::int64_t{config.workers}});
   fields.push_back({"max_running", std::int64_t{config.max_running}});
@@ -77,14 +78,15 @@ void add_settings(const Config& config, const Service& service, std::vector<log:
 }
 
 int serve(const Config& config) {
-  // Blocked before any thread exists, the log's one included, so that all inherit it and only this one waits for them;
-  // that also makes the process stoppable as number 1 of a container, where unhandled signals are ignored.
+  // The signals are blocked before any thread exists, including the log's, so that all threads inherit the mask and
+  // only this one waits for them. This also lets the process be stopped as process 1 of a container, where unhandled
+  // signals are ignored.
   sigset_t signals = stop_signals();
   sigaddset(&signals, SIGHUP);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is an error of writing
-  ::umask(S_IRWXG | S_IRWXO);     // what is written is customers' meshes
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may not grow is then an error of write()
+  ::umask(S_IRWXG | S_IRWXO);     // the files that are written contain customers' meshes
   raise_descriptor_limit();
   log::set_up(config.log_format, config.log_level);
 
@@ -104,14 +106,14 @@ int serve(const Config& config) {
   const Clock::time_point deadline = Clock::now() + config.drain_time;
   while (!service.is_idle() && Clock::now() < deadline) {
     const int again = wait_for_signal(stop_signals(), std::chrono::milliseconds(20));
-    if (again != 0) break;  // asked twice: at once
+    if (again != 0) break;  // a second signal ends the wait at once
   }
   service.stop();
   log::write(log::Level::kInfo, "stopped");
   return EXIT_SUCCESS;
 }
 
-/// Asks the server that listens as configured; what listens everywhere also listens here.
+/// Asks the server that listens as configured. A server that listens on all addresses is asked on loopback.
 int ask_health(const Config& config) {
   Address address = config.ops_bind.value_or(config.bind);
   if (address.host == "0.0.0.0") address.host = "127.0.0.1";
@@ -138,12 +140,12 @@ int run(int argc, char** argv) {
 }  // namespace remesh::server
 
 int main(int argc, char** argv) {
-  // Where the allocator's thresholds go by themselves once a large mesh has been there: until then it would give memory
-  // back and fetch it again several times in each request. What lies idle is given back between requests.
+  // The allocator would raise these thresholds by itself after a large mesh. Until then it would return memory and
+  // request it again several times in each request. Unused memory is returned between requests instead (MemoryWatch).
   mallopt(M_MMAP_THRESHOLD, 32 << 20);
   mallopt(M_TRIM_THRESHOLD, 64 << 20);
   try {
-    // TBB's threads are the last to go: until then they hold on to what the pools gave them.
+    // TBB's threads must end last, because until then they own memory that the pools gave them.
     tbb::task_scheduler_handle scheduler{tbb::attach{}};
     const int code = remesh::server::run(argc, argv);
     tbb::finalize(scheduler, std::nothrow);

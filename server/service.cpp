@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kOpsConnections = 32;
 constexpr std::chrono::milliseconds kProgressPeriod{250};
-/// How long a stop waits for the answers of those that it cancels.
+/// How long `stop` waits for the answers to requests that it has cancelled.
 constexpr std::chrono::milliseconds kLastAnswers{1000};
 
 Response plain(int status, std::string text) {
@@ -42,7 +42,7 @@ HttpError draining() { return HttpError(503, "draining", "this server is about t
 
 }  // namespace
 
-// The one list of what can be asked.
+// This is the complete list of routes.
 std::vector<Route> Service::routes() {
   const auto work_body = [this](const RequestHead& head) { return admit_work(head); };
   std::vector<Route> list = ops_routes();
@@ -86,7 +86,7 @@ Service::Service(const Config& config, Operations operations)
       pool_(config.max_running, config.queue_size, config.workers),
       http_(routes(), http_settings()) {
   if (!config.ops_bind) return;
-  // Neither keys nor counts: who reaches this port may look, and looking is no work.
+  // This port has neither keys nor metrics. Whoever can reach it may look, and looking is no work that counts.
   HttpSettings settings;
   settings.gate = config.gate;
   settings.max_connections = settings.max_connections_per_address = kOpsConnections;
@@ -125,7 +125,7 @@ Service::~Service() { stop(); }
 void Service::start() {
   http_.bind(config_.bind);
   if (ops_) ops_->bind(*config_.ops_bind);
-  if (jobs_) jobs_->start();  // first: "ready" is said of a store that was asked
+  if (jobs_) jobs_->start();  // before listening, so that "ready" is said only after the store was asked
   http_.start();
   if (ops_) ops_->start();
 }
@@ -153,13 +153,13 @@ bool Service::makes_job(const RequestHead& head) const { return jobs_ && jobs::J
 Admission Service::admit_work(const RequestHead& head) {
   if (draining_) throw draining();
   const Framing body = framing(head);
-  // Of a body in chunks nobody knows; the queue asks again once it is there.
+  // The length of a chunked body is unknown here. The queue checks its room again once the body has arrived.
   if (pool_.is_full(size_of_job(body.length))) throw overloaded();
   return {config_.max_body, memory_.open_share()};
 }
 
 Response Service::work(const Operation& operation, const Call& call) {
-  if (stopping_) throw draining();  // its upload took longer than the others had
+  if (stopping_) throw draining();  // its upload lasted until after the others were cancelled
   try {
     Response response = wrap(run_in_pool(pool_, registry_, work_limits_, operation, call.request, call.connection));
     if (call.request.memory) call.request.memory->hold_answer(response.body.size());

@@ -1,4 +1,4 @@
-/// The daemon put together: its routes, the pool behind them, the listeners before them, and how it stops.
+/// The whole daemon: its routes, the worker pool behind them, the listeners in front of them, and its shutdown.
 #pragma once
 
 #include <atomic>
@@ -21,7 +21,7 @@
 
 namespace remesh::server {
 
-/// What the daemon serves; tests put stubs here.
+/// The functions that the daemon serves. Tests replace them with stubs.
 struct Operations {
   Operation remesh = api::run_remesh;
   Operation analyze = api::run_analyze;
@@ -37,21 +37,24 @@ class Service {
   Service(const Service&) = delete;
   Service& operator=(const Service&) = delete;
 
-  /// Binds and accepts. Errors: std::runtime_error - an address cannot be had.
+  /// Binds the addresses and accepts connections.
+  /// Errors: std::runtime_error - an address cannot be bound.
   void start();
   int port() const { return http_.port(); }
   std::size_t key_count() const { return keys_.count(); }
   bool keeps_jobs() const { return jobs_ != nullptr; }
   int ops_port() const { return ops_ ? ops_->port() : 0; }
 
-  /// Reads the API keys again. Errors: std::invalid_argument - see ApiKeys; the old ones stay.
+  /// Reads the API keys again.
+  /// Errors: std::invalid_argument - see ApiKeys; the old keys then stay in force.
   void reload_keys() { keys_.reload(); }
 
-  /// From now on not ready, and taking no new work; what was taken is finished.
+  /// Reports not ready and accepts no new work from now on. Work that was accepted before is finished.
   void begin_drain();
-  /// True when no request is open any more.
+  /// True if no request and no job is being worked on.
   bool is_idle() const { return http_.active_requests() == 0 && (!jobs_ || jobs_->is_idle()); }
-  /// Cancels what still runs, which is answered with `draining`, closes everything and waits for it.
+  /// Cancels the requests that still run, which are answered with the code `draining`. Then it closes all connections
+  /// and waits for their end.
   void stop();
 
  private:
@@ -59,7 +62,8 @@ class Service {
   std::vector<Route> ops_routes();
   std::unique_ptr<jobs::JobService> make_jobs();
   HttpSettings http_settings();
-  /// Whether a request to remesh becomes a job; what is only preferred can be left where there are none.
+  /// True if a request to remesh becomes a job. Without a job store the client's preference is ignored and it is
+  /// answered at once.
   bool makes_job(const RequestHead& head) const;
   Admission admit_work(const RequestHead& head);
   Response show_metrics() const;
@@ -79,7 +83,7 @@ class Service {
   RequestRegistry registry_;
   MemoryBudget memory_;
   MemoryWatch memory_watch_;
-  std::unique_ptr<jobs::JobService> jobs_;  ///< none where there is no store; outlives the pool that runs them
+  std::unique_ptr<jobs::JobService> jobs_;  ///< null without a store; outlives the pool that runs its work
   jobs::JobRoutes job_routes_;
   WorkerPool pool_;
   HttpServer http_;

@@ -11,20 +11,21 @@
 namespace remesh::server {
 namespace {
 
-/// Nothing inline, nothing from elsewhere, nobody's frame. Pictures that the page makes itself are data or blobs.
+/// Forbids inline scripts, resources from elsewhere, and frames around the page. Pictures that the page makes itself
+/// are data or blob URLs.
 constexpr const char* kContentSecurityPolicy =
     "default-src 'none'; script-src 'self'; worker-src 'self'; style-src 'self'; img-src 'self' data: blob:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 constexpr const char* kForEver = "public, max-age=31536000, immutable";
 constexpr const char* kAskEachTime = "no-cache";
 
-/// Weak, since the packed and the plain bytes share it.
+/// Makes a weak entity tag, because the packed and the unpacked bytes share it.
 std::string entity_tag(std::string_view bytes) {
   const std::string digest = repr_digest(bytes);
   return "W/\"" + digest.substr(digest.find(':') + 1, 22) + "\"";
 }
 
-/// Whether an `If-None-Match` field names the tag (RFC 9110, section 13.1.2: weak comparison).
+/// True if an `If-None-Match` field names the tag (RFC 9110, section 13.1.2: weak comparison).
 bool names_tag(std::string_view field, std::string_view tag) {
   const auto opaque = [](std::string_view t) { return t.substr(t.starts_with("W/") ? 2 : 0); };
   for (const std::string_view element : list_elements(field)) {

@@ -1,4 +1,4 @@
-/// The web page, which is compiled in: see server/web/README.md.
+/// The web page, which is compiled into the daemon. See server/web/README.md.
 #pragma once
 
 #include <string_view>
@@ -12,16 +12,17 @@ struct WebFile {
   std::string_view path;
   std::string_view type;
   std::string_view bytes;
-  bool is_packed = false;  ///< `bytes` are gzip data
-  bool is_fixed = false;   ///< the path changes with the contents, so that browsers need never ask again
+  bool is_packed = false;  ///< `bytes` are in gzip's format
+  bool is_fixed = false;   ///< the path changes with the contents, so browsers may store the file for ever
 };
 
-/// Made while building, of `server/web/`; with -DREMESHD_WEB=OFF one file that says so. The first one is `/`.
+/// The files of the page, generated from `server/web/` by the build. With -DREMESHD_WEB=OFF there is a single file,
+/// which says that the page is missing. The first file is `/`.
 std::vector<WebFile> web_files();
 
-/// A route for each file, open to clients without a key.
-/// Holds:   every answer has an `ETag`, for which `If-None-Match` gets 304, and headers that let the page load and ask
-///          nothing but this daemon; a client that does not take gzip gets the bytes unpacked.
+/// Makes a route for each file. The routes are public: clients need no key.
+/// Holds:   every answer has an `ETag`, and a matching `If-None-Match` gets 304; the headers let the page load from
+///          and connect to this daemon only; a client that does not accept gzip gets the unpacked bytes.
 std::vector<Route> web_routes(const std::vector<WebFile>& files);
 
 }  // namespace remesh::server

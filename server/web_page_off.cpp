@@ -1,4 +1,4 @@
-// Stands for the page where it was left out of the build.
+// Replaces the page if it was left out of the build.
 #include "server/web_page.h"
 
 namespace remesh::server {

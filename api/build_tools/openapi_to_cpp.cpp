@@ -1,4 +1,4 @@
-// Turns openapi.yaml into a C++ source that holds it as JSON: openapi_to_cpp IN.yaml OUT.cpp
+// Converts openapi.yaml to a C++ source that contains it as JSON. Usage: openapi_to_cpp IN.yaml OUT.cpp
 #include <yaml-cpp/yaml.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// A plain scalar has the type that YAML 1.2's core schema gives it; a quoted one (tag "!") is a string.
+// Converts a scalar. A plain one gets its type by YAML 1.2's core schema; a quoted one (tag "!") is a string.
 Json scalar_to_json(const YAML::Node& node) {
   const std::string& text = node.Scalar();
   if (node.Tag() == "!") return text;
@@ -42,7 +42,8 @@ Json to_json(const YAML::Node& node) {
   return node.IsScalar() ? scalar_to_json(node) : Json(nullptr);
 }
 
-// Numbers, since compilers need not take string literals above 65,536 characters, pieced together or not.
+// Writes the text as numbers, because compilers may reject string literals above 65,536 characters, even concatenated
+// ones.
 void write_source(std::ostream& out, const std::string& json) {
   out << "namespace remesh::api {\nextern const char* const kOpenapiJson;\nnamespace {\nconstexpr char kText[] = {";
   constexpr std::size_t kInLine = 24;

@@ -29,13 +29,14 @@ namespace fs = std::filesystem;
 using api::number_text;
 
 struct File {
-  std::string name;  ///< within the folder
+  std::string name;  ///< the path within the folder
   std::uintmax_t size = 0;
-  std::string output;  ///< path; empty: not to be written
-  std::string row;     ///< of the table, once it is done
+  std::string output;  ///< a path; empty if no output is written
+  std::string row;     ///< its row of the table, once it is done
 };
 
-/// With those that it is in. Errors: FileError.
+/// Creates a folder and all its parents.
+/// Errors: FileError.
 void make_folder(const fs::path& folder) {
   std::error_code error;
   fs::create_directories(folder, error);
@@ -47,7 +48,7 @@ bool is_same_folder(const fs::path& a, const fs::path& b) {
   return fs::equivalent(a, b, missing);
 }
 
-/// The readable files below a folder, by name; without those of the output folder, where it is inside.
+/// Lists the readable files below a folder, sorted by name. Files of an output folder inside it are left out.
 std::vector<File> find_files(const std::string& folder, const std::string& output_folder) {
   std::vector<File> files;
   std::error_code error;
@@ -67,7 +68,7 @@ std::vector<File> find_files(const std::string& folder, const std::string& outpu
   return files;
 }
 
-/// Gives each file a name of its own in the output folder.
+/// Gives each file a unique name in the output folder.
 void name_outputs(std::vector<File>& files, const std::string& folder, std::optional<Format> asked) {
   std::set<std::string> taken;
   for (File& file : files) {
@@ -83,7 +84,7 @@ void name_outputs(std::vector<File>& files, const std::string& folder, std::opti
   }
 }
 
-/// Refuses to write over what is read.
+/// Refuses outputs that would overwrite inputs.
 void check_outputs(const std::vector<File>& files, const BatchJob& job) {
   const auto refuse = [](const std::string& why) {
     throw Error(Code::kInvalidOption, Stage::kRead, "--output " + why).for_option("output");
@@ -99,7 +100,7 @@ void check_outputs(const std::vector<File>& files, const BatchJob& job) {
   }
 }
 
-/// A field of a table, in quotes where it needs them (RFC 4180), within one line.
+/// Formats a field of a table as one line, in quotes if it needs them (RFC 4180).
 std::string field(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](char c) { return is_control_character(c); }, ' ');
@@ -144,7 +145,7 @@ class BatchRun {
  public:
   BatchRun(const BatchJob& job, RunControl& control)
       : job_(job), control_(control), files_(find_files(job.folder, job.output_folder)) {
-    // Files go first, then the threads within one.
+    // Threads are given to files first. The rest are used within the files.
     const auto files = static_cast<int>(std::min<std::size_t>(files_.size(), 1u << 20));
     threads_ = std::max(1, std::min(job.limits.workers, files));
     limits_ = job.limits;
@@ -155,7 +156,7 @@ class BatchRun {
     }
     check_writable(job.report);
     if (!job.output_folder.empty() && !files_.empty()) make_folder(job.output_folder);
-    // The largest first, so that none of them is left alone at the end.
+    // The largest files come first, so that none of them is left to run alone at the end.
     for (File& file : files_) queue_.push_back(&file);
     std::stable_sort(queue_.begin(), queue_.end(), [](const File* a, const File* b) { return a->size > b->size; });
   }
@@ -227,13 +228,13 @@ class BatchRun {
   }
 
   const BatchJob& job_;
-  RunControl& control_;  // all files share it: an interrupt ends them all
+  RunControl& control_;  // shared by all files, so that an interrupt ends them all
   std::vector<File> files_;
   std::vector<File*> queue_;
   api::Limits limits_;
   int threads_ = 1;
   std::mutex draft_mutex_;
-  std::optional<Draft> draft_;  // the table so far, in the order in which files end
+  std::optional<Draft> draft_;  // the table so far, in the order in which files ended
   std::atomic<std::size_t> taken_{0}, done_{0}, failed_{0};
 };
 

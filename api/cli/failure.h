@@ -1,4 +1,4 @@
-/// How the command line tells failures: exit codes and one line of text.
+/// How the command line reports failures: by exit codes and one line of text.
 #pragma once
 
 #include <exception>
@@ -12,24 +12,28 @@ inline constexpr int kDone = 0;
 inline constexpr int kFailed = 1;
 inline constexpr int kMisused = 2;
 
-/// What the command line alone decides is misuse; what the mesh decides is a failure, be it at an option's bound.
+/// Returns kMisused for errors that follow from the command line alone, and kFailed for errors that depend on the
+/// mesh, even if it only exceeds an option's bound.
 int exit_code(const Error& error);
 
-/// `part.obj:12`, `part.stl: byte 84`, or the name alone: where in the input the error is. `-` is standard input.
+/// Returns the place of an error in the input: `part.obj:12`, `part.stl: byte 84`, or the name alone. The input `-`
+/// is standard input.
 std::string place_of(const Error& error, const std::string& input);
 
-/// `part.obj:12: index_out_of_range: a face ...`
+/// Describes an error in one line: `part.obj:12: index_out_of_range: a face ...`
 std::string describe(const Error& error, const std::string& input);
 
-/// A failure of any kind: the contract's code, or `file_error`, `out_of_memory`, `internal`; and what happened.
+/// A failure of any kind. `code` is the API's code, or `file_error`, `out_of_memory` or `internal`; `message` says
+/// what happened.
 struct Failure {
   int exit_code = kFailed;
   std::string code;
   std::string message;
-  std::string line;  ///< all of it, as `describe`
+  std::string line;  ///< place, code and message as `describe` gives them
 };
 
-/// What was thrown while `input` was worked on.
+/// Converts an exception to a failure.
+/// Input: `input` - the file that was processed.
 Failure failure_of(const std::exception_ptr& thrown, const std::string& input);
 
 }  // namespace remesh::cli

@@ -32,7 +32,8 @@ class Descriptor {
   Descriptor& operator=(const Descriptor&) = delete;
 
   int get() const { return fd_; }
-  /// Some file systems tell only here that the disk is full.
+  /// Closes the file. Some file systems report only here that the disk is full.
+  /// Output: false if there was an error.
   bool close() {
     const int status = ::close(fd_);
     fd_ = -1;
@@ -43,9 +44,9 @@ class Descriptor {
   int fd_;
 };
 
-/// Fills `bytes` with what an open file has from a place on, by all threads: to copy a large file takes one of them as
-/// long as two take to make a mesh of it.
-/// Output: how much there is, up to the first gap; less than wanted where the file has become shorter.
+/// Reads into `bytes` what an open file has from position `from` on, with all threads. Copying a large file takes one
+/// thread as long as two threads need to make a mesh of it.
+/// Output: the number of bytes up to the first gap. It is less than wanted if the file has become shorter.
 std::size_t read_blocks(int fd, off_t from, std::span<char> bytes, const std::string& path, const RunControl& control) {
   constexpr std::size_t kBlock = std::size_t{1} << 21;
   std::vector<std::size_t> got((bytes.size() + kBlock - 1) / kBlock, 0);
@@ -77,14 +78,14 @@ bool write_all(int fd, std::string_view content) {
   return true;
 }
 
-/// What a new file made by an ordinary program would get.
+/// The permissions that a new file of an ordinary program would get.
 mode_t default_mode() {
   const mode_t mask = ::umask(0);
   ::umask(mask);
   return 0666 & ~mask;
 }
 
-/// What write_file replaces: a link stays a link, and what it points to is replaced.
+/// The path that write_file replaces. A link stays a link, and the file that it points to is replaced.
 std::filesystem::path replaced_by_writing(const std::string& path, bool exists) {
   std::error_code no_link;
   const std::filesystem::path target = exists ? std::filesystem::canonical(path, no_link) : std::filesystem::path(path);
@@ -106,8 +107,8 @@ void replace_file(const std::string& target, std::string_view content, mode_t mo
 
 }  // namespace
 
-/// Room for so many bytes, which are not written to: to fill a large file's with zeros first takes as long as to read
-/// it.
+/// Makes room for this many bytes, which are not initialised: filling the memory of a large file with zeros first
+/// takes as long as reading the file.
 void FileContent::reserve(std::size_t size) {
   if (size <= capacity_) return;
   std::unique_ptr<char[]> larger(new char[size]);
@@ -121,7 +122,7 @@ FileContent FileContent::read(int fd, const std::string& path, const RunControl&
   struct stat status {};
   const bool has_size = ::fstat(fd, &status) == 0 && S_ISREG(status.st_mode);
   FileContent content;
-  // One byte more than the file has, so that its end is seen without another chunk.
+  // This reserves one byte more than the file's size, so that the end is found without another chunk.
   if (has_size) content.reserve(static_cast<std::size_t>(status.st_size) + 1);
   if (const off_t from = has_size ? ::lseek(fd, 0, SEEK_CUR) : -1; from >= 0 && from < status.st_size) {
     const auto size = static_cast<std::size_t>(status.st_size - from);
@@ -142,7 +143,7 @@ FileContent FileContent::read(int fd, const std::string& path, const RunControl&
 FileContent read_file(const std::string& path, const RunControl& control) {
   if (path == "-") return FileContent::read(STDIN_FILENO, "standard input", control);
   const Descriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
-  control.check();  // to open a pipe is to wait for its writer
+  control.check();  // opening a pipe waits for its writer
   if (file.get() < 0) fail(path);
   return FileContent::read(file.get(), path, control);
 }
@@ -171,7 +172,7 @@ void check_writable(const std::string& path) {
     if (::access(path.c_str(), W_OK) != 0) fail(path);
     return;
   }
-  // A new file takes its place. "/." is no folder where that is a file.
+  // A new file will replace it, so the folder must be writable. The path "FILE/." does not exist if FILE is a file.
   const std::filesystem::path folder = replaced_by_writing(path, exists).parent_path() / ".";
   if (::access(folder.c_str(), W_OK | X_OK) != 0) fail(path);
 }

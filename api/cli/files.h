@@ -1,4 +1,4 @@
-/// Files of the command line: `-` is standard input or output.
+/// Files of the command line. The name `-` means standard input or standard output.
 #pragma once
 
 #include <cstddef>
@@ -20,11 +20,13 @@ class FileError : public std::runtime_error {
 /// The bytes of a file.
 class FileContent {
  public:
-  /// All that can be read from an open file; `path` names it in errors. Errors: as read_file.
+  /// Reads everything from an open file.
+  /// Input: `path` - names it in errors.
+  /// Errors: as read_file.
   static FileContent read(int fd, const std::string& path, const RunControl& control);
 
   std::string_view view() const { return {bytes_.get(), size_}; }
-  /// Gives the memory back, when nobody looks at it any more.
+  /// Frees the memory. Views of it become invalid.
   void release() { *this = FileContent(); }
 
  private:
@@ -35,22 +37,22 @@ class FileContent {
   std::size_t capacity_ = 0;
 };
 
-/// The whole file.
+/// Reads a whole file.
 /// Errors: FileError; kCancelled - a signal came and `control` says to stop.
 FileContent read_file(const std::string& path, const RunControl& control);
 
-/// Writes the whole file or none of it: into a new file beside it first, which then takes its place. What is no
-/// ordinary file, such as /dev/null or a pipe, is written as it is.
-/// Errors: FileError; nothing is left behind.
+/// Writes the whole file or nothing: the content goes into a new file in the same folder, which then replaces the old
+/// one. Anything that is not an ordinary file, such as /dev/null or a pipe, is written directly.
+/// Errors: FileError; no temporary file is left behind.
 void write_file(const std::string& path, std::string_view content);
 
-/// Looks whether write_file could write there, before much work is done for it.
-/// Errors: FileError - the folder is missing or may not be written to; it is a folder itself.
+/// Checks that write_file could write there, before much work is done.
+/// Errors: FileError - the folder is missing or not writable, or the path is a folder itself.
 void check_writable(const std::string& path);
 
-/// A file that grows while its content comes about, so that it has some if this process ends early. Only an ordinary
-/// one: anything else stays as it is. Who has all of the content writes the file by write_file, which also tells
-/// errors.
+/// A file that grows while its content is made, so that it has some content if this process ends early. Only an
+/// ordinary file is written; any other path is left alone. It reports no errors: once the content is complete, write
+/// it by write_file.
 class Draft {
  public:
   explicit Draft(const std::string& path);

@@ -1,4 +1,4 @@
-// The command-line twin of the daemon: remesh part.obj -o out.obj --plane-tolerance 1e-5 --report report.json
+// The command line counterpart of the daemon: remesh part.obj -o out.obj --plane-tolerance 1e-5 --report report.json
 #include <malloc.h>
 #include <signal.h>
 #include <tbb/global_control.h>
@@ -35,13 +35,13 @@ struct Arguments {
   std::string input;
   std::string output;
   std::string report;
-  std::string batch;  // a folder, in place of the input
+  std::string batch;  // a folder; it replaces the input
   std::string server;
   int workers = 1;
-  api::Fields options;  // by the contract's names
+  api::Fields options;  // options by their names in the API
 };
 
-/// The command line does not say what to do.
+/// The command line is incomplete or contradicts itself.
 class UsageError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -59,7 +59,7 @@ std::string with_underscores(std::string_view flag) {
   return name;
 }
 
-// "help text [default]"
+// Makes a help text of the form "help text [default]".
 std::string option_help(const api::OptionSpec& spec) {
   return std::string(spec.help) + " [" + api::option_text(spec, api::with_defaults({})) + "]";
 }
@@ -77,7 +77,7 @@ bool has_unknown_ending(const std::string& path) {
   return std::filesystem::path(path).has_extension() && !format_from_file_name(path);
 }
 
-/// Errors: UsageError - what must be given is not, or two things go to one place.
+/// Errors: UsageError - a required path is missing, or two outputs have the same path.
 void check_paths(const Arguments& arguments) {
   if (!arguments.batch.empty()) {
     if (!arguments.input.empty()) throw UsageError("--batch takes the place of the input " + arguments.input);
@@ -93,7 +93,8 @@ void check_paths(const Arguments& arguments) {
   }
 }
 
-/// Fills `arguments`. Errors: CLI::ParseError, also for --help and --version; UsageError.
+/// Parses the command line into `arguments`.
+/// Errors: CLI::ParseError, also for --help and --version; UsageError.
 void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   arguments.workers = api::usable_cores();
   app.set_version_flag("--version", std::string("remesh ") + version());
@@ -132,12 +133,12 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   }
 }
 
-/// No server, no limits but what the ids can count. A result that nobody has bounded ends where a server would end it:
-/// needles of 1e7 to 1 would go on until memory is full.
+/// The limits of the command line: only those of the ids. If the user sets no bound, a result is bounded like on a
+/// server, because needles of 1e7 to 1 would otherwise be refined until memory is full.
 api::Limits limits_for(int workers) {
   api::Limits limits;
   limits.max_decompressed = std::numeric_limits<std::uint64_t>::max();
-  limits.max_ratio = 1000;  // hardly less than gzip can: no file of zeros
+  limits.max_ratio = 1000;  // slightly less than gzip can reach, so that no file of zeros passes
   limits.max_vertices = VertexId::kInvalid;
   limits.max_faces = FaceId::kInvalid;
   limits.usual_output_faces = limits.max_output_faces;
@@ -146,7 +147,7 @@ api::Limits limits_for(int workers) {
   return limits;
 }
 
-// Set before the handlers are installed, and outlives them.
+// This is set before the signal handlers are installed, and outlives them.
 std::atomic<RunControl*> g_interrupted_run{nullptr};
 static_assert(std::atomic<RunControl*>::is_always_lock_free);
 
@@ -156,14 +157,14 @@ void interrupt(int) {
 
 void stop_on_signals(RunControl& control) {
   g_interrupted_run = &control;
-  struct sigaction action {};  // without SA_RESTART: waiting for input ends too
+  struct sigaction action {};  // without SA_RESTART, so that a signal also ends waiting for input
   action.sa_handler = interrupt;
   ::sigaction(SIGINT, &action, nullptr);
   ::sigaction(SIGTERM, &action, nullptr);
-  ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away is an error of writing
+  ::signal(SIGPIPE, SIG_IGN);  // a reader that goes away then causes an error of write()
 }
 
-/// Whoever reads the coordinates has to know what they are relative to.
+/// Prints the origin, because whoever reads the coordinates needs to know what they are relative to.
 void tell_origin(const std::string& origin) {
   std::cerr << "remesh: the coordinates written are relative to the origin " << origin << "\n";
 }
@@ -189,7 +190,7 @@ void remesh_one(const Arguments& arguments, api::Job job, RunControl& control) {
   if (answer.report.output_origin) tell_origin(api::origin_text(*answer.report.output_origin));
 }
 
-/// The same by a server.
+/// Does the same as remesh_one, but by a server.
 void remesh_one_remotely(const Arguments& arguments, RunControl& control) {
   RemoteJob job;
   job.server = arguments.server;
@@ -224,9 +225,9 @@ int remesh_folder(const Arguments& arguments, RunControl& control) {
   return kFailed;
 }
 
-/// A result that does not fit is told, before the system ends whatever is largest.
+/// Makes a result that does not fit into memory an ordinary error, before the system kills the largest process.
 void limit_memory(int workers) {
-  // Of a stack, hardly anything is touched.
+  // The stacks of threads count in full, although hardly anything of them is touched.
   constexpr std::uint64_t kStack = std::uint64_t{16} << 20;
   api::limit_own_memory(api::usable_memory() / 10 * 9 + kStack * (static_cast<std::uint64_t>(workers) + 4));
 }
@@ -234,7 +235,7 @@ void limit_memory(int workers) {
 int run(const Arguments& arguments) {
   static RunControl control;
   stop_on_signals(control);
-  // As many threads as asked for, even where the machine has fewer cores.
+  // This permits as many threads as were asked for, even if the machine has fewer cores.
   const tbb::global_control parallelism(tbb::global_control::max_allowed_parallelism,
                                         static_cast<std::size_t>(arguments.workers));
   limit_memory(arguments.workers);
@@ -263,8 +264,8 @@ int run(const Arguments& arguments) {
 
 int main(int argc, char** argv) {
   using namespace remesh::cli;
-  // What one stage frees, the next one takes, instead of fresh pages from the system: a tenth of the time of a large
-  // mesh. A process that does one thing and ends has no use for giving memory back.
+  // Memory that one stage frees is reused by the next one, instead of being returned to the system. This saves a
+  // tenth of the time of a large mesh. A process that does one thing and ends need not return memory.
   mallopt(M_MMAP_THRESHOLD, std::numeric_limits<int>::max());
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   CLI::App app{"Re-triangulates a surface mesh: the same surface, planar faces in patches, each one Delaunay.",

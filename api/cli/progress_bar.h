@@ -11,16 +11,16 @@
 
 namespace remesh::cli {
 
-/// `[############            ]  50 % `
+/// Draws a bar: `[############            ]  50 % `
 std::string progress_bar(double fraction);
 
-/// The same with the stage of a run.
+/// Draws a bar for a run, followed by its current stage.
 std::string progress_line(const RunControl& control);
 
-/// Shows a line again and again for as long as it lives, if standard error is a terminal; else does nothing.
+/// Shows a line repeatedly during its lifetime, if standard error is a terminal. Otherwise it does nothing.
 class ProgressBar {
  public:
-  /// `line` is called on a thread of the bar's own.
+  /// Input: `line` - makes the line; it is called on a thread of the bar's own.
   explicit ProgressBar(std::function<std::string()> line);
   ~ProgressBar();
   ProgressBar(const ProgressBar&) = delete;

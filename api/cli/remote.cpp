@@ -26,8 +26,8 @@ Error no_url(const std::string& text) {
   return Error(Code::kInvalidOption, Stage::kRead, text + " is no http or https URL").for_option("server");
 }
 
-/// Where a URL ends that a client takes, and a path begins: "http://host:80", "/path".
-/// Errors: kInvalidOption - another scheme, no host.
+/// Splits a URL into the part that the HTTP client needs and the path: "http://host:80", "/path".
+/// Errors: kInvalidOption - another scheme, or no host.
 std::pair<std::string, std::string> split_url(std::string url) {
   if (url.find("://") == std::string::npos) url.insert(0, "http://");
   const std::size_t host = url.find("://") + 3;
@@ -50,7 +50,7 @@ std::string escaped(std::string_view text) {
   return out;
 }
 
-/// This is how a summary names the origin: `..., origin=1 2 3`.
+/// Finds the origin in a summary, which has the form `..., origin=1 2 3`.
 std::string origin_in(const std::string& summary) {
   constexpr std::string_view kName = ", origin=";
   const std::size_t at = summary.find(kName);
@@ -106,12 +106,12 @@ class Remote::Client {
       }
       if (!failure && job_.wants_report) answer.report = fetch(path + "/report", control) + "\n";
     } catch (const RemoteError& error) {
-      throw with_job(error, path);  // it goes on at the server, or has its result there
+      throw with_job(error, path);  // the job continues at the server, or its result is there
     } catch (const Error&) {
-      cancel(path);  // told to stop: the server need not go on
+      cancel(path);  // we were told to stop, so the server need not continue
       throw;
     }
-    // What the mesh has done is told of the mesh; what the server has done can be asked about by the job.
+    // An error of the mesh is reported alone. An error of the server names the job, so that one can ask about it.
     if (failure) throw failure->status < 500 ? *failure : with_job(*failure, path);
     return answer;
   }
@@ -122,7 +122,8 @@ class Remote::Client {
   }
 
  private:
-  /// Asks until there is an answer that is not for want of a server. Errors: RemoteError; kCancelled.
+  /// Asks until there is an answer that is not due to a missing server.
+  /// Errors: RemoteError; kCancelled.
   template <typename Question>
   httplib::Response insist(Question question, const RunControl& control) {
     Clock::time_point deadline = Clock::now() + kPatience;
@@ -147,7 +148,7 @@ class Remote::Client {
       target += std::exchange(separator, '&') + escaped(name) + "=" + escaped(value);
     }
     httplib::Headers headers = headers_;
-    // The same key each time: a job whose answer was lost is not made twice.
+    // The key is the same at each attempt, so a job whose answer was lost is not created twice.
     headers.emplace("Idempotency-Key", random_key());
     if (!job_.accept.empty()) headers.emplace("Accept", job_.accept);
     if (!job_.content_encoding.empty()) headers.emplace("Content-Encoding", job_.content_encoding);
@@ -162,7 +163,8 @@ class Remote::Client {
       if (answer.status != 202) throw problem_of(answer);
       return path_of_job(answer);
     } catch (const Error&) {
-      // Told to stop before there was an answer, which may have been on its way: the key tells which job that was.
+      // We were told to stop before there was an answer, which may already be under way. Sending again with the same
+      // key tells which job it was.
       if (!is_sent) throw;
       if (const httplib::Result answer = post(); answer && answer->status == 202) cancel(path_of_job(*answer));
       throw;
@@ -183,7 +185,7 @@ class Remote::Client {
     return told;
   }
 
-  /// Output: the problem that the job has ended with, if it has one.
+  /// Output: the problem with which the job has ended, if there is one.
   std::optional<RemoteError> wait_until_ended(const std::string& path, const RunControl& control) {
     for (std::chrono::milliseconds pause = kFirstPoll;; pause = std::min(pause * 3 / 2, kSlowestPoll)) {
       const json state = json::parse(fetch(path, control));

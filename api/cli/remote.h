@@ -1,4 +1,4 @@
-/// A mesh remeshed by a server: as a job, so that it outlives connections.
+/// Lets a server remesh a mesh. It uses a job, so that the work survives lost connections.
 #pragma once
 
 #include <cstdint>
@@ -13,7 +13,8 @@
 
 namespace remesh::cli {
 
-/// The server does not do it; `code` and message are its own, or `server_unreachable`.
+/// The server could not or would not do the work. `code` and the message are the server's own; without an answer the
+/// code is `server_unreachable`.
 class RemoteError : public std::runtime_error {
  public:
   RemoteError(int http_status, std::string problem_code, const std::string& detail)
@@ -25,35 +26,35 @@ class RemoteError : public std::runtime_error {
 };
 
 struct RemoteJob {
-  std::string server;   ///< http://host:8080, with a path where a proxy has one
-  std::string api_key;  ///< empty: none
+  std::string server;   ///< http://host:8080, with a path if a proxy needs one
+  std::string api_key;  ///< empty if there is none
   std::string_view mesh;
-  std::string content_type;      ///< of the mesh; empty: the content tells
-  std::string content_encoding;  ///< of the mesh; empty: none
-  std::string accept;            ///< media type of the answer; empty: as the mesh
-  api::Fields options;           ///< by the contract's names
+  std::string content_type;      ///< media type of the mesh; empty: the format is found from the content
+  std::string content_encoding;  ///< coding of the mesh; empty if it has none
+  std::string accept;            ///< media type of the answer; empty: the format of the mesh
+  api::Fields options;           ///< options by their names in the API
   bool wants_report = false;
 };
 
 struct RemoteAnswer {
   std::string mesh;
-  std::string report;  ///< JSON; empty unless asked for
-  std::string origin;  ///< the summary's origin of the mesh; empty: none
+  std::string report;  ///< JSON; empty unless it was asked for
+  std::string origin;  ///< the origin in the summary of the mesh; empty if there is none
 };
 
-/// One remeshing by a server. `run` is called once; `progress_line` from any thread meanwhile.
+/// One remeshing by a server. `run` may be called once; `progress_line` may be called from any thread meanwhile.
 class Remote {
  public:
-  /// Errors: remesh::Error kInvalidOption - `server` is no URL.
+  /// Errors: remesh::Error kInvalidOption - `server` is not a URL.
   explicit Remote(RemoteJob job);
   ~Remote();
 
-  /// Submits the job, waits for it and fetches the result. Where nobody answers it asks again, for two minutes, without
-  /// making a second job of it.
-  /// Errors: RemoteError, which names the job where it is not the mesh's fault; remesh::Error kCancelled - `control`
-  /// says to stop: the job is cancelled at the server.
+  /// Submits the job, waits for it and fetches the result. If nobody answers, it asks again for two minutes; this
+  /// never makes a second job.
+  /// Errors: RemoteError - the message names the job unless the mesh is at fault; remesh::Error kCancelled -
+  ///         `control` says to stop, and the job was cancelled at the server.
   RemoteAnswer run(const RunControl& control);
-  /// For a progress bar.
+  /// The line for a progress bar.
   std::string progress_line() const;
 
  private:

@@ -1,4 +1,4 @@
-/// Numbers in binary data, of either byte order, on machines of either byte order.
+/// Reads and writes numbers in binary data. Data and machine may each have either byte order.
 #pragma once
 
 #include <bit>
@@ -22,7 +22,7 @@ using UnsignedOfSize = std::conditional_t<
     std::conditional_t<Size == 2, std::uint16_t, std::conditional_t<Size == 4, std::uint32_t, std::uint64_t>>>;
 }  // namespace detail
 
-/// The number of type T in the first bytes at `data`.
+/// Reads a number of type T from the first bytes at `data`.
 template <class T>
 T load(const char* data, ByteOrder order) {
   using Bits = detail::UnsignedOfSize<sizeof(T)>;
@@ -34,7 +34,7 @@ T load(const char* data, ByteOrder order) {
   return std::bit_cast<T>(bits);
 }
 
-/// Appends a number, little end first.
+/// Appends a number, least significant byte first.
 template <class T>
 void append_little_endian(std::string& out, T value) {
   const auto bits = std::bit_cast<detail::UnsignedOfSize<sizeof(T)>>(value);
@@ -43,13 +43,14 @@ void append_little_endian(std::string& out, T value) {
   out.append(bytes, sizeof(T));
 }
 
-/// Walks over binary data.
+/// Reads binary data sequentially.
 class ByteReader {
  public:
   ByteReader(std::string_view content, std::size_t offset, ByteOrder order)
       : content_(content), offset_(offset), order_(order) {}
 
-  /// Errors: kInvalidMesh, with the byte - the data ends before.
+  /// Reads the next number.
+  /// Errors: kInvalidMesh, with the byte - the data ends too early.
   template <class T>
   T take() {
     if (left() < sizeof(T)) throw truncated();
@@ -57,6 +58,7 @@ class ByteReader {
     offset_ += sizeof(T);
     return value;
   }
+  /// Skips bytes.
   /// Errors: as take.
   void skip(std::uint64_t bytes) {
     if (left() < bytes) throw truncated();

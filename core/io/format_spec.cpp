@@ -25,7 +25,7 @@ bool equals_ignoring_case(std::string_view text, std::string_view lower_case) {
                     [](char c, char lower) { return to_lower(c) == lower; });
 }
 
-/// The first token that is neither blank nor in a comment line.
+/// Returns the first token that is neither blank nor in a comment line.
 std::string_view first_word(std::string_view text) {
   for (;;) {
     const auto begin = std::find_if_not(text.begin(), text.end(), is_space);

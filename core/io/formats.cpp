@@ -12,7 +12,7 @@
 namespace remesh {
 namespace {
 
-// A locale must not change what a file ending means.
+// A locale must not change the meaning of a file ending.
 char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
 bool equals_ignoring_case(std::string_view text, std::string_view lower_case) {
@@ -20,7 +20,7 @@ bool equals_ignoring_case(std::string_view text, std::string_view lower_case) {
                     [](char c, char lower) { return to_lower(c) == lower; });
 }
 
-/// How files begin that are often taken for meshes that we read, in lower case.
+/// The beginning, in lower case, of files that are often mistaken for meshes in our formats.
 struct ForeignMark {
   std::string_view begin;
   std::string_view name;
@@ -73,7 +73,7 @@ bool is_gzip_file_name(std::string_view file_name) {
 
 Format sniff_format(std::string_view content) {
   const Sniffed sniffed(content);
-  // Of equally strong marks the first row's counts.
+  // If marks are equally strong, the first row wins.
   Format best = Format::kObj;
   Mark strongest = Mark::kNone;
   for (const Format format : kFormats) {

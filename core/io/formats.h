@@ -1,4 +1,4 @@
-/// Mesh formats: their names, telling them apart, reading and writing.
+/// The mesh formats: their names, and how they are recognised.
 #pragma once
 
 #include <array>
@@ -15,51 +15,52 @@
 
 namespace remesh {
 
-/// Every format of the contract; what is known of each is a row in format_spec.cpp, in this order. All are written, all
-/// but VTU and MSH are read. The two kinds of STL are one format to a reader, kStl: kStlAscii is only asked for.
+/// All formats of the API. Each has a row in format_spec.cpp, in this order. All can be written; all but VTU and MSH can
+/// be read. A reader treats both kinds of STL as kStl; kStlAscii only selects how STL is written.
 enum class Format { kObj, kJson, kStl, kStlAscii, kPly, kOff, kVtu, kMsh };
 
 inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kStl, Format::kStlAscii,
                                         Format::kPly, Format::kOff,  Format::kVtu, Format::kMsh};
 
-/// The stable name: `obj`, `json`, ...
+/// The stable name of a format: `obj`, `json`, ...
 std::string_view format_name(Format format);
-/// The usual ending of a file's name, without the point. It is the format's name, but for `stl_ascii`: `stl`.
+/// The usual ending of a file name, without the point. It is the name of the format, except for `stl_ascii`, whose
+/// ending is `stl`.
 std::string_view file_ending(Format format);
-/// The numbers in which a format is written.
+/// The kind of numbers with which a format is written.
 Storage storage_of(Format format);
-/// The format of that very name.
+/// The format of exactly that name.
 std::optional<Format> format_from_name(std::string_view name);
-/// By the ending of a file's name, in upper or lower case: `part.STL`, `part.obj.gz`. The directory does not count. Of
-/// formats with one ending it is the first.
+/// The format for the ending of a file name, in upper or lower case: `part.STL`, `part.obj.gz`. The directory does
+/// not matter. If several formats have the ending, it is the first one.
 std::optional<Format> format_from_file_name(std::string_view file_name);
-/// Whether a file's name ends in `.gz`.
+/// True if a file name ends in `.gz`.
 bool is_gzip_file_name(std::string_view file_name);
-/// The media type that answers carry, without parameters: `model/obj`.
+/// The media type of answers, without parameters: `model/obj`.
 std::string_view media_type(Format format);
 
-/// The format that the content looks like, also one that is not read; OBJ if it looks like nothing else.
-/// Input: the whole content, not compressed: binary STL has no mark, but a length and zero bytes.
+/// The format that the content looks like, even one that cannot be read. It is OBJ if it looks like no other.
+/// Input: the whole content, not compressed, because binary STL has no mark but its length and zero bytes.
 /// Cost:  O(length).
 Format sniff_format(std::string_view content);
 
-/// What the content is, if its first bytes are the mark of a file that is none of our formats: "a ZIP archive, ...".
+/// Describes the content if its first bytes are the mark of a file that is none of our formats: "a ZIP archive, ...".
 /// Input: the whole content, as for sniff_format.
 std::optional<std::string_view> foreign_format(std::string_view content);
 
-/// Bounds on what a reader may build; passing one ends the read with Code::kMeshTooLarge.
+/// Limits on what a reader may build. A larger mesh ends the read with Code::kMeshTooLarge.
 struct ReadLimits {
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;
 };
 
-/// Bounds on what compressed data may become; passing one ends the read with Code::kDecompressedTooLarge.
+/// Limits on decompressed data. More data ends the read with Code::kDecompressedTooLarge.
 struct DecompressionLimits {
   std::uint64_t max_bytes = std::uint64_t{1} << 30;
-  std::uint64_t max_ratio = 100;  ///< of the bytes out to the bytes in; the first MiB out is free of it
+  std::uint64_t max_ratio = 100;  ///< decompressed to compressed bytes; the first MiB is exempt
 };
 
-/// What a reader found: the mesh, and what it had to drop (`attribute_dropped`, ...).
+/// The result of a reader: the mesh, and diagnostics about what was dropped (`attribute_dropped`, ...).
 struct ReadResult {
   PolygonMesh mesh;
   std::vector<Diagnostic> diagnostics;

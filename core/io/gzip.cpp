@@ -13,12 +13,12 @@
 namespace remesh {
 namespace {
 
-constexpr int kGzipWindow = MAX_WBITS + 16;  // zlib's way to say gzip and nothing else
-/// Bytes between two looks at the control: some milliseconds.
+constexpr int kGzipWindow = MAX_WBITS + 16;  // makes zlib accept gzip only
+/// Number of bytes between two checks for cancellation, which take a few milliseconds.
 constexpr std::size_t kStep = std::size_t{1} << 20;
-/// Bytes that are looked at without being kept.
+/// Size of the buffer for bytes that are counted and then dropped.
 constexpr std::size_t kPiece = std::size_t{1} << 16;
-/// A small file may be as regular as it likes.
+/// The ratio does not apply up to this size: a small file may be as regular as it likes.
 constexpr std::uint64_t kFreeOfRatio = std::uint64_t{1} << 20;
 
 const Bytef* bytes_of(std::string_view content) { return reinterpret_cast<const Bytef*>(content.data()); }
@@ -73,13 +73,15 @@ Error too_large(std::uint64_t most, const DecompressionLimits& limits) {
       .with_limit(is_ratio ? limits.max_ratio : limits.max_bytes);
 }
 
-/// Where the next bytes go.
+/// The memory into which the next decompressed bytes are written.
 struct Room {
   char* data;
   std::size_t size;
 };
 
-/// Decompresses all members. `take` is told how many bytes came into the last room and gives the next one, never empty.
+/// Decompresses all members.
+/// Input: `take` - called with the number of bytes written to the last room; returns the next room, which is never
+///        empty.
 template <typename Take>
 void inflate_members(std::string_view content, RunControl& control, const Take& take) {
   Inflater inflater;
@@ -98,7 +100,7 @@ void inflate_members(std::string_view content, RunControl& control, const Take& 
     room = take(given_out - stream.avail_out);
 
     if (status == Z_STREAM_END) {
-      // Padding of zeros, as tapes have it, is no member.
+      // Padding with zeros, as tapes have it, is not a member.
       if (content.find_first_not_of('\0', in_offset) == std::string_view::npos) return;
       if (!is_gzip(content.substr(in_offset))) throw damaged(in_offset, "something else follows the compressed data");
       if (inflateReset(&stream) != Z_OK) throw std::bad_alloc();
@@ -122,7 +124,7 @@ std::uint64_t most_decompressed(std::uint64_t compressed, const DecompressionLim
 }
 
 std::string gunzip(std::string_view content, const DecompressionLimits& limits, RunControl& control) {
-  // Counted first: what is refused takes no memory, and what is not takes no more than it needs.
+  // The bytes are counted first. So data that is refused takes no memory, and other data takes no more than it needs.
   const std::uint64_t most = most_decompressed(content.size(), limits);
   std::vector<char> scratch(kPiece);
   std::uint64_t counted = 0;
@@ -132,7 +134,7 @@ std::string gunzip(std::string_view content, const DecompressionLimits& limits, 
     return Room{scratch.data(), scratch.size()};
   });
 
-  // One byte more, so that the end is seen before the room ends.
+  // There is room for one byte more, so that the end is detected before the room is full.
   std::string out(static_cast<std::size_t>(counted) + 1, '\0');
   std::size_t used = 0;
   inflate_members(content, control, [&](std::size_t size) {

@@ -1,4 +1,4 @@
-/// gzip, in and out.
+/// Compresses and decompresses gzip.
 #pragma once
 
 #include <cstdint>
@@ -10,20 +10,21 @@
 
 namespace remesh {
 
-/// Whether data begins with gzip's mark.
+/// True if the data begins with gzip's magic bytes.
 constexpr bool is_gzip(std::string_view content) { return content.starts_with("\x1f\x8b"); }
 
-/// How many bytes may come out of that many.
+/// The largest permitted number of decompressed bytes for that many compressed bytes.
 std::uint64_t most_decompressed(std::uint64_t compressed, const DecompressionLimits& limits);
 
-/// Decompresses gzip data of one member or several, as they stand one behind the other.
-/// Errors:  kInvalidMesh, with the byte - not gzip, data that is damaged, ends early or goes on behind the last member;
-///          kDecompressedTooLarge - past `limits`, before more memory than they allow is taken; kCancelled, kTimeout -
-///          through `control`.
-/// Cost:    O(output), twice: what is to be refused is found before memory is taken for it.
+/// Decompresses gzip data of one or more consecutive members.
+/// Errors:  kInvalidMesh, with the byte - not gzip, or data that is damaged, ends early or continues after the last
+///          member; kDecompressedTooLarge - more than `limits`, found before more memory than they permit is taken;
+///          kCancelled, kTimeout - through `control`.
+/// Cost:    O(output), twice: the first pass counts, so that data that is refused takes no memory.
 std::string gunzip(std::string_view content, const DecompressionLimits& limits, RunControl& control);
 
-/// Compresses. Holds: the same bytes for the same content; no time and no name is in them.
+/// Compresses data.
+/// Holds: equal content gives equal bytes; they contain no time and no name.
 /// Errors:  kCancelled, kTimeout - through `control`.
 std::string gzip(std::string_view content, RunControl& control);
 

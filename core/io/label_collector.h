@@ -1,4 +1,4 @@
-/// The labels of one kind, taken down face by face while reading.
+/// Collects the labels of faces while a file is read.
 #pragma once
 
 #include <cstdint>
@@ -10,13 +10,14 @@
 
 namespace remesh {
 
-/// Bytes of a name. Writers repeat a name wherever the label changes, so a long one could blow up the output.
+/// Largest length of a name in bytes. Writers repeat a name whenever the label changes, so a long name could make the
+/// output huge.
 inline constexpr std::size_t kMaxNameLength = 4096;
 
-/// Collects the labels of one kind. A name that no face bears leaves no trace.
+/// Collects the labels of one kind. A name that no face has is not stored.
 class LabelCollector {
  public:
-  /// Names the faces that follow.
+  /// Sets the name for the faces that follow.
   void name(std::string label) {
     is_named_ = true;
     index_is_known_ = false;
@@ -44,7 +45,7 @@ class LabelCollector {
   }
 
   LabelSet set_;
-  // No hash table: the names are from outside and could be made to collide.
+  // This is not a hash table, because the names come from outside and could be made to collide.
   std::map<std::string, std::uint32_t> index_of_name_;
   std::string name_;
   std::uint32_t index_ = 0;

@@ -1,4 +1,4 @@
-/// Gmsh's mesh format.
+/// Writes Gmsh's mesh format.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace remesh {
 
-/// Writes `.msh` as text of version 2.2, the one that most programs read. Each patch is an elementary entity. Each
-/// label of the first kind that the mesh has (group, object, material) is a physical group of that name; without labels
-/// each patch is one, `patch_0`, ... `comments` in a section `$Comments`.
+/// Writes `.msh` as text of version 2.2, which most programs can read. Each patch is an elementary entity. Each label
+/// of the first kind that the mesh has (group, object, material) is a physical group of that name. Without labels,
+/// each patch is a physical group named `patch_0`, `patch_1`, ... `comments` are in a section `$Comments`.
 /// Holds:  every number is the shortest text that reads back to the same double; no name can end its line.
 /// Errors: kCancelled, kTimeout - through `control`.
 /// Cost:   O(output).

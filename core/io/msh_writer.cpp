@@ -13,7 +13,7 @@ constexpr int kSurface = 2;         // dimension of a physical group
 constexpr int kTriangle = 2;        // Gmsh's number of the element type
 constexpr int kTagsPerElement = 2;  // physical group and elementary entity
 
-/// A name that stays within its quotes and its line.
+/// Makes a name that stays within its quotes and its line.
 std::string quoted(std::string_view name) {
   std::string clean = without_control_characters(name.empty() ? "unnamed" : name);
   std::replace(clean.begin(), clean.end(), '"', '\'');
@@ -34,7 +34,7 @@ void write_name(std::string& out, std::size_t tag, std::string_view name) {
 std::string write_msh(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>& face_patch,
                       const std::vector<std::string>& comments, RunControl& control) {
   control.enter(Stage::kWrite);
-  // Without labels the patches become the physical groups.
+  // If there are no labels, the patches become the physical groups.
   const LabelSet* const labels = dividing_labels(mesh.labels);
   std::string out = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n";
   if (!comments.empty()) {

@@ -20,11 +20,11 @@
 namespace remesh {
 namespace {
 
-/// Bytes between two looks at the control: some milliseconds.
+/// Number of bytes between two checks for cancellation, which take a few milliseconds.
 constexpr std::size_t kProgressStep = std::size_t{1} << 18;
 
-/// Reads vertices itself and hands every other record that matters to tinyobjloader, as a stream that it takes records
-/// from: one record is delivered at a time, so when a callback comes, the walk still stands on the record it is for.
+/// Reads vertices itself and passes every other relevant record to tinyobjloader as a stream. It delivers one record
+/// at a time, so in a callback `records_` is still at the record that the callback is about.
 class ObjReader final : private std::streambuf {
  public:
   ObjReader(std::string_view text, const ReadLimits& limits, RunControl& control)
@@ -32,7 +32,7 @@ class ObjReader final : private std::streambuf {
 
   ReadResult read() {
     std::istream stream(this);
-    stream.exceptions(std::ios::badbit);  // what underflow() throws passes through
+    stream.exceptions(std::ios::badbit);  // lets exceptions from underflow() pass through
     tinyobj::callback_t callbacks;
     callbacks.index_cb = [](void* reader, tinyobj::index_t* corners, int count) {
       static_cast<ObjReader*>(reader)->add_face(corners, count);
@@ -49,7 +49,7 @@ class ObjReader final : private std::streambuf {
   }
 
  private:
-  /// Called by the stream when the record delivered last is used up.
+  /// The stream calls this when the last delivered record has been consumed.
   int_type underflow() override {
     delivery_.clear();
     while (delivery_.empty() && records_.next()) {
@@ -104,7 +104,7 @@ class ObjReader final : private std::streambuf {
     return real.value;
   }
 
-  /// Checks a face and delivers its vertex indices alone, so that tinyobjloader meets nothing it would let through.
+  /// Checks a face and delivers its vertex indices alone, because tinyobjloader would accept more than it should.
   void deliver_face(std::string_view arguments) {
     if (mesh_.face_count() >= limits_.max_faces) throw too_large("faces", limits_.max_faces);
     const std::uint64_t max_corners = std::min(kMaxObjFaceCorners, PolygonMesh::kMaxCorners - mesh_.corners.size());
@@ -119,7 +119,8 @@ class ObjReader final : private std::streambuf {
     if (corners < 3) throw face_error(Code::kInvalidMesh, "a face with fewer than three corners");
   }
 
-  /// The vertex part of a corner (`i`, `i/j`, `i//k`, `i/j/k`, the numbers after a slash missing or not).
+  /// Returns the vertex part of a corner (`i`, `i/j`, `i//k`, `i/j/k`, where the numbers after a slash may be
+  /// missing).
   std::string_view checked_vertex(std::string_view corner) {
     const char* at = corner.data();
     const char* const end = at + corner.size();
@@ -145,7 +146,8 @@ class ObjReader final : private std::streambuf {
     return value;
   }
 
-  /// A positive index may be ahead of its vertex: it is compared with their number at the end of the text.
+  /// Checks an index. A positive index may refer to a later vertex, so it is compared with the number of vertices at
+  /// the end of the text.
   void check_vertex_index(int index) {
     const std::uint64_t vertices = mesh_.vertex_count();
     if (index == 0) throw face_error(Code::kIndexOutOfRange, "a face with the index 0; the first vertex is 1");
@@ -204,7 +206,7 @@ class ObjReader final : private std::streambuf {
     next_progress_ = records_.offset() + kProgressStep;
   }
 
-  /// The next token, but a comment behind the values ends them.
+  /// Returns the next token. A comment after the values ends them.
   static std::string_view next_value(std::string_view& arguments) {
     const std::string_view token = next_token(arguments);
     if (!token.starts_with('#')) return token;
@@ -251,7 +253,7 @@ class ObjReader final : private std::streambuf {
   PolygonMesh mesh_;
   LabelCollector object_, group_, material_;
   ObjFindings findings_;
-  /// Each one larger than all before, so the first that is out of range stands on the first such line.
+  /// Each index is larger than all before it, so the first one that is out of range is on the first such line.
   std::vector<ReferenceAhead> references_ahead_;
   std::string delivery_;
   std::size_t next_progress_ = kProgressStep;

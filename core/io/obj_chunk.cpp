@@ -17,11 +17,11 @@
 namespace remesh {
 namespace {
 
-/// Whether no token goes on with that character: a blank or a line end. Nearly all characters are above them.
+/// True if the character ends a token: a blank or a line end. Nearly all other characters are above them.
 bool is_token_end(char c) { return static_cast<unsigned char>(c) <= ' ' && (is_blank(c) || is_line_end(c)); }
 
-/// Every member that takes something answers whether it could: false is the end of the chunk. That the text ends with a
-/// line end spares each step a look at where the text ends.
+/// Parses a chunk. Every member function that takes something returns false if it cannot, which ends the parsing. The
+/// text ends with a line end, so no step must check for the end of the text.
 class Parser {
  public:
   explicit Parser(std::string_view text) : at_(text.data()), end_(at_ + text.size()) { reserve(text); }
@@ -40,7 +40,7 @@ class Parser {
       } else if (!is_line_end(*at_) && !take_other_record()) {
         return false;
       }
-      ++at_;  // over the line end
+      ++at_;  // skips the line end
     }
     return true;
   }
@@ -48,8 +48,8 @@ class Parser {
   ObjChunk take() { return std::move(chunk_); }
 
  private:
-  /// Room for what a chunk has that has nothing but records like its first, of some usual length: growing step by step
-  /// takes longer. A chunk with one very long line has not more of them.
+  /// Reserves memory for a chunk that consists only of records like its first one, with a usual length. Growing step
+  /// by step takes longer. A chunk with one very long line does not have more records.
   void reserve(std::string_view text) {
     constexpr std::size_t kVertexLine = 24, kFaceLine = 16, kUsualChunk = std::size_t{1} << 18;
     const std::size_t size = std::min(text.size(), kUsualChunk);
@@ -80,7 +80,7 @@ class Parser {
   }
 
   bool take_coordinate(double& value) {
-    // As std::from_chars, but faster; what has no finite value is told below.
+    // This works like std::from_chars, but faster. A token without a finite value is handled below.
     const auto [stop, status] = fast_float::from_chars(at_, end_, value);
     if (status == std::errc{} && is_token_end(*stop) && std::isfinite(value)) {
       at_ = stop;
@@ -96,7 +96,7 @@ class Parser {
   bool take_face() {
     const std::size_t first = chunk_.corners.size();
     for (skip_blanks(); has_value(); skip_blanks()) {
-      // One line may be as long as the file: no more of it is read than a face may have.
+      // One line may be as long as the file, so no more of it is read than a face may have.
       if (!take_corner() || chunk_.corners.size() - first > kMaxObjFaceCorners) return false;
     }
     if (chunk_.corners.size() - first < 3) return false;
@@ -104,7 +104,7 @@ class Parser {
     return end_record();
   }
 
-  /// `i`, `i/j`, `i//k` or `i/j/k`, the numbers after a slash missing or not.
+  /// Reads a corner: `i`, `i/j`, `i//k` or `i/j/k`, where the numbers after a slash may be missing.
   bool take_corner() {
     std::int32_t index = 0, unused = 0;
     if (!take_integer(index) || index == 0) return false;
@@ -124,7 +124,7 @@ class Parser {
     return true;
   }
 
-  /// Of at most eight digits, as vertices are numbered; a longer one makes the chunk odd.
+  /// Reads a number of at most eight digits, which suffices for vertices. A longer number makes the chunk unusual.
   bool take_integer(std::int32_t& value) {
     const char* at = at_;
     const bool is_negative = *at == '-';
@@ -162,13 +162,13 @@ class Parser {
     return name.size() <= kMaxNameLength;
   }
 
-  /// Whether a value begins here: neither the line's end nor a comment.
+  /// True if a value begins here, and not the line's end or a comment.
   bool has_value() const { return !is_line_end(*at_) && *at_ != '#'; }
 
-  /// Goes to the line end of a record whose values have been taken.
+  /// Goes to the line end of a record whose values have been read.
   bool end_record() { return is_line_end(*at_) || skip_rest_of_line(); }
 
-  /// Fails on what no text holds, and where the next line continues this one or might.
+  /// Fails on a character that may not occur in text, and if the next line continues this one or may do so.
   bool skip_rest_of_line() {
     const char* at = at_;
     while (!is_control_character(*at)) ++at;

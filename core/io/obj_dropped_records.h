@@ -1,4 +1,4 @@
-/// What the readers of OBJ take note of and drop.
+/// Counts what the readers of OBJ do not use.
 #pragma once
 
 #include <cstddef>
@@ -12,19 +12,21 @@
 
 namespace remesh {
 
-/// Corners of one face. tinyobjloader parses a face whole: this bounds the memory and the time until the next look at
-/// the control (some 50 MB and 0.1 s).
+/// Largest number of corners of a face. tinyobjloader parses a face as a whole, so this bounds the memory (about 50
+/// MB) and the time until the next check for cancellation (about 0.1 s).
 inline constexpr std::uint64_t kMaxObjFaceCorners = 4'000'000;
 
-/// Counts, by keyword, the records that do not describe the surface.
+/// Counts the records that do not describe the surface, by their keyword.
 class DroppedRecords {
  public:
-  /// Kinds of records counted apart; a text could make up one on each line.
+  /// Largest number of kinds of records that are counted separately. Without it, a text could invent a kind on each
+  /// line.
   static constexpr std::size_t kMaxKinds = 64;
-  static constexpr std::string_view kOther = "other";  ///< the last of too many keywords, and too long ones
+  /// Stands for further keywords, and for keywords that are too long.
+  static constexpr std::string_view kOther = "other";
 
   void count(std::string_view keyword, std::uint64_t records = 1);
-  /// Those counted, in the order in which they came first.
+  /// The kinds and their counts, in the order of first appearance.
   const std::vector<std::pair<std::string, std::uint64_t>>& kinds() const { return kinds_; }
   void report(std::vector<Diagnostic>& diagnostics) const;
 
@@ -35,10 +37,10 @@ class DroppedRecords {
   std::size_t last_ = 0;
 };
 
-/// All that a text has besides its surface.
+/// Everything that a text contains besides its surface.
 struct ObjFindings {
   DroppedRecords dropped;
-  Diagnostic extra_values, missing_z;  ///< of vertices
+  Diagnostic extra_values, missing_z;  ///< values of vertices
 
   std::vector<Diagnostic> diagnostics() &&;
 };

@@ -19,10 +19,10 @@
 namespace remesh {
 namespace {
 
-/// Bytes of text that are parsed in one go: what becomes of them stays in a core's cache until it is gathered.
+/// Size of the text that is parsed at once. The parsed chunk stays in a core's cache until it is gathered.
 constexpr std::size_t kChunkSize = std::size_t{1} << 18;
 
-/// Text in chunks of whole lines, of the size above or with one long line more.
+/// Splits text into chunks of whole lines. A chunk has the size above, or one long line more.
 class Chunks {
  public:
   explicit Chunks(std::string_view text) {
@@ -44,11 +44,11 @@ class Chunks {
   std::string_view operator[](std::size_t i) const { return chunks_[i]; }
 
  private:
-  std::string last_line_;  ///< where it has no end of its own
+  std::string last_line_;  ///< a copy of the last line if that has no line end
   std::vector<std::string_view> chunks_;
 };
 
-/// The names of a `g` record, as one.
+/// Joins the names of a `g` record into one.
 std::string joined_names(std::string_view names) {
   std::string joined;
   bool is_between = false;
@@ -61,13 +61,13 @@ std::string joined_names(std::string_view names) {
   return joined;
 }
 
-/// Puts the chunks together, one after the other.
+/// Appends the chunks to the mesh one after another.
 class Gatherer {
  public:
   Gatherer(std::size_t chunks, const ReadLimits& limits) : chunks_left_(chunks), limits_(limits) {}
 
-  /// Input:  `size` of the chunk's text.
-  /// Output: false if the chunk does not fit to those before it, or passes a limit.
+  /// Input:  `size` - the length of the chunk's text.
+  /// Output: false if the chunk does not fit those before it, or exceeds a limit.
   bool add(ObjChunk chunk, std::size_t size) {
     const double share = share_of_faces(chunk, size);
     reserve(mesh_.positions.items(), chunk.positions.size(), 1, limits_.max_vertices);
@@ -88,7 +88,7 @@ class Gatherer {
            findings_.dropped.kinds().size() < DroppedRecords::kMaxKinds;
   }
 
-  /// Nothing if a face has a vertex that the text does not have, or if there is no face.
+  /// Output: nothing if a face has a vertex that the text does not have, or if there is no face.
   std::optional<ReadResult> finish() {
     if (largest_index_ > mesh_.vertex_count() || mesh_.face_count() == 0) return std::nullopt;
     mesh_.labels.object = labels_[static_cast<std::size_t>(ObjChunk::LabelKind::kObject)].take();
@@ -98,7 +98,8 @@ class Gatherer {
   }
 
  private:
-  /// How much of a chunk's text its faces take, about: behind the vertices it is a part, and then all.
+  /// Estimates the share of a chunk's text that its faces take. In the chunk where the vertices end it is a part, and
+  /// afterwards it is everything.
   double share_of_faces(const ObjChunk& chunk, std::size_t size) {
     constexpr double kLeast = 1.0 / 64;
     if (chunk.face_end.empty() && !chunk.positions.empty())
@@ -107,8 +108,9 @@ class Gatherer {
     return std::clamp(1 - of_vertices / static_cast<double>(size), kLeast, 1.0);
   }
 
-  /// Room for what is added and, where that is too little, for as much in each of the chunks to come, where `share` of
-  /// the text is what it is of this one's: memory that is not written to costs nothing, moving the items would.
+  /// Reserves room for the items to add. If the memory does not suffice, it also reserves as much for each of the
+  /// remaining chunks, assuming that `share` of the text gives that many items. Memory that is not written to costs
+  /// nothing, but moving the items would.
   template <class T>
   void reserve(std::vector<T>& items, std::size_t added, double share, std::uint64_t most) const {
     if (items.size() + added <= items.capacity()) return;
@@ -120,7 +122,7 @@ class Gatherer {
     items.reserve(static_cast<std::size_t>(std::max(least, std::min(wanted, most))));
   }
 
-  /// Makes relative indices absolute.
+  /// Converts relative indices to absolute ones.
   bool resolve(ObjChunk& chunk) const {
     if (chunk.corners.size() > PolygonMesh::kMaxCorners - mesh_.corners.size()) return false;
     for (const std::uint32_t corner : chunk.relative) {
@@ -164,7 +166,7 @@ class Gatherer {
   }
 
   std::size_t chunks_left_;
-  double bytes_per_vertex_ = 0;  ///< in the last chunk of vertices alone
+  double bytes_per_vertex_ = 0;  ///< measured in the last chunk that had only vertices
   const ReadLimits& limits_;
   PolygonMesh mesh_;
   std::array<LabelCollector, 3> labels_;

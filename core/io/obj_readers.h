@@ -1,5 +1,5 @@
-/// The two ways to read OBJ text, of which read_obj takes the faster one that will do. Both leave out padding at its
-/// end, without a word.
+/// The two readers of OBJ text. read_obj uses the faster one if that is able to read the text. Both skip padding at
+/// the end without a diagnostic.
 #pragma once
 
 #include <optional>
@@ -9,15 +9,16 @@
 
 namespace remesh {
 
-/// Reads text of plain records only, in chunks of whole lines, on the caller's TBB arena.
-/// Output:  what read_any_obj gives for it, whatever the number of threads; nothing if anything in the text is odd
-///          (a line that is continued) or wrong: read_any_obj knows what to make of it, and on which line it stands.
+/// Reads text that consists of plain records only, in chunks of whole lines, on the caller's TBB arena.
+/// Output:  the same as read_any_obj, for any number of threads. It is nothing if anything in the text is unusual
+///          (such as a continued line) or wrong; read_any_obj can then read it or report the error with its line.
 /// Errors:  kCancelled, kTimeout - through `control`.
-/// Cost:    O(text), one look at each byte.
+/// Cost:    O(text); each byte is read once.
 std::optional<ReadResult> read_plain_obj(std::string_view text, const ReadLimits& limits, RunControl& control);
 
-/// Reads all of the grammar, one record at a time, faces and names through tinyobjloader. Output and errors: see
-/// read_obj.
+/// Reads the whole grammar, one record at a time. Faces and names go through tinyobjloader.
+/// Output:  see read_obj.
+/// Errors:  see read_obj.
 ReadResult read_any_obj(std::string_view text, const ReadLimits& limits, RunControl& control);
 
 }  // namespace remesh

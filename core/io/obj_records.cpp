@@ -18,7 +18,7 @@ bool is_comment(std::string_view line) {
   return first.starts_with('#');
 }
 
-/// Whether a record is of numbers alone. In all others a `\` before blanks may end a name.
+/// True if a record consists of numbers only. In all other records a `\` before blanks may be the end of a name.
 bool has_only_numbers(std::string_view line) {
   const std::string_view keyword = next_token(line);
   constexpr std::array<std::string_view, 8> kNumeric{"v", "vt", "vn", "vp", "f", "fo", "l", "p"};
@@ -26,7 +26,8 @@ bool has_only_numbers(std::string_view line) {
          line.find('#') == std::string_view::npos;
 }
 
-/// Cuts the `\` off that continues the line, with the blanks behind it if these may be; false if there is none.
+/// Removes the `\` that continues the line, and the blanks after it if these are permitted.
+/// Output: false if there is none.
 bool cut_continuation(std::string_view& line, bool may_blanks_follow) {
   std::string_view cut = line;
   while (may_blanks_follow && !cut.empty() && is_blank(cut.back())) cut.remove_suffix(1);
@@ -58,7 +59,7 @@ bool ObjRecords::next() {
   return false;
 }
 
-/// The line that the walk stands on, with those that continue it. Comments may hold any byte.
+/// Returns the current line with all lines that continue it. Comments may contain any byte.
 std::string_view ObjRecords::take_logical_line() {
   std::string_view line = lines_.line();
   if (is_comment(line)) return line;
@@ -70,7 +71,7 @@ std::string_view ObjRecords::take_logical_line() {
   joined_.clear();
   do {
     joined_.append(line);
-    joined_ += ' ';  // nobody breaks a line inside a number, some break it right after one
+    joined_ += ' ';  // nobody breaks a line inside a number, but some break it directly after one
     if (!lines_.next()) return joined_;
     lines_.check_is_text();
     line = lines_.line();

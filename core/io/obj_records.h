@@ -1,4 +1,4 @@
-/// OBJ text as a sequence of records.
+/// Splits OBJ text into records.
 #pragma once
 
 #include <cstddef>
@@ -11,30 +11,32 @@
 
 namespace remesh {
 
-/// A keyword starts with a letter and goes on with these.
+/// True if the character may occur in a keyword after its first letter.
 constexpr bool is_obj_keyword_character(char c) { return is_letter(c) || is_digit(c) || c == '_'; }
 
-/// Walks over OBJ text once, record by record: `keyword arguments`.
-/// Input:   line ends LF, CRLF or CR; a `\` at the end of a line continues it (not a comment, which may end in a path),
-///          and with blanks behind it where only numbers can stand; a UTF-8 byte-order mark is skipped, and padding at
-///          the end. The text outlives the walk.
-/// Holds:   comments and blank lines are skipped; a keyword is one of letters, digits and `_`, a letter first.
-/// Errors:  kInvalidMesh, with the line - UTF-16 or UTF-32; a control character outside comments; a line that starts
-///          otherwise.
-/// Cost:    O(text), one look at each byte; joined lines are copied, all others are views into the text.
+/// Visits the records `keyword arguments` of an OBJ text once, in order.
+/// Input:   a text that must outlive this object. Lines may end in LF, CRLF or CR. A `\` at the end of a line
+///          continues it, except in a comment, which may end in a path. In records of numbers only, blanks may follow
+///          the `\`. A UTF-8 byte-order mark and padding at the end are skipped.
+/// Holds:   comments and blank lines are skipped; a keyword consists of letters, digits and `_`, and begins with a
+///          letter.
+/// Errors:  kInvalidMesh, with the line - UTF-16 or UTF-32; a control character outside comments; a line that begins
+///          with anything else.
+/// Cost:    O(text); each byte is read once. Joined lines are copied, all others are views into the text.
 class ObjRecords {
  public:
   explicit ObjRecords(std::string_view text);
 
-  /// Goes to the next record; false at the end of the text.
+  /// Goes to the next record.
+  /// Output: false at the end of the text.
   bool next();
 
   std::string_view keyword() const { return keyword_; }
-  /// What follows the keyword, joined if continued; without the line end, blanks as they stand.
+  /// The text after the keyword without the line end. Continued lines are joined, and blanks are unchanged.
   std::string_view arguments() const { return arguments_; }
-  /// The line on which the record starts, from 1, continued lines counted one by one.
+  /// The number of the line on which the record begins, from 1. Each continued line counts.
   std::uint64_t line() const { return line_; }
-  /// Bytes walked over so far.
+  /// The number of bytes visited so far.
   std::size_t offset() const { return lines_.offset(); }
 
  private:

@@ -12,7 +12,7 @@
 namespace remesh {
 namespace {
 
-/// `v` and three numbers of at most 24 characters, with blanks and the line end.
+/// The length of a vertex line: `v`, three numbers of at most 24 characters with a blank each, and the line end.
 constexpr std::size_t kMaxVertexLine = 1 + 3 * 25 + 1;
 
 std::size_t digit_count(std::size_t n) {
@@ -21,16 +21,16 @@ std::size_t digit_count(std::size_t n) {
   return digits;
 }
 
-/// Writes a record with free text in it, such that the text cannot end the record or run on into the next one.
+/// Writes a record that contains free text. The text cannot end the record or continue it on the next line.
 void append_free_text(std::string& out, std::string_view keyword, std::string_view text) {
   out += keyword;
   if (!text.empty()) out += ' ';
   out += without_control_characters(text);
-  if (text.ends_with('\\')) out += ' ';  // else it would continue the line
+  if (text.ends_with('\\')) out += ' ';  // a backslash would continue the line
   out += '\n';
 }
 
-/// Writes a record where the label changes from one face to the next.
+/// Writes a record if the label changes from the previous face to this one.
 void append_label(std::string& out, std::string_view keyword, const LabelSet& labels, FaceId f) {
   if (!labels.is_used()) return;
   const std::uint32_t label = labels.of_face[f];
@@ -59,7 +59,8 @@ std::string write_obj(const TriangleMesh& mesh, const std::vector<std::string>& 
   const std::size_t vertices = mesh.positions.size();
   const std::size_t faces = mesh.faces.size();
   std::string out;
-  // An upper bound but for names and comments: memory that is not written to costs nothing, moving the text would.
+  // This is an upper bound, apart from names and comments. Memory that is not written to costs nothing, but moving
+  // the text would.
   out.reserve(vertices * kMaxVertexLine + faces * (2 + 3 * (1 + digit_count(vertices))));
   for (const std::string& comment : comments) {
     for (const std::string& line : comment_lines(comment)) append_free_text(out, "#", line);

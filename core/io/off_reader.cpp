@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kDimensions = 3;
 
-/// Values beyond those that are read, counted by the element that has them.
+/// Counts the vertices and the faces that have values beyond those that are read.
 struct DroppedValues {
   Diagnostic of_vertices{DiagnosticCode::kAttributeDropped, 0, {}, ""};
   Diagnostic of_faces{DiagnosticCode::kAttributeDropped, 0, {}, ""};
@@ -70,7 +70,7 @@ class OffTextReader {
     faces_ = take_count("number of faces");
     if (!trim(rest_).empty()) (void)take_count("number of edges");
     if (!trim(rest_).empty()) throw error("more than three counts: " + cited(rest_));
-    // A line of three numbers and its end at least.
+    // The shortest line has three numbers and its end.
     constexpr std::size_t kMinLine = 6;
     builder_.announce(vertices_, faces_, content_.size() / kMinLine, content_.size() / kMinLine, here());
   }
@@ -101,7 +101,7 @@ class OffTextReader {
     if (!trim(rest_).empty()) dropped_.of_faces.add(face);
   }
 
-  /// Goes to the next line that is neither blank nor a comment, and cuts a comment behind it off.
+  /// Goes to the next line that is neither blank nor a comment, and removes a comment at its end.
   bool find_line() {
     while (lines_.next()) {
       rest_ = lines_.line();
@@ -144,7 +144,7 @@ class OffTextReader {
   std::uint64_t faces_ = 0;
 };
 
-/// Where the data of `OFF BINARY` begins, and what the word says; nothing if the content is text.
+/// The head of `OFF BINARY`: the kind that its first word states, and its size.
 struct BinaryHead {
   OffKind kind;
   std::size_t size;
@@ -184,7 +184,7 @@ ReadResult read_binary(std::string_view content, const BinaryHead& head, const R
   const std::size_t extra =
       kNumber * ((head.kind.has_normal ? 3 : 0) + (head.kind.has_colour ? 4 : 0) + (head.kind.has_texture ? 2 : 0));
   const std::size_t vertex_size = kNumber * kDimensions + extra;
-  constexpr std::size_t kMinFace = kNumber * 5;  // corners, three of them, values of colour
+  constexpr std::size_t kMinFace = kNumber * 5;  // number of corners, three corners, number of colour values
   MeshBuilder builder(limits, control);
   builder.announce(vertices, faces, bytes.left() / vertex_size, bytes.left() / kMinFace, counts);
   DroppedValues dropped;

@@ -32,8 +32,8 @@ std::string write_off(const TriangleMesh& mesh, const std::vector<std::string>& 
     }
     out += '\n';
   }
-  // Many readers take comments nowhere else: TetGen and OpenMesh expect the counts right behind the keyword, meshio and
-  // TetGen the vertices right behind the counts.
+  // Many readers accept comments in no other place. TetGen and OpenMesh expect the counts directly after the keyword;
+  // meshio and TetGen expect the vertices directly after the counts.
   for (const std::string& comment : comments) {
     for (const std::string& line : comment_lines(comment)) out += "# " + line + "\n";
   }

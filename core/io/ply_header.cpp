@@ -12,12 +12,12 @@
 namespace remesh {
 namespace {
 
-/// No file of ours or anyone's has as many; a record costs time for each.
+/// These limits exceed every real file. Each property costs time for every record.
 constexpr std::size_t kMaxProperties = 1024;
 constexpr std::size_t kMaxElements = 64;
 constexpr std::size_t kMaxComments = 1 << 16;
 
-/// Each type has two names.
+/// Parses the name of a type. Each type has two names.
 std::optional<PlyType> type_from_name(std::string_view name) {
   constexpr std::pair<std::string_view, PlyType> kTypes[] = {
       {"char", PlyType::kInt8},      {"int8", PlyType::kInt8},       {"uchar", PlyType::kUint8},
@@ -73,7 +73,7 @@ class HeaderParser {
       }
     }
     header_.size = lines_.offset();
-    // Where lines end in CR alone, an LF behind the last of them is the first byte of the data.
+    // If lines end in CR alone, an LF after the last one is the first byte of the data.
     if (has_lone_returns && content_[header_.size - 1] == '\n') --header_.size;
     header_.lines = lines_.number();
     return std::move(header_);

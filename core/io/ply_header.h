@@ -1,4 +1,4 @@
-/// The header of a PLY file.
+/// Parses the header of a PLY file.
 #pragma once
 
 #include <cstddef>
@@ -31,30 +31,32 @@ constexpr std::size_t size_of(PlyType type) {
 struct PlyProperty {
   std::string name;
   PlyType type = PlyType::kInt8;
-  std::optional<PlyType> count_type;  ///< of a list
+  std::optional<PlyType> count_type;  ///< type of the count, if the property is a list
 };
 
 struct PlyElement {
   std::string name;
   std::uint64_t count = 0;
-  std::vector<PlyProperty> properties;  ///< one at least where count > 0
-  std::uint64_t line = 0;               ///< of its declaration
+  std::vector<PlyProperty> properties;  ///< one or more if count > 0
+  std::uint64_t line = 0;               ///< the line of its declaration
 
-  /// Bytes of a record, its lists empty.
+  /// The smallest size of a record in bytes, which it has if its lists are empty.
   std::size_t least_size() const;
   bool has_lists() const;
-  /// The property of that name, or nothing.
+  /// The index of the property of that name.
+  /// Output: nothing if there is none.
   std::optional<std::size_t> find(std::string_view property) const;
 };
 
 struct PlyHeader {
   PlyEncoding encoding = PlyEncoding::kText;
   std::vector<PlyElement> elements;
-  std::vector<std::string> comments;  ///< what follows the word `comment` and a blank
-  std::size_t size = 0;               ///< bytes, the last line's end included
+  std::vector<std::string> comments;  ///< the text after the word `comment` and a blank
+  std::size_t size = 0;               ///< bytes, including the end of the last line
   std::uint64_t lines = 0;
 };
 
+/// Parses the header of a PLY file.
 /// Errors: kInvalidMesh, with the line - not a PLY header.
 /// Cost:   O(header).
 PlyHeader parse_ply_header(std::string_view content);

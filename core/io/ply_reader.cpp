@@ -16,7 +16,7 @@
 namespace remesh {
 namespace {
 
-/// The records of a text, one a line.
+/// The records of a text, one in each line.
 class TextRecords {
  public:
   TextRecords(std::string_view content, const PlyHeader& header, RunControl& control)
@@ -52,7 +52,7 @@ class TextRecords {
       take_token();
     }
   }
-  /// Text has no fixed size to skip by.
+  /// Text records have no fixed size by which to skip them.
   bool skip_element(const PlyElement&) { return false; }
 
   void finish(std::size_t, std::vector<Diagnostic>& diagnostics) {
@@ -131,7 +131,7 @@ class BinaryRecords {
   ByteReader bytes_;
 };
 
-/// A property of faces that is a label.
+/// A property of faces that is used as a label.
 struct LabelProperty {
   std::string_view kind;
   LabelSet FaceLabels::*set;
@@ -140,7 +140,7 @@ struct LabelProperty {
   std::map<std::int64_t, std::string> names;
 };
 
-/// The names in comments such as `group 3 lid`.
+/// Finds the names in comments such as `group 3 lid`.
 void find_names(const PlyHeader& header, LabelProperty& label) {
   for (const std::string& comment : header.comments) {
     std::string_view rest = comment;
@@ -183,7 +183,7 @@ class PlyReader {
   }
 
  private:
-  /// Bytes of a record, its lists with three entries, as a face has them at least.
+  /// The smallest size of a face's record in bytes. Its lists have at least three entries.
   static std::size_t least_face_size(const PlyElement& element) {
     std::size_t size = element.least_size();
     for (const PlyProperty& property : element.properties) {
@@ -202,7 +202,7 @@ class PlyReader {
     const Place end = Place::line(header_.lines);
     if (vertices == nullptr) throw read_error(end, Code::kInvalidMesh, "the header has no element \"vertex\"");
     const std::size_t data = content_size_ - header_.size;
-    // A text spends a digit and a blank on each number, and so much at least.
+    // In text, each number takes at least a digit and a blank.
     const bool is_text = header_.encoding == PlyEncoding::kText;
     const auto room = [&](const PlyElement* element) {
       return element == nullptr ? 0 : data / (is_text ? 2 * element->properties.size() : element->least_size());

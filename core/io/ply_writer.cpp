@@ -26,7 +26,7 @@ std::string write_ply(const TriangleMesh& mesh, const std::vector<std::string>& 
   out += "element vertex " + std::to_string(mesh.positions.size()) + "\n";
   out += "property double x\nproperty double y\nproperty double z\n";
   out += "element face " + std::to_string(mesh.faces.size()) + "\n";
-  // As nearly all programs write it; ids from 2^31 on, which no program could read, do not fit.
+  // Nearly all programs write the list in this way. Ids from 2^31 on do not fit, but no program could read those.
   out += "property list uchar int vertex_indices\n";
   std::vector<const LabelSet*> used;
   for (const auto& [kind, set] : kinds) {

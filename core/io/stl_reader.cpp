@@ -19,7 +19,7 @@ constexpr std::size_t kHeader = 80;
 constexpr std::size_t kBeginOfRecords = kHeader + 4;
 constexpr std::size_t kRecord = 50;  // a normal, three vertices, two bytes of attributes
 constexpr std::size_t kVector = 3 * sizeof(float);
-/// Faces between two looks at the control.
+/// Number of faces between two checks for cancellation.
 constexpr std::size_t kProgressStep = 1 << 14;
 
 struct Corner {
@@ -31,7 +31,7 @@ struct Corner {
   }
 };
 
-/// A mesh from the corners of its triangles: equal positions become one vertex, numbered by first appearance.
+/// Makes a mesh from the corners of its triangles. Equal positions become one vertex, numbered by first appearance.
 PolygonMesh joined(std::vector<Vec3> positions, const ReadLimits& limits, RunControl& control) {
   if (positions.empty()) throw Error(Code::kEmptyMesh, Stage::kRead, "the file has no facet");
   const std::size_t n = positions.size();
@@ -45,7 +45,7 @@ PolygonMesh joined(std::vector<Vec3> positions, const ReadLimits& limits, RunCon
       sorted[i] = {positions[i], i};
     }
     sort_stoppable(sorted.begin(), sorted.end(), control);
-    // For now the id of each corner is the first corner with its position.
+    // For now the id of each corner is the index of the first corner with its position.
     for (std::size_t k = 0; k < n; ++k) {
       check();
       const bool is_first = k == 0 || sorted[k].position != sorted[k - 1].position;
@@ -121,7 +121,7 @@ class TextReader {
 
   ReadResult read() {
     while (next_line()) take_line();
-    // Some programs end no solid, and nothing else tells that the last one is whole.
+    // Some programs never end a solid, and nothing else tells that the last one is complete.
     if (state_ != State::kOutside && state_ != State::kSolid) throw error("the text ends inside a facet");
     if (solids_.empty()) throw error("not STL: there is no \"solid\"");
     ReadResult result;
@@ -150,7 +150,7 @@ class TextReader {
   void take_line() {
     std::string_view rest = lines_.line();
     const std::string_view word = next_token(rest);
-    // Names and comments may be in any encoding, and hold anything.
+    // Names and comments may be in any encoding and contain anything.
     if ((word.empty() && !lines_.control_character()) || is_comment(word)) return;
     if (is(word, "solid") && (state_ == State::kOutside || state_ == State::kSolid)) return begin_solid(rest);
     if (state_ == State::kSolid && is_end_of("solid", word, rest)) {
@@ -162,7 +162,8 @@ class TextReader {
     take_words(word, rest);
   }
 
-  /// Some programs write lines of their own before the first solid, or between a solid's name and its first facet.
+  /// True if lines without a keyword are accepted here. Some programs write such lines before the first solid, or
+  /// between a solid's name and its first facet.
   bool is_header_allowed() const {
     if (state_ == State::kOutside) return solids_.empty();
     return state_ == State::kSolid && solids_.back().first_face == positions_.size() / 3;
@@ -177,12 +178,12 @@ class TextReader {
     state_ = State::kSolid;
   }
 
-  /// Nearly all files have one keyword a line, some have several.
+  /// Reads all keywords of a line. Nearly all files have one keyword per line, but some have several.
   void take_words(std::string_view word, std::string_view rest) {
     for (; !word.empty() && !is_comment(word); word = next_token(rest)) take_word(word, rest);
   }
 
-  /// Takes a keyword and its values. What stands behind a keyword that ends something is skipped.
+  /// Reads a keyword and its values. Text after a keyword that ends something is skipped.
   void take_word(std::string_view word, std::string_view& rest) {
     if (state_ == State::kSolid && is(word, "facet")) {
       if (positions_.size() / 3 >= limits_.max_faces) throw too_large_error(here(), "faces", limits_.max_faces);
@@ -213,7 +214,8 @@ class TextReader {
     }
   }
 
-  /// `normal nx ny nz`: any three words, since it is not used, and programs write what they like for a facet without.
+  /// Skips `normal nx ny nz`. It may be any three words, since the normal is not used and programs write various
+  /// things for a facet without one.
   static void take_normal(std::string_view& rest) {
     std::string_view ahead = rest;
     if (!is(next_token(ahead), "normal")) return;
@@ -236,8 +238,8 @@ class TextReader {
     ++corners_;
   }
 
-  /// Skips the rest of the line, unless it goes on with what comes next: one of these keywords, or the end of one of
-  /// these parts.
+  /// Skips the rest of the line, unless it continues with the next part: with one of these keywords, or with the end
+  /// of one of these parts.
   static void skip_remark(std::string_view& rest, std::initializer_list<std::string_view> next_keywords,
                           std::initializer_list<std::string_view> next_ends) {
     std::string_view ahead = rest;
@@ -252,8 +254,8 @@ class TextReader {
       rest = {};
   }
 
-  /// Is `word` the keyword that ends a part, in one word (`endloop`) or in two (`end loop`)? Then the second word is
-  /// cut off `rest`.
+  /// True if `word` is the keyword that ends a part, as one word (`endloop`) or as two (`end loop`). The second word
+  /// is then removed from `rest`.
   static bool is_end_of(std::string_view part, std::string_view word, std::string_view& rest) {
     constexpr std::string_view kEnd = "end";
     if (!is(word.substr(0, kEnd.size()), kEnd)) return false;
@@ -318,8 +320,8 @@ class TextReader {
 }  // namespace
 
 bool has_length_of_binary_stl(std::string_view content) {
-  // Text of the very length that four of its own bytes ask for does not happen: they would count at least 150 million
-  // triangles.
+  // A text whose length happens to be the one that four of its own bytes ask for does not occur: these bytes would
+  // mean at least 150 million triangles.
   if (content.size() < kBeginOfRecords) return false;
   const std::uint64_t count = load<std::uint32_t>(content.data() + kHeader, ByteOrder::kLittle);
   return content.size() == kBeginOfRecords + kRecord * count;
@@ -327,8 +329,8 @@ bool has_length_of_binary_stl(std::string_view content) {
 
 bool is_binary_stl(std::string_view content) {
   if (has_length_of_binary_stl(content)) return true;
-  // The count's highest byte is 0 in all files under 800 MB, and so are the attributes of nearly all triangles. Zeros
-  // at the end may pad a text.
+  // The highest byte of the count is 0 in all files under 800 MB, and the attributes of nearly all triangles are 0.
+  // Zeros at the end are ignored, because they may pad a text.
   constexpr std::size_t kProbe = 1024;
   return !wide_encoding(content) && without_padding(content).substr(0, kProbe).find('\0') != std::string_view::npos;
 }

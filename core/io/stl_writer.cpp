@@ -24,16 +24,16 @@ Floats nearest_floats(const Vec3& v) {
   return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
 }
 
-/// What leaves is what was checked: nothing is rounded here.
+/// Converts a point to floats without rounding, so that the file has exactly the coordinates that were checked.
 Floats exact_floats(const Vec3& v) {
   if (!is_finite(v) || rounded_to_float(v) != v)
     throw Error(Code::kInternal, Stage::kWrite, "a coordinate that is no float was to be written as binary STL");
   return nearest_floats(v);
 }
 
-/// Unit normal; zero, as is the custom, where there is none.
+/// Returns the unit normal, or zero if there is none, as is customary.
 Vec3 normal_of(const Vec3& a, const Vec3& b, const Vec3& c) {
-  // Unit vectors first: their product neither overflows nor underflows.
+  // The sides are normalised first, so that their product neither overflows nor underflows.
   return normalized(cross(normalized(b - a), normalized(c - a)));
 }
 
@@ -44,7 +44,7 @@ void append_facet(std::string& out, const TriangleMesh& mesh, FaceId f) {
   for (const float coordinate : nearest_floats(normal_of(p, q, r))) {
     char digits[32];
     out += ' ';
-    // Zero has no sign here.
+    // Adding 0 removes the sign of a zero.
     out.append(digits, std::to_chars(digits, digits + sizeof digits, coordinate + 0.0F).ptr);
   }
   out += "\n outer loop\n";
@@ -55,9 +55,9 @@ void append_facet(std::string& out, const TriangleMesh& mesh, FaceId f) {
   out += " endloop\nendfacet\n";
 }
 
-/// Says in 80 bytes what fits of the first comment, which is a list. Its last part comes first, since that is what a
-/// reader needs, such as the origin. Half a number is a wrong one, so a part is written as a whole or not at all.
-/// Readers take a header that begins with "solid" for text.
+/// Makes the header of 80 bytes from the first comment, which is a list. The last part of the list comes first,
+/// because readers need it most, such as the origin. A part is written as a whole or not at all, because half a
+/// number is a wrong number. The header must not begin with "solid", because readers would take the file for text.
 std::string header_of(const std::vector<std::string>& comments) {
   constexpr std::string_view kSeparator = ", ";
   std::string header = "binary STL";

@@ -9,8 +9,9 @@
 namespace remesh {
 namespace {
 
-/// Whether a decimal number that no double holds is too small, and not too large, for one. Such numbers are hundreds of
-/// powers of ten from 1, so it is enough to know the power of the first significant digit to within one.
+/// For a decimal number that no double represents, true if it is too small and not too large. Such numbers are
+/// hundreds of powers of ten away from 1, so it is enough to know the power of the first significant digit to within
+/// one.
 bool is_underflow(std::string_view number) {
   const std::size_t exponent_mark = number.find_first_of("eE");
   const std::string_view mantissa = number.substr(0, exponent_mark);
@@ -24,11 +25,11 @@ bool is_underflow(std::string_view number) {
   std::int64_t exponent = 0;
   const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), exponent);
   if (read.ec == std::errc::result_out_of_range) return digits.front() == '-';
-  // Neither side can overflow: |power| is below the text's length.
+  // Neither side can overflow, because |power| is less than the length of the text.
   return exponent < -power;
 }
 
-/// What older C libraries of Microsoft print for values that are not finite comes after `1.`.
+/// True for the text that older C libraries of Microsoft print after `1.` for values that are not finite.
 bool is_nonfinite_suffix(std::string_view text) {
   return text.starts_with("#INF") || text.starts_with("#IND") || text.starts_with("#QNAN") || text.starts_with("#SNAN");
 }
@@ -74,7 +75,7 @@ Real parse_real(std::string_view token) {
     return {0, is_nonfinite_suffix(rest) ? RealFault::kNotFinite : RealFault::kNotANumber};
   }
   if (status == std::errc::result_out_of_range) {
-    // from_chars leaves the value alone, in both directions.
+    // In both cases from_chars does not change the value.
     if (!is_underflow(token)) return {0, RealFault::kNotFinite};
     return {token.front() == '-' ? -0.0 : 0.0, RealFault::kNone};
   }
@@ -83,7 +84,7 @@ Real parse_real(std::string_view token) {
 }
 
 void append_real(std::string& out, double value) {
-  char digits[32];  // the longest is 24: -2.2250738585072014e-308
+  char digits[32];  // the longest text has 24 characters: -2.2250738585072014e-308
   const auto written = std::to_chars(digits, digits + sizeof digits, value);
   out.append(digits, written.ptr);
 }

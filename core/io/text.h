@@ -1,4 +1,4 @@
-/// Tokens and numbers, as the text formats of meshes write them.
+/// Tokens and numbers in the text formats of meshes.
 #pragma once
 
 #include <cstdint>
@@ -7,25 +7,26 @@
 
 namespace remesh {
 
-/// Space, tab, vertical tab and form feed: what parts tokens within a line.
+/// True for the characters that separate tokens within a line: space, tab, vertical tab and form feed.
 constexpr bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\v' || c == '\f'; }
 
-/// What no text file holds, but for its line ends: everything below the space that is no blank, and DEL.
-/// Bytes from 0x80 are text, whatever the encoding: names and comments may be in any.
+/// True for the characters that occur in no text file, and for line ends: everything below the space that is no
+/// blank, and DEL. Bytes from 0x80 on count as text in any encoding, because names and comments may have any.
 constexpr bool is_control_character(char c) {
   const auto byte = static_cast<unsigned char>(c);
   return (byte < 0x20 && !is_blank(c)) || byte == 0x7f;
 }
 
 constexpr bool is_line_end(char c) { return c == '\n' || c == '\r'; }
-// Not <cctype>: formats do not depend on a locale.
+// These functions replace those of <cctype>, because formats must not depend on a locale.
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 
-/// `text` without the blanks at both ends.
+/// Returns `text` without the blanks at both ends.
 std::string_view trim(std::string_view text);
 
-/// Cuts the first token off `rest` and returns it; empty at the end of the line.
+/// Removes the first token from `rest` and returns it.
+/// Output: empty at the end of the line.
 inline std::string_view next_token(std::string_view& rest) {
   const char* at = rest.data();
   const char* const end = at + rest.size();
@@ -36,13 +37,14 @@ inline std::string_view next_token(std::string_view& rest) {
   return {begin, static_cast<std::size_t>(at - begin)};
 }
 
-/// The length of the UTF-8 sequence that `text` begins with; 0 if it begins with none.
+/// The length of the UTF-8 sequence at the beginning of `text`.
+/// Output: 0 if there is no valid one.
 std::size_t utf8_length(std::string_view text);
 
 enum class RealFault {
   kNone,
   kNotANumber,
-  kNotFinite,  ///< infinite, "not a number" by name, or past the largest double
+  kNotFinite,  ///< infinite, "not a number" by name, or beyond the largest double
 };
 
 struct Real {
@@ -50,10 +52,10 @@ struct Real {
   RealFault fault = RealFault::kNone;
 };
 
-/// The double nearest to a decimal number, ties to even.
-/// Input: a whole token: digits with or without a point, sign (`+` too) and exponent; `inf` and `nan` in any of their
-///        spellings, `1.#INF` among them, are known and not finite.
-/// Holds: what is below the smallest double is zero, with its sign.
+/// Converts a decimal number to the nearest double, with ties to even.
+/// Input: a whole token: digits with or without a point, a sign (`+` too) and an exponent. `inf` and `nan` in all
+///        their spellings, including `1.#INF`, are recognised as not finite.
+/// Holds: a number that is too small for a double becomes zero with its sign.
 /// Cost:  O(length).
 Real parse_real(std::string_view token);
 

@@ -29,7 +29,7 @@ std::string hexadecimal(unsigned char byte) {
 }  // namespace
 
 std::optional<std::string_view> wide_encoding(std::string_view text) {
-  // Before UTF-16: a mark of UTF-32 may begin like one of UTF-16.
+  // UTF-32 is checked before UTF-16, because its mark may begin like one of UTF-16.
   if (text.starts_with(std::string_view("\xff\xfe\0\0", 4))) return "UTF-32 (little endian)";
   if (text.starts_with(std::string_view("\0\0\xfe\xff", 4))) return "UTF-32 (big endian)";
   if (text.starts_with("\xff\xfe")) return "UTF-16 (little endian)";

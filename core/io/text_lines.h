@@ -1,4 +1,4 @@
-/// Text as a sequence of lines, for all readers of text formats.
+/// Splits text into lines, for all readers of text formats.
 #pragma once
 
 #include <cstddef>
@@ -11,30 +11,31 @@ namespace remesh {
 /// The byte-order mark of UTF-8.
 inline constexpr std::string_view kUtf8Mark = "\xef\xbb\xbf";
 
-/// `text` without what pads it: NUL bytes at its end, and Ctrl-Z, with which DOS ended texts.
+/// Returns `text` without its padding: NUL bytes at its end, and Ctrl-Z, by which DOS marked the end of a text.
 std::string_view without_padding(std::string_view text);
 
-/// Walks over text once, line by line.
-/// Input:   line ends LF, CRLF or CR, mixed or not; a UTF-8 byte-order mark is skipped, and padding. The text outlives
-///          the walk.
+/// Visits the lines of a text once, in order.
+/// Input:   a text that must outlive this object. Its lines may end in LF, CRLF or CR, even mixed. A UTF-8 byte-order
+///          mark and padding are skipped.
 /// Errors:  kInvalidMesh - the text begins with the byte-order mark of another encoding, which the message names.
-/// Cost:    O(text), one look at each byte; lines are views into the text.
+/// Cost:    O(text); each byte is read once, and lines are views into the text.
 class TextLines {
  public:
   explicit TextLines(std::string_view text);
 
-  /// Goes to the next line; false at the end of the text.
+  /// Goes to the next line.
+  /// Output: false at the end of the text.
   bool next();
 
-  /// Without its line end.
+  /// The current line without its line end.
   std::string_view line() const { return line_; }
-  /// The number of the line, from 1.
+  /// The number of the current line, from 1.
   std::uint64_t number() const { return number_; }
-  /// Bytes walked over so far, the line's end included.
+  /// The number of bytes visited so far, including the line's end.
   std::size_t offset() const { return offset_; }
-  /// The first character of the line that no text holds.
+  /// The first character of the line that may not occur in text.
   std::optional<unsigned char> control_character() const { return control_character_; }
-  /// Refuses a line with such a character.
+  /// Refuses a line that contains such a character.
   /// Errors: kInvalidMesh, with the line.
   void check_is_text() const;
 
@@ -46,7 +47,8 @@ class TextLines {
   std::optional<unsigned char> control_character_;
 };
 
-/// The name of the encoding that a byte-order mark tells, where it is not UTF-8; else nothing.
+/// The name of the encoding of which the text has a byte-order mark.
+/// Output: nothing if there is no mark, or if it is that of UTF-8.
 std::optional<std::string_view> wide_encoding(std::string_view text);
 
 }  // namespace remesh

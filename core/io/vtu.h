@@ -1,4 +1,4 @@
-/// VTK XML, unstructured grid.
+/// Writes VTK's XML format for unstructured grids.
 #pragma once
 
 #include <string>
@@ -9,10 +9,10 @@
 
 namespace remesh {
 
-/// Writes a `.vtu` file: triangles, coordinates as doubles, arrays as base64. Cell data: `patch` of each face;
-/// `min_angle_deg`, `radius_edge_ratio`, `aspect_ratio`, by Verdict's definitions (0 where the area is zero and a ratio
-/// would be infinite); `object`, `group`, `material` where the mesh has them, as numbers whose names are in XML
-/// comments, as are `comments`.
+/// Writes a `.vtu` file: triangles, coordinates as doubles, arrays as base64. The cell data of each face are:
+/// `patch`; `min_angle_deg`, `radius_edge_ratio` and `aspect_ratio` by the definitions of the Verdict library (0
+/// where the area is zero and a ratio would be infinite); `object`, `group` and `material` if the mesh has them, as
+/// numbers. The names for these numbers and `comments` are in XML comments.
 /// Errors: kCancelled, kTimeout - through `control`.
 /// Cost:   O(output).
 std::string write_vtu(const TriangleMesh& mesh, const IdVector<FaceId, PatchId>& face_patch,

@@ -31,7 +31,7 @@ void append_base64(std::string& out, std::string_view data, RunControl& control)
   }
 }
 
-/// One array of numbers: their bytes are collected behind their length, as VTK wants them.
+/// One array of numbers. Its bytes are collected after their length, which is the form that VTK expects.
 class DataArray {
  public:
   DataArray(std::string attributes, std::size_t bytes, RunControl& control)
@@ -62,7 +62,8 @@ std::string typed(std::string_view type, std::string_view name) {
   return "type=\"" + std::string(type) + "\" Name=\"" + std::string(name) + "\"";
 }
 
-/// A comment that stays one, in UTF-8: two hyphens would end it, and names may be in any encoding.
+/// Appends a comment in valid UTF-8 that cannot end early. Two hyphens would end it, and names may be in any
+/// encoding.
 void append_comment(std::string& out, std::string_view line) {
   out += "<!-- ";
   char last = ' ';

@@ -1,4 +1,4 @@
-/// What the writers of several formats share.
+/// Functions that the writers of several formats share.
 #pragma once
 
 #include <algorithm>
@@ -14,7 +14,7 @@
 
 namespace remesh {
 
-/// Calls for a look at the control once an element; looks now and then.
+/// Counts elements, and now and then updates the progress and checks for cancellation.
 class WriteProgress {
  public:
   WriteProgress(std::size_t elements, RunControl& control) : elements_(elements), control_(control) {}
@@ -30,13 +30,13 @@ class WriteProgress {
   std::size_t done_ = 0;
 };
 
-/// The part of a stage's progress that some work makes.
+/// The part of a stage's progress that belongs to some work.
 struct ProgressShare {
   double begin, end;
 };
 
-/// Appends what `append(text, i)` appends for each i from 0 to n - 1, in that order; blocks of it are made on the
-/// caller's TBB arena.
+/// Appends the texts that `append(text, i)` makes for each i from 0 to n - 1, in that order. Blocks of them are made
+/// in parallel on the caller's TBB arena.
 /// Errors: kCancelled, kTimeout - through `control`.
 template <class Append>
 void append_elements(std::string& out, std::size_t n, ProgressShare share, RunControl& control, const Append& append) {
@@ -57,17 +57,18 @@ void append_elements(std::string& out, std::size_t n, ProgressShare share, RunCo
       });
 }
 
-/// The lines of a comment, which may hold line ends; control characters become blanks.
+/// Splits a comment, which may contain line ends, into lines. Control characters become blanks.
 std::vector<std::string> comment_lines(std::string_view comment);
 
-/// Text with its control characters, line ends among them, made blanks.
+/// Replaces all control characters, including line ends, by blanks.
 std::string without_control_characters(std::string_view text);
 
-/// The labels that divide a mesh where a format has one kind of division only: groups, or else objects, or else
-/// materials. Null: there are none.
+/// The labels by which a mesh is divided in a format that has only one kind of division: groups, else objects, else
+/// materials.
+/// Output: null if the mesh has none.
 const LabelSet* dividing_labels(const FaceLabels& labels);
 
-/// Appends the three coordinates, a blank before each, and a line end.
+/// Appends the three coordinates, each after a blank, and a line end.
 void append_coordinates(std::string& out, const Vec3& position);
 
 }  // namespace remesh

@@ -15,12 +15,12 @@ namespace {
 
 constexpr std::size_t kCheckEvery = 8192;
 
-/// How far a chain's inner vertices are from the straight line between its ends.
+/// Measures of a chain's inner vertices relative to the straight line between its ends.
 struct Offset {
   double distance = 0;
-  double backwards = 0;      ///< largest way that the chain goes back along the line
-  bool is_ascending = true;  ///< it never goes back, nor stands still
-  double sliver = 0;         ///< area between chain and line
+  double backwards = 0;      ///< largest distance by which the chain goes back along the line
+  bool is_ascending = true;  ///< the chain never goes back or stands still
+  double sliver = 0;         ///< area between the chain and the line
 };
 
 Offset measure(const Points& points, std::span<const VertexId> chain, RunControl& control) {
@@ -129,7 +129,7 @@ class BoundaryCheck {
     for (const Use& use : edge.uses) slivers[use.patch().value] += offset.sliver;
   }
 
-  /// Merges the chains of both sides, which are ordered by their ends.
+  /// Merges the chains of both sides, which are sorted by their ends.
   void match_chains() {
     std::size_t o = 0;
     for (std::size_t i = 0; i < input_chains_.size(); ++i) {
@@ -137,7 +137,7 @@ class BoundaryCheck {
       const Chain& chain = input_chains_[i];
       const Edge& edge = input_.edges()[chain.edge];
       while (o < output_chains_.size() && ends(output_chains_[o]) < ends(chain)) blame_output(o++);
-      // A second chain between the same ends would lie on the first: two edges became one.
+      // A second chain between the same ends would lie on the first one, so two edges have become one.
       const bool is_second = i > 0 && ends(input_chains_[i - 1]) == ends(chain);
       if (is_second || o == output_chains_.size() || ends(output_chains_[o]) != ends(chain)) {
         blame(edge, Fault::kBoundary, chain.low);
@@ -164,13 +164,14 @@ class BoundaryCheck {
     blame(output_.edges()[output_chains_[o].edge], Fault::kBoundary, output_chains_[o].low);
   }
 
-  /// A vertex may join patches, or parts of one, without an edge between them: one patch inside, another's corner on
-  /// it. Where it stays, it stays for all; where it goes, it had joined nothing.
+  /// A vertex may join patches, or parts of one patch, without an edge between them: it is inside one patch, and the
+  /// corner of another lies on it. If the vertex stays, it must stay in all of them. If it is dropped, it must not
+  /// have joined any.
   void check_joints();
-  /// A new vertex joins the patches along its chain, or is one patch's.
+  /// A new vertex must join the patches along its chain, or be inside one patch.
   void check_new_vertices();
 
-  /// Calls visit(vertex, patch, result) for the corners of a block of faces, with one result for each block.
+  /// Calls visit(vertex, patch, result) for all corners, with one result for each block of faces.
   template <class Result, class Visit>
   std::vector<Result> map_corners(const Faces& faces, const Visit& visit) {
     return map_blocks<Result>(faces.count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -191,14 +192,14 @@ class BoundaryCheck {
   Boundary result_;
 };
 
-/// A corner's vertex and patch in one word, vertex first.
+/// A corner's vertex and patch in one word, with the vertex in the upper half.
 std::uint64_t joint(VertexId v, PatchId p) { return static_cast<std::uint64_t>(v.value) << 32 | p.value; }
 VertexId vertex_of(std::uint64_t joint) { return VertexId(static_cast<std::uint32_t>(joint >> 32)); }
 PatchId patch_of(std::uint64_t joint) { return PatchId(static_cast<std::uint32_t>(joint)); }
 
 using Joints = std::vector<std::uint64_t>;
 
-/// All of them, ascending, each once.
+/// Merges all joints in ascending order without repetitions.
 auto in_order(const std::vector<Joints>& blocks, RunControl& control) {
   auto all = concatenate<std::uint64_t>(blocks, control);
   sort_stoppable(all.begin(), all.end(), control);
@@ -207,12 +208,12 @@ auto in_order(const std::vector<Joints>& blocks, RunControl& control) {
 }
 
 void BoundaryCheck::check_joints() {
-  // Most vertices belong to one patch, and need no list.
+  // Most vertices belong to one patch and need no list.
   constexpr std::uint32_t kNone = 0, kSeveral = 0xffffffffu;
-  std::vector<std::atomic<std::uint32_t>> only_patch(model_.points.size());  // its number and 1
+  std::vector<std::atomic<std::uint32_t>> only_patch(model_.points.size());  // the number of the patch plus 1
   const auto number = [](PatchId p) { return p.value + 1; };
   const auto of = [&](VertexId v) { return only_patch[v.value].load(std::memory_order_relaxed); };
-  // Who finds another patch there than the first one takes down both; whoever comes later, its own.
+  // The thread that finds a second patch at a vertex writes down both patches. Every later one writes down its own.
   const auto of_input = map_corners<Joints>(model_.input, [&](VertexId v, PatchId p, Joints& joints) {
     std::uint32_t only = of(v);
     if (only == number(p)) return;
@@ -264,7 +265,8 @@ void BoundaryCheck::check_joints() {
     if (is_kept(v)) {
       findings_.add(p, Fault::kLostVertex, v.value);
     } else {
-      // Dropped: fine for the patches along the chain, whose faces there are one fan; not for one that has it inside.
+      // The vertex was dropped. That is right for the patches along the chain, whose faces there are one fan, but not
+      // for a patch that has it inside.
       if (!input_.is_passage_of(v, p)) findings_.add(p, Fault::kLostVertex, v.value);
     }
   }

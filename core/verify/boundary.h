@@ -1,13 +1,17 @@
-/// The edges that bound patches: are they the input's, less vertices within tolerance, plus new ones on their lines?
+/// Checks the edges that bound patches: they must be the input's, without some vertices that are within the
+/// tolerance, and with new ones on their lines.
 ///
-/// The input's bounding edges form a graph. A vertex of it that the output uses is kept; one that it does not use may
-/// be gone only if exactly two bounding edges meet there, with the same patches on the same sides. The kept vertices
-/// cut the graph into chains. So they do with the output's bounding edges, where the vertices between them are new, and
-/// again inside one run of two edges each. The output is right if its chains are the input's, one for one: the same two
-/// ends, the same patches on the same sides; what lies between the ends in the input within tolerance of the straight
-/// line, what lies there in the output on it to rounding, in order. That is conformity and the keeping of loops in one:
-/// nothing is left for a crack, a T-junction, a filled hole or a bridged slot, nor for a sheet missing or added at an
-/// edge of several.
+/// The input's bounding edges form a graph. A vertex of the graph that the output uses stays. A vertex that the
+/// output does not use may be dropped only if exactly two bounding edges meet there, with the same patches on the
+/// same sides. The vertices that stay cut the graph into chains. They also cut the output's bounding edges into
+/// chains. There, the vertices between them are new, and again exactly two edges with the same patches on the same
+/// sides meet at each.
+///
+/// The output is right if its chains correspond one to one to the input's chains: they have the same two ends and the
+/// same patches on the same sides. The input's vertices between the ends are within the tolerance of the straight
+/// line; the output's are on it to rounding, in order. This proves conformity and the preservation of loops together:
+/// it excludes a crack, a T-junction, a filled hole or a bridged slot, and a sheet that is missing or added at an
+/// edge with several.
 #pragma once
 
 #include <cstdint>
@@ -20,15 +24,15 @@
 
 namespace remesh::verification {
 
-/// The bounding edges of both sides.
+/// The bounding edges of the input and the output.
 struct Seams {
   BoundaryGraph input, output;
 };
 
 struct Boundary {
-  std::int64_t input_vertices = 0;  ///< that faces use
-  std::vector<double> deviation;    ///< of each patch: largest distance of a dropped boundary vertex to its chord
-  std::vector<double> slivers;      ///< of each patch: area between the input's chains and the output's
+  std::int64_t input_vertices = 0;  ///< number of input vertices that faces use
+  std::vector<double> deviation;    ///< largest distance of a dropped boundary vertex from its chord, by patch
+  std::vector<double> slivers;      ///< area between the input's chains and the output's, by patch
 };
 
 /// Reports kLostVertex, kLostLoop, kBoundary, kChord, kForeignVertex, kNewVertex, kNewOffLine.

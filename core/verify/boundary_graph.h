@@ -1,4 +1,5 @@
-/// The edges that bound patches, as a graph, and its chains: runs of edges through vertices that do not count.
+/// The graph of the edges that bound patches, and its chains. A chain is a run of edges through vertices that are
+/// inside a seam.
 #pragma once
 
 #include <algorithm>
@@ -13,42 +14,43 @@
 
 namespace remesh::verification {
 
-/// A run of edges between two vertices that count.
+/// A run of edges between two vertices at which the graph is cut.
 struct Chain {
-  VertexId low, high;       ///< its ends
-  std::uint32_t edge = 0;   ///< one of its edges: whose uses are those of all
-  bool is_flipped = false;  ///< that edge, from its smaller vertex, runs from `high` to `low`
+  VertexId low, high;       ///< the ends of the chain
+  std::uint32_t edge = 0;   ///< one of the edges; all edges of the chain have the same uses
+  bool is_flipped = false;  ///< that edge, taken from its smaller vertex, runs from `high` to `low`
 };
 
-/// Why a run does not end at a vertex that counts.
+/// The reason why a run of edges does not end at a vertex at which the graph is cut.
 enum class Stray {
-  kNoPassage,  ///< it comes to a vertex at which not two edges with the same uses meet
-  kLoop,       ///< it comes back to itself
+  kNoPassage,  ///< it reaches a vertex where it is not true that exactly two edges with the same uses meet
+  kLoop,       ///< it returns to itself
 };
 
 class BoundaryGraph {
  public:
-  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  /// Errors: kCancelled, kTimeout - stopped through `control`.
   BoundaryGraph(std::size_t vertex_count, BoundingEdges bounding, RunControl& control);
 
   std::span<const Edge> edges() const { return bounding_.edges; }
-  /// Does a bounding edge end there?
+  /// True if a bounding edge ends at the vertex.
   bool has(VertexId v) const { return node(v).degree > 0; }
-  /// Exactly two edges meet there, with the same patches on the same sides: it is inside one seam.
+  /// True if exactly two edges meet at the vertex, with the same patches on the same sides. The vertex is then inside
+  /// one seam.
   bool is_passage(VertexId v) const { return node(v).degree == 2 && is_passage(v, node(v).edges[0], node(v).edges[1]); }
-  /// The vertices before and after a passage.
+  /// The vertices before and after a vertex inside a seam.
   std::array<VertexId, 2> neighbours(VertexId passage) const {
     const auto& [a, b] = node(passage).edges;
     return {edges()[a].other(passage), edges()[b].other(passage)};
   }
-  /// Is a vertex inside a seam of that patch?
+  /// True if the vertex is inside a seam of that patch.
   bool is_passage_of(VertexId v, PatchId patch) const {
     return node(v).degree == 2 && has_patch(edges()[node(v).edges[0]].uses, patch);
   }
 
-  /// Cuts the graph at all vertices v for which not is_inner(v).
-  /// Output: on_chain(chain, its vertices from end to end) for each run between two of these;
-  ///         on_stray(edge, vertex, why) for edges of the others.
+  /// Cuts the graph at all vertices v for which is_inner(v) is false.
+  /// Output: on_chain(chain, its vertices from end to end) is called for each run between two of these;
+  ///         on_stray(edge, vertex, reason) is called for edges of the other runs.
   template <class IsInner, class OnChain, class OnStray>
   void for_each_chain(RunControl& control, const IsInner& is_inner, const OnChain& on_chain,
                       const OnStray& on_stray) const {
@@ -67,7 +69,7 @@ class BoundaryGraph {
         if (!is_inner(v)) break;
         if (node(v).degree != 2) return on_stray(edges()[e], v, Stray::kNoPassage);
         const std::uint32_t next = node(v).edges[0] == e ? node(v).edges[1] : node(v).edges[0];
-        if (is_walked[next]) return on_stray(edges()[e], v, Stray::kLoop);  // no edge of a sound surface
+        if (is_walked[next]) return on_stray(edges()[e], v, Stray::kLoop);  // this is not an edge of a sound surface
         if (!is_passage(v, e, next)) {
           on_stray(edges()[e], v, Stray::kNoPassage);
           return on_stray(edges()[next], v, Stray::kNoPassage);
@@ -86,7 +88,7 @@ class BoundaryGraph {
       else if (!is_inner(edges()[e].high))
         walk(edges()[e].high, e);
     }
-    // No vertex that counts leads to the others.
+    // The remaining edges cannot be reached from a vertex at which the graph is cut.
     for (std::uint32_t e = 0; e < edges().size(); ++e) {
       check();
       if (!is_walked[e]) on_stray(edges()[e], edges()[e].low, Stray::kLoop);
@@ -94,13 +96,13 @@ class BoundaryGraph {
   }
 
  private:
-  /// Both edges have v as an end; they are walked in one sense if v is the larger end of one and the smaller of the
-  /// other.
+  /// Input: a, b - edges that end at v. The edges are walked in the same sense if v is the larger end of one and the
+  ///        smaller end of the other.
   bool is_passage(VertexId v, std::uint32_t a, std::uint32_t b) const {
     return have_same_uses(edges()[a].uses, edges()[b].uses, (edges()[a].low == v) == (edges()[b].low == v));
   }
 
-  /// What ends at a vertex: how many edges, and the first two of them.
+  /// The number of edges that end at a vertex, and the first two of them.
   struct Node {
     std::uint32_t degree = 0;
     std::array<std::uint32_t, 2> edges{};
@@ -108,8 +110,8 @@ class BoundaryGraph {
   const Node& node(VertexId v) const { return nodes_[node_of_[v.value]]; }
 
   BoundingEdges bounding_;
-  std::vector<std::uint32_t>
-      node_of_;  ///< of each vertex; most are inside patches, and share node 0, where no edge ends
+  /// The node of each vertex. Most vertices are inside patches and share node 0, where no edge ends.
+  std::vector<std::uint32_t> node_of_;
   std::vector<Node> nodes_;
 };
 

@@ -13,12 +13,12 @@ namespace {
 
 constexpr std::size_t kVerticesOfPart = 1024;
 
-/// A use as one number, by which those of one smaller vertex are in order but for their patches.
+/// A use as one number. The keys of one smaller vertex are sorted like its uses, except for their patches.
 std::uint64_t key_of(VertexId high, std::uint32_t half_edge) { return std::uint64_t{high.value} << 32 | half_edge; }
 std::uint32_t half_edge_of(std::uint64_t key) { return static_cast<std::uint32_t>(key); }
 VertexId high_of(std::uint64_t key) { return VertexId(static_cast<std::uint32_t>(key >> 32)); }
 
-/// Whether both are the keys of the same edges, each once.
+/// True if both lists contain the keys of the same edges, each once.
 bool have_same_edges(std::span<const std::uint64_t> forward, std::span<const std::uint64_t> backward) {
   if (forward.size() != backward.size()) return false;
   for (std::size_t i = 0; i < forward.size(); ++i) {
@@ -53,10 +53,10 @@ bool has_patch(std::span<const Use> uses, PatchId patch) {
   return found != uses.end() && found->patch() == patch;
 }
 
-/// The edges of neighbouring smaller vertices.
+/// The edges of a range of smaller vertices.
 struct EdgeTable::Part {
   EdgeCounts counts;
-  std::vector<Edge> edges;  ///< those that bound, their uses one after the other
+  std::vector<Edge> edges;  ///< the bounding edges; their uses follow each other in `uses`
   std::vector<Use> uses;
 
   void add(const Edge& edge) {
@@ -88,7 +88,8 @@ EdgeTable::EdgeTable(std::size_t vertex_count, const Faces& faces, std::span<con
   add_parts(parts, control);
 }
 
-/// Reads the edges off the order that was given. Output: nothing if it is not one.
+/// Reads the edges from the given order.
+/// Output: nothing if the order is not valid.
 std::vector<EdgeTable::Part> EdgeTable::read_order(RunControl& control) {
   if (order_.empty() || order_.size() != faces_.corners.size()) return {};
   auto found =
@@ -103,8 +104,9 @@ std::vector<EdgeTable::Part> EdgeTable::read_order(RunControl& control) {
   return parts;
 }
 
-/// Reads the edges that begin in [begin, end) of the order, and sets the buckets that do. Output: nothing if the
-/// half-edges do not ascend there: if they do everywhere, they are different ones, and so all that there are.
+/// Reads the edges that begin in [begin, end) of the order, and sets the buckets that begin there.
+/// Output: nothing if the half-edges do not ascend there. If they ascend everywhere, they are all different, and so
+///         none is missing.
 std::optional<EdgeTable::Part> EdgeTable::read_part(std::size_t begin, std::size_t end) {
   using Ends = std::pair<VertexId, VertexId>;
   const auto ends = [&](std::uint32_t h) {
@@ -116,7 +118,7 @@ std::optional<EdgeTable::Part> EdgeTable::read_part(std::size_t begin, std::size
   const auto add_edge = [&](std::size_t first, std::size_t last, const Ends& edge) {
     const std::uint32_t g = order_[first], h = order_[first + 1 < last ? first + 1 : first];
     if (last - first == 2 && from(g) == to(h) && edge.first != edge.second && patch_of(g) == patch_of(h)) {
-      ++part.counts.edges;  // the rest of most is never asked for
+      ++part.counts.edges;  // the uses of most edges are never asked for
       return;
     }
     uses.clear();
@@ -124,7 +126,7 @@ std::optional<EdgeTable::Part> EdgeTable::read_part(std::size_t begin, std::size
     sort_stoppable(uses.begin(), uses.end(), control_);
     part.add({edge.first, edge.second, uses});
   };
-  std::size_t next_bucket = 0, first = end;  // of the edge that is being read, if it began here
+  std::size_t next_bucket = 0, first = end;  // beginning of the edge that is being read, if it is in this range
   Ends last_ends;
   std::uint32_t last_half_edge = 0;
   const auto is_half_edge = [&](std::uint32_t h) { return h < order_.size(); };
@@ -144,7 +146,7 @@ std::optional<EdgeTable::Part> EdgeTable::read_part(std::size_t begin, std::size
       if (i > 0 && here < last_ends) return std::nullopt;
       if (first < i) add_edge(first, i, last_ends);
       first = i;
-      // Two threads set the same one only where the order is none.
+      // Two threads set the same bucket only if the order is not valid.
       for (; next_bucket <= here.first.value; ++next_bucket)
         std::atomic_ref(bucket_[next_bucket]).store(static_cast<std::uint32_t>(i), std::memory_order_relaxed);
     }
@@ -166,9 +168,10 @@ std::optional<EdgeTable::Part> EdgeTable::read_part(std::size_t begin, std::size
   return part;
 }
 
-/// Puts the half-edges in order, and reads the edges off them.
+/// Sorts the half-edges and reads the edges from them.
 std::vector<EdgeTable::Part> EdgeTable::sort(RunControl& control) {
-  // First by parts of so many smaller vertices, then each part for itself.
+  // The half-edges are first grouped into parts of `kVerticesOfPart` smaller vertices, and then each part is sorted
+  // by itself.
   const std::size_t vertices = vertex_count(), parts = (vertices + kVerticesOfPart - 1) / kVerticesOfPart;
   Grouping by_part = group_by(
       faces_.corners.size(), parts, [&](std::uint32_t h) { return std::min(from(h), to(h)).value / kVerticesOfPart; },
@@ -183,7 +186,7 @@ std::vector<EdgeTable::Part> EdgeTable::sort(RunControl& control) {
 }
 
 void EdgeTable::add_parts(const std::vector<Part>& parts, RunControl& control) {
-  // Where each part's edges and uses go.
+  // Here begin the edges and uses of each part.
   std::vector<std::pair<std::size_t, std::size_t>> at(parts.size() + 1);
   for (std::size_t i = 0; i < parts.size(); ++i) {
     const Part& part = parts[i];
@@ -205,14 +208,14 @@ void EdgeTable::add_parts(const std::vector<Part>& parts, RunControl& control) {
   });
 }
 
-/// Puts the half-edges whose smaller vertices are in [first, last) in the order of their uses, by these vertices. They
-/// are those of the table from `begin` on.
+/// Sorts the half-edges whose smaller vertices are in [first, last) by these vertices, and within each in the order
+/// of their uses. In the table they begin at `begin`.
 EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::uint32_t begin,
                                      std::span<std::uint32_t> half_edges) {
-  // A counting sort by the smaller vertex, then a small sort within each bucket.
+  // This is a counting sort by the smaller vertex, followed by a small sort within each bucket.
   using Keys = std::vector<std::uint64_t, LeftUnset<std::uint64_t>>;
   Keys gathered(half_edges.size()), bucketed(half_edges.size());
-  // By direction, too: of a sound surface's edges, those that run forward are the same as those that run backward.
+  // The half-edges are also separated by direction. For a sound surface, the same edges occur forward and backward.
   std::vector<std::uint16_t, LeftUnset<std::uint16_t>> bucket_of(half_edges.size());
   static_assert(2 * kVerticesOfPart <= 1 << 16);
   std::vector<std::uint32_t> place(2 * (last - first) + 1, 0);
@@ -240,7 +243,7 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
     std::transform(uses.begin(), uses.end(), around.begin(), [](const Use& u) { return u.half_edge; });
     part.add({VertexId(v), high, uses});
   };
-  const std::span<std::uint64_t> all(bucketed), sorted(gathered);  // what was gathered is needed no more
+  const std::span<std::uint64_t> all(bucketed), sorted(gathered);  // the gathered keys are no longer needed
   std::size_t start = 0;
   for (std::size_t v = first; v < last; ++v) {
     const std::size_t middle = place[2 * (v - first)], stop = place[2 * (v - first) + 1];
@@ -255,7 +258,7 @@ EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::u
         around[0] = std::min(g, h);
         around[1] = std::max(g, h);
         if (patch_of(g) == patch_of(h))
-          ++part.counts.edges;  // the rest of most is never asked for
+          ++part.counts.edges;  // the uses of most edges are never asked for
         else
           add_edge(v, high_of(forward[i]), around);
       }

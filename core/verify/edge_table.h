@@ -1,4 +1,4 @@
-/// The checker's own edges: who uses each edge, and in which direction.
+/// The checker's own edges: which faces use each edge, and in which direction.
 #pragma once
 
 #include <algorithm>
@@ -16,7 +16,7 @@
 
 namespace remesh::verification {
 
-/// Faces as loops of corners, each in a patch.
+/// Faces as loops of corners, each in one patch.
 struct Faces {
   std::span<const std::uint32_t> face_begin;
   std::span<const VertexId> corners;
@@ -28,16 +28,16 @@ struct Faces {
   }
 };
 
-/// One side of one face along an edge.
+/// The use of an edge by one face.
 struct Use {
   Use() = default;
   Use(VertexId high_end, PatchId of, std::uint32_t from_corner, bool runs_forward)
       : high(high_end), half_edge(from_corner), patch_(of.value & 0x7fffffffu), is_forward_(runs_forward) {}
 
   VertexId high;                ///< the edge's larger vertex
-  std::uint32_t half_edge = 0;  ///< the corner from which it runs
+  std::uint32_t half_edge = 0;  ///< the corner at which the half-edge begins
   PatchId patch() const { return PatchId(std::uint32_t{patch_}); }
-  /// From the smaller vertex to the larger.
+  /// True if it runs from the smaller vertex to the larger.
   bool is_forward() const { return is_forward_ != 0; }
 
   friend bool operator<(const Use& a, const Use& b) {
@@ -46,36 +46,40 @@ struct Use {
   }
 
  private:
-  std::uint32_t patch_ : 31 = 0;  ///< patches are fewer than faces, and those fewer than 2^31
+  /// 31 bits suffice, since there are fewer patches than faces, and fewer than 2^31 faces.
+  std::uint32_t patch_ : 31 = 0;
   std::uint32_t is_forward_ : 1 = 0;
 };
 
-/// An edge with its uses, ordered by patch, then half-edge.
+/// An edge with its uses, ordered by patch, then by half-edge.
 struct Edge {
   VertexId low, high;
   std::span<const Use> uses;
 
-  /// Inside a patch: exactly two faces, of one patch, that run along it in opposite directions. All else bounds.
+  /// True if the edge is inside a patch: exactly two faces use it, both of one patch, in opposite directions. All
+  /// other edges bound patches.
   bool is_interior() const {
     return uses.size() == 2 && uses[0].patch() == uses[1].patch() && uses[0].is_forward() != uses[1].is_forward();
   }
   VertexId other(VertexId end) const { return end == low ? high : low; }
 };
 
-/// Do both edges have the same patches on the same sides? `is_flipped`: one is walked along, the other against.
+/// True if both edges have the same patches on the same sides.
+/// Input: `is_flipped` - one edge is walked along its direction, the other against it.
 bool have_same_uses(std::span<const Use> a, std::span<const Use> b, bool is_flipped);
 
-/// Is one of the uses that patch's?
+/// True if one of the uses belongs to that patch.
 bool has_patch(std::span<const Use> uses, PatchId patch);
 
-/// What the edges of some faces come to.
+/// Totals over the edges of some faces.
 struct EdgeCounts {
   std::uint64_t edges = 0;
   bool is_closed = true;      ///< every edge has two uses
-  bool is_consistent = true;  ///< and these run in opposite directions
+  bool is_consistent = true;  ///< every edge has two uses, which run in opposite directions
 };
 
-/// Edges that bound patches, by (smaller, larger vertex), with what they look into.
+/// The edges that bound patches, sorted by (smaller, larger vertex), together with the uses to which their spans
+/// refer.
 struct BoundingEdges {
   BoundingEdges() = default;
   BoundingEdges(BoundingEdges&&) = default;
@@ -85,12 +89,13 @@ struct BoundingEdges {
   std::vector<Use, LeftUnset<Use>> uses;
 };
 
-/// All edges of some faces, by their smaller vertex. Most of them nobody asks for again, and there are many: of each
-/// use its half-edge is kept, and the rest read from the faces.
+/// All edges of some faces, sorted by their smaller vertex. Most edges are never asked for again, and there are many
+/// of them. So only the half-edge of each use is stored, and the rest is read from the faces.
 class EdgeTable {
  public:
-  /// Input:  faces that stay as long as the table, as does `order`: their half-edges by (smaller, larger vertex,
-  ///         half-edge), if somebody has them. It is tested, and if it is not that, the table sorts them itself.
+  /// Input:  `faces` - they must outlive the table; `order` - their half-edges sorted by (smaller, larger vertex,
+  ///         half-edge) if the caller has them, which must outlive the table too. The order is tested; if it is wrong
+  ///         or empty, the table sorts by itself.
   /// Cost:   O(n log n); O(n) with an order.
   EdgeTable(std::size_t vertex_count, const Faces& faces, std::span<const std::uint32_t> order, RunControl& control);
   EdgeTable(const EdgeTable&) = delete;
@@ -98,12 +103,12 @@ class EdgeTable {
 
   std::size_t vertex_count() const { return bucket_.size() - 1; }
   const EdgeCounts& counts() const { return counts_; }
-  /// Once.
+  /// Returns the bounding edges. It may be called once.
   BoundingEdges take_bounding() { return std::move(bounding_); }
 
-  /// Calls visit(Edge) for each edge whose smaller vertex is in [begin, end), by (smaller, larger vertex). The edge's
-  /// uses are there during the call.
-  /// Errors: kCancelled, kTimeout - asked to stop through the table's control.
+  /// Calls visit(Edge) for each edge whose smaller vertex is in [begin, end), sorted by (smaller, larger vertex). The
+  /// edge's uses are valid only during the call.
+  /// Errors: kCancelled, kTimeout - stopped through the table's control.
   template <class Visit>
   void for_each_edge(std::size_t begin, std::size_t end, const Visit& visit) const {
     std::vector<Use> uses;
@@ -118,13 +123,13 @@ class EdgeTable {
       visit_edges(VertexId(v), uses, visit);
     }
   }
-  /// The uses of the edge between a and b; empty if there is none.
-  /// Cost: O(log n) for the edges at the smaller vertex, and the uses.
+  /// Returns the uses of the edge between a and b; empty if there is no such edge.
+  /// Cost: O(log n) for the edges at the smaller vertex, and the number of uses.
   std::vector<Use> find(VertexId a, VertexId b) const;
-  /// How many uses the edge between a and b has.
-  /// Cost: O(log n), however many they are.
+  /// Returns the number of uses of the edge between a and b.
+  /// Cost: O(log n), however many uses there are.
   std::size_t count_uses(VertexId a, VertexId b) const { return half_edges_of(a, b).size(); }
-  /// Whether the edge between a and b is inside a patch. One that does not exist is not.
+  /// True if the edge between a and b exists and is inside a patch.
   /// Cost: O(log n), however many uses it has.
   bool is_interior(VertexId a, VertexId b) const {
     return count_uses(a, b) == 2 && Edge{std::min(a, b), std::max(a, b), find(a, b)}.is_interior();
@@ -162,16 +167,16 @@ class EdgeTable {
   std::vector<Part> sort(RunControl& control);
   void add_parts(const std::vector<Part>& parts, RunControl& control);
   Part sort_part(std::size_t first, std::size_t last, std::uint32_t begin, std::span<std::uint32_t> half_edges);
-  /// Those of the edge between a and b.
+  /// The half-edges of the edge between a and b.
   std::span<const std::uint32_t> half_edges_of(VertexId a, VertexId b) const;
 
   Faces faces_;
   const RunControl& control_;
-  std::vector<std::uint32_t> face_of_;  ///< of each half-edge; empty where all faces are triangles
+  std::vector<std::uint32_t> face_of_;  ///< the face of each half-edge; empty if all faces are triangles
   using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
   Numbers bucket_;      ///< uses of vertex v's edges: [bucket_[v], bucket_[v + 1])
-  Numbers half_edges_;  ///< of each use, by patch and half-edge along each edge; empty where the order was given
-  std::span<const std::uint32_t> order_;  ///< these, or those given
+  Numbers half_edges_;  ///< sorted by patch and half-edge along each edge; empty if the order was given
+  std::span<const std::uint32_t> order_;  ///< `half_edges_`, or the given order
   EdgeCounts counts_;
   BoundingEdges bounding_;
 };

@@ -10,13 +10,13 @@ namespace {
 
 __extension__ typedef unsigned __int128 Wide;
 
-/// A two's complement integer of N 64-bit limbs, lowest first. Sums and products are taken modulo 2^(64 N): the caller
-/// chooses N such that no result leaves the range.
+/// An integer in two's complement with N limbs of 64 bits, the lowest limb first. Sums and products are taken modulo
+/// 2^(64 N). The caller must choose N such that no result leaves the range.
 template <std::size_t N>
 class FixedInteger {
  public:
   FixedInteger() = default;
-  /// `value` is a whole number of magnitude at most 2^127.
+  /// Input: a whole number of magnitude at most 2^127.
   explicit FixedInteger(double value) {
     int exponent = 0;
     const double fraction = std::frexp(std::fabs(value), &exponent);
@@ -97,13 +97,13 @@ int exact_in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d, double grid) {
   return (da.squared() * cross(db, dc) + db.squared() * cross(dc, da) + dc.squared() * cross(da, db)).sign();
 }
 
-// With a grid of 2^-g the differences have g + 1 bits, and the incircle determinant at most 4 (g + 1) + 4 and a sign:
-// 169 for g = 40, 409 for g = 100.
+// With a grid of 2^-g the differences have g + 1 bits. The incircle determinant has at most 4 (g + 1) + 4 bits and a
+// sign: 169 bits for g = 40, and 409 bits for g = 100.
 constexpr std::size_t kCoarseLimbs = 3;
 constexpr std::size_t kFineLimbs = 7;
 
-/// Sign of the sum of pairwise products, exact: each product is split without error into two doubles, and these are
-/// added up in an expansion of non-overlapping parts.
+/// Computes the exact sign of a sum of products of two doubles. Each product is split without error into two doubles,
+/// and these are added up in an expansion of non-overlapping parts.
 class ProductSum {
  public:
   void add_product(double a, double b) {
@@ -118,7 +118,7 @@ class ProductSum {
   }
 
  private:
-  /// Knuth's error-free addition carries `value` through the parts, smallest first.
+  /// Adds a value. Knuth's error-free addition carries it through the parts, the smallest first.
   void add(double value) {
     for (std::size_t i = 0; i < size_; ++i) {
       const double sum = parts_[i] + value;
@@ -132,7 +132,7 @@ class ProductSum {
   std::size_t size_ = 0;
 };
 
-/// Is the projection of abc to two of the axes without area?
+/// True if the projection of abc onto two of the axes has no area.
 bool is_flat(const Vec3& a, const Vec3& b, const Vec3& c, int x, int y) {
   ProductSum sum;
   sum.add_product(a[x], b[y]);
@@ -154,7 +154,8 @@ bool is_on_grid(Vec2 uv, double grid) {
 int orientation(Vec2 a, Vec2 b, Vec2 c, double grid) {
   const double left = (b.x - a.x) * (c.y - a.y);
   const double right = (b.y - a.y) * (c.x - a.x);
-  // Differences, products and the final difference round once each: 3 u (|left| + |right|), u = 2^-53, and a little.
+  // The differences, the products and the final difference are rounded once each. This gives 3 u (|left| + |right|)
+  // with u = 2^-53, and slightly more.
   const double bound = 4e-16 * (std::fabs(left) + std::fabs(right));
   if (std::fabs(left - right) > bound) return left > right ? 1 : -1;
   return grid == kCoarseGrid ? exact_orientation<kCoarseLimbs>(a, b, c, grid)
@@ -168,7 +169,7 @@ bool is_inside_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d, double grid) {
   const double magnitude = a2 * (std::fabs(db.x * dc.y) + std::fabs(db.y * dc.x)) +
                            b2 * (std::fabs(dc.x * da.y) + std::fabs(dc.y * da.x)) +
                            c2 * (std::fabs(da.x * db.y) + std::fabs(da.y * db.x));
-  // At most ten roundings lie between the coordinates and each term's share in the sum: 10 u magnitude = 1.2e-15.
+  // Each term's share in the sum has at most ten roundings, counted from the coordinates: 10 u magnitude = 1.2e-15.
   if (std::fabs(determinant) > 4e-15 * magnitude) return determinant > 0;
   return (grid == kCoarseGrid ? exact_in_circle<kCoarseLimbs>(a, b, c, d, grid)
                               : exact_in_circle<kFineLimbs>(a, b, c, d, grid)) > 0;

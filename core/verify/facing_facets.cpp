@@ -13,19 +13,20 @@
 namespace remesh::verification {
 namespace {
 
-/// A margin of what is clear, relatively: far more than rounding makes of well-shaped triangles.
+/// The relative margin of what counts as clear. It is far more than the rounding errors of well-shaped triangles.
 constexpr double kMargin = 1e-6;
-/// More than rounding moves a point by, in local units.
+/// More than rounding can move a point, in local units.
 constexpr double kRounding = 0x1p-44;
 
-/// From p to q over the straight line a-b: both sides unfolded into one plane.
+/// The length of the way from p to q over the straight line a-b, with both sides unfolded into one plane.
 double way_over(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   const Vec3 line = b - a;
   const double squared = norm_squared(line);
   if (!(squared > 0)) return norm(p - a) + norm(q - a);
   const double s = dot(p - a, line) / squared, t = dot(q - a, line) / squared;
   const double height = norm(p - (a + s * line)), depth = norm(q - (a + t * line));
-  // The straight way crosses the line between s and t, in the ratio of the two heights; or it passes by an end.
+  // The straight way crosses the line between s and t, in the ratio of the two heights. If it would miss the line, it
+  // passes through an end.
   const double across = height + depth > 0 ? (s * depth + t * height) / (height + depth) : s;
   const Vec3 by = a + std::clamp(across, 0.0, 1.0) * line;
   return norm(p - by) + norm(q - by);
@@ -35,7 +36,8 @@ double way_over(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
 
 FacingFacets::FacingFacets(const Claim& claim, const Model& model, const BoundaryGraph& seams, RunControl& control)
     : model_(model) {
-  // About the middle of the surface, so that single precision tells its parts apart wherever it lies.
+  // Coordinates are relative to the middle of the surface, so that single precision can tell its parts apart wherever
+  // the surface lies.
   Box3 box;
   for (std::size_t v = 0; v < model.surface_vertex_count; ++v) box.add(model.points[v]);
   centre_ = 0.5 * box.min + 0.5 * box.max;
@@ -70,7 +72,7 @@ void FacingFacets::find_facets(const Claim& claim, RunControl& control) {
   facets_ = Facets(entries, control);
 }
 
-/// Patches are joined over the edges that bound them; a body is closed and consistent if all of its edges are.
+/// Joins patches over the edges that bound them. A body is closed and consistent if all of its edges are.
 void FacingFacets::find_bodies(const BoundaryGraph& seams, RunControl& control) {
   UnionFind joined(model_.patch_count());
   std::vector<std::uint8_t> is_open(model_.patch_count(), 0);
@@ -89,7 +91,7 @@ void FacingFacets::find_bodies(const BoundaryGraph& seams, RunControl& control) 
 }
 
 void FacingFacets::find_contacts(RunControl& control) {
-  // Most vertices have one patch only: they are left out before anything is sorted.
+  // Most vertices have one patch only. They are left out before anything is sorted.
   std::vector<PatchId> first(model_.surface_vertex_count);
   for (const bool is_second_time : {false, true})
     for (std::uint32_t f = 0; f < model_.input.count(); ++f) {
@@ -166,7 +168,7 @@ bool FacingFacets::is_edge_of(const Part& part, PatchId p) const {
   return found != edges_.end() && found->first.a == part.a && found->first.b == part.b && found->second == p;
 }
 
-/// Is there a way over the surface that is no longer than `most`?
+/// True if there is a way over the surface that is no longer than `most`.
 bool FacingFacets::is_over_surface(PatchId p, const Vec3& from, PatchId q, const Vec3& to, double most,
                                    std::size_t& looks) const {
   if (border_of(q).size() < border_of(p).size()) std::swap(p, q);
@@ -193,7 +195,7 @@ bool FacingFacets::is_over_surface(PatchId p, const Vec3& from, PatchId q, const
   return is_found;
 }
 
-/// Has the patch a point that is nearer than that square?
+/// True if the patch has a point whose squared distance is smaller than `squared`.
 bool FacingFacets::is_any_nearer(PatchId q, const Vec3& to, double squared, std::size_t& looks) const {
   bool is_found = false;
   double best = squared * (1 - kMargin);
@@ -211,11 +213,11 @@ bool FacingFacets::is_any_nearer(PatchId q, const Vec3& to, double squared, std:
   return is_found;
 }
 
-/// `there`: the nearest point of a triangle of q.
+/// Input: `there` - the nearest point of a triangle of q.
 bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const {
   const Vec3 way = there - from;
   const double squared = norm_squared(way), d = std::sqrt(squared);
-  // Both ends may be off the places that sizes were made for by the tolerance.
+  // Both ends may be off the places for which sizes were made by the tolerance.
   const double off = 2 * unit_ * model_.tolerance + kMargin * d;
   const double height = std::fabs(dot(way, normal(p))) - off;
   if (!(height > 0 && height * height > kSteep * (d + off) * (d + off))) return false;
@@ -234,7 +236,7 @@ bool FacingFacets::is_any_within(const Vec3& place, PatchId patch, double distan
   const double reach = unit_ * distance;
   const double touching = must_be_clear ? unit_ * model_.tolerance * (1 + kMargin) + kRounding : 0;
   if (!(reach > touching)) return false;
-  // What is seen steeply is higher over the patch's plane than this share of the distance.
+  // If a point is seen steeply, its height over the patch's plane is more than this share of its distance.
   const double steep = kSteep * (must_be_clear ? 1 : 1 - kMargin);
 
   std::size_t looks = 0;

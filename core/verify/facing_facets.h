@@ -1,4 +1,5 @@
-/// The checker's own measure of gaps: is a facet that is not a neighbour within some distance of a place?
+/// The checker's own measure of gaps. It finds out whether a facet that is not a neighbour is within some distance of
+/// a place.
 #pragma once
 
 #include <array>
@@ -17,40 +18,42 @@
 
 namespace remesh::verification {
 
-/// Knows the input's facets, as triangles, and where the input's patches are joined.
+/// Stores the input's facets as triangles, and where the input's patches are joined.
 ///
-/// Seen from a place of a patch, another patch is across a gap if its nearest point is, and that is
-///  - if the way there leaves the patch's plane steeply: the square of its sine is above kSteep (51 degrees);
-///  - if it is longer than the tolerance: nearer than that, the two touch;
-///  - if the patches do not cross or touch each other anywhere in the input;
-///  - if the surface does not hide it: where both patches bound one closed, consistently wound body, a way that leaves
-///    it through one of them does not enter it by the other from within;
-///  - if the way there is shorter than a third of each way over the surface through a vertex or an edge that the two
-///    patches share, straight on both sides of it.
-/// Holds:   it shares no code with the search that sizes are made by, and takes nothing from it. Common tools are the
-///          tree of boxes, the nearest point on a triangle, and the triangles of polygons.
+/// Seen from a place of a patch, another patch is across a gap if its nearest point is. A point is across a gap if
+/// all of these are true:
+///  - The way to it leaves the patch's plane steeply: the square of its sine is above kSteep (51 degrees).
+///  - The way is longer than the tolerance. At a smaller distance the two patches touch.
+///  - The patches do not cross or touch each other anywhere in the input.
+///  - The surface does not hide it. If both patches bound one closed, consistently oriented body, a way that leaves
+///    the body through one of them must not enter it through the other from the inside.
+///  - The way is shorter than a third of each way over the surface through a vertex or an edge that the two patches
+///    share, which is straight on both sides of it.
+/// Holds:   it shares no code with the search that determines sizes, and takes no data from it. The common tools are
+///          the tree of boxes, the nearest point on a triangle, and the triangles of polygons.
 class FacingFacets {
  public:
-  /// How sure an answer has to be.
+  /// How certain an answer must be.
   enum class Doubt {
-    /// A patch counts only if it does by a clear margin; what was not looked at does not count.
+    /// A patch counts only if it is across a gap by a clear margin. Anything that was not looked at does not count.
     kIsNone,
-    /// A triangle that is so near counts as soon as some way to its height would be steep. Which of its points are
-    /// seen, and what is between, is not asked; what was not looked at counts.
+    /// A triangle within the distance counts as soon as some way to its height would be steep. It is not checked
+    /// which of its points are visible and what is between. Anything that was not looked at counts.
     kCounts,
   };
 
-  /// Input:  `seams`: the edges that bound the input's patches. Claim, model and seams outlive this.
-  /// Errors: kCancelled, kTimeout - through `control`.
+  /// Input:  `seams` - the edges that bound the input's patches. Claim, model and seams must outlive this object.
+  /// Errors: kCancelled, kTimeout - stopped through `control`.
   /// Cost:   O(n log n) in the input's corners.
   FacingFacets(const Claim& claim, const Model& model, const BoundaryGraph& seams, RunControl& control);
 
-  /// Is a facet across a gap from that place of the patch, less than `distance` away? All in the model's scale.
-  /// Cost:   bounded (kMaxLooks); O(log n) where few facets are near that do not count.
+  /// True if a facet is across a gap from that place of the patch, less than `distance` away. Place and distance are
+  /// in the model's scale.
+  /// Cost:   bounded (kMaxLooks); O(log n) if few of the facets nearby do not count.
   bool is_any_within(const Vec3& place, PatchId patch, double distance, Doubt doubt) const;
 
-  /// At one place so many boxes, triangles and parts of borders are looked at, and no more: where there are more, as
-  /// at the tip of a cone of thousands of needles, the answer is in doubt.
+  /// The largest number of boxes, triangles and parts of borders that are looked at for one place. If there are more,
+  /// as at the tip of a cone of thousands of needles, the answer is in doubt.
   static constexpr std::size_t kMaxLooks = 8192;
 
   static constexpr double kSteep = 0.604;
@@ -64,11 +67,11 @@ class FacingFacets {
     }
   };
   using Facets = BoxTree<OfPatch>;
-  /// A part of a patch's border: an edge, or a vertex (both ends are the same).
+  /// A part of a patch's border: an edge, or a vertex, for which both ends are the same.
   struct Part {
     VertexId a, b;
   };
-  /// Borders of more parts than this have a tree.
+  /// Borders with more parts than this have a tree.
   static constexpr std::size_t kLongBorder = 64;
   static constexpr std::uint32_t kNoTree = 0xffffffffu;
 
@@ -94,16 +97,17 @@ class FacingFacets {
 
   const Model& model_;
   Vec3 centre_;
-  double unit_ = 1;  ///< local lengths are the model's times this
+  double unit_ = 1;  ///< local lengths are model lengths times this
   std::vector<std::array<VertexId, 3>> triangles_;
   Facets facets_;
   static constexpr std::uint32_t kOpen = 0xffffffffu;
-  std::vector<std::uint32_t> body_;                     ///< of each patch: the closed body that it bounds, or kOpen
-  std::vector<std::pair<VertexId, PatchId>> contacts_;  ///< vertices of several patches, each with all of these, sorted
-  std::vector<std::pair<Part, PatchId>> edges_;         ///< bounding edges, each with all its patches, sorted
-  std::vector<std::uint32_t> border_begin_;             ///< of each patch, its border's first part
+  std::vector<std::uint32_t> body_;  ///< the closed body that each patch bounds, or kOpen
+  /// Each vertex of several patches with each of these patches, sorted.
+  std::vector<std::pair<VertexId, PatchId>> contacts_;
+  std::vector<std::pair<Part, PatchId>> edges_;  ///< each bounding edge with each of its patches, sorted
+  std::vector<std::uint32_t> border_begin_;      ///< the first part of each patch's border
   std::vector<Part> border_parts_;
-  std::vector<std::uint32_t> border_tree_;  ///< of each patch, or kNoTree
+  std::vector<std::uint32_t> border_tree_;  ///< the tree of each patch, or kNoTree
   std::vector<BoxTree<NoTag>> trees_;
   std::span<const std::pair<PatchId, PatchId>> crossing_;
   bool is_crossing_known_ = true;

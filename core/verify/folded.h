@@ -1,4 +1,4 @@
-/// Input faces of a patch that look away from its plane's front: the patch is folded over there.
+/// Checks input faces of a patch that point against its plane's normal. The patch is folded over there.
 #pragma once
 
 #include <cstdint>
@@ -9,11 +9,11 @@
 
 namespace remesh::verification {
 
-/// The largest distance between a vertex of such faces that is gone and the output's triangles of that patch. What a
-/// fold covers twice, once from each side, is neither in the patch's area nor inside its boundary: only this tells
-/// whether the surface has lost it.
-/// Input:  `folded`: these faces, of the input.
-/// Cost:   O(n log n) for n triangles of the output, if a vertex is gone at all.
+/// The largest distance between a dropped vertex of such faces and the output's triangles of that patch. A region
+/// that a fold covers twice, once from each side, counts neither in the patch's area nor for its boundary. Only this
+/// distance tells whether the surface has lost it.
+/// Input:  `folded` - these faces of the input.
+/// Cost:   O(n log n) for n triangles of the output, if any vertex was dropped.
 double farthest_of_folded(const Model& model, std::size_t patch, std::span<const std::uint32_t> folded,
                           RunControl& control);
 

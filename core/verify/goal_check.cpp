@@ -14,7 +14,7 @@
 namespace remesh::verification {
 namespace {
 
-/// What is nearer to a bound than this share of it may count as on either side.
+/// A value that differs from a bound by less than this share of it may count as on either side.
 constexpr double kMargin = 1e-9;
 
 Standing at_most(double value, double bound) {
@@ -27,7 +27,7 @@ Standing at_least(double value, double bound) {
   return value > bound * (1 + kMargin) ? Standing::kMeets : Standing::kOnTheEdge;
 }
 
-/// Lengths, angles and area of a triangle. Side and angle i are opposite of corner i.
+/// The lengths, angles and area of a triangle. Side i and angle i are opposite and at corner i.
 class Triangle3 {
  public:
   std::array<double, 3> side{};
@@ -39,13 +39,13 @@ class Triangle3 {
     if (unit == 0) return;
     for (Vec3& v : along_) v = (1 / unit) * v;
     for (int i = 0; i < 3; ++i) side[i] = std::sqrt(norm_squared(along_[i])) * unit;
-    // The two shorter sides have the smaller rounding.
+    // The two shorter sides are used because they have the smaller rounding.
     const auto longest = std::max_element(side.begin(), side.end()) - side.begin();
     twice_area_ = std::sqrt(norm_squared(cross(along_[(longest + 1) % 3], along_[(longest + 2) % 3])));
     area = twice_area_ * unit * unit / 2;
   }
 
-  /// 0 where a side has no length.
+  /// Output: 0 if a side has no length.
   double angle(int i) const { return std::atan2(twice_area_, 0 - dot(along_[(i + 1) % 3], along_[(i + 2) % 3])); }
   double longest_side() const { return *std::max_element(side.begin(), side.end()); }
   double shortest_side() const { return *std::min_element(side.begin(), side.end()); }
@@ -70,7 +70,7 @@ class GoalCheck {
         findings_(findings),
         control_(control),
         min_angle_(refinement.goals.min_angle_deg * std::numbers::pi / 180),
-        // One factor after the other: the square of the scale may not be a number.
+        // It is multiplied by one factor after the other, because the square of the scale may overflow or underflow.
         max_area_(refinement.goals.max_area * model.scale * model.scale),
         max_length_(refinement.goals.max_edge_length * model.scale),
         min_length_(refinement.goals.min_edge_length * model.scale) {}
@@ -97,7 +97,7 @@ class GoalCheck {
   }
 
   void check_faces() {
-    // Looking for gaps takes microseconds a face.
+    // The blocks are small with varying sizes, because looking for gaps takes microseconds for each face.
     const std::size_t block = sizes_ != nullptr ? 512 : kItemsPerBlock;
     const auto blocks =
         map_blocks<Found>(model_.output.count(), block, control_, [&](std::size_t begin, std::size_t end) {
@@ -127,7 +127,8 @@ class GoalCheck {
   bool is_too_large_here(std::uint32_t f) const { return sizes_ != nullptr && sizes_->is_missed_clearly(f); }
   bool may_be_too_large_here(std::uint32_t f) const { return sizes_ != nullptr && sizes_->may_be_missed(f); }
 
-  /// The patches whose boundary, or a part of it, is claimed to stay as it was for a patch's sake.
+  /// Finds the patches for which it may be claimed that their boundary, or a part of it, was left unchanged because
+  /// of a frozen patch.
   void find_patches_beside_frozen() {
     if (claim_.frozen.empty()) return;
     is_beside_frozen_.assign(claim_.frozen.begin(), claim_.frozen.end());
@@ -150,10 +151,10 @@ class GoalCheck {
   }
   Standing angle_of(double angle) const { return at_least(angle, min_angle_); }
 
-  /// `is_small_enough`: it is not larger than any face may be.
+  /// Input: `is_small_enough` - the face is not larger than any face may be.
   bool is_reason(UnrefinedReason reason, std::uint32_t f, const Triangle3& face, bool is_small_enough) const {
     switch (reason) {
-      // Input angles explain angles, not sizes.
+      // Input angles explain small angles, not large sizes.
       case UnrefinedReason::kInputAngle: return is_small_enough && is_at_input_angle(f, face) && !is_too_large_here(f);
       case UnrefinedReason::kAcrossInputAngle:
         return is_small_enough && is_across_input_angle(f, face) && !is_too_large_here(f);
@@ -162,13 +163,14 @@ class GoalCheck {
       case UnrefinedReason::kBoundaryLocked: return is_any_boundary_locked(model_.output.patch[f]);
       case UnrefinedReason::kSizeFloor:
       case UnrefinedReason::kEffort: return true;
-      // Nothing has been rounded for an output format yet; check_stored_form tests what is listed then.
+      // Nothing has been rounded for an output format yet. check_stored_form tests faces that are listed for this
+      // reason.
       case UnrefinedReason::kOutputRounding: return false;
     }
     return false;
   }
 
-  /// The only angle below the bound is at a vertex of the input, and between two edges of the patch's boundary.
+  /// True if the only angle below the bound is at a vertex of the input, between two edges of the patch's boundary.
   bool is_at_input_angle(std::uint32_t f, const Triangle3& face) const {
     const auto corner = model_.output.face(f);
     for (int i = 0; i < 3; ++i) {
@@ -184,7 +186,8 @@ class GoalCheck {
 
   bool is_bounding(VertexId a, VertexId b) const { return !edges_.is_interior(a, b); }
 
-  /// The ends of the shortest side are on two lines that meet, equally far from there, and nearer to each other.
+  /// True if the ends of the shortest side are on two lines that meet, equally far from their common point, and
+  /// nearer to each other than to it.
   bool is_across_input_angle(std::uint32_t f, const Triangle3& face) const {
     const auto corner = model_.output.face(f);
     const double shortest = face.shortest_side();
@@ -203,8 +206,8 @@ class GoalCheck {
     return false;
   }
 
-  /// Edges with a new end are as long as they must be; but inside a patch, where lines meet under 60 degrees, those
-  /// from one to the other are as short as the angle makes them.
+  /// Checks that edges with a new end are as long as they must be. The exception are edges inside a patch from one
+  /// line to another, if these meet under less than 60 degrees: they are as short as the angle makes them.
   void check_new_edges() {
     const auto blocks =
         map_blocks<Found>(edges_.vertex_count(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -234,12 +237,12 @@ class GoalCheck {
   const Model& model_;
   const EdgeTable& edges_;
   const BoundaryGraph& seams_;
-  const VaryingSizes* sizes_;  ///< null: no bound differs from place to place
+  const VaryingSizes* sizes_;  ///< null: no bound varies from place to place
   Findings& findings_;
   RunControl& control_;
-  // In the model's scale; radians.
+  // These are in the model's scale; the angle is in radians.
   const double min_angle_, max_area_, max_length_, min_length_;
-  std::optional<StraightLines> lines_;  ///< where one of the tests needs them
+  std::optional<StraightLines> lines_;  ///< set if one of the tests needs it
   std::vector<std::uint8_t> is_beside_frozen_;
 };
 

@@ -12,7 +12,7 @@
 namespace remesh::verification {
 namespace {
 
-/// A point over the plane.
+/// A point with its height over the plane.
 struct Raised {
   Vec2 at;
   double height = 0;
@@ -21,14 +21,15 @@ struct Raised {
 /// A triangle over the plane.
 using Facet = std::array<Raised, 3>;
 
-/// An edge from left to right, with a triangle above it.
+/// An edge from left to right which has a triangle above it.
 struct LowerEdge {
   Vec2 left, right;
   std::uint32_t facet;
 };
 
-/// From below to above, among edges that some vertical line meets. They do not cross, for they belong to one
-/// triangulation; in a false one the order may be false, and probes then miss their triangle.
+/// Orders edges from bottom to top, among edges that some vertical line meets. They do not cross, because they belong
+/// to one triangulation. If it is not a valid triangulation, the order may be wrong, and probes then miss their
+/// triangle.
 class Below {
  public:
   using is_transparent = void;
@@ -42,7 +43,7 @@ class Below {
   bool operator()(const Raised& p, const LowerEdge* e) const { return p.at.y < height_of(*e, p.at.x); }
 
  private:
-  /// > 0: b, which begins no further left, is above a.
+  /// Output: positive if b, which begins no further left than a, is above a.
   int side(const LowerEdge& a, const LowerEdge& b) const {
     const int at_begin = orientation(a.left, a.right, b.left, grid_);
     return at_begin != 0 ? at_begin : orientation(a.left, a.right, b.right, grid_);
@@ -56,7 +57,7 @@ class Below {
 
 class HeightMeasure {
  public:
-  /// Input:  triangles that turn counter-clockwise, with coordinates on the grid, next to each other as in a
+  /// Input:  triangles that turn counter-clockwise, with coordinates on the grid, and that meet as in a
   ///         triangulation.
   HeightMeasure(std::vector<Facet> facets, double grid, RunControl& control)
       : facets_(std::move(facets)), grid_(grid), control_(control) {
@@ -72,7 +73,8 @@ class HeightMeasure {
     });
   }
 
-  /// The largest difference; infinity if one of the probes is over no facet.
+  /// The largest difference of height.
+  /// Output: infinity if one of the probes is over no facet.
   double run(std::vector<Raised> probes) const {
     sort_stoppable(probes.begin(), probes.end(), control_,
                    [](const Raised& a, const Raised& b) { return a.at < b.at; });
@@ -81,7 +83,7 @@ class HeightMeasure {
     for (const LowerEdge& e : edges_) by_right.push_back(&e);
     sort_stoppable(by_right.begin(), by_right.end(), control_,
                    [](const LowerEdge* a, const LowerEdge* b) { return a->right.x < b->right.x; });
-    // An edge that comes or goes costs a search among those that are there.
+    // Each edge that is inserted or removed costs a search among the active edges.
     StopCheck check(control_);
 
     std::size_t next_edge = 0, next_end = 0;
@@ -98,7 +100,8 @@ class HeightMeasure {
         check();
         const LowerEdge& e = edges_[next_edge];
         if (is_inclusive ? e.left.x > x : e.left.x >= x) return;
-        // Those that end where this one begins go first: only edges over a common line have an order.
+        // Edges that end where this one begins are removed first, because only edges over a common vertical line have
+        // an order.
         remove_ended(e.left.x, true);
         active.insert(&e);
       }
@@ -107,7 +110,7 @@ class HeightMeasure {
     for (std::size_t i = 0; i < probes.size(); ++i) {
       check();
       const Raised& probe = probes[i];
-      // On a vertical line of the triangulation, the triangles on its left are asked first, then those on its right.
+      // On a vertical line of the triangulation, the triangles on its left are tried first, then those on its right.
       insert_before(probe.at.x, false);
       remove_ended(probe.at.x, false);
       double difference = measure(active, probe);
@@ -125,7 +128,8 @@ class HeightMeasure {
  private:
   using Active = std::set<const LowerEdge*, Below>;
 
-  /// Height difference to the triangle over the highest edge that is not above the probe; infinity if it is not inside.
+  /// The height difference to the triangle over the highest edge that is not above the probe.
+  /// Output: infinity if the probe is not inside that triangle.
   double measure(const Active& active, const Raised& probe) const {
     const auto above = active.upper_bound(probe);
     if (above == active.begin()) return HUGE_VAL;
@@ -134,7 +138,7 @@ class HeightMeasure {
     for (int i = 0; i < 3; ++i) {
       const Vec2 from = facet[(i + 1) % 3].at, side = facet[(i + 2) % 3].at - from;
       weight[i] = cross(side, probe.at - from);
-      // Outside by more than the grid's rounding?
+      // This tests if the probe is outside by more than the grid's rounding.
       if (weight[i] < -2 * (grid_ + 0x1p-50) * norm(side)) return HUGE_VAL;
       weight[i] = std::max(weight[i], 0.0);
       sum += weight[i];
@@ -145,7 +149,7 @@ class HeightMeasure {
   }
 
   std::vector<Facet> facets_;
-  std::vector<LowerEdge> edges_;  ///< by their left end
+  std::vector<LowerEdge> edges_;  ///< sorted by their left end
   double grid_;
   RunControl& control_;
 };
@@ -155,7 +159,7 @@ Raised raise(const Model& model, const Frame& frame, VertexId v) {
   return {{dot(d, frame.x_axis) / frame.scale, dot(d, frame.y_axis) / frame.scale}, dot(d, frame.normal)};
 }
 
-/// The vertices of some faces that are wanted, once each.
+/// The wanted vertices of some faces, each once.
 template <class IsWanted>
 std::vector<Raised> collect_probes(const Model& model, const Frame& frame, const Faces& faces,
                                    std::span<const std::uint32_t> of_patch, const IsWanted& is_wanted,
@@ -200,7 +204,7 @@ double largest_height_of_dropped(const Model& model, std::size_t patch, const Bo
 double largest_height_of_new(const Model& model, std::size_t patch, const BoundaryGraph& output_seams,
                              RunControl& control) {
   const Frame& frame = model.frames[patch];
-  // The input has no plane coordinates of its own. They may lie a little outside the frame's square.
+  // The input has no stored plane coordinates. They may lie slightly outside the frame's square.
   const auto to_grid = [&](Vec2 uv) {
     return Vec2{std::nearbyint(uv.x / frame.grid) * frame.grid, std::nearbyint(uv.y / frame.grid) * frame.grid};
   };

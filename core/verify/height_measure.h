@@ -1,4 +1,5 @@
-/// How far vertices inside a patch, of one side, are from the other side's faces above or below them.
+/// Measures how far vertices inside a patch, of the input or the output, are from the faces of the other side above
+/// or below them.
 #pragma once
 
 #include <cstddef>
@@ -9,16 +10,17 @@
 
 namespace remesh::verification {
 
-/// The largest difference of height over the patch's plane between an input vertex that is gone and the output triangle
-/// that covers it. Vertices on the boundary are left out: they have been held against their chords.
+/// The largest difference of height over the patch's plane between a dropped input vertex and the output triangle
+/// that covers it. Vertices on the boundary are not measured here, because check_boundary has compared them with
+/// their chords.
 /// Input:  a patch with a sound frame, whose output triangles all turn counter-clockwise in their plane coordinates.
 /// Output: infinity if no triangle covers one of the vertices.
-/// Cost:   O(n log n): a sweep over the plane, with the edges under the triangles in order.
+/// Cost:   O(n log n): a sweep over the plane that stores in order the edges under the triangles.
 double largest_height_of_dropped(const Model& model, std::size_t patch, const BoundaryGraph& input_seams,
                                  RunControl& control);
 
-/// The same for new vertices over the input's triangles.
-/// Output: infinity also where the input is not made of triangles that all turn counter-clockwise in the plane.
+/// The largest difference of height between a new vertex and the input triangle that covers it.
+/// Output: infinity also if the input does not consist of triangles that all turn counter-clockwise in the plane.
 double largest_height_of_new(const Model& model, std::size_t patch, const BoundaryGraph& output_seams,
                              RunControl& control);
 

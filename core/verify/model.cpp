@@ -20,20 +20,20 @@ bool is_same_bits(const Vec3& a, const Vec3& b) {
   return std::bit_cast<Bits>(a) == std::bit_cast<Bits>(b);
 }
 
-/// 1 over the power of two above the largest coordinate.
+/// Returns 1 over the power of two above the largest coordinate.
 double scale_of(std::span<const Vec3> positions, RunControl& control) {
   const double m = largest_coordinate(positions, control);
   return m > 0 ? std::ldexp(1.0, -std::clamp(std::ilogb(m) + 1, -1000, 1000)) : 1.0;
 }
 
-/// What the output's vertices are.
+/// The correspondence of output vertices to surface vertices.
 struct Matches {
   std::vector<VertexId> of_surface;     ///< the surface vertex with the same bits; invalid if there is none
-  std::vector<std::uint8_t> is_single;  ///< it is finite, and no other output vertex is in its place
+  std::vector<std::uint8_t> is_single;  ///< the vertex is finite, and no other output vertex is at its place
 };
 
-/// The output is sorted and searched, not the surface: without refinement it is the smaller one, and often very much
-/// so.
+/// Matches output vertices with surface vertices. The output is sorted and searched instead of the surface, because
+/// without refinement it is the smaller one, often by far.
 Matches match_vertices(const Claim& claim, RunControl& control) {
   const std::span<const Vec3> surface = claim.surface.positions.items();
   struct Place {
@@ -63,7 +63,7 @@ Matches match_vertices(const Claim& claim, RunControl& control) {
     for (std::size_t v = begin; v < end; ++v) {
       const auto found = std::partition_point(places.begin(), places.end(),
                                               [&](const Place& place) { return place.position < surface[v]; });
-      // Surface positions are pairwise different, so no two threads find the same one.
+      // Surface positions are pairwise different, so no two threads find the same output vertex.
       if (found != places.end() && is_same_bits(found->position, surface[v]))
         match.of_surface[found->vertex] = VertexId(v);
     }
@@ -71,7 +71,7 @@ Matches match_vertices(const Claim& claim, RunControl& control) {
   return match;
 }
 
-/// One reason for each face that is listed, ascending; goals that are numbers.
+/// Checks that each listed face has one reason, that the faces ascend, and that the goals are numbers.
 bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, std::size_t patch_count) {
   const auto& [goals, unrefined, reasons, frozen] = refinement;
   const auto is_bound = [](double bound) { return bound >= 0; };
@@ -82,7 +82,7 @@ bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, s
          is_bound(goals.proximity) && is_bound(goals.gradation) && (frozen.empty() || frozen.size() == patch_count);
 }
 
-/// The output's faces in the model's vertices, and which of these it uses.
+/// Numbers the output's faces by the model's vertices, and marks the vertices that they use.
 void renumber_output(const Claim& claim, const std::vector<VertexId>& match, Model& model, Findings& findings,
                      RunControl& control) {
   const std::size_t face_count = claim.faces.size();

@@ -1,4 +1,4 @@
-/// The claim in one numbering and one scale: what all tests of the checker read.
+/// The claim in one numbering of vertices and one scale. All tests of the checker read it.
 #pragma once
 
 #include <algorithm>
@@ -15,7 +15,8 @@
 
 namespace remesh::verification {
 
-/// Points in the model's scale: the surface's, scaled when they are asked for, and then those that were added.
+/// Points in the model's scale. First come the surface's points, which are scaled at each access, then the points
+/// that were added.
 class Points {
  public:
   Points() = default;
@@ -33,12 +34,14 @@ class Points {
   std::vector<Vec3> added_;
 };
 
-/// Vertices are numbered as in the surface. The new ones of a refined result follow, then output vertices that are
-/// neither (moved, or a second one at the same place), so that whatever uses them fails by its edges.
-/// Lengths are scaled by a power of two to coordinates of at most 1, so that nothing over- or underflows.
+/// Vertices are numbered as in the surface. The new vertices of a refined result follow. After them come output
+/// vertices that are neither (moved, or a second one at the same place), so that everything that uses them fails by
+/// its edges.
+///
+/// Lengths are scaled by a power of two to coordinates of at most 1, so that nothing overflows or underflows.
 struct Model {
   Model() = default;
-  Model(Model&&) = default;  // not copied: spans look into the model itself
+  Model(Model&&) = default;  // it cannot be copied, because its spans refer to its own members
 
   Points points;
   std::size_t surface_vertex_count = 0;
@@ -50,31 +53,32 @@ struct Model {
   Grouping output_by_patch;
   std::vector<Frame> frames;
   std::span<const Vec2> corner_uv;  ///< one per output corner
-  double scale = 1;                 ///< model units times this are the units here
+  double scale = 1;                 ///< model units times this give the units used here
   double tolerance = 0;
 
   std::size_t patch_count() const { return frames.size(); }
-  /// Has refinement made this vertex?
+  /// True if refinement made this vertex.
   bool is_new(VertexId v) const { return v.value >= surface_vertex_count && v.value < new_vertex_end; }
 
-  /// May a distance be called within the tolerance? Besides a share of 1e-9 it allows for the rounding of the
-  /// measurement itself: some ten roundings of numbers no larger than `reach`.
+  /// True if a distance counts as within the tolerance. Besides a share of 1e-9 this permits the rounding of the
+  /// measurement itself: about ten roundings of numbers no larger than `reach`.
   bool is_within_tolerance(double distance, double reach) const {
     return distance <= tolerance * (1 + 1e-9) + 2e-15 * reach;
   }
 
-  /// How far a new vertex may be from where it was meant to be, when coordinates up to `reach` went into it: some ten
-  /// roundings in each of three.
+  /// The largest distance of a new vertex from its intended place, if it was computed from coordinates up to `reach`:
+  /// about ten roundings in each of three coordinates.
   static double rounding(double reach) { return 0x1p-49 * reach; }
 
-  // What the spans above look into.
+  // The spans in `output` refer to these arrays.
   std::vector<std::uint32_t> output_face_begin;
   std::vector<VertexId> output_corners;
 };
 
-/// Do the claim's arrays fit together, with every number in range and every surface coordinate finite?
+/// True if the claim's arrays fit together, every number is in range and every surface coordinate is finite.
 bool is_well_formed(const Claim& claim, RunControl& control);
 
+/// Builds the model.
 /// Input:  a well-formed claim. Reports kMovedVertex.
 Model make_model(const Claim& claim, Findings& findings, RunControl& control);
 

@@ -35,13 +35,13 @@ void cut_spikes(std::vector<Vec3>& loop, double tolerance, StopCheck& check) {
     if (std::min(to_a, to_b) <= tolerance) return true;
     return dot(a, b) > 0 && norm(cross(a, b)) <= tolerance * std::max(to_a, to_b);
   };
-  std::size_t kept = 0;  // the corners before this one stay so far
+  std::size_t kept = 0;  // number of corners that stay so far, at the front of the loop
   for (std::size_t i = 0; i < loop.size(); ++i) {
     check();
     while (kept > 1 && is_tip(loop[kept - 2], loop[kept - 1], loop[i])) --kept;
     loop[kept++] = loop[i];
   }
-  // The ends meet: what turns back there is taken away from both sides.
+  // The loop is closed, so spikes across its beginning are cut from both sides.
   std::size_t first = 0;
   for (bool is_cut = true; is_cut && kept - first > 2;) {
     check();
@@ -75,7 +75,7 @@ std::vector<SimpleOutline::Interval> SimpleOutline::intervals(int axis, const Ru
   for (std::size_t i = 0; i < loop_.size(); ++i) {
     check();
     const auto [low, high] = std::minmax({loop_[i][axis], loop_[after(i)][axis]});
-    // What is within the tolerance of an edge is in its interval, and so is what is there up to rounding.
+    // The interval includes everything within the tolerance of an edge, with the points there up to rounding.
     result.push_back({low - tolerance_, high + tolerance_, static_cast<std::uint32_t>(i)});
   }
   sort_stoppable(result.begin(), result.end(), control,
@@ -104,7 +104,7 @@ bool SimpleOutline::are_boxes_apart(std::size_t i, std::size_t j) const {
   return false;
 }
 
-/// This is positive to the left of edge i.
+/// Output: positive to the left of edge i.
 double SimpleOutline::side(std::size_t i, const Vec3& p) const {
   return dot(cross(loop_[after(i)] - loop_[i], p - loop_[i]), normal_);
 }
@@ -116,15 +116,15 @@ double SimpleOutline::distance(std::size_t i, const Vec3& p) const {
   return norm(p - loop_[i] - share * way);
 }
 
-/// Whether edge j is clearly on one side of the line of edge i. This costs less than to measure distances.
+/// True if edge j is clearly on one side of the line of edge i. This costs less than measuring distances.
 bool SimpleOutline::is_beside(std::size_t i, std::size_t j) const {
   const double from = side(i, loop_[j]), to = side(i, loop_[after(j)]);
   const double nearer = std::min(std::fabs(from), std::fabs(to));
   return (from < 0) == (to < 0) && nearer * nearer > tolerance_ * tolerance_ * norm_squared(loop_[after(i)] - loop_[i]);
 }
 
-/// Whether two edges cross, or the first corner of one is within the tolerance of the other. The second corner of an
-/// edge is the first one of the next edge.
+/// True if two edges cross, or the first corner of one is within the tolerance of the other. The second corner of an
+/// edge is the first corner of the next edge.
 bool SimpleOutline::do_meet(std::size_t i, std::size_t j) const {
   const auto are_apart = [](double a, double b) { return (a < 0) != (b < 0); };
   const bool is_next = j == after(i), is_before = i == after(j);

@@ -1,4 +1,4 @@
-/// Outlines of polygons in space, as the checker measures them.
+/// Measures outlines of polygons in space, for the checker.
 #pragma once
 
 #include <cstddef>
@@ -12,34 +12,37 @@
 
 namespace remesh::verification {
 
-/// What an outline encloses, from its corners alone.
+/// Measures of an outline that follow from its corners alone.
 struct OutlineMeasures {
   Vec3 twice_area;
-  double magnitude = 0;  ///< what its rounding is in proportion to
-  double length = 0;     ///< of the outline
+  double magnitude = 0;  ///< the rounding error of `twice_area` is proportional to this
+  double length = 0;     ///< length of the outline
 };
 
-/// Cost: O(n). The check is called once a corner.
+/// Cost: O(n). `check` is called once for each corner.
 OutlineMeasures measure_outline(std::span<const Vec3> loop, StopCheck& check);
 
-/// Whether no corner is further than the tolerance from the plane through the first one with that unit normal.
+/// True if no corner is further than the tolerance from the plane with that unit normal through the first corner.
 bool is_flat(std::span<const Vec3> loop, const Vec3& normal, double tolerance, StopCheck& check);
 
-/// Takes away the corners at which the outline turns back over itself within the tolerance: a spike encloses nothing.
+/// Removes the corners at which the outline turns back over itself within the tolerance. Such a spike encloses
+/// nothing.
 /// Cost: O(n).
 void cut_spikes(std::vector<Vec3>& loop, double tolerance, StopCheck& check);
 
-/// Finds out whether a flat outline clearly neither crosses nor touches itself: no corner is within the tolerance of an
-/// edge that does not end there, and no two edges cross. Compares only edges that overlap along one axis.
+/// Finds out whether a flat outline clearly neither crosses nor touches itself. That is so if no corner is within the
+/// tolerance of an edge that does not end there, and no two edges cross. Only edges that overlap along one axis are
+/// compared.
 class SimpleOutline {
  public:
   /// Sorts the edges along the axis of space along which the fewest pairs of them overlap.
-  /// Input: the corners, in the plane with that unit normal up to the tolerance.
+  /// Input: `loop` - the corners, which lie in the plane with that unit normal up to the tolerance.
   /// Cost:  O(n log n).
   SimpleOutline(std::vector<Vec3> loop, const Vec3& normal, double tolerance, const RunControl& control);
 
-  /// The pairs of edges that is_simple compares.
+  /// The number of pairs of edges that is_simple compares.
   std::uint64_t pair_count() const { return pair_count_; }
+  /// True if the outline is clearly simple.
   /// Cost: O(n + pair_count), in parallel.
   bool is_simple(RunControl& control) const;
 
@@ -61,7 +64,7 @@ class SimpleOutline {
   std::vector<Vec3> loop_;
   Vec3 normal_;
   double tolerance_;
-  std::vector<Interval> sorted_;  ///< the edges by where they begin along the axis
+  std::vector<Interval> sorted_;  ///< the edges, sorted by where they begin along the axis
   std::uint64_t pair_count_ = 0;
 };
 

@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kPatchesPerBlock = 256;
 constexpr std::size_t kFacesPerBlock = 8192;
 
-/// Smallest and largest height over the patch's plane.
+/// The smallest and largest height over the patch's plane.
 struct Heights {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
@@ -30,7 +30,7 @@ struct Heights {
   }
 };
 
-/// Area vector and enclosed volume of a set of faces, with what bounds their rounding.
+/// The area vector and enclosed volume of a set of faces, with bounds on their rounding.
 struct Measures {
   Vec3 twice_area;
   double twice_absolute_area = 0;
@@ -45,25 +45,26 @@ struct Measures {
     magnitude += other.magnitude;
     terms += other.terms;
   }
-  /// Rounding of `twice_area`: each term by a few units in its last place, each addition by one in that of the sum.
+  /// A bound on the rounding of `twice_area`. Each term errs by a few units in its last place, each addition by one
+  /// unit in that of the sum.
   double rounding() const { return static_cast<double>(terms + 8) * 0x1p-52 * magnitude; }
 };
 
-/// What some faces of a patch, of one side, come to.
+/// The totals over some faces of one side of a patch.
 struct Reading {
   Heights heights;
   Measures measures;
   double reach = 0;                   ///< largest coordinate relative to the frame's origin
-  FaceId facing_away;                 ///< the first of the input's that are higher than the tolerance
-  std::vector<std::uint32_t> folded;  ///< all of the input's that face away
-  bool are_all_positive = true;       ///< the output's
+  FaceId facing_away;                 ///< the first input face that points away and is higher than the tolerance
+  std::vector<std::uint32_t> folded;  ///< all input faces that point away
+  bool are_all_positive = true;       ///< all output triangles are positively oriented
   std::vector<Finding> findings;
 
   void add(const Reading& other) {
     heights.add(other.heights);
     measures.add(other.measures);
     reach = std::max(reach, other.reach);
-    facing_away = std::min(facing_away, other.facing_away);  // an invalid one is the largest
+    facing_away = std::min(facing_away, other.facing_away);  // an invalid face has the largest number
     folded.insert(folded.end(), other.folded.begin(), other.folded.end());
     are_all_positive = are_all_positive && other.are_all_positive;
     findings.insert(findings.end(), other.findings.begin(), other.findings.end());
@@ -121,7 +122,7 @@ class PatchCheck {
  private:
   void report(Fault fault, std::uint32_t element = 0) { findings_.push_back({PatchId(patch_), fault, element}); }
 
-  /// Reads the faces of one side: all at once or, of a large patch, block by block.
+  /// Reads the faces of one side. A large patch is read in blocks.
   template <class ReadFace>
   Reading read(std::span<const std::uint32_t> faces, const ReadFace& read_face) {
     const auto read_block = [&](std::size_t begin, std::size_t end) {
@@ -137,7 +138,8 @@ class PatchCheck {
 
   double height(const Vec3& p) const { return dot(p - frame_.origin, frame_.normal); }
 
-  /// Adds a face to heights and measures; returns twice its area vector.
+  /// Adds a face to heights and measures.
+  /// Output: twice the area vector of the face.
   Vec3 add_face(std::span<const VertexId> face, Reading& reading) const {
     const Vec3 first = model_.points[face[0].value];
     Heights heights;
@@ -185,7 +187,8 @@ class PatchCheck {
     const auto report = [&](Fault fault) { reading.findings.push_back({PatchId(patch_), fault, f}); };
     const auto face = model_.output.face(f);
     const Vec3 twice_area = add_face(face, reading);
-    // A new vertex was rounded when it was made, by its coordinates, not by its distance from the frame's origin.
+    // A new vertex was rounded when it was made. That rounding depends on its coordinates, not on its distance from
+    // the frame's origin.
     for (const VertexId v : face)
       if (model_.is_new(v)) reading.reach = std::max(reading.reach, largest_coordinate(model_.points[v.value]));
 
@@ -194,16 +197,18 @@ class PatchCheck {
     const double twice_size = std::sqrt(norm_squared(twice_area));
     if (!(twice_size > 1e-12 * extent * extent) && is_collinear(a, b, c) && !is_input_triangle(face))
       report(Fault::kZeroArea);
-    // Turned over in space; but of a triangle no higher than the tolerance noise decides where it looks.
+    // The triangle points away in space. For a triangle no higher than the tolerance, noise decides the direction, so
+    // it is exempt.
     const bool is_away = !(dot(twice_area, frame_.normal) > 0) &&
                          !(extent > 0 && model_.is_within_tolerance(twice_size / extent, extent));
     const bool is_turned_over = !read_plane_coordinates(f, face, reading) || is_away;
     if (is_turned_over && !is_input_triangle(face)) report(Fault::kInverted);
   }
 
-  /// Tests the stored coordinates of a face; returns whether they turn counter-clockwise.
+  /// Tests the stored coordinates of a face.
+  /// Output: true if they turn counter-clockwise.
   bool read_plane_coordinates(std::uint32_t f, std::span<const VertexId> face, Reading& reading) const {
-    if (!has_frame_) return true;  // nothing to go by; the frame has been reported
+    if (!has_frame_) return true;  // there is nothing to compare with; the frame has been reported
     const Vec2* uv = &model_.corner_uv[3 * f];
     for (int i = 0; i < 3; ++i) {
       if (is_on_grid(uv[i], frame_.grid) && is_projection(uv[i], face[i])) continue;
@@ -217,10 +222,10 @@ class PatchCheck {
     return is_positive;
   }
 
-  /// Are these the vertex's plane coordinates? They may be off by half the grid, and by the rounding of two
-  /// computations (the stage's and this one), each of some four operations on numbers no larger than the sum of |d|'s
-  /// coordinates. On the fine grid they may be off by all of it: no triangle has height 0 there. A new vertex may have
-  /// been made in the plane: then it is the one in space that was rounded.
+  /// True if these are the vertex's plane coordinates. They may differ by half the grid, and by the rounding of two
+  /// computations (the stage's and this one). Each consists of about four operations on numbers no larger than the
+  /// sum of |d|'s coordinates. On the fine grid they may differ by a whole grid step, because no triangle has height
+  /// 0 there. A new vertex may have been made in the plane; then the point in space was rounded.
   bool is_projection(Vec2 uv, VertexId v) const {
     const Vec3 p = model_.points[v.value];
     const Vec3 d = p - frame_.origin;
@@ -231,11 +236,11 @@ class PatchCheck {
            std::fabs(uv.y - dot(d, frame_.y_axis) / frame_.scale) <= allowed;
   }
 
-  /// Has the input this triangle, in this patch and the same way round?
+  /// True if the input has this triangle in this patch with the same orientation.
   bool is_input_triangle(std::span<const VertexId> face) const {
     if (std::any_of(face.begin(), face.end(), [&](VertexId v) { return v.value >= model_.surface_vertex_count; }))
       return false;
-    // The edge with the fewest faces: another one may have a million.
+    // This takes the edge with the fewest faces, because another edge may have a million.
     std::size_t i = 0;
     for (const std::size_t k : {1, 2})
       if (count_input_uses(face, k) < count_input_uses(face, i)) i = k;
@@ -262,14 +267,15 @@ class PatchCheck {
     });
   }
 
-  /// The area vector depends on the boundary alone (Stokes), so it may change by the slivers there, and by rounding.
+  /// The area vector depends on the boundary alone (Stokes). So it may change by the slivers at the boundary, and by
+  /// rounding.
   void compare_areas() {
     const double change = norm(output_.measures.twice_area - input_.measures.twice_area) / 2;
     if (!(change <= boundary_.slivers[patch_] * (1 + 1e-9) + input_.measures.rounding() + output_.measures.rounding()))
       report(Fault::kArea);
   }
 
-  /// Returns the distance between input and output, or a bound of it.
+  /// Returns the distance between input and output, or a bound on it.
   double check_deviation() {
     const double along_boundary = boundary_.deviation[patch_];
     height_bound_ =
@@ -291,8 +297,8 @@ class PatchCheck {
     return std::max({along_boundary, std::min(measured, height_bound_), of_folds});
   }
 
-  /// How far new vertices inside the patch are from the input, or a bound of it. Those on the boundary are on their
-  /// chords, and these have been held against the input.
+  /// Returns the distance of new vertices inside the patch from the input, or a bound on it. New vertices on the
+  /// boundary are on their chords, which have been compared with the input.
   double bound_of_new_heights() {
     double bound = 0;
     StopCheck check(control_);
@@ -308,8 +314,9 @@ class PatchCheck {
     return std::min(bound, largest_height_of_new(model_, patch_, seams_.output, control_));
   }
 
-  /// Input and output of the patch, and the slivers between their boundaries, enclose no more than the area that they
-  /// cover times the difference of their heights; the slivers of neighbours cancel where the surface is closed.
+  /// Adds the change of volume and its bound. Input and output of the patch, and the slivers between their
+  /// boundaries, enclose no more than the area that they cover times the difference of their heights. The slivers of
+  /// neighbours cancel if the surface is closed.
   void add_volume(ShapeSums& sums) const {
     sums.volume_change += output_.measures.volume - input_.measures.volume;
     sums.volume_bound += (std::max(input_.measures.twice_absolute_area, output_.measures.twice_absolute_area) / 2 +
@@ -331,7 +338,7 @@ class PatchCheck {
 
   bool has_frame_ = false;
   Reading input_, output_;
-  double reach_ = 0;  ///< of both
+  double reach_ = 0;  ///< the larger one of both sides
   double height_bound_ = 0;
 };
 

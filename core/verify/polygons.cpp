@@ -13,28 +13,28 @@
 namespace remesh::verification {
 namespace {
 
-/// The faces [begin, end) of the surface came of one polygon of the input.
+/// The faces [begin, end) of the surface were made of one polygon of the input.
 struct PolygonFaces {
   std::size_t begin, end;
   FaceId source;
 };
 
-/// The faces of a polygon do not cover what its outline encloses. Whether that is wrong depends on the outline.
+/// A polygon whose faces do not cover what its outline encloses. Whether that is wrong depends on the outline.
 struct Doubt {
   PolygonFaces faces;
-  std::uint64_t pairs;  ///< of edges to compare
+  std::uint64_t pairs;  ///< number of pairs of edges to compare
 };
 
 class PolygonCheck {
  public:
   PolygonCheck(const Claim& claim, const Model& model, RunControl& control)
       : claim_(claim), model_(model), control_(control) {
-    // Mending moves corners twice at most, welding once.
+    // Mending moves corners at most twice, and welding once.
     moved_ = 2 * model.tolerance + model.scale * claim.weld_tolerance;
   }
 
   void run(std::uint64_t max_pairs, Findings& findings) {
-    // The order of the file alone decides which polygons are left out.
+    // Only the order of the file decides which polygons are not tested.
     std::vector<Doubt> affordable;
     StopCheck check(control_);
     for (const std::vector<Doubt>& block : find_doubts())
@@ -57,7 +57,7 @@ class PolygonCheck {
   }
 
  private:
-  /// An outline without its spikes, in its plane.
+  /// An outline in its plane, without its spikes.
   struct Outline {
     std::vector<Vec3> loop;
     Vec3 normal;
@@ -71,7 +71,7 @@ class PolygonCheck {
     return map_blocks<std::vector<Doubt>>(faces, kFacesPerBlock, control_, [&](std::size_t first, std::size_t last) {
       std::vector<Doubt> found;
       StopCheck check(control_);
-      // The faces of one polygon follow each other. They belong to the block in which they begin.
+      // The faces of one polygon are consecutive. They belong to the block in which they begin.
       std::size_t begin = first;
       while (begin > 0 && begin < last && source(begin) == source(begin - 1)) ++begin;
       for (std::size_t end = begin; begin < last; begin = end) {
@@ -97,8 +97,8 @@ class PolygonCheck {
     return outline && simple(*std::move(outline)).is_simple(control_);
   }
 
-  /// Holds the faces that came of a polygon against its outline.
-  /// Returns: the outline, if they do not cover what it encloses, and if that is wrong where it is simple.
+  /// Compares the faces that were made of a polygon with its outline.
+  /// Output: the outline, if the faces do not cover what it encloses. This is wrong if the outline is simple.
   std::optional<Outline> outline_in_doubt(const PolygonFaces& faces, StopCheck& check) const {
     std::vector<Vec3> loop, face;
     for (const VertexId v : claim_.input->face(faces.source)) {
@@ -121,14 +121,14 @@ class PolygonCheck {
     const bool is_area_kept = std::fabs(norm(twice_sum) - twice_area) <= allowed;
     if (is_area_kept && twice_covered <= twice_area + allowed) return {};
     const double reach = moved_ + 0x1p-45 * outline.length;
-    // Mending cuts off all spikes that are half as wide as it may. An outline with a wider one is not clearly simple
-    // within the reach, so nothing is said of it, whether mending has cut it off or not.
+    // Mending cuts off every spike up to half the width that it may cut. An outline with a wider spike is not clearly
+    // simple within the reach, so it is not judged, whether or not mending has cut the spike off.
     const double spike = model_.tolerance / 2 + 0x1p-45 * outline.length;
-    // A spike may leave the plane. What is left without it may be flat.
+    // A spike may leave the plane, and the rest of the outline may be flat.
     cut_spikes(loop, spike, check);
     const Vec3 normal = normalized(measure_outline(loop, check).twice_area);
     if (normal == Vec3{}) return {};
-    // Triangles of a bent polygon may face in many directions, but their sum is its area.
+    // The triangles of a bent polygon may face many directions, but their sum is its area vector.
     if (is_area_kept && !is_flat(loop, normal, reach, check)) return {};
     const Vec3 origin = loop[0];
     for (Vec3& p : loop) {
@@ -142,14 +142,14 @@ class PolygonCheck {
   const Claim& claim_;
   const Model& model_;
   RunControl& control_;
-  double moved_;  ///< how far a corner may be from where it was read
+  double moved_;  ///< largest distance of a corner from where it was read
 };
 
 }  // namespace
 
 void check_polygons(const Claim& claim, const Model& model, Findings& findings, RunControl& control,
                     std::uint64_t max_pairs) {
-  // A mesh of triangles has none.
+  // A mesh of triangles has no polygons to check.
   if (claim.input == nullptr || claim.input->corners.size() == 3 * claim.input->face_count()) return;
   PolygonCheck(claim, model, control).run(max_pairs, findings);
 }

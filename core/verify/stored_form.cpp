@@ -24,20 +24,21 @@ namespace {
 
 using verification::Standing;
 
-/// At most so many intersecting pairs are looked for.
+/// The largest number of intersecting pairs that are searched for.
 constexpr std::size_t kMaxPairs = 100'000;
 
-/// The verified triangles of one patch that stand one after another.
+/// A run of consecutive verified triangles that belong to one patch.
 struct FaceRun {
   PatchId patch;
   std::uint32_t faces = 0;
-  double move = 0;          ///< largest of their corners
-  bool is_moved = false;    ///< the stored points are not those that were verified
-  bool is_positive = true;  ///< all of them look the same way, seen along an axis
-  double swept_volume = 0;  ///< bounds what lies between the verified and the stored triangles
+  double move = 0;          ///< largest move of their corners
+  bool is_moved = false;    ///< the stored points differ from the verified ones
+  bool is_positive = true;  ///< seen along an axis, all of them are positively oriented
+  double swept_volume = 0;  ///< bound on the volume between the verified and the stored triangles
 };
 
-/// The plane coordinates along the axis that a patch faces most: no arithmetic, so nothing is rounded.
+/// The plane coordinates of a patch along the axis that it faces most. They are taken without arithmetic, so nothing
+/// is rounded.
 class Flattening {
  public:
   explicit Flattening(const Vec3& normal) {
@@ -55,7 +56,7 @@ class Flattening {
   bool is_turned_ = false;
 };
 
-/// A number without pattern for each vertex; different ones for different vertices.
+/// A number without a pattern for each vertex. Different vertices have different numbers.
 /// Source: Steele, Lea, Flood, Fast splittable pseudorandom number generators, OOPSLA 2014 (the mixer of splitmix64).
 std::uint64_t scrambled(VertexId v) {
   std::uint64_t x = (std::uint64_t{v.value} + 1) * 0x9e3779b97f4a7c15;
@@ -87,7 +88,8 @@ class StoredCheck {
     return false;
   }
 
-  /// Counts for how many of 0 .. n - 1 `is_wrong` holds. Output: whether there are none.
+  /// Counts the indices of 0 .. n - 1 for which `is_wrong` is true.
+  /// Output: true if there are none.
   template <class IsWrong>
   bool check_all(StoredFault fault, std::size_t n, const IsWrong& is_wrong) {
     const auto counts = map_blocks<std::uint64_t>(n, kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -130,7 +132,7 @@ class StoredCheck {
            });
   }
 
-  /// Also finds the moves of each patch.
+  /// Checks the moves of all vertices, and finds the largest move of each patch.
   bool check_moves() {
     moves_.resize(claim_.stored.size());
     for_blocks(moves_.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
@@ -173,8 +175,8 @@ class StoredCheck {
     return runs;
   }
 
-  /// A triangle whose corners move by no more than `move` sweeps no more than this: its largest area on the way, times
-  /// the move.
+  /// A bound on the volume that a triangle sweeps if its corners move by no more than `move`: its largest area on the
+  /// way times the move.
   double swept_volume(std::size_t f, double move) const {
     const auto [a, b, c] = corners(claim_.positions, f);
     const double area = norm(cross(b - a, c - a)) / 2;
@@ -184,7 +186,8 @@ class StoredCheck {
   bool is_any_moved() const {
     return has_origin_ || std::any_of(runs_.begin(), runs_.end(), [](const FaceRun& run) { return run.is_moved; });
   }
-  /// About an origin even a point that a reader gets back exactly has been rounded, when the origin was subtracted.
+  /// With an origin, every vertex counts as moved. Even a point that a reader gets back exactly was rounded when the
+  /// origin was subtracted.
   bool is_moved(std::size_t f) const {
     const auto& [a, b, c] = claim_.faces[f];
     return has_origin_ || moves_[a.value] != 0 || moves_[b.value] != 0 || moves_[c.value] != 0;
@@ -211,8 +214,8 @@ class StoredCheck {
                      [&](std::size_t f) { return is_moved(f) && is_turned_over(f); });
   }
 
-  /// A triangle that had an area and looked along its patch's normal, as far as doubles tell, must go on to do so. One
-  /// that did not may look where it likes, but it must not lose the area that it has.
+  /// A triangle that had an area and pointed along its patch's normal, as far as doubles tell, must still do so. A
+  /// triangle that did not may point anywhere, but it must not lose the area that it has.
   bool is_turned_over(std::size_t f) const {
     const Vec3& normal = claim_.normals[claim_.face_patch[f].value];
     const auto after = corners(claim_.stored, f);
@@ -223,7 +226,8 @@ class StoredCheck {
     return !looks_along(before, -normal);
   }
 
-  /// Is this beyond doubt? The computation errs by a few roundings of the product of two sides.
+  /// True if the triangle certainly points along the normal. The computation errs by a few roundings of the product
+  /// of two sides.
   static bool looks_along(const std::array<Vec3, 3>& t, const Vec3& normal) {
     constexpr double kNoise = 1e-14;
     const Vec3 ab = t[1] - t[0], ac = t[2] - t[0];
@@ -257,7 +261,8 @@ class StoredCheck {
     return std::binary_search(faces.begin(), faces.end(), FaceId(f));
   }
 
-  /// Was it listed for a bound that is not the same everywhere? The check of the verified mesh has tested that it may.
+  /// True if the face was listed for a bound that varies from place to place. The check of the verified mesh has
+  /// tested that it may be listed.
   bool is_listed_for_sizes(FaceId f) const {
     const auto before = std::lower_bound(claim_.unrefined_before.begin(), claim_.unrefined_before.end(), f);
     return before != claim_.unrefined_before.end() && *before == f &&
@@ -294,14 +299,14 @@ class StoredCheck {
     return count == 0 || fail(StoredFault::kNewIntersections, count);
   }
 
-  /// For which patches it is sure that none of their faces meets another one of the same patch; or no matter, since
-  /// that was so before.
+  /// Marks the patches of which it is certain that none of their faces meets another face of the same patch, or for
+  /// which that does not matter because they met before.
   ///
-  /// Seen along an axis, let all triangles of a patch be positive. Then over each point there are as many of them as
-  /// the patch's boundary winds around it; and it winds at most once if it was simple before and no two of its edges
-  /// meet now. They do not meet if the triangles at them do not. So only the triangles at the boundary are held against
-  /// each other, in the plane. Where they meet, or where some triangle is not positive, the patch is not called
-  /// simple, and patch_intersections looks at all of its triangles, in space.
+  /// Suppose that all triangles of a patch are positive, seen along an axis. Then the number of triangles over a
+  /// point is the number of times that the patch's boundary winds around it. The boundary winds at most once if it
+  /// was simple before and no two of its edges meet now. The edges do not meet if the triangles at them do not. So
+  /// only the triangles at the boundary are compared with each other, in the plane. If they meet, or if some triangle
+  /// is not positive, the patch is not called simple, and patch_intersections looks at all of its triangles in space.
   std::vector<std::uint8_t> simple_patches() {
     struct Seen {
       std::uint64_t faces = 0;
@@ -327,14 +332,14 @@ class StoredCheck {
     return is_simple;
   }
 
-  /// Takes the mark `is_simple` from those of the patches asked for whose triangles at the boundary meet in the plane.
+  /// Removes the mark `is_simple` from those of the given patches whose triangles at the boundary meet in the plane.
   void find_overlaps(const std::vector<std::uint8_t>& is_asked, std::vector<std::uint8_t>& is_simple) {
     const std::vector<std::uint8_t> is_rim = rim_vertices();
     const auto rim = select_ids<FaceId>(claim_.faces.size(), kItemsPerBlock, control_, [&](std::size_t f) {
       const auto& [a, b, c] = claim_.faces[f];
       return is_asked[claim_.face_patch[f].value] != 0 && is_rim[a.value] + is_rim[b.value] + is_rim[c.value] >= 2;
     });
-    // Each patch lies in a plane of its own above the others, with its own vertices.
+    // Each patch gets its own plane above the others, and its own vertices.
     using Key = std::pair<PatchId, VertexId>;
     std::vector<Key> keys;
     keys.reserve(3 * rim.size());
@@ -368,9 +373,9 @@ class StoredCheck {
       if (is_asked[p] != 0) is_simple[p] = 0;
   }
 
-  /// Vertices that are on the boundary of a patch: they have faces of several patches, or the faces around them do not
-  /// close. Around an inner vertex every neighbour is once the next corner of a face and once the one before, so that
-  /// numbers of theirs cancel.
+  /// Marks the vertices on the boundary of a patch: they have faces of several patches, or the faces around them are
+  /// not closed. Around an inner vertex, every neighbour is once the next corner of a face and once the previous one.
+  /// So if the neighbours' numbers are added for one and subtracted for the other, they cancel.
   std::vector<std::uint8_t> rim_vertices() {
     constexpr std::uint32_t kNone = PatchId::kInvalid;
     std::vector<std::atomic<std::uint64_t>> sum(claim_.stored.size());
@@ -402,7 +407,7 @@ class StoredCheck {
   const StoredClaim& claim_;
   RunControl& control_;
   const bool has_origin_;
-  std::vector<double> moves_;  ///< of each vertex
+  std::vector<double> moves_;  ///< the move of each vertex
   std::vector<FaceRun> runs_;
   StoredVerdict verdict_;
 };
@@ -413,7 +418,7 @@ Goals goals_after_rounding(const Goals& goals, double move) {
   constexpr double kMaxShare = 9e-7;
   Goals after = goals;
   after.max_edge_length += std::min(2 * move, kMaxShare * goals.max_edge_length);
-  // The height over each side of the largest equilateral triangle grows by no more than twice the move.
+  // The height over each side of the largest permitted equilateral triangle grows by at most twice the move.
   const double side = std::sqrt(4 / std::numbers::sqrt3 * goals.max_area);
   const double growth = (side + 2 * move) / side;
   if (growth > 1) after.max_area *= std::min(growth * growth, 1 + kMaxShare);

@@ -1,4 +1,4 @@
-/// Is a mesh still the verified one where an output format has rounded its coordinates?
+/// Checks that a mesh is still correct after an output format has rounded its coordinates.
 #pragma once
 
 #include <cstdint>
@@ -17,66 +17,70 @@
 
 namespace remesh {
 
-/// What the pipeline says about the coordinates that a file will have.
+/// The pipeline's claim about the coordinates that a file will have.
 struct StoredClaim {
-  std::span<const Vec3> positions;  ///< of the verified mesh
+  std::span<const Vec3> positions;  ///< the positions of the verified mesh
   std::span<const Vec3> stored;     ///< the numbers in the file, one point for each of `positions`
-  Vec3 origin;                      ///< a reader adds it to `stored`
+  Vec3 origin;                      ///< the point that a reader adds to each point of `stored`
   Storage storage = Storage::kFloat;
   std::span<const Triangle> faces;
   std::span<const PatchId> face_patch;
-  std::span<const Vec3> normals;                      ///< unit, of each patch
-  double allowed_move = 0;                            ///< of a vertex, model units
-  const InputIntersections* intersections = nullptr;  ///< of the verified mesh, by patch; null: none
-  const RefinementClaim* refinement = nullptr;        ///< of the stored mesh; null: nothing was refined
-  /// The faces that were listed before, ascending, and why; with `refinement`.
+  std::span<const Vec3> normals;  ///< unit normal of each patch
+  double allowed_move = 0;        ///< largest permitted move of a vertex, model units
+  /// Intersections of the verified mesh, by patch; null if there are none.
+  const InputIntersections* intersections = nullptr;
+  const RefinementClaim* refinement = nullptr;  ///< the claim for the stored mesh; null if nothing was refined
+  /// The faces that were listed for the verified mesh, ascending, and the reasons. They are set together with
+  /// `refinement`.
   std::span<const FaceId> unrefined_before = {};
   std::span<const UnrefinedReason> reasons_before = {};
-  /// Whether each of them is larger than gaps or short edges ask for. Rounding does not change that.
+  /// For each of these faces, true if it is larger than gaps or short edges ask for. Rounding does not change that.
   std::span<const std::uint8_t> misses_sizes_before = {};
 };
 
-/// The goals that a triangle must meet once its corners have moved by up to `move`. The bound on angles stays. Edges and
-/// areas may be larger by as much as such a move can make those that are as large as allowed, but edges by no more than
-/// a millionth. A cube with ten edges of 0.1 to a side has no fault, though 0.1 is no float.
+/// The goals that a triangle must meet once its corners have moved by up to `move`. The bound on angles does not
+/// change. The bounds on edges and areas grow by as much as such a move can enlarge a triangle that just meets them,
+/// but by no more than a millionth of themselves. For example, a cube with ten edges of 0.1 along each side is not at
+/// fault, although 0.1 is not a float.
 Goals goals_after_rounding(const Goals& goals, double move);
 
 enum class StoredFault {
   kMalformed,         ///< the claim's arrays do not fit together
   kBeyondRange,       ///< a coordinate is beyond the largest number of the format
-  kNotStorable,       ///< a coordinate is no number of the format
-  kMoved,             ///< a vertex is further from its place than allowed
-  kMerged,            ///< two vertices are one place
-  kTurnedOver,        ///< a triangle has lost its area, or looks away from its patch's normal
+  kNotStorable,       ///< a coordinate is not a number of the format
+  kMoved,             ///< a vertex is further from its place than permitted
+  kMerged,            ///< two vertices are at the same place
+  kTurnedOver,        ///< a triangle has lost its area, or points against its patch's normal
   kUnlisted,          ///< a face misses the goals and is not listed
-  kListedInVain,      ///< a face is listed, and meets the goals
-  kWrongReason,       ///< a face is listed for a reason that it has not
-  kNewIntersections,  ///< faces intersect of patches that do not in the verified mesh
+  kListedInVain,      ///< a face is listed although it meets the goals
+  kWrongReason,       ///< a face is listed for a reason that does not apply to it
+  kNewIntersections,  ///< faces intersect although their patches do not intersect in the verified mesh
 };
 
 struct StoredVerdict {
-  std::optional<StoredFault> fault;  ///< of the first test that failed; the tests behind it were not made
-  std::uint64_t count = 0;           ///< elements with that fault
-  double largest_move = 0;           ///< of a vertex, as a reader gets it
+  std::optional<StoredFault> fault;  ///< the fault of the first test that failed; later tests are not made then
+  std::uint64_t count = 0;           ///< number of elements with that fault
+  double largest_move = 0;           ///< largest distance by which a vertex moved, measured on what a reader gets
   std::vector<double> patch_moves;   ///< the same for the vertices of each patch
-  double volume_bound = 0;           ///< of the change of volume, where the mesh is closed
-  bool has_intersections = false;    ///< false: no vertex was moved, so they are those of the verified mesh
-  std::vector<std::pair<FaceId, FaceId>> intersections;  ///< as Verdict::intersections
+  double volume_bound = 0;           ///< bound on the change of volume, if the mesh is closed
+  bool has_intersections = false;  ///< false: no vertex has moved, so the intersections are those of the verified mesh
+  std::vector<std::pair<FaceId, FaceId>> intersections;  ///< see Verdict::intersections
   bool are_all_intersections_known = true;
 };
 
-/// Holds the stored mesh against the verified one.
-/// Output:  a verdict without fault if
-///           - every stored coordinate is a finite number of the format;
-///           - no vertex moved by more than allowed, measured on what a reader gets: origin + stored, in doubles;
-///           - no two vertices are one place;
-///           - every triangle has an area and looks along its patch's normal, but for those that did not before;
-///           - the faces that miss the goals (see goals_after_rounding) are listed, and besides them only those that
-///             were listed before because they are larger than gaps or short edges ask for; what is listed for
-///             kOutputRounding met the goals before and was not listed, and every other reason is the one that the
-///             face had before;
-///           - faces intersect (geometry/patch_intersections.h) only where their patches do in the verified mesh.
-/// Holds:   the same verdict for any number of threads. Where no vertex moved nothing but the first two is tested.
+/// Compares the stored mesh with the verified one.
+/// Output:  a verdict without a fault if all of these are true:
+///          - Every stored coordinate is a finite number of the format.
+///          - No vertex moved by more than permitted, measured on what a reader gets: origin + stored, in doubles.
+///          - No two vertices are at the same place.
+///          - Every triangle has an area and points along its patch's normal, except those that did not before.
+///          - The faces that miss the goals (see goals_after_rounding) are listed. Besides them only those faces are
+///            listed that were listed before because they are larger than gaps or short edges ask for. A face that is
+///            listed for kOutputRounding met the goals before and was not listed. Every other reason is the one that
+///            the face had before.
+///          - Faces intersect (geometry/patch_intersections.h) only where their patches do in the verified mesh.
+/// Holds:   the verdict does not depend on the number of threads. If no vertex moved, only the first two tests are
+///          made.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(n log n); for the intersections as patch_intersections.
 StoredVerdict check_stored_form(const StoredClaim& claim, RunControl& control);

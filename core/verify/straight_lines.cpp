@@ -8,12 +8,12 @@
 namespace remesh::verification {
 namespace {
 
-/// Does v lie between a and b, to rounding?
+/// True if v lies between a and b, to rounding.
 bool is_between(const Vec3& v, const Vec3& a, const Vec3& b) {
   const Vec3 line = b - a, d = v - a;
   const double length = norm(line);
   const double reach = std::max({largest_coordinate(v), largest_coordinate(a), largest_coordinate(b)});
-  // All three may have been rounded.
+  // All three points may have been rounded.
   return length > 0 && norm(cross(line, d)) <= 3 * Model::rounding(reach) * length && dot(d, line) > 0 &&
          dot(v - b, line) < 0;
 }

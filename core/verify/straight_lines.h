@@ -1,4 +1,4 @@
-/// Where the straight lines of a patch's boundary meet: what certificates of small input angles rest on.
+/// Finds where the straight lines of a patch's boundary meet. Certificates for small input angles are based on this.
 #pragma once
 
 #include <array>
@@ -12,9 +12,9 @@
 
 namespace remesh::verification {
 
-/// The output's bounding edges, joined to maximal straight lines. These are the chains between vertices that stay, but
-/// for vertices that stay without need: one that lies on the line of two edges ends none (a new vertex may happen to
-/// have a dropped one's coordinates).
+/// The output's bounding edges, joined to maximal straight lines. A line is a chain between vertices that stay, but a
+/// vertex that lies on the line of its two edges does not end it. Such a vertex need not stay; a new vertex may
+/// happen to have the coordinates of a dropped one.
 class StraightLines {
  public:
   StraightLines(const Model& model, const BoundaryGraph& seams, RunControl& control);
@@ -25,10 +25,12 @@ class StraightLines {
     for (const Line& line : lines_) visit(line.low, line.high);
   }
 
-  /// Calls is_wanted(corner) for the corners in which a line of the patch through a and another one through b end,
-  /// until it says yes; returns whether it did.
-  /// Cost:   O(min(lines at a, lines at b) log n). Summed over the edges of a triangulated patch that is O(n log n):
-  ///         its edges can be given to their ends such that no vertex has more than three, whatever its degree.
+  /// Calls is_wanted(corner) for the corners in which a line of the patch through a and another line through b end,
+  /// until it returns true.
+  /// Output: true if is_wanted returned true for a corner.
+  /// Cost:   O(min(lines at a, lines at b) log n). Summed over the edges of a triangulated patch this is O(n log n),
+  ///         because each edge can be assigned to one of its ends such that no vertex gets more than three, whatever
+  ///         its degree.
   template <class IsWanted>
   bool any_meeting(VertexId a, VertexId b, PatchId patch, const IsWanted& is_wanted) const {
     std::array<Reach, 2> of_a, of_b;
@@ -41,7 +43,7 @@ class StraightLines {
   }
 
  private:
-  /// From a vertex one gets to `end` along `line`.
+  /// States that `line` leads from a vertex to `end`.
   struct Reach {
     VertexId from;
     PatchId patch;
@@ -50,7 +52,7 @@ class StraightLines {
     friend constexpr auto operator<=>(const Reach&, const Reach&) = default;
   };
 
-  /// By end. `inner` is filled where the vertex is inside a line.
+  /// The lines through a vertex, sorted by their ends. `inner` is used as storage if the vertex is inside a line.
   std::span<const Reach> reaches(VertexId v, PatchId patch, std::array<Reach, 2>& inner) const;
   static std::span<const Reach> towards(std::span<const Reach> reaches, VertexId end);
 
@@ -61,8 +63,8 @@ class StraightLines {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
   std::vector<Line> lines_;
-  std::vector<std::uint32_t> line_of_;  ///< the line that a vertex is inside of
-  std::vector<Reach> reaches_;          ///< of the lines' ends, in order
+  std::vector<std::uint32_t> line_of_;  ///< the line that each vertex is inside of, or kNone
+  std::vector<Reach> reaches_;          ///< the entries of the lines' ends, sorted
 };
 
 }  // namespace remesh::verification

@@ -10,7 +10,7 @@
 namespace remesh::verification {
 namespace {
 
-/// More than a graded length is wrong by, relatively: boxes are kept in single precision.
+/// A bound on the relative error of a graded length, because boxes are stored in single precision.
 constexpr double kSingle = 1e-5;
 
 }  // namespace
@@ -59,7 +59,8 @@ VaryingSizes::VaryingSizes(const Claim& claim, const Model& model, const Boundar
   StraightLines(model, output_seams, control).for_each_line([&](VertexId a, VertexId b) {
     lines.push_back({model.points[a.value], model.points[b.value]});
   });
-  // Between vertices of the input: a new vertex may happen to be where a dropped one was, so these may be too short.
+  // These pieces run between vertices of the input. They may be too short, because a new vertex may happen to be
+  // where a dropped one was.
   output_seams.for_each_chain(
       control, [&](VertexId v) { return output_seams.is_passage(v) && model.is_new(v); },
       [&](const Chain& chain, std::span<const VertexId>) {
@@ -92,9 +93,9 @@ bool VaryingSizes::is_missed(std::uint32_t f, FacingFacets::Doubt doubt) const {
   }
   const PatchId patch = model_.output.patch[f];
   const auto is_missed_at = [&](const Vec3& place) {
-    double size = 0;  // below this, an edge is too long
+    double size = 0;  // an edge is too long if the size here is smaller than this
     for (std::size_t k = 0; k < 3; ++k) size = std::max(size, length[k] / slack - slope_ * norm(middle[k] - place));
-    // Both sides of the gap may be off the places that sizes were made for by the tolerance.
+    // Both sides of the gap may be off the places for which sizes were made by the tolerance.
     const double off = (must_be_clear ? -2 : 2) * model_.tolerance;
     return facets_->is_any_within(place, patch, size * proximity_ - model_.tolerance + off, doubt);
   };

@@ -1,4 +1,4 @@
-/// The bounds on edges that differ from place to place, as the checker finds them by itself.
+/// The bounds on edge lengths that vary from place to place. The checker computes them by itself.
 #pragma once
 
 #include <array>
@@ -17,21 +17,25 @@
 
 namespace remesh::verification {
 
-/// Tests output faces against goals.proximity or, without it, goals.gradation.
+/// Tests output faces against goals.proximity or, without it, against goals.gradation.
 ///
-/// With proximity a place of a patch asks for the size (gap + tolerance) / proximity; the places that are looked at are
-/// each face's centroid and the middles of its edges, and an edge may be as long as the size at a place and the slope
-/// times the way from there to its own middle. With gradation alone each straight line of the input's boundaries asks
-/// for its own length, and an edge may be as long as that and the slope times the way from the line to its middle.
-/// Either with Goals::kSizeSlack. The floor that sizes have is no part of the bound: what it keeps from being met has
-/// to be listed.
+/// With proximity, a place of a patch asks for the size (gap + tolerance) / proximity. The places that are looked at
+/// are each face's centroid and the midpoints of its edges. An edge may be as long as the size at a place plus the
+/// slope times the distance from that place to the edge's own midpoint.
 ///
-/// What a face misses is told by two measures, since two that compute a bound differ near it: one counts only what is
-/// clear, and allows kClearly more; the other counts all that may be, and allows as much less.
+/// With gradation alone, each straight line of the input's boundaries asks for its own length. An edge may be as long
+/// as that plus the slope times the distance from the line to the edge's midpoint.
+///
+/// Both bounds are multiplied by Goals::kSizeSlack. The smallest size that refinement permits is not part of the
+/// bound: faces that cannot meet the bound because of it must be listed.
+///
+/// Two measures decide whether a face misses its bound, because two programs that compute a bound differ near it. One
+/// counts only what is certain and permits kClearly more. The other counts everything that is possible and permits as
+/// much less.
 class VaryingSizes {
  public:
-  /// Input:  goals with proximity or gradation; the edges that bound the input's patches, and those that bound the
-  ///         output's. All of these outlive this.
+  /// Input:  `claim` - its goals have proximity or gradation; `input_seams` - the edges that bound the input's
+  ///         patches; `output_seams` - those that bound the output's. All of these must outlive this object.
   VaryingSizes(const Claim& claim, const Model& model, const BoundaryGraph& input_seams,
                const BoundaryGraph& output_seams, RunControl& control);
 
@@ -48,12 +52,13 @@ class VaryingSizes {
   struct Segment {
     Vec3 a, b;
   };
-  /// Straight pieces, each of which asks for its own length.
+  /// Straight segments, each of which asks for its own length.
   class Graded {
    public:
     Graded() = default;
     Graded(std::vector<Segment> segments, const Model& model, double slope, RunControl& control);
-    /// In the model's scale. Is there a piece near which an edge with that middle may not be so long?
+    /// True if there is a segment near which an edge of that length with that midpoint would be too long.
+    /// Input: in the model's scale.
     bool is_too_long(double length, const Vec3& middle) const;
 
    private:
@@ -67,8 +72,9 @@ class VaryingSizes {
 
   const Model& model_;
   const double proximity_, slope_;
-  std::optional<FacingFacets> facets_;  ///< with proximity
-  Graded lines_, pieces_;               ///< without: as long as may be, and as short as may be
+  std::optional<FacingFacets> facets_;  ///< set with proximity
+  /// They are set without proximity. `lines_` asks for the largest possible lengths, `pieces_` for the smallest.
+  Graded lines_, pieces_;
 };
 
 }  // namespace remesh::verification

@@ -1,4 +1,4 @@
-/// What the independent checker found.
+/// The verdict of the independent checker.
 #pragma once
 
 #include <optional>
@@ -10,21 +10,22 @@
 
 namespace remesh {
 
-/// What the independent checker found. `quality` is empty without refinement.
+/// The result of the check. `quality` is empty without refinement.
 struct Verdict {
   bool surface = false;
   bool conforming = false;
   bool delaunay = false;
   std::optional<bool> quality;
   double deviation = 0;     ///< largest distance found between input and output
-  double volume_bound = 0;  ///< of the change of volume, where both are closed: what deviations and rounding explain
-  /// Patches on which a test failed, ascending; empty if only a property of the whole failed.
+  double volume_bound = 0;  ///< bound on the change of volume, if both are closed: what deviations and rounding explain
+  /// The patches on which a test failed, ascending. It is empty if only a property of the whole failed.
   std::vector<PatchId> failed_patches;
-  /// Pairs of output faces that intersect, sorted; of very many just some.
+  /// Pairs of output faces that intersect, sorted. If there are very many, these are only some.
   std::vector<std::pair<FaceId, FaceId>> intersections;
-  /// False: input or output has too many of these to see for all of them whether their patches intersect in the input.
+  /// False if the input or the output has too many intersections to know for all of them whether their patches
+  /// intersect in the input.
   bool are_all_intersections_known = true;
-  /// The first failures in words, for logs and tests.
+  /// Descriptions of the first failures, for logs and tests.
   std::vector<std::string> failures;
 
   bool all_true() const { return surface && conforming && delaunay && quality.value_or(true); }

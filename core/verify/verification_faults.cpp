@@ -12,8 +12,9 @@ constexpr std::size_t kMaxFailures = 20;
 constexpr std::uint32_t bit(Fault fault) { return 1u << static_cast<int>(fault); }
 static_assert(kFaultCount <= 32);
 
-// What a fault refutes. Some refute more than one promise: boundaries that do not match are neither conforming, nor is
-// the argument for the surfaces' distance left (see patch_shape.h).
+// These masks hold the faults that refute each promise. Some faults refute more than one promise. If boundaries do
+// not match, the result is not conforming, and the argument for the distance of the surfaces fails too (see
+// patch_shape.h).
 constexpr std::uint32_t kAgainstSurface =
     bit(Fault::kMalformed) | bit(Fault::kMovedVertex) | bit(Fault::kForeignVertex) | bit(Fault::kNoFaces) |
     bit(Fault::kLostLoop) | bit(Fault::kBoundary) | bit(Fault::kChord) | bit(Fault::kDeviation) |
@@ -86,7 +87,8 @@ void Findings::write_to(Verdict& verdict) const {
   verdict.delaunay = (faults & kAgainstDelaunay) == 0;
   if (is_refined_) verdict.quality = (faults & kAgainstQuality) == 0;
 
-  // The whole first: its patch is invalid, and so the largest number.
+  // Findings about the whole come first: their patch is invalid, which is the largest number, and adding 1 makes it
+  // 0.
   std::vector<Finding> first(std::min(kMaxFailures, findings_.size()));
   const auto key = [](const Finding& f) { return std::tuple(f.patch.value + 1, f.fault); };
   std::partial_sort_copy(findings_.begin(), findings_.end(), first.begin(), first.end(),

@@ -1,4 +1,4 @@
-/// What the checker found wrong, patch by patch.
+/// The faults that the checker has found, patch by patch.
 #pragma once
 
 #include <cstddef>
@@ -11,61 +11,62 @@
 namespace remesh::verification {
 
 enum class Fault : std::uint8_t {
-  kMalformed,         ///< the claim's arrays do not fit together
-  kMovedVertex,       ///< an output vertex is neither the input's nor new, or another one is in its place
-  kForeignVertex,     ///< a patch uses a vertex that it has not in the input
-  kLostVertex,        ///< a patch dropped a vertex at which it is joined to others
-  kNoFaces,           ///< a patch came back without faces
+  kMalformed,    ///< the claim's arrays do not fit together
+  kMovedVertex,  ///< an output vertex is neither an input vertex nor new, or shares the place of another output vertex
+  kForeignVertex,     ///< a patch uses an input vertex that it does not have in the input
+  kLostVertex,        ///< a patch dropped a vertex that joins it to other patches
+  kNoFaces,           ///< a patch has no faces in the output
   kLostLoop,          ///< a boundary loop has no vertex left
-  kBoundary,          ///< a boundary edge whose faces are not those that the input has along it
-  kChord,             ///< a dropped boundary vertex is off the edge that replaces it
+  kBoundary,          ///< the faces along a boundary edge differ from the input's
+  kChord,             ///< a dropped boundary vertex is further from the edge that replaces it than the tolerance
   kDeviation,         ///< input and output are further apart than the tolerance
-  kFacingAway,        ///< an input face looks away from its patch's normal: the patch folds over
-  kArea,              ///< the patch's area is not kept
-  kZeroArea,          ///< a triangle of no area
-  kInverted,          ///< a triangle that is turned over in the patch's plane
-  kFrame,             ///< the frame is no frame
+  kFacingAway,        ///< an input face points against its patch's normal, so the patch folds over
+  kArea,              ///< the area of a patch has changed
+  kZeroArea,          ///< a triangle has no area
+  kInverted,          ///< a triangle is turned over in the patch's plane
+  kFrame,             ///< the frame of a patch is not valid
   kPlaneCoordinates,  ///< stored plane coordinates are not the projection of their vertex
-  kNotDelaunay,       ///< an edge is not locally Delaunay, though it could be flipped
-  kEuler,             ///< the Euler number changed
-  kOpened,            ///< a closed surface is open now
+  kNotDelaunay,       ///< an edge is not locally Delaunay although it could be flipped
+  kEuler,             ///< the Euler number has changed
+  kOpened,            ///< a closed surface is now open
   kVolume,            ///< the enclosed volume changed by more than the deviations explain
   kNewVertex,         ///< a new vertex is neither on one edge nor inside one patch
   kNewOffLine,        ///< new vertices on an edge are off the line between its ends, or not in order along it
-  kLockedBoundary,    ///< a new vertex on an edge, where none was to be
-  kUnlisted,          ///< a face misses the goals, and is not listed
-  kListedInVain,      ///< a face is listed, and meets the goals
-  kCertificate,       ///< a face is listed for a reason that it has not
-  kShortEdge,         ///< refinement made an edge shorter than the least length
-  kTooManyFaces,      ///< more faces than allowed
-  kNewIntersection,   ///< faces intersect, of patches that do not in the input
-  kPolygon,           ///< what came of a polygon of the input covers something else than the polygon
+  kLockedBoundary,    ///< a new vertex is on an edge although boundaries were not to be split
+  kUnlisted,          ///< a face misses the goals and is not listed
+  kListedInVain,      ///< a face is listed although it meets the goals
+  kCertificate,       ///< a face is listed for a reason that does not apply to it
+  kShortEdge,         ///< refinement made an edge shorter than the smallest permitted length
+  kTooManyFaces,      ///< the output has more faces than permitted
+  kNewIntersection,   ///< faces intersect although their patches do not intersect in the input
+  kPolygon,           ///< the faces that were made of an input polygon do not cover that polygon
 };
 inline constexpr int kFaultCount = static_cast<int>(Fault::kPolygon) + 1;
 
-/// One fault at one place. An invalid patch: it belongs to the whole.
+/// One fault at one place. The patch is invalid if the fault belongs to the whole mesh.
 struct Finding {
   PatchId patch;
   Fault fault;
-  std::uint32_t element;  ///< vertex, face or boundary edge's first vertex; what the fault's words say
+  std::uint32_t element;  ///< a vertex, a face, or the first vertex of a boundary edge, depending on the fault
 };
 
-/// Collects findings: the first of each fault and patch. Not for several threads; those hand in lists.
+/// Collects findings. It keeps the first finding of each fault and patch. Only one thread may use it; several threads
+/// collect lists and pass them on.
 class Findings {
  public:
-  /// Only a refined result has a verdict on quality.
+  /// Input: `is_refined` - true for a refined result, which alone has a verdict on quality.
   Findings(std::size_t patch_count, bool is_refined) : is_refined_(is_refined), of_patch_(patch_count, 0) {}
 
   void add(PatchId patch, Fault fault, std::uint32_t element = 0);
   void add(const std::vector<Finding>& findings) {
     for (const Finding& f : findings) add(f.patch, f.fault, f.element);
   }
-  /// Fills flags, failed patches and the first failures in words.
+  /// Writes the flags, the failed patches and the first failures in words.
   void write_to(Verdict& verdict) const;
 
  private:
   bool is_refined_;
-  std::vector<std::uint32_t> of_patch_;  ///< a bit for each fault
+  std::vector<std::uint32_t> of_patch_;  ///< one bit for each fault
   std::uint32_t of_whole_ = 0;
   std::vector<Finding> findings_;
 };

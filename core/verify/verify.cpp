@@ -31,7 +31,7 @@ namespace {
 
 using namespace verification;
 
-/// Tests the edges inside patches, on the stored plane coordinates.
+/// Tests the edges inside patches on the stored plane coordinates.
 class DelaunayCheck {
  public:
   DelaunayCheck(const Model& model, const EdgeTable& edges, const std::vector<std::uint8_t>& is_positive)
@@ -50,7 +50,7 @@ class DelaunayCheck {
   }
 
  private:
-  /// One triangle at an edge, by its corners: the edge runs from `from` to `to`.
+  /// One triangle at an edge, by its corners. The edge runs from `from` to `to`.
   struct Side {
     std::uint32_t face, from, to, apex;
     explicit Side(std::uint32_t half_edge)
@@ -62,7 +62,7 @@ class DelaunayCheck {
 
   void check(const Edge& edge, std::vector<Finding>& found) const {
     const Side left(edge.uses[0].half_edge), right(edge.uses[1].half_edge);
-    // Triangles without sound coordinates have been reported, or are the input's own and may be as they like.
+    // Triangles without sound coordinates have been reported, or are the input's own and are exempt.
     if (!is_positive_[left.face] || !is_positive_[right.face]) return;
     const PatchId patch = edge.uses[0].patch();
     const auto& uv = model_.corner_uv;
@@ -72,7 +72,7 @@ class DelaunayCheck {
     }
     const double grid = model_.frames[patch.value].grid;
     if (!is_inside_circle(uv[left.from], uv[left.to], uv[left.apex], uv[right.apex], grid)) return;
-    // The chord rule: a flip must not make an edge that is there already, in this patch or another.
+    // The chord rule: a flip must not make an edge that exists already, in this patch or another.
     const auto& corners = model_.output.corners;
     if (edges_.find(corners[left.apex], corners[right.apex]).empty())
       found.push_back({patch, Fault::kNotDelaunay, left.face});
@@ -83,7 +83,7 @@ class DelaunayCheck {
   const std::vector<std::uint8_t>& is_positive_;
 };
 
-/// For how many of 0 .. n-1 is_set(i) holds.
+/// Counts the indices of 0 .. n-1 for which is_set(i) is true.
 template <class IsSet>
 std::int64_t count_set(std::size_t n, RunControl& control, const IsSet& is_set) {
   const auto counts = map_blocks<std::int64_t>(n, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -108,18 +108,18 @@ void check_whole(const Model& model, const EdgeCounts& input, std::int64_t input
     findings.add(PatchId(), Fault::kVolume);
 }
 
-/// At most so many intersecting pairs are looked for.
+/// The largest number of intersecting pairs that are searched for.
 constexpr std::size_t kMaxPairs = 100'000;
 
 /// Writes the pairs of output faces that intersect to the verdict.
 void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is_positive, Findings& findings,
                          Verdict& verdict, RunControl& control) {
-  // What is nowhere intersects nothing, and has failed already.
+  // A face with a vertex that is not finite intersects nothing, and such a result has failed already.
   if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); })) return;
   std::vector<Vec3> normals;
   normals.reserve(claim.frames.size());
   for (const Frame& frame : claim.frames) normals.push_back(frame.normal);
-  // In its plane a patch of positive triangles covers nothing twice that its boundary does not.
+  // In its plane, a patch of positive triangles covers nothing twice that its boundary does not.
   std::vector<std::uint8_t> is_simple(claim.frames.size(), 1);
   StopCheck check(control);
   for (std::size_t f = 0; f < claim.faces.size(); ++f) {
@@ -153,14 +153,14 @@ Verdict verify(const Claim& claim, RunControl& control) {
     return verdict;
   }
 
-  // Output faces in the surface's vertex numbers: by exact coordinates.
+  // Output vertices get the surface's vertex numbers by exact coordinates.
   const Model model = make_model(claim, findings, control);
   control.progress(0.2);
 
-  // What came of the input's polygons before.
+  // This checks the faces that were made of the input's polygons.
   check_polygons(claim, model, findings, control);
 
-  // Who uses each edge, before and after.
+  // This finds the faces that use each edge, before and after.
   std::optional<EdgeTable> edges_before, edges_after;
   std::optional<BoundaryGraph> seams_before, seams_after;
   const auto look_at = [&](const Faces& faces, std::span<const std::uint32_t> order, std::optional<EdgeTable>& edges,
@@ -168,22 +168,22 @@ Verdict verify(const Claim& claim, RunControl& control) {
     edges.emplace(model.points.size(), faces, order, control);
     seams.emplace(model.points.size(), edges->take_bounding(), control);
   };
-  // The input's, as the larger one in most cases, on this thread: its memory comes from where all the rest was.
+  // The input is mostly the larger one. It is read on this thread, whose memory comes from where all the rest was.
   do_all([&] { look_at(model.output, {}, edges_after, seams_after); },
          [&] { look_at(model.input, claim.surface_edge_order, edges_before, seams_before); });
   const EdgeTable &input_edges = *edges_before, &output_edges = *edges_after;
   const Seams seams{*std::move(seams_before), *std::move(seams_after)};
   control.progress(0.6);
 
-  // Loops kept, edges conforming.
+  // This checks that loops are preserved and edges conform.
   const Boundary boundary = check_boundary(model, seams, findings, control);
   control.progress(0.8);
 
-  // Each patch the same piece of surface, its triangles sound.
+  // This checks that each patch is the same piece of surface and that its triangles are sound.
   std::vector<std::uint8_t> is_positive;
   const ShapeSums shapes = check_shapes(model, input_edges, seams, boundary, is_positive, findings, control);
   verdict.deviation = shapes.deviation / model.scale;
-  // Of a model near the largest double it stays a number, as its volume does.
+  // The minimum keeps the bound finite for a model near the largest double, as its volume is.
   verdict.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(model.scale)), DBL_MAX);
   control.progress(0.9);
 

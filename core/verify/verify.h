@@ -1,7 +1,8 @@
-/// The independent check of the promises. It shares no decision with the stages: it has its own edges and its own exact
-/// arithmetic, and takes from the pipeline only what is claimed. Three tools are common: the search for intersections
-/// (patch_intersections); boxes and distances (BoxTree, nearest_on_triangle), for faces that lie folded over their
-/// patch and for gaps; and, for gaps, the triangles of polygons (split_polygon).
+/// The independent check of the promises. It shares no decision with the stages. It has its own edges and its own
+/// exact arithmetic, and takes from the pipeline only what the pipeline claims. Three tools are shared: the search
+/// for intersections (patch_intersections); boxes and distances (BoxTree, nearest_on_triangle), which are used for
+/// faces that lie folded over their patch and for gaps; and the triangles of polygons (split_polygon), which are used
+/// for gaps.
 #pragma once
 
 #include <cstdint>
@@ -20,71 +21,88 @@
 
 namespace remesh {
 
-/// What refinement says it has reached.
+/// Refinement's claim about what it has reached.
 struct RefinementClaim {
   Goals goals;
-  /// Output faces that do not meet the goals (an angle below the bound, an edge or area above it, or above what gaps or
-  /// short edges ask for there), ascending, and why.
+  /// The output faces that do not meet the goals, ascending: faces with an angle below the bound, or with an edge or
+  /// an area above it, or above the size that gaps or short edges ask for there.
   std::span<const FaceId> unrefined;
   std::span<const UnrefinedReason> reasons;  ///< one per entry of `unrefined`
-  /// Of each patch, whether refinement had to leave it and its boundary as they were; empty: none.
+  /// For each patch, true if refinement had to leave it and its boundary unchanged. Empty means that no patch is
+  /// frozen.
   std::span<const std::uint8_t> frozen = {};
 };
 
-/// Which patches intersect in the input: pairs of them, sorted, the smaller one first; (p, p) for within a patch.
+/// The pairs of patches that intersect in the input, sorted, with the smaller patch first. (p, p) means an
+/// intersection within a patch.
 struct InputIntersections {
   std::vector<std::pair<PatchId, PatchId>> patches;
-  bool is_complete = true;  ///< false: there are so many that these are not all
+  bool is_complete = true;  ///< false: there are so many intersections that some pairs may be missing
 };
 
-/// What the pipeline says it has done.
+/// The pipeline's claim about what it has done.
 struct Claim {
-  const Surface& surface;                  ///< what was remeshed
-  std::span<const PatchId> surface_patch;  ///< of each face of `surface`
+  const Surface& surface;                  ///< the surface that was remeshed
+  std::span<const PatchId> surface_patch;  ///< patch of each face of `surface`
   const IdVector<PatchId, Frame>& frames;
   std::span<const Vec3> positions;                    ///< output vertices
   std::span<const Triangle> faces;                    ///< output faces
   std::span<const PatchId> face_patch;                ///< patch of each output face
   std::span<const Vec2> corner_uv;                    ///< stored plane coordinates, 3 per output face
   double plane_tolerance = 0;                         ///< model units
-  bool has_new_vertices = false;                      ///< refinement's, or where the chord rule asked for some
-  const RefinementClaim* refinement = nullptr;        ///< null: nothing was refined
-  const InputIntersections* intersections = nullptr;  ///< null: none
-  /// The corners of `surface` by (smaller, larger vertex, corner) of the edge that begins there. Empty, or wrong: the
-  /// checker sorts them itself.
+  bool has_new_vertices = false;                      ///< made by refinement, or required by the chord rule
+  const RefinementClaim* refinement = nullptr;        ///< null if nothing was refined
+  const InputIntersections* intersections = nullptr;  ///< null if there are none
+  /// The corners of `surface`, sorted by (smaller vertex, larger vertex, corner) of the edge that begins there. If
+  /// this is empty or wrong, the checker sorts them itself.
   std::span<const std::uint32_t> surface_edge_order = {};
-  /// The mesh as read, of which `surface` was made by welding within `weld_tolerance` and by mending; null: not known.
+  /// The mesh as it was read. `surface` was made from it by welding within `weld_tolerance` and by mending. Null if
+  /// it is not known.
   const PolygonMesh* input = nullptr;
   double weld_tolerance = 0;  ///< model units
 };
 
 /// Tests the promises 1 to 3 of README.md.
-/// Output:  a verdict; `failed_patches` names every patch on which a test failed.
-///  surface:    every output vertex is a surface vertex bit for bit - or, where such are claimed, a new one: inside a
-///              patch and as near to its plane as its input is, or on an edge between vertices that stay, to rounding;
-///              input and output lie within plane_tolerance of each other, both ways, patch by patch; every patch keeps
-///              its boundary loops (each output loop is the input loop less vertices within tolerance of the chord that
-///              replaces them); Euler number, closedness, area and volume are kept within what the deviations explain;
-///              the faces that came of a polygon of the input cover it once, where it does not cross itself;
-///              `volume_bound` is that for the volume: of each patch its area, input's or output's, with what lies
-///              between the loops, times the largest difference of their heights; and rounding.
-///  conforming: every output edge has the faces, and the directions, that the input's edges under it have; no zero-area
-///              or inverted triangle but for the input's own, no repeated face, no new non-manifold edge, no
-///              T-junction; faces intersect (geometry/patch_intersections.h) only where their patches do in the input,
-///              which is not asked if that has too many intersections to list, and only of some if the output has:
-///              `are_all_intersections_known` tells.
-///  delaunay:   the stored plane coordinates are the projections of the vertices; every edge inside a patch is locally
-///              Delaunay in them by exact arithmetic - or the edge that would replace it exists elsewhere in the output
-///              (the chord rule).
-///  quality:    (with refinement) the faces that do not meet the goals, measured on the output's doubles, are exactly
-///              the listed ones, and what is listed for an input angle is at one: kInputAngle - the smallest angle is
-///              at a surface vertex, between two boundary edges of the patch, and the other two meet the bound;
-///              kAcrossInputAngle - the ends of the shortest edge lie on two boundary chains (of the patch, between
-///              vertices that stay) that meet in a vertex, equally far from there to 1e-9, and nearer to each other
-///              than to it (an angle under 60 degrees); kBoundaryLocked - boundaries are not to be split, or the patch
-///              or one beside it is frozen. What gaps and short edges ask for is measured anew
-///              (verify/varying_sizes.h). Edges that refinement made are at least min_edge_length long.
-/// Holds:   the same verdict for any number of threads.
+/// Output:  a verdict. `failed_patches` lists every patch on which a test failed. Each flag is true if the following
+///          holds:
+///
+/// `surface`:
+/// - Every output vertex is a surface vertex bit for bit. If new vertices are claimed, it may also be new: then it is
+///   inside a patch and as near to its plane as the patch's input is, or on an edge between vertices that stay, to
+///   rounding.
+/// - Input and output lie within plane_tolerance of each other, in both directions, patch by patch.
+/// - Every patch retains its boundary loops: each output loop is the input loop without some vertices, each of which
+///   is within the tolerance of the chord that replaces it.
+/// - Euler number, closedness, area and volume change by no more than the deviations explain. `volume_bound` is that
+///   bound for the volume. For each patch it is the larger of its input and output area, plus the area between the
+///   loops, times the largest difference of their heights; rounding is added.
+/// - The faces that were made of an input polygon cover it once, if the polygon does not cross itself.
+///
+/// `conforming`:
+/// - Every output edge has the same faces in the same directions as the input's edges under it.
+/// - There is no zero-area or inverted triangle except the input's own, no repeated face, no new non-manifold edge,
+///   and no T-junction.
+/// - Faces intersect (geometry/patch_intersections.h) only where their patches do in the input. This is not tested if
+///   the input has too many intersections to list, and only for some faces if the output has too many;
+///   `are_all_intersections_known` tells.
+///
+/// `delaunay`:
+/// - The stored plane coordinates are the projections of the vertices.
+/// - Every edge inside a patch is locally Delaunay in these coordinates by exact arithmetic, or the edge that would
+///   replace it exists elsewhere in the output (the chord rule).
+///
+/// `quality` (only with refinement):
+/// - The faces that do not meet the goals, measured on the output's doubles, are exactly the listed ones.
+/// - A face that is listed for an input angle is at one. For kInputAngle, the smallest angle is at a surface vertex
+///   between two boundary edges of the patch, and the other two angles meet the bound. For kAcrossInputAngle, the
+///   ends of the shortest edge lie on two boundary chains (of the patch, between vertices that stay) that meet in a
+///   vertex; the ends are equally far from that vertex to 1e-9, and nearer to each other than to it, which means an
+///   angle under 60 degrees. For kBoundaryLocked, boundaries are not to be split, or the patch or one beside it is
+///   frozen.
+/// - The sizes that gaps and short edges ask for are measured anew (verify/varying_sizes.h).
+/// - Edges that refinement made are at least min_edge_length long.
+///
+/// Holds:   the verdict does not depend on the number of threads.
 /// Cost:    O(n log n).
 Verdict verify(const Claim& claim, RunControl& control);
 

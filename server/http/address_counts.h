@@ -1,4 +1,4 @@
-/// How many connections each client address holds, so that one address cannot take them all.
+/// Counts the connections of each client address, so that one address cannot take all connections.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,7 @@ class AddressCounts {
  public:
   explicit AddressCounts(std::size_t most) : most_(most) {}
 
-  /// One connection's place; given back at its end.
+  /// A counted connection. It is no longer counted when this object ends.
   class Place {
    public:
     Place(AddressCounts& counts, std::string key) : counts_(&counts), key_(std::move(key)) {}
@@ -29,7 +29,8 @@ class AddressCounts {
     std::string key_;
   };
 
-  /// Takes a place for a numeric address. Output: nothing when it holds as many as it may.
+  /// Counts one more connection of a numeric address.
+  /// Output: nothing if the address has as many as are permitted.
   std::optional<Place> enter(const std::string& address);
 
  private:
@@ -40,8 +41,8 @@ class AddressCounts {
   std::map<std::string, std::size_t> open_;
 };
 
-/// What counts as one client: an IPv4 address, also written as IPv6, or the /64 network of an IPv6 address, which one
-/// subscriber holds whole.
+/// The key under which an address is counted. It is the IPv4 address, also if that is written as IPv6, or the /64
+/// network of an IPv6 address, because one subscriber owns a whole /64 network.
 std::string client_key(const std::string& address);
 
 }  // namespace remesh::server

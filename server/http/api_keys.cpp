@@ -34,7 +34,8 @@ std::vector<Sha256> read_keys(const std::string& path) {
   return digests;
 }
 
-/// The key that a request shows, or nothing.
+/// The key that a request shows.
+/// Output: empty if it shows none.
 std::string_view shown_key(const RequestHead& head) {
   constexpr std::string_view kScheme = "bearer ";
   const std::string_view authorization = head.header("authorization");
@@ -71,7 +72,7 @@ std::shared_ptr<const ApiKeys::Digests> ApiKeys::current() const {
 
 std::string ApiKeys::owner(const RequestHead& head) const {
   if (is_open()) return {};
-  // Twice: the digests that are compared must not lie about in a database.
+  // The key is hashed twice, so that the digests used for comparison are not stored in a database.
   const Sha256 once = sha256(shown_key(head));
   return hex(sha256({reinterpret_cast<const char*>(once.data()), once.size()})).substr(0, 32);
 }

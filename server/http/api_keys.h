@@ -1,4 +1,4 @@
-/// The keys that clients show, from a file and from the environment.
+/// The API keys that clients must show, read from a file and from the environment.
 #pragma once
 
 #include <memory>
@@ -12,25 +12,29 @@
 
 namespace remesh::server {
 
-/// Holds digests, never the keys. May be asked by many threads while it is read again.
+/// Stores digests of the keys, never the keys. Threads may ask while the file is read again.
 class ApiKeys {
  public:
   static constexpr std::size_t kShortest = 16;
 
-  /// Input:   a file with a key a line (empty lines and those with # are skipped), or none; one key more, or none.
-  /// Errors:  std::invalid_argument - no file there, no key in it, or a key of less than 16 characters or with a blank.
+  /// Input:   `file` - a file with one key per line (empty lines and lines with # are skipped), or empty; `key` - one
+  ///          more key, or empty.
+  /// Errors:  std::invalid_argument - the file is missing or has no key, or a key has less than 16 characters or
+  ///          contains a blank.
   ApiKeys(std::string file, const std::string& key);
 
-  /// Reads the file again. Errors: as above; the keys then stay as they were.
+  /// Reads the file again.
+  /// Errors: as above; the keys then stay as they were.
   void reload();
 
-  /// True where anyone may ask.
+  /// True if no key is required.
   bool is_open() const { return !asks_; }
   std::size_t count() const { return current()->size(); }
-  /// Whether a request shows one of them, as `Authorization: Bearer KEY` or `X-API-Key: KEY`.
-  /// Takes as long whatever is shown, but for the key's length.
+  /// True if a request shows one of the keys, as `Authorization: Bearer KEY` or `X-API-Key: KEY`. The time that it
+  /// takes depends on the length of the shown key only.
   bool admits(const RequestHead& head) const;
-  /// A name for whoever holds the key that a request shows, which does not tell the key; empty where anyone may ask.
+  /// An identifier of the key that a request shows. It does not reveal the key.
+  /// Output: empty if no key is required.
   std::string owner(const RequestHead& head) const;
 
  private:
@@ -39,7 +43,7 @@ class ApiKeys {
   std::shared_ptr<const Digests> current() const;
 
   const std::string file_;
-  Digests fixed_;  ///< of the key that is no file's
+  Digests fixed_;  ///< digest of the key that comes from the environment
   bool asks_;
   mutable std::mutex mutex_;
   std::shared_ptr<const Digests> digests_;

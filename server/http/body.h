@@ -1,5 +1,6 @@
-/// The body of a request while it arrives, and then to be read. A large one lies in a temporary file without a name and
-/// is mapped once it is whole: what clients send takes no memory until work begins, whether they end or not.
+/// The body of a request, while it arrives and later when it is read. A large body is written to a temporary file
+/// without a name, which is mapped once the body is complete. So bodies take no memory until the work begins, even if
+/// the client never finishes.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +12,7 @@ namespace remesh::server {
 
 class Body {
  public:
-  /// What is larger goes to the file.
+  /// A body larger than this is stored in a file.
   static constexpr std::size_t kInMemory = 1 << 20;
 
   Body() = default;
@@ -23,12 +24,14 @@ class Body {
   }
   ~Body();
 
+  /// Appends bytes.
   /// Errors: HttpError 503 `out_of_memory` - there is no room for the file.
   void append(std::string_view bytes);
-  /// Ends it, so that it can be viewed. Errors: as above.
+  /// Marks the body as complete, so that it can be viewed.
+  /// Errors: as above.
   void seal();
 
-  /// Of a body that has been sealed.
+  /// The bytes of the body, which must be sealed.
   std::string_view view() const { return file_ < 0 ? std::string_view(text_) : std::string_view(mapped_, size_); }
   operator std::string_view() const { return view(); }
   std::size_t size() const { return size_; }
@@ -40,7 +43,7 @@ class Body {
   void write_to_file(std::string_view bytes);
 
   std::size_t size_ = 0;
-  std::string text_;  ///< all of it of a small one
+  std::string text_;  ///< the whole body if it is small
   int file_ = -1;
   const char* mapped_ = nullptr;
 };

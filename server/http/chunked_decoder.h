@@ -1,4 +1,5 @@
-/// Chunked transfer coding (RFC 9112, section 7.1), decoded as bytes arrive, strictly and with a cap.
+/// A strict decoder of the chunked transfer coding (RFC 9112, section 7.1), which decodes bytes as they arrive and
+/// limits their number.
 #pragma once
 
 #include <cstddef>
@@ -12,10 +13,11 @@ class ChunkedDecoder {
  public:
   explicit ChunkedDecoder(std::uint64_t max_body) : max_body_(max_body) {}
 
-  /// Decodes what arrived and appends it to `body`; after the end, bytes are left alone.
-  /// Output:  how many of the bytes belonged to this body.
-  /// Errors:  HttpError 400 - a malformed chunk or trailer; 413 - the body passes the cap, as soon as a chunk's size
-  ///          says so.
+  /// Decodes the bytes that have arrived and appends the data to `body`. Bytes after the end of the body are not
+  /// touched.
+  /// Output:  the number of bytes that belonged to this body.
+  /// Errors:  HttpError 400 - a malformed chunk or trailer; 413 - the body is larger than the limit, which is thrown
+  ///          as soon as a chunk's size shows it.
   std::size_t decode(std::string_view bytes, std::string& body);
 
   bool is_done() const { return state_ == State::kDone; }
@@ -28,9 +30,9 @@ class ChunkedDecoder {
 
   std::uint64_t max_body_;
   std::uint64_t decoded_ = 0;  ///< body bytes announced by the chunks so far
-  std::uint64_t left_ = 0;     ///< of the chunk at hand: its size while that is read, then what is missing
+  std::uint64_t left_ = 0;     ///< bytes of the current chunk that are missing; while its size is read, the size so far
   std::size_t digits_ = 0;
-  std::size_t overhead_ = 0;  ///< bytes of this extension or of all trailers
+  std::size_t overhead_ = 0;  ///< bytes of the current chunk's extension, or of all trailers
   std::size_t trailer_line_ = 0;
   State state_ = State::kSize;
 };

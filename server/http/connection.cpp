@@ -18,13 +18,13 @@
 namespace remesh::server {
 namespace {
 
-/// What poll() takes: at least 0, rounded up so that a deadline has passed when poll says so.
+/// The timeout to give to poll(): at least 0, and rounded up so that the deadline has passed when poll() returns.
 int milliseconds_until(Clock::time_point deadline) {
   const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
   return static_cast<int>(std::clamp<std::int64_t>(left, 0, std::numeric_limits<int>::max()));
 }
 
-/// False when the time is over first.
+/// Output: false if the time is over first.
 bool wait_for(int socket, short events, Clock::time_point deadline) {
   for (;;) {
     pollfd entry{socket, events, 0};
@@ -35,7 +35,7 @@ bool wait_for(int socket, short events, Clock::time_point deadline) {
   }
 }
 
-/// Empty for what is no internet socket.
+/// Output: empty if the socket is not an internet socket.
 std::string address_of_peer(int socket) {
   sockaddr_storage address{};
   socklen_t size = sizeof address;
@@ -51,11 +51,12 @@ std::string address_of_peer(int socket) {
 
 bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK; }
 
-/// What computes for less long answers first.
+/// A half-closed client is probed only if its request takes longer than `kAskAfter`, and then again each `kAskAgain`.
 constexpr std::chrono::milliseconds kAskAfter{20};
 constexpr std::chrono::milliseconds kAskAgain{1000};
 
-/// False when there is nobody to send to; what finds no room is not sent.
+/// Sends an interim answer without waiting; if the socket's buffer is full, it is not sent.
+/// Output: false if the client is gone.
 bool send_interim(int socket, std::string_view head) {
   const ssize_t put = ::send(socket, head.data(), head.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
   return put == static_cast<ssize_t>(head.size()) || (put < 0 && would_block(errno));
@@ -98,7 +99,7 @@ Connection::~Connection() { ::close(socket_); }
 
 std::size_t Connection::read_some(char* buffer, std::size_t size, Clock::time_point deadline) {
   for (;;) {
-    // The deadline first: a client that always has one more byte ready must not get past it.
+    // The deadline is checked first, so that a client which always has one more byte ready cannot get past it.
     if (Clock::now() >= deadline) throw ReadTimeout();
     if (has_put_back()) {
       const std::size_t count = put_back_.copy(buffer, size, read_again_);
@@ -153,7 +154,7 @@ void Connection::write_all(std::string_view bytes, const Pace& pace) {
 
 Connection::Wake Connection::wait(const Event* event, Clock::time_point until, HalfClosed half_closed) {
   for (;;) {
-    // A reset is told in any case.
+    // poll() reports a reset in any case.
     const short closing = ask_at_ ? 0 : POLLRDHUP;
     std::array<pollfd, 2> entries{pollfd{socket_, closing, 0}, pollfd{event == nullptr ? -1 : event->fd(), POLLIN, 0}};
     const int ready =
@@ -202,7 +203,7 @@ void Connection::finish(std::chrono::milliseconds patience) {
     while (read_some(sink.data(), sink.size(), deadline) > 0) {
     }
   } catch (const std::runtime_error&) {
-    // Gone, or still sending: either way this connection is over.
+    // The client is gone or still sending. In both cases this connection is over.
   }
 }
 

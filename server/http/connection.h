@@ -1,4 +1,4 @@
-/// One accepted connection: reads and writes under deadlines, and notices when the client goes away.
+/// One accepted connection. It reads and writes under deadlines, and notices when the client goes away.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@ inline double milliseconds_between(Clock::time_point from, Clock::time_point to)
   return std::chrono::duration<double, std::milli>(to - from).count();
 }
 
-/// How slow a transfer may be: `grace` plus the time that its bytes take at `min_rate` bytes a second.
+/// The slowest permitted transfer: `grace` plus the time that its bytes take at `min_rate` bytes a second.
 struct Pace {
   std::chrono::milliseconds grace{10'000};
   std::uint64_t min_rate = 1024;
@@ -25,7 +25,7 @@ struct Pace {
   Clock::time_point deadline(Clock::time_point start, std::uint64_t bytes) const;
 };
 
-/// The client reset the connection or stopped reading: nothing can be answered any more.
+/// The client reset the connection or stopped reading, so nothing can be sent to it any more.
 struct ConnectionLost : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -34,7 +34,8 @@ struct ReadTimeout : std::runtime_error {
   ReadTimeout() : std::runtime_error("read timeout") {}
 };
 
-/// A flag that poll() can wait for; set from any thread. Errors: std::system_error - no descriptor is left.
+/// A flag that poll() can wait for. Any thread may set it.
+/// Errors: std::system_error - no descriptor is left.
 class Event {
  public:
   Event();
@@ -44,7 +45,8 @@ class Event {
 
   void set() noexcept;
   void clear() noexcept;
-  /// Output: false when the time is over first.
+  /// Waits until the event is set.
+  /// Output: false if the time is over first.
   bool wait(Clock::time_point until) const;
   int fd() const { return fd_; }
 
@@ -54,57 +56,64 @@ class Event {
 
 class Connection {
  public:
-  /// Takes over the socket.
+  /// Takes ownership of the socket.
   explicit Connection(int socket);
   ~Connection();
   Connection(const Connection&) = delete;
   Connection& operator=(const Connection&) = delete;
 
-  /// What follows belongs to another request: bytes are counted from 0, and the client is asked anew.
+  /// Begins the next request: the byte counts restart at 0, and a half-closed client is probed again.
   void begin_exchange() {
     read_ = written_ = 0;
     ask_at_.reset();
   }
 
-  /// Waits for bytes. Output: how many, 0 at the end of input. Errors: ReadTimeout, ConnectionLost.
+  /// Waits for bytes.
+  /// Output: the number of bytes read; 0 at the end of input.
+  /// Errors: ReadTimeout, ConnectionLost.
   std::size_t read_some(char* buffer, std::size_t size, Clock::time_point deadline);
-  /// Gives back the last bytes that were read: the next read begins with them.
+  /// Returns the last bytes that were read, so that the next read begins with them.
   void put_back(std::string_view bytes);
-  /// Waits until there is something to read, `end` is set or the time is over. Output: whether there is.
+  /// Waits until there is something to read, `end` is set, or the time is over.
+  /// Output: true if there is something to read.
   bool wait_for_input(const Event& end, Clock::time_point until) const;
 
-  /// Sends everything. Errors: ConnectionLost - also when the client reads more slowly than `pace`.
+  /// Sends all bytes.
+  /// Errors: ConnectionLost - also if the client reads more slowly than `pace`.
   void write_all(std::string_view bytes, const Pace& pace);
-  /// As above, at the pace given by `set_write_pace`: for answers that stream.
+  /// Does the same at the pace set by `set_write_pace`, for answers that stream.
   void write_all(std::string_view bytes) { write_all(bytes, write_pace_); }
   void set_write_pace(const Pace& pace) { write_pace_ = pace; }
 
   enum class Wake { kEvent, kClientGone, kTime };
-  /// What to think of a client that has closed its sending side. `nc -N` does that and waits for its answer; of one
-  /// that was killed nothing else is seen.
+  /// How to treat a client that has closed its sending side. `nc -N` does that and still waits for its answer. A
+  /// client that was killed looks the same.
   enum class HalfClosed {
-    kIsGone,
-    kIsAsked,  ///< by an interim answer, 102, to which a machine without this client sends a reset; from HTTP/1.1 on
+    kIsGone,  ///< the client is treated as gone
+    /// The client is probed by an interim answer, 102, to which a machine without this client sends a reset. Only
+    /// clients of HTTP/1.1 can be probed.
+    kIsAsked,
   };
-  /// Waits for the event, the client's going away, or the time.
+  /// Waits until the event is set, the client goes away, or the time is over.
   Wake wait(const Event* event, Clock::time_point until, HalfClosed half_closed = HalfClosed::kIsGone);
 
-  /// Ends the answer so that the client can read it: stops sending, then takes in for a moment what it still sends
-  /// (closing on unread bytes would reset the connection, and the answer with it).
+  /// Ends the answer so that the client can read it. It stops sending, and then reads for a moment what the client
+  /// still sends: closing a socket with unread bytes would reset the connection, and the client would lose the
+  /// answer.
   void finish(std::chrono::milliseconds patience);
 
-  /// Takes a CRLF if that is what has arrived next.
+  /// Reads and drops a CRLF if those are the next bytes.
   void skip_line_end();
-  /// True when bytes have arrived that nobody has read.
+  /// True if bytes have arrived that nobody has read.
   bool has_unread_input() const;
 
   const std::string& peer_address() const { return peer_address_; }
-  /// Of the exchange at hand.
+  /// The bytes of the current request and its answer.
   std::uint64_t bytes_written() const { return written_; }
   std::uint64_t bytes_read() const { return read_; }
 
  private:
-  /// The socket is closed whatever fails after this.
+  /// Lets the public constructor delegate here, so that the socket is closed even if that constructor fails later.
   struct Owned {};
   Connection(int socket, Owned) noexcept : socket_(socket) {}
 
@@ -112,10 +121,10 @@ class Connection {
 
   int socket_;
   std::string peer_address_;
-  std::optional<Clock::time_point> ask_at_;  ///< of a client that is half closed
+  std::optional<Clock::time_point> ask_at_;  ///< the time of the next probe of a half-closed client
   Pace write_pace_;
-  std::string put_back_;        ///< what was read too far, to be read again
-  std::size_t read_again_ = 0;  ///< how much of that has been
+  std::string put_back_;        ///< bytes that were read too far and will be read again
+  std::size_t read_again_ = 0;  ///< the number of bytes in `put_back_` that were read again
   std::uint64_t written_ = 0;
   std::uint64_t read_ = 0;
 };

@@ -1,4 +1,5 @@
-/// A thread a connection: a slow client holds nothing but its own. Threads stay for a moment for the next one.
+/// Gives each connection a thread, so that a slow client blocks only its own. A thread stays for a moment to serve
+/// the next connection.
 #pragma once
 
 #include <httplib.h>
@@ -15,13 +16,14 @@
 
 namespace remesh::server {
 
-/// What httplib hands accepted connections to.
+/// The task queue to which httplib gives accepted connections.
 class ConnectionThreads : public httplib::TaskQueue {
  public:
-  /// `end_waits`: called when the threads are to end, for those that wait for something that may not come.
+  /// Input: `end_waits` - called when the threads must end, to wake those that wait for something that may never
+  ///        come.
   ConnectionThreads(std::size_t max_threads, std::function<void()> end_waits)
       : max_threads_(max_threads), end_waits_(std::move(end_waits)) {
-    waiting_.reserve(max_threads);  // so that to hand one on takes no memory
+    waiting_.reserve(max_threads);  // so that handing on a connection allocates no memory
   }
 
   void enqueue(std::function<void()> serve) override {
@@ -46,7 +48,7 @@ class ConnectionThreads : public httplib::TaskQueue {
     }
   }
 
-  /// The library calls this too when it cannot accept a connection, before it listens again.
+  /// The library also calls this when it cannot accept a connection, before it listens again.
   void shutdown() override {
     end_waits_();
     std::unique_lock lock(mutex_);
@@ -56,7 +58,8 @@ class ConnectionThreads : public httplib::TaskQueue {
   }
 
  private:
-  /// How long a thread stays for the next connection: clients that come one after another need no new one each.
+  /// How long a thread waits for another connection. Clients that come one after another then need no new thread
+  /// each.
   static constexpr std::chrono::seconds kStay{2};
 
   void run(std::function<void()> serve) {
@@ -67,7 +70,7 @@ class ConnectionThreads : public httplib::TaskQueue {
     leave();
   }
 
-  /// Output: nothing - no connection came.
+  /// Output: null if no connection came in time.
   std::function<void()> next() {
     std::unique_lock lock(mutex_);
     ++idle_;
@@ -80,7 +83,7 @@ class ConnectionThreads : public httplib::TaskQueue {
   }
 
   void leave() {
-    // Told under the lock: once `shutdown` returns, this object is gone.
+    // The notification happens under the lock because this object may be destroyed once `shutdown` returns.
     const std::lock_guard lock(mutex_);
     --running_;
     left_.notify_all();
@@ -89,11 +92,11 @@ class ConnectionThreads : public httplib::TaskQueue {
   const std::size_t max_threads_;
   const std::function<void()> end_waits_;
   std::mutex mutex_;
-  std::condition_variable changed_;             ///< for threads that stay
-  std::condition_variable left_;                ///< for `shutdown`
-  std::vector<std::function<void()>> waiting_;  ///< fewer than the threads that stay, or as many
-  std::size_t idle_ = 0;                        ///< threads that stay
-  std::size_t running_ = 0;                     ///< those included
+  std::condition_variable changed_;             ///< wakes threads that wait for a connection
+  std::condition_variable left_;                ///< wakes `shutdown`
+  std::vector<std::function<void()>> waiting_;  ///< connections that were handed on; never more than idle threads
+  std::size_t idle_ = 0;                        ///< threads that wait for a connection
+  std::size_t running_ = 0;                     ///< all threads, including idle ones
   bool is_over_ = false;
 };
 

@@ -16,7 +16,7 @@ constexpr int kFastest = 1;
 constexpr int kGzipWindow = 15 + 16;  // the largest window, in gzip's format
 constexpr int kMemory = 8;
 constexpr std::size_t kStep = 1 << 20;
-/// Smaller answers fit in a packet or two as they are.
+/// Smaller answers are not compressed, since they fit into a packet or two anyway.
 constexpr std::size_t kMinCompressed = 1024;
 
 class Deflater {
@@ -30,7 +30,7 @@ class Deflater {
   Deflater& operator=(const Deflater&) = delete;
 
   void add(std::string_view part, bool is_last, std::string& out) {
-    // zlib does not write through it, but its interface is older than const.
+    // zlib does not write to this memory, but its interface is older than const.
     stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(part.data()));
     stream_.avail_in = static_cast<uInt>(part.size());
     do {
@@ -46,7 +46,7 @@ class Deflater {
   std::array<char, 32 << 10> buffer_;
 };
 
-/// The weight of `gzip;q=0.5` is not 0.
+/// True unless the weight of a list element, such as `gzip;q=0.5`, is 0.
 bool is_wanted(std::string_view element) {
   const std::size_t semicolon = element.find(';');
   if (semicolon == std::string_view::npos) return true;

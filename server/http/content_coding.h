@@ -1,4 +1,4 @@
-/// Answers, compressed where the client takes that.
+/// Compresses answers for clients that accept gzip.
 #pragma once
 
 #include <string>
@@ -9,19 +9,20 @@
 
 namespace remesh::server {
 
-/// Whether an `Accept-Encoding` field lets gzip in (RFC 9110, section 12.5.3).
+/// True if an `Accept-Encoding` field accepts gzip (RFC 9110, section 12.5.3).
 bool accepts_gzip(std::string_view accept_encoding);
 
-/// The bytes as gzip, fast rather than small.
+/// Compresses bytes in gzip's format with zlib's fastest level.
 /// Errors: remesh::Error - stopped through `control`; std::bad_alloc.
 std::string gzip(std::string_view bytes, RunControl& control);
 
-/// Compresses the body of an answer, unless that is small, where `accept_encoding` lets gzip in; says by Vary that it
-/// depends on that.
+/// Compresses the body of an answer if `accept_encoding` accepts gzip and the body is not small. In any case it adds
+/// the Vary field, because the answer depends on that field.
 /// Errors: as gzip.
 void compress(api::Response& response, std::string_view accept_encoding, RunControl& control);
 
-/// The same of an answer that no worker wrote, since it is short or only read: it is compressed at once.
+/// Does the same for an answer that no worker made, because it is short or only read from memory. It cannot be
+/// stopped.
 Response compressed(Response response, const RequestHead& request);
 
 }  // namespace remesh::server

@@ -32,7 +32,7 @@ Fields Cors::headers(const RequestHead& head, std::string_view allow) const {
   if (origins_.empty()) return {};
   const bool is_any = std::find(origins_.begin(), origins_.end(), kAny) != origins_.end();
   Fields fields;
-  // Caches must not hand the answer for one origin to another.
+  // Caches must not give the answer for one origin to another.
   if (!is_any) fields.emplace_back("Vary", "Origin");
   const std::string_view origin = head.header("origin");
   if (origin.empty()) return fields;

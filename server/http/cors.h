@@ -1,4 +1,4 @@
-/// Which pages of other sites may use the daemon from a browser (the Fetch standard's CORS).
+/// Which pages of other sites may use the daemon from a browser (CORS, in the Fetch standard).
 #pragma once
 
 #include <string>
@@ -11,14 +11,15 @@ namespace remesh::server {
 
 class Cors {
  public:
-  /// No page may.
+  /// Permits no page.
   Cors() = default;
-  /// Those of a comma-separated list of origins, such as `https://tool.example:8443`, may; of `*`, all.
-  /// Errors: std::invalid_argument - an element that is no origin.
+  /// Permits the pages of the listed origins.
+  /// Input: `origins` - separated by commas, such as `https://tool.example:8443`; `*` permits all.
+  /// Errors: std::invalid_argument - an element is not an origin.
   explicit Cors(std::string_view origins);
 
-  /// The fields that the answer to this request needs; for a preflight (`allow`: the methods of the path) those of a
-  /// permission, too.
+  /// Makes the header fields that the answer to this request needs.
+  /// Input: `allow` - for a preflight, the methods of the path; the fields then include the permission.
   Fields headers(const RequestHead& head, std::string_view allow = {}) const;
 
   std::string text() const;

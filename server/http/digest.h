@@ -1,4 +1,4 @@
-/// SHA-256 and Base64, from OpenSSL.
+/// SHA-256 and Base64, computed by OpenSSL.
 #pragma once
 
 #include <array>
@@ -9,16 +9,17 @@ namespace remesh::server {
 
 using Sha256 = std::array<unsigned char, 32>;
 
+/// Computes the SHA-256 digest.
 /// Errors: std::bad_alloc.
 Sha256 sha256(std::string_view bytes);
 
-/// In hexadecimal digits.
+/// Formats a digest as hexadecimal digits.
 std::string hex(const Sha256& digest);
 
-/// Equal or not, in a time that does not tell where they differ.
+/// Compares two digests in a time that does not reveal where they differ.
 bool equal_in_constant_time(const Sha256& a, const Sha256& b);
 
-/// The value of a `Repr-Digest` field (RFC 9530): `sha-256=:...:`.
+/// Returns the value of a `Repr-Digest` field (RFC 9530): `sha-256=:...:`.
 std::string repr_digest(std::string_view bytes);
 
 }  // namespace remesh::server

@@ -1,4 +1,4 @@
-/// What a client is told when its request fails, whatever was thrown.
+/// Turns whatever was thrown into the answer that the client gets.
 #pragma once
 
 #include <exception>
@@ -8,8 +8,9 @@
 
 namespace remesh::server {
 
-/// Output:  problem+json. Unknown exceptions are logged under the id and told as an opaque 500, lack of memory as 503;
-///          a 503 or 429 says when to come again.
+/// Makes the answer to a request that failed.
+/// Output:  problem+json. Unknown exceptions are logged under the request's id and answered by an opaque 500; lack of
+///          memory by 503. A 503 or 429 says when to try again.
 Response error_response(const std::exception_ptr& failure, std::string_view request_id);
 
 }  // namespace remesh::server

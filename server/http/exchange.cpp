@@ -12,7 +12,7 @@
 namespace remesh::server {
 namespace {
 
-/// What stands for the status of a request whose client left before its answer.
+/// The status that is counted for a request whose client left before its answer.
 constexpr int kClientClosedRequest = 499;
 constexpr std::array<int, 8> kRejections{401, 408, 411, 413, 414, 429, 431, 503};
 

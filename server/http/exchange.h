@@ -1,4 +1,4 @@
-/// One request on its way to its answer, and what is told of it afterwards.
+/// One request and its answer, and what is logged and counted about them afterwards.
 #pragma once
 
 #include <atomic>
@@ -18,7 +18,7 @@
 
 namespace remesh::server {
 
-/// Counts up for the time of a scope.
+/// Increments a counter for the duration of a scope.
 class Counted {
  public:
   explicit Counted(std::atomic<std::size_t>& counter) : counter_(counter) { ++counter_; }
@@ -36,29 +36,29 @@ struct Exchange {
   Connection& connection;
   const Clock::time_point start = Clock::now();
   Request request;
-  Framing framing;                ///< of the body, before that is read
-  std::exception_ptr refusal;     ///< why it must not reach a route
-  std::optional<Counted> active;  ///< from its admission on
-  bool is_read = false;           ///< head and body, all of it
-  bool is_streamed = false;       ///< an answer that ends with its connection
-  bool is_kept = false;           ///< the connection, for another request
+  Framing framing;                ///< how the body is delimited
+  std::exception_ptr refusal;     ///< why the request must not reach a route
+  std::optional<Counted> active;  ///< counts this request from its admission on
+  bool is_read = false;           ///< the head and the whole body were read
+  bool is_streamed = false;       ///< the answer ends with its connection
+  bool is_kept = false;           ///< the connection stays open for another request
 
-  // What is known of the answer.
-  std::string_view route = "none";  ///< the path of the route, with names for what varies
-  int status = 0;                   ///< 0 while there is none
-  std::string problem_code;         ///< of an error
-  std::string job;                  ///< see Response
-  bool is_told = false;             ///< see Response
+  // These members describe the answer.
+  std::string_view route = "none";  ///< the path of the route, with `{id}` for the variable part
+  int status = 0;                   ///< 0 until there is an answer
+  std::string problem_code;         ///< empty unless the answer is an error
+  std::string job;                  ///< see Response::job
+  bool is_told = false;             ///< see Response::is_told
   std::optional<api::WorkDone> done;
 };
 
-/// What work came to, as fields of a line of the log.
+/// Appends the sizes and times of the work to the fields of a log line.
 void add_work(const api::WorkDone& done, std::vector<log::Field>& fields);
 
 enum class Outcome { kAnswered, kClientGone };
 
-/// Writes the line of the access log, and counts: an exchange is over.
-/// Holds:  never a body, a key or a query in the log.
+/// Writes the line of the access log and counts the exchange, which must be over.
+/// Holds:  the log never contains a body, a key or a query.
 void account_for(const Exchange& exchange, Outcome outcome, Metrics* metrics);
 
 }  // namespace remesh::server

@@ -9,14 +9,16 @@
 namespace remesh::server {
 namespace {
 
-/// Of a body. The system takes pieces of a file the faster the larger they are: with 64 KiB, an upload of 39 MB takes
-/// half as long again.
+/// Bytes that are read from a body at once. The system writes large pieces to a file faster than small ones: with 64
+/// KiB, an upload of 39 MB takes 50 % longer.
 constexpr std::size_t kReadSize = 256 << 10;
-/// What a body of unknown length reserves first.
+/// The first reservation for a body of unknown length.
 constexpr std::size_t kReserveStep = 1 << 20;
 
-/// The bytes of a head; none when the client left without a word. `method` is told as soon as it shows: a refusal of
-/// what follows has no body where that is HEAD (RFC 9110, section 9.3.2).
+/// Receives the bytes of a head.
+/// Output: empty if the client left or sent nothing in time.
+/// Input: `method` - set as soon as it is known, because a refusal has no body if the method is HEAD (RFC 9110,
+///        section 9.3.2).
 std::string receive_head(Connection& connection, const GateLimits& limits, std::string& method) {
   const Clock::time_point deadline = Clock::now() + limits.head_timeout;
   std::array<char, 8 << 10> buffer;
@@ -44,7 +46,7 @@ std::string receive_head(Connection& connection, const GateLimits& limits, std::
   }
 }
 
-/// Reads a body as its framing delimits it.
+/// Reads a body that is delimited by a length or by chunks.
 class BodyReader {
  public:
   BodyReader(Connection& connection, const GateLimits& limits, const Reserve& reserve)
@@ -72,7 +74,8 @@ class BodyReader {
   }
 
  private:
-  /// Reserves what the next reads need, in few and growing steps: never more than a slow client has a use for.
+  /// Reserves memory for the next reads in few, growing steps, so that a slow client never reserves much more than it
+  /// uses.
   void reserve_next(std::size_t received, std::uint64_t most) {
     if (received + kReadSize <= reserved_ || reserved_ == most) return;
     reserved_ = std::min<std::uint64_t>(received + std::max(kReserveStep, received / 4), most);
@@ -119,7 +122,7 @@ Body read_body(Connection& connection, const GateLimits& limits, const RequestHe
   if (kind == Framing::Kind::kLength && length > max_body) {
     throw HttpError(413, "body_too_large", "the body is larger than this resource takes").with_limit(max_body);
   }
-  // Before the client sends it all: is there room for it now?
+  // This asks whether there is room for the whole body before the client sends it.
   if (kind == Framing::Kind::kLength) reserve(0, length);
 
   if (!connection.has_unread_input() && is_continue_expected(head)) {
@@ -132,7 +135,7 @@ Body read_body(Connection& connection, const GateLimits& limits, const RequestHe
   } else {
     reader.read_chunked(max_body, body);
   }
-  reserve(body.size(), body.size());  // whatever steps it came in
+  reserve(body.size(), body.size());  // the reservation becomes exact at the end
   body.seal();
   return body;
 }

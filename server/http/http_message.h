@@ -1,4 +1,4 @@
-/// Requests and answers as the daemon's own plain structs; no HTTP library is seen beyond `http_server`.
+/// Requests and answers as plain structs of the daemon. Only `http_server` sees an HTTP library.
 #pragma once
 
 #include <cstdint>
@@ -19,19 +19,20 @@ class MemoryShare;
 
 using api::Fields;
 
-/// What stands before a body.
+/// The part of a request before its body.
 struct RequestHead {
-  std::string method;  ///< as sent: "POST"
+  std::string method;  ///< as the client sent it: "POST"
   std::string path;    ///< percent-decoded, starts with "/"
   Fields query;        ///< in the order sent, percent-decoded; '+' stays a plus, so that 1e+5 is a number
   Fields headers;      ///< names in lower case, values without surrounding blanks
   int minor_version = 1;
 
-  /// The first header of that (lower case) name, or empty.
+  /// The value of the first header of that name, or empty.
+  /// Input: `name` - in lower case.
   std::string_view header(std::string_view name) const;
 };
 
-/// Where a request's time went, in milliseconds, as far as it came.
+/// The time that the steps of a request took, in milliseconds. Steps that were not reached have no value.
 struct Timing {
   std::optional<double> body;   ///< receiving it
   std::optional<double> queue;  ///< waiting for a worker
@@ -39,23 +40,24 @@ struct Timing {
 };
 
 struct Request : RequestHead {
-  std::string id;     ///< the X-Request-Id of the answer: what the client sent if that is usable, else given
-  std::string owner;  ///< whose key it shows (ApiKeys::owner); empty where there are no keys
-  Body body;          ///< out of its chunks
+  std::string id;     ///< the X-Request-Id of the answer: the client's own if it is usable, else a new one
+  std::string owner;  ///< identifies the API key (ApiKeys::owner); empty if the server has no keys
+  Body body;          ///< without the chunked coding
   Timing timing;
-  std::shared_ptr<MemoryShare> memory;  ///< what it holds, until its answer is sent; may be none
+  std::shared_ptr<MemoryShare> memory;  ///< the reservation that lasts until the answer is sent; may be null
 };
 
-/// `next_piece`, if set, stands for the body: it is called for one piece after another, may take its time, and ends the
-/// answer with an empty one. The closing of the connection ends such a body for the client.
+/// An answer. If `next_piece` is set, it replaces the body: it is called for one piece after another, may take its
+/// time, and returns an empty piece at the end. Such a body has no length, so the client sees its end when the
+/// connection closes.
 struct Response : api::Response {
   std::function<std::string()> next_piece;
-  std::string problem_code;  ///< of an error
-  std::string job;           ///< the id of the one that the request has made
-  bool is_told = false;      ///< the error is a job's, which was asked for: this request itself did well
+  std::string problem_code;  ///< empty unless the answer is an error
+  std::string job;           ///< the id of the job that this request has submitted
+  bool is_told = false;      ///< the error is the outcome of a job that was asked for; this request itself succeeded
 };
 
-/// JSON that is true now: nobody may keep it.
+/// Makes an answer of JSON that is true only now, so caches must not store it.
 inline Response json_response(std::string text) {
   Response response;
   response.content_type = "application/json";
@@ -64,8 +66,7 @@ inline Response json_response(std::string text) {
   return response;
 }
 
-/// Ends a request with an error that HTTP itself knows (not found, overloaded, ...), as remesh::Error does for the
-/// rest.
+/// An error that belongs to HTTP (not found, overloaded, ...). All other errors of a request are remesh::Error.
 class HttpError : public std::runtime_error {
  public:
   HttpError(int status, const std::string& code, const std::string& detail) : std::runtime_error(detail) {
@@ -86,9 +87,9 @@ class HttpError : public std::runtime_error {
   Fields headers;
 };
 
-/// The answer to a request that would need more than there can ever be. Throw it.
+/// The error to throw for a request that needs more memory than the whole budget.
 HttpError never_fits(std::uint64_t limit);
-/// The answer to a request that finds no memory now. Throw it.
+/// The error to throw for a request for which there is no memory now.
 HttpError out_of_memory();
 
 }  // namespace remesh::server

@@ -5,7 +5,7 @@ namespace remesh::server {
 IdleConnections::Stay::Stay(IdleConnections& all, Event& end) : all_(all), number_(all.add(end)) {}
 
 IdleConnections::Stay::~Stay() {
-  // Under the lock: whoever ends a stay does so while its event is there.
+  // The lock makes sure that whoever ends a stay does so while its event exists.
   const std::lock_guard lock(all_.mutex_);
   all_.ends_.erase(number_);
   --all_.count_;
@@ -13,7 +13,7 @@ IdleConnections::Stay::~Stay() {
 
 std::uint64_t IdleConnections::add(Event& end) {
   const std::lock_guard lock(mutex_);
-  end.clear();  // of an earlier stay, which a request has ended first
+  end.clear();  // it may still be set from an earlier stay that a request ended first
   if (is_over_) end.set();
   if (ends_.size() == most_) {
     const auto oldest = ends_.begin();

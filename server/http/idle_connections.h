@@ -1,5 +1,5 @@
-/// Connections between two requests. Each holds a thread and a descriptor, so there may be so many; then the one that
-/// has waited longest is ended for the next.
+/// The connections that wait between two requests. Each one takes a thread and a descriptor, so their number is
+/// limited. At the limit, a new one ends the one that has waited longest.
 #pragma once
 
 #include <atomic>
@@ -16,11 +16,12 @@ class IdleConnections {
  public:
   explicit IdleConnections(std::size_t most) : most_(most) {}
 
-  /// A connection's stay among them. It is ended by its event alone: the socket is left as it is, so that a request
-  /// which arrives just then is served as any other.
+  /// The time that one connection spends waiting. Only its event ends it, not its socket, so that a request which
+  /// arrives just then is served like any other.
   class Stay {
    public:
-    /// Ends another's where there are too many.
+    /// Begins to wait. If the limit is reached, this ends the oldest stay.
+    /// Input: `end` - the event that is set to end this stay.
     Stay(IdleConnections& all, Event& end);
     ~Stay();
     Stay(const Stay&) = delete;
@@ -31,7 +32,7 @@ class IdleConnections {
     const std::uint64_t number_;
   };
 
-  /// Ends all, and those that come before it `begins_again`.
+  /// Ends all stays, and every stay that begins before `begin_again` is called.
   void end_all();
   void begin_again();
 
@@ -44,7 +45,7 @@ class IdleConnections {
   const std::size_t most_;
   std::mutex mutex_;
   std::uint64_t next_number_ = 0;
-  std::map<std::uint64_t, Event*> ends_;  ///< of those that were not ended, the oldest first
+  std::map<std::uint64_t, Event*> ends_;  ///< events of the stays that were not ended, the oldest first
   std::atomic<bool> is_over_{false};
   std::atomic<std::size_t> count_{0};
 };

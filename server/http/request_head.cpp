@@ -21,7 +21,7 @@ bool is_token_char(char c) {
 
 bool is_token(std::string_view text) { return !text.empty() && std::all_of(text.begin(), text.end(), is_token_char); }
 
-/// Takes the line up to the next CRLF off the front of `rest`.
+/// Removes and returns the first line of `rest`, up to the next CRLF.
 std::string_view take_line(std::string_view& rest) {
   const std::size_t end = rest.find("\r\n");
   const std::string_view line = rest.substr(0, end);
@@ -44,7 +44,8 @@ Fields parse_query(std::string_view text) {
 }
 
 void parse_target(std::string_view target, RequestHead& head) {
-  // The absolute form is for proxies, but a server must take it (RFC 9112, section 3.2.2). Its path may be empty.
+  // The absolute form is meant for proxies, but a server must accept it (RFC 9112, section 3.2.2). Its path may be
+  // empty.
   bool is_absolute = false;
   for (const std::string_view scheme : {std::string_view("http://"), std::string_view("https://")}) {
     if (api::ascii_lower(target.substr(0, scheme.size())) != scheme) continue;
@@ -85,7 +86,8 @@ void parse_field(std::string_view line, RequestHead& head) {
   head.headers.emplace_back(api::ascii_lower(line.substr(0, colon)), std::string(trimmed(line.substr(colon + 1))));
 }
 
-/// Whether a Host field could be one: a name or an address, and a port (RFC 9110, section 7.2). It may be empty.
+/// True if every character may occur in a Host field: a name or an address, and a port (RFC 9110, section 7.2). It
+/// may be empty.
 bool is_host(std::string_view text) {
   constexpr std::string_view kSigns = "-._~%!$&'()*+,;=:[]";
   return std::all_of(text.begin(), text.end(),
@@ -205,7 +207,7 @@ Framing framing(const RequestHead& head) {
   if (lengths > 1) malformed("Content-Length more than once");
   const std::string_view text = head.header("content-length");
   std::uint64_t length = 0;
-  // from_chars takes digits only for an unsigned number: no sign, no blank, no 0x.
+  // For an unsigned number, from_chars accepts digits only: no sign, no blank, no 0x.
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), length);
   if (text.empty() || error != std::errc() || end != text.data() + text.size())
     malformed("Content-Length is not a number");

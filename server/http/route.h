@@ -1,4 +1,4 @@
-/// What the daemon serves: which handler stands behind which method and path.
+/// The routes of the daemon: which handler serves which method and path.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +11,27 @@
 
 namespace remesh::server {
 
-/// What a handler gets.
+/// The arguments of a handler.
 struct Call {
   Request& request;
   Connection& connection;
-  std::string parameter;  ///< what stood for {id} in the path
+  std::string parameter;  ///< the path segment that matched {id}
 };
 using Handler = std::function<Response(const Call&)>;
 
-/// On what terms a request with a body is let in.
+/// The terms under which a request with a body is accepted.
 struct Admission {
   std::uint64_t max_body = 0;                     ///< bytes
-  std::shared_ptr<MemoryShare> memory = nullptr;  ///< what it reserves; none: not counted
+  std::shared_ptr<MemoryShare> memory = nullptr;  ///< the reservation for the body; null if it is not counted
 };
 
 struct Route {
-  std::string method;  ///< GET answers HEAD too
-  std::string path;    ///< a segment "{id}" stands for any one segment
+  std::string method;  ///< a route for GET also answers HEAD
+  std::string path;    ///< a segment "{id}" matches any one segment
   Handler handle;
-  /// Before the body is read; throws HttpError to refuse it. Without it, a body is refused.
+  /// Called before the body is read; throws HttpError to refuse the request. A route without it accepts no body.
   std::function<Admission(const RequestHead&)> admit = nullptr;
-  bool is_open = false;  ///< to clients without an API key, too
+  bool is_open = false;  ///< clients without an API key may use it too
 };
 
 }  // namespace remesh::server

@@ -1,4 +1,4 @@
-/// Small questions about the text of header fields.
+/// Helpers for the text of header fields.
 #pragma once
 
 #include <string_view>
@@ -6,10 +6,10 @@
 
 namespace remesh::server {
 
-/// Without blanks and tabs on both sides, which HTTP lets stand around values, and without the ends of lines.
+/// Removes blanks and tabs, which HTTP permits around values, and line ends from both sides.
 std::string_view trimmed(std::string_view text);
 
-/// The elements of a comma-separated list, trimmed; empty ones are left out.
+/// Splits a comma-separated list into trimmed elements. Empty elements are left out.
 std::vector<std::string_view> list_elements(std::string_view text);
 
 }  // namespace remesh::server

@@ -17,7 +17,7 @@ struct Unit {
   std::uint64_t factor;
 };
 
-// Factors grow within a kind, so that formatting finds the largest unit that divides.
+// Factors increase within a kind, so that formatting finds the largest unit that divides the value.
 constexpr std::array<Unit, 10> kByteUnits{{{"", 1},
                                            {"B", 1},
                                            {"kB", 1000},
@@ -42,7 +42,7 @@ std::uint64_t parse(std::string_view text, std::span<const Unit> units, std::str
   if (error != std::errc() || end == text.data()) not_a(what, text);
   const std::string_view suffix = text.substr(static_cast<std::size_t>(end - text.data()));
   const auto unit = std::find_if(units.begin(), units.end(), [&](const Unit& u) { return u.suffix == suffix; });
-  // The top of the range is kept free, so that sums of settings and points in time cannot overflow.
+  // The top of the range is excluded, so that sums of settings and points in time cannot overflow.
   if (unit == units.end() || number > (std::numeric_limits<std::uint64_t>::max() >> 20) / unit->factor)
     not_a(what, text);
   return number * unit->factor;
@@ -65,20 +65,20 @@ std::chrono::milliseconds parse_duration(std::string_view text) {
 }
 
 std::string format_bytes(std::uint64_t bytes) {
-  // Binary units only: 256MiB happens to be a number of kB too.
+  // Only binary units are used, since 256MiB happens to be a whole number of kB too.
   if (bytes == 0 || bytes % 1024 != 0) return std::to_string(bytes);
   return format(bytes, std::span(kByteUnits).subspan(kFirstBinary));
 }
 std::string format_count(std::uint64_t count) { return format(count, kCountUnits); }
 std::string format_duration(std::chrono::milliseconds duration) {
   const auto value = static_cast<std::uint64_t>(duration.count());
-  // Seconds stay seconds: 300s says more than 5min where the documentation says 300s.
+  // Seconds stay seconds, because the documentation says 300s and not 5min.
   return value % 1000 == 0 ? std::to_string(value / 1000) + "s" : std::to_string(value) + "ms";
 }
 
 bool Address::is_loopback() const {
   in_addr v4{};
-  // By the number, not the text: "127.example.org" is a name that may lead anywhere.
+  // The number is checked and not the text: "127.example.org" is a name that may resolve to anything.
   if (::inet_pton(AF_INET, host.c_str(), &v4) == 1) return ntohl(v4.s_addr) >> 24 == 127;
   return host == "localhost" || host == "::1";
 }

@@ -58,14 +58,15 @@ BlobFolder::BlobFolder(std::string path) : path_(std::move(path)) {
 }
 
 std::string BlobFolder::write(const std::string& id, std::string_view kind, std::string_view bytes) const {
-  // By the first digits of the id: 256 folders stay small where one would not.
+  // The first two digits of the id choose the folder. A single folder would grow large; 256 folders stay small.
   const std::string folder = path_ + "/" + id.substr(0, 2);
   if (::mkdir(folder.c_str(), 0700) == 0) {
     sync_folder(path_);
   } else if (errno != EEXIST) {
     fail(folder);
   }
-  // Two workers may end one job: each writes a file of its own, and the row of the one that counts names it.
+  // Two workers may finish the same job. Each writes its own file, and the database row of the accepted commit names
+  // one of them.
   std::string name = id.substr(0, 2) + "/" + id + "." + new_request_id().substr(0, 8) + "." + std::string(kind);
   const std::string path = path_ + "/" + name;
   const std::string unfinished = path + ".part";
@@ -84,7 +85,8 @@ std::uint64_t BlobFolder::size(const std::string& name) const {
   const std::string path = path_ + "/" + name;
   struct stat status {};
   if (::stat(path.c_str(), &status) == 0) return static_cast<std::uint64_t>(status.st_size);
-  // A file may be lost; without the folder all are, but only until that is back in its place.
+  // If the folder exists, the file is lost. If the folder is missing too, all files are missing, but only until the
+  // folder is mounted again.
   if (errno == ENOENT && ::access(path_.c_str(), F_OK) == 0) lose(path);
   fail(path);
 }

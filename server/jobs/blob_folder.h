@@ -1,4 +1,4 @@
-/// Inputs and results as files of a folder that all daemons share.
+/// Inputs and results of jobs, stored as files in a folder that all daemons share.
 #pragma once
 
 #include <chrono>
@@ -13,18 +13,23 @@ namespace remesh::server::jobs {
 
 class BlobFolder {
  public:
-  /// Makes the folder where there is none. Errors: StoreError - that cannot be done, or it cannot be written.
+  /// Creates the folder if it does not exist.
+  /// Errors: StoreError - the folder cannot be created or is not writable.
   explicit BlobFolder(std::string path);
 
-  /// Writes a new file. Output: its name, never given twice.
-  /// Holds:  when this returns, the file is on the disk, whole, under that name.
+  /// Writes a new file.
+  /// Output: the file's name, which is never given twice.
+  /// Holds:  when this returns, the whole file is on the disk under that name.
   /// Errors: StoreError.
   std::string write(const std::string& id, std::string_view kind, std::string_view bytes) const;
-  /// Errors: BlobLost - there is no such file, or the disk does not give it back; StoreError - it cannot be read now.
+  /// Reads a whole file.
+  /// Errors: BlobLost - the file does not exist, or the disk cannot return its bytes; StoreError - it cannot be read
+  ///         now.
   std::string read(const std::string& name) const;
-  /// In bytes. Errors: as `read`.
+  /// Returns the size of a file in bytes.
+  /// Errors: as `read`.
   std::uint64_t size(const std::string& name) const;
-  /// What cannot be removed stays.
+  /// Removes a file. A file that cannot be removed stays, without an error.
   void remove(const std::string& name) const noexcept;
 
   static constexpr int kParts = 256;
@@ -32,7 +37,8 @@ class BlobFolder {
     std::string name;
     std::string job;
   };
-  /// The files of one of the `kParts` parts that were written so long ago, unfinished ones too.
+  /// Lists the files in one of the `kParts` parts that were last written longer ago than `age`. Unfinished files are
+  /// listed too.
   std::vector<Found> files_older_than(std::chrono::hours age, int part) const;
 
  private:

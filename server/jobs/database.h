@@ -1,7 +1,8 @@
-/// SQL databases as the job store uses them: one connection, and what each kind does its own way.
+/// SQL databases as the job store uses them: the interface of one connection, and of the driver that hides the
+/// differences between SQLite and PostgreSQL.
 ///
-/// The dialect is the common part of SQLite's and PostgreSQL's: parameters are $1, $2, ..., and the function
-/// remeshd_now() gives the milliseconds of the store's clock.
+/// The SQL that the store runs is the common part of both dialects. Parameters are written $1, $2, .... The function
+/// remeshd_now() returns the time of the store's clock in milliseconds.
 #pragma once
 
 #include <cstdint>
@@ -16,43 +17,45 @@
 
 namespace remesh::server::jobs {
 
-/// Bytes that are no text.
+/// Marks a parameter as binary data instead of text.
 struct Bytes {
   std::string_view bytes;
 };
-/// Owned by whoever asks.
+/// A parameter of a statement. Text and bytes are views; the caller owns the memory.
 using Value = std::variant<std::int64_t, double, std::string_view, Bytes>;
 using Values = std::vector<Value>;
 
-/// A row's values as text or bytes; nothing for NULL.
+/// One row of a result. Each column is text or bytes; a column that is NULL has no value.
 using Row = std::vector<std::optional<std::string>>;
 using Rows = std::vector<Row>;
 
-/// The database went away before anything was committed: the same can be tried again.
+/// The connection was lost before anything was committed, so the same operation can be tried again.
 class ConnectionBroken : public StoreError {
  public:
   using StoreError::StoreError;
 };
 
-/// One connection, for one thread at a time. Errors: StoreError.
+/// One connection, to be used by one thread at a time.
+/// Errors: StoreError.
 class Database {
  public:
   virtual ~Database() = default;
 
   enum class Result { kText, kBytes };
-  /// Runs one statement. Input: `result` - kBytes where the columns hold bytes.
+  /// Runs one statement.
+  /// Input: `result` - kBytes if the columns hold binary data.
   virtual Rows run(const char* sql, const Values& parameters = {}, Result result = Result::kText) = 0;
 
-  /// A transaction that will write. Every `begin` is followed by `commit` or `roll_back`.
+  /// Begins a transaction that will write. Every `begin` is followed by `commit` or `roll_back`.
   virtual void begin() = 0;
   virtual void commit() = 0;
   virtual void roll_back() noexcept = 0;
 
-  /// Tells the daemons that wait that there is work, once the transaction is committed.
+  /// Tells the waiting daemons that there is work. They are told when the transaction commits.
   virtual void announce() = 0;
 };
 
-/// Commits when told, else rolls back.
+/// A transaction that is rolled back at the end of its scope unless `commit` was called.
 class Transaction {
  public:
   explicit Transaction(Database& database) : database_(database) { database_.begin(); }
@@ -77,32 +80,34 @@ class DatabaseDriver {
   virtual ~DatabaseDriver() = default;
 
   virtual std::unique_ptr<Database> connect() = 0;
-  /// What stands behind a SELECT whose rows are to be changed: rows that others are changing are left out.
+  /// The clause to append to a SELECT whose rows will be updated. It skips rows that another transaction has locked.
   virtual std::string_view skip_locked() const = 0;
-  /// Statements that make what this kind needs besides the common tables.
+  /// Statements that create the objects that only this kind of database needs, besides the common tables.
   virtual std::vector<std::string> schema_statements() const = 0;
-  /// Lets nobody else look at the schema until the transaction ends.
+  /// Locks the schema against all other connections until the transaction ends.
   virtual void lock_schema(Database& database) const = 0;
-  /// After the schema is there, once a start.
+  /// Called once at each start, after the schema exists.
   virtual void prepare(Database& database) = 0;
-  /// Writes a piece of a blob as rows from `part` on, at most `kPartsOfPiece` of them, in the size that suits the
-  /// engine.
-  /// Input:  at most `kPiece` bytes.
+  /// Writes one piece of a blob as rows that are numbered from `part` on. The driver chooses the size of a row to
+  /// suit its engine, and makes at most `kPartsOfPiece` rows.
+  /// Input: at most `kPiece` bytes.
   static constexpr std::int64_t kPartsOfPiece = 131;
   static constexpr std::size_t kPiece = kPartsOfPiece * 8000;
   virtual void insert_piece(Database& database, std::string_view job, std::string_view kind, std::int64_t part,
                             std::string_view bytes) = 0;
-  /// Asked again and again: gives room back that is no longer needed.
+  /// Returns unused space to the file system. This is called repeatedly.
   virtual void tidy(Database& database) = 0;
-  /// See JobStore.
+  /// See JobStore::wait_for_work.
   virtual void wait_for_work(const Event& wake, Clock::time_point until) = 0;
-  /// Connections that are open at once, at most.
+  /// The largest number of connections that may be open at once.
   virtual std::size_t max_connections() const = 0;
 };
 
-/// A file, made where there is none.
+/// Makes a driver for an SQLite file, which is created if it does not exist.
 std::unique_ptr<DatabaseDriver> make_sqlite_driver(const std::string& path);
-/// Input: a URL or a connection string, as libpq takes it. Errors: std::invalid_argument - it is none.
+/// Makes a driver for a PostgreSQL server.
+/// Input: a URL or a connection string in libpq's syntax.
+/// Errors: std::invalid_argument - libpq cannot parse it.
 std::unique_ptr<DatabaseDriver> make_postgres_driver(const std::string& url);
 
 }  // namespace remesh::server::jobs

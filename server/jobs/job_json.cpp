@@ -11,7 +11,7 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// RFC 3339, in UTC.
+/// Formats a time as in RFC 3339, in UTC.
 std::string time_text(std::int64_t ms) {
   const std::time_t seconds = ms / 1000;
   std::tm utc{};

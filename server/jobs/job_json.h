@@ -1,4 +1,4 @@
-/// Jobs as the contract shows them.
+/// Jobs as the JSON that the API returns.
 #pragma once
 
 #include <string>
@@ -8,15 +8,15 @@
 
 namespace remesh::server::jobs {
 
-/// `{"id": ..., "state": ..., "stage": ..., ...}`
+/// Formats one job: `{"id": ..., "state": ..., "stage": ..., ...}`
 std::string job_json(const JobRecord& job);
-/// `{"jobs": [...]}`
+/// Formats a list of jobs: `{"jobs": [...]}`
 std::string jobs_json(const std::vector<JobRecord>& jobs);
 
-/// The `code` of a problem; empty where it has none.
+/// Returns the `code` member of a problem, or an empty string if it has none.
 std::string problem_code(const std::string& problem);
 
-/// "/v1/jobs/0123..."
+/// The path of a job: "/v1/jobs/0123..."
 std::string job_path(const std::string& id);
 
 }  // namespace remesh::server::jobs

@@ -14,7 +14,8 @@ namespace {
 
 constexpr const char* kForm = "multipart/form-data";
 
-/// Whether the parts of a form can be seen. One that is packed as a whole differs with its boundary.
+/// True if the parts of a form can be read. A form that is compressed as a whole cannot, and its digest depends on
+/// the boundary.
 bool is_plain_form(const api::Request& request) {
   const std::string coding = api::ascii_lower(trim(request.content_encoding));
   return api::media_type_of(request.content_type) == kForm && (coding.empty() || coding == "identity");

@@ -1,4 +1,4 @@
-/// What stands beside the body of a job, as text to keep.
+/// Converts the part of a request besides its body to text that can be stored with a job, and back.
 #pragma once
 
 #include <string>
@@ -8,14 +8,15 @@
 
 namespace remesh::server::jobs {
 
-/// All of a request but its body, as JSON; the same request gives the same text.
+/// Writes everything of a request except its body as JSON. Equal requests give equal text.
 std::string pack_request(const api::Request& request);
-/// The request again, without its body. Errors: std::runtime_error - the text is no such JSON.
+/// Restores the request, without its body.
+/// Errors: std::runtime_error - the text is not such JSON.
 api::Request unpack_request(std::string_view text);
 
-/// What makes a request the same as another, whole: the digest of its bytes, but of a form that of its parts, since
-/// clients draw the boundary between them anew each time.
-/// Errors: remesh::Error kMalformedMultipart - a form that is none.
+/// A digest that is equal for two requests exactly if they ask for the same. It covers the bytes of the body. For a
+/// form it covers the parts instead, because clients choose a new random boundary between them each time.
+/// Errors: remesh::Error kMalformedMultipart - the body is not a valid form.
 std::string request_digest(const api::Request& request);
 
 }  // namespace remesh::server::jobs

@@ -16,12 +16,14 @@ namespace {
 
 constexpr const char* kPollSeconds = "1";
 constexpr int kMaxListed = 100;
-/// Memory for an answer, as times of the bytes that are kept: they, the mesh that they become and its text; of a report
-/// they and what becomes of them. Measured on a million faces: 5 times for OBJ, 7 for JSON, 9 for VTU.
+/// Memory that an answer takes, as a multiple of the stored bytes. For a mesh this counts the stored bytes, the mesh
+/// made from them and its text; for a report the stored bytes and the text made from them. On a million faces, 5
+/// times was measured for OBJ, 7 for JSON and 9 for VTU.
 constexpr std::uint64_t kPerMeshByte = 10;
 constexpr std::uint64_t kPerReportByte = 2;
 constexpr std::chrono::milliseconds kLook{300};
-/// A sign of life for proxies that cut silent streams, and for us to see that the client is gone.
+/// The interval of messages in a silent stream. Some proxies cut silent streams, and without sending we would not
+/// notice that the client is gone.
 constexpr std::chrono::seconds kSilence{15};
 
 HttpError not_found() { return HttpError(404, "not_found", "there is no job of this id"); }
@@ -30,7 +32,8 @@ HttpError expired() {
   return HttpError(410, "result_expired", "the result was kept for its time or until it was deleted, and is gone");
 }
 
-/// Runs what asks the store. Errors: 503 in place of StoreError.
+/// Calls a function that asks the store.
+/// Errors: HttpError 503 instead of StoreError.
 template <typename Question>
 auto ask(Question question) {
   try {
@@ -67,8 +70,10 @@ std::optional<Idempotency> idempotency(const Request& request, const api::Reques
   return Idempotency{std::string(key), request_digest(kept)};
 }
 
-/// The state of a job from which there is no result. Throws; a job that has failed is answered as its request would
+/// Gives the answer to a request for the result of a job that has none. A failed job is answered as its request would
 /// have been.
+/// Output: nothing if the job has a result.
+/// Errors: HttpError - the job is not finished or has expired.
 std::optional<Response> answer_without_result(const JobRecord& job) {
   switch (job.state) {
     case JobState::kSucceeded: return std::nullopt;
@@ -94,16 +99,16 @@ std::string event_of(const JobRecord& job) {
          "\ndata: " + job_json(job) + "\n\n";
 }
 
-/// The events of one job as they come: whenever its record has another version, the whole of it. So a client that comes
-/// back with the last version that it has seen misses nothing that counts. It need not hold up a server that is about
-/// to stop: there the stream ends, and goes on with another.
+/// The stream of events of one job. Each new version of the job's record is sent as a whole, so a client that
+/// reconnects with the last version it saw misses nothing of importance. The stream ends when the server is about to
+/// stop, and the client continues it with another server.
 class EventStream {
  public:
   EventStream(JobStore& store, JobRecord first, std::int64_t seen, Connection& connection,
               const std::atomic<bool>& draining)
       : store_(store), job_(std::move(first)), seen_(seen), connection_(connection), draining_(draining) {}
 
-  /// Output: empty at the end.
+  /// Output: empty at the end of the stream.
   std::string next() {
     if (is_over_) return {};
     for (;;) {
@@ -124,7 +129,7 @@ class EventStream {
         if (!now) return {};
         job_ = std::move(*now);
       } catch (const StoreError&) {
-        // It comes back, or the client goes.
+        // The store may come back; otherwise the client leaves at some time.
       }
     }
   }
@@ -175,7 +180,8 @@ Admission JobRoutes::admit(const RequestHead&) const {
   if (context_.draining) throw HttpError(503, "draining", "this server is about to stop");
   if (!jobs().is_well()) throw store_unavailable();
   if (jobs().is_full()) throw HttpError(503, "overloaded", "as many jobs wait as may: try again later");
-  // The body is only passed on: what its work takes is up to whoever claims it. Twice, since the store copies.
+  // The request only passes the body on to the store, which copies it, so each byte counts twice. Whoever claims the
+  // job reserves the memory for the work.
   return {context_.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
 }
 
@@ -209,7 +215,7 @@ Response JobRoutes::submit(const Call& call) const {
   return response;
 }
 
-/// Errors: 404 - also for a job of somebody else's, so that ids cannot be tried.
+/// Errors: HttpError 404 - also if the job belongs to somebody else, so that ids cannot be probed.
 JobRecord JobRoutes::find_own(const Call& call) const {
   JobStore& store = jobs().store();
   if (!is_job_id(call.parameter)) throw not_found();
@@ -256,7 +262,8 @@ std::uint64_t JobRoutes::size_of(const std::string& id, BlobKind kind) const {
 
 Response JobRoutes::answer_from(const Operation& write, std::uint64_t memory, const Call& call) const {
   call.request.memory = context_.memory.open_share(/*per_byte=*/1);
-  // Never too much for ever: what was made by a worker can be told, if need be alone.
+  // The reservation is limited to the whole budget: a result that a worker could make can always be sent, if need be
+  // alone.
   memory = std::min(memory, context_.memory.limit());
   call.request.memory->hold_body(memory, memory);
   Response response;
@@ -296,7 +303,7 @@ Response JobRoutes::follow(const Call& call) const {
   std::from_chars(last.data(), last.data() + last.size(), seen);
   Response response;
   if (is_final(job.state) && job.version == seen) {
-    response.status = 204;  // there is nothing more, and browsers then stop asking
+    response.status = 204;  // nothing more will come, and browsers stop asking after a 204
     return response;
   }
   response.content_type = "text/event-stream";

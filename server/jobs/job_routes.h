@@ -1,4 +1,4 @@
-/// What can be asked about jobs over HTTP.
+/// The HTTP endpoints for jobs, under /v1/jobs.
 #pragma once
 
 #include <functional>
@@ -12,9 +12,9 @@
 
 namespace remesh::server::jobs {
 
-/// What the routes stand on; all of it outlives them.
+/// The objects that the routes use. All of them must outlive the routes.
 struct JobContext {
-  JobService* jobs = nullptr;  ///< none: all of it is answered with 501
+  JobService* jobs = nullptr;  ///< null without a job store: every route then answers 501
   const WorkLimits& limits;
   MemoryBudget& memory;
   RequestRegistry& registry;
@@ -22,7 +22,7 @@ struct JobContext {
   const std::atomic<bool>& draining;
 };
 
-/// The answer while the store cannot be used. Throw it.
+/// The error to throw while the store cannot be used.
 HttpError store_unavailable();
 
 class JobRoutes {
@@ -31,11 +31,12 @@ class JobRoutes {
 
   std::vector<Route> routes();
 
-  /// Whether a request to remesh wants to be answered later (`Prefer: respond-async`, RFC 7240).
+  /// True if a client asks for a request to be answered later, with `Prefer: respond-async` (RFC 7240).
   static bool wants_job(const RequestHead& head);
-  /// On what terms the body of a new job is let in.
+  /// Decides under which terms the body of a new job is accepted.
   Admission admit(const RequestHead& head) const;
-  /// Accepts a job. Output: 202.
+  /// Accepts a job.
+  /// Output: an answer with status 202.
   Response submit(const Call& call) const;
 
  private:
@@ -44,10 +45,12 @@ class JobRoutes {
   Response list(const Call& call) const;
   Response show(const Call& call) const;
   Response remove(const Call& call) const;
-  /// A blob's bytes, or its size. Errors: HttpError 410 - its time is over; 503.
+  /// Reads the bytes of a blob.
+  /// Errors: HttpError 410 - the blob has expired; 503 - the store cannot be used.
   std::string read(const std::string& id, BlobKind kind) const;
   std::uint64_t size_of(const std::string& id, BlobKind kind) const;
-  /// Makes an answer from blobs in the pool. `memory`: what that takes, held meanwhile.
+  /// Makes an answer from blobs in the worker pool.
+  /// Input: `memory` - bytes that this takes; they stay reserved meanwhile.
   Response answer_from(const Operation& write, std::uint64_t memory, const Call& call) const;
   Response result(const Call& call) const;
   Response report(const Call& call) const;

@@ -14,15 +14,16 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// Behind the store's own waking, whatever that misses.
+/// The longest time between two attempts to claim. It covers notifications from the store that were missed.
 constexpr std::chrono::seconds kPoll{5};
-/// While the store does not answer, or there is no room.
+/// The pause between attempts while the store does not answer or there is no room.
 constexpr std::chrono::milliseconds kPause{250};
 constexpr std::chrono::milliseconds kMaxBetweenLooks{1000};
-/// How long stopped work may take to notice.
+/// How long cancelled work may take to stop.
 constexpr std::chrono::seconds kStopPatience{3};
 
-/// The end of a job that found no room as often as it may try. What it is told stays: not to come again.
+/// The error of a job that found no memory or threads in its last attempt. The status 500 says that trying again is
+/// of no use, unlike a 503.
 HttpError given_up(const std::string& code, int attempts) {
   return HttpError(
       500, code,
@@ -39,15 +40,15 @@ struct JobRunner::Held {
   const Claim claim;
   const RequestRegistry::Entry running;
   std::shared_ptr<MemoryShare> memory;
-  std::optional<WorkerPool::Ticket> ticket;  ///< in the pool's queue; guarded by the runner's mutex
-  bool is_done = false;                      ///< and waits for its commit; guarded by the runner's mutex
+  std::optional<WorkerPool::Ticket> ticket;  ///< its place in the pool's queue; guarded by the runner's mutex
+  bool is_done = false;                      ///< computed, and waiting for its commit; guarded by the runner's mutex
   std::atomic<bool> is_lost{false};
   std::atomic<bool> is_committing{false};
   std::atomic<Clock::time_point> started{Clock::time_point::max()};
-  // For whoever commits.
-  Clock::time_point ended{};  ///< of computing
+  // These members are for the thread that commits.
+  Clock::time_point ended{};  ///< the time at which computing ended
   std::optional<api::WorkDone> done;
-  // Of the renewing thread alone.
+  // These members are used by the renewing thread alone.
   Clock::time_point renewed;
   Progress told;
 };
@@ -142,7 +143,7 @@ void JobRunner::claim_until_stopped() {
 bool JobRunner::has_room() const {
   const std::lock_guard lock(mutex_);
   const auto computing = std::count_if(held_.begin(), held_.end(), [](const auto& held) { return !held->is_done; });
-  // While the store takes no results, nothing more is begun.
+  // No new work begins while finished results wait for the store.
   const bool has_place = static_cast<std::size_t>(computing) < settings_.max_held && done_.size() < settings_.max_held;
   return has_place && !pool_.is_full(JobSize::kLarge);
 }
@@ -171,7 +172,7 @@ void JobRunner::hold(Claim claim) {
     if (held->ticket) return;
     held_.pop_back();
   } catch (const HttpError&) {
-    // Somebody else was faster to take the memory.
+    // Another request reserved the memory first.
   }
   give_back(*held, JobStore::Attempt::kDoesNotCount, "no_room");
 }
@@ -202,7 +203,7 @@ void JobRunner::renew(Held& held) {
     held.told = now;
     return;
   }
-  if (held.is_committing) return;  // it was this claim that ended it
+  if (held.is_committing) return;  // this claim itself has ended the job
   log::write(log::Level::kInfo, "job lost", {{"job", held.claim.id}, {"token", held.claim.token}});
   held.is_lost = true;
   held.running->cancel();
@@ -228,7 +229,7 @@ void JobRunner::run(const std::shared_ptr<Held>& held) {
       return;
     }
   } catch (const std::exception& error) {
-    // The lease runs out, and somebody tries again.
+    // The lease will run out, and another worker will try the job again.
     log::write(log::Level::kError, "job left", {{"job", held->claim.id}, {"error", std::string(error.what())}});
   }
   release(held);
@@ -291,7 +292,8 @@ std::optional<JobOutcome> JobRunner::outcome_of_failure(Held& held, const std::e
     if (error.code == Code::kCancelled && eviction == Eviction::kAlone)
       told = std::make_exception_ptr(never_fits(memory_.limit()));
   } catch (...) {
-    // Want of memory or threads, which may be over the next time; or a defect, which would come again.
+    // The cause may be a lack of memory or threads, which may be gone at the next attempt, or a defect, which would
+    // repeat.
   }
   Response problem = error_response(told, held.claim.id);
   if (problem.status == 503) {
@@ -331,7 +333,7 @@ void JobRunner::commit(Held& held, const JobOutcome& outcome) {
       if (is_done) metrics_.count_job(state_name(outcome.state), outcome.problem_code);
       return;
     } catch (const StoreError& error) {
-      // The work is done: it is kept until the store is back, or the process ends.
+      // The result is held in memory until the store is back or the process ends.
       held.is_committing = false;
       log::write(log::Level::kWarning, "cannot commit a job",
                  {{"job", held.claim.id}, {"error", std::string(error.what())}});

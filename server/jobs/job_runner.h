@@ -1,4 +1,4 @@
-/// Claims jobs and works on them: on the same pool, under the same memory budget and through the same functions as the
+/// Claims jobs and works on them. It uses the same worker pool, the same memory budget and the same functions as
 /// requests that are answered at once.
 #pragma once
 
@@ -29,31 +29,32 @@ namespace remesh::server::jobs {
 using KeepOperation = std::function<api::KeptRemesh(const api::Request&, const api::Limits&, RunControl&)>;
 
 struct RunnerSettings {
-  std::string worker;  ///< what this process is called in the store and the log
+  std::string worker;  ///< the name of this process in the store and in the log
   api::Limits limits;
-  std::size_t max_held = 1;                          ///< jobs at once
-  int max_attempts = 3;                              ///< of those that find no memory
-  std::chrono::milliseconds lease{60'000};           ///< renewed at a quarter of it
-  std::chrono::milliseconds job_timeout{3'600'000};  ///< of computing
+  std::size_t max_held = 1;  ///< jobs that this process works on at once
+  int max_attempts = 3;      ///< attempts after which a job fails that repeatedly finds no memory or threads
+  std::chrono::milliseconds lease{60'000};           ///< renewed when a quarter of it has passed
+  std::chrono::milliseconds job_timeout{3'600'000};  ///< the longest time that the computation of one job may take
 };
 
 class JobRunner {
  public:
   JobRunner(JobStore& store, WorkerPool& pool, RequestRegistry& registry, MemoryBudget& memory, Metrics& metrics,
             KeepOperation operation, RunnerSettings settings);
-  /// Stops.
+  /// Calls `stop`.
   ~JobRunner();
 
   void start();
-  /// There may be something to claim.
+  /// Tells the runner that there may be a job to claim.
   void wake() { wake_.set(); }
-  /// Claims nothing more; what it has is finished.
+  /// Stops claiming. Jobs that were claimed before are finished.
   void begin_drain();
-  /// Whether it has nothing.
+  /// True if the runner has no job.
   bool is_idle() const;
-  /// Cancels what still runs and gives it back to the queue, none the worse. Then the pool may end.
+  /// Cancels the jobs that still run and returns them to the queue. These attempts do not count. The pool may end
+  /// after this.
   void stop();
-  /// Ends a job that runs here and was cancelled in the store: sooner than its next renewal would.
+  /// Stops work on a job that was cancelled in the store. This is sooner than the next renewal would notice it.
   void drop(const std::string& id);
 
  private:
@@ -67,7 +68,7 @@ class JobRunner {
   void renew_all();
   void renew(Held& held);
   void run(const std::shared_ptr<Held>& held);
-  /// Output: nothing where the job has no outcome here: it was lost, or goes back.
+  /// Output: nothing if the job has no outcome here, because its claim was lost or it goes back to the queue.
   std::optional<JobOutcome> work_on(Held& held);
   std::optional<JobOutcome> outcome_of_failure(Held& held, const std::exception_ptr& failure);
   void commit_until_stopped();
@@ -89,7 +90,8 @@ class JobRunner {
   std::atomic<bool> stopping_{false};
   mutable std::mutex mutex_;
   std::list<std::shared_ptr<Held>> held_;
-  /// Jobs that are done: committed by a thread of its own, so that the next one need not wait for the store.
+  /// Finished jobs that wait for their commit. A thread of its own commits them, so that the next job need not wait
+  /// for the store.
   std::deque<std::pair<std::shared_ptr<Held>, JobOutcome>> done_;
   std::condition_variable done_changed_;
   bool committer_may_end_ = false;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kLook{1000};
 constexpr std::chrono::milliseconds kMaxBetweenUpkeeps{5000};
-/// How often the store is written to although nothing happens: it remembers the time.
+/// How often the store is written to even if nothing else happens. The write lets the store remember the time.
 constexpr std::chrono::seconds kTouch{60};
 
 }  // namespace

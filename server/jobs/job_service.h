@@ -1,4 +1,4 @@
-/// Jobs put together: the store, who works on it here, and what time brings.
+/// The parts of the job service put together: the store, the runner that works on jobs here, and regular upkeep.
 #pragma once
 
 #include <atomic>
@@ -14,12 +14,15 @@
 
 namespace remesh::server::jobs {
 
-/// Opens the store that the settings name; nothing where there is none. Errors: std::invalid_argument - no such store.
+/// Opens the store that the settings name.
+/// Output: null if they name none, or if no folder for SQLite's file can be written.
+/// Errors: std::invalid_argument - the store's address is not valid.
 std::unique_ptr<JobStore> open_store(const JobSettings& settings, Metrics& metrics);
 
 class JobService {
  public:
-  /// Refers to all of these; they outlive it, but for the pool, which ends between `stop` and its end.
+  /// Keeps references to all of these arguments, which must outlive it. The pool is the exception: it must end after
+  /// `stop` and before the destructor.
   JobService(std::unique_ptr<JobStore> store, const JobSettings& settings, RunnerSettings runner, WorkerPool& pool,
              RequestRegistry& registry, MemoryBudget& memory, Metrics& metrics, KeepOperation operation);
 
@@ -30,13 +33,13 @@ class JobService {
 
   JobStore& store() { return *store_; }
   bool is_well() const { return store_->is_well(); }
-  /// Whether as many jobs wait as may.
+  /// True if the queue has reached its largest permitted length.
   bool is_full() const { return statistics().queued >= settings_.max_queued; }
-  /// As of a second or two ago.
+  /// Counts of the whole store, which may be a second or two old.
   QueueStatistics statistics() const;
-  /// A job was submitted here: no need to wait for the store to say so.
+  /// Tells the runner that a job was submitted here, so that it need not wait for the store to say so.
   void wake();
-  /// Cancels a job, in the store and here; of one that has ended it removes what is kept.
+  /// Cancels a job in the store and here. If the job has ended already, its stored blobs are removed instead.
   void remove(const std::string& id);
 
  private:

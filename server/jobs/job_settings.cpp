@@ -13,7 +13,8 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// Makes the folder where it is missing, for nobody else to look into.
+/// Creates the folder if it does not exist, readable by its owner only.
+/// Output: true if the folder can be written.
 bool can_be_made(const std::string& folder) {
   std::error_code failure;
   if (std::filesystem::create_directories(folder, failure))
@@ -21,7 +22,7 @@ bool can_be_made(const std::string& folder) {
   return std::filesystem::is_directory(folder, failure) && ::access(folder.c_str(), W_OK | X_OK) == 0;
 }
 
-/// Whether `can_be_made` would say so.
+/// True if `can_be_made` would succeed. It creates nothing.
 bool could_be_made(std::filesystem::path folder) {
   std::error_code failure;
   while (!std::filesystem::exists(folder, failure) && folder.has_relative_path()) folder = folder.parent_path();
@@ -31,8 +32,9 @@ bool could_be_made(std::filesystem::path folder) {
 
 constexpr const char* kHidden = "***";
 
-/// Hides the values of `password` and `sslpassword`, as libpq takes them behind a URL or, in quotes or not, in a
-/// connection string. `ends`: of a value that has no quotes.
+/// Replaces the values of `password` and `sslpassword` by asterisks. libpq accepts them as parameters of a URL, or in
+/// a connection string with or without quotes.
+/// Input: `ends` - the characters that end a value without quotes.
 void hide_parameters(std::string& store, const char* ends) {
   constexpr std::string_view kName = "password";
   for (std::size_t at = 0; (at = store.find(kName, at)) != std::string::npos;) {
@@ -40,7 +42,7 @@ void hide_parameters(std::string& store, const char* ends) {
     if (at == std::string::npos || store[at] != '=') continue;
     at = store.find_first_not_of(' ', at + 1);
     if (at == std::string::npos) return;
-    // A backslash takes the meaning from what follows it.
+    // A backslash escapes the character that follows it.
     const std::string_view stop = store[at] == '\'' ? "'" : ends;
     std::size_t end = store[at] == '\'' ? at + 1 : at;
     while (end < store.size() && stop.find(store[end]) == std::string_view::npos) end += store[end] == '\\' ? 2 : 1;

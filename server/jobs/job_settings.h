@@ -1,4 +1,4 @@
-/// What the daemon is told about jobs.
+/// The daemon's settings for jobs.
 #pragma once
 
 #include <chrono>
@@ -9,32 +9,34 @@
 
 namespace remesh::server::jobs {
 
-/// What a daemon does of the work: answering, working on jobs, or both.
+/// The share of the work that a daemon takes: answering requests, working on jobs, or both.
 enum class Role { kServe, kWork, kBoth };
 
 struct JobSettings {
-  /// `sqlite`, a PostgreSQL URL, or `none`.
+  /// The job store: `sqlite`, a PostgreSQL URL, or `none`.
   std::string store = "none";
-  /// Where SQLite's file goes. `auto`: the first of $STATE_DIRECTORY, $XDG_STATE_HOME/remeshd, ~/.local/state/remeshd,
-  /// /var/lib/remeshd that can be written; without one there are no jobs.
+  /// The folder for SQLite's file. `auto` means the first writable one of $STATE_DIRECTORY, $XDG_STATE_HOME/remeshd,
+  /// ~/.local/state/remeshd and /var/lib/remeshd; if none is writable, there are no jobs.
   std::string state_dir = "auto";
-  std::string blob_dir;  ///< empty: inputs and results go into the store
+  std::string blob_dir;  ///< empty: inputs and results are stored in the database
   Role role = Role::kBoth;
   StoreRules rules;
   std::chrono::milliseconds job_timeout{3'600'000};
-  std::int64_t max_queued =
-      100'000;  ///< jobs that may wait, in the whole store; about, since daemons count for themselves
+  /// Jobs that may wait in the whole store. The limit is approximate, since each daemon counts for itself.
+  std::int64_t max_queued = 100'000;
 };
 
-/// The folder that `state_dir` means, made where it is missing; empty where none can be written.
-/// Errors: std::invalid_argument - a folder that was named cannot be.
+/// Finds the folder that `state_dir` means, and creates it if it is missing.
+/// Output: empty if `state_dir` is `auto` and no folder can be written.
+/// Errors: std::invalid_argument - the named folder cannot be written.
 std::string find_state_dir(const std::string& state_dir);
 
-/// Whether the start would find its folders. Makes none: whoever checks need not be who starts.
-/// Errors: std::invalid_argument - one that was named cannot be written.
+/// Checks that the daemon could write its folders when it starts. It creates none, because the user who checks the
+/// configuration need not be the user who starts the daemon.
+/// Errors: std::invalid_argument - a folder that was named cannot be written.
 void check_folders(const JobSettings& settings);
 
-/// The store's address without its password.
+/// Returns the store's address with its password replaced by asterisks.
 std::string without_password(const std::string& store);
 
 }  // namespace remesh::server::jobs

@@ -1,9 +1,9 @@
-/// Where jobs are kept, and what is promised of them: a job that was submitted is neither lost nor done twice, whatever
-/// process or host dies when.
+/// The interface of the job store, and its promise: a submitted job is never lost and never done twice, no matter
+/// which process or host dies at which moment.
 ///
-/// A job is queued, claimed by a worker under a lease, and committed once. A lease that is not renewed runs out, and
-/// the job is queued again; the token that each claim gets is higher than all before, and only the newest may commit.
-/// All times are those of one clock, the store's: milliseconds since 1970 on it, wherever they are compared.
+/// A job is queued, claimed by a worker under a lease, and committed once. A lease that is not renewed expires, and
+/// the job is queued again. Each claim gets a token that is higher than all tokens before, and only the claim with
+/// the newest token may commit. All times are read from one clock, the store's, in milliseconds since 1970.
 #pragma once
 
 #include <chrono>
@@ -20,35 +20,37 @@ namespace remesh::server::jobs {
 
 enum class JobState { kQueued, kRunning, kSucceeded, kFailed, kCancelled, kExpired };
 
-/// The name in the contract: `queued`, ...
+/// The name of a state in the API: `queued`, ...
 std::string_view state_name(JobState state);
 std::optional<JobState> state_from_name(std::string_view name);
-/// Whether the state never changes again, but for a result that expires.
+/// True if the state never changes again. The one exception is that a succeeded job expires later.
 constexpr bool is_final(JobState state) { return state != JobState::kQueued && state != JobState::kRunning; }
 
-/// The store cannot be asked now, or cannot write: nothing has been changed, unless it was lost while committing.
+/// The store cannot be reached or cannot write now. Nothing has been changed, unless the connection was lost during a
+/// commit.
 class StoreError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What was kept of a job is gone or damaged, and nothing brings it back: an error of that job, not of the store.
+/// A stored input or result is gone or damaged and cannot be recovered. This is an error of one job, not of the
+/// store.
 class BlobLost : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What whoever asks the store holds jobs to; to be the same on all daemons that share one.
+/// The rules that all users of a store apply to its jobs. They must be the same on all daemons that share a store.
 struct StoreRules {
-  std::chrono::milliseconds lease{60'000};           ///< after its last renewal a job counts as abandoned
-  int max_attempts = 3;                              ///< so many workers may die of one job
-  std::chrono::milliseconds result_ttl{86'400'000};  ///< of results, and of jobs without one
+  std::chrono::milliseconds lease{60'000};  ///< a job counts as abandoned this long after its last renewal
+  int max_attempts = 3;  ///< give up on a job after this many workers have died while they worked on it
+  std::chrono::milliseconds result_ttl{86'400'000};  ///< how long results are stored, and jobs that ended without one
   std::chrono::milliseconds history{86'400'000};     ///< how long an expired job is remembered
   std::chrono::milliseconds queue_timeout{86'400'000};
   std::chrono::milliseconds idempotency_ttl{86'400'000};
 };
 
-/// A key that a client repeats with its request, and the digest of that request.
+/// A key that a client sends again when it repeats a request, and the digest of that request.
 struct Idempotency {
   std::string key;
   std::string digest;
@@ -56,35 +58,35 @@ struct Idempotency {
 
 struct NewJob {
   std::string id;       ///< 128 random bits as 32 hexadecimal digits
-  std::string owner;    ///< of whose key; empty where there are no keys
-  std::string request;  ///< what stands beside the body, as JSON
+  std::string owner;    ///< identifies the API key; empty if the server has no keys
+  std::string request;  ///< everything of the request but its body, as JSON
   std::string_view body;
-  std::uint64_t memory = 0;  ///< bytes that the work is estimated to take
+  std::uint64_t memory = 0;  ///< estimated bytes of memory that the work takes
   std::optional<Idempotency> idempotency;
 };
 
 struct Submission {
   enum class Kind { kNew, kRepeated, kKeyReused } kind = Kind::kNew;
-  std::string id;  ///< of the job that this is; of kKeyReused the one that the key was for
+  std::string id;  ///< the new or repeated job; for kKeyReused the job that the key belongs to
 };
 
 /// The right to work on a job until the lease ends.
 struct Claim {
   std::string id;
   std::int64_t token = 0;
-  int attempts = 0;  ///< this one included
+  int attempts = 0;  ///< including this one
   std::uint64_t memory = 0;
   std::string request;
 };
 
-/// How a job ended.
+/// The way in which a job ended.
 struct JobOutcome {
   JobState state = JobState::kSucceeded;
-  std::string mesh;    ///< of a success
-  std::string report;  ///< of a success
+  std::string mesh;    ///< the packed mesh of a job that succeeded
+  std::string report;  ///< the report of a job that succeeded
   int problem_status = 0;
-  std::string problem;            ///< of a failure: problem+json
-  std::string problem_code = {};  ///< the code in it, for whoever counts
+  std::string problem;            ///< problem+json of a job that failed
+  std::string problem_code = {};  ///< the code in `problem`, for metrics
 };
 
 struct JobRecord {
@@ -94,11 +96,11 @@ struct JobRecord {
   std::string stage;
   double fraction = 0;
   int attempts = 0;
-  std::int64_t version = 0;  ///< rises with every change
+  std::int64_t version = 0;  ///< increases with every change
   std::int64_t created_ms = 0;
   std::optional<std::int64_t> started_ms, finished_ms, expires_ms;
   int problem_status = 0;
-  std::string problem;  ///< of a job without a result: problem+json, its request_id the job's id
+  std::string problem;  ///< problem+json of a job that ended without a result; its request_id is the job's id
 };
 
 struct Progress {
@@ -108,13 +110,13 @@ struct Progress {
 
 enum class BlobKind { kInput, kMesh, kReport };
 
-/// What upkeep changed.
+/// The changes that one call of `upkeep` made.
 struct Upkeep {
-  int retried = 0;    ///< whose worker died
-  int crashed = 0;    ///< the same once too often
-  int timed_out = 0;  ///< waited too long
-  int expired = 0;    ///< results
-  int forgotten = 0;  ///< jobs that are no longer known
+  int retried = 0;    ///< jobs queued again because their worker died
+  int crashed = 0;    ///< jobs failed because too many workers died
+  int timed_out = 0;  ///< jobs that waited too long
+  int expired = 0;    ///< results that expired
+  int forgotten = 0;  ///< jobs that were removed
 };
 
 struct QueueStatistics {
@@ -123,47 +125,57 @@ struct QueueStatistics {
   double oldest_queued_s = 0;
 };
 
-/// All members may be called from any thread. Errors: StoreError, of all of them.
+/// All members may be called from any thread.
+/// Errors: all members throw StoreError.
 class JobStore {
  public:
   virtual ~JobStore() = default;
 
-  /// Once this returns, the job survives the death of every process and of the host.
+  /// Submits a job. Once this returns, the job survives the death of every process and of the host.
   virtual Submission submit(const NewJob& job) = 0;
-  /// The next job that takes no more than `max_memory`; jobs of all owners in turn, each owner's in order.
+  /// Claims the next job that needs at most `max_memory` bytes. Owners take turns; the jobs of one owner come in
+  /// order of submission.
   virtual std::optional<Claim> claim(std::string_view worker, std::uint64_t max_memory) = 0;
-  /// Output: nothing where its time is over. Errors: BlobLost, too.
+  /// Output: nothing if the blob has expired.
+  /// Errors: also BlobLost.
   virtual std::optional<std::string> read_blob(const std::string& id, BlobKind kind) = 0;
-  /// Its bytes. Output, errors: as `read_blob`.
+  /// The size of a blob in bytes.
+  /// Output: as `read_blob`.
+  /// Errors: as `read_blob`.
   virtual std::optional<std::uint64_t> blob_size(const std::string& id, BlobKind kind) = 0;
-  /// Renews the lease and tells progress. Output: false - the job is no longer this claim's.
+  /// Renews the lease and stores the progress.
+  /// Output: false - the claim no longer owns the job.
   virtual bool renew(const Claim& claim, const Progress& progress) = 0;
-  /// Whether the job is still this claim's.
+  /// True if the claim still owns the job.
   virtual bool holds(const Claim& claim) = 0;
-  /// Ends the job. Output: false - the job is no longer this claim's, and nothing was changed. Told twice, it is done
-  /// once.
+  /// Ends the job. A repeated commit of the same claim has no further effect.
+  /// Output: false - the claim no longer owns the job, and nothing was changed.
   virtual bool commit(const Claim& claim, const JobOutcome& outcome) = 0;
   enum class Attempt { kCounts, kDoesNotCount };
-  /// Gives the job back to the queue. Output: as `renew`.
+  /// Returns the job to the queue.
+  /// Output: as `renew`.
   virtual bool give_back(const Claim& claim, Attempt attempt) = 0;
 
   virtual std::optional<JobRecord> find(const std::string& id) = 0;
-  /// The newest first.
+  /// Lists the jobs of one owner, the newest first.
   virtual std::vector<JobRecord> list(const std::string& owner, int limit) = 0;
-  /// Output: true where that ended it; false where it had ended.
+  /// Cancels a job.
+  /// Output: true if this ended the job; false if it had ended before.
   virtual bool cancel(const std::string& id) = 0;
-  /// Ends the time of what is kept of a job that has ended. Output: true where that was a result, which is now expired.
+  /// Expires what is stored of a job that has ended.
+  /// Output: true if the job had a result, which is now expired.
   virtual bool discard(const std::string& id) = 0;
 
-  /// What time brings: leases run out, waiting ends, results expire. Any daemon may do it, and any number.
+  /// Applies the changes that are due with time: leases run out, waiting ends, results expire. Any number of daemons
+  /// may call this.
   virtual Upkeep upkeep() = 0;
   virtual QueueStatistics statistics() = 0;
-  /// Writes a little, to see whether that can be done.
+  /// Writes a small value, to find out whether the store accepts writes.
   virtual void probe() = 0;
-  /// False until something was written, and from an error on until something was written again.
+  /// False until the first successful write. After an error it is false until the next successful write.
   virtual bool is_well() const = 0;
 
-  /// Waits until `wake`, until there may be something to claim, or until that time.
+  /// Waits until `wake` is set, until there may be a job to claim, or until the given time.
   virtual void wait_for_work(const Event& wake, Clock::time_point until) = 0;
 };
 

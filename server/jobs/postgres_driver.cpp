@@ -11,10 +11,10 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// Longer than any statement may take.
+/// How long to wait for an answer. It is longer than any statement may take.
 constexpr std::chrono::seconds kPatience{20};
 constexpr const char* kChannel = "remeshd_jobs";
-/// Of the advisory lock under which the schema is made; any number will do that nobody else uses.
+/// Takes the advisory lock under which the schema is created. The number is arbitrary, but nobody else may use it.
 constexpr const char* kSchemaLock = "SELECT pg_advisory_xact_lock(7270150413)";
 
 using Connected = std::unique_ptr<PGconn, void (*)(PGconn*)>;
@@ -30,7 +30,7 @@ std::string one_line(const char* message) {
 }
 
 Connected open_connection(const std::string& url) {
-  // What the URL says goes before: later ones win, and the URL is expanded where it stands.
+  // Settings in the URL take precedence: later values win, and the URL is expanded at its position, which is last.
   const std::array<const char*, 9> names{"application_name",    "connect_timeout",  "keepalives_idle",
                                          "keepalives_interval", "keepalives_count", "tcp_user_timeout",
                                          "client_encoding",     "dbname",           nullptr};
@@ -44,20 +44,20 @@ Connected open_connection(const std::string& url) {
 class PostgresDatabase final : public Database {
  public:
   explicit PostgresDatabase(const std::string& url) : connection_(open_connection(url)) {
-    ::PQsetnonblocking(connection_.get(), 1);  // sending is waited for with the answer
+    ::PQsetnonblocking(connection_.get(), 1);  // sending continues while waiting for the answer
     ::PQsetNoticeProcessor(
         connection_.get(), [](void*, const char*) {}, nullptr);
     run("SET statement_timeout = '15s'", {}, Result::kText);
     run("SET lock_timeout = '10s'", {}, Result::kText);
     run("SET idle_in_transaction_session_timeout = '60s'", {}, Result::kText);
-    // What is accepted is on the disk, whatever the server is used to; more than that may stay.
+    // An accepted job must be on the disk, whatever the server's setting is. Stronger settings are not changed.
     run("SELECT set_config('synchronous_commit', 'on', false) WHERE current_setting('synchronous_commit') = 'off'", {},
         Result::kText);
   }
 
   Rows run(const char* sql, const Values& parameters, Result result) override {
     std::vector<std::string> texts;
-    texts.reserve(parameters.size());  // pointers into it stay
+    texts.reserve(parameters.size());  // so that pointers into it stay valid
     std::vector<const char*> values;
     std::vector<int> lengths, formats;
     for (const Value& value : parameters) {
@@ -87,10 +87,11 @@ class PostgresDatabase final : public Database {
     if (::PQsendQuery(connection_.get(), "COMMIT") != 1)
       throw ConnectionBroken(one_line(::PQerrorMessage(connection_.get())));
     const Answered answer = wait_for_answer();
-    // Where the connection is lost here, nobody can tell whether it happened: not to be tried again blindly.
+    // If the connection is lost here, nobody can tell whether the commit happened, so it must not be repeated
+    // blindly.
     if (::PQresultStatus(answer.get()) != PGRES_COMMAND_OK)
       throw StoreError("commit: " + one_line(::PQerrorMessage(connection_.get())));
-    // Of a transaction that had failed, COMMIT is a ROLLBACK.
+    // COMMIT acts as ROLLBACK for a transaction that had failed.
     if (std::string_view(::PQcmdStatus(answer.get())) != "COMMIT") throw StoreError("the transaction was rolled back");
   }
   void roll_back() noexcept override {
@@ -100,13 +101,13 @@ class PostgresDatabase final : public Database {
   void announce() override { run("SELECT pg_notify($1, '')", {std::string_view(kChannel)}, Result::kText); }
 
  private:
-  /// As libpq's own waiting, but not for ever: a server that is stuck counts as one that went away.
+  /// Waits like libpq does, but with a deadline: a server that does not answer counts as one that went away.
   /// Errors: StoreError - nobody can tell what became of the statement.
   Answered wait_for_answer() {
     const Clock::time_point deadline = Clock::now() + kPatience;
     while (::PQisBusy(connection_.get()) == 1) {
       pollfd entry{::PQsocket(connection_.get()), POLLIN, 0};
-      // What is still to be sent goes while we wait for more room, too.
+      // Bytes that are not sent yet must go out too, so it also waits until the socket is writable.
       if (::PQflush(connection_.get()) == 1) entry.events |= POLLOUT;
       const auto left = std::chrono::ceil<std::chrono::milliseconds>(deadline - Clock::now()).count();
       if (left <= 0) {
@@ -146,7 +147,7 @@ class PostgresDatabase final : public Database {
     const std::string reason = one_line(::PQerrorMessage(connection_.get()));
     const char* const state = ::PQresultErrorField(answer, PG_DIAG_SQLSTATE);
     const bool is_over = ::PQstatus(connection_.get()) != CONNECTION_OK;
-    // 57P: an administrator ends the server or this connection.
+    // Class 57P means that an administrator ends the server or this connection.
     if (is_over || (state != nullptr && std::string_view(state).substr(0, 3) == "57P")) throw ConnectionBroken(reason);
     throw StoreError(reason);
   }
@@ -172,12 +173,13 @@ class PostgresDriver : public DatabaseDriver {
   std::string_view skip_locked() const override { return " FOR UPDATE SKIP LOCKED"; }
 
   std::vector<std::string> schema_statements() const override {
-    return {// The time of the statement: within one, all rows see the same.
+    return {// It gives the start of the statement, so that all rows of one statement see the same time.
             "CREATE FUNCTION remeshd_now() RETURNS bigint LANGUAGE sql STABLE AS "
             "$$ SELECT (extract(epoch FROM statement_timestamp()) * 1000)::bigint $$",
-            // Rows that just fit a page, neither compressed nor moved out: half the work of large ones.
+            // Rows that just fit into a page are neither compressed nor moved out of line. This halves the work for
+            // large blobs.
             "ALTER TABLE remeshd_blob ALTER COLUMN data SET STORAGE PLAIN",
-            // Rows change often and the table is small: it is cleaned as often.
+            // The table of jobs is small and its rows change often, so it is vacuumed often.
             "ALTER TABLE remeshd_job SET (fillfactor = 70, autovacuum_vacuum_scale_factor = 0.02, "
             "autovacuum_vacuum_threshold = 500, autovacuum_analyze_scale_factor = 0.05)"};
   }
@@ -192,7 +194,7 @@ class PostgresDriver : public DatabaseDriver {
         "substring($4::bytea FROM i * $5::int + 1 FOR $5::int) FROM generate_series(0, $6::int) AS i",
         {job, kind, part, Bytes{bytes}, kRow, last});
   }
-  void tidy(Database&) override {}  // the server does that by itself
+  void tidy(Database&) override {}  // PostgreSQL does that by itself
 
   void wait_for_work(const Event& wake, Clock::time_point until) override {
     if (!listener_ || ::PQstatus(listener_.get()) != CONNECTION_OK) {
@@ -201,7 +203,7 @@ class PostgresDriver : public DatabaseDriver {
       if (::PQresultStatus(answer.get()) != PGRES_COMMAND_OK) {
         throw ConnectionBroken(one_line(::PQerrorMessage(listener_.get())));
       }
-      return;  // what was announced before nobody heard: look
+      return;  // nobody heard earlier announcements, so the caller must look at once
     }
     std::array<pollfd, 2> entries{pollfd{wake.fd(), POLLIN, 0}, pollfd{::PQsocket(listener_.get()), POLLIN, 0}};
     const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - Clock::now()).count();

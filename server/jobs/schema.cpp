@@ -7,7 +7,8 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// Each list is a version: what leads there from the one before. Never change one that was released.
+/// Each list holds the statements that lead from the previous version to this one. Never change a version that was
+/// released.
 const std::vector<std::vector<const char*>> kVersions{
     {
         "CREATE TABLE remeshd_job ("
@@ -19,16 +20,16 @@ const std::vector<std::vector<const char*>> kVersions{
         " request text NOT NULL,"
         " token bigint NOT NULL DEFAULT 0,"
         " attempts int NOT NULL DEFAULT 0,"
-        " commits int NOT NULL DEFAULT 0,"  // at most 1; counted so that it can be proved
+        " commits int NOT NULL DEFAULT 0,"  // at most 1; counted so that tests can prove it
         " worker text NOT NULL DEFAULT '',"
         " stage text NOT NULL DEFAULT 'queued',"
         " fraction double precision NOT NULL DEFAULT 0,"
         " version bigint NOT NULL DEFAULT 1,"
         " created_ms bigint NOT NULL,"
         " started_ms bigint,"
-        " lease_ms bigint,"  // of a running job: when it counts as abandoned
+        " lease_ms bigint,"  // for a running job: the time at which it counts as abandoned
         " finished_ms bigint,"
-        " expires_ms bigint,"  // of an ended job
+        " expires_ms bigint,"  // for a job that has ended
         " problem_status int NOT NULL DEFAULT 0,"
         " problem text NOT NULL DEFAULT '')",
         "CREATE INDEX remeshd_job_queue ON remeshd_job (turn, created_ms, id, memory) WHERE state = 'queued'",
@@ -36,7 +37,7 @@ const std::vector<std::vector<const char*>> kVersions{
         "CREATE INDEX remeshd_job_running ON remeshd_job (lease_ms) WHERE state = 'running'",
         "CREATE INDEX remeshd_job_ended ON remeshd_job (expires_ms) WHERE expires_ms IS NOT NULL",
         "CREATE INDEX remeshd_job_owner ON remeshd_job (owner, created_ms)",
-        // One row a chunk, or one that names a file.
+        // There is one row for each chunk, or a single row that names a file.
         "CREATE TABLE remeshd_blob ("
         " job text NOT NULL, kind text NOT NULL, part int NOT NULL, data bytea, file text,"
         " PRIMARY KEY (job, kind, part))",
@@ -50,7 +51,7 @@ const std::vector<std::vector<const char*>> kVersions{
     },
 };
 
-/// Nothing where there are no tables.
+/// Output: nothing if there are no tables.
 std::optional<std::int64_t> version_of(Database& database) {
   database.run("CREATE TABLE IF NOT EXISTS remeshd_schema (version int NOT NULL, touched_ms bigint NOT NULL)");
   const Rows rows = database.run("SELECT version FROM remeshd_schema");

@@ -1,13 +1,13 @@
-/// The tables of the job store, and how older ones are brought up to date.
+/// The tables of the job store, and the migration of older versions.
 #pragma once
 
 #include "server/jobs/database.h"
 
 namespace remesh::server::jobs {
 
-/// Makes the tables where there are none.
+/// Creates the tables, or migrates them to the newest version.
 /// Holds:  many daemons may start at once.
-/// Errors: StoreError - also where a newer remeshd made them.
+/// Errors: StoreError - also if a newer remeshd made the tables.
 void bring_schema_up_to_date(Database& database, const DatabaseDriver& driver);
 
 }  // namespace remesh::server::jobs

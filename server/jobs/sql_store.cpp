@@ -11,11 +11,13 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// Rows that one statement of upkeep changes, so that none holds others up for long.
+/// The largest number of rows that one statement of upkeep changes. It is small so that no statement blocks others
+/// for long.
 constexpr std::int64_t kBatch = 100;
-/// No transaction takes nearly as long, whatever the clocks of file servers say.
+/// Files older than this belong to no running transaction. No transaction takes nearly as long, even if the clocks of
+/// file servers differ.
 constexpr std::chrono::hours kStrayAge{24};
-/// How long an operation waits for one of the connections.
+/// How long an operation waits for a free connection.
 constexpr std::chrono::seconds kPatience{15};
 
 const char* kind_name(BlobKind kind) {
@@ -35,8 +37,8 @@ std::int64_t signed_bytes(std::uint64_t bytes) {
   return static_cast<std::int64_t>(std::min<std::uint64_t>(bytes, std::numeric_limits<std::int64_t>::max()));
 }
 
-/// A problem whose request_id is the id of the job, as of every problem that a job ends with: the statements that end
-/// jobs, many at once, put it in place of `{job}`.
+/// Makes a problem with `{job}` as its request_id. The statements that end jobs, many at once, replace `{job}` by the
+/// id of each job.
 std::string problem_text(int status, const char* code, const char* detail) {
   api::Problem problem;
   problem.status = status;
@@ -104,7 +106,7 @@ void SqlStore::make_schema(Database& database) {
   has_schema_ = true;
 }
 
-/// Input: nothing for one that is of no more use.
+/// Input: a null pointer for a connection that is no longer usable.
 void SqlStore::return_connection(std::unique_ptr<Database> database) {
   {
     const std::lock_guard lock(mutex_);
@@ -129,7 +131,7 @@ auto SqlStore::attempt(Operation& operation) {
       database.reset();
       return_connection(nullptr);
       if (!may_repeat) throw;
-      // The server was restarted, most likely: the others are as dead.
+      // The server was most likely restarted, so the idle connections are dead too.
       std::vector<std::unique_ptr<Database>> dead;
       const std::lock_guard lock(mutex_);
       open_ -= idle_.size();
@@ -199,7 +201,7 @@ std::optional<SqlStore::Blob> SqlStore::find_blob(const std::string& id, BlobKin
   });
 }
 
-/// Beside the database: what is wrong with a file says nothing about whether the store is well.
+/// This runs outside `with_database`: an error of a file says nothing about the health of the store.
 template <typename Question>
 auto SqlStore::ask_folder(const std::string& id, BlobKind kind, Question question) {
   using Answer = std::optional<decltype(question(*folder_))>;
@@ -247,13 +249,13 @@ void SqlStore::remove_files(const std::vector<std::string>& files) {
   for (const std::string& file : files) folder_->remove(file);
 }
 
-// ---- submitting
+// ---- submission
 
 std::optional<Submission> SqlStore::find_repeated(Database& database, const NewJob& job) {
   if (!job.idempotency) return std::nullopt;
   const auto& [key, digest] = *job.idempotency;
-  // Whoever is first inserts; others wait for that transaction, and then find its row. A row whose time is over counts
-  // as none.
+  // The first of several equal submissions inserts the row; the others wait for that transaction and then find the
+  // row. An expired row counts as absent.
   const Rows inserted = database.run(
       "INSERT INTO remeshd_idempotency (owner, key, digest, job, expires_ms) "
       "VALUES ($1, $2, $3, $4, remeshd_now() + $5) ON CONFLICT (owner, key) DO UPDATE "
@@ -269,9 +271,9 @@ std::optional<Submission> SqlStore::find_repeated(Database& database, const NewJ
   return Submission{kind, known[0][1].value()};
 }
 
-/// The place of an owner's next job in the order of all (start-time fair queueing: Goyal, Vin, Cheng, Start-time Fair
-/// Queueing, 1996, with jobs of one size): one after the owner's last, but not before the one that is running now, so
-/// that who has been away does not get back what was not asked for.
+/// Returns the position of an owner's next job in the order of all jobs. The position is one after the owner's last
+/// job, but not before the job that is running now. An owner who was absent therefore gets no credit for that time.
+/// Source: start-time fair queueing (Goyal, Vin, Cheng, Start-time Fair Queueing, 1996), with all jobs of one size.
 std::int64_t SqlStore::next_turn(Database& database, const std::string& owner) {
   const Rows now = database.run(
       "SELECT coalesce((SELECT max(turn) FROM remeshd_job WHERE state = 'running'),"
@@ -301,7 +303,7 @@ Submission SqlStore::submit(const NewJob& job) {
   });
 }
 
-// ---- working
+// ---- claims
 
 std::optional<Claim> SqlStore::claim(std::string_view worker, std::uint64_t max_memory) {
   const std::string sql =
@@ -352,7 +354,7 @@ bool SqlStore::commit(const Claim& claim, const JobOutcome& outcome) {
         {state, std::int64_t{rules_.result_ttl.count()}, std::int64_t{outcome.problem_status},
          std::string_view(outcome.problem), std::string_view(claim.id), claim.token});
     if (ended.empty()) {
-      // Perhaps it was this claim's own commit, whose answer was lost on the way.
+      // It may have been this claim's own commit whose answer was lost on the way.
       return !database
                   .run("SELECT id FROM remeshd_job WHERE id = $1 AND token = $2 AND state = $3",
                        {std::string_view(claim.id), claim.token, state})
@@ -385,7 +387,7 @@ bool SqlStore::give_back(const Claim& claim, Attempt attempt) {
   });
 }
 
-// ---- asking
+// ---- queries
 
 std::optional<JobRecord> SqlStore::find(const std::string& id) {
   static const std::string sql = std::string(kRecord) + "WHERE id = $1";
@@ -432,7 +434,7 @@ bool SqlStore::discard(const std::string& id) {
         "UPDATE remeshd_job SET state = 'expired', version = version + 1, expires_ms = remeshd_now() + $1 "
         "WHERE id = $2 AND state = 'succeeded' RETURNING id",
         {std::int64_t{rules_.history.count()}, std::string_view(id)});
-    // Of others, too: the input of a job that no worker lived through is kept.
+    // This also concerns jobs in other final states: the input of a job is still stored if every worker died of it.
     files = delete_blobs(database, id,
                          "EXISTS (SELECT 1 FROM remeshd_job WHERE id = $1 AND state NOT IN ('queued', 'running'))");
     transaction.commit();
@@ -543,7 +545,8 @@ void SqlStore::forget_jobs(Database& database, Upkeep& done, std::vector<std::st
   done.forgotten += static_cast<int>(rows.size());
 }
 
-/// Files whose transaction did not come to its end. One part of the folder at a time: all of it within the hour.
+/// Finds files whose transaction was never committed. One part of the folder is searched at each call; all parts are
+/// searched within the hour.
 void SqlStore::find_stray_files(Database& database, std::vector<std::string>& files) {
   if (!folder_) return;
   for (const BlobFolder::Found& file : folder_->files_older_than(kStrayAge, swept_++ % BlobFolder::kParts)) {

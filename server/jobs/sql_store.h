@@ -1,4 +1,4 @@
-/// The job store over a SQL database.
+/// The job store on top of an SQL database.
 #pragma once
 
 #include <atomic>
@@ -16,13 +16,13 @@
 
 namespace remesh::server::jobs {
 
-/// Told of each operation: its name, the seconds it took, whether it failed.
+/// A function that is called after each operation with its name, the seconds it took, and whether it failed.
 using StoreObserver = std::function<void(std::string_view op, double seconds, bool failed)>;
 
 class SqlStore : public JobStore {
  public:
-  /// Asks nothing yet: the schema is made, or brought up to date, when the first operation can be done.
-  /// Input: `folder` - where inputs and results go, if not into the database.
+  /// Does not connect yet. The first operation that reaches the database creates the schema or migrates it.
+  /// Input: `folder` - the folder for inputs and results; null to store them in the database.
   SqlStore(std::unique_ptr<DatabaseDriver> driver, const StoreRules& rules,
            std::unique_ptr<BlobFolder> folder = nullptr, StoreObserver observer = nullptr);
 
@@ -47,7 +47,8 @@ class SqlStore : public JobStore {
  private:
   enum class Access { kRead, kWrite };
 
-  /// Runs `operation` on a connection; once more on a new one where it broke before anything was committed.
+  /// Runs `operation` on a connection. If that connection broke before anything was committed, it runs it once more
+  /// on a new one.
   template <typename Operation>
   auto with_database(std::string_view op, Access access, Operation operation);
   template <typename Operation>
@@ -58,20 +59,22 @@ class SqlStore : public JobStore {
   std::unique_ptr<Database> take_connection();
   void return_connection(std::unique_ptr<Database> database);
 
-  /// Bytes, or the file that has them.
+  /// The bytes of a blob, or the name of the file that holds them.
   struct Blob {
     std::string bytes;
     std::optional<std::string> file;
   };
   /// Output: as `read_blob`.
   std::optional<Blob> find_blob(const std::string& id, BlobKind kind);
-  /// What the folder says of a blob's file. Output: nothing where its time is over. Errors: BlobLost, StoreError.
+  /// Asks the folder about the file of a blob.
+  /// Output: nothing if the blob has expired.
+  /// Errors: BlobLost, StoreError.
   template <typename Question>
   auto ask_folder(const std::string& id, BlobKind kind, Question question);
   std::optional<Submission> find_repeated(Database& database, const NewJob& job);
   std::int64_t next_turn(Database& database, const std::string& owner);
   void write_blob(Database& database, const std::string& id, BlobKind kind, std::string_view bytes);
-  /// Output: the files to remove once this is committed.
+  /// Output: the files to remove once the transaction is committed.
   std::vector<std::string> delete_blobs(Database& database, const std::string& id, const char* which);
   void remove_files(const std::vector<std::string>& files);
   void end_abandoned(Database& database, Upkeep& done);
@@ -91,7 +94,7 @@ class SqlStore : public JobStore {
   std::vector<std::unique_ptr<Database>> idle_;
   std::size_t open_ = 0;
   bool has_schema_ = false;
-  std::atomic<int> swept_{0};  ///< parts of the folder
+  std::atomic<int> swept_{0};  ///< number of folder parts searched for stray files so far
 };
 
 }  // namespace remesh::server::jobs

@@ -15,13 +15,13 @@
 namespace remesh::server::jobs {
 namespace {
 
-/// How long a connection waits for another that writes, and how long it sleeps meanwhile. SQLite's own waiting sleeps
-/// longer each time, which costs more than most transactions take.
+/// How long a connection waits while another one writes, and how long it sleeps between attempts. SQLite's own busy
+/// handler sleeps longer each time, which costs more than most transactions take.
 constexpr std::chrono::seconds kBusyPatience{20};
 constexpr std::chrono::microseconds kBusyNap{1000};
-/// Free pages, of 4 KiB, that the file keeps for what comes.
+/// Number of free pages of 4 KiB that stay in the file for later use.
 constexpr std::int64_t kKeptPages = 16384;
-/// How often is looked whether another process has written.
+/// Interval between checks whether another process has written.
 constexpr std::chrono::milliseconds kLook{100};
 
 std::int64_t milliseconds_of(clockid_t clock) {
@@ -30,21 +30,22 @@ std::int64_t milliseconds_of(clockid_t clock) {
   return std::int64_t{time.tv_sec} * 1000 + time.tv_nsec / 1'000'000;
 }
 
-/// Says which start of the system this is, the same in all its containers; empty where that cannot be told.
+/// Returns an identifier of this start of the system, which is the same in all its containers.
+/// Output: empty if it cannot be read.
 std::string boot_id() {
   std::string id;
   std::ifstream("/proc/sys/kernel/random/boot_id") >> id;
   return id;
 }
 
-/// A clock that no setting of the system's can turn: what the wall said when the file was first opened since the system
-/// started, or the last time in the file if that is later, and from there on the time that has passed. All processes
-/// that use the file are on one system, and agree.
+/// A clock that is not affected when the system's clock is set. Its base is the system's time when the file was first
+/// opened after the system started, or the last time stored in the file if that is later. From there it counts the
+/// time that has passed. All processes that use the file are on one system, so they agree.
 class FileClock {
  public:
   std::int64_t now_ms() const { return base_ms_ + milliseconds_of(CLOCK_BOOTTIME); }
   void set_base(std::int64_t base_ms) { base_ms_ = base_ms; }
-  /// What `set_base` wants where the system has started since.
+  /// Computes the base after a restart of the system.
   static std::int64_t new_base(std::int64_t last_ms) {
     return std::max(milliseconds_of(CLOCK_REALTIME), last_ms) - milliseconds_of(CLOCK_BOOTTIME);
   }
@@ -99,12 +100,12 @@ class SqliteDatabase final : public Database {
   void roll_back() noexcept override {
     if (::sqlite3_get_autocommit(handle_) == 0) ::sqlite3_exec(handle_, "ROLLBACK", nullptr, nullptr, nullptr);
   }
-  /// Whoever waits sees that the file has changed.
+  /// Nothing is needed: waiting daemons notice that the file has changed.
   void announce() override {}
 
  private:
-  /// The meshes in it are their owners', whatever folder it lies in. By name: to open it and close that again would end
-  /// the locks that SQLite has on it.
+  /// Only the owner may read the file, because it holds other people's meshes, whatever the permissions of its folder
+  /// are. The mode is set by name: opening and closing the file here would release the locks that SQLite holds on it.
   static void close_to_others(const std::string& path) {
     for (const char* part : {"", "-wal", "-shm"}) ::chmod((path + part).c_str(), S_IRUSR | S_IWUSR);
   }
@@ -113,15 +114,15 @@ class SqliteDatabase final : public Database {
     check(::sqlite3_busy_handler(handle_, nap, nullptr));
     check(::sqlite3_create_function(handle_, "remeshd_now", 0, SQLITE_UTF8 | SQLITE_INNOCUOUS, &clock, give_now,
                                     nullptr, nullptr));
-    // The first is for new files only; freed pages then can be given back to the file system.
+    // The first pragma affects new files only. It allows freed pages to be returned to the file system.
     for (const char* pragma : {"PRAGMA auto_vacuum=INCREMENTAL", "PRAGMA journal_mode=WAL", "PRAGMA synchronous=FULL",
                                "PRAGMA journal_size_limit=67108864", "PRAGMA temp_store=MEMORY"}) {
       set_patiently(pragma);
     }
   }
 
-  /// Of two that set the journal of a new file at once, both may hold what the other waits for: SQLite tells one of
-  /// them so at once, without asking the busy handler.
+  /// If two connections set the journal mode of a new file at once, each may hold a lock that the other waits for.
+  /// SQLite then tells one of them so immediately, without calling the busy handler.
   void set_patiently(const char* pragma) {
     for (int naps = 0;; ++naps) {
       try {
@@ -133,7 +134,7 @@ class SqliteDatabase final : public Database {
     }
   }
 
-  /// Output: 0 where it has waited long enough.
+  /// Output: 0 if it has waited long enough.
   static int nap(void*, int naps) {
     if (naps * kBusyNap > kBusyPatience) return 0;
     std::this_thread::sleep_for(kBusyNap);
@@ -145,7 +146,7 @@ class SqliteDatabase final : public Database {
   }
 
   void bind(sqlite3_stmt* statement, std::size_t i, const Value& value) {
-    // "$2" is a name to SQLite, numbered by where it stands first.
+    // SQLite treats "$2" as a name, and numbers it by its first occurrence.
     const int place = ::sqlite3_bind_parameter_index(statement, ("$" + std::to_string(i + 1)).c_str());
     if (place == 0) return;
     if (const auto* integer = std::get_if<std::int64_t>(&value)) {
@@ -153,7 +154,7 @@ class SqliteDatabase final : public Database {
     } else if (const auto* real = std::get_if<double>(&value)) {
       check(::sqlite3_bind_double(statement, place, *real));
     } else if (const auto* text = std::get_if<std::string_view>(&value)) {
-      // A view without memory would be NULL.
+      // A null pointer would be bound as NULL.
       check(::sqlite3_bind_text64(statement, place, text->empty() ? "" : text->data(), text->size(), SQLITE_STATIC,
                                   SQLITE_UTF8));
     } else {
@@ -196,7 +197,7 @@ class SqliteDriver : public DatabaseDriver {
   std::vector<std::string> schema_statements() const override {
     return {"CREATE TABLE remeshd_clock (boot text NOT NULL, base_ms bigint NOT NULL)"};
   }
-  void lock_schema(Database&) const override {}  // BEGIN IMMEDIATE has done that
+  void lock_schema(Database&) const override {}  // BEGIN IMMEDIATE has locked it already
   void prepare(Database& database) override {
     Transaction transaction(database);
     const std::string boot = boot_id();
@@ -220,13 +221,13 @@ class SqliteDriver : public DatabaseDriver {
   }
 
   void tidy(Database& database) override {
-    // Pages that are free are used again; only where there are many does the file shrink, a little at a time.
+    // Free pages are reused. Only if there are many of them does the file shrink, a little at a time.
     const std::int64_t free_pages = std::stoll(database.run("PRAGMA freelist_count").at(0).at(0).value());
     if (free_pages > kKeptPages) database.run("PRAGMA incremental_vacuum(4096)");
   }
 
   void wait_for_work(const Event& wake, Clock::time_point until) override {
-    // One waits at a time: the daemon has one thread that claims.
+    // Only one thread waits at a time, because the daemon has one thread that claims.
     if (!watcher_) watcher_ = connect();
     do {
       if (wake.wait(std::min(until, Clock::now() + kLook))) return;

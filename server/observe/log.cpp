@@ -19,7 +19,8 @@ namespace {
 
 Format active_format = Format::kText;
 
-/// Appends a JSON string. Bytes beyond ASCII are written as Latin-1 escapes: what comes from outside need not be UTF-8.
+/// Appends a JSON string. Bytes beyond ASCII are escaped as Latin-1, because text from outside need not be valid
+/// UTF-8.
 void append_quoted(std::string& line, std::string_view text) {
   line += '"';
   for (const char c : text) {
@@ -62,18 +63,19 @@ spdlog::level::level_enum spdlog_level(Level level) {
   return spdlog::level::err;
 }
 
-/// Lines that may wait while nobody takes them; then the oldest are dropped. A log that stalls must not stall requests.
+/// Number of lines that may wait to be written. Beyond it the oldest are dropped, because a stalled log must not
+/// stall requests.
 constexpr std::size_t kMaxWaiting = 8192;
 
-/// For the thread that writes: on a busy machine it takes its turn, and writes several lines then, instead of taking a
-/// core from a request for each.
+/// Lowers the priority of the thread that writes. On a busy machine it then writes several lines at its turn, instead
+/// of interrupting a request for each line.
 void let_others_first() {
   const sched_param none{};
   (void)::pthread_setschedparam(::pthread_self(), SCHED_BATCH, &none);
   be_nice();
 }
 
-/// The logger, and the thread that writes for it, which must end first.
+/// The logger and the thread that writes for it. The logger is destroyed after the thread.
 struct Writing {
   std::shared_ptr<spdlog::async_logger> logger;
   std::shared_ptr<spdlog::details::thread_pool> thread;

@@ -1,5 +1,5 @@
-/// The daemon's log: events with named values, on standard error, as text for people or as a JSON object a line for
-/// machines.
+/// The daemon's log: events with named values on standard error. Each event is one line, either text for people or a
+/// JSON object for machines.
 #pragma once
 
 #include <cstdint>
@@ -11,23 +11,23 @@
 namespace remesh::server::log {
 
 enum class Level { kDebug, kInfo, kWarning, kError, kOff };
-enum class Format { kAuto, kText, kJson };  ///< kAuto: text on a terminal
+enum class Format { kAuto, kText, kJson };  ///< kAuto: text if standard error is a terminal, else JSON
 
 struct Field {
   std::string_view name;
   std::variant<std::string, std::int64_t, double> value;
 };
 
-/// Sets the log up; before that, it is text from level info on.
+/// Sets up the log. Until then it writes text from level info on.
 void set_up(Format format, Level level);
 
-/// Whether `write` would write.
+/// True if an event of this level is written.
 bool is_written(Level level);
 
-/// Writes one line. Values from outside are safe: whatever could break the line is escaped.
+/// Writes one line. Values may come from outside: whatever could break the line is escaped.
 void write(Level level, std::string_view event, const std::vector<Field>& fields = {});
 
-/// The line's payload without time and level, as `write` makes it.
+/// Formats a line as `write` does, without the time and the level.
 std::string render(Format format, std::string_view event, const std::vector<Field>& fields);
 
 }  // namespace remesh::server::log

@@ -35,7 +35,7 @@ const Histogram::BucketBoundaries kSeconds{0.001, 0.005, 0.02, 0.1, 0.5, 2, 10, 
 const Histogram::BucketBoundaries kStoreSeconds{0.0005, 0.001, 0.002, 0.005, 0.01, 0.05, 0.2, 1, 5, 30};
 const Histogram::BucketBoundaries kFaces{100, 1e3, 1e4, 1e5, 1e6, 1e7};
 
-/// Anything else that a client sends in place of a method is "other".
+/// Returns the label of a method. Any method that is not in the list, whatever a client sends, becomes "other".
 std::string method_label(std::string_view method) {
   constexpr std::array<std::string_view, 8> kMethods{"GET",   "HEAD",   "POST",    "PUT",
                                                      "PATCH", "DELETE", "OPTIONS", "none"};
@@ -46,19 +46,21 @@ std::size_t open_descriptors() {
   std::error_code failure;
   const std::filesystem::directory_iterator folder("/proc/self/fd", failure);
   if (failure) return 0;
-  return static_cast<std::size_t>(std::distance(begin(folder), end(folder))) - 1;  // but for the folder itself
+  // The open folder itself does not count.
+  return static_cast<std::size_t>(std::distance(begin(folder), end(folder))) - 1;
 }
 
 double seconds_of(const timeval& time) {
   return static_cast<double>(time.tv_sec) + static_cast<double>(time.tv_usec) * 1e-6;
 }
 
-/// Those of a family that have been asked for, by their labels: the library makes a new one for each look at one, and
-/// each request has a dozen.
+/// The metrics of a family that were used before, found by their labels. The library would make a new metric for each
+/// look-up, and each request needs a dozen.
 template <class Metric>
 class Known {
  public:
-  /// What `make` gave for that key the first time. It lives as long as its family.
+  /// Returns the metric that `make` returned for that key the first time. The reference stays valid as long as the
+  /// family.
   template <class Make>
   Metric& find(std::string_view key, const Make& make) {
     {
@@ -76,7 +78,7 @@ class Known {
   std::map<std::string, Metric*, std::less<>> by_key_;
 };
 
-/// Adds values that are read at the time of a look.
+/// Metrics whose values are read when they are asked for.
 class Snapshot {
  public:
   void gauge(const char* name, const char* help, double value) { add<Gauge>(name, help).Set(value); }

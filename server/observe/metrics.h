@@ -1,4 +1,4 @@
-/// What the daemon counts, in the form that Prometheus reads.
+/// The daemon's counters and their text in Prometheus's format.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace remesh::server {
 
-/// What is asked for at the time of a look and need not be counted.
+/// Values that are read when `/metrics` is asked for, and so need no counting.
 struct Gauges {
   std::size_t connections = 0;
   std::size_t running = 0;
@@ -20,27 +20,30 @@ struct Gauges {
   std::size_t busy = 0;
   std::uint64_t memory_reserved = 0;
   bool is_ready = false;
-  bool has_jobs = false;  ///< whether the next ones are known
+  bool has_jobs = false;  ///< true if the next three members are known
   std::int64_t jobs_queued = 0;
   std::int64_t jobs_running = 0;
   double job_oldest_queued_s = 0;
 };
 
-/// All members may be called from any thread. Labels take few values only, whatever clients send.
+/// All members may be called from any thread. Clients cannot make labels take arbitrarily many values.
 class Metrics {
  public:
   Metrics();
   ~Metrics();
 
-  /// A request is over. `route`: its path with names for what varies, or "none"; `status`: 499 where the client left
-  /// before its answer; `method`: any.
+  /// Counts a request that is over.
+  /// Input: `route` - the path of the route with `{id}` for the variable part, or "none"; `status` - 499 if the
+  ///        client left before its answer; `method` - any text.
   void count_request(std::string_view route, std::string_view method, int status, double seconds);
-  /// One was turned away by a limit, for the reason that its problem has as `code`.
+  /// Counts a request that a limit turned away.
+  /// Input: `reason` - the `code` of its problem.
   void count_rejection(const std::string& reason);
   void count_work(const api::WorkDone& done);
-  /// A job has ended as its state says, of a failure with that code; `times`: so many of them.
+  /// Counts jobs that have ended.
+  /// Input: `outcome` - their state; `code` - the problem's code for failed jobs; `times` - how many.
   void count_job(std::string_view outcome, std::string_view code = {}, int times = 1);
-  /// One goes back to the queue.
+  /// Counts jobs that go back to the queue.
   void count_job_retry(std::string_view reason, int times = 1);
   void count_store(std::string_view op, double seconds, bool failed);
 

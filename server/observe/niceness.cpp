@@ -8,7 +8,7 @@ namespace remesh::server {
 
 void be_nice() {
   constexpr int kNiceness = 10;
-  // Of this thread alone, which Linux allows.
+  // Linux lets the niceness of a single thread be changed.
   static thread_local const int set = [] {
     const auto thread = static_cast<id_t>(::syscall(SYS_gettid));
     return ::setpriority(PRIO_PROCESS, thread, ::getpriority(PRIO_PROCESS, thread) + kNiceness);

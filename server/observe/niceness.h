@@ -1,10 +1,10 @@
-/// Threads that let others go first.
+/// Lowers the priority of computing threads.
 #pragma once
 
 namespace remesh::server {
 
-/// Sets the calling thread behind those that answer, which need little time, but at once. Where the system does not do
-/// that, it is no harm. Done once a thread, however often it is asked for.
+/// Lowers the priority of the calling thread, so that the threads that answer come first: they need little time, but
+/// at once. If the system does not allow it, nothing happens. Only the first call in a thread has an effect.
 void be_nice();
 
 }  // namespace remesh::server

@@ -14,7 +14,8 @@ bool is_id(std::string_view text) { return is_hex(text) && text.find_first_not_o
 }  // namespace
 
 std::optional<TraceContext> parse_traceparent(std::string_view text) {
-  // 00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01; later versions may go on behind the flags
+  // The field looks like 00-4bf92f3577b34da6a3ce929d0e0e4736-00f067aa0ba902b7-01. Later versions may have more after
+  // the flags.
   constexpr std::size_t kLength = 55;
   if (text.size() < kLength || text[2] != '-' || text[35] != '-' || text[52] != '-') return std::nullopt;
   const std::string_view version = text.substr(0, 2);

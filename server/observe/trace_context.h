@@ -12,7 +12,8 @@ struct TraceContext {
   std::string parent_id;  ///< 16 hexadecimal digits: the caller's span
 };
 
-/// Reads a `traceparent` field. Output: nothing where it is absent or not as the standard has it.
+/// Reads a `traceparent` field.
+/// Output: nothing if the field is absent or does not follow the standard.
 std::optional<TraceContext> parse_traceparent(std::string_view text);
 
 }  // namespace remesh::server

@@ -1,5 +1,5 @@
-/// The memory that all requests together may take: reserved before it is used, so that what does not fit is refused at
-/// the door and not by the system's killer in the middle of other people's work.
+/// The memory that all requests together may take. Memory is reserved before it is used, so that a request that does
+/// not fit is refused at its start, and the system does not kill the process in the middle of other people's work.
 #pragma once
 
 #include <atomic>
@@ -13,28 +13,30 @@ namespace remesh::server {
 
 class MemoryBudget;
 
-/// What one request holds of the budget; gives it back at its end. For one thread at a time.
+/// The share of the budget that one request has reserved. It is returned when this object ends. Only one thread may
+/// use it at a time.
 class MemoryShare {
  public:
-  /// `per_byte`: what is reserved for each byte of a body.
+  /// Input: `per_byte` - the bytes that are reserved for each byte of a body.
   explicit MemoryShare(MemoryBudget& budget, std::uint64_t per_byte) : budget_(budget), per_byte_(per_byte) {}
   ~MemoryShare() { resize(0); }
   MemoryShare(const MemoryShare&) = delete;
   MemoryShare& operator=(const MemoryShare&) = delete;
 
-  /// Reserves what a body of `held` bytes will take, the work on it included, if there is also room for one of
-  /// `expected` bytes now. That much is not reserved yet: a client that announces a lot and sends little shuts out
-  /// nobody.
-  /// Errors: HttpError 413 `mesh_too_large` - more than the whole budget; 503 `out_of_memory` - more than is free now.
+  /// Reserves the memory for a body of which `held` bytes are buffered, including the work on it. It also checks that
+  /// a body of `expected` bytes would fit now, but does not reserve that yet: a client that announces much and sends
+  /// little must not shut out others.
+  /// Errors: HttpError 413 `mesh_too_large` - more than the whole budget; 503 `out_of_memory` - more than is free
+  ///         now.
   void hold_body(std::uint64_t held, std::uint64_t expected);
-  /// Once the work is done, its answer alone is held.
+  /// Reduces the reservation to the size of the answer, once the work is done.
   void hold_answer(std::uint64_t bytes) { resize(bytes); }
 
   std::uint64_t bytes() const { return bytes_; }
 
  private:
   void resize(std::uint64_t bytes);
-  /// `bytes` are reserved already.
+  /// Stores the new size. The budget's sum must include it already.
   void note(std::uint64_t bytes);
 
   MemoryBudget& budget_;
@@ -44,8 +46,9 @@ class MemoryShare {
 
 class MemoryBudget {
  public:
-  /// Measured: reading and remeshing takes 11 times (a flat square of 320,000 faces) to 57 times (a patch a face) the
-  /// bytes of the body. What is reserved is in between; what takes more is up to `MemoryWatch`.
+  /// Bytes that are reserved for each byte of a body. Reading and remeshing was measured to take 11 times the bytes
+  /// of the body (a flat square of 320,000 faces) to 57 times (a patch per face). The reservation is in between;
+  /// `MemoryWatch` handles requests that take more.
   static constexpr std::uint64_t kWorkPerBodyByte = 16;
 
   explicit MemoryBudget(std::uint64_t limit) : limit_(limit) {}
@@ -58,18 +61,20 @@ class MemoryBudget {
 
   std::uint64_t limit() const { return limit_; }
   std::uint64_t reserved() const { return reserved_; }
-  /// How many shares hold some of it.
+  /// The number of shares that have reserved memory.
   std::size_t holders() const { return holders_; }
-  /// What could be reserved now.
+  /// The number of bytes that could be reserved now.
   std::uint64_t available() const;
-  /// What the process really takes, from time to time: where that is more than is reserved, it counts. Not where nobody
-  /// has reserved anything: what the process takes idle would shut out for ever what `never_fits` lets through.
+  /// Tells the budget how much memory the process really takes. If that is more than is reserved, it counts instead.
+  /// It does not count while nobody has reserved anything: otherwise an idle process could refuse for ever a request
+  /// that `never_fits` lets through.
   void note_resident(std::uint64_t bytes) { resident_ = bytes; }
 
  private:
   friend class MemoryShare;
 
-  /// Of the `reserved` bytes `own` ones are those of whoever asks.
+  /// The bytes that count as used by others.
+  /// Input: `own` - the part of `reserved` that belongs to the caller.
   std::uint64_t used_by_others(std::uint64_t reserved, std::uint64_t own) const;
 
   const std::uint64_t limit_;

@@ -13,9 +13,9 @@
 namespace remesh::server {
 namespace {
 
-/// How long the end of one request may take to show before the next one is ended.
+/// How long the memory of an ended request may take to be freed before the next request is ended.
 constexpr std::chrono::milliseconds kPatience{500};
-/// Free memory that the allocator may keep for itself.
+/// Free memory that the allocator may retain.
 constexpr std::uint64_t kSlack = 64 << 20;
 
 }  // namespace
@@ -27,7 +27,7 @@ void MemoryWatch::look(std::uint64_t resident) {
   budget_.note_resident(resident);
   const std::vector<std::shared_ptr<RunningRequest>> computing = registry_.computing();
   if (resident > last_resident_ && !computing.empty()) {
-    // Nobody can tell whose growth it is; but who is there whenever memory grows soon stands out.
+    // Nobody can tell which request has grown. But the one that is always there when memory grows soon stands out.
     const std::uint64_t share = (resident - last_resident_) / computing.size();
     for (const auto& request : computing) request->growth += share;
   }
@@ -40,13 +40,13 @@ void MemoryWatch::look(std::uint64_t resident) {
                                            [](const auto& a, const auto& b) { return a->growth < b->growth; });
     log::write(log::Level::kWarning, "over the memory budget, ending the largest request",
                {{"id", largest->id}, {"resident", static_cast<std::int64_t>(resident)}});
-    // Others that hold memory may wait, be sent or be kept: with them gone there may be room.
+    // Other holders of memory may be waiting, sending or buffered. With them gone there may be room for this request.
     largest->evict(/*was_alone=*/computing.size() == 1 && budget_.holders() <= 1);
     patience_until_ = Clock::now() + kPatience;
   }
 }
 
-/// The allocator keeps what was freed in pieces; between requests there is time to return it to the system.
+/// Returns memory to the system that the allocator has retained. There is time for that between requests.
 void MemoryWatch::give_back(std::uint64_t resident) {
   if (resident <= resident_after_trim_ + kSlack) return;
   ::malloc_trim(0);

@@ -1,5 +1,5 @@
-/// Looks at the memory that the process really takes, since no estimate made from a body's size can be sure: when it
-/// passes the budget, the request that made it grow most is ended.
+/// Watches the memory that the process really takes, since no estimate from a body's size can be certain. When it
+/// exceeds the budget, the request with the largest growth is ended.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@ class MemoryWatch {
 
   MemoryWatch(MemoryBudget& budget, RequestRegistry& registry, std::chrono::milliseconds period = kPeriod);
 
-  /// One look, with that much in use. Public for tests.
+  /// Performs one check with the given memory in use. It is public for tests.
   void look(std::uint64_t resident);
 
  private:

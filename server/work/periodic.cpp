@@ -13,7 +13,7 @@ Periodic::Periodic(std::chrono::milliseconds period, std::function<void()> task)
           try {
             run();
           } catch (const std::exception&) {
-            // for want of memory, mostly; next time there may be some
+            // The cause is mostly a lack of memory, and next time there may be some.
           }
           lock.lock();
         }

@@ -1,4 +1,4 @@
-/// Does something again and again in a thread of its own, until its end.
+/// Calls a function periodically in a thread of its own until the object is destroyed.
 #pragma once
 
 #include <chrono>
@@ -11,9 +11,9 @@ namespace remesh::server {
 
 class Periodic {
  public:
-  /// What `task` throws is forgotten: it comes again.
+  /// Starts the thread. Exceptions from `task` are ignored, and the next call comes as usual.
   Periodic(std::chrono::milliseconds period, std::function<void()> task);
-  /// Waits for the task if it runs.
+  /// Waits for the task if it is running.
   ~Periodic();
   Periodic(const Periodic&) = delete;
   Periodic& operator=(const Periodic&) = delete;

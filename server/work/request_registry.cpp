@@ -12,7 +12,7 @@
 namespace remesh::server {
 
 std::string progress_json(const RunningRequest& request) {
-  // Ids and stage names need no escaping: see is_request_id.
+  // Ids and stage names need no escaping, because is_request_id permits no such characters.
   std::array<char, 96> numbers;
   std::snprintf(numbers.data(), numbers.size(), "\"fraction\":%.4f,\"elapsed_s\":%.3f}", request.control.fraction(),
                 request.elapsed_s());
@@ -21,7 +21,7 @@ std::string progress_json(const RunningRequest& request) {
 }
 
 RequestRegistry::Entry RequestRegistry::add(const std::string& id, const std::string& owner) {
-  // Made outside the lock: its event is a system call.
+  // The request is made outside the lock, because its event needs a system call.
   for (auto request = std::make_shared<RunningRequest>(id, owner);;
        request = std::make_shared<RunningRequest>(new_request_id(), owner)) {
     const std::lock_guard lock(mutex_);
@@ -63,7 +63,8 @@ bool is_request_id(std::string_view text) {
 }
 
 std::string new_request_id() {
-  // Drawn from the system: an id lets its holder cancel the request, so it must not be guessable.
+  // The id is drawn from the system's random source. An id lets its holder cancel the request, so it must not be
+  // guessable.
   std::array<std::uint32_t, 4> words{};
   if (::getentropy(words.data(), sizeof words) != 0)
     throw std::system_error(errno, std::generic_category(), "no random numbers");

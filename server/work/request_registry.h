@@ -1,4 +1,4 @@
-/// The requests that compute or wait to: found by their id, watched and cancelled by other requests.
+/// The requests that compute or wait for the pool. Other requests find them by their id to watch or cancel them.
 #pragma once
 
 #include <atomic>
@@ -15,17 +15,18 @@
 
 namespace remesh::server {
 
-/// One request from its entry to its answer.
+/// One request from its arrival in the registry to its answer.
 struct RunningRequest {
   explicit RunningRequest(std::string request_id, std::string its_owner = {})
       : id(std::move(request_id)), owner(std::move(its_owner)) {}
 
-  /// Asks it to stop and wakes whoever waits for it.
+  /// Asks the request to stop, and wakes the thread that waits for it.
   void cancel() {
     control.cancel();
     changed.set();
   }
-  /// Ends it for the memory that it takes; `was_alone`: nobody else can be blamed.
+  /// Ends the request because of its memory.
+  /// Input: `was_alone` - no other request can have taken the memory.
   void evict(bool was_alone) {
     eviction = was_alone ? Eviction::kAlone : Eviction::kAmongOthers;
     cancel();
@@ -33,24 +34,25 @@ struct RunningRequest {
   double elapsed_s() const { return std::chrono::duration<double>(Clock::now() - start).count(); }
 
   const std::string id;
-  const std::string owner;  ///< of whose key; empty where there are no keys
+  const std::string owner;  ///< identifies the API key; empty if the server has no keys
   const Clock::time_point start = Clock::now();
   RunControl control;
-  Event changed;  ///< the work has ended, or was cancelled
+  Event changed;  ///< set when the work has ended or was cancelled
   std::atomic<bool> is_computing{false};
   std::atomic<bool> has_ended{false};
 
   enum class Eviction { kNone, kAmongOthers, kAlone };
   std::atomic<Eviction> eviction{Eviction::kNone};
-  std::uint64_t growth = 0;  ///< of the process's memory, its share in it: see MemoryWatch, which alone uses it
+  /// This request's estimated share in the growth of the process's memory; only MemoryWatch uses it.
+  std::uint64_t growth = 0;
 };
 
-/// `{"id": ..., "stage": ..., "fraction": ..., "elapsed_s": ...}`
+/// Formats the progress of a request: `{"id": ..., "stage": ..., "fraction": ..., "elapsed_s": ...}`
 std::string progress_json(const RunningRequest& request);
 
 class RequestRegistry {
  public:
-  /// Takes it out of the registry when its scope ends.
+  /// A registered request. It leaves the registry when this object's scope ends.
   class Entry {
    public:
     Entry(RequestRegistry& registry, std::shared_ptr<RunningRequest> request)
@@ -67,9 +69,10 @@ class RequestRegistry {
     std::shared_ptr<RunningRequest> request_;
   };
 
-  /// Enters a request under that id, or under a new one when the id is running already.
+  /// Registers a request under that id, or under a new one if a request with that id is running already.
   Entry add(const std::string& id, const std::string& owner = {});
-  /// Output: nothing, too, where it is somebody else's, so that ids cannot be tried.
+  /// Output: nothing if there is no such request, and also if it belongs to somebody else, so that ids cannot be
+  ///         probed.
   std::shared_ptr<RunningRequest> find(const std::string& id, const std::string& owner = {}) const;
   std::vector<std::shared_ptr<RunningRequest>> computing() const;
   void cancel_all();
@@ -81,9 +84,9 @@ class RequestRegistry {
   std::map<std::string, std::shared_ptr<RunningRequest>, std::less<>> running_;
 };
 
-/// True for what a client may choose: 16 to 64 URL-safe characters.
+/// True if a client may choose this text as an id: 16 to 64 URL-safe characters.
 bool is_request_id(std::string_view text);
-/// 32 hexadecimal digits; never the same twice.
+/// Makes a random id of 32 hexadecimal digits.
 std::string new_request_id();
 
 }  // namespace remesh::server

@@ -13,12 +13,13 @@
 namespace remesh::server {
 namespace {
 
-/// How long a stopped job may take to notice; then it is answered for, and finishes unheard.
+/// How long cancelled work may take to stop. After this the request is answered, and the result of the work is
+/// dropped.
 constexpr std::chrono::seconds kStopPatience{2};
-/// Bodies up to this are small meshes: some ten thousand faces.
+/// Bodies up to this size count as small meshes, of some ten thousand faces.
 constexpr std::size_t kSmallBody = 1 << 20;
 
-/// What the connection's thread and the pool's thread share; each may be the last to hold it.
+/// The state that the connection's thread and the pool's thread share. Either may be the last to own it.
 class Job {
  public:
   Job(Request& request, const WorkLimits& limits, Operation operation, std::shared_ptr<RunningRequest> running)
@@ -40,7 +41,7 @@ class Job {
       const std::lock_guard lock(mutex_);
       started_ = Clock::now();
     }
-    running_->is_computing = true;  // nobody needs to wake for that: deadlines only move away
+    running_->is_computing = true;  // no wake-up is needed, since this only moves deadlines back
     std::optional<api::Response> response;
     std::exception_ptr failure;
     try {
@@ -50,13 +51,13 @@ class Job {
     } catch (...) {
       failure = std::current_exception();
     }
-    body_ = Body();  // where it was not read to its end
+    body_ = Body();  // the operation may not have released it
     running_->is_computing = false;
     {
       const std::lock_guard lock(mutex_);
       ended_ = Clock::now();
       response_ = std::move(response);
-      failure_ = std::move(failure);  // the waiting thread alone holds it from here on
+      failure_ = std::move(failure);  // from here on only the waiting thread refers to it
       is_done_ = true;
     }
     running_->changed.set();
@@ -70,7 +71,7 @@ class Job {
     const std::lock_guard lock(mutex_);
     return is_done_;
   }
-  /// Of a job that is done.
+  /// Writes the times of a task that is done.
   void tell_times(Timing& timing) const {
     const std::lock_guard lock(mutex_);
     timing.queue = milliseconds_between(running_->start, *started_);
@@ -83,7 +84,8 @@ class Job {
   }
 
  private:
-  /// What every result gets: compression where the client takes it, and a digest of what is sent.
+  /// Applies the steps that every result gets: compression if the client accepts it, and a digest of the bytes that
+  /// are sent.
   void finish(api::Response& response) const {
     if (response.status != 200) return;
     compress(response, accept_encoding_, running_->control);
@@ -105,7 +107,8 @@ class Job {
   bool is_done_ = false;
 };
 
-/// Waits for a job that was told to stop. Errors: remesh::Error of the stop, when the job does not report it itself.
+/// Waits for a task that was told to stop.
+/// Errors: the remesh::Error of the stop, if the task does not end in time.
 api::Response wait_for_stop(Job& job, RunningRequest& running) {
   const Clock::time_point patience = Clock::now() + kStopPatience;
   while (!job.is_done() && Clock::now() < patience) {
@@ -116,7 +119,7 @@ api::Response wait_for_stop(Job& job, RunningRequest& running) {
   return job.take_response();
 }
 
-/// Waits until the job is done or has to be stopped.
+/// Waits until the task is done or must be stopped.
 api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, WorkerPool::Ticket ticket,
                        const WorkLimits& limits, Request& request, Connection& connection) {
   const auto half_closed =
@@ -137,7 +140,7 @@ api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, Work
       throw overloaded();
     }
     if (!running.control.is_stopped()) {
-      // It may have started just now, and then has its time before it.
+      // The task may have started just now, and then it has its full time before it.
       const std::optional<Clock::time_point> started = job.started();
       if (!started || Clock::now() < *started + limits.request_timeout) continue;
       running.control.expire();

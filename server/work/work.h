@@ -1,4 +1,4 @@
-/// How a connection's thread hands work to the pool and waits for it, without computing itself.
+/// Hands the work of a connection's thread to the pool, and waits for the result.
 #pragma once
 
 #include <chrono>
@@ -16,23 +16,25 @@ using Operation = std::function<api::Response(const api::Request&, const api::Li
 
 struct WorkLimits {
   api::Limits api;
-  std::chrono::milliseconds request_timeout{300'000};  ///< of computing; a place in the queue is given up after as long
-  std::uint64_t memory_budget = 0;                     ///< of all requests, to be told to one that is too large for it
+  /// The longest time that a request may compute. It also waits no longer than this in the queue.
+  std::chrono::milliseconds request_timeout{300'000};
+  /// Memory for all requests together; reported to a request that is too large for it.
+  std::uint64_t memory_budget = 0;
 };
 
-/// Runs `operation` on the request in the pool. While it runs, the request can be found in the registry; it stops when
-/// the client goes away, when its time is over and when it is cancelled.
-/// Output:  what the operation answers. `request.id` becomes the id it ran under, `request.timing` what it took; its
-///          body is consumed.
-/// Errors:  what the operation throws; remesh::Error kTimeout, kCancelled; HttpError 503 - the queue is full, no thread
-///          came free in time, or it was ended for its memory (413 where it was alone).
+/// Runs `operation` on the request in the pool. While it runs, the request can be found in the registry. It stops
+/// when the client goes away, when its time is over, or when it is cancelled.
+/// Output:  the answer of the operation. `request.id` becomes the id under which it ran, and `request.timing` the
+///          times that it took; the request's body is consumed.
+/// Errors:  whatever the operation throws; remesh::Error kTimeout, kCancelled; HttpError 503 - the queue is full, no
+///          thread became free in time, or the request was ended because of its memory (413 if it was alone).
 api::Response run_in_pool(WorkerPool& pool, RequestRegistry& registry, const WorkLimits& limits,
                           const Operation& operation, Request& request, Connection& connection);
 
-/// What the pool is told of a body of that size.
+/// The size class of a task for a body of that many bytes.
 JobSize size_of_job(std::uint64_t body_bytes);
 
-/// The answer to work that finds no place. Throw it.
+/// The error to throw if the pool has no place for the work.
 HttpError overloaded();
 
 }  // namespace remesh::server

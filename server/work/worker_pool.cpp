@@ -9,7 +9,7 @@
 
 namespace remesh::server {
 
-/// Counts the threads that enter and leave an arena, and sets them behind those that answer.
+/// Counts the threads that enter and leave an arena, and lowers their priority.
 class WorkerPool::BusyThreads : public tbb::task_scheduler_observer {
  public:
   BusyThreads(tbb::task_arena& arena, std::atomic<std::size_t>& counter)
@@ -34,7 +34,7 @@ WorkerPool::WorkerPool(int max_running, std::size_t queue_size, int workers)
       running_(2 * max_running_),
       ready_(static_cast<std::ptrdiff_t>(running_.size())) {
   for (std::size_t i = 0; i < running_.size(); ++i) threads_.emplace_back([this, i, workers] { work(i, workers); });
-  ready_.wait();  // TBB does not want to be limited by one pool while the threads of another enter it
+  ready_.wait();  // TBB's thread limit must not be set by one pool while threads of another enter their arenas
 }
 
 WorkerPool::~WorkerPool() {
@@ -86,7 +86,7 @@ std::size_t WorkerPool::queued() const {
 
 bool WorkerPool::is_full_locked(JobSize size) const {
   const std::size_t places = size == JobSize::kSmall ? queue_size_ : queue_size_ - queue_size_ / 4;
-  // Those that a free thread has not taken yet do not wait.
+  // Tasks that a free thread has not taken yet do not count as waiting.
   const std::size_t free = max_running_ - std::min(max_running_, running_count_);
   return queue_.size() >= places + free;
 }
@@ -127,7 +127,8 @@ std::optional<WorkerPool::Entry> WorkerPool::take_locked() {
 }
 
 void WorkerPool::work(std::size_t place, int workers) {
-  // One arena a thread: a huge mesh can take idle cores, but never the thread that a small one runs on.
+  // Each thread has an arena of its own. A huge mesh can take idle cores, but never the thread that a small one runs
+  // on.
   tbb::task_arena arena(workers);
   const BusyThreads observer(arena, busy_threads_);
   ready_.count_down();
@@ -150,10 +151,10 @@ void WorkerPool::work(std::size_t place, int workers) {
     if (needs_thread_locked()) changed_.notify_one();
     lock.unlock();
     arena.execute(entry->job);
-    entry.reset();  // what it holds is freed outside the lock
+    entry.reset();  // its captures are freed outside the lock
     lock.lock();
     running_[place].reset();
-    --running_count_;  // what may start now, this thread takes
+    --running_count_;  // this thread takes whatever may start now
   }
 }
 

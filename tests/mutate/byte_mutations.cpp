@@ -28,7 +28,7 @@ struct Piece {
 
 bool is_of_number(char c) { return (c >= '0' && c <= '9') || c == '+' || c == '-' || c == '.' || c == 'e' || c == 'E'; }
 
-/// The number at or behind a random place.
+/// Returns the first number at or after a random place.
 std::optional<Piece> random_number(const std::string& bytes, Random& random) {
   std::size_t at = below(bytes.size(), random);
   const auto has_digit = [&](std::size_t i) { return bytes[i] >= '0' && bytes[i] <= '9'; };
@@ -40,7 +40,7 @@ std::optional<Piece> random_number(const std::string& bytes, Random& random) {
   return Piece{begin, end - begin};
 }
 
-/// A random line with its end.
+/// Returns a random line with its end.
 Piece random_line(const std::string& bytes, Random& random) {
   const std::size_t at = below(bytes.size(), random);
   const std::size_t before = at == 0 ? std::string::npos : bytes.rfind('\n', at - 1);
@@ -136,7 +136,7 @@ void swap_lines(std::string& bytes, Random& random) {
 }
 
 void overwrite_float(std::string& bytes, Random& random) {
-  // Where binary STL has its numbers: at 84 + 50 i + 4 j, of which j = 0 to 2 are the normal.
+  // Binary STL has its numbers at 84 + 50 i + 4 j, where j = 0 to 2 are the normal.
   if (bytes.size() < 84 + 50) return;
   const std::size_t at = 84 + 50 * below((bytes.size() - 84) / 50, random) + 12 + 4 * below(9, random);
   float value = 0;
@@ -171,7 +171,7 @@ struct NamedChange {
   Change change;
 };
 
-// A change stands here more than once where it finds more.
+// Some changes are listed more than once, so that they are made more often.
 constexpr std::array<NamedChange, 17> kOfText{{{"bits flipped", flip_bits},
                                                {"byte changed", change_byte},
                                                {"bytes inserted", insert_bytes},

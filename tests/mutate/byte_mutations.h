@@ -1,4 +1,4 @@
-/// Changes to the bytes of a file, whatever they mean.
+/// Changes the bytes of a file, whatever they mean.
 #pragma once
 
 #include <string>
@@ -7,14 +7,14 @@
 
 namespace remesh::mutate {
 
-/// Whether the bytes are text: numbers and lines are changed then, else bytes and floats.
+/// True if the bytes are text. Numbers and lines of text are changed; otherwise bytes and floats are.
 bool is_text(const std::string& bytes);
 
-/// A number as text that is likely to be forgotten: 0, -0, huge, tiny, not a number, with many digits.
+/// Returns a number as text that programs easily forget: 0, -0, huge, tiny, not a number, with many digits.
 std::string odd_number(Random& random);
 
-/// Changes something, once.
-/// Output: the words for what was done.
+/// Makes one change.
+/// Output: a description of the change.
 std::string mutate_bytes(std::string& bytes, Random& random);
 
 }  // namespace remesh::mutate

@@ -1,4 +1,4 @@
-/// cancel_test [--runs N] [--seed N] [--group N] [--limit MS] [--median-limit MS] [--clock wall|processor] ...
+/// Usage: cancel_test [--runs N] [--seed N] [--group N] [--limit MS] [--median-limit MS] [--clock wall|processor] ...
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -30,7 +30,7 @@ struct Stop {
   std::uint64_t group = 0;
   std::string stage, ending;
   double after_s = 0, wall_ms = 0, busy_ms = 0;
-  std::string subject;  ///< what was run
+  std::string subject;  ///< the mesh and options of the run
 };
 
 struct Plan {
@@ -42,8 +42,8 @@ struct Plan {
   std::filesystem::path folder;
 };
 
-/// A child runs one mesh with its options, once to the end or for `max_run_s`; then it runs it again a few times and
-/// stops it, at moments drawn evenly from how long it took.
+/// The work of one child. It runs one mesh with its options once, to the end or for `max_run_s`. Then it runs them
+/// again a few times and stops each run at a moment that is drawn evenly from the time of the first run.
 class Group {
  public:
   Group(const Plan& plan, const std::vector<CorpusFile>& corpus, std::uint64_t number)
@@ -68,7 +68,7 @@ class Group {
     const RunEnd whole = run_once(plan_.max_run_s);
     if (whole.was_stopped) told(stop_of(whole, plan_.max_run_s));
     if (whole.ending == Ending::kNever) return;
-    // What ends at once, most of it refused, tells nothing.
+    // A run that ends at once tells nothing. Most of these are refused.
     constexpr double kMinRun = 0.003;
     const double length_s = std::min(whole.wall_s, plan_.max_run_s);
     if (length_s < kMinRun) return;
@@ -163,7 +163,7 @@ class Statistics {
   }
   std::size_t count() const { return stops_.size(); }
 
-  /// Output: whether the bounds hold.
+  /// Output: true if the times stay within the bounds.
   bool print_table() const {
     std::map<std::string, std::vector<Stop>> by_stage;
     for (const Stop& stop : stops_) by_stage[stop.stage].push_back(stop);
@@ -204,7 +204,7 @@ int run_all(const Plan& plan, const std::vector<CorpusFile>& corpus) {
   const double max_life_s = (1 + plan.stops_of_group) * (plan.max_run_s + plan.patience_s) + 120;
   Statistics statistics(plan);
   for (std::uint64_t number = 0; statistics.count() < plan.runs; ++number) {
-    // One at a time: they measure times.
+    // Only one child runs at a time, because times are measured.
     ChildPool pool(1, plan.max_mb, max_life_s);
     pool.start(number, [&](const Send& send) {
       Group(plan, corpus, number).run([&](const Stop& stop) { send(packed(stop)); });
@@ -216,7 +216,7 @@ int run_all(const Plan& plan, const std::vector<CorpusFile>& corpus) {
   return statistics.print_table() ? 0 : 1;
 }
 
-/// In this very process; the mesh is kept.
+/// Runs the group in this process, and stores its mesh.
 int run_group(const Plan& plan, const std::vector<CorpusFile>& corpus, std::uint64_t number) {
   Group group(plan, corpus, number);
   std::filesystem::create_directories(plan.folder);

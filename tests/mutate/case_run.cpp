@@ -28,7 +28,7 @@ api::Job job_of(const Case& c) {
   return job;
 }
 
-/// The bytes without the times, which differ from run to run.
+/// Returns the body without its times, which differ from run to run.
 std::string without_times(std::string body) {
   const std::size_t begin = body.rfind("\"timing_ms\":{");
   if (begin == std::string::npos) return body;
@@ -82,7 +82,7 @@ class Trier {
       find(std::string(code_name(end.error->code)), end.error->what());
     if (!end.was_stopped) return;
     const std::string where = " in the stage " + std::string(stage_name(end.stage));
-    // A busy machine makes a run wait; a run that waits for itself is seen as well.
+    // A busy machine makes a run wait. The second condition also finds a run that waits for itself.
     const bool is_late = end.stop_wall_ms > limits_.stop_ms &&
                          (end.stop_busy_ms > limits_.stop_ms || end.stop_wall_ms > 10 * limits_.stop_ms);
     if (end.ending == Ending::kNever)
@@ -132,7 +132,7 @@ class Trier {
 }  // namespace
 
 CaseResult try_case(const Case& c, const TryLimits& limits) {
-  // Options are refused before the mesh is looked at.
+  // Options are refused before the mesh is read.
   try {
     job_of(c);
   } catch (const Error& error) {

@@ -1,4 +1,4 @@
-/// Tries one case, in the process that calls.
+/// Runs one case in the calling process.
 #pragma once
 
 #include <string>
@@ -11,18 +11,18 @@
 namespace remesh::mutate {
 
 struct TryLimits {
-  double time_s = 20;      ///< after which a run is stopped, and counts as slow
-  double stop_ms = 200;    ///< longest life after a stop
-  double patience_s = 10;  ///< after a stop, until a run counts as one that never ends
+  double time_s = 20;      ///< a run that takes longer is stopped and counts as slow
+  double stop_ms = 200;    ///< longest time that a run may live after a stop
+  double patience_s = 10;  ///< after this time since a stop, a run counts as one that never ends
   std::uint64_t max_faces = 100'000;
 };
 
-/// What came out of a case.
+/// The result of a case.
 struct CaseResult {
   std::string outcome;  ///< `accepted`, `refused: CODE`, `stopped`, `slow`, `out_of_memory`
   double seconds = 0;
   std::vector<Objection> findings;
-  double stop_busy_ms = 0;  ///< of a stopped run
+  double stop_busy_ms = 0;  ///< processor time from the stop to the end, for a stopped run
 };
 
 CaseResult try_case(const Case& c, const TryLimits& limits);

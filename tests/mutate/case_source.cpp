@@ -16,8 +16,8 @@ namespace {
 constexpr std::size_t kMaxFaces = 20'000;
 constexpr std::size_t kMaxBytes = 2'000'000;
 
-/// A number that tells nothing of its neighbours. Source: Steele, Lea, Flood, Fast splittable pseudorandom number
-/// generators, 2014 (the finalizer of SplitMix).
+/// Mixes a number so that the results of neighbouring numbers look unrelated.
+/// Source: Steele, Lea, Flood, Fast splittable pseudorandom number generators, 2014 (the finalizer of SplitMix).
 std::uint64_t mixed(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -25,7 +25,7 @@ std::uint64_t mixed(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// The smaller ones more often: more cases in the same time.
+/// Draws a file. Smaller files are drawn more often, so that more cases run in the same time.
 const CorpusFile& draw_file(const std::vector<CorpusFile>& corpus, Random& random) {
   const double u = random.unit();
   return corpus[static_cast<std::size_t>(u * u * static_cast<double>(corpus.size()))];
@@ -43,7 +43,7 @@ std::optional<PolygonSoup> read_soup(const std::string& bytes, Format format) {
   }
 }
 
-/// As a mesh: changed, and written in any format.
+/// Changes the file as a mesh and writes it in any format.
 void mutate_as_mesh(Case& c, PolygonSoup soup, const std::vector<CorpusFile>& corpus, Random& random) {
   if (random.chance(0.15)) {
     const CorpusFile& second = draw_file(corpus, random);

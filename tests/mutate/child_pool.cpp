@@ -33,7 +33,7 @@ void write_all(int file, const std::string& text) {
 }
 
 [[noreturn]] void be_child(const std::function<void(const Send&)>& work, int pipe, std::size_t max_mb) {
-  // What crashes is told of; nobody looks at its memory.
+  // A crash is reported, but nobody looks at the memory, so no core file is written.
   const rlimit no_core{0, 0};
   setrlimit(RLIMIT_CORE, &no_core);
   if (max_mb > 0 && !kIsSanitized) {

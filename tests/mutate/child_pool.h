@@ -1,4 +1,4 @@
-/// Child processes, each with one piece of work, its memory bounded and its life as well.
+/// Runs pieces of work in child processes, whose memory and lifetime are bounded.
 #pragma once
 
 #include <sys/types.h>
@@ -13,22 +13,23 @@
 
 namespace remesh::mutate {
 
-/// What became of a child.
+/// The end of a child.
 struct ChildEnd {
-  std::uint64_t number = 0;    ///< of its work
-  std::string message;         ///< all that it sent
-  std::string standard_error;  ///< the end of it
-  int signal = 0;              ///< which ended it; 0: none
-  bool was_killed = false;     ///< for it lived too long
-  double max_mb = 0;           ///< of memory that it held at one time
+  std::uint64_t number = 0;    ///< the number of its work
+  std::string message;         ///< everything that it sent
+  std::string standard_error;  ///< the last part of it
+  int signal = 0;              ///< the signal that ended it; 0 if none did
+  bool was_killed = false;     ///< it was ended because it lived too long
+  double max_mb = 0;           ///< largest memory that it had in use at one time
 };
 
-/// Sends text to the parent.
+/// A function that sends text to the parent.
 using Send = std::function<void(const std::string&)>;
 
 class ChildPool {
  public:
-  /// Input: `max_mb` of addresses a child may take, 0: no bound; the longest life of a child.
+  /// Input: `max_mb` - the address space that a child may use, 0 for no bound; `max_life_s` - the longest life of a
+  ///        child.
   ChildPool(std::size_t max_children, std::size_t max_mb, double max_life_s);
   ~ChildPool();
   ChildPool(const ChildPool&) = delete;
@@ -36,7 +37,7 @@ class ChildPool {
 
   bool is_full() const { return children_.size() >= max_children_; }
   bool is_empty() const { return children_.empty(); }
-  /// Forks: the process may have no thread but this one.
+  /// Starts a child by fork. The process must not have any other thread.
   void start(std::uint64_t number, const std::function<void(const Send&)>& work);
   /// Waits until a child has ended.
   ChildEnd wait();

@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t kMaxRatio = 100;  // of what is compressed
+constexpr std::uint64_t kMaxRatio = 100;  // decompressed to compressed bytes of a file
 
 std::string read_file(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -31,7 +31,7 @@ void add_folder(const fs::path& folder, std::size_t max_bytes, std::vector<Corpu
   for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder)) {
     const fs::path relative = entry.path().lexically_relative(folder);
     if (!entry.is_regular_file() || entry.file_size() > max_bytes) continue;
-    // Those are known to take longer than a case may.
+    // These files are known to take longer than a case may.
     if (relative.generic_string().find("slow/") != std::string::npos) continue;
     const bool is_mesh = format_from_file_name(entry.path().filename().string()).has_value();
     if (!is_mesh) continue;
@@ -41,7 +41,7 @@ void add_folder(const fs::path& folder, std::size_t max_bytes, std::vector<Corpu
         RunControl control;
         bytes = gunzip(bytes, {max_bytes, kMaxRatio}, control);
       } catch (const Error&) {
-        continue;  // it is damaged, or too large
+        continue;  // the file is damaged or too large
       }
     }
     if (bytes.size() > max_bytes) continue;

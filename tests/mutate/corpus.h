@@ -1,4 +1,4 @@
-/// The meshes that cases are made from.
+/// Loads the meshes from which cases are made.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 namespace remesh::mutate {
 
 struct CorpusFile {
-  std::string name;   ///< within its folder; of a mesh that is made here, in angle brackets
+  std::string name;   ///< the path within its folder; for a mesh that is made here, a name in angle brackets
   std::string bytes;  ///< not compressed
   Format format = Format::kObj;
 };
 
-/// Loads the project's own meshes, those of the collection beside it where that is there, and some that are made here.
-/// Output:  files of at most `max_bytes`, the small ones first; of equal sizes by name.
+/// Loads the project's own meshes, those of the collection beside it if that exists, and some that are made here.
+/// Output:  files of at most `max_bytes`, sorted by size and then by name.
 /// Holds:   no thread is started, so that the caller may fork.
 std::vector<CorpusFile> load_corpus(std::size_t max_bytes);
 

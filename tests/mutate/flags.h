@@ -1,4 +1,4 @@
-/// Flags of the programs here: `--name VALUE`, and words without a name.
+/// Parses the flags of these programs: `--name VALUE`, and words without a name.
 #pragma once
 
 #include <cstdint>
@@ -10,12 +10,13 @@ namespace remesh::mutate {
 
 class Flags {
  public:
-  /// Input:  the names that may be given, with their defaults.
-  /// Errors: std::invalid_argument - an unknown name, or one without a value.
+  /// Input:  `defaults` - the names that may be given, with their defaults.
+  /// Errors: std::invalid_argument - an unknown name, or a name without a value.
   Flags(int argc, char** argv, std::map<std::string, std::string> defaults);
 
   const std::string& text(const std::string& name) const { return values_.at(name); }
-  /// Errors: std::invalid_argument - it is no number.
+  /// Returns a value as a number.
+  /// Errors: std::invalid_argument - it is not a number.
   double number(const std::string& name) const;
   std::uint64_t integer(const std::string& name) const;
   bool is_set(const std::string& name) const { return !values_.at(name).empty(); }

@@ -1,4 +1,4 @@
-/// mutate_fuzz [SECONDS] [--seed N] [--first N] [--cases N] [--case N] [--jobs N] [--mutations any|none] ...
+/// Usage: mutate_fuzz [SECONDS] [--seed N] [--first N] [--cases N] [--case N] [--jobs N] [--mutations any|none] ...
 #include <chrono>
 #include <cstdint>
 #include <filesystem>
@@ -30,7 +30,7 @@ struct Plan {
   std::string remesh_program;
 };
 
-/// The child that makes a case for itself: reading may start threads, which the parent must not have.
+/// Makes a case and runs it. This must happen in a child: reading may start threads, which the parent must not have.
 CaseResult run_one(const Plan& plan, const std::vector<CorpusFile>& corpus, const Tally& tally, std::uint64_t number) {
   const Case c = make_case(corpus, plan.seed, number, plan.mutations);
   CaseResult result = try_case(c, plan.limits);
@@ -38,7 +38,7 @@ CaseResult run_one(const Plan& plan, const std::vector<CorpusFile>& corpus, cons
   return result;
 }
 
-/// What has crashed has kept nothing: another child makes the case again and only writes it.
+/// Stores a case that has crashed before it could be stored. Another child makes the case again and only writes it.
 void keep_crashed(const Plan& plan, const std::vector<CorpusFile>& corpus, const Tally& tally, std::uint64_t number,
                   const CaseResult& result) {
   constexpr double kMaxSeconds = 60;
@@ -49,7 +49,7 @@ void keep_crashed(const Plan& plan, const std::vector<CorpusFile>& corpus, const
 
 int run_many(const Plan& plan, const std::vector<CorpusFile>& corpus) {
   const TryLimits& limits = plan.limits;
-  // A case may run twice, and is made and judged besides.
+  // A case may run twice, and it is also made and judged in that time.
   ChildPool pool(plan.jobs, plan.max_mb, 2 * (limits.time_s + limits.patience_s) + 60);
   Tally tally(plan.folder, plan.remesh_program, plan.seed);
   const Clock::time_point end =
@@ -74,7 +74,7 @@ int run_many(const Plan& plan, const std::vector<CorpusFile>& corpus) {
   return tally.has_findings() ? 1 : 0;
 }
 
-/// In this very process, so that a debugger sees it.
+/// Runs the case in this process, so that a debugger can follow it.
 int run_single(const Plan& plan, const std::vector<CorpusFile>& corpus, std::uint64_t number) {
   const Tally tally(plan.folder, plan.remesh_program, plan.seed);
   const Case c = make_case(corpus, plan.seed, number, plan.mutations);

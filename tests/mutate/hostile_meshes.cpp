@@ -48,7 +48,8 @@ void add_box(PolygonSoup& soup, const Vec3& at, const Vec3& size) {
   }
 }
 
-/// A grid of n x n squares over the unit square, in triangles or in quadrilaterals, as high as `height` says.
+/// Makes a grid of n x n squares over the unit square, of triangles or quadrilaterals. `height` gives the height of
+/// each vertex.
 template <class Height>
 PolygonSoup grid(int n, bool is_of_quads, const Height& height) {
   PolygonSoup soup;
@@ -96,7 +97,7 @@ Hostile cone(double size, Random&) {
   return made;
 }
 
-/// Triangles around one vertex in no order, so that no fan connects them.
+/// Makes triangles around one vertex in no order, so that no fan connects them.
 Hostile pinched_vertex(double size, Random& random) {
   Hostile made;
   const int n = std::max(3, static_cast<int>(200'000 * size));
@@ -120,7 +121,7 @@ Hostile crossing_soup(double size, Random& random) {
   return made;
 }
 
-/// All through one small ball: every pair is near.
+/// Makes triangles that all pass through one small ball, so that every pair is near.
 Hostile crossing_star(double size, Random& random) {
   Hostile made;
   for (int i = std::max(2, static_cast<int>(3000 * size)); i-- > 0;) {
@@ -150,7 +151,7 @@ Hostile many_boxes(double size, Random& random) {
   return made;
 }
 
-/// Boxes within boxes: each encloses all others.
+/// Makes boxes within boxes. Each of them encloses all smaller ones.
 Hostile nested_boxes(double size, Random& random) {
   Hostile made;
   const int n = std::max(2, static_cast<int>(10'000 * size));
@@ -174,7 +175,7 @@ Hostile fine_plate(double size, Random& random) {
   return made;
 }
 
-/// A plate with many small holes, as far apart as they are wide.
+/// Makes a plate with many small holes, which are as far apart as they are wide.
 Hostile perforated_plate(double size, Random& random) {
   const int n = std::max(3, static_cast<int>(500 * std::sqrt(size))) | 1;
   Hostile made{grid(n, true, [](int, int) { return 0.0; }), {}};
@@ -187,7 +188,7 @@ Hostile perforated_plate(double size, Random& random) {
   return made;
 }
 
-/// Two sheets, one a little above the other and rough: gaps everywhere.
+/// Makes two rough sheets, one slightly above the other, so that there are gaps everywhere.
 Hostile thin_gap(double size, Random& random) {
   const int n = side_of(20'000 * size);
   Hostile made{grid(n, false, [&](int, int) { return 0.002 * random.unit(); }), {}};
@@ -199,7 +200,7 @@ Hostile thin_gap(double size, Random& random) {
   return made;
 }
 
-/// One polygon: a comb, or a star, with very many corners.
+/// Makes one polygon with very many corners, a comb or a star.
 Hostile large_polygon(double size, Random& random) {
   Hostile made;
   const int n = std::max(3, static_cast<int>(200'000 * size));
@@ -219,7 +220,7 @@ Hostile large_polygon(double size, Random& random) {
   return made;
 }
 
-/// A large triangle, and on one of its edges the corners of very many small ones.
+/// Makes a large triangle, and very many small ones with corners on one of its edges.
 Hostile vertices_on_an_edge(double size, Random& random) {
   Hostile made;
   const int n = std::max(2, static_cast<int>(100'000 * size));
@@ -229,7 +230,7 @@ Hostile vertices_on_an_edge(double size, Random& random) {
   return made;
 }
 
-/// All vertices on one line, and thus no area.
+/// Makes triangles whose vertices are all on one line, so that they have no area.
 Hostile line_of_nothing(double size, Random& random) {
   Hostile made;
   for (int i = std::max(2, static_cast<int>(300'000 * size)); i-- > 0;) {
@@ -240,7 +241,7 @@ Hostile line_of_nothing(double size, Random& random) {
   return made;
 }
 
-/// Vertices that weld in clusters and chains.
+/// Makes vertices that weld in clusters and chains.
 Hostile near_vertices(double size, Random& random) {
   Hostile made;
   for (int i = std::max(2, static_cast<int>(200'000 * size)); i-- > 0;)
@@ -250,7 +251,7 @@ Hostile near_vertices(double size, Random& random) {
   return made;
 }
 
-/// The same few faces over and over.
+/// Makes the same few faces many times.
 Hostile repeated_faces(double size, Random& random) {
   Hostile made;
   made.soup = grid(std::max(2, static_cast<int>(30 * std::sqrt(size))), false, [](int, int) { return 0.0; });
@@ -264,7 +265,7 @@ Hostile repeated_faces(double size, Random& random) {
   return made;
 }
 
-/// A closed noisy ball of longitudes and latitudes: every facet a plane, and needles at its poles.
+/// Makes a closed noisy ball of longitudes and latitudes. Every facet is a plane, and there are needles at its poles.
 Hostile rough_ball(double size, Random& random) {
   Hostile made;
   const int n = std::max(4, static_cast<int>(500 * std::sqrt(size)));

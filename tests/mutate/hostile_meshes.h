@@ -1,4 +1,4 @@
-/// Large meshes made to keep some stage busy for long: what a stop has to get through.
+/// Makes large meshes that keep some stage busy for a long time, so that a stop arrives in the middle of it.
 #pragma once
 
 #include <string>
@@ -8,8 +8,8 @@
 
 namespace remesh::mutate {
 
-/// Makes one of them, in a random format and with options that let its stage work.
-/// Input:  `size`: 1 for meshes of up to a million faces; less for a part of that.
+/// Makes a random one of these meshes, in a random format and with options that let its stage work.
+/// Input:  `size` - 1 for meshes of up to a million faces; a smaller number for a part of that.
 Case make_hostile_case(double size, Random& random);
 
 }  // namespace remesh::mutate

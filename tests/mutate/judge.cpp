@@ -17,12 +17,13 @@
 namespace remesh::mutate {
 namespace {
 
-/// So many of the surface's points are compared.
+/// The number of points of each surface that are compared.
 constexpr int kSamples = 40;
 constexpr std::size_t kMaxFacesForIntersections = 1500;
 constexpr std::size_t kMaxPairs = 1500;
 
-/// What was mended or cannot be compared: the output is then the mended surface, which is not at hand here.
+/// True for diagnostics of an input that was mended or cannot be compared. The output is then the mended surface,
+/// which is not available here.
 bool is_mending(DiagnosticCode code) {
   switch (code) {
     case DiagnosticCode::kDuplicateVertex:
@@ -95,7 +96,7 @@ class Judge {
   }
 
  private:
-  /// The written coordinates may be relative to an origin near the part.
+  /// Adds the origin to the coordinates, because they may be written relative to an origin near the part.
   static WrittenMesh moved_back(WrittenMesh mesh, const Report& report) {
     if (report.output_origin)
       for (Vec3& p : mesh.positions) p += *report.output_origin;
@@ -142,7 +143,7 @@ class Judge {
 
   void check_measures() {
     const double area = output_.area(), before = input_.area();
-    // The square of a coordinate may be beyond all doubles.
+    // The square of a coordinate may be larger than every double.
     if (!std::isfinite(std::ldexp(std::max(area, before), 2 * scale_.exponent))) return;
     const double said = std::ldexp(report_.output.area, -2 * scale_.exponent);
     // A spike that is far away is cut off, but the judge's units are those of the input with it.
@@ -179,7 +180,7 @@ class Judge {
     furthest = 0;
     for (int i = 0; i < kSamples; ++i) {
       const std::size_t f = below(input_.face_count());
-      // What has no area may be dropped, and what is not plane is cut in one of several ways.
+      // A face without area may be dropped, and a face that is not plane may be cut in several ways.
       if (input_.height(f) <= 2 * reach_ || input_.thickness(f) > reach_ || input_.has_spike(f, reach_)) continue;
       const Vec3 p = i % 2 == 0 ? input_.positions()[input_.face(f)[0]] : input_.sample(f, random_);
       furthest = std::max(furthest, output_.distance(p));
@@ -194,8 +195,8 @@ class Judge {
              std::ldexp(reach_, scale_.exponent), " is allowed");
   }
 
-  /// How many faces are beyond the bounds, these wider by a part. Measured from corner to corner: one vertex far away
-  /// must not take the places from all others.
+  /// Counts the faces that are beyond the bounds, which are made wider by a share. Lengths are measured from corner
+  /// to corner: one vertex far away must not reduce the precision of all others.
   std::uint64_t count_beyond(const AskedFor& bounds, double part) const {
     std::uint64_t count = 0;
     for (std::size_t f = 0; f < output_.face_count(); ++f) {
@@ -232,14 +233,14 @@ class Judge {
     for (const Unrefined& left : report_.unrefined) listed += left.count;
     const std::uint64_t sure = count_beyond(bounds, kRounding);
     if (sure > listed) object("not listed", sure, " faces are beyond the bounds, and ", listed, " are listed");
-    // Those beyond the sizes that gaps and neighbours ask for are listed as well, and not counted here.
+    // Faces beyond the sizes that gaps and neighbours ask for are listed too, but not counted here.
     const bool has_other_sizes = options_.proximity > 0 || options_.gradation.has_value();
     const std::uint64_t perhaps = count_beyond(bounds, -kRounding);
     if (!has_other_sizes && perhaps < listed)
       object("listed in vain", perhaps, " faces are beyond the bounds, and ", listed, " are listed");
   }
 
-  /// Pairs of faces whose boxes meet, some of them where they are many.
+  /// Returns pairs of faces whose boxes meet. If there are many, only some are returned.
   std::vector<std::pair<std::uint32_t, std::uint32_t>> near_pairs(const SurfaceModel& surface) {
     const auto box = [&](std::size_t f) {
       Box3 b;
@@ -264,7 +265,7 @@ class Judge {
     return pairs;
   }
 
-  /// Two faces that meet, of those looked at.
+  /// Returns two faces that meet, among the pairs that were looked at.
   std::optional<std::pair<std::uint32_t, std::uint32_t>> first_intersection(const SurfaceModel& surface) {
     const CgalIntersection do_intersect(surface.originals());
     const auto triangle = [&](std::uint32_t f) {
@@ -280,7 +281,7 @@ class Judge {
     const bool is_small =
         input_.face_count() <= kMaxFacesForIntersections && output_.face_count() <= kMaxFacesForIntersections;
     if (!is_small || !is_clean_) return;
-    // The input has none: by the report, and where it is of triangles by the sample.
+    // The input must have no intersections: by the report and, if it consists of triangles, by the sample.
     if (report_.input.intersecting_pairs != 0u || has(report_, DiagnosticCode::kSelfIntersection)) return;
     if (input_.is_of_triangles() && first_intersection(input_)) {
       object("intersection untold", "faces of the input intersect, and the report says that none do");
@@ -299,8 +300,8 @@ class Judge {
   Scale scale_;
   SurfaceModel input_, output_;
   bool is_clean_;
-  double slack_ = 0;  ///< scaled: what rounding and the format explain
-  double reach_ = 0;  ///< scaled: how far the surfaces may be apart
+  double slack_ = 0;  ///< scaled: the deviation that rounding and the format explain
+  double reach_ = 0;  ///< scaled: how far apart the surfaces may be
   Random random_;
   std::vector<Objection> objections_;
 };

@@ -1,6 +1,7 @@
-/// An independent check of an answer: from the bytes that were written and the mesh that was read.
+/// Checks an answer independently, from the bytes that were written and the mesh that was read.
 ///
-/// It calls neither the checker nor any helper of the pipeline; what it knows of the run is the report's claims.
+/// It calls neither the checker nor any helper of the pipeline. All that it knows about the run is what the report
+/// claims.
 #pragma once
 
 #include <string>
@@ -12,16 +13,16 @@
 namespace remesh::mutate {
 
 struct Objection {
-  std::string kind;  ///< a short name, by which findings are counted
-  std::string text;  ///< with the numbers
+  std::string kind;  ///< a short name, by which objections are counted
+  std::string text;  ///< the explanation with numbers
 };
 
-/// Looks for what the answer breaks of the promises that its report makes: numbers are finite, counts are those of the
-/// mesh, closed stays closed with one winding, no triangle without area that the input lacked, area and volume within
-/// what the report allows, points of both surfaces near the other one, faces beyond the bounds as many as are listed,
-/// no new intersections (of small meshes).
-/// Input:   the mesh as read, and the answer to it.
-/// Cost:    some dozens of samples times the faces; of intersections, some thousand pairs exactly.
+/// Looks for broken promises of the answer's report. Numbers must be finite, and counts must be those of the mesh. A
+/// closed surface must stay closed with one winding. No triangle may lack area unless the input had such. Area and
+/// volume must stay within the changes that the report permits. Points of each surface must be near the other one. As
+/// many faces must be beyond the bounds as are listed. Small meshes must have no new intersections.
+/// Input:   the mesh as it was read, and the answer to it.
+/// Cost:    some dozens of samples times the faces; for intersections, some thousand exact tests of pairs.
 std::vector<Objection> judge(const PolygonMesh& input, const api::RemeshAnswer& answer);
 
 }  // namespace remesh::mutate

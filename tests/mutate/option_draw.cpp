@@ -14,7 +14,7 @@ namespace {
 using api::OptionSpec;
 using api::OptionType;
 
-/// A number in the option's range: one of its ends, within it, in proportion to the mesh, or absurd.
+/// Draws a number: an end of the option's range, a value within it, one in proportion to the mesh, or an absurd one.
 double draw_number(const OptionSpec& spec, Random& random, double diagonal) {
   const double low = spec.minimum.value_or(0);
   if (!spec.above_minimum && random.chance(0.1)) return low;
@@ -38,7 +38,7 @@ double draw_number(const OptionSpec& spec, Random& random, double diagonal) {
 
 std::string draw_words(const OptionSpec& spec, Random& random) {
   const std::vector<std::string_view> words = api::option_words(spec);
-  const bool is_change = random.chance(0.2);  // of the default
+  const bool is_change = random.chance(0.2);  // a change of the default
   const double part = random.unit();
   std::string text;
   for (const std::string_view word : words) {
@@ -86,7 +86,7 @@ OptionTexts draw_options(Random& random, double diagonal) {
   const double part = kParts[static_cast<std::size_t>(random.below(static_cast<int>(kParts.size())))];
   OptionTexts options;
   for (const OptionSpec& spec : api::option_table()) {
-    // The format is drawn nearly always, so that all of them are written.
+    // The format is drawn nearly always, so that all formats are written.
     const double probability = spec.type == OptionType::kFormat ? 0.8 : part;
     const std::string value = draw_value(spec, random, diagonal);
     const bool is_excluded = std::any_of(options.begin(), options.end(), [&](const auto& given) {

@@ -1,4 +1,4 @@
-/// Options drawn from the contract's table, so that a new one is drawn by itself.
+/// Draws options from the API's table, so that new options are drawn automatically.
 #pragma once
 
 #include <string>
@@ -13,10 +13,10 @@ namespace remesh::mutate {
 using OptionTexts = std::vector<std::pair<std::string, std::string>>;
 
 /// Draws some options, none of which excludes another.
-/// Input: `diagonal` of the mesh's bounding box, for what may be a length.
+/// Input: `diagonal` - the diagonal of the mesh's bounding box, for values that may be lengths.
 OptionTexts draw_options(Random& random, double diagonal);
 
-/// `--min-angle-deg 30 --format obj`: as the command line takes them.
+/// Formats options as flags of the command line: `--min-angle-deg 30 --format obj`.
 std::string as_flags(const OptionTexts& options);
 
 }  // namespace remesh::mutate

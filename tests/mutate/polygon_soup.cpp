@@ -64,7 +64,7 @@ std::string write_off(const PolygonSoup& soup) {
   return out;
 }
 
-/// Calls visit(a, b, c) with the corners of a fan of every face; what indices lead nowhere is left out.
+/// Calls visit(a, b, c) with the corners of a fan of every face. Triangles with an index out of range are left out.
 template <class Visit>
 void for_each_triangle(const PolygonSoup& soup, const Visit& visit) {
   for (const auto& face : soup.faces) {

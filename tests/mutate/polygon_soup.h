@@ -1,4 +1,4 @@
-/// A mesh that anything may be done to: plain lists, no promise kept, and its text.
+/// A mesh of plain lists without any invariant, which may be changed in any way, and its text.
 #pragma once
 
 #include <cstdint>
@@ -18,12 +18,13 @@ struct PolygonSoup {
 
 enum class SoupFormat { kObj, kOff, kStlText, kStlBinary, kPlyText, kPlyBinary, kJson };
 inline constexpr int kSoupFormatCount = 7;
-/// The format that a reader of such text is asked for.
+/// Returns the format to read such text with.
 Format format_of(SoupFormat format);
 
 PolygonSoup soup_of(const PolygonMesh& mesh);
 
-/// Writes all digits. What a format cannot hold is written as far as it can: STL gets fans of polygons, and no labels.
+/// Writes a soup with all digits. If a format cannot represent something, it is written as far as possible: STL gets
+/// fans of polygons, and no labels.
 std::string write_soup(const PolygonSoup& soup, SoupFormat format);
 
 }  // namespace remesh::mutate

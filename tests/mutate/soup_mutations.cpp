@@ -18,7 +18,7 @@ std::size_t below(std::size_t n, Random& random) { return n == 0 ? 0 : static_ca
 double power_of_ten(int low, int high, Random& random) { return std::pow(10.0, random.integer(low, high)); }
 Vec3 random_vector(Random& random) { return {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)}; }
 
-/// One, or a part of all.
+/// Returns how many elements to change: one, or a part of all.
 std::size_t some_of(std::size_t n, Random& random) {
   if (random.chance(0.5)) return std::min<std::size_t>(n, 1);
   return static_cast<std::size_t>(random.unit() * random.unit() * static_cast<double>(n));
@@ -94,7 +94,7 @@ void snap_vertices(PolygonSoup& soup, Random& random) {
 }
 
 void snap_corners(PolygonSoup& soup, Random& random) {
-  // An edge becomes short or nothing: the ends of one face's side fall together, or nearly so.
+  // This makes an edge short or removes it: the ends of one side of a face coincide, or nearly so.
   for (std::size_t i = some_of(soup.faces.size(), random); i-- > 0;) {
     const auto& face = any_face(soup, random);
     if (face.size() < 2 || face[0] >= soup.positions.size() || face[1] >= soup.positions.size()) continue;
@@ -151,7 +151,7 @@ void change_corner(PolygonSoup& soup, Random& random) {
 }
 
 void part_vertices(PolygonSoup& soup, Random& random) {
-  // Every face gets vertices of its own; sometimes a little beside the others.
+  // This gives every face its own vertices, which are sometimes slightly displaced.
   const double step = random.chance(0.6) ? 0 : box_of(soup).diagonal() * power_of_ten(-16, -4, random);
   std::vector<Vec3> positions;
   for (auto& face : soup.faces) {
@@ -165,7 +165,7 @@ void part_vertices(PolygonSoup& soup, Random& random) {
 }
 
 void split_edges(PolygonSoup& soup, Random& random) {
-  // A vertex comes onto an edge in one of its faces only, there or a little beside it.
+  // This adds a vertex to an edge in one of its faces only, on the edge or slightly beside it.
   for (std::size_t i = some_of(soup.faces.size(), random); i-- > 0;) {
     auto& face = any_face(soup, random);
     if (face.size() < 3 || face[0] >= soup.positions.size() || face[1] >= soup.positions.size()) continue;
@@ -187,7 +187,7 @@ void add_spike(PolygonSoup& soup, Random& random) {
 }
 
 void join_faces(PolygonSoup& soup, Random& random) {
-  // Two triangles that share an edge become a quadrilateral, plane or not.
+  // This merges two triangles that share an edge into a quadrilateral, which may not be plane.
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::size_t> face_of_edge;
   for (std::size_t f = 0; f < soup.faces.size(); ++f)
     for (std::size_t k = 0; k < soup.faces[f].size(); ++k)

@@ -1,4 +1,4 @@
-/// Changes to a mesh that keep it a mesh: moved, merged, torn, folded.
+/// Changes a mesh such that it remains a mesh: it is moved, merged, torn, folded.
 #pragma once
 
 #include <string>
@@ -8,11 +8,11 @@
 
 namespace remesh::mutate {
 
-/// Changes something, once.
-/// Output: the words for what was done.
+/// Makes one change.
+/// Output: a description of the change.
 std::string mutate_soup(PolygonSoup& soup, Random& random);
 
-/// Puts a second mesh beside, into or onto the first, in its size or in its own.
+/// Puts a second mesh beside, into or onto the first, scaled to its size or in its own size.
 void merge_soup(PolygonSoup& soup, PolygonSoup other, Random& random);
 
 Box3 box_of(const PolygonSoup& soup);

@@ -10,12 +10,12 @@
 namespace remesh::mutate {
 namespace {
 
-/// Vertices with equal coordinates become one.
+/// Merges vertices with equal coordinates.
 class Merger {
  public:
   explicit Merger(std::vector<Vec3>& positions) : positions_(positions) {}
   std::uint32_t id(Vec3 p) {
-    for (int axis = 0; axis < 3; ++axis) p[axis] += 0.0;  // of -0, 0
+    for (int axis = 0; axis < 3; ++axis) p[axis] += 0.0;  // -0 becomes 0
     const auto [at, is_new] = ids_.try_emplace(p, static_cast<std::uint32_t>(positions_.size()));
     if (is_new) positions_.push_back(p);
     return at->second;
@@ -59,7 +59,7 @@ double Scale::length(double l) const { return std::ldexp(l, -exponent); }
 
 Scale scale_of(const PolygonMesh& mesh) {
   Box3 box;
-  // A face whose corners are fewer than three places is dropped, wherever these places are.
+  // A face whose corners are at fewer than three places is dropped, so it does not count for the scale.
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
     std::set<Vec3> places;
     for (const VertexId v : mesh.face(FaceId(f))) places.insert(mesh.positions[v]);
@@ -135,8 +135,8 @@ void SurfaceModel::finish() {
     double thickness = 0;
     for (const std::uint32_t v : face)
       if (face.size() > 3) thickness = std::max(thickness, std::fabs(dot(positions_[v] - positions_[face[0]], unit)));
-    // An outline that crosses itself has no surface that all would agree on, as one without a plane has none.
-    // Where the parts that it winds around cancel, no normal shows from where to look at it.
+    // An outline that crosses itself has no surface that everybody would agree on, and neither has one without a
+    // plane. If the parts that it winds around cancel, there is no normal along which to look at it.
     constexpr double kNoNormal = 1e-9;
     const double extent = box.diagonal();
     const bool has_normal = norm(normal) > kNoNormal * extent * extent;
@@ -210,7 +210,7 @@ double SurfaceModel::height(std::size_t f) const {
   return extent > 0 ? norm(normals_[f]) / extent : 0;
 }
 
-/// Whether a point is within the face, seen along its normal: it winds around it.
+/// True if a point is within the face, seen along its normal: the outline winds around the point.
 bool SurfaceModel::is_over(std::size_t f, const Vec3& p) const {
   Vec3 axis;
   axis[smallest_axis(normals_[f])] = 1;
@@ -242,7 +242,7 @@ Vec3 SurfaceModel::sample(std::size_t f, Random& random) const {
   const auto& face = faces_[f];
   const auto corner = [&](std::size_t k) { return positions_[face[k % face.size()]]; };
   const std::size_t k = static_cast<std::size_t>(random.below(static_cast<int>(face.size())));
-  // A plane polygon's fan leaves it where it is concave: then a point of its outline.
+  // The fan of a concave plane polygon leaves the polygon. In that case the point is taken from its outline.
   for (int i = 0; i < 4 && thickness_[f] <= flatness_; ++i) {
     double s = random.unit(), t = random.unit();
     if (s + t > 1) s = 1 - s, t = 1 - t;
@@ -254,7 +254,7 @@ Vec3 SurfaceModel::sample(std::size_t f, Random& random) const {
 
 double SurfaceModel::distance(std::size_t f, const Vec3& p) const {
   const auto& face = faces_[f];
-  // Which surface a polygon without a plane has is not said: any within its box.
+  // The surface of a polygon without a plane is not defined, so any point of its box counts.
   if (thickness_[f] > flatness_) return distance_to_box(p, boxes_[f]);
   const Vec3 unit = normalized(normals_[f]);
   if (unit != Vec3{}) {

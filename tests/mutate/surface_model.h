@@ -1,4 +1,5 @@
-/// A surface of polygons as the judge sees it: vertices by their coordinates, in a box of size 1.
+/// A surface of polygons in the form that the judge uses: vertices are identified by their coordinates, in a box of
+/// size 1.
 #pragma once
 
 #include <array>
@@ -15,7 +16,7 @@
 
 namespace remesh::mutate {
 
-/// From model units to those of the judge: x -> (x - centre) 2^-exponent.
+/// Converts model units to those of the judge: x -> (x - centre) 2^-exponent.
 struct Scale {
   Vec3 centre;
   int exponent = 0;
@@ -24,17 +25,17 @@ struct Scale {
   double length(double l) const;
 };
 
-/// The scale in which the used vertices of a mesh have coordinates up to about 1.
+/// Returns the scale in which the used vertices of a mesh have coordinates up to about 1.
 Scale scale_of(const PolygonMesh& mesh);
 
-/// How often an edge is run along from its smaller vertex and to it.
+/// The number of times that faces use an edge from its smaller vertex and towards it.
 struct EdgeUse {
   int forward = 0, backward = 0;
 };
 
 class SurfaceModel {
  public:
-  /// Input: a polygon has a plane if its corners are no further from it than `flatness`, scaled.
+  /// Input: `flatness` - a polygon has a plane if its corners are no further from it than this, scaled.
   SurfaceModel(const PolygonMesh& mesh, const Scale& scale, double flatness);
   SurfaceModel(const WrittenMesh& mesh, const Scale& scale);
 
@@ -47,26 +48,27 @@ class SurfaceModel {
 
   using Edges = std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeUse>;
   const Edges& edges() const { return edges_; }
-  /// Every edge has one face on each side, which run along it in opposite directions.
+  /// True if every edge has one face on each side, which use it in opposite directions.
   bool is_closed_manifold() const;
-  /// Every edge is run along as often in one direction as in the other.
+  /// True if every edge is used equally often in both directions.
   bool is_balanced() const;
   std::int64_t euler() const;
-  /// Triangles, or polygons, whose corners are all exactly on one line.
+  /// Returns the number of triangles and polygons whose corners are all exactly on one line.
   std::size_t faces_without_area() const;
   double area() const;
   double volume() const;
   double length_of_edges() const;
 
-  /// How far the corners of a face are from its own plane; the extent of one whose outline crosses itself.
+  /// How far the corners of a face are from its own plane. For a face whose outline crosses itself it is the face's
+  /// extent.
   double thickness(std::size_t f) const { return thickness_[f]; }
-  /// Twice the area over the longest extent: small for needles and for nothing.
+  /// Twice the area divided by the longest extent. It is small for needles, and for faces without area.
   double height(std::size_t f) const;
-  /// Whether the outline turns back over itself at a corner: that spike has no area, and is dropped.
+  /// True if the outline turns back over itself at a corner. Such a spike has no area and is dropped.
   bool has_spike(std::size_t f, double reach) const;
-  /// A point of a face; a plane one's is within it.
+  /// Returns a point of a face. For a plane face, the point is within it.
   Vec3 sample(std::size_t f, Random& random) const;
-  /// The distance from a point to the nearest face, or to the box of one without a plane.
+  /// Returns the distance from a point to the nearest face. For a face without a plane, its box is used.
   double distance(const Vec3& p) const;
 
  private:
@@ -79,7 +81,7 @@ class SurfaceModel {
   double flatness_ = 0;
   std::vector<Vec3> originals_, positions_;
   std::vector<std::vector<std::uint32_t>> faces_;
-  std::vector<Vec3> normals_;  ///< of faces; twice their area long
+  std::vector<Vec3> normals_;  ///< the faces' normals; each is as long as twice the area of its face
   std::vector<double> thickness_;
   std::vector<Box3> boxes_;
   Edges edges_;

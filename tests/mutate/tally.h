@@ -1,4 +1,4 @@
-/// Counts what came out of cases, keeps the findings, and prints both.
+/// Counts the results of cases, stores the findings, and prints both.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,21 @@
 
 namespace remesh::mutate {
 
-/// A case's result as text from process to process.
+/// Packs a case's result as text, to be sent from one process to another.
 std::string packed(const CaseResult& result);
-/// Errors: std::runtime_error - it is not that.
+/// Unpacks a result.
+/// Errors: std::runtime_error - the text is not a packed result.
 CaseResult unpacked(const std::string& text);
 
 class Tally {
  public:
-  /// Input: where findings are kept: a folder, which is made.
+  /// Input: `folder` - where findings are stored; it is created.
   Tally(std::filesystem::path folder, std::string remesh_program, std::uint64_t seed);
 
-  /// What the child's end tells: a result, or that it crashed.
+  /// Returns the result that the child sent, or the finding that it crashed.
   static CaseResult result_of(const ChildEnd& end);
   void add(std::uint64_t number, const CaseResult& result, double max_mb);
-  /// Writes a finding's mesh, and how to repeat it.
+  /// Writes the mesh of a finding, and how to repeat it.
   void keep(const Case& c, const CaseResult& result) const;
   void print(std::ostream& out) const;
   bool has_findings() const { return !findings_.empty(); }
@@ -35,7 +36,7 @@ class Tally {
  private:
   struct Kind {
     std::uint64_t count = 0;
-    std::vector<std::uint64_t> first;  ///< cases
+    std::vector<std::uint64_t> first;  ///< numbers of cases
     std::string example;
   };
 
@@ -46,7 +47,7 @@ class Tally {
   double max_stop_ms_ = 0, max_mb_ = 0, seconds_ = 0;
   std::map<std::string, std::uint64_t> outcomes_;
   std::map<std::string, Kind> findings_;
-  std::map<std::string, std::vector<std::uint64_t>> large_;  ///< cases that were slow, or out of memory
+  std::map<std::string, std::vector<std::uint64_t>> large_;  ///< cases that were slow or ran out of memory
 };
 
 }  // namespace remesh::mutate

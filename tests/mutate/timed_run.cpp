@@ -24,7 +24,7 @@ double seconds_of(clockid_t clock) {
   return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
 }
 
-/// What the thread and its watcher share; it outlives a thread that never ends.
+/// The state that the thread and its watcher share. It outlives a thread that never ends.
 struct Shared {
   RunControl control;
   std::mutex mutex;

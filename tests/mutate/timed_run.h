@@ -1,4 +1,4 @@
-/// A run in a thread of its own that is watched and may be stopped, with how long it lived after that.
+/// Runs work in a thread that is watched and may be stopped, and measures how long it lived after the stop.
 #pragma once
 
 #include <functional>
@@ -12,26 +12,27 @@ namespace remesh::mutate {
 
 enum class Ending {
   kDone,
-  kRefused,      ///< by an Error
-  kOutOfMemory,  ///< by bad_alloc, which the service answers with a code of its own
-  kStrange,      ///< by any other exception
-  kNever,        ///< it was asked to stop and did not: its thread still runs, and the process has to end
+  kRefused,      ///< it threw an Error
+  kOutOfMemory,  ///< it threw bad_alloc, which the service answers with a code of its own
+  kStrange,      ///< it threw any other exception
+  kNever,        ///< it was asked to stop and did not: its thread still runs, and the process must end
 };
 
 struct RunEnd {
   Ending ending = Ending::kDone;
-  std::optional<Error> error;  ///< of kRefused
-  std::string strange;         ///< of kStrange: type and message
+  std::optional<Error> error;  ///< the error, for kRefused
+  std::string strange;         ///< type and message of the exception, for kStrange
   double wall_s = 0;
-  bool was_stopped = false;      ///< while it ran
-  Stage stage = Stage::kQueued;  ///< in which the stop arrived
-  double stop_wall_ms = 0;       ///< from the stop to the end
-  double stop_busy_ms = 0;       ///< the processor time of that, of the run's own thread or a worker's share: what a
-                                 ///< machine without other work would have needed
+  bool was_stopped = false;      ///< it was stopped while it ran
+  Stage stage = Stage::kQueued;  ///< the stage in which the stop arrived
+  double stop_wall_ms = 0;       ///< time from the stop to the end
+  /// The time that a machine without other work would have needed from the stop to the end. It is the processor time of
+  /// the run's own thread or, if that is larger, an equal share of the process's time for each worker.
+  double stop_busy_ms = 0;
 };
 
 /// Runs `work` and asks it to stop after `stop_after_s`.
-/// Output: what became of it; kNever where it lives for `patience_s` after the stop.
+/// Output: the end of the run; kNever if it is still alive `patience_s` after the stop.
 RunEnd run_watched(const std::function<void(RunControl&)>& work, double stop_after_s, double patience_s, int workers);
 
 }  // namespace remesh::mutate

@@ -13,7 +13,7 @@ namespace {
 
 [[noreturn]] void fail(const std::string& what) { throw std::runtime_error(what); }
 
-/// Words, one after the other, and lines.
+/// Splits text into words and lines.
 class Words {
  public:
   explicit Words(std::string_view text) : text_(text) {}
@@ -176,7 +176,8 @@ WrittenMesh read_stl_text(std::string_view text) {
   return mesh;
 }
 
-/// As it is written here: little end first, vertices of three doubles or floats, lists of a byte and 32-bit indices.
+/// Reads PLY in the form in which it is written here: least significant byte first, vertices of three doubles or
+/// floats, and lists with a byte for the count and 32-bit indices.
 WrittenMesh read_ply(std::string_view bytes) {
   WrittenMesh mesh;
   std::size_t vertices = 0, faces = 0, more_of_face = 0;
@@ -222,7 +223,7 @@ WrittenMesh read_ply(std::string_view bytes) {
   return mesh;
 }
 
-/// Gmsh's version 2.2 as text.
+/// Reads version 2.2 of Gmsh's format as text.
 WrittenMesh read_msh(std::string_view text) {
   WrittenMesh mesh;
   const std::size_t nodes = text.find("\n$Nodes\n");

@@ -1,4 +1,4 @@
-/// Reads back what was written, by readers that share nothing with the project's.
+/// Reads written meshes back with readers that share no code with the project's.
 #pragma once
 
 #include <array>
@@ -15,15 +15,18 @@ namespace remesh::mutate {
 struct WrittenMesh {
   std::vector<Vec3> positions;
   std::vector<std::array<std::uint32_t, 3>> faces;
-  bool has_floats = false;       ///< coordinates are floats, and not doubles
-  bool has_own_vertices = true;  ///< false: every face brought its corners (STL)
+  bool has_floats = false;       ///< coordinates are floats instead of doubles
+  bool has_own_vertices = true;  ///< false: every face has its own corners (STL)
 };
 
-/// Output: the mesh; nothing for a format that is not read here.
-/// Errors: std::runtime_error - it is not what the format says, an index leads nowhere, a coordinate is not finite.
+/// Reads a mesh.
+/// Output: nothing if the format cannot be read here.
+/// Errors: std::runtime_error - the bytes do not follow the format, an index is out of range, or a coordinate is not
+///         finite.
 std::optional<WrittenMesh> read_written(Format format, const std::string& bytes);
 
-/// Every number in the JSON text is finite and the text is JSON. Errors: std::runtime_error.
+/// Checks that the text is JSON and that every number in it is finite.
+/// Errors: std::runtime_error.
 void expect_finite_json(const std::string& text);
 
 }  // namespace remesh::mutate

@@ -1,4 +1,5 @@
-/// What bounds of a tree's nodes promise: no face meets anything in a node that is said to be apart from it.
+/// Tests the promise of a tree's node bounds: no face meets anything in a node that is said to be apart from the
+/// face.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,7 +16,7 @@ struct NodeCounts {
   std::size_t met = 0, apart = 0;
 };
 
-/// Tests it of one face and all nodes, by brute force.
+/// Tests the promise for one face and all nodes by brute force.
 /// Output: how many nodes the face meets, and how many are apart from it.
 template <class IsApart>
 NodeCounts expect_no_met_node_is_apart(const TriangleTree& tree, std::span<const Vec3> positions,

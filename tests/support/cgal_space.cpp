@@ -103,7 +103,7 @@ bool CgalIntersection::operator()(const Triangle& f, const Triangle& g) const {
   const std::vector<Point> common = std::visit(
       [](const auto& a, const auto& b) { return corners_of_common_part(a, b); }, points_->shape(f), points_->shape(g));
   if (common.empty()) return false;
-  // The common part is convex, so it is covered by shared corners and edges only if one of them holds all of it.
+  // The common part is convex, so shared corners and edges cover it only if one of them contains all of it.
   std::set<VertexId> shared;
   for (const VertexId v : f)
     if (std::find(g.begin(), g.end(), v) != g.end()) shared.insert(v);

@@ -1,4 +1,4 @@
-/// What CGAL says of points and triangles in space: the oracle for ours.
+/// CGAL's results for points and triangles in space. They are the oracle for ours.
 ///
 /// CGAL's headers take longer to compile than most tests do, so only the source file of this one includes them.
 #pragma once
@@ -12,16 +12,17 @@
 
 namespace remesh {
 
-/// Exact: 1 if the triangle abc turns left as seen from d, -1 if it turns right, 0 in one plane.
+/// An exact test.
+/// Output: 1 if the triangle abc turns left as seen from d, -1 if it turns right, 0 if the points are in one plane.
 int cgal_orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-/// Exact.
+/// An exact test whether three points are on one line.
 bool cgal_is_collinear(const Vec3& a, const Vec3& b, const Vec3& c);
 
-/// To rounding; the triangles must have an area.
+/// Squared distances, exact to rounding. The triangles must have an area.
 double cgal_squared_distance(const Vec3& p, const Corners3& t);
 double cgal_squared_distance(const Corners3& s, const Corners3& t);
 
-/// What do_intersect must answer, by the definition word for word and exact constructions.
+/// The result that do_intersect must give. It follows the definition literally and uses exact constructions.
 class CgalIntersection {
  public:
   explicit CgalIntersection(std::span<const Vec3> positions);

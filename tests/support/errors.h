@@ -1,4 +1,4 @@
-/// What was thrown, as a value.
+/// Returns thrown errors as values.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 
 namespace remesh::test {
 
-/// The error that `act` ends with; a failure of the test if it does not.
+/// Runs `act` and returns the error that it throws. The test fails if it throws none.
 inline Error error_of(const std::function<void()>& act) {
   try {
     act();

@@ -47,7 +47,8 @@ PolygonMesh fan(std::size_t count, double height) {
   return out.take();
 }
 
-/// A grid of (n + 1)^2 vertices with those heights; `take` gets the corners of each triangle.
+/// Makes a grid of (n + 1)^2 vertices with those heights.
+/// Input: `take` - called with the corners of each triangle.
 template <class Height, class Take>
 void grid(std::size_t n, Builder& out, const Height& height, const Take& take) {
   for (std::size_t j = 0; j <= n; ++j)
@@ -151,7 +152,7 @@ PolygonMesh flat_fan(std::size_t count) {
   std::uint32_t last = from;
   for (std::size_t i = 1; i <= count; ++i) {
     const std::uint32_t next = out.vertex({static_cast<double>(i), 0, 0});
-    out.triangle(last, next, to);  // on the line
+    out.triangle(last, next, to);  // on the common line
     out.triangle(next, last, below);
     last = next;
   }

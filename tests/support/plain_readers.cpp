@@ -13,7 +13,7 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-/// A mesh by vertices and faces, from which triangles are made.
+/// A mesh of vertices and faces, from which triangles are made.
 struct Indexed {
   std::vector<Vec3> points;
   std::vector<std::array<std::size_t, 3>> faces;
@@ -26,7 +26,7 @@ struct Indexed {
   }
 };
 
-/// The words of a text, and numbers among them by strtod.
+/// Splits a text into words. Numbers are read by strtod.
 class Words {
  public:
   explicit Words(const std::string& text) : in_(text) {}
@@ -74,7 +74,7 @@ PlainMesh read_obj(const std::string& file) {
 }
 
 PlainMesh read_off(const std::string& file) {
-  // Comments are lines of their own.
+  // Comments are separate lines.
   std::string text;
   std::istringstream lines(file);
   for (std::string line; std::getline(lines, line);)
@@ -169,7 +169,7 @@ std::string from_base64(const std::string& text) {
   return bytes;
 }
 
-/// The numbers of a data array of VTU, behind their length.
+/// Returns the numbers of a data array of VTU, which come after their length.
 std::string vtu_array(const std::string& file, const std::string& after) {
   const std::size_t element = file.find(after), begin = file.find('>', file.find("<DataArray", element)) + 1;
   const std::string bytes = from_base64(file.substr(begin, file.find('<', begin) - begin));

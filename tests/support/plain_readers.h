@@ -1,5 +1,5 @@
-/// Readers of what this project writes that share nothing with its own: by strtod, by fields, word by word. They take
-/// nothing but well-formed files.
+/// Readers of the files that this project writes. They share no code with the project's readers: they use strtod and
+/// split text into words. They accept well-formed files only.
 #pragma once
 
 #include <array>
@@ -11,13 +11,14 @@
 
 namespace remesh::test {
 
-/// The triangles of a file in their order, each by the places of its corners. Of binary STL the numbers in the file.
+/// The triangles of a file in their order, each by the positions of its corners. For binary STL these are the numbers
+/// in the file.
 struct PlainMesh {
   std::vector<std::array<Vec3, 3>> triangles;
-  std::vector<std::string> solid_of;  ///< text STL: the name of each triangle's solid
+  std::vector<std::string> solid_of;  ///< the name of each triangle's solid, for text STL
 };
 
-/// All formats but JSON. Fails the test where the file is not what its format says.
+/// Reads all formats except JSON. The test fails if the file does not follow its format.
 PlainMesh read_plainly(Format format, const std::string& file);
 
 }  // namespace remesh::test

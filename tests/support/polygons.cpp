@@ -13,7 +13,7 @@ constexpr double kPi = 3.14159265358979323846;
 double rounded(double value, double step) { return std::nearbyint(value / step) * step; }
 Vec2 rounded(Vec2 p, double step) { return {rounded(p.x, step), rounded(p.y, step)}; }
 
-/// Counter-clockwise; corners in equal sectors, radii between these two.
+/// Makes a counter-clockwise star. Its corners are in equal sectors, with radii between these two.
 Loop star(Random& random, Vec2 centre, int corners, double min_radius, double max_radius) {
   Loop loop;
   for (int i = 0; i < corners; ++i) {
@@ -37,13 +37,13 @@ bool is_on_segment(Vec2 p, Vec2 a, Vec2 b) {
   return orient2d(a, b, p) == 0 && std::min(a, b) <= p && p <= std::max(a, b);
 }
 
-/// Whether closed segments have a common point.
+/// True if closed segments have a common point.
 bool touch(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
   if (is_on_segment(a, c, d) || is_on_segment(b, c, d) || is_on_segment(c, a, b) || is_on_segment(d, a, b)) return true;
   return orient2d(a, b, c) * orient2d(a, b, d) < 0 && orient2d(c, d, a) * orient2d(c, d, b) < 0;
 }
 
-/// Whether the loop stays simple if p comes between corners i and i+1.
+/// True if the loop stays simple when p is inserted between corners i and i+1.
 bool can_insert(const Loop& loop, std::size_t i, Vec2 p) {
   const std::size_t n = loop.size();
   const Vec2 a = loop[i], b = loop[(i + 1) % n];
@@ -51,7 +51,7 @@ bool can_insert(const Loop& loop, std::size_t i, Vec2 p) {
   for (std::size_t k = 0; k < n; ++k) {
     if (k == i) continue;
     const Vec2 c = loop[k], d = loop[(k + 1) % n];
-    // An edge that shares a corner with a new one may touch it there and nowhere else.
+    // An edge that shares a corner with a new edge may touch it there and nowhere else.
     if (d == a ? is_on_segment(c, a, p) || is_on_segment(p, c, a) : touch(a, p, c, d)) return false;
     if (c == b ? is_on_segment(d, p, b) || is_on_segment(p, b, d) : touch(p, b, c, d)) return false;
   }
@@ -65,7 +65,8 @@ Polygon star_with_holes(std::uint64_t seed, int corners, int cells) {
   Polygon polygon;
   constexpr double kMinRadius = 0.6;
   polygon.outer = star(random, {}, corners, kMinRadius, 1);
-  // The square within the circle that every outer edge passes: two corners are at most 1.8 sectors apart.
+  // This square lies within the circle that every outer edge stays outside of, because two corners are at most 1.8
+  // sectors apart.
   const double half_side = kMinRadius * std::cos(1.8 * kPi / corners) / std::sqrt(2.0);
   const double cell = 2 * half_side / std::max(cells, 1);
   for (int i = 0; i < cells; ++i)
@@ -124,7 +125,7 @@ Polygon comb(int teeth, int height) {
 }
 
 Polygon spiral(int turns) {
-  // The band's middle line runs 2, 2, 4, 4, 6, 6, ... long; its two sides are half a unit to each side of it.
+  // The band's middle line has lengths 2, 2, 4, 4, 6, 6, .... The band's two sides are half a unit away from it.
   const Vec2 directions[] = {{1, 0}, {0, 1}, {-1, 0}, {0, -1}};
   Loop left, right;
   Vec2 middle{0, 0};
@@ -138,7 +139,7 @@ Polygon spiral(int turns) {
     middle = middle + 2.0 * (i / 2 + 1) * forward;
     if (i + 1 == turns) {
       add_sides(forward);
-    } else {  // a corner: both sides at once, on the diagonal
+    } else {  // a corner: both sides turn at once, on the diagonal
       const Vec2 both = forward - directions[(i + 1) % 4];
       right.push_back(middle + 0.5 * both);
       left.push_back(middle - 0.5 * both);
@@ -154,7 +155,7 @@ Polygon l_shape() { return {{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, {}
 Polygon sieve(int n) {
   Polygon polygon;
   polygon.outer = square({0, 0}, 1);
-  const double cell = rounded(1.0 / n, 0x1p-18) - 0x1p-18;  // a multiple of 2^-18 with room for n of them
+  const double cell = rounded(1.0 / n, 0x1p-18) - 0x1p-18;  // a multiple of 2^-18 that leaves room for n of them
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       polygon.holes.push_back(reversed(square({(i + 0.25) * cell, (j + 0.25) * cell}, 0.5 * cell)));
@@ -218,7 +219,7 @@ std::vector<Vec2> turned_grid(int nx, int ny, double angle) {
 }
 
 std::vector<Vec2> cocircular() {
-  constexpr std::int64_t kRadius = 5 * 13 * 17 * 29;  // primes that are sums of two squares: many points
+  constexpr std::int64_t kRadius = 5 * 13 * 17 * 29;  // all primes are sums of two squares, which gives many points
   std::vector<Vec2> points;
   for (std::int64_t x = -kRadius; x <= kRadius; ++x) {
     const std::int64_t y_squared = kRadius * kRadius - x * x;
@@ -278,7 +279,7 @@ std::vector<Vec2> sorted_unique(std::vector<Vec2> points) {
 
 Placement random_placement(std::uint64_t seed, double scale) {
   Random random(seed);
-  // A uniformly random unit quaternion, by rejection from the ball, is a uniformly random rotation.
+  // A uniformly random unit quaternion, drawn by rejection from the ball, gives a uniformly random rotation.
   double w = 0, x = 0, y = 0, z = 0, n = 0;
   do {
     w = random.uniform(-1, 1);

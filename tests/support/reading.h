@@ -1,4 +1,4 @@
-/// What tests of the readers share: reading from literals, and looking at what came out or went wrong.
+/// Helpers for tests of the readers: reading from literals, and checks of results and errors.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ inline ReadResult read_with(Reader reader, std::string_view content, const ReadL
   return reader(content, limits, control);
 }
 
-/// The error that reading ends with; a failure of the test if it does not.
+/// Returns the error with which reading ends. The test fails if there is none.
 inline Error error_of(Reader reader, std::string_view content, const ReadLimits& limits = {}) {
   try {
     (void)read_with(reader, content, limits);
@@ -60,7 +60,7 @@ inline std::vector<std::string> label_of_faces(const LabelSet& labels) {
   return names;
 }
 
-/// `text` with another line end than `\n`.
+/// Returns `text` with another line end in place of `\n`.
 inline std::string with_line_end(const std::string& line_end, std::string_view text) {
   std::string result;
   for (const char c : text) c == '\n' ? result.append(line_end) : result.append(1, c);

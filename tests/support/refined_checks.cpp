@@ -59,7 +59,8 @@ double distance(const Vec3& p, const std::vector<Corners3>& surface) {
   return least;
 }
 
-/// The input as the triangles that the pipeline sees, by whatever diagonals: planes are exact.
+/// Returns the input as the triangles that the pipeline sees. The choice of diagonals does not matter, because planes
+/// are exact.
 std::vector<Corners3> triangles_of(const PolygonMesh& mesh) {
   RunControl control;
   const Surface surface = mended(mesh);
@@ -72,7 +73,7 @@ std::vector<Corners3> triangles_of(const PolygonMesh& mesh) {
   return all;
 }
 
-/// Edges by their ends, with the faces there.
+/// Returns the edges by their ends, with the faces at each.
 std::map<std::array<Vec3, 2>, std::vector<FaceId>> edges_of(const TriangleMesh& mesh) {
   std::map<std::array<Vec3, 2>, std::vector<FaceId>> edges;
   for (std::uint32_t f = 0; f < mesh.faces.size(); ++f) {
@@ -85,7 +86,7 @@ std::map<std::array<Vec3, 2>, std::vector<FaceId>> edges_of(const TriangleMesh& 
   return edges;
 }
 
-/// Together, by the number of faces there, two left out.
+/// Returns the total length of edges by their number of faces. Edges with two faces are left out.
 std::map<std::size_t, double> lengths_of_special_edges(const PolygonMesh& mesh) {
   std::map<std::array<Vec3, 2>, std::size_t> faces;
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
@@ -113,7 +114,7 @@ void expect_locally_delaunay(const Result& result) {
     if (faces.size() != 2 || result.face_patch[faces[0]] != result.face_patch[faces[1]]) continue;
     const Vec3 c = apex_of(result.mesh, faces[0], edge), d = apex_of(result.mesh, faces[1], edge);
     if (angle_deg(c, edge[0], edge[1]) + angle_deg(d, edge[0], edge[1]) <= 180 + 1e-4) continue;
-    // The chord rule: the better edge is another patch's.
+    // The chord rule applies: the better edge belongs to another patch.
     const auto [low, high] = std::minmax(c, d);
     EXPECT_TRUE(edges.count({low, high})) << "an edge that a flip would improve";
   }
@@ -124,8 +125,8 @@ std::size_t intersecting_pairs(const TriangleMesh& mesh) {
   return self_intersections(mesh.positions.items(), mesh.faces.items(), {}, 1000, control).pairs.size();
 }
 
-/// Of many faces only those of different patches are held against each other: needles side by side would take the
-/// square of their number. (patch_intersections_test compares the two.)
+/// Counts the intersecting pairs of faces. If there are many faces, only those of different patches are compared:
+/// needles side by side would take the square of their number. (patch_intersections_test compares the two methods.)
 std::size_t intersecting_pairs(const Result& result) {
   constexpr std::size_t kMany = 8000;
   if (result.mesh.faces.size() <= kMany) return intersecting_pairs(result.mesh);
@@ -238,7 +239,7 @@ void expect_promises(const PolygonMesh& input, const Options& options, const Res
   EXPECT_EQ(report.verified.quality.has_value(), options.refine);
   for (const PatchSummary& p : report.patches) EXPECT_EQ(p.status, PatchStatus::kRemeshed) << reason_name(p.reason);
 
-  // The same surface.
+  // The output must be the same surface.
   const double size = report.input.bounding_box.diagonal();
   EXPECT_NEAR(report.output.area / report.input.area, 1, 10 * tolerance);
   EXPECT_EQ(report.output.closed, report.input.closed);
@@ -256,7 +257,7 @@ void expect_promises(const PolygonMesh& input, const Options& options, const Res
     for (const Vec3& p : input.positions) ASSERT_LE(distance(p, after), tolerance * size);
   }
 
-  // Conforming.
+  // The output must conform.
   const auto special_before = lengths_of_special_edges(input);
   const auto special_after = lengths_of_special_edges(shapes::polygons(result.mesh));
   ASSERT_EQ(special_after.size(), special_before.size());
@@ -273,11 +274,11 @@ void expect_promises(const PolygonMesh& input, const Options& options, const Res
     EXPECT_EQ(intersecting_pairs(result), 0u);
   }
 
-  // Quality.
+  // The output must reach the quality that was asked for.
   expect_locally_delaunay(result);
   const Bounds bounds = bounds_of(options);
   EXPECT_LE(faces_beyond(result.mesh, bounds, 1e-8).size(), listed(report)) << listed_in_words(report);
-  // What gaps and short edges ask for is measured in refinement_size_promise_test.
+  // refinement_size_promise_test measures the sizes that gaps and short edges ask for.
   if (!do_sizes_vary(options)) {
     EXPECT_GE(faces_beyond(result.mesh, bounds, -1e-8).size(), listed(report)) << listed_in_words(report);
   }

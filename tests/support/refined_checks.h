@@ -1,4 +1,4 @@
-/// What anybody can measure on a refined surface without trusting its report.
+/// Measurements on a refined surface that do not trust its report.
 #pragma once
 
 #include <cstdint>
@@ -22,33 +22,34 @@ struct Bounds {
   double max_area = std::numeric_limits<double>::infinity();
 };
 
-/// The bounds that options ask for; lengths given as a fraction are left to the caller.
+/// Returns the bounds that options ask for. Lengths given as a fraction are left to the caller.
 Bounds bounds_of(const Options& options);
 
-/// Do gaps or short edges ask for sizes of their own? Then faces may be listed that meet all of Bounds.
+/// True if gaps or short edges ask for sizes of their own. Faces that meet all of Bounds may then be listed.
 bool do_sizes_vary(const Options& options);
 
-/// Faces that miss a bound. `slack`: bounds are so much wider, relatively; negative: tighter.
+/// Returns the faces that miss a bound.
+/// Input: `slack` - the bounds are made wider by this share, or tighter if it is negative.
 std::vector<FaceId> faces_beyond(const TriangleMesh& mesh, const Bounds& bounds, double slack = 0);
 
 double smallest_angle_deg(const TriangleMesh& mesh);
 double longest_edge(const TriangleMesh& mesh);
 double shortest_edge(const TriangleMesh& mesh);
 
-/// How many faces the report lists as unrefined, for that reason or for any.
+/// Returns how many faces the report lists as unrefined, for that reason or for any.
 std::uint64_t listed(const Report& report, UnrefinedReason reason);
 std::uint64_t listed(const Report& report);
-/// "input_angle 3, budget 12"
+/// Returns the reasons and counts as text, such as "input_angle 3, budget 12".
 std::string listed_in_words(const Report& report);
 
-/// Vertices of the output that are none of the input.
+/// Returns the vertices of the output that are not in the input.
 std::vector<Vec3> new_vertices(const PolygonMesh& input, const TriangleMesh& output);
 
-/// The promises 1 to 3 of README.md, for an input of exact planes (to rounding): verified; the same area, volume, Euler
-/// number and length of open and non-manifold edges; every vertex on the other surface; no new self-intersection; no
-/// edge inside a patch that a flip would improve; the faces beyond the bounds are as many as are listed, or no more
-/// where sizes vary.
-/// `tolerance`: how far rounding has moved the input off its planes, of its size.
+/// Tests the promises 1 to 3 of README.md for an input of exact planes (to rounding). The result is verified. Area,
+/// volume, Euler number and the length of open and non-manifold edges are the same. Every vertex is on the other
+/// surface. There is no new self-intersection, and no edge inside a patch that a flip would improve. As many faces
+/// are beyond the bounds as are listed, or no more if sizes vary.
+/// Input: `tolerance` - how far rounding has moved the input off its planes, relative to its size.
 /// Cost:  vertices times faces.
 void expect_promises(const PolygonMesh& input, const Options& options, const Result& result, double tolerance = 1e-9);
 

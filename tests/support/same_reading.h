@@ -1,4 +1,4 @@
-/// Whether two readings gave the same.
+/// Compares the results of two readings.
 #pragma once
 
 #include <algorithm>
@@ -8,7 +8,7 @@
 
 namespace remesh::test {
 
-/// To the last bit of a coordinate.
+/// True if the results are equal, to the last bit of each coordinate.
 inline bool is_same_reading(const ReadResult& a, const ReadResult& b) {
   const auto same_bits = [](const Vec3& p, const Vec3& q) { return std::memcmp(&p, &q, sizeof p) == 0; };
   const auto same_diagnostic = [](const Diagnostic& d, const Diagnostic& e) {

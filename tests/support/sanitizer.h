@@ -1,4 +1,5 @@
-/// Whether this is a build with AddressSanitizer or ThreadSanitizer: slower by ten times and more, and larger.
+/// Tells whether this is a build with AddressSanitizer or ThreadSanitizer, which is at least ten times slower and
+/// needs more memory.
 #pragma once
 
 #include <iostream>
@@ -16,7 +17,7 @@ constexpr bool kIsSanitized = true;
 constexpr bool kIsSanitized = false;
 #endif
 
-/// The size of a test, or the smaller one that a sanitizer leaves time for, which is said.
+/// Returns the size of a test, or the smaller one in a build with a sanitizer. The smaller size is printed.
 template <typename Size>
 Size unless_sanitized(Size size, Size smaller) {
   if (!kIsSanitized) return size;

@@ -19,7 +19,8 @@ class Builder {
     for (const Vec3& p : points) mesh_.corners.push_back(vertex(p));
     mesh_.face_begin.push_back(static_cast<std::uint32_t>(mesh_.corners.size()));
   }
-  /// The parallelogram at `corner` spanned by u and v (u x v points outwards), in n x n squares of two triangles.
+  /// Adds the parallelogram at `corner` that u and v span (u x v points outwards), in nu x nv squares of two
+  /// triangles.
   void square(const Vec3& corner, const Vec3& u, const Vec3& v, int nu, int nv, bool as_quads = false) {
     const auto at = [&](int i, int j) {
       return corner + static_cast<double>(i) / nu * u + static_cast<double>(j) / nv * v;
@@ -35,7 +36,7 @@ class Builder {
         }
       }
   }
-  /// A triangle in n x n smaller ones.
+  /// Adds a triangle, divided into n x n smaller ones.
   void triangle(const Vec3& a, const Vec3& b, const Vec3& c, int n) {
     const auto at = [&](int i, int j) {
       return a + static_cast<double>(i) / n * (b - a) + static_cast<double>(j) / n * (c - a);
@@ -148,7 +149,7 @@ PolygonMesh ring(int cuts) {
 
 PolygonMesh plate_with_round_hole(int sides) {
   if (sides < 4 || sides % 4 != 0) throw std::invalid_argument("sides must be a multiple of 4");
-  // Corners and hole vertices see each other in the order of their angle; the hole's quarter points face the corners.
+  // Corners and hole vertices see each other in the order of their angle. The hole's quarter points face the corners.
   const Vec3 corner[4] = {{2, 2, 0}, {-2, 2, 0}, {-2, -2, 0}, {2, -2, 0}};
   const auto hole = [&](int i) {
     const double angle = kPi / 4 + 2 * kPi * (i % sides) / sides;
@@ -284,7 +285,7 @@ PolygonMesh scaled(PolygonMesh mesh, double factor) {
 PolygonMesh rotated(PolygonMesh mesh, const Vec3& axis, double angle_deg) {
   const Vec3 k = normalized(axis);
   const double c = std::cos(angle_deg * kPi / 180), s = std::sin(angle_deg * kPi / 180);
-  for (Vec3& p : mesh.positions) p = c * p + s * cross(k, p) + (1 - c) * dot(k, p) * k;  // Rodrigues
+  for (Vec3& p : mesh.positions) p = c * p + s * cross(k, p) + (1 - c) * dot(k, p) * k;  // Rodrigues' rotation formula
   return mesh;
 }
 

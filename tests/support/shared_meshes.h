@@ -1,5 +1,5 @@
-/// Where the collection of real meshes lies, beside the project. It need not be there: tests that want it say loudly
-/// that they skip.
+/// Finds the collection of real meshes beside the project. The collection may be missing; tests that need it then
+/// print that they skip.
 #pragma once
 
 #include <filesystem>
@@ -11,10 +11,11 @@ namespace remesh::test {
 
 std::filesystem::path shared_meshes_folder();
 
-/// What the collection's table says of a file, by column; `file` is its name within the collection.
+/// The columns of the collection's table for one file. `file` is its name within the collection.
 using MeshFacts = std::map<std::string, std::string>;
 
-/// Of all files, in the table's order; every one has every column. Empty if the collection is not there.
+/// Returns the facts of all files in the table's order. Every file has every column.
+/// Output: empty if the collection is missing.
 std::vector<MeshFacts> shared_meshes_facts();
 
 }  // namespace remesh::test

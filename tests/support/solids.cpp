@@ -18,12 +18,12 @@ using Faces = std::vector<std::vector<std::uint32_t>>;
 /// A convex polygon that faces outward.
 using Facet = std::vector<Vec3>;
 
-/// What is left of the facets behind a plane, and the facet that closes the cut.
+/// Returns the parts of the facets behind a plane, and the facet that closes the cut.
 std::vector<Facet> cut_by(const std::vector<Facet>& facets, const Vec3& normal, double offset) {
   std::vector<Facet> kept;
   std::set<Vec3> rim;
   const auto height = [&](const Vec3& p) { return dot(normal, p) - offset; };
-  // The same point for both facets of an edge, which run through it in opposite directions.
+  // The point is the same for both facets of an edge, which run through it in opposite directions.
   const auto crossing = [&](Vec3 a, Vec3 b) {
     if (b < a) std::swap(a, b);
     return a + (height(a) / (height(a) - height(b))) * (b - a);
@@ -155,7 +155,7 @@ PolygonMesh nested_squares(int n, double gap) {
     for (const auto& [x, y] : {std::pair(-r, -r), std::pair(r, -r), std::pair(r, r), std::pair(-r, r)})
       positions.push_back({x, y, 0});
     const auto k = static_cast<std::uint32_t>(4 * i);
-    // Every other square has a face towards the next one.
+    // Every second square has a face towards the next one.
     if (i % 2 == 0)
       for (std::uint32_t j = 0; j < 4; ++j) {
         const std::uint32_t l = (j + 1) % 4;

@@ -1,6 +1,7 @@
-/// Surfaces with as many random facets as a test wants, and the hard ones: sharp, thin, crowded.
+/// Surfaces with as many random facets as a test wants, and difficult ones: sharp, thin, crowded.
 ///
-/// As in shapes.h: welded vertices, all of them used, faces counter-clockwise from outside; a flat one faces +z.
+/// The same is true as in shapes.h: vertices are welded and all used, and faces are counter-clockwise from outside; a
+/// flat surface faces +z.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +12,29 @@
 
 namespace remesh::solids {
 
-/// A plane region as triangles, z = 0.
+/// Makes a plane region as triangles with z = 0.
 PolygonMesh region(const polygons::Polygon& polygon);
-/// A closed solid over a region: two caps of triangles, a quad a side.
+/// Makes a closed solid over a region, with two caps of triangles and one quad per side.
 PolygonMesh extrusion(const polygons::Polygon& polygon, double height);
-/// The cube [-1, 1]^3 less what lies beyond each of so many random planes: convex, faces are polygons.
+/// Makes the cube [-1, 1]^3 without the parts beyond each of `planes` random planes. It is convex, and its faces are
+/// polygons.
 PolygonMesh cut_cube(std::uint64_t seed, int planes);
-/// A mesh over a plane put onto another one: z becomes the height above that.
+/// Moves a mesh over a plane onto another plane. z becomes the height above that plane.
 PolygonMesh placed(const PolygonMesh& mesh, const polygons::Placement& place);
 
-/// `n` needle facets around the origin, each `degrees` wide there, with spokes one long that go up and down in turn: no
-/// two facets share a plane.
+/// Makes `n` needle facets around the origin. Each is `degrees` wide there, with spokes of length one that go up and
+/// down in turn, so no two facets share a plane.
 PolygonMesh needle_fan(int n, double degrees);
-/// One for each of these angles.
+/// Makes one needle for each of these angles.
 PolygonMesh needle_fan(const std::vector<double>& degrees);
-/// A cone over a regular polygon around the origin, of radius 1: needles around its apex. The base is a polygon.
+/// Makes a cone over a regular polygon of radius 1 around the origin, with needles around its apex. The base is a
+/// polygon.
 PolygonMesh cone(int sides, double height);
-/// `n` square rings within each other, flat, `gap` wide and `gap` apart.
+/// Makes `n` flat square rings within each other, `gap` wide and `gap` apart.
 PolygonMesh nested_squares(int n, double gap);
-/// A square tube of four walls, closed: its walls are `thickness` thick.
+/// Makes a closed square tube of four walls, which are `thickness` thick.
 PolygonMesh tube(double width, double height, double thickness);
-/// Boxes on top of each other, each with its whole skin: of each wall between two there are two sheets.
+/// Makes boxes on top of each other, each with its whole skin. So each wall between two boxes consists of two sheets.
 PolygonMesh stacked_boxes(int count, double length);
 
 }  // namespace remesh::solids

@@ -1,4 +1,5 @@
-/// The stages from weld to the patches' triangles, run one after the other on a small mesh, each one's values in reach.
+/// Runs the stages from weld to the patches' triangles one after another on a small mesh. The values of each stage
+/// can be read.
 #pragma once
 
 #include <vector>
@@ -17,33 +18,34 @@
 
 namespace remesh {
 
-/// Weld and mend_faces alone; the tolerance in model units.
+/// Runs weld and mend_faces alone.
+/// Input: the tolerance in model units.
 Surface mended(const PolygonMesh& mesh, double plane_tolerance, std::vector<Diagnostic>& diagnostics);
 Surface mended(const PolygonMesh& mesh, double plane_tolerance = 1e-6);
 
-/// The mesh with an integer group a face: a barrier wherever it changes.
+/// Returns the mesh with an integer group for each face. There is a barrier wherever the group changes.
 PolygonMesh with_groups(PolygonMesh mesh, const std::vector<std::uint32_t>& group_of_face);
 
 class StageChain {
  public:
-  /// The tolerance in model units; `forced`: positions that stay whatever happens.
+  /// Input: `plane_tolerance` - in model units; `forced` - positions that stay in any case.
   explicit StageChain(const PolygonMesh& mesh, double plane_tolerance = 1e-6, const std::vector<Vec3>& forced = {});
   StageChain(const StageChain&) = delete;
   StageChain& operator=(const StageChain&) = delete;
 
   VertexId at(const Vec3& position) const;
   bool is_essential(const Vec3& position) const { return essential[at(position)]; }
-  /// The essential vertices' positions, sorted.
+  /// Returns the sorted positions of the essential vertices.
   std::vector<Vec3> kept() const;
-  /// The patch of a face of the input; its first piece where it was split.
+  /// Returns the patch of a face of the input. If the face was split, it is the patch of its first piece.
   PatchId patch_of(std::size_t input_face) const;
   std::uint32_t loop_count(PatchId p) const { return loops.patch_begin[p.value + 1] - loops.patch_begin[p.value]; }
-  /// Corners of a loop, in its direction.
+  /// Returns the corners of a loop in its direction.
   std::vector<Vec3> loop_points(std::uint32_t loop) const;
 
   mutable RunControl control;
   Surface surface;
-  double tolerance;  ///< local units
+  double tolerance;  ///< in local units
   Adjacency adjacency;
   FaceGeometries geometry;
   Regions regions;

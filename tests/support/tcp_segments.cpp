@@ -1,6 +1,6 @@
 #include "tests/support/tcp_segments.h"
 
-#include <linux/tcp.h>  // the C library's own does not know as much
+#include <linux/tcp.h>  // the C library's own header has fewer members
 #include <netinet/in.h>
 #include <sys/socket.h>
 

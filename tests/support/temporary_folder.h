@@ -1,4 +1,4 @@
-/// A folder that is there as long as its test.
+/// A folder that exists as long as its test.
 #pragma once
 
 #include <stdlib.h>
@@ -28,7 +28,7 @@ class TemporaryFolder {
 
   std::string path() const { return path_.string(); }
   std::string path(const std::string& name) const { return (path_ / name).string(); }
-  /// With the folders that the name has.
+  /// Writes a file. Folders in the name are created.
   void write(const std::string& name, std::string_view content) const {
     std::filesystem::create_directories((path_ / name).parent_path());
     std::ofstream(path_ / name, std::ios::binary) << content;
@@ -37,7 +37,7 @@ class TemporaryFolder {
     std::ifstream file(path_ / name, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  /// Of files and folders directly in it.
+  /// Returns the number of files and folders directly in this folder.
   std::size_t entry_count() const {
     return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(path_), {}));
   }

@@ -1,4 +1,4 @@
-/// Surfaces torn apart: what was one vertex is several, each with a place of its own.
+/// Surfaces that are torn apart: one vertex becomes several, each with a place of its own.
 #pragma once
 
 #include <cstdint>
@@ -9,21 +9,22 @@
 namespace remesh::torn {
 
 using Displace = std::function<Vec3(const Vec3&)>;
-/// Whether a face with this centre belongs to the second part.
+/// True if a face with this centre belongs to the second part.
 using IsSecond = std::function<bool(const Vec3& centre)>;
 
-/// A random plane through a point that is in the middle of nothing: (0.3, 0.4, 0.2).
+/// Makes a random plane through the point (0.3, 0.4, 0.2), which has no special position.
 IsSecond above_a_plane(unsigned seed);
-/// Each coordinate moved by up to `most`, at random, differently at every call. Copies begin anew.
+/// Moves each coordinate by up to `most` at random, differently at every call. A copy begins the sequence anew.
 Displace noise(unsigned seed, double most);
 
-/// The faces of the second part have vertices of their own where they meet the first one; these are displaced.
+/// Gives the faces of the second part their own vertices where they meet the first part. These vertices are
+/// displaced.
 PolygonMesh in_two(const PolygonMesh& mesh, const IsSecond& is_second, const Displace& displace);
-/// How many edges have a face in both parts.
+/// Returns how many edges have a face in both parts.
 std::uint64_t edges_between(const PolygonMesh& mesh, const IsSecond& is_second);
-/// Every face has vertices of its own, all displaced.
+/// Gives every face its own vertices, which are all displaced.
 PolygonMesh into_facets(const PolygonMesh& mesh, const Displace& displace);
-/// The wanted faces of a mesh, and the vertices that they use.
+/// Returns the wanted faces of a mesh and the vertices that they use.
 PolygonMesh only(const PolygonMesh& mesh, const std::function<bool(FaceId)>& is_wanted);
 
 }  // namespace remesh::torn

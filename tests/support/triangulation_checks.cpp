@@ -74,7 +74,7 @@ double area_of(std::span<const Vec2> points, const Triangulation2d& mesh) {
 }
 
 std::size_t hull_size(std::span<const Vec2> sorted_points) {
-  std::size_t size = 0;  // Andrew's monotone chain, collinear points kept
+  std::size_t size = 0;  // Andrew's monotone chain, with collinear points
   for (const int side : {1, -1}) {
     std::vector<Vec2> chain;
     for (const Vec2 p : sorted_points) {

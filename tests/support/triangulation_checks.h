@@ -1,4 +1,4 @@
-/// What every triangulation in the plane must hold, tested the plain way.
+/// Tests the properties of every triangulation in the plane by simple means.
 #pragma once
 
 #include <array>
@@ -16,21 +16,21 @@ namespace remesh {
 
 using Corners = std::array<std::uint32_t, 3>;
 
-/// Each begun at its smallest corner, sorted: equal for equal sets of triangles.
+/// Returns the triangles sorted, each beginning at its smallest corner. Equal sets of triangles give equal lists.
 std::vector<Corners> canonical(std::vector<Corners> list);
 std::vector<Corners> triangles_of(const Triangulation2d& mesh);
-/// Pairs (smaller, larger).
+/// Returns edges as pairs (smaller, larger).
 std::set<Segment> edges_of(const Triangulation2d& mesh);
 std::set<Segment> constrained_edges_of(const Triangulation2d& mesh);
 
-/// Counter-clockwise triangles; twins that know each other and agree in ends and constraint.
+/// Expects counter-clockwise triangles, and twins that refer to each other and agree in their ends and constraints.
 void expect_valid(std::span<const Vec2> points, const Triangulation2d& mesh);
-/// No free edge that a flip would improve, ties included.
+/// Expects that no unconstrained edge would be improved by a flip, ties included.
 void expect_locally_delaunay(std::span<const Vec2> points, const Triangulation2d& mesh);
 double area_of(std::span<const Vec2> points, const Triangulation2d& mesh);
-/// Points on the boundary of the convex hull, those inside its edges included.
+/// Returns the number of points on the boundary of the convex hull, including those inside its edges.
 std::size_t hull_size(std::span<const Vec2> sorted_points);
-/// Whether the closed segments meet anywhere but in a common end, or a third point lies on one of them.
+/// True if the closed segments meet anywhere except in a common end, or if a third point lies on one of them.
 bool segments_conflict(std::span<const Vec2> points, const Segment& a, const Segment& b);
 bool has_point_inside(std::span<const Vec2> points, const Segment& segment);
 

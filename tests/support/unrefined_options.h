@@ -1,4 +1,4 @@
-/// Options of a run that stops at the triangulation of what stays.
+/// The options of a run without refinement, which stops at the triangulation of the vertices that stay.
 #pragma once
 
 #include "core/base/options.h"
