@@ -46,7 +46,7 @@ bool has_stl_keyword(std::string_view text) {
   return false;
 }
 
-/// Whether text is STL: one of its first lines begins with "solid", and after it there is a keyword of STL, since the
+/// True if text is STL: one of its first lines begins with "solid", and after it there is a keyword of STL, since the
 /// record of another format could be named "solid", too. Before it there may be lines of any kind.
 bool is_text_stl(std::string_view text) {
   constexpr std::size_t kHead = 4096;

@@ -29,7 +29,7 @@ enum class Mark {
   kCertain,   ///< no other format looks like this, whatever its first words say
 };
 
-/// What a writer gets.
+/// The input of a writer.
 struct WriterInput {
   const TriangleMesh& mesh;
   const IdVector<FaceId, PatchId>& face_patch;

@@ -15,8 +15,8 @@
 
 namespace remesh {
 
-/// All formats of the API. Each has a row in format_spec.cpp, in this order. All can be written; all but VTU and MSH can
-/// be read. A reader treats both kinds of STL as kStl; kStlAscii only selects how STL is written.
+/// All formats of the API. Each has a row in format_spec.cpp, in this order. All can be written; all but VTU and MSH
+/// can be read. A reader treats both kinds of STL as kStl; kStlAscii only selects how STL is written.
 enum class Format { kObj, kJson, kStl, kStlAscii, kPly, kOff, kVtu, kMsh };
 
 inline constexpr std::array kFormats = {Format::kObj, Format::kJson, Format::kStl, Format::kStlAscii,

@@ -347,7 +347,7 @@ double pieces_to_be_made(const SegmentTable& segments, const SizeField& sizes, R
 
 double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
                    const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control) {
-  // So many pieces could not even be listed.
+  // More pieces than that could not even be listed.
   const double pieces = pieces_to_be_made(segments, sizes, control);
   if (pieces > static_cast<double>(kMaxFaces)) return pieces;
   const LeastFaces least(segments, goals, sizes, control);

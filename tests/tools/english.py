@@ -5,7 +5,7 @@ usage: english.py [--count] [ROOT]
 - No constant is called kMost or kLeast, since kMax and kMin are the usual words.
 - No comment begins with a fragment: "What ...", "Whether ...", "That ...", "So many ...", or "Of ...", "Where ...",
   "When ...", "As ...", "With ...", "Without ..." without a comma behind which the main clause could follow.
-- No member is documented by a preposition and a word or two alone, as in "of both".
+- No member is documented by a preposition and a pronoun alone, as in "of both".
 
 Exit code: 0 - nothing was found; 1 - what was found is listed. --count prints only how much that is in each folder.
 """
@@ -18,9 +18,9 @@ import sys
 TOPS = ("core", "api", "server", "tests")
 NAME = re.compile(r"\bk(Most|Least)[A-Z]\w*")
 ALWAYS = re.compile(r"^(What|Whether|That|So (many|much|far)) ")
-WITHOUT_CLAUSE = re.compile(r"^(Of|Where|When|As|With|Without|How|Which) [^,:?]*?([.;]|$)")
+WITHOUT_CLAUSE = re.compile(r"^(Of|Where|When|As|With|Without) [^,:?]*?([.;]|$)")
 LABEL = re.compile(r"^(Input|Output|Holds|Errors|Cost|Source|Returns|usage):")
-PREPOSITION = re.compile(r"///< (of|in|by|at|from|to|with|for|on|as|than) [\w']+( [\w']+)?[.;]?$")
+PREPOSITION = re.compile(r"///< (of|in|by|at|from|to|with|for|on|as|than) (it|them|both|these|those|that|this|all|each|one|any|anything|the \w+)[.;]?$")
 
 
 def sources(root):
