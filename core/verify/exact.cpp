@@ -97,7 +97,7 @@ int exact_in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d, double grid) {
   return (da.squared() * cross(db, dc) + db.squared() * cross(dc, da) + dc.squared() * cross(da, db)).sign();
 }
 
-// With a grid of 2^-g the differences have g + 1 bits. The incircle determinant has at most 4 (g + 1) + 4 bits and a
+// On a grid of 2^-g the differences have g + 1 bits. The incircle determinant has at most 4 (g + 1) + 4 bits and a
 // sign: 169 bits for g = 40, and 409 bits for g = 100.
 constexpr std::size_t kCoarseLimbs = 3;
 constexpr std::size_t kFineLimbs = 7;

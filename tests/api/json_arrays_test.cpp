@@ -17,7 +17,7 @@
 namespace remesh::api {
 namespace {
 
-/// What reading gave, or the error that it ended with.
+/// The result of reading, or the error that it ended with.
 struct Outcome {
   std::optional<ReadResult> result;
   std::optional<Error> error;

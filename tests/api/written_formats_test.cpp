@@ -1,4 +1,4 @@
-// What leaves the program is what was promised: results in every format, read back by readers that are not ours.
+// Tests that the program writes what it promises. Results in every format are read back by readers that are not ours.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -128,7 +128,7 @@ const LargeShape kLargeShapes[] = {
      }},
 };
 
-/// What is counted: under callgrind everything within this function.
+/// Runs the work that is measured. Under callgrind, everything within this function is counted (see instructions.py).
 [[gnu::noinline]] void run_case(const Work& work) { work(); }
 
 double requests_a_second(double faces, int threads, double seconds) {

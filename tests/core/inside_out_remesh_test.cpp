@@ -31,8 +31,8 @@ std::uint64_t obstacles(const Report& report) {
   return count;
 }
 
-/// So many shells look the wrong way, in the analysis and in the result, and with `inside_out` none; then the volume is
-/// this.
+/// Expects that both the analysis and the result report `wrong` shells that are inside out, as obstacles to a volume.
+/// With the repair `inside_out` they are still told, but are no obstacles any more, and the result has this volume.
 void expect_wrong(const PolygonMesh& mesh, std::uint64_t wrong, double volume, Options options = unrefined()) {
   RunControl control;
   const Report analysis = analyze_surface(mesh, options, {}, control);

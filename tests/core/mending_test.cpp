@@ -1,4 +1,4 @@
-// What is mended, and what is told of it.
+// Tests what is mended, and what the report says about it.
 
 #include <gtest/gtest.h>
 
@@ -323,7 +323,7 @@ TEST(remesh_surface, flattening_makes_no_faces_cross_that_did_not) {
       return p.status == PatchStatus::kReduced && p.reason == PatchReason::kVerificationFailed;
     }));
   }
-  // Without the tip the sheet is one patch.
+  // The sheet alone, without the tip, is one patch.
   PolygonMesh alone = tip_in_a_dip();
   alone.face_begin.pop_back();
   alone.corners.resize(alone.face_begin.back());

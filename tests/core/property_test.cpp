@@ -158,7 +158,7 @@ Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined()) {
   return remesh_surface(mesh, options, RunSettings{}, control);
 }
 
-/// What must come back, whatever the triangulation that went in.
+/// Expects the properties that every result for this polygon has, whatever triangulation of it was the input.
 void expect_right(const Polygon& polygon, const polygons::Placement& place, const Result& result) {
   const double unit = norm(place.x_axis);
   const double area = polygons::area(polygon) * unit * unit;

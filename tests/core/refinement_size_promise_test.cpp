@@ -1,5 +1,5 @@
-// What a bound on sizes did not reach is listed: told by a measure of gaps over all facets, one by one, that is neither
-// the pipeline's nor the checker's.
+// Tests that each triangle is listed that does not meet its bound on sizes. The gaps are measured here over all facets,
+// one by one, in a way that is neither the pipeline's nor the checker's.
 
 #include <gtest/gtest.h>
 
@@ -25,11 +25,12 @@
 namespace remesh {
 namespace {
 
-/// The contract: an edge may be a tenth longer than the size at a place and what sizes grow by on the way from there.
+/// By the contract, an edge may be a tenth longer than the size at a place plus what sizes grow by on the way from
+/// there.
 constexpr double kSlack = 1.1;
 /// The square of the sine of 51 degrees.
 constexpr double kSteep = 0.604;
-/// What is nearer than this to one of the limits is nobody's mistake.
+/// A value that is nearer than this to a limit may be on either side of it without being a fault.
 constexpr double kHair = 1e-6;
 
 using Corners = std::array<Vec3, 3>;

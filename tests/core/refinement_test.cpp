@@ -485,13 +485,13 @@ TEST(refinement, boundaries_that_must_not_be_split_get_no_vertex) {
     EXPECT_EQ(vertices_on_box_edges(result.mesh, 1), 8u);
     EXPECT_GT(listed(result.report, UnrefinedReason::kBoundaryLocked), 0u);
     EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kBoundaryLocked));
-    // What cannot be reached is not chased: no more faces than if the boundaries could be split.
+    // Bounds that cannot be met cost no faces: there are no more than if the boundaries could be split.
     EXPECT_LE(result.mesh.faces.size(), refined(mesh, with_length(length)).mesh.faces.size());
   }
 }
 
 TEST(refinement, away_from_boundaries_that_must_not_be_split_bounds_are_met) {
-  // Sides 10 to 50 times as long as the size; however the part lies.
+  // The sides are 10 to 50 times as long as the size. It does not matter how the part lies in space.
   for (const double length : {0.1, 0.04, 0.02}) {
     std::vector<double> faces;
     for (const double degrees : {0.0, 33.0}) {
@@ -501,7 +501,8 @@ TEST(refinement, away_from_boundaries_that_must_not_be_split_bounds_are_met) {
       const Result result = refined(box, options);
       expect_promises(box, options, result);
       EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kBoundaryLocked));
-      // What is farther from the sides than a third of their length: a ninth of a square.
+      // The part of a square that is farther from its sides than a third of their length is a ninth of its area.
+      // It must be filled.
       const double ideal = std::sqrt(3) / 4 * length * length;
       EXPECT_GT(static_cast<double>(result.mesh.faces.size() - listed(result.report)), 6.0 / 9 / ideal);
       faces.push_back(static_cast<double>(result.mesh.faces.size()));

@@ -123,7 +123,7 @@ TEST(seams, a_solid_of_facets_that_were_all_moved_by_rounding_is_closed) {
   }
 }
 
-/// What a result is, by its triangles alone.
+/// Properties of a result that are computed from its triangles alone.
 struct Body {
   bool is_closed = true;  ///< each edge has as many triangles one way as the other
   double volume = 0;

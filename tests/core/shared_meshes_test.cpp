@@ -36,7 +36,7 @@ using Facts = test::MeshFacts;
 /// Not text that this reads, and numbers that no grammar allows.
 const std::set<std::string> kUnreadable{"syntax/box_UTF16BE.obj", "syntax/number_formats.obj"};
 
-/// What the collection's table says of each file.
+/// Returns the row of the collection's table for each file, by the name of the file.
 std::map<std::string, Facts> read_facts() {
   std::map<std::string, Facts> all;
   for (const Facts& facts : test::shared_meshes_facts()) all[facts.at("file")] = facts;
@@ -207,7 +207,7 @@ TEST_F(SharedMeshes, volumes_change_by_no_more_than_the_bound_that_is_reported) 
   EXPECT_GE(tested, 100);
 }
 
-/// Whether a place is within the tolerance of some triangle of a mesh; a tree finds those near by.
+/// Tells whether a place is within the tolerance of some triangle of a mesh. A tree finds the triangles near it.
 class Nearness {
  public:
   explicit Nearness(const TriangleMesh& mesh)

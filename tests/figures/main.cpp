@@ -80,7 +80,7 @@ std::string regions_and_result(const Part& part, const Result& result) {
   return to_svg({input, output}, 420, 400);
 }
 
-/// What a user chooses between: the shape decides, one size for all, the gaps decide.
+/// Draws the three settings between which a user chooses: the shape decides, one size for all, or the gaps decide.
 std::string three_settings(const PolygonMesh& mesh, RunControl& control) {
   std::vector<Panel> panels;
   const auto add = [&](const std::string& title, const Options& options) {

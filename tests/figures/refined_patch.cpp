@@ -80,7 +80,7 @@ class Figure {
     return segments;
   }
 
-  /// What the patch does by itself in the first round.
+  /// Refines the patch by itself, as in the first round, when no neighbour has made cuts yet.
   PatchMesh refine_alone(const Goals& goals) {
     const SizeField sizes(goals.max_edge_length);
     const SegmentTable segments = segments_of(sizes, goals);

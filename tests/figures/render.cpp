@@ -46,7 +46,7 @@ Facet make_facet(const Shape& shape, std::size_t face, const Vec3& normal) {
   return facet;
 }
 
-/// What two facets have in common in the picture, as a convex polygon.
+/// Returns the area that two facets share in the picture, as a convex polygon.
 std::vector<Vec2> overlap(const Facet& a, const Facet& b) {
   std::vector<Vec2> polygon(a.corners.begin(), a.corners.end());
   for (std::size_t k = 0; k < 3 && !polygon.empty(); ++k) {

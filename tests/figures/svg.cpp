@@ -149,7 +149,7 @@ std::string to_svg(const std::vector<Panel>& panels, double panel_width, double 
     };
     const auto& elements = panels[i].elements_;
     for (std::size_t from = 0, to = 0; from < elements.size(); from = to) {
-      // What looks alike and stands together is one path.
+      // Consecutive elements that look alike become one path, or one group of dots.
       const auto& first = elements[from];
       while (to < elements.size() && elements[to].is_like(first)) ++to;
       svg += first.kind == Panel::Element::Kind::kDot ? "<g" : "<path";

@@ -19,12 +19,13 @@ struct Colour {
   friend bool operator==(const Colour&, const Colour&) = default;
 };
 
-/// `amount` of `b` in `a`.
+/// Mixes `amount` of `b` into `a`.
 Colour mix(const Colour& a, const Colour& b, double amount);
-/// Colours that differ well from their neighbours in number; the same for the same number, always.
+/// Returns a colour that differs well from those of the neighbouring numbers. The same number always gets the same
+/// colour.
 Colour colour_of(std::uint32_t number);
 std::string hex(const Colour& colour);
-/// With at most two decimals.
+/// Formats a value with at most two decimals.
 std::string number(double value);
 
 /// One picture: SVG elements in its own coordinates (x to the right, y upwards), and what stands below it.

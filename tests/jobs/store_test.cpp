@@ -1,5 +1,6 @@
-/// What every job store promises. Which one is meant says the environment: REMESHD_TEST_STORE is `sqlite` or the URL of
-/// a PostgreSQL that the tests may use as they like. Each test runs twice: with blobs in the store, and in a folder.
+/// Tests what every job store promises. The environment says which store is tested: REMESHD_TEST_STORE is `sqlite` or
+/// the URL of a PostgreSQL that the tests may use as they like. Each test runs twice: with blobs in the store, and with
+/// blobs in a folder.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -186,7 +187,7 @@ TEST_P(StoreTest, a_file_that_is_lost_is_the_loss_of_its_job_alone) {
   EXPECT_THROW(store->blob_size(id, BlobKind::kInput), BlobLost);
   EXPECT_TRUE(store->is_well());
   EXPECT_EQ(store->read_blob(other, BlobKind::kInput), "another body");
-  // Without the folder nothing is known to be lost.
+  // If the whole folder is missing, no single blob is known to be lost.
   std::filesystem::rename(folder_ / "blobs", folder_ / "away");
   EXPECT_THROW(store->read_blob(id, BlobKind::kInput), StoreError);
   EXPECT_TRUE(store->is_well());

@@ -86,7 +86,7 @@ class Daemon {
     child_ = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
-  /// What it has logged since its start, whole where it has ended.
+  /// Returns what the daemon has logged since its start. The log is complete once the daemon has ended.
   std::string log() {
     if (child_ < 0 && reader_.joinable()) reader_.join();
     const std::lock_guard lock(mutex_);

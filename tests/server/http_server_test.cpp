@@ -255,7 +255,7 @@ class KeptConnection : public HttpServerTest {
   static std::string get_text(const std::string& path, const std::string& fields = "") {
     return "GET " + path + " HTTP/1.1\r\nHost: x\r\n" + fields + "\r\n";
   }
-  /// Of a connection that the server has closed.
+  /// Returns whether the server closes the connection without sending anything more.
   static bool is_closed(RawClient& client) { return client.receive().empty(); }
 
   static std::unique_ptr<HttpServer> start(const HttpSettings& settings) {

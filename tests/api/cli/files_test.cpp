@@ -23,7 +23,7 @@ class Files : public testing::Test {
   std::string read_by_us(const std::string& name) const {
     return std::string(read_file(folder_.path(name), control_).view());
   }
-  /// What the file error says; empty if there is none.
+  /// Returns the text of the FileError that `act` throws, or an empty text if it throws none.
   template <typename Act>
   static std::string complaint(const Act& act) {
     try {

@@ -58,7 +58,7 @@ class StubServer {
     const std::lock_guard lock(mutex_);
     return seen_;
   }
-  /// What was asked, in words: "GET /v1/jobs/7".
+  /// Returns the method and the target of each request so far, as in "GET /v1/jobs/7".
   std::vector<std::string> asked() const {
     std::vector<std::string> all;
     for (const Seen& one : seen()) all.push_back(one.method + " " + one.target);

@@ -80,7 +80,7 @@ double last_place(double x, int bits) {
   return x == 0 ? 0 : std::ldexp(1.0, exponent - bits);
 }
 
-/// What a mesh is made of before it is rounded.
+/// The points of a mesh before they are rounded, and what is known about their coordinates.
 struct Model {
   std::vector<Vec3> points;
   std::string name;

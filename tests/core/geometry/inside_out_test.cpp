@@ -408,7 +408,7 @@ TEST(find_inside_out, shells_in_one_place_are_right_if_one_order_of_them_is) {
   EXPECT_EQ(found_in(all({cavity, filling})), Found{}) << "a solid without thickness";
   EXPECT_EQ(found_in(all({cavity, cavity})), Found{first_of(0)});
   EXPECT_EQ(found_in(all({outer, cavity, filling, cube(1, kIn)})), Found{});
-  // With other triangles.
+  // The filling may have other triangles than the cavity.
   const PolygonMesh fine = shapes::moved(shapes::box({2, 2, 2}, 3), {-1, -1, -1});
   EXPECT_EQ(found_in(all({outer, cavity, fine})), Found{});
   EXPECT_EQ(found_in(all({outer, fine, cavity})), Found{});

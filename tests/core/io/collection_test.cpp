@@ -40,13 +40,13 @@ std::string content_of(const std::string& name) {
 
 using Row = test::MeshFacts;
 
-/// What ends a file's reading, and where.
+/// The error that ends the reading of a file, and its place.
 struct Refusal {
   Code code;
   std::optional<std::uint64_t> line, byte;
 };
 
-/// What cannot be read; everything else can.
+/// The files that cannot be read. All other files can.
 const std::map<std::string, Refusal> kRefused = {
     {"seed/PolyFile.obj", {Code::kEmptyMesh, {}, {}}},
     {"syntax/box_UTF16BE.obj", {Code::kInvalidMesh, 1, {}}},

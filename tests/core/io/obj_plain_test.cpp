@@ -29,7 +29,7 @@ std::optional<ReadResult> read_plain(std::string_view text, int threads = 1, con
   return tbb::task_arena(threads).execute([&] { return read_plain_obj(text, limits, control); });
 }
 
-/// What reading any OBJ gives; nothing where it ends with an error.
+/// Returns what the reader of any OBJ gives, or nothing if it ends with an error.
 std::optional<ReadResult> read_any(std::string_view text, const ReadLimits& limits = {}) {
   RunControl control;
   try {
@@ -39,7 +39,7 @@ std::optional<ReadResult> read_any(std::string_view text, const ReadLimits& limi
   }
 }
 
-/// Returns whether the text was plain.
+/// Expects the same result from both readers if the text is plain. Returns whether it is plain.
 bool expect_same_reading(std::string_view text, int threads = 1, const ReadLimits& limits = {}) {
   const std::optional<ReadResult> plain = read_plain(text, threads, limits);
   if (!plain) return false;

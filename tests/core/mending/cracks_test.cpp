@@ -21,14 +21,14 @@ Report remeshed(const PolygonMesh& mesh, double weld_tolerance = 0) {
   return remesh_surface(mesh, options, {}, control).report;
 }
 
-/// What is told of open edges; empty if there are none.
+/// Returns the message about open edges, or an empty text if there is none.
 std::string told_of(const Report& report) {
   for (const Diagnostic& d : report.diagnostics)
     if (d.code == DiagnosticCode::kOpenBoundary) return d.message;
   return "";
 }
 
-/// The weld tolerance that a message names; 0 if it names none.
+/// Returns the weld tolerance that a message names, or 0 if it names none.
 double named_tolerance(const std::string& message) {
   std::smatch match;
   return std::regex_search(message, match, std::regex("weld_tolerance=([-+.e0-9]+)")) ? std::stod(match[1]) : 0;

@@ -38,7 +38,7 @@ int open_half_edges(const Surface& surface) {
   return open;
 }
 
-/// What a Surface promises of its faces and vertices.
+/// Expects what a Surface promises of its faces and vertices.
 void expect_holds(const Surface& surface) {
   std::vector<int> uses(surface.vertex_count());
   ASSERT_EQ(surface.face_source.size(), surface.face_count());

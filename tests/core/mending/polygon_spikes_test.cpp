@@ -133,7 +133,7 @@ std::vector<Vec3> rectangle_with(const std::vector<Vec3>& upper) {
   return loop;
 }
 
-/// What stays of a rectangle's upper side when the spikes out of its plane are cut off.
+/// Returns what is left of a rectangle's upper side when the spikes out of its plane are cut off.
 std::vector<Vec3> upper_side_of(const std::vector<Vec3>& points, double plane_tolerance = 1e-6) {
   const RunControl control;
   const Spikes spikes = cut_spikes_out_of_plane(points, 1e-9, plane_tolerance, control).spikes;

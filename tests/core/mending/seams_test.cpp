@@ -141,7 +141,7 @@ TEST(Seams, two_sheets_on_each_other_stay_two) {
 }
 
 TEST(Seams, two_open_boxes_side_by_side_stay_two) {
-  // Without their lids; their walls lie on each other.
+  // The boxes have no lids, and a wall of one lies on a wall of the other.
   PolygonMesh box = shapes::quad_box({1, 1, 1}, 2);
   const PolygonMesh open = torn::only(box, [&](FaceId f) {
     const auto loop = box.face(f);

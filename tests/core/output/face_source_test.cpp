@@ -16,7 +16,7 @@ double distance_to_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
   return norm(p - (a + t * (b - a)));
 }
 
-/// Of a point in the plane of a convex face.
+/// Returns the distance from a convex face to a point in its plane.
 double distance_to_face(const PolygonMesh& mesh, FaceId f, const Vec3& p) {
   const auto loop = mesh.face(f);
   Vec3 normal;

@@ -38,8 +38,8 @@ std::set<std::set<Vec3>> region_sets(const StageChain& chain) {
   return result;
 }
 
-/// What the header holds: corners within half the tolerance, no face turned over, every region in one piece, and how
-/// far its corners are from its plane.
+/// Expects what the header promises. All corners are within half the tolerance of their plane. No face is turned over.
+/// Every region is in one piece. The deviation of a region is how far its corners are from its plane.
 void expect_holds(const StageChain& chain) {
   UnionFind pieces(chain.surface.face_count());
   std::map<RegionId, double> farthest;

@@ -17,7 +17,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/stage_chain.h"
 
-// What it makes of whole surfaces is in tests/core/refinement_sharp_corners_test.cpp.
+// The effect of corner shells on whole surfaces is tested in tests/core/refinement_sharp_corners_test.cpp.
 
 namespace remesh {
 namespace {

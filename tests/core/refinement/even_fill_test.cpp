@@ -126,7 +126,8 @@ TEST(even_fill, of_sizes_that_grow_it_is_as_coarse_as_they_allow) {
 }
 
 TEST(even_fill, however_steeply_sizes_grow_few_places_are_looked_at) {
-  // As large as they may be a hair from the left side; near that, cells would be cut until they are as small as a hair.
+  // Already at a hair from the left side, sizes are as large as they may be. Near that side, cells would be cut until
+  // they are as small as a hair.
   PlaneSizes sizes = growing(0.1, 1e9);
   std::size_t asked = 0;
   sizes.allows = [&asked, allows = sizes.allows](double length, Vec2 p, double radius) {

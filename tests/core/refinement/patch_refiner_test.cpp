@@ -300,7 +300,7 @@ TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
   EXPECT_EQ(refiner.triangle_count(), 4u);
   const PatchRefiner::Refined split = refiner.finish();
   EXPECT_EQ(split.patch.vertices.size(), 5u);
-  // What lies on the boundary is no edge inside.
+  // Edges on the boundary are no inner edges, so none of them is split.
   std::vector<std::uint32_t> rim;
   for (std::uint32_t h = 0; h < split.patch.mesh.half_edge_count(); ++h)
     if (split.patch.mesh.is_constrained(h)) rim.push_back(h);

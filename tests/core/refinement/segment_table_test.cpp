@@ -171,7 +171,7 @@ TEST(segment_table, segments_at_a_small_angle_are_cut_on_common_shells) {
           EXPECT_NEAR(shells[i] / shells[i - 1], 0.5, 1e-9) << degrees;
         }
       }
-    // What the first cut leaves is long enough on both sides.
+    // The pieces on both sides of the first cut are long enough.
     EXPECT_GE(on_first[0], 5.0 / 4);
     EXPECT_LE(on_first[0], 5.0 * 3 / 4);
   }

@@ -84,7 +84,7 @@ TEST(carving, points_inside_stay_corners_and_points_outside_do_not) {
 
 TEST(carving, a_loop_that_runs_clockwise_is_inconsistent_or_leaves_nothing) {
   EXPECT_EQ(carved({reversed({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}})}).outcome, Outcome::kInconsistentLoops);
-  // Of a convex loop there is no outside that could object.
+  // A convex loop has no triangles outside, at which the wrong direction could be noticed.
   const Carved convex = carved({reversed(square(0, 4))});
   EXPECT_EQ(convex.outcome, Outcome::kDone);
   EXPECT_EQ(convex.mesh.triangle_count(), 0u);

@@ -32,8 +32,8 @@ struct Example {
   std::vector<FaceId> unrefined;
   std::vector<UnrefinedReason> reasons;
   std::vector<std::uint8_t> frozen;                               ///< empty: no patch
-  std::vector<std::pair<PatchId, PatchId>> intersecting_patches;  ///< of the input
-  bool are_these_all = true;                                      ///< of `intersecting_patches`
+  std::vector<std::pair<PatchId, PatchId>> intersecting_patches;  ///< pairs that cross in the input
+  bool are_these_all = true;                                      ///< whether the pairs above are all
 
   Verdict verify() const {
     RunControl control;

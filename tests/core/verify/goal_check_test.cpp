@@ -386,7 +386,7 @@ TEST(VerifyGoals, what_a_closed_surface_hides_is_no_gap) {
     return is_any;
   };
   EXPECT_FALSE(are_treads_blamed(step));
-  // With an open side it hides nothing.
+  // A surface with an open side hides nothing.
   faces.pop_back();
   EXPECT_TRUE(are_treads_blamed(shapes::from_lists(points, faces)));
 }

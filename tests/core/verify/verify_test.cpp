@@ -118,7 +118,7 @@ TEST(Verify, plane_coordinates_may_be_off_by_one_of_the_fine_grid_and_by_no_more
   }
 }
 
-// What is wrong in the plane.
+// The next tests are about faults in the plane.
 
 /// A kite: its Delaunay diagonal is the short one.
 Example kite() {
