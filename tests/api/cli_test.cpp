@@ -1,4 +1,4 @@
-// The command line, by running it.
+// Tests the command line by running it.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

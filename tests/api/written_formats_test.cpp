@@ -88,7 +88,7 @@ struct Joined {
     }
   }
 
-  /// Pairs of faces that intersect, by CGAL.
+  /// Returns the number of pairs of faces that intersect, as CGAL finds them.
   std::size_t intersections() const {
     const CgalIntersection do_intersect(points);
     std::vector<Box3> boxes(faces.size());
@@ -108,7 +108,7 @@ struct Joined {
     const CgalIntersection do_intersect(points);
     return std::any_of(faces.begin(), faces.end(), [&](const Triangle& t) { return !do_intersect.has_area(t); });
   }
-  /// The shortest edge, height, or gap between faces that share no vertex.
+  /// Returns the smallest of all edges, heights, and gaps between faces that share no vertex.
   double smallest_feature() const {
     double smallest = HUGE_VAL;
     for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -144,7 +144,7 @@ std::vector<Corners> soup_of(const TriangleMesh& mesh) {
   return soup;
 }
 
-/// Holds what was written, triangle by triangle, against the result in doubles.
+/// Compares what was written with the result in doubles, triangle by triangle.
 void expect_as_promised(const Result& exact, const RemeshAnswer& answer) {
   const PlainMesh back = read(answer.format, answer.body);
   ASSERT_EQ(back.triangles.size(), exact.mesh.faces.size());
@@ -213,12 +213,12 @@ TEST(WrittenFormats, whatever_is_written_is_read_back_as_promised_or_was_refused
         ++refused;
         const double half_step = half_step_of_floats(exact.mesh.positions.items());
         if (half_step >= 1e-7 * exact.report.input.bounding_box.diagonal()) continue;
-        // Not for rounding alone.
+        // Steps as fine as these are no reason to refuse, unless a feature of the mesh is as small.
         EXPECT_LT(Joined(soup_of(exact.mesh)).smallest_feature(), 20 * half_step) << error.what();
       }
     }
   }
-  // All three must occur for this to say anything.
+  // The test says something only if all three cases occur.
   EXPECT_GT(written_stl, 20);
   EXPECT_GT(refused, 20);
   EXPECT_GT(about_origin, 10);

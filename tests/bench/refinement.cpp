@@ -86,7 +86,7 @@ void compare(const char* name, const polygons::Polygon& polygon, Rows& rows) {
   options.min_angle_deg = kDegrees;
   std::vector<double> times_of_ours, times_of_theirs;
   Outcome ours, theirs;
-  // Alternating, so that both see the same moods of the machine.
+  // The two alternate, so that changes in the speed of the machine affect both alike.
   for (int run = 0; run < kRuns; ++run) {
     ours = refine_ours(mesh, options);
     theirs = refine_cgal(input, seeds);

@@ -1,4 +1,5 @@
-// Shells that look the wrong way, from the input to the result: the analysis, the repair and the result say the same.
+// Tests shells that look the wrong way, from the input to the result. The analysis, the repair and the result must say
+// the same about them.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// The plane tolerance through the pipeline's entry: given as an option, or told from the input's digits.
+// Tests the plane tolerance through the entry of the pipeline. It is an option, or is derived from the input's digits.
 
 #include <gtest/gtest.h>
 

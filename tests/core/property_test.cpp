@@ -45,7 +45,7 @@ const std::vector<Family>& families() {
   return all;
 }
 
-/// Corners at which the direction changes: those that must stay.
+/// Returns the number of corners at which the direction changes, which are those that must stay.
 std::size_t corner_count(const Loop& loop) {
   std::size_t corners = 0;
   for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -341,7 +341,7 @@ TEST(random_surfaces, steps_of_random_height_keep_area_volume_and_closedness) {
   }
 }
 
-/// Every coordinate written in this format and read again; an empty format: through a float.
+/// Writes every coordinate in this format and reads it again. If the format is empty, it rounds them to floats.
 PolygonMesh printed(PolygonMesh mesh, const std::string& format) {
   for (Vec3& p : mesh.positions)
     for (int axis = 0; axis < 3; ++axis) {
@@ -435,8 +435,8 @@ PolygonMesh soup(Random& random, int most_corners) {
   return shapes::from_lists(positions, faces);
 }
 
-/// Either a verified answer, or a word that there is none: no face has an area, or polygons on the same vertices would
-/// have to share a diagonal, whatever their triangulations.
+/// Expects a verified answer, or an error that says why there is none: either no face has an area, or polygons on the
+/// same vertices would have to share a diagonal, whatever their triangulations.
 void expect_verified_or_refused(const PolygonMesh& mesh) {
   try {
     const Result result = remeshed(mesh);

@@ -1,5 +1,5 @@
-// Sizes that see the third dimension, and how they grow from place to place: no edge longer than the gap, and hardly a
-// face more than that takes.
+// Tests sizes that depend on gaps in the third dimension, and how they grow from place to place. No edge is longer than
+// the gap, and there are hardly more faces than that takes.
 
 #include <gtest/gtest.h>
 

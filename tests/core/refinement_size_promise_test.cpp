@@ -54,7 +54,8 @@ Vec3 nearest(const Vec3& p, const Corners& t) {
   return best;
 }
 
-/// The shortest way over a line, found by trying: it is a convex function of where the line is crossed.
+/// Returns the length of the shortest way from p to q over a line. It is found by trying, since the length is a convex
+/// function of the place where the line is crossed.
 double way_over(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   const auto way = [&](double t) { return norm(p - (a + t * (b - a))) + norm(q - (a + t * (b - a))); };
   double low = 0, high = 1;
@@ -173,7 +174,7 @@ struct Measured {
   }
 };
 
-/// Faces that miss what their gaps ask for.
+/// Returns the faces that are larger than their gaps allow.
 std::vector<std::uint32_t> faces_beyond_gaps(const Result& result, const Options& options) {
   const Facets facets(result);
   const double slope = options.gradation.value_or(1.5) - 1, tolerance = result.report.plane_tolerance;
@@ -194,7 +195,7 @@ std::vector<std::uint32_t> faces_beyond_gaps(const Result& result, const Options
   return found;
 }
 
-/// Are these faces among the listed ones? Of a reason with more than a hundred only the number is known.
+/// Expects that these faces are listed. If a reason has more faces than places, only the number of faces is compared.
 void expect_listed(const std::vector<std::uint32_t>& faces, const Result& result) {
   EXPECT_LE(faces.size(), listed(result.report)) << listed_in_words(result.report);
   const auto& all = result.report.unrefined;
@@ -270,7 +271,8 @@ std::vector<Scene> scenes() {
           {"cylinder", shapes::cylinder(16, 0.5, 0.3)}};
 }
 
-/// Runs, has the checker's word, and asks the oracle. Output: how many faces it finds beyond their gaps.
+/// Refines a mesh, and expects that the result is verified and that all faces that miss their gaps are listed.
+/// Output: how many faces miss their gaps.
 std::size_t expect_all_listed(const PolygonMesh& mesh, const Options& options) {
   const Result result = refined(mesh, options);
   EXPECT_TRUE(result.report.verified.all_true())

@@ -1,5 +1,5 @@
-// Refinement through the pipeline's entry: analytic answers, hard inputs, and every option that steers it. What is
-// asserted is measured here (tests/support/refined_checks.h), not taken from the report.
+// Tests refinement through the entry of the pipeline: analytic answers, hard inputs, and every option that steers it.
+// What is asserted is measured here (tests/support/refined_checks.h), not taken from the report.
 
 #include <gtest/gtest.h>
 
@@ -207,8 +207,8 @@ TEST(refinement, turned_moved_scaled_and_renumbered_inputs_have_nearly_as_many_f
   }
 }
 
-/// A strip of width w and length L, in triangles with two equal sides, needs L / (2 w / tan angle) of them on either
-/// side and half of one at each end.
+/// A strip of width w and length L is filled by triangles with two equal sides. It needs L / (2 w / tan angle) of them
+/// on either side, and half of one at each end.
 TEST(refinement, facets_of_a_cylinder_get_hardly_more_faces_than_they_need) {
   for (const double bound : {20.0, 25.0, 33.0})
     for (const auto& [sides, height] : {std::pair(12, 40.0), std::pair(64, 10.0), std::pair(360, 2.0)}) {

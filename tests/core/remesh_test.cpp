@@ -27,7 +27,7 @@ Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined(), c
   return remesh_surface(mesh, options, settings, control);
 }
 
-/// Everything that a caller sees and that must not depend on workers or luck, as text.
+/// Returns everything, as text, that a caller sees and that must not depend on the number of workers or on luck.
 std::string bytes(const Result& result) {
   RunControl control;
   std::ostringstream out;
@@ -552,7 +552,7 @@ TEST(remesh_surface, a_closed_surface_with_zero_area_faces_stays_closed) {
   EXPECT_EQ(result.mesh.faces.size(), 4u);
 }
 
-/// Why a mesh does not come back verified; empty if it does.
+/// Returns why a mesh does not come back verified, or an empty text if it does.
 std::string failure_of(const PolygonMesh& mesh) {
   try {
     const Result result = remeshed(mesh);

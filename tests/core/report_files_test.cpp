@@ -1,4 +1,5 @@
-// Small files after reports of faults: each result is what geometry says, not what a program said before.
+// Tests small files that were made after reports of faults. Each expected result is what geometry says, not what a
+// program gave before.
 
 #include <gtest/gtest.h>
 

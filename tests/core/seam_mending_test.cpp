@@ -1,4 +1,4 @@
-// Seams within the rounding of coordinates, from the mesh as read to the result.
+// Tests that seams within the rounding of coordinates are closed, from the mesh as it is read to the result.
 
 #include <gtest/gtest.h>
 
@@ -154,7 +154,7 @@ PolygonMesh narrowed(PolygonMesh mesh, double factor) {
   return mesh;
 }
 
-/// Every so manieth face, at random, looks the other way.
+/// Turns faces over at random, one in `every` on average.
 PolygonMesh with_turned_faces(PolygonMesh mesh, unsigned seed, unsigned every) {
   std::mt19937 random(seed);
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
@@ -163,7 +163,7 @@ PolygonMesh with_turned_faces(PolygonMesh mesh, unsigned seed, unsigned every) {
   return mesh;
 }
 
-/// The same in other numberings and positions: as it is, and turned about some axes.
+/// Returns the mesh itself, and the same mesh in other numberings, each both in place and turned about some axis.
 std::vector<PolygonMesh> in_many_ways(const PolygonMesh& mesh) {
   std::vector<PolygonMesh> all{mesh};
   for (unsigned seed = 1; seed <= 4; ++seed) {

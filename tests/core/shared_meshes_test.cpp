@@ -1,5 +1,5 @@
-// Real meshes: every file of the shared collection that can be read comes back verified. Where the collection is
-// absent, this says so.
+// Tests real meshes: every file of the shared collection that can be read must come back verified. If the collection is
+// absent, the tests say so.
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ const fs::path kMeshes = test::shared_meshes_folder();
 
 using Facts = test::MeshFacts;
 
-/// Not text that this reads, and numbers that no grammar allows.
+/// The files that cannot be read. One has a kind of text that is not read, the other numbers that no grammar allows.
 const std::set<std::string> kUnreadable{"syntax/box_UTF16BE.obj", "syntax/number_formats.obj"};
 
 /// Returns the row of the collection's table for each file, by the name of the file.

@@ -1,4 +1,4 @@
-// Polygons that run out and back over themselves: what is left of them, and what is told.
+// Tests polygons that run out and back over themselves: what is left of them, and what the report says about them.
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ struct Case {
   std::vector<Vec2> upper;
 };
 
-/// All of them have the area of the rectangle.
+/// Cases with spikes in the upper side. All of them have the area of the rectangle.
 const std::vector<Case> kSpikes{
     {"one corner", {{6, 3}, {6, 4}, {6, 3}}},
     {"three corners", {{6, 3}, {6, 4}, {7, 5}, {6, 6}, {7, 5}, {6, 4}, {6, 3}}},

@@ -61,7 +61,7 @@ Shape shape_of(const Result& result) {
   return shape;
 }
 
-/// The first screen of the README.
+/// Draws the picture on the first screen of the README.
 std::string before_and_after(const Part& part, const Result& result) {
   Panel before("Before", count(part.surface.face_count()) + " triangles, coordinates rounded to six decimals");
   draw(shape_of(part), Paint::kLight, 0.35, before);
@@ -100,7 +100,7 @@ std::string three_settings(const PolygonMesh& mesh, RunControl& control) {
   return to_svg(panels, 330, 310);
 }
 
-/// One patch on its way through the plane.
+/// Draws one patch in each step of its way through the plane.
 class PatchFigures {
  public:
   PatchFigures(const Part& part, PatchId patch, RunControl& control) : part_(part), patch_(patch), control_(control) {

@@ -1,4 +1,4 @@
-/// The figures of the stage refinement.
+/// The figures that show the refinement stage.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-/// Surfaces in space, drawn flat.
+/// A renderer that draws surfaces in space as flat pictures.
 #pragma once
 
 #include <array>

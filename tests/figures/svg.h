@@ -58,7 +58,7 @@ class Panel {
   std::vector<Element> elements_;
 };
 
-/// Panels in rows of two, three in one row; each fitted into its field, the same scale for all.
+/// Sets panels in rows of two, or three panels in one row. Each is fitted into its field, and all have the same scale.
 std::string to_svg(const std::vector<Panel>& panels, double panel_width, double panel_height);
 
 }  // namespace remesh::figures

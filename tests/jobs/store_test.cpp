@@ -49,7 +49,7 @@ class StoreTest : public ::testing::TestWithParam<Blobs> {
     if (is_sqlite()) return make_sqlite_driver((folder_ / "jobs.sqlite").string());
     return make_postgres_driver(url_ + "?options=-csearch_path%3D" + schema_);
   }
-  /// Another daemon's view of the same store.
+  /// Opens the store once more, as another daemon would.
   std::unique_ptr<JobStore> open(const StoreRules& rules = {}) const {
     std::unique_ptr<BlobFolder> blobs;
     if (GetParam() == Blobs::kInFolder) blobs = std::make_unique<BlobFolder>((folder_ / "blobs").string());

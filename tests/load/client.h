@@ -71,11 +71,11 @@ class Neighbours {
   const double busy_at_start_s_, stolen_at_start_s_;
 };
 
-/// Prints the claims with their figures, and remembers whether all held.
+/// Prints each claim with its figures, and remembers whether all of them held.
 class Verdict {
  public:
   void expect(bool holds, const std::string& claim);
-  /// Of a claim about time: judged where the neighbours let it, else only told.
+  /// Judges a claim about time. If it does not hold while the neighbours take much of the machine, it is printed only.
   void expect_in_time(bool holds, const std::string& claim, const Neighbours& neighbours);
   int exit_code() const { return holds_ ? 0 : 1; }
 
@@ -85,7 +85,7 @@ class Verdict {
 
 std::string with_unit(double value, const char* unit);
 
-/// `count` threads that do the same; returns when all have.
+/// Runs `task` in `count` threads, each with its number. Returns when all have ended.
 template <typename Task>
 void in_parallel(std::size_t count, const Task& task) {
   std::vector<std::thread> threads;

@@ -197,7 +197,7 @@ TEST_F(AttackTest, many_bodies_that_never_end_take_no_memory) {
 TEST_F(AttackTest, what_follows_a_refused_request_is_not_taken_for_another) {
   const std::string smuggled = "GET /v1/capabilities HTTP/1.1\r\nHost: x\r\n\r\n";
   const std::string length = "Content-Length: " + std::to_string(smuggled.size()) + "\r\n\r\n";
-  // Not even where the client asks for the connection to be kept.
+  // The connection is closed even if the client asks to keep it open.
   const std::string keep = "Connection: keep-alive\r\n";
   for (const std::string& first :
        {kPost + keep + "Content-Length: 0\r\n" + length, "GET /livez HTTP/1.1\r\nHost: x\r\n" + keep + length,

@@ -38,7 +38,7 @@ class Files : public testing::Test {
   RunControl control_;
 };
 
-/// Bytes of every value, more of them than are read at once.
+/// Returns bytes of every value. There are more of them than are read at once.
 std::string many_bytes() {
   std::string bytes(3'000'001, '\0');
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i % 251);

@@ -1,4 +1,4 @@
-// The estimate of what coordinates are rounded to, held against how random meshes were rounded in truth.
+// Compares the estimate of what coordinates are rounded to with how random meshes were really rounded.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,8 @@ namespace {
 
 const std::uint64_t kSeed = base_seed(20360);
 
-/// How many meshes are tried. The environment's REMESH_TRIALS says how many more than usual: 100000 take some minutes.
+/// Returns how many meshes are tried. The environment variable REMESH_TRIALS replaces the usual number.
+/// 100000 meshes take some minutes.
 int trials() {
   constexpr int kUsual = 3000;
   const char* text = std::getenv("REMESH_TRIALS");
@@ -182,8 +183,8 @@ struct Truth {
   int independent = 0;
 };
 
-/// The same, or the coarsest way that leaves the same of all points: few numbers may all end in a 0 by chance, and
-/// then they are those of a mesh that was rounded like that.
+/// Returns the coarsest rounding that gives the same points as `rounder` does. If there are few numbers, all may end in
+/// a 0 by chance, and then they are those of a mesh that was rounded more coarsely.
 Rounder coarsest_alike(const Model& model, Rounder rounder) {
   if (rounder.kind != Kind::kDecimals && rounder.kind != Kind::kDigits) return rounder;
   const int least = rounder.kind == Kind::kDecimals ? 0 : 1;

@@ -15,7 +15,7 @@
 namespace remesh {
 namespace {
 
-/// One label a face; none: all are labelled alike.
+/// One label per face. If there are none, all faces are labelled alike.
 using Labels = std::vector<std::uint32_t>;
 using Found = std::vector<FaceId>;
 
@@ -35,7 +35,8 @@ InsideOut find_in(const PolygonMesh& mesh, const BodyLabels& labels) {
   return find_inside_out(mesh.positions.items(), mesh.corners, edges, labels, control);
 }
 
-/// The first faces of the shells that look the wrong way; of none, once these are turned over.
+/// Returns the first face of each shell that looks the wrong way. Expects that no such shell is left once these are
+/// turned over.
 Found found_in(const PolygonMesh& mesh, const Labels& labels = {}) {
   const InsideOut found = find_in(mesh, body_labels(labels));
   EXPECT_EQ(found.is_inside_out.empty(), found.first_faces.empty());
@@ -49,7 +50,7 @@ Found found_in(const PolygonMesh& mesh, const Labels& labels = {}) {
 
 enum Way { kOut, kIn };
 
-/// A cube about a place that looks that way.
+/// Makes a cube about a place that looks outwards or inwards.
 PolygonMesh cube(double size, Way way, const Vec3& at = {}) {
   PolygonMesh mesh = shapes::moved(shapes::box({size, size, size}, 2), at - Vec3{size / 2, size / 2, size / 2});
   return way == kIn ? shapes::turned_over(mesh) : mesh;
@@ -63,9 +64,9 @@ PolygonMesh all(const std::vector<PolygonMesh>& meshes) {
   return joined;
 }
 
-/// Cubes in each other, the outermost first, with these ways and bodies: "O" and "I" say how one looks, the digit
-/// behind it what its label is.
-/// Output: the numbers of those that look the wrong way.
+/// Tests cubes in each other. `nest` describes each of them by two characters, the outermost cube first. "O" or "I"
+/// says whether the cube looks outwards or inwards, and the digit behind it is its label.
+/// Output: the numbers of the cubes that look the wrong way.
 std::string wrong_of(const std::string& nest) {
   const std::size_t count = nest.size() / 2;
   std::vector<PolygonMesh> cubes;

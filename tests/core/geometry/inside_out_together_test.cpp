@@ -1,4 +1,4 @@
-// Shells that look the wrong way in bodies whose surfaces close only together, or not at all.
+// Tests shells that look the wrong way in bodies whose surfaces are closed only together, or not at all.
 
 #include <gtest/gtest.h>
 

@@ -1,5 +1,5 @@
-/// Readers and writers on meshes from many programs, against facts computed by other means; and what becomes of those
-/// that are odd or broken.
+/// Tests readers and writers on meshes from many programs, against facts that were computed by other means. Tests also
+/// what becomes of meshes that are odd or broken.
 #include <gtest/gtest.h>
 
 #include <algorithm>

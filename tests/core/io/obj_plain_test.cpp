@@ -1,4 +1,4 @@
-/// The fast way to read OBJ against the one through tinyobjloader.
+/// Compares the fast way to read OBJ with the way through tinyobjloader.
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 

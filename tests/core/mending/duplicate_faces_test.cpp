@@ -153,7 +153,7 @@ PolygonMesh all(const std::vector<PolygonMesh>& meshes) {
   return shapes::welded(joined);
 }
 
-/// By the half width of the cubes: what of them is left, their labels and the volume.
+/// The labels, the number of faces and the volume of the cubes of one half width, as far as they are left.
 struct Left {
   std::set<std::string> labels;
   std::size_t faces = 0;

@@ -80,7 +80,7 @@ TEST(weld, minus_zero_equals_zero) {
   EXPECT_EQ(result.surface.corners[3], result.surface.corners[0]);
 }
 
-/// Someone who knows the hash of vertices can choose them so that all are looked for in one place.
+/// Somebody who knows the hash of vertices can choose vertices that are all looked for in one place.
 TEST(weld, vertices_chosen_to_collide_are_welded_all_the_same_and_soon) {
   constexpr std::uint64_t kFactor = 0x9e3779b97f4a7c15u;
   std::uint64_t inverse = kFactor;

@@ -71,7 +71,7 @@ TEST(adjacency, next_goes_round_the_face) {
   EXPECT_EQ(adjacency.to(6), VertexId(0));
 }
 
-/// Holds an adjacency against what a map comes to.
+/// Compares the adjacency of a mesh with one that is computed by a map.
 void expect_grouped(const PolygonMesh& mesh) {
   const Adjacency adjacency = adjacency_of(mesh);
   std::map<Ends, std::vector<std::uint32_t>> expected;

@@ -29,7 +29,7 @@ SegmentTable planned(const StageChain& chain, const SizeField& sizes, const Goal
   return table;
 }
 
-/// Distances from the corner at the origin, of a side's cuts.
+/// Returns the distances of a side's cuts from the corner at the origin, ascending.
 std::vector<double> distances(const StageChain& chain, const SegmentTable& table, const SizeField& sizes,
                               const Vec3& end) {
   for (std::uint32_t s = 0; s < table.size(); ++s) {

@@ -165,7 +165,7 @@ Extent extent(const std::vector<Vec2>& points) {
   return e;
 }
 
-/// Insertions, cuts and removals by chance; compared with a fresh triangulation again and again.
+/// Inserts, cuts and removes at random. Again and again it compares the mesh with a fresh triangulation.
 void change_at_random(Subject& subject, const Extent& box, double grid, Random& random, int steps) {
   int inserted = 0, cuts = 0;
   for (int i = 0; i < steps; ++i) {

@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// A region, its boundary cut into pieces no longer than the size there, and the triangles between.
+/// A region in triangles. Its boundary is cut into pieces that are no longer than the size there.
 struct Region {
   std::vector<std::array<Vec2, 3>> triangles;
   std::vector<Vec2> boundary;
@@ -51,7 +51,7 @@ Region region(const polygons::Polygon& polygon, const PlaneSizes& sizes) {
 PlaneSizes uniform(double size) {
   return {[size](Vec2) { return size; }, [size](double length, Vec2, double) { return length <= size; }};
 }
-/// Finest at the left.
+/// Returns sizes that are `least` up to x = 0 and grow with x from there.
 PlaneSizes growing(double least, double slope) {
   const auto at = [=](Vec2 p) { return least + slope * std::max(0.0, p.x); };
   return {at, [=](double length, Vec2 p, double radius) { return length <= at({p.x - radius, p.y}); }, false};
@@ -69,7 +69,7 @@ bool is_inside(const Region& region, Vec2 p) {
   });
 }
 
-/// To the nearest of the points, p itself left out.
+/// Returns the distance from p to the nearest of the other points.
 double nearest(const std::vector<Vec2>& points, Vec2 p) {
   double least = HUGE_VAL;
   for (const Vec2 q : points)
@@ -82,7 +82,8 @@ const polygons::Polygon& square() {
   return polygon;
 }
 
-/// `column`: of a lattice that fits the region's box, in sizes.
+/// Expects that the points are inside the region, and neither too near to each other nor too far apart.
+/// Input:  `column` is the width of a column of the lattice that fits the region's box, in sizes.
 void expect_holds(const Region& region, const PlaneSizes& sizes, double column = 1) {
   const std::vector<Vec2> points = fill(region, sizes);
   ASSERT_GT(points.size(), 20u);

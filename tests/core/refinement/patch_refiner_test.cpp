@@ -71,7 +71,8 @@ Measures measure(const PatchMesh& patch) {
   return m;
 }
 
-/// A valid constrained Delaunay triangulation whose new vertices are where their cuts say; nothing has been lost.
+/// Expects a valid constrained Delaunay triangulation. Its new vertices on segments are where their cuts say. Neither
+/// area nor a vertex of the patch has been lost.
 void expect_sound(const Subject& subject, const PatchRefiner::Refined& refined) {
   const PatchMesh& patch = refined.patch;
   ASSERT_EQ(patch.uv.size(), patch.vertices.size());

@@ -16,7 +16,7 @@ namespace remesh {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-/// Sizes are kept in single precision, and a little too large.
+/// The tolerance for sizes: they are stored in single precision, and a little too large.
 constexpr double kSingle = 1e-6;
 
 Goals goals(double proximity, double gradation) {

@@ -1,4 +1,4 @@
-/// The checker's edges, with and without somebody else's order of them.
+/// Tests the checker's table of edges, with and without an order of the edges that somebody else has made.
 #include "core/verify/edge_table.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-/// Claims for the checker's tests: a correct one to begin with, and the means to spoil it.
+/// Makes claims for the tests of the checker. A claim is correct at first, and there are means to spoil it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -134,7 +134,7 @@ inline Vec3 normal_of(const PolygonMesh& mesh, std::size_t f) {
   return normalized(sum);
 }
 
-/// Connected coplanar faces, found the plain way: by comparing face with neighbour.
+/// Finds the patches of connected coplanar faces in the plain way, by comparing each face with its neighbours.
 inline IdVector<FaceId, PatchId> plain_patches(const PolygonMesh& mesh, std::size_t& count) {
   std::map<std::pair<VertexId, VertexId>, std::vector<std::size_t>> by_edge;
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
@@ -234,7 +234,7 @@ inline Example example(const PolygonMesh& input, const PolygonMesh& output) {
   return out;
 }
 
-/// The same, in other units.
+/// Returns the same claim in other units.
 inline Example scaled(Example e, double factor) {
   e.move([&](Vec3& p) { p = factor * p; });
   for (Vec3& p : e.positions) p = factor * p;

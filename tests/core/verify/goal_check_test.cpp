@@ -19,7 +19,7 @@ constexpr UnrefinedReason kAllReasons[] = {UnrefinedReason::kInputAngle,    Unre
                                            UnrefinedReason::kBudget,        UnrefinedReason::kBoundaryLocked,
                                            UnrefinedReason::kOutputRounding};
 
-/// The verdict on quality; all else must be right.
+/// Returns the verdict on quality. Everything else must be right.
 bool is_good(const Example& e) {
   const Verdict v = e.verify();
   EXPECT_TRUE(v.surface && v.conforming && v.delaunay) << all_words(v);
@@ -43,7 +43,8 @@ double least_angle_deg(const Example& e, std::size_t f) {
   return least;
 }
 
-/// A wedge whose every face below the bound is listed: the first for its corner, the others for what is across.
+/// Makes a wedge of which every face below the bound is listed. The reason of the first is its corner, and that of the
+/// others is the angle across which they lie.
 Example certified_wedge(double degrees, int shells, double bound) {
   Example e = wedge(degrees, shells, bound);
   for (std::size_t f = 0; f < e.faces.size(); ++f)
@@ -54,7 +55,8 @@ Example certified_wedge(double degrees, int shells, double bound) {
   return e;
 }
 
-/// Does the reason hold for any of the listed faces? Each is asked alone, the others get one that always holds.
+/// Returns whether the reason holds for any of the listed faces. Each face is tried alone, and the others get a
+/// reason that always holds.
 bool is_any_certified(Example e, UnrefinedReason reason) {
   bool is_any = false;
   for (std::size_t i = 0; i < e.unrefined.size(); ++i) {
@@ -297,10 +299,10 @@ Goals gap_goal(double proximity, double gradation = 1.5) {
   return goals;
 }
 
-/// Is the claim good without any face listed?
+/// Returns whether the claim is good without any face listed.
 bool is_met(const PolygonMesh& mesh, const Goals& goals) { return is_good(refined(mesh, mesh, goals)); }
 
-/// Is it good with all of them listed?
+/// Returns whether the claim is good with all faces listed.
 bool is_missed_by_all(const PolygonMesh& mesh, const Goals& goals) {
   Example e = refined(mesh, mesh, goals);
   for (std::size_t f = 0; f < e.faces.size(); ++f) list(e, f, UnrefinedReason::kSizeFloor);

@@ -1,4 +1,5 @@
-// Rounded coordinates against the verified ones: each test of the check, and all of them against a brute-force oracle.
+// Compares rounded coordinates with the verified ones. Covers each test of the check, and all of them against a
+// brute-force oracle.
 #include "core/verify/stored_form.h"
 
 #include <gtest/gtest.h>
@@ -223,7 +224,7 @@ TEST(StoredForm, a_face_that_missed_the_goals_before_keeps_its_reason) {
   EXPECT_EQ(wedge.check().fault, StoredFault::kWrongReason);
 }
 
-/// By the definitions, pair by pair.
+/// Finds flat faces and intersections by their definitions, pair by pair.
 struct Oracle {
   bool has_flat = false, has_intersection = false;
 
