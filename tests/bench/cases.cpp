@@ -60,7 +60,7 @@ Work remeshing(PolygonMesh mesh, bool refine) {
 
 struct Case {
   std::string_view name;
-  Work (*prepare)();  ///< what it returns is counted
+  Work (*prepare)();  ///< prepares the work; only running the work is counted
 };
 
 const Case kCases[] = {

@@ -393,7 +393,7 @@ TEST(random_surfaces, terrain_of_whole_heights_keeps_its_area_and_border) {
 }
 
 TEST(random_surfaces, noise_around_the_tolerance_never_breaks_the_result) {
-  // From far below the tolerance to ten times it, with tolerances up to the size of the faces.
+  // The noise is from far below the tolerance to ten times it, and tolerances are up to the size of the faces.
   for (std::uint64_t seed = kSeed + 5500; seed < kSeed + 5600; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);

@@ -154,7 +154,7 @@ TEST(refinement_proximity, where_gaps_close_the_shortest_edge_goes_before_them) 
     EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kMinEdgeLength));
     EXPECT_GE(shortest_edge(result.mesh), shortest / kHair);
     EXPECT_LE(longest_edge(result.mesh), 0.3 * kHair);
-    // Not as if the notch were not there.
+    // The notch is not ignored: edges become as short as they may.
     EXPECT_LE(shortest_edge(result.mesh), 1.2 * shortest);
   }
 }

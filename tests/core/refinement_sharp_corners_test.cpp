@@ -42,7 +42,7 @@ TEST(sharp_corners, a_needle_takes_hardly_more_triangles_than_a_row_of_them_with
         const Options options = with(bound, size);
         const Result result = refined(mesh, options);
         expect_promises(mesh, options, result);
-        // But for the corner itself.
+        // Only the corner itself may be listed.
         EXPECT_LE(listed(result.report), 1u) << degrees << ' ' << bound << ' ' << size;
         EXPECT_LE(static_cast<double>(result.mesh.faces.size()), 1.15 * triangles_in_needle(degrees, bound, size) + 6)
             << degrees << ' ' << bound << ' ' << size;

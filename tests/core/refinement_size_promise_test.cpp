@@ -157,7 +157,7 @@ class Facets {
   std::vector<std::set<std::array<VertexId, 2>>> edges_;
   std::vector<Vec3> normals_;
   std::vector<std::uint32_t> body_;
-  std::vector<Vec3> centre_;  ///< of each face
+  std::vector<Vec3> centre_;  ///< one per face
   std::vector<double> radius_;
 };
 

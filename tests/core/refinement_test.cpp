@@ -50,7 +50,7 @@ TEST_P(RefinedCube, has_even_edges_sizes_and_sides) {
   EXPECT_LE(result.mesh.faces.size(), 2600u);
   EXPECT_EQ(listed(result.report), 0u);
 
-  // Each edge of the cube: its vertices are at the tenths, and there is no other.
+  // On each edge of the cube, there is a vertex at each tenth, and no other.
   std::map<std::pair<int, std::pair<double, double>>, std::vector<double>> on_edge;
   for (const Vec3& p : result.mesh.positions)
     for (int axis = 0; axis < 3; ++axis) {
@@ -267,7 +267,8 @@ TEST(refinement, strips_narrower_than_a_row_for_the_size_have_no_points_inside) 
       const Vec3 normal = normalized(cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]));
       on_chamfers += std::fabs(std::fabs(normal.x) - std::fabs(normal.y)) < 1e-6 && std::fabs(normal.z) < 0.5;
     }
-    // On either side of each as many pieces as its size asks for, and one more where they take turns.
+    // On either side of each chamfer there are as many pieces as its size asks for, and one more where the two sides
+    // take turns.
     const double least = std::min(size, result.report.smallest_gap.value_or(size));
     EXPECT_LE(static_cast<double>(on_chamfers), 4 * (2 * std::ceil(length / least) + 2)) << c.cut;
     EXPECT_GE(static_cast<double>(on_chamfers), 4 * 2 * std::floor(length / size)) << c.cut;

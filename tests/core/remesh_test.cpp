@@ -194,7 +194,8 @@ TEST(remesh_surface, a_third_faces_corner_on_a_straight_border_stays) {
 }
 
 TEST(remesh_surface, a_double_sheet_stays_two) {
-  // Over the same four vertices: as two squares, and cut along one diagonal above and along the other one below.
+  // Both sheets are over the same four vertices. They are two squares, or they are cut along one diagonal above and
+  // along the other one below.
   const std::vector<Vec3> corners = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   for (const auto& mesh : {shapes::from_lists(corners, {{0, 1, 2, 3}, {3, 2, 1, 0}}),
                            shapes::from_lists(corners, {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}})}) {

@@ -37,8 +37,8 @@ class Path {
     append(at_.x - from.x);
     append(at_.y - from.y);
   }
-  /// Appends a number. If neither a minus nor the letter `m` separates it from the number before, it puts a space between
-  /// them.
+  /// Appends a number. If neither a minus nor the letter `m` separates it from the number before, it puts a space
+  /// between them.
   void append(long hundredths) {
     if (hundredths < 0)
       text_ += '-';

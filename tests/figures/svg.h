@@ -10,7 +10,7 @@
 
 namespace remesh::figures {
 
-/// Red, green and blue, each 0 to 1.
+/// A colour in parts of red, green and blue, each from 0 to 1.
 struct Colour {
   double red = 0;
   double green = 0;
@@ -46,7 +46,7 @@ class Panel {
     std::vector<Vec2> points;
     Colour fill;
     Colour stroke;
-    double width;  ///< of the stroke; the radius of a dot
+    double width;  ///< width of the stroke, or radius of a dot
 
     bool is_like(const Element& other) const {
       return kind == other.kind && fill == other.fill && stroke == other.stroke && width == other.width;

@@ -15,7 +15,7 @@ using Clock = std::chrono::steady_clock;
 
 /// The outcome of one request.
 struct Outcome {
-  int status = 0;  ///< 0: no answer
+  int status = 0;  ///< 0 if there was no answer
   double ms = 0;   ///< from the connection to the answer's end
   std::size_t bytes = 0;
 };

@@ -124,7 +124,7 @@ class Models {
         break;
       }
       case 3: {
-        // Nearly all of it exact.
+        // Nearly all coordinates are exact.
         model.name = "grid with free corners";
         const int free_ones = random_.integer(1, 12);
         for (int i = 0; i < n; ++i) add(model, {exact(size), exact(size), exact(size)}, false, false, false);
@@ -262,7 +262,7 @@ TEST(rounding_estimate, the_step_is_right_or_not_told_and_never_coarser_than_the
     Random& random = models.random();
     const double size = std::pow(10, random.uniform(-3, 4));
     Rounder rounder{kKinds[static_cast<std::size_t>(random.below(4))], 0};
-    // From steps as coarse as a tenth of the size to as fine as doubles have room for.
+    // Steps are from as coarse as a tenth of the size to as fine as doubles have room for.
     if (rounder.kind == Kind::kDecimals)
       rounder.places = std::max(0, random.integer(1, 10) - static_cast<int>(std::floor(std::log10(size))));
     if (rounder.kind == Kind::kDigits) rounder.places = random.integer(1, 9);

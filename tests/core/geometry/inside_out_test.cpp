@@ -205,7 +205,7 @@ class RandomNest {
   std::vector<PolygonMesh> shells;
   std::vector<std::uint32_t> label;
   std::vector<std::uint8_t> is_wrong;
-  double volume = 0;  ///< of the bodies, without their cavities; right where all labels are alike
+  double volume = 0;  ///< volume of the bodies without their cavities; right if all labels are alike
 
  private:
   struct Outer {
@@ -326,17 +326,17 @@ void expect_cavity_judged(const PolygonMesh& solid, const PolygonMesh& inner, co
 
 TEST(find_inside_out, a_cavity_may_touch_the_outer_shell) {
   const PolygonMesh solid = shapes::moved(shapes::box({2, 2, 2}, 2), {-1, -1, -1});
-  // In a vertex of both: any of the outer shell's corners.
+  // It touches in a vertex of both, which is any of the outer shell's corners.
   for (int i = 0; i < 8; ++i) {
     const Vec3 corner{i & 1 ? 1.0 : -1, i & 2 ? 1.0 : -1, i & 4 ? 1.0 : -1};
     expect_cavity_judged(solid, tetrahedron(corner, {0, 0, 0}, {0.5 * corner.x, 0, 0}, {0, 0.5 * corner.y, 0}),
                          "corner " + std::to_string(i));
   }
-  // In a vertex of its own that lies in a face, and in an edge of the outer shell.
+  // It touches in a vertex of its own that lies in a face or in an edge of the outer shell.
   expect_cavity_judged(solid, tetrahedron({1, 0.25, 0.375}, {0.5, 0, 0}, {0.5, 0, 0.5}, {0.5, 0.5, 0}), "in a face");
   expect_cavity_judged(solid, tetrahedron({-1, 0.25, 0.375}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0.5, 0, 0.5}), "in a face");
   expect_cavity_judged(solid, tetrahedron({1, 1, 0.25}, {0, 0, 0}, {0.5, 0, 0.25}, {0.25, 0.5, 0.5}), "in an edge");
-  // Along an edge of both.
+  // It touches along an edge of both.
   expect_cavity_judged(solid, tetrahedron({-1, -1, -1}, {-1, -1, 0}, {0.5, 0, 0}, {0, 0.5, 0.5}), "along an edge");
   // With all of its vertices, and with all of its edges.
   expect_cavity_judged(
@@ -350,12 +350,12 @@ TEST(find_inside_out, a_cavity_may_touch_the_outer_shell) {
 TEST(find_inside_out, bodies_that_touch_from_outside_are_no_cavities) {
   const PolygonMesh block = shapes::blocks({"###", "#..", "###"});  // around a notch
   const auto n = static_cast<std::uint32_t>(block.face_count());
-  // In the notch: on a face in a vertex, in a corner of the notch, along an edge of the notch.
+  // The bodies are in the notch. They touch a face of it in a vertex, a corner of it, an edge of it, or whole walls.
   for (const PolygonMesh& right : {tetrahedron({1.5, 1, 0.5}, {2, 1.5, 0.5}, {1.5, 1.5, 0.5}, {1.75, 1.5, 0.75}),
                                    tetrahedron({1, 1, 0}, {1.5, 1.25, 0.25}, {1.25, 1.5, 0.25}, {1.25, 1.25, 0.75}),
                                    tetrahedron({1, 1, 0}, {1, 1, 1}, {1.5, 1.25, 0.5}, {1.25, 1.5, 0.5}),
                                    shapes::moved(shapes::box({1, 1, 1}), {1, 1, 0})}) {
-    // Not welded where whole walls meet: there nothing closes by itself.
+    // Bodies whose whole walls meet are not welded, since neither would be closed by itself there.
     for (const bool is_welded : {false, right.face_count() == 4}) {
       const auto as = [&](const PolygonMesh& mesh) { return is_welded ? shapes::welded(mesh) : mesh; };
       EXPECT_EQ(found_in(as(shapes::joined(block, right))), Found{});
@@ -435,7 +435,7 @@ TEST(find_inside_out, shells_that_cross_are_cavities_of_what_is_around_them_all_
   const Found both{FaceId(12), FaceId(24)};
   EXPECT_EQ(found_in(all({outer, first, block({3, 4, 5}, {7, 9, 8})})), both);
   EXPECT_EQ(found_in(all({outer, first, block({3, 4, 5}, {7, 9, 8}, kIn)})), Found{FaceId(12)});
-  // In general position and not, and as all is turned.
+  // The boxes are in special position first and then in general position, and all is turned.
   Random random(base_seed(3608));
   for (int i = 0; i < 20; ++i) {
     const double much = i == 0 ? 0 : 1e-6;

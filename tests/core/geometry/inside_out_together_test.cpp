@@ -92,7 +92,7 @@ class Cells {
   }
 
   Builder builder;
-  std::set<std::uint32_t> wrong;  ///< objects
+  std::set<std::uint32_t> wrong;  ///< the objects that look the wrong way
 
  private:
   static constexpr int kSize = 3;
@@ -153,7 +153,7 @@ TEST(find_inside_out, in_chambers_with_one_wall_between_them_nothing_right_is_ca
               const bool looks_along = !is_in(axis) || (cell[axis] > 0 && random.chance(0.5));
               builder.add_square(0, {1.0 * x, 1.0 * y, 1.0 * z}, static_cast<int>(axis), looks_along);
             }
-          // In a chamber, or outside of all.
+          // The shell is in a chamber, or outside of all bodies.
           const std::uint32_t object = builder.add_object();
           const bool is_out = random.chance(0.5), is_in_chamber = is_in(0) && is_in(1) && is_in(2);
           add_shell(builder, object, is_in_chamber ? cell : std::array{x + 5, y, z}, is_out);

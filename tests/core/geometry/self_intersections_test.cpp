@@ -390,7 +390,7 @@ TEST(self_intersections, many_copies_of_one_face_do_not_take_quadratic_time_once
 TEST(self_intersections, coordinates_of_any_magnitude_give_the_same_pairs) {
   const TriangleMesh mesh = soup(5, 5, 200);
   const Pairs expected = find(mesh).pairs;
-  // From the smallest double to near the largest; 2^126 takes the coordinate 4 to 3.4e38.
+  // The factors reach from the smallest double to near the largest; 2^126 takes the coordinate 4 to 3.4e38.
   for (const double factor : {0x1p-1074, 0x1p-1000, 0x1p126, 0x1p1021}) {
     TriangleMesh scaled = mesh;
     for (Vec3& p : scaled.positions) p = factor * p;

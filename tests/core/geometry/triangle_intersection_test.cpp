@@ -85,7 +85,7 @@ TEST(triangle_intersection, coplanar_pairs_agree_with_the_oracle) {
     for (Vec3& p : points) p = {p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]};
     compare_random_pairs(points, 2 + axis, 2500);
   }
-  // In a plane that is parallel to no axis.
+  // The points are in a plane that is parallel to no axis.
   std::vector<Vec3> points = grid(5, 1);
   for (Vec3& p : points) p.z = 3 * p.x - 2 * p.y;
   compare_random_pairs(points, 5, 2500);

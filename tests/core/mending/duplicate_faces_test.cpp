@@ -72,7 +72,7 @@ TEST(drop_duplicate_faces, both_sides_of_a_sheet_stay_and_are_counted) {
 TEST(drop_duplicate_faces, two_faces_alone_are_found_whichever_way_they_run) {
   const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   for (const Faces& back : {Faces{{0, 1, 2}, {0, 2, 1}}, Faces{{0, 1, 2}, {2, 1, 0}}, Faces{{0, 1, 3, 2}, {1, 0, 2, 3}},
-                            // From a corner that is there twice, in both directions.
+                            // These begin at a corner that is there twice, and run in both directions.
                             Faces{{2, 2, 0, 1}, {2, 2, 1, 0}}, Faces{{2, 2, 0, 1}, {0, 2, 2, 1}}}) {
     const Dropped result = drop(shapes::from_lists(points, back));
     ASSERT_EQ(result.diagnostics.size(), 1u);

@@ -247,7 +247,7 @@ TEST(mend_faces, a_stop_is_obeyed_while_faces_without_area_are_dropped) {
   const Clock::time_point ended = Clock::now();
   is_over = true;
   watcher.join();
-  // Not stopped: it was asked for when all was done but for a little.
+  // If the run was not stopped, it was asked to stop when nearly all was done.
   EXPECT_TRUE(is_stopped || ended - asked < std::chrono::milliseconds(20));
 }
 

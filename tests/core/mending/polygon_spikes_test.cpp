@@ -103,7 +103,7 @@ TEST(cut_spikes, random_spikes_on_random_polygons_are_found_wherever_the_corners
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < sound.size(); ++i) {
       points.push_back(sound[i]);
-      // Out over some places and back over the same ones.
+      // Each spike runs out over some places and back over the same ones.
       std::vector<Vec3> way;
       for (std::size_t k = random() % 4; k > 0; --k)
         way.push_back({anywhere(random), anywhere(random), anywhere(random)});

@@ -239,7 +239,7 @@ TEST(coplanar_regions, digits_are_not_asked_where_neighbours_turn_by_a_milliradi
     EXPECT_EQ(count(3e-4, normal_tolerance), 1u) << normal_tolerance;
     EXPECT_EQ(count(5e-4, normal_tolerance), 2u) << normal_tolerance;
   }
-  // By 0.0018: sqrt(3) times the tolerance is allowed, not its root.
+  // The two normals differ by 0.0018. Allowed is sqrt(3) times the tolerance, not its root.
   EXPECT_EQ(count(5e-4, 0.9e-3), 2u);
   EXPECT_EQ(count(5e-4, 1.1e-3), 1u);
 }

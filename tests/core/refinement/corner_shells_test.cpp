@@ -58,7 +58,7 @@ TEST(corner_shells, the_sides_of_a_corner_are_cut_by_turns_in_pieces_that_grow) 
   EXPECT_EQ(a[0], size);
   EXPECT_NEAR(b[0], size, 1e-12);
   if (a[1] < b[1]) std::swap(a, b);
-  // Behind the last shells the sides are cut each on its own.
+  // Behind the last shells, each side is cut on its own.
   const double near = 0.8 * size / width;
   for (std::size_t i = 1; i < std::min(a.size(), b.size()) && a[i] < near; ++i) {
     EXPECT_LT(a[i - 1], b[i]);

@@ -129,7 +129,8 @@ class BruteForce {
     for (std::uint32_t f = 0; f < piece.size(); ++f)
       solid_[chain.patches.of_face[FaceId(f)].value] = open_pieces.count(piece[f]) ? -1 : static_cast<int>(piece[f]);
   }
-  /// Inwards from one, and from outside to the other, or the other way round.
+  /// Returns whether the way leads inwards from p and comes to q from outside, or outwards from p and comes to q from
+  /// inside, where both belong to one solid.
   bool is_blocked(const Vec3& way, PatchId p, PatchId q) const {
     if (solid_[p.value] < 0 || solid_[p.value] != solid_[q.value]) return false;
     const auto side = [&](PatchId of) { return dot(way, scene_.chain.patches.planes[of].normal); };
@@ -184,7 +185,7 @@ class BruteForce {
   const Scene& scene_;
   std::vector<std::set<VertexId>> vertices_;
   std::vector<std::set<std::pair<VertexId, VertexId>>> edges_;
-  std::vector<int> solid_;  ///< of each patch; -1: none
+  std::vector<int> solid_;  ///< one per patch; -1 if the patch belongs to no solid
 };
 
 PolygonMesh cube_in_cube() {
@@ -342,7 +343,7 @@ TEST(gap_search, what_touches_is_no_gap) {
 TEST(gap_search, facets_round_a_hole_see_the_opposite_ones_and_not_the_next_but_one) {
   constexpr int kSides = 3000;
   const Scene scene(shapes::cylinder(kSides, 1, 3));
-  // Down to the facets that are seen at 51 degrees.
+  // The nearest facets that count are those that are seen at 51 degrees.
   const double at_51 = 2 * std::sqrt(0.604);
   const Vec3 on_facet{std::cos(std::numbers::pi / kSides) * std::cos(std::numbers::pi / kSides),
                       std::cos(std::numbers::pi / kSides) * std::sin(std::numbers::pi / kSides), 1.5};

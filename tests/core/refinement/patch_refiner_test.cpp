@@ -362,7 +362,7 @@ TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
         EXPECT_LE(largest_area(after.patch), options.max_area.value_or(HUGE_VAL) * (1 + 1e-9));
         EXPECT_GE(measure(after.patch).smallest_angle_deg, std::min(degrees, measure(before.patch).smallest_angle_deg));
         EXPECT_GE(least_shape(after.patch), std::min(0.165, least_shape(before.patch)) * (1 - 1e-9));
-        // Only points inside go.
+        // Only points inside the patch are removed.
         const auto cuts_of = [](const PatchRefiner::Refined& refined) {
           return std::count_if(refined.cuts.begin(), refined.cuts.end(),
                                [](const Cut& cut) { return cut.segment.is_valid(); });

@@ -245,7 +245,7 @@ TEST(size_field, gradation_alone_grades_away_from_short_segments) {
   EXPECT_NEAR(scene.sizes.at({1.03125, 2, 0}), 0.03125 + 0.25, kSingle);
   EXPECT_NEAR(scene.sizes.at({0, 1, 0}), 0.03125 + 0.25, kSingle);  // on a segment of length 2
   EXPECT_NEAR(scene.sizes.at({0, 3.03125, 7}), 0.03125 + 0.25 * std::hypot(1, 7), 10 * kSingle);
-  // Far from all: the segments' own lengths bound it.
+  // Far from everything else, the size is bounded by the lengths of the segments.
   const Scene square(shapes::polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}}), goals(0, 1.25));
   EXPECT_NEAR(square.sizes.at({1, 0, 0}), 4, 4 * kSingle);
   EXPECT_NEAR(square.sizes.at({2, 2, 0}), 4 + 0.25 * 2, 4 * kSingle);
@@ -328,7 +328,7 @@ TEST(size_field, what_is_allowed_around_a_place_is_allowed_at_all_places_there) 
   for (int i = 0; i < 1000; ++i) {
     const Vec3 x = scene.place(random).point;
     const double radius = random.uniform(0, 0.5), size = scene.sizes.at(x);
-    // By the slope alone it is at least that.
+    // By the slope alone, a size of at least this is allowed everywhere within the radius.
     EXPECT_TRUE(scene.sizes.allows(0.999999 * (size - 0.5 * radius), x, radius));
     const double length = random.uniform(0.5, 1) * size;
     if (!scene.sizes.allows(length, x, radius)) continue;

@@ -28,10 +28,10 @@ struct Example {
   std::vector<PatchId> face_patch;
   std::vector<Vec2> corner_uv;
   double plane_tolerance = 0;
-  std::optional<Goals> goals;  ///< none: nothing was refined
+  std::optional<Goals> goals;  ///< empty if nothing was refined
   std::vector<FaceId> unrefined;
   std::vector<UnrefinedReason> reasons;
-  std::vector<std::uint8_t> frozen;                               ///< empty: no patch
+  std::vector<std::uint8_t> frozen;                               ///< empty if no patch is frozen
   std::vector<std::pair<PatchId, PatchId>> intersecting_patches;  ///< pairs that cross in the input
   bool are_these_all = true;                                      ///< whether the pairs above are all
 
@@ -43,7 +43,7 @@ struct Example {
                            goals.has_value(), goals ? &refinement : nullptr, &known},
                           control);
   }
-  /// The input intersects where the output does.
+  /// Claims that the input intersects where the output does.
   void allow_intersections() {
     for (const auto& [f, g] : verify().intersections)
       intersecting_patches.push_back(std::minmax(face_patch[f.value], face_patch[g.value]));
@@ -110,7 +110,7 @@ struct Example {
     for (std::size_t f = faces.size(); f-- > 0;)
       if (face_patch[f] == patch) remove_face(f);
   }
-  /// The face with these corners, in any order.
+  /// Returns the face with these corners, which may be in any order.
   std::size_t face_at(const Vec3& a, const Vec3& b, const Vec3& c) const {
     std::vector<Vec3> wanted{a, b, c};
     std::sort(wanted.begin(), wanted.end());

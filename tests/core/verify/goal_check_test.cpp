@@ -187,7 +187,7 @@ TEST(VerifyGoals, points_on_different_shells_certify_nothing) {
   move_vertex(e, e.positions[4], on_ray(10, 2.01));
   e.make_delaunay();
   EXPECT_FALSE(is_good(e));
-  // To rounding it may be.
+  // It may be further out within rounding.
   e = certified_wedge(10, 4, 25);
   move_vertex(e, e.positions[4], (1 + 1e-13) * e.positions[4]);
   e.make_delaunay();
@@ -464,7 +464,7 @@ TEST(VerifyGoals, short_edges_are_allowed_across_a_small_input_angle_only) {
   e.goals->min_edge_length = 1.01;
   EXPECT_FALSE(is_good(e));
 
-  // From side to side of a strip.
+  // The edges run from side to side of a strip.
   const PolygonMesh strip = shapes::from_lists({{0, 0, 0}, {8, 0, 0}, {8, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
   e = refined(strip, strip);
   split_edge(e, {0, 0, 0}, {8, 0, 0}, {4, 0, 0});
@@ -475,7 +475,7 @@ TEST(VerifyGoals, short_edges_are_allowed_across_a_small_input_angle_only) {
   EXPECT_FALSE(is_good(e));
 }
 
-// The list itself.
+// The next tests are about the list itself.
 
 TEST(VerifyGoals, a_list_that_does_not_fit_together_fails_as_a_whole) {
   const std::function<void(Example&)> spoil[] = {[](Example& e) { e.reasons.pop_back(); },

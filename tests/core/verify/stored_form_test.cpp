@@ -26,7 +26,7 @@ struct Stored {
   Vec3 origin;
   Storage storage = Storage::kDouble;
   double allowed = 1e3;
-  std::optional<UnrefinedFaces> unrefined;  ///< nothing: as before
+  std::optional<UnrefinedFaces> unrefined;  ///< empty if the listed faces are those of the result
 
   explicit Stored(const PolygonMesh& mesh, const Options& options = remesh::unrefined()) {
     RunControl control;
