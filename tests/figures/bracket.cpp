@@ -168,8 +168,8 @@ class Cutter {
   void enqueue(Edge edge) { queue_.emplace(length(edge) * random_.uniform(0.5, 1.5), edge); }
   double length(Edge edge) const { return norm(positions_[edge.first] - positions_[edge.second]); }
 
-  /// Returns the edge to cut instead. It goes from an edge to a longer one in the faces beside it, until it comes to one
-  /// that is the longest of both of its faces. Cutting only such edges keeps needles from becoming ever thinner
+  /// Returns the edge to cut instead. It goes from an edge to a longer one in the faces beside it, until it comes to
+  /// one that is the longest of both of its faces. Cutting only such edges keeps needles from becoming ever thinner
   /// (Rivara).
   Edge longest_near(Edge edge) const {
     for (bool is_longest = false; !is_longest;) {

@@ -310,7 +310,8 @@ PolygonMesh tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3&
   return volume_of(mesh) > 0 ? mesh : shapes::turned_over(mesh);
 }
 
-/// For each cavity, as it should look and the other way, in a solid as it should look and the other way.
+/// Expects the right shells to be found for a cavity in a solid, where each of the two looks as it should or the other
+/// way.
 void expect_cavity_judged(const PolygonMesh& solid, const PolygonMesh& inner, const std::string& what) {
   ASSERT_GT(volume_of(inner), 0);
   const FaceId outer_first(0), inner_first(solid.face_count());

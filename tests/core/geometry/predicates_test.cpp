@@ -24,7 +24,7 @@ Vec2 nudged(Random& random, Vec2 p, int ulps) {
   return {x, nudged(p.y, random.integer(-ulps, ulps))};
 }
 
-/// Compares with the oracle in every order of the arguments, the filtered and the exact way; counts the zeros.
+/// Compares the filtered and the exact predicates with the oracle in every order of the arguments, and counts the zeros.
 class Comparison {
  public:
   void orientation(Vec2 a, Vec2 b, Vec2 c) {

@@ -237,7 +237,7 @@ TriangleMesh two_books_of_double_pages(int n) {
   return mesh;
 }
 
-/// Turned at random, some corners moved, and some large triangles across.
+/// Returns the mesh turned at random. Some of its corners are moved, and some large triangles lie across it.
 TriangleMesh disturbed(const TriangleMesh& mesh, std::uint64_t seed) {
   Random random(seed);
   TriangleMesh result = mesh;

@@ -23,7 +23,8 @@ std::uint64_t count_of(const std::vector<Diagnostic>& diagnostics, DiagnosticCod
   return 0;
 }
 
-/// Half-edges that have no counterpart running the other way: 0 if the surface is closed and consistently wound.
+/// Returns the number of half-edges without a counterpart that runs the other way. It is 0 if the surface is closed and
+/// consistently wound.
 int open_half_edges(const Surface& surface) {
   std::map<std::pair<VertexId, VertexId>, int> balance;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {

@@ -122,7 +122,7 @@ TEST(split_t_junctions, a_face_that_is_as_thin_as_the_tolerance_is_handed_none) 
   EXPECT_FALSE(split(wedge_and_tip(0.01, 0.5), 0.01).is_changed);
 }
 
-/// Half-edges that run the same way as another one over the same edge.
+/// Returns the number of edges with two half-edges that run the same way.
 std::size_t edges_used_twice_one_way(const Surface& surface) {
   RunControl control;
   const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
@@ -288,7 +288,7 @@ PolygonMesh nearing_sheets(int n, double last) {
   return shapes::from_lists(points, faces);
 }
 
-/// Pairs of a face and a vertex on one of its edges, found by looking at all.
+/// Returns the number of pairs of a face and a vertex on one of its edges. It looks at all pairs.
 std::size_t junctions_of_all_pairs(const PolygonMesh& mesh, double tolerance) {
   std::set<std::pair<std::size_t, std::uint32_t>> found;
   for (std::size_t f = 0; f + 1 < mesh.face_begin.size(); ++f)

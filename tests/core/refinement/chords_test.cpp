@@ -21,7 +21,7 @@ namespace {
 
 using Edge = std::pair<VertexId, VertexId>;
 
-/// Undirected edges inside each patch between vertices of the surface.
+/// Counts the undirected edges inside patches between vertices of the surface.
 std::map<Edge, int> inside_edges(const std::vector<PatchMesh>& meshes) {
   std::map<Edge, int> edges;
   for (const PatchMesh& patch : meshes)

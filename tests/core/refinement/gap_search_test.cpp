@@ -38,7 +38,8 @@ struct Scene {
   GapSearch gaps;
 };
 
-/// The rule word for word: every triangle of every other patch, every vertex and edge that two patches share.
+/// Follows the rule word for word. It looks at every triangle of every other patch, and at every vertex and edge that
+/// two patches share.
 class BruteForce {
  public:
   explicit BruteForce(const Scene& scene) : scene_(scene) {

@@ -325,7 +325,7 @@ double shortest_edge(const PatchMesh& patch) {
   return least;
 }
 
-/// The least of all triangles: area over the sum of squared edges, twice.
+/// Returns the least shape of all triangles. The shape is twice the area over the sum of the squared edges.
 double least_shape(const PatchMesh& patch) {
   double least = HUGE_VAL;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3) {

@@ -15,7 +15,7 @@ Triangulation2d sweep(const std::vector<Vec2>& points) {
   return lexicographic_triangulation(points, control);
 }
 
-/// Twice the area of the convex hull of integer or dyadic points, exact for small ones.
+/// Returns twice the area of the convex hull of integer or dyadic points. It is exact if the points are small.
 double hull_area(const std::vector<Vec2>& sorted) {
   std::vector<Vec2> ring;
   for (const int side : {1, -1}) {
