@@ -168,7 +168,7 @@ void expect_as_promised(const Result& exact, const RemeshAnswer& answer) {
   EXPECT_EQ(mesh.intersections(), 0u);
 }
 
-/// A closed or open shape without intersections, of about `size`, turned, and moved by up to 1e7 of its size.
+/// Returns a closed or open shape without intersections as OBJ. It is turned, and moved by up to 1e7 of its size.
 std::string random_obj(Random& random) {
   const auto shape = [&]() -> PolygonMesh {
     switch (random.below(7)) {
@@ -301,7 +301,7 @@ TEST_F(SharedMeshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused_
   }
 }
 
-/// A box of 10 x 13 x 3 at map coordinates, where floats are 0.5 apart.
+/// Makes a box of 10 x 13 x 3 at map coordinates, where floats are 0.5 apart.
 std::string box_on_a_map() {
   std::string text;
   for (const char* z : {"312", "315"})

@@ -112,7 +112,7 @@ Triangulated randomly_triangulated(const Polygon& polygon, std::uint64_t seed) {
   return result;
 }
 
-/// The polygon as one face: every hole joined to what is walked so far by a bridge that crosses nothing.
+/// Returns the polygon as one face. Every hole is joined by a bridge that crosses nothing to the loop made so far.
 Loop bridged(const Polygon& polygon) {
   Loop walk = polygon.outer;
   std::vector<Loop> left = polygon.holes;

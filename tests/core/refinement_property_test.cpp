@@ -168,7 +168,7 @@ TEST(refined_polyhedra, blocks_that_touch_in_edges_and_corners) {
   }
 }
 
-/// Faces through random points of a small grid: they cross, repeat, fold; an edge has any number of faces.
+/// Makes faces through random points of a small grid. They cross, repeat and fold, and an edge has any number of faces.
 PolygonMesh soup(Random& random) {
   const int side = random.integer(1, 3), height = random.integer(0, 2);
   std::vector<Vec3> positions;

@@ -210,7 +210,7 @@ void expect_listed(const std::vector<std::uint32_t>& faces, const Result& result
   }
 }
 
-/// Two narrow strips of length 1 that meet at an edge; a body would have two more sides, and gaps between these.
+/// Makes two narrow strips of length 1 that meet at an edge. A body would have two more sides, and gaps between these.
 PolygonMesh wedge(double degrees) {
   const double angle = degrees * std::numbers::pi / 180, width = 0.006;
   const Vec3 up{std::cos(angle), 0, std::sin(angle)}, along{0, width, 0};
@@ -243,7 +243,7 @@ PolygonMesh nested_boxes() {
   return shapes::joined(shapes::box({1, 1, 1}),
                         shapes::moved(shapes::turned_over(shapes::box({0.7, 0.7, 0.6})), {0.15, 0.12, 0.2}));
 }
-/// Two small sheets that are nearer to each other than the smallest size that gaps ask for.
+/// Makes two small sheets that are nearer to each other than the smallest size that gaps ask for.
 PolygonMesh nearly_touching() {
   return shapes::joined(shapes::sheet(4, 4, 1, 1), shapes::moved(shapes::sheet(0.05, 0.04, 1, 1), {1, 1, 1e-4}));
 }
@@ -373,7 +373,7 @@ TEST(size_promise, what_meets_its_gaps_is_not_listed) {
   }
 }
 
-/// The segments of an input without collinear vertices: its edges that are not inside a plane.
+/// Returns the segments of an input without collinear vertices, which are its edges that are not inside a plane.
 std::vector<std::array<Vec3, 2>> sharp_edges(const PolygonMesh& mesh) {
   std::vector<std::array<Vec3, 2>> found;
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
@@ -418,7 +418,7 @@ TEST(size_promise, edges_beside_short_ones_grow_as_asked_or_are_listed) {
     }
 }
 
-/// A cylinder without ends whose last side does not quite come back to its first.
+/// Makes a cylinder without ends whose last side does not quite come back to its first.
 PolygonMesh cracked_cylinder(int sides, double crack) {
   std::vector<Vec3> points;
   for (int i = 0; i <= sides; ++i) {
@@ -432,7 +432,7 @@ PolygonMesh cracked_cylinder(int sides, double crack) {
     faces.push_back({2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
   return shapes::from_lists(points, faces);
 }
-/// A plate whose border comes back to itself within rounding: a slit that is no wider than that.
+/// Makes a plate with a slit that is no wider than rounding, so that its border comes back to itself.
 PolygonMesh slit_plate(double width) {
   return shapes::polygon({{0, 0}, {4, 0}, {4, 3}, {2 + width, 3}, {2 + width, 1}, {2, 1}, {2, 3}, {0, 3}});
 }

@@ -235,7 +235,7 @@ TEST(refinement, facets_of_a_cylinder_get_hardly_more_faces_than_they_need) {
     }
 }
 
-/// A bar with four chamfers along it that are narrower than a row of equilateral triangles of its size is high.
+/// Makes a bar with four chamfers along it that are narrower than a row of equilateral triangles of its size is high.
 PolygonMesh chamfered_bar(double length, double thickness, double cut) {
   return shapes::prism({{cut, 0},
                         {1 - cut, 0},
@@ -449,7 +449,7 @@ TEST(refinement, what_the_shortest_edge_does_not_forbid_is_not_listed_as_that) {
   EXPECT_EQ(listed(locked.report, UnrefinedReason::kMinEdgeLength), 0u) << listed_in_words(locked.report);
 }
 
-/// Vertices of the output on an edge of the box [0, size]^3.
+/// Returns the number of vertices of the output on an edge of the box [0, size]^3.
 std::size_t vertices_on_box_edges(const TriangleMesh& mesh, double size) {
   std::size_t count = 0;
   for (const Vec3& p : mesh.positions) {

@@ -64,7 +64,7 @@ std::string bytes(const Result& result) {
   return out.str();
 }
 
-/// The output's triangles by position, for comparison across numberings.
+/// Returns the triangles of the output by their positions, so that they can be compared across numberings.
 std::multiset<std::vector<Vec3>> triangle_set(const Result& result) {
   std::multiset<std::vector<Vec3>> set;
   for (const Triangle& t : result.mesh.faces) {
@@ -92,7 +92,7 @@ void expect_sound(const Result& result) {
   for (std::size_t p = 0; p < faces.size(); ++p) EXPECT_EQ(faces[p], result.report.patches[p].output_faces);
 }
 
-/// A part with several kinds of patches: a plate with a hole on legs.
+/// Makes a part with several kinds of patches. It is a plate with a hole that stands on legs.
 PolygonMesh bracket() { return shapes::blocks({"####", "#..#", "####", "#..#"}, 3); }
 
 TEST(remesh_surface, the_volume_changes_by_no_more_than_the_bound_that_is_reported) {

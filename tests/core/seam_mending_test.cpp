@@ -36,8 +36,8 @@ std::uint64_t seams_of(const Report& report) {
   return count;
 }
 
-/// A closed cylinder whose last angle is a full turn as computed, so that its sine is not 0. On its outside it has
-/// `before` rows of quads along the seam up to the last column, and `after` rows in the first one.
+/// Makes a closed cylinder whose last angle is a full turn as computed, so that its sine is not 0. On its outside it
+/// has `before` rows of quads along the seam up to the last column, and `after` rows in the first one.
 PolygonMesh cylinder_with_a_seam(std::uint32_t sides, std::uint32_t before, std::uint32_t after) {
   std::vector<Vec3> points;
   std::vector<std::vector<std::uint32_t>> faces;

@@ -71,7 +71,7 @@ std::vector<std::string> obj_files() {
   return names;
 }
 
-/// Every file that is to be remeshed, sorted.
+/// Returns every file that is to be remeshed, sorted.
 std::vector<std::string> all_files() {
   std::vector<std::string> names;
   for (const char* folder : {"seed", "planar-cad", "polygons", "curved", "broken", "syntax"}) {
@@ -83,7 +83,7 @@ std::vector<std::string> all_files() {
   return names;
 }
 
-/// The mesh of a file in whatever format.
+/// Reads the mesh of a file in any format.
 PolygonMesh read_any(const std::string& name) {
   RunControl control;
   const std::string content = contents(kMeshes / name);

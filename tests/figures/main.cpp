@@ -225,7 +225,7 @@ class PatchFigures {
   std::vector<Segment> segments_;  // the loops' edges between them
 };
 
-/// The face of the base that carries the rib: an outline that is not convex, and two slots.
+/// Returns the face of the base that carries the rib. Its outline is not convex, and it has two slots.
 PatchId upper_face_of_base(const Part& part) {
   PatchId best;
   for (std::uint32_t p = 0; p < part.patches.count(); ++p) {

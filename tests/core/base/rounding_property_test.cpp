@@ -45,7 +45,7 @@ struct Rounder {
     if (kind == Kind::kFloats) return static_cast<double>(static_cast<float>(x));
     return printed(x).first;
   }
-  /// The number, and whether it shows more than half of its significant digits.
+  /// Returns the number as it is printed, and whether it shows more than half of its significant digits.
   std::pair<double, bool> printed(double x) const {
     std::array<char, 400> text{};
     const bool is_fixed = kind == Kind::kDecimals;
@@ -158,7 +158,7 @@ class Models {
     return static_cast<int>(4 * std::pow(most / 4, random_.unit()));
   }
   double free(double size) { return random_.uniform(-size, size); }
-  /// A multiple of a simple part of the size.
+  /// Returns a multiple of a simple part of the size.
   double exact(double size) {
     const double unit = std::pow(10.0, std::round(std::log10(size)) - 2);
     static constexpr std::array kParts{1.0, 2.0, 5.0, 10.0, 25.0};

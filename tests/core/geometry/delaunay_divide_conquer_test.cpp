@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint32_t kNone = Triangulation2d::kNone;
 
-/// The triangles in the order of the triangulation.
+/// Returns the triangles in the order of the triangulation.
 std::vector<Corners> triangles(const Triangulation2d& mesh) {
   std::vector<Corners> result;
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3)

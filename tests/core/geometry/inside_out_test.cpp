@@ -304,7 +304,7 @@ TEST(find_inside_out, what_lies_in_a_notch_lies_outside) {
   EXPECT_EQ(found_in(shapes::joined(solid, cube(0.5, kOut, in_arm))), Found{FaceId(n)});
 }
 
-/// A tetrahedron that looks outwards.
+/// Makes a tetrahedron that looks outwards.
 PolygonMesh tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const PolygonMesh mesh = shapes::from_lists({a, b, c, d}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
   return volume_of(mesh) > 0 ? mesh : shapes::turned_over(mesh);
@@ -425,7 +425,7 @@ TEST(find_inside_out, a_solid_that_crosses_another_is_no_cavity_of_it) {
   EXPECT_EQ(found_in(all({plate, cube(2, kOut, {1.75, 0.25, 0.125})})), Found{}) << "half outside";
 }
 
-/// A box from one corner to the opposite one that looks that way.
+/// Makes a box from one corner to the opposite one. It looks outwards or inwards, as `way` says.
 PolygonMesh block(const Vec3& low, const Vec3& high, Way way = kOut) {
   const PolygonMesh mesh = shapes::moved(shapes::box(high - low), low);
   return way == kIn ? shapes::turned_over(mesh) : mesh;
@@ -447,7 +447,7 @@ TEST(find_inside_out, shells_that_cross_are_cavities_of_what_is_around_them_all_
   }
 }
 
-/// A box whose sides are four triangles each, around their middles.
+/// Makes a box whose sides are four triangles each, around their middles.
 PolygonMesh crossed_block(const Vec3& low, const Vec3& high) {
   const PolygonMesh quads = shapes::moved(shapes::quad_box(high - low), low);
   PolygonMesh mesh;

@@ -15,7 +15,7 @@
 namespace remesh {
 namespace {
 
-/// The objects, by number, of which faces are said to look the wrong way.
+/// Returns the numbers of the objects of which faces are said to look the wrong way.
 std::set<std::uint32_t> wrong_objects(const PolygonMesh& mesh, const std::vector<std::uint32_t>& label_of_object) {
   RunControl control;
   const Adjacency edges(mesh.vertex_count(), mesh.face_begin, mesh.corners, control);
@@ -42,7 +42,7 @@ class Builder {
     mesh_ = mesh_.face_count() == 0 ? part : shapes::joined(mesh_, part);
     for (std::size_t f = 0; f < part.face_count(); ++f) of_face_.push_back(object);
   }
-  /// A square of two triangles across an axis that looks along it, or against it.
+  /// Adds a square of two triangles across an axis. It looks along the axis or against it.
   void add_square(std::uint32_t object, const Vec3& corner, int axis, bool looks_along) {
     Vec3 u, v;
     u[(axis + 1) % 3] = v[(axis + 2) % 3] = 1;
@@ -167,7 +167,7 @@ TEST(find_inside_out, in_chambers_with_one_wall_between_them_nothing_right_is_ca
   EXPECT_GT(2 * named_in_all, wrong_in_all) << "not all is in doubt";
 }
 
-/// A cube about the origin.
+/// Makes a cube about the origin.
 PolygonMesh cube(double size, bool is_out = true) {
   const PolygonMesh mesh = shapes::moved(shapes::box({size, size, size}, 2), {-size / 2, -size / 2, -size / 2});
   return is_out ? mesh : shapes::turned_over(mesh);

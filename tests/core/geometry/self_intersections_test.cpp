@@ -37,7 +37,7 @@ SelfIntersections find(const TriangleMesh& mesh, const std::vector<std::uint32_t
   return self_intersections(mesh.positions.items(), mesh.faces.items(), pieces, max_pairs, control);
 }
 
-/// Random triangles over the points of a grid of n^3, corners repeated now and then.
+/// Makes random triangles over the points of a grid of n^3. Now and then a corner is repeated.
 TriangleMesh soup(std::uint64_t seed, int n, int faces) {
   Random random(seed);
   TriangleMesh mesh;
@@ -49,7 +49,7 @@ TriangleMesh soup(std::uint64_t seed, int n, int faces) {
   return mesh;
 }
 
-/// Small triangles at whole places of [0, n)^3: many faces that meet few others.
+/// Makes small triangles at whole places of [0, n)^3. They are many faces that meet few others.
 TriangleMesh crumbs(std::uint64_t seed, int n, int faces) {
   Random random(seed);
   TriangleMesh mesh;
@@ -154,7 +154,7 @@ Pairs all_pairs(const TriangleMesh& mesh) {
 
 Vec3 on_circle(double turns, double z) { return {std::cos(2 * M_PI * turns), std::sin(2 * M_PI * turns), z}; }
 
-/// Needles whose boxes all meet: they lie side by side, askew to the axes.
+/// Makes needles whose boxes all meet, because they lie side by side and askew to the axes.
 TriangleMesh needles(int n) {
   TriangleMesh mesh;
   for (int i = 0; i < n; ++i) {
@@ -165,7 +165,7 @@ TriangleMesh needles(int n) {
   return mesh;
 }
 
-/// Two cones of n needles each on one circle.
+/// Makes two cones of n needles each on one circle.
 TriangleMesh double_cone(int n) {
   TriangleMesh mesh;
   const auto top = mesh.positions.push_back({0, 0, 1}), bottom = mesh.positions.push_back({0, 0, -1});
@@ -221,7 +221,7 @@ TriangleMesh wedges(int n) {
   return mesh;
 }
 
-/// Pages in n half-planes, two in each; all on two sides of one triangle.
+/// Makes pages in n half-planes, two in each. All are on two sides of one triangle.
 TriangleMesh two_books_of_double_pages(int n) {
   TriangleMesh mesh;
   const auto a = mesh.positions.push_back({0, 0, 0}), b = mesh.positions.push_back({0, 0, 8}),

@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 const fs::path kMeshes = test::shared_meshes_folder();
 
-/// The file's bytes, decompressed.
+/// Returns the bytes of a file, decompressed.
 std::string content_of(const std::string& name) {
   std::ifstream file(kMeshes / name, std::ios::binary);
   std::string content{std::istreambuf_iterator<char>(file), {}};
@@ -184,7 +184,7 @@ TEST_F(Collection, two_solids_come_back_as_two_objects) {
   EXPECT_EQ(result.mesh.labels.object.of_face.size(), result.mesh.faces.size());
 }
 
-/// Fans from the first corner: the writers take triangles only, and here only the file matters.
+/// Cuts faces into fans from the first corner. The writers take triangles only, and here only the file matters.
 TriangleMesh triangulated(PolygonMesh mesh) {
   TriangleMesh result;
   const auto labels_of = [](FaceLabels& l) { return std::array{&l.object, &l.group, &l.material}; };

@@ -155,7 +155,7 @@ TEST(obj_plain, limits_are_those_of_the_other_reader) {
   EXPECT_FALSE(read_plain(text, 1, {.max_vertices = 6, .max_faces = 1}));
 }
 
-/// Lines of all kinds, mostly plain, some odd or wrong.
+/// Returns a line of any kind. Most lines are plain, and some are odd or wrong.
 std::string random_line(Random& random, bool is_wild) {
   const auto pick = [&](auto n) { return random.below(static_cast<int>(n)); };
   const auto blank = [&] { return std::array{" ", "  ", "\t", " \v", " "}[pick(is_wild ? 5 : 2)]; };

@@ -107,7 +107,7 @@ TEST(cracks, where_the_widest_is_no_crack_a_smaller_tolerance_is_named) {
   EXPECT_LT(tolerance, 0.01) << told;
 }
 
-/// A wall of a box, moved outwards, and cut into other columns than the rest.
+/// Makes a box of which one wall is moved outwards and cut into other columns than the rest.
 PolygonMesh box_with_a_wall_off(std::uint32_t columns, double gap) {
   const PolygonMesh box = shapes::quad_box({1, 1, 1}, 3);
   const PolygonMesh open = torn::only(box, [&](FaceId f) {

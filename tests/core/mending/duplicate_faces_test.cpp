@@ -31,7 +31,7 @@ Dropped drop(const PolygonMesh& mesh, Mend mend = Mend::kYes) {
 
 using Faces = std::vector<std::vector<std::uint32_t>>;
 
-/// A tetrahedron and more faces over its vertices.
+/// Makes a tetrahedron and more faces over its vertices.
 PolygonMesh tetrahedron_and(const Faces& more) {
   Faces faces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
   faces.insert(faces.end(), more.begin(), more.end());
@@ -135,7 +135,7 @@ TEST(drop_duplicate_faces, of_a_back_what_looks_as_its_neighbours_do_stays_which
   }
 }
 
-/// A cube about the origin with a label, cut into squares of two triangles.
+/// Makes a cube about the origin with a label. It is cut into squares of two triangles.
 PolygonMesh cube(double size, bool is_out, std::uint32_t label) {
   PolygonMesh mesh = shapes::moved(shapes::box({size, size, size}, 2), {-size / 2, -size / 2, -size / 2});
   if (!is_out) mesh = shapes::turned_over(mesh);

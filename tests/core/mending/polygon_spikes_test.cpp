@@ -125,7 +125,7 @@ TEST(cut_spikes, random_spikes_on_random_polygons_are_found_wherever_the_corners
   EXPECT_GT(spiked, 10);
 }
 
-/// A rectangle of 9 x 3 in the plane z = 0, and a way in its upper side, from right to left.
+/// Makes a rectangle of 9 x 3 in the plane z = 0. Its upper side is the given way, which runs from right to left.
 std::vector<Vec3> rectangle_with(const std::vector<Vec3>& upper) {
   std::vector<Vec3> loop{{0, 0, 0}, {9, 0, 0}, {9, 3, 0}};
   loop.insert(loop.end(), upper.begin(), upper.end());

@@ -44,7 +44,8 @@ std::vector<VertexId> loop_of(const Surface& surface, std::size_t f) {
   return {loop.begin(), loop.end()};
 }
 
-/// A large triangle below y = 0 along x, and `n` small ones above, whose corners lie on its edge, raised by `off`.
+/// Makes a large triangle below y = 0 along x, and `n` small ones above, whose corners lie on its edge, raised by
+/// `off`.
 PolygonMesh comb(int n, double off = 0) {
   std::vector<Vec3> points{{0, 0, 0}, {0.5, -1, 0}, {1, 0, 0}};
   std::vector<std::vector<std::uint32_t>> faces{{0, 1, 2}};
@@ -105,7 +106,7 @@ TEST(split_t_junctions, a_closed_surface_and_inner_vertices_are_left_alone) {
   EXPECT_FALSE(split(mesh, 1e-9).is_changed);
 }
 
-/// A wedge along x whose sides are `width` apart at its end, and a triangle that touches its middle line there.
+/// Makes a wedge along x whose sides are `width` apart at its end, and a triangle that touches its middle line there.
 PolygonMesh wedge_and_tip(double width, double at) {
   return shapes::from_lists(
       {{0, 0, 0}, {1, -width / 2, 0}, {1, width / 2, 0}, {at, 0, 0.0001}, {0.5, 0, 1}, {0.6, 0, 1}},
@@ -275,7 +276,7 @@ TEST(split_t_junctions, edges_along_each_other_with_all_vertices_on_them_do_not_
   EXPECT_FALSE(split(bundle(50'000), 1e-9).is_changed);  // 5e9 junctions
 }
 
-/// Squares above each other, each nearer to the first one than the one before by the same factor.
+/// Makes squares above each other. Each is nearer to the first one than the one before, always by the same factor.
 PolygonMesh nearing_sheets(int n, double last) {
   std::vector<Vec3> points;
   std::vector<std::vector<std::uint32_t>> faces;

@@ -178,7 +178,7 @@ Welded welded_within(const PolygonMesh& mesh, double tolerance) {
   return result;
 }
 
-/// A vertex at each place, all in one face.
+/// Makes a mesh with a vertex at each place. All of them are in one face.
 PolygonMesh at(const std::vector<Vec3>& places) {
   std::vector<std::uint32_t> loop(places.size());
   for (std::uint32_t i = 0; i < loop.size(); ++i) loop[i] = i;

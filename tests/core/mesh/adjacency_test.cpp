@@ -24,7 +24,7 @@ Ends ends(const Adjacency& adjacency, std::uint32_t h) {
   return std::minmax(adjacency.from(h).value, adjacency.to(h).value);
 }
 
-/// A mesh of which only the connections matter.
+/// Makes a mesh of which only the connections matter.
 PolygonMesh connected(std::uint32_t vertices, const std::vector<std::vector<std::uint32_t>>& faces) {
   return shapes::from_lists(std::vector<Vec3>(vertices), faces);
 }

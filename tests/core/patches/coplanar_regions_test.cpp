@@ -22,7 +22,8 @@ std::size_t region_count(const StageChain& chain) {
   return used.size();
 }
 
-/// The regions as sets of faces, each face named by its corners' sum: the same for any numbering.
+/// Returns the regions as sets of faces. Each face is named by the sum of its corners, which is the same for any
+/// numbering.
 std::set<std::set<Vec3>> region_sets(const StageChain& chain) {
   std::map<RegionId, std::set<Vec3>> sets;
   for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
@@ -70,7 +71,7 @@ void expect_holds(const StageChain& chain) {
   }
 }
 
-/// A strip of quads along x, each turned about y by this angle against the one before.
+/// Makes a strip of quads along x. Each is turned about y by this angle against the one before.
 PolygonMesh bent_strip(int quads, double angle_deg) {
   std::vector<Vec3> positions;
   std::vector<std::vector<std::uint32_t>> faces;

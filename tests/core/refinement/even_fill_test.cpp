@@ -183,7 +183,7 @@ TEST(even_fill, rows_begin_as_the_vertices_along_the_lowest_side_do) {
   }
 }
 
-/// A plate ten wide, its lower and upper side cut into so many pieces.
+/// Makes a plate of width ten. Its lower and upper sides are cut into `pieces` pieces each.
 polygons::Polygon plate_of_pieces(double height, int pieces) {
   polygons::Polygon plate;
   for (int k = 0; k <= pieces; ++k) plate.outer.push_back({10.0 * k / pieces, 0});

@@ -28,7 +28,7 @@ struct Scene {
   explicit Scene(const PolygonMesh& mesh)
       : chain(mesh, kTolerance), gaps(chain.surface, chain.adjacency, chain.patches, kTolerance, chain.control) {}
 
-  /// The gap at a place on the patch that an input face belongs to.
+  /// Returns the gap at a place on the patch that an input face belongs to.
   double at(std::size_t input_face, const Vec3& place, double limit = kFar) const {
     return gaps.at(place, chain.patch_of(input_face), limit);
   }
@@ -98,7 +98,8 @@ class BruteForce {
     return std::fabs(dot(way, scene_.chain.patches.planes[p].normal)) > std::sqrt(0.604) * norm(way);
   }
 
-  /// Faces that share edges are one piece; it is a solid if each of its edges is run along once each way.
+  /// Finds the solids. Faces that share edges are one piece. It is a solid if each of its edges is used once in each
+  /// direction.
   void find_solids() {
     const StageChain& chain = scene_.chain;
     std::map<std::pair<VertexId, VertexId>, std::vector<std::uint32_t>> runs;  // faces by directed edge

@@ -357,7 +357,7 @@ TEST(even_parts, are_cut_apart_before_they_are_halved) {
     }
 }
 
-/// The segments of a prism's long sides, in their order around it.
+/// Returns the segments of a prism's long sides, in their order around it.
 std::vector<SegmentId> long_sides(const Subject& subject, std::size_t sides, double height) {
   std::vector<std::pair<double, SegmentId>> found;
   for (std::uint32_t s = 0; s < subject.table.size(); ++s) {

@@ -67,7 +67,7 @@ struct Scene {
 PolygonMesh plates(double distance, int n = 3) {
   return shapes::joined(shapes::sheet(4, 4, n, n), shapes::moved(shapes::sheet(4, 4, 2, 2), {0, 0, distance}));
 }
-/// A plate 1/16 thick from which a block rises, with a slot in it.
+/// Makes a plate 1/16 thick from which a block rises, with a slot in it.
 PolygonMesh thick_and_thin() {
   const std::vector<Vec2> outline = {{0, 0},        {4, 0},     {4, 0.0625}, {2, 0.0625}, {2, 1},      {1.5625, 1},
                                      {1.5625, 0.5}, {1.5, 0.5}, {1.5, 1},    {1, 1},      {1, 0.0625}, {0, 0.0625}};

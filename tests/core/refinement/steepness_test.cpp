@@ -18,7 +18,7 @@ Vec3 random_place(Random& random, double size) {
   return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
 }
 
-/// Three corners about a place.
+/// Returns three random corners about a place.
 Corners3 random_triangle(Random& random, const Vec3& at, double size) {
   return {at + random_place(random, size), at + random_place(random, size), at + random_place(random, size)};
 }

@@ -17,7 +17,7 @@ struct Carved {
   double area() const { return area_of(points, mesh); }
 };
 
-/// Loops of corners, walked with the inside on the left.
+/// Carves a region out of loops of corners. The inside is on the left of each loop.
 Carved carved(const std::vector<polygons::Loop>& loops, const std::vector<Vec2>& more_points = {}) {
   Carved result;
   result.points = more_points;

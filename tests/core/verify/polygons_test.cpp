@@ -42,7 +42,7 @@ bool is_refuted(const Verdict& verdict) {
                      [](const std::string& failure) { return failure.find("input polygon 0") != std::string::npos; });
 }
 
-/// The triangles over a polygon's own corners.
+/// Returns the given triangles over a polygon's own corners.
 PolygonMesh cut_into(const PolygonMesh& polygon, const std::vector<std::vector<std::uint32_t>>& triangles) {
   return shapes::from_lists(polygon.positions.items(), triangles);
 }

@@ -54,7 +54,7 @@ struct Stored {
     RunControl control;
     return check_stored_form(claim, control);
   }
-  /// The vertex at a place.
+  /// Returns the vertex at a place.
   std::size_t at(const Vec3& place) const {
     const auto& all = result.mesh.positions.items();
     return static_cast<std::size_t>(std::find(all.begin(), all.end(), place) - all.begin());
