@@ -83,7 +83,8 @@ TEST(inside_out, bodies_in_cavities_of_bodies_are_turned_by_their_depth) {
   }
 }
 
-/// Cladding with a cavity and fuel in it, which has a cavity: all look outwards. The second label stands on the fuel.
+/// Makes cladding with a cavity, and in it fuel that has a cavity as well. All shells look outwards. The second label
+/// stands on the fuel.
 PolygonMesh rod(LabelSet FaceLabels::*kind) {
   PolygonMesh mesh = in_the_middle(8, false);
   const std::size_t faces = mesh.face_count();

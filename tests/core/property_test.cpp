@@ -61,7 +61,7 @@ std::size_t corner_count(const Polygon& polygon) {
   return corners;
 }
 
-/// The polygon in triangles, cut by CGAL: its own corners, and more points inside and on its sides.
+/// A polygon that CGAL has cut into triangles. It has more points than its own corners, inside and on its sides.
 struct Triangulated {
   std::vector<Vec2> points;
   std::vector<std::vector<std::uint32_t>> faces;
@@ -417,8 +417,8 @@ TEST(random_surfaces, noise_around_the_tolerance_never_breaks_the_result) {
   }
 }
 
-/// Faces through random points of a small grid: they cross, repeat, fold, lie flat on a line; an edge has any number of
-/// faces.
+/// Makes faces through random points of a small grid. They cross, repeat, fold, and lie flat on a line, and an edge has
+/// any number of faces.
 PolygonMesh soup(Random& random, int most_corners) {
   const int side = random.integer(1, 3), height = random.integer(0, 2);
   std::vector<Vec3> positions;

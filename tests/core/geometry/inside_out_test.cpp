@@ -152,8 +152,8 @@ TEST(find_inside_out, faces_that_stand_for_several_have_all_their_labels) {
   EXPECT_EQ(find_in(mesh, labels).first_faces, Found{first_of(1)});
 }
 
-/// Cubes in one another, the outermost first, that look outwards and inwards in turn: solids and their cavities. One
-/// looks the wrong way.
+/// Makes cubes in one another, the outermost first. They look outwards and inwards in turn, so they are solids and
+/// their cavities. One of them looks the wrong way.
 PolygonMesh nest(int count, int wrong) {
   PolygonMesh mesh;
   const PolygonMesh shape = shapes::box({2, 2, 2});
@@ -194,8 +194,8 @@ TEST(find_inside_out, a_nest_of_any_number_of_shells_is_judged_right) {
   }
 }
 
-/// Bodies and cavities in each other at random, and what is wrong of them by the rule alone: which lies in which is
-/// known from how they were made.
+/// Random bodies and cavities in each other. Which of them are wrong follows from the rule alone, because their making
+/// tells which lies in which.
 class RandomNest {
  public:
   explicit RandomNest(std::uint64_t seed, bool has_labels) : random_(seed), has_labels_(has_labels) {

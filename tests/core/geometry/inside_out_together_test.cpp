@@ -70,8 +70,8 @@ void add_shell(Builder& builder, std::uint32_t object, const std::array<int, 3>&
   builder.add(object, is_out ? cube : shapes::turned_over(cube));
 }
 
-/// Cells of a grid, each in one of some bodies or in none, and in each cell perhaps a small shell. Bodies have a wall
-/// each between them. Object 0 is the walls of all bodies.
+/// Cells of a grid. Each cell belongs to one of some bodies or to none, and may contain a small shell. Where two bodies
+/// meet, each has a wall of its own. Object 0 is the walls of all bodies.
 class Cells {
  public:
   explicit Cells(std::uint64_t seed) : random_(seed) {
@@ -102,7 +102,7 @@ class Cells {
     if (std::any_of(p.begin(), p.end(), [](int i) { return i < 0 || i >= kSize; })) return -1;
     return body_[static_cast<std::size_t>(p[0])][static_cast<std::size_t>(p[1])][static_cast<std::size_t>(p[2])];
   }
-  /// Between a cell and the next one along an axis.
+  /// Adds the walls between a cell and the next one along an axis.
   void add_walls(const Place& at, int axis) {
     Place next = at;
     Vec3 corner{static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])};

@@ -98,8 +98,8 @@ TEST(self_intersections, faces_of_one_piece_are_not_held_against_each_other) {
   }
 }
 
-/// A fan of n needles around the origin, spokes one long that go up and down in turn; every `odd`th reaches over the
-/// next two and crosses one of them.
+/// Makes a fan of n needles around the origin. Its spokes have length one and go up and down in turn. Every `odd`th
+/// needle reaches over the next two and crosses one of them.
 TriangleMesh fan(int n, int odd) {
   TriangleMesh mesh;
   mesh.positions.push_back({});
@@ -178,8 +178,8 @@ TriangleMesh double_cone(int n) {
   return mesh;
 }
 
-/// The surface that a straight line sweeps between two circles turned against each other: all needles cross over near
-/// the waist.
+/// Makes the surface that a straight line sweeps between two circles that are turned against each other. All needles
+/// cross over near the waist.
 TriangleMesh waisted_tube(int n) {
   TriangleMesh mesh;
   for (int i = 0; i < n; ++i) mesh.positions.push_back(on_circle(1.0 * i / n, -1));
@@ -192,7 +192,8 @@ TriangleMesh waisted_tube(int n) {
   return mesh;
 }
 
-/// A book of n pages, or of n times two triangles a page: around the edge from the origin to (0, 0, 1).
+/// Makes a book of n pages around the edge from the origin to (0, 0, 1). A page is one triangle. If
+/// pages are squares, it is two triangles.
 TriangleMesh book(int n, bool are_squares) {
   TriangleMesh mesh;
   const auto from = mesh.positions.push_back({0, 0, 0}), to = mesh.positions.push_back({0, 0, 1});
@@ -202,7 +203,7 @@ TriangleMesh book(int n, bool are_squares) {
       mesh.faces.push_back({from, to, a});
       continue;
     }
-    // Cut by turns from corner to corner, so that triangles with one end of the edge lie side by side with others.
+    // The squares are cut by turns along one diagonal and the other, so that triangles with one end of the edge lie side by side with others.
     const auto b = mesh.positions.push_back(on_circle(1.0 * i / n, 1));
     mesh.faces.push_back({from, a, i % 2 ? b : to});
     mesh.faces.push_back({i % 2 ? from : a, b, to});
@@ -210,7 +211,7 @@ TriangleMesh book(int n, bool are_squares) {
   return mesh;
 }
 
-/// n closed wedges around the edge from the origin to (0, 0, 1).
+/// Makes n closed wedges around the edge from the origin to (0, 0, 1).
 TriangleMesh wedges(int n) {
   TriangleMesh mesh = book(2 * n, true);
   for (int i = 0; i < n; ++i) {
@@ -280,8 +281,8 @@ TEST(self_intersections, a_fan_of_a_hundred_thousand_needles_does_not_take_quadr
   EXPECT_EQ(find(fan(100'000, 1'000'000)).pairs.size(), 1u);  // 5e9 pairs share the vertex; one needle is too wide
 }
 
-/// Faces at both ends, at one or at none of some edges between the points of a grid; of many of them some lie in one
-/// half-plane, or on the line.
+/// Makes faces at some edges between the points of a grid. A face has both ends of an edge, one end or none. If there
+/// are many faces, some lie in one half-plane, or on the line.
 TriangleMesh library(std::uint64_t seed, int edges, int faces) {
   Random random(seed);
   TriangleMesh mesh;

@@ -135,8 +135,9 @@ std::size_t edges_used_twice_one_way(const Surface& surface) {
   return count;
 }
 
-/// Two plates on both sides of a line through the origin, which have only that corner in common: their edges run along
-/// each other and end a tenth of the noise apart. On the line stand two fins, whose corners are up to `noise` apart.
+/// Makes two plates on both sides of a line through the origin, which is the only corner that they share. Their edges
+/// run along each other and end a tenth of the noise apart. On the line stand two fins, whose corners are up to `noise`
+/// apart.
 PolygonMesh plates_and_fins(const Vec3& along, const Vec3& across, double noise, std::mt19937_64& random) {
   std::uniform_real_distribution<double> any(-0.5, 0.5);
   const auto about = [&](const Vec3& p, double size) { return p + size * Vec3{any(random), any(random), any(random)}; };
@@ -232,7 +233,7 @@ TEST(split_t_junctions, very_many_long_edges_side_by_side_do_not_take_quadratic_
   EXPECT_FALSE(split(mesh, 1e-6).is_changed);
 }
 
-/// `n` large triangles whose edges run along one line, and as many small ones with a corner on it.
+/// Makes `n` large triangles whose edges run along one line, and as many small ones with a corner on it.
 PolygonMesh bundle(int n) {
   std::vector<Vec3> points;
   std::vector<std::vector<std::uint32_t>> faces;

@@ -74,8 +74,8 @@ TEST(corner_shells, the_sides_of_a_corner_are_cut_by_turns_in_pieces_that_grow) 
   }
 }
 
-/// A triangle beside the x axis, and far from it two sheets near each other: sizes vary, but at the triangle the size
-/// is the largest.
+/// A triangle beside the x axis, and far from it two sheets that are near each other. Thus sizes vary, but at the
+/// triangle the size is the largest.
 struct WhereSizesVary {
   static constexpr double kSize = 0.1;
 

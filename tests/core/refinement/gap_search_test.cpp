@@ -194,8 +194,8 @@ PolygonMesh cube_in_cube() {
   return shapes::joined(shapes::box({1, 1, 1}, 2),
                         shapes::turned_over(shapes::moved(shapes::box({0.9, 0.9, 0.9}, 3), {0.05, 0.05, 0.05})));
 }
-/// A prism over a triangle with that angle at the origin and two sides of length 1; its sides are the faces 2, 3, 4
-/// (the first side lies in y = 0), its caps 0 and 1.
+/// Makes a prism over a triangle with this angle at the origin and two sides of length 1. Its caps are the faces 0 and
+/// 1, and its sides the faces 2, 3 and 4, of which the first lies in y = 0.
 PolygonMesh wedge(double degrees, double length) {
   const double a = degrees * std::numbers::pi / 180;
   return shapes::prism({{0, 0}, {1, 0}, {std::cos(a), std::sin(a)}}, length);

@@ -60,7 +60,7 @@ struct Subject {
   SegmentTable table;
 };
 
-/// All places at which a segment can ever be cut, ascending, as long as the pieces stay longer than `least`.
+/// Returns all places, ascending, at which a segment can ever be cut, as long as the pieces stay longer than `least`.
 std::vector<double> all_cuts(const SegmentTable& table, SegmentId s, double least = 0) {
   std::vector<double> places;
   std::vector<std::pair<double, double>> pieces{{0, 1}};

@@ -26,7 +26,7 @@ std::string text(const Edge& edge) {
   return text;
 }
 
-/// Everything that a table tells.
+/// Returns everything that a table tells, as text.
 std::vector<std::string> contents(const PolygonMesh& mesh, const std::vector<PatchId>& patch,
                                   std::span<const std::uint32_t> order) {
   RunControl control;

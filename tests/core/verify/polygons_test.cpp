@@ -13,7 +13,8 @@
 namespace remesh {
 namespace {
 
-/// The verdict on triangles, taken for the surface and for the result, that came of the first face of a mesh.
+/// Returns the verdict on triangles that are made from the first face of a mesh. They are taken both for the surface
+/// and for the result.
 Verdict verdict_on(const PolygonMesh& input, const PolygonMesh& triangles, double weld_tolerance = 0) {
   Example e = example(triangles, triangles);
   for (FaceId& source : e.surface.face_source) source = FaceId(0);

@@ -22,7 +22,7 @@ inline Goals angle_goal(double degrees) {
   return goals;
 }
 
-/// A result with new vertices, which it may have from here on.
+/// Returns the claim as one about a refined result, which may have new vertices.
 inline Example refined(Example e, const Goals& goals = no_goals()) {
   e.goals = goals;
   return e;
