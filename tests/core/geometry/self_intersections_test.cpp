@@ -192,8 +192,8 @@ TriangleMesh waisted_tube(int n) {
   return mesh;
 }
 
-/// Makes a book of n pages around the edge from the origin to (0, 0, 1). A page is one triangle. If
-/// pages are squares, it is two triangles.
+/// Makes a book of n pages around the edge from the origin to (0, 0, 1). A page is one triangle, or two if
+/// it is a square.
 TriangleMesh book(int n, bool are_squares) {
   TriangleMesh mesh;
   const auto from = mesh.positions.push_back({0, 0, 0}), to = mesh.positions.push_back({0, 0, 1});
@@ -203,7 +203,8 @@ TriangleMesh book(int n, bool are_squares) {
       mesh.faces.push_back({from, to, a});
       continue;
     }
-    // The squares are cut by turns along one diagonal and the other, so that triangles with one end of the edge lie side by side with others.
+    // The squares are cut by turns along one diagonal and the other, so that triangles with one end of the edge lie
+    // side by side with others.
     const auto b = mesh.positions.push_back(on_circle(1.0 * i / n, 1));
     mesh.faces.push_back({from, a, i % 2 ? b : to});
     mesh.faces.push_back({i % 2 ? from : a, b, to});
