@@ -1,17 +1,17 @@
-/// Replaces `operator new` of this program by one that fails where it is told to.
+/// Replaces `operator new` of this program by one that fails when it is told to.
 #pragma once
 
 #include <cstdint>
 
 namespace remesh::allocation {
 
-/// The n-th allocation from now on fails, once, in whatever thread that is; 0: none.
+/// Makes the n-th allocation from now on fail, once, in whatever thread that is. If n is 0, none fails.
 void fail_at(std::uint64_t n);
-/// Those of the calling thread do not count from now on: it is the test's client.
+/// Stops counting the allocations of the calling thread, which is the client of the test.
 void spare_this_thread();
-/// Whether it has failed since.
+/// Returns whether an allocation has failed since the last fail_at().
 bool has_failed();
-/// Allocations that have not been freed.
+/// Returns the number of allocations that have not been freed.
 std::int64_t live();
 
 }  // namespace remesh::allocation

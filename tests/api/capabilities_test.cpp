@@ -29,7 +29,7 @@ TEST(Capabilities, they_tell_every_option_and_format) {
   EXPECT_EQ(answer["formats"]["input"][0]["media_type"], "model/obj");
 }
 
-/// What is told of one option, without its description.
+/// Returns what the capabilities say of one option, without its description, which must not be empty.
 json option_told(std::string_view name) {
   const json answer = json::parse(capabilities({}).body);
   for (json option : answer["options"]) {

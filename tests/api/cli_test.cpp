@@ -1,4 +1,4 @@
-// The command line, by running it.
+// Tests the command line by running it.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ using testing::StartsWith;
 
 constexpr std::string_view kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
 
-/// A fan of triangles.
+/// Returns a fan of triangles.
 std::string what_takes_a_while() {
   std::string big;
   for (int i = 0; i < 400000; ++i) {
@@ -161,7 +161,7 @@ TEST_F(Cli, an_error_in_binary_data_names_the_byte) {
   EXPECT_THAT(cut.err, StartsWith("remesh: cut.stl: byte 100: invalid_mesh: "));
 }
 
-/// The fields of a table without quotes; the rows begin with their file's name.
+/// Returns the fields of a table without quotes. The rows begin with the names of their files.
 std::map<std::string, std::vector<std::string>> rows_of(const std::string& table) {
   std::map<std::string, std::vector<std::string>> rows;
   std::istringstream lines(table);

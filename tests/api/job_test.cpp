@@ -140,7 +140,8 @@ TEST(AnalyzeJob, an_analysis_remeshes_nothing_and_is_json_whatever_the_input) {
   }
 }
 
-/// Three patches, one of them kept, a warning over two lines, and triangles below the bound.
+/// Returns a report of three patches, one of which is kept, with a warning over two lines and with triangles below the
+/// bound.
 Report told_report() {
   Report report;
   report.input.faces = 12;

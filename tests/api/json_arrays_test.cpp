@@ -1,4 +1,4 @@
-/// The fast way to read a JSON mesh against the one by a parser's events.
+/// Compares the fast way to read a JSON mesh with the way by the events of a parser.
 #include "api/json_arrays.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@
 namespace remesh::api {
 namespace {
 
-/// What reading gave, or the error that it ended with.
+/// The result of reading, or the error that it ended with.
 struct Outcome {
   std::optional<ReadResult> result;
   std::optional<Error> error;
@@ -89,7 +89,7 @@ TEST(json_arrays, limits_and_a_stop_are_obeyed) {
   EXPECT_THROW(read_plain_faces("[0,1,2]]", 0, {}, control, mesh), Error);
 }
 
-/// A mesh as JSON, with something odd or wrong in it now and then.
+/// Returns a mesh as JSON that now and then has something odd or wrong in it.
 std::string random_document(Random& random) {
   const auto blank = [&] { return random.chance(0.1) ? std::array{" ", "\n", "\r\n\t", "  "}[random.below(4)] : ""; };
   const double wildness = random.chance(0.5) ? 0.02 : 0;

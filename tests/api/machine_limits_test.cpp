@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::uint64_t kMebibyte = 1 << 20;
 
-/// In a process of its own: a limit stays.
+/// Runs in a process of its own, because a limit stays once it is set.
 [[noreturn]] void take_memory_within(std::uint64_t limit, std::uint64_t bytes) {
   if (!limit_own_memory(limit)) {
     std::cerr << "not limited\n";

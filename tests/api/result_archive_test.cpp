@@ -1,4 +1,4 @@
-// Results that are kept, and written later.
+// Tests results that are stored first and written later.
 #include "api/result_archive.h"
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ Response write(const KeptRemesh& kept, const Request& wanted) {
       kept.mesh, [&] { return kept.report; }, wanted, control);
 }
 
-/// Without the times, which alone may differ.
+/// Removes the times and the format that was asked for, since only these may differ.
 nlohmann::json without_times(const std::string& text) {
   nlohmann::json json = nlohmann::json::parse(text);
   json["report"].erase("timing_ms");

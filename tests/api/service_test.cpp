@@ -103,7 +103,7 @@ TEST(RunRemesh, the_listing_of_the_specification_is_one_ring) {
   EXPECT_EQ(answer["mesh"]["labels"]["object"]["names"], json({"Plane_Plane.003"}));
 }
 
-/// A form with a mesh as a file of that name, a quote in it escaped.
+/// Returns a form with a mesh as a file of this name. A quote in the name is escaped.
 Request upload_of(std::string& form, std::string_view mesh, std::string_view file_name) {
   form = "--B\r\nContent-Disposition: form-data; name=\"mesh\"; filename=\"";
   form.append(file_name).append("\"\r\n\r\n").append(mesh).append("\r\n--B--\r\n");

@@ -1,4 +1,4 @@
-// What leaves the program is what was promised: results in every format, read back by readers that are not ours.
+// Tests that the program writes what it promises. Results in every format are read back by readers that are not ours.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -88,7 +88,7 @@ struct Joined {
     }
   }
 
-  /// Pairs of faces that intersect, by CGAL.
+  /// Returns the number of pairs of faces that intersect, as CGAL finds them.
   std::size_t intersections() const {
     const CgalIntersection do_intersect(points);
     std::vector<Box3> boxes(faces.size());
@@ -108,7 +108,7 @@ struct Joined {
     const CgalIntersection do_intersect(points);
     return std::any_of(faces.begin(), faces.end(), [&](const Triangle& t) { return !do_intersect.has_area(t); });
   }
-  /// The shortest edge, height, or gap between faces that share no vertex.
+  /// Returns the smallest of all edges, heights, and gaps between faces that share no vertex.
   double smallest_feature() const {
     double smallest = HUGE_VAL;
     for (std::size_t f = 0; f < faces.size(); ++f) {
@@ -144,7 +144,7 @@ std::vector<Corners> soup_of(const TriangleMesh& mesh) {
   return soup;
 }
 
-/// Holds what was written, triangle by triangle, against the result in doubles.
+/// Compares what was written with the result in doubles, triangle by triangle.
 void expect_as_promised(const Result& exact, const RemeshAnswer& answer) {
   const PlainMesh back = read(answer.format, answer.body);
   ASSERT_EQ(back.triangles.size(), exact.mesh.faces.size());
@@ -168,7 +168,7 @@ void expect_as_promised(const Result& exact, const RemeshAnswer& answer) {
   EXPECT_EQ(mesh.intersections(), 0u);
 }
 
-/// A closed or open shape without intersections, of about `size`, turned, and moved by up to 1e7 of its size.
+/// Returns a closed or open shape without intersections as OBJ. It is turned, and moved by up to 1e7 of its size.
 std::string random_obj(Random& random) {
   const auto shape = [&]() -> PolygonMesh {
     switch (random.below(7)) {
@@ -213,12 +213,12 @@ TEST(WrittenFormats, whatever_is_written_is_read_back_as_promised_or_was_refused
         ++refused;
         const double half_step = half_step_of_floats(exact.mesh.positions.items());
         if (half_step >= 1e-7 * exact.report.input.bounding_box.diagonal()) continue;
-        // Not for rounding alone.
+        // Steps as fine as these are no reason to refuse, unless a feature of the mesh is as small.
         EXPECT_LT(Joined(soup_of(exact.mesh)).smallest_feature(), 20 * half_step) << error.what();
       }
     }
   }
-  // All three must occur for this to say anything.
+  // The test says something only if all three cases occur.
   EXPECT_GT(written_stl, 20);
   EXPECT_GT(refused, 20);
   EXPECT_GT(about_origin, 10);
@@ -301,7 +301,7 @@ TEST_F(SharedMeshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused_
   }
 }
 
-/// A box of 10 x 13 x 3 at map coordinates, where floats are 0.5 apart.
+/// Makes a box of 10 x 13 x 3 at map coordinates, where floats are 0.5 apart.
 std::string box_on_a_map() {
   std::string text;
   for (const char* z : {"312", "315"})

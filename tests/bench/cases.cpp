@@ -60,7 +60,7 @@ Work remeshing(PolygonMesh mesh, bool refine) {
 
 struct Case {
   std::string_view name;
-  Work (*prepare)();  ///< what it returns is counted
+  Work (*prepare)();  ///< prepares the work; only running the work is counted
 };
 
 const Case kCases[] = {
@@ -128,7 +128,7 @@ const LargeShape kLargeShapes[] = {
      }},
 };
 
-/// What is counted: under callgrind everything within this function.
+/// Runs the work that is measured. Under callgrind, everything within this function is counted (see instructions.py).
 [[gnu::noinline]] void run_case(const Work& work) { work(); }
 
 double requests_a_second(double faces, int threads, double seconds) {

@@ -1,4 +1,4 @@
-/// What is measured, where the shapes of the tests are too small or too simple.
+/// Inputs of the measurements, for which the shapes of the tests are too small or too simple.
 #pragma once
 
 #include "core/mesh/mesh.h"
@@ -6,15 +6,16 @@
 
 namespace remesh::bench {
 
-/// A plate 4 by 3 with round holes of that many corners, and slots: what CAD packages cut.
+/// Makes a plate of 4 by 3 with slots and with round holes of that many corners, as CAD packages cut it.
 polygons::Polygon plate(int holes_a_side, int corners);
-/// A star with round tips of that many corners, each off the curve by a little, and square holes in rows: what is large
-/// and has no sharp angles, at which CGAL would not end.
+/// Makes a star with round tips of that many corners, each a little off the curve, and with square holes in rows.
+/// The region is large and has no sharp angles, since CGAL would not end at those.
 polygons::Polygon smooth_star(int corners, int holes_a_side);
-/// A region as a mesh of its constrained Delaunay triangles: what our pipeline takes.
+/// Turns a region into a mesh of its constrained Delaunay triangles, since our pipeline takes meshes.
 PolygonMesh mesh_of(const polygons::PatchInput& input);
-/// nx x ny parallelograms of two triangles, `width` x 1 seen from above, over which the surface goes up and down so
-/// that no two beside each other have one plane: z is a sum of one height a column and one a row.
+/// Makes nx x ny parallelograms of two triangles each. Seen from above, each is `width` x 1. The surface goes up and
+/// down, so that no two parallelograms beside each other are in one plane: z is the sum of one height per column and
+/// one per row.
 PolygonMesh facets(int nx, int ny, double width);
 
 }  // namespace remesh::bench

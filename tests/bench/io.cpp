@@ -1,4 +1,5 @@
-/// Reading and writing text, beside the loop that is the least that reading takes, and beside the libraries.
+/// Measures reading and writing of text. For comparison, it measures the libraries, and a loop that does the least that
+/// any reader must do.
 /// Usage: io_bench FILE.obj RUNS; prints the times of all runs as JSON, in milliseconds: {"name": [...], ...}.
 #include <tbb/task_arena.h>
 #include <tiny_obj_loader.h>
@@ -24,7 +25,7 @@
 namespace remesh::bench {
 namespace {
 
-/// The plainest loop that reads the numbers of `v` and `f` records: no error is found, no grammar known.
+/// Reads the numbers of `v` and `f` records in the plainest loop. It finds no error and knows no grammar.
 std::size_t read_numbers(const std::string& text) {
   std::vector<double> coordinates;
   std::vector<int> indices;
@@ -92,7 +93,7 @@ int run(const char* path, int runs) {
   const std::string json = json_of(mesh);
   std::map<std::string, std::vector<double>> times;
   tbb::task_arena one(1), two(2);
-  // Alternating, so that all see the same moods of the machine.
+  // They alternate, so that changes in the speed of the machine affect all alike.
   for (int i = 0; i < runs; ++i) {
     times["from_chars loop"].push_back(milliseconds([&] { (void)read_numbers(obj); }));
     times["tinyobjloader"].push_back(milliseconds([&] { read_by_tinyobjloader(obj); }));

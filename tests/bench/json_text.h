@@ -1,4 +1,4 @@
-/// A mesh as the JSON that the service takes.
+/// Writes a mesh as the JSON that the daemon accepts.
 #pragma once
 
 #include <string>

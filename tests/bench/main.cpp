@@ -40,19 +40,19 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 constexpr int kSweepLimit = 100000;  // on grids it takes minutes above
 
-/// One line per thing that was measured, one column per size; and what goes into it as rows.
+/// A table with one line per thing that is measured and one column per size. All times are also added to the rows.
 class Table {
  public:
   Table(std::string part, std::string title, std::vector<int> sizes, Rows& rows)
       : part_(std::move(part)), title_(std::move(title)), sizes_(std::move(sizes)), rows_(rows) {}
 
-  /// The next column's times of these lines.
+  /// Measures the works, and adds their medians as the next column of their lines.
   void measure(const std::vector<NamedWork>& works) {
     const std::vector<double> medians = median_milliseconds(works);
     for (std::size_t w = 0; w < works.size(); ++w) add(works[w].name, medians[w]);
   }
 
-  /// The next column's time of this line.
+  /// Adds a time as the next column of the line with this name.
   void add(const std::string& name, double ms) {
     auto line = std::find_if(lines_.begin(), lines_.end(), [&](const Line& l) { return l.name == name; });
     if (line == lines_.end()) line = lines_.insert(lines_.end(), Line{name, {}});
@@ -192,7 +192,7 @@ std::vector<Vec2> circle(int size) { return polygons::nearly_cocircular(size); }
 
 polygons::Polygon sieve(int size) { return polygons::sieve(static_cast<int>(std::sqrt(size / 4))); }
 polygons::Polygon comb(int size) { return polygons::comb(size / 4, 100); }
-/// A hole for every hundred corners, or so.
+/// Makes a star with about one hole per hundred corners.
 polygons::Polygon star(int size) {
   return polygons::star_with_holes(1, size, static_cast<int>(1.2 * std::sqrt(size / 100)));
 }
@@ -202,8 +202,8 @@ polygons::Polygon round_star(int size) {
 
 PolygonMesh box(int size) { return shapes::box({1, 2, 3}, static_cast<int>(std::sqrt(size / 12))); }
 PolygonMesh turned_box(int size) { return shapes::rotated(box(size), {1, 2, 3}, 30); }
-/// Every face a patch of its own. Faces come in powers of four, so the growth of a decade is not tenfold: 8192, 131072
-/// and 524288 stand for the first three.
+/// Makes a sphere, of which every face is a patch of its own. The number of faces is 8 times a power of four, so it
+/// does not grow tenfold in a decade: 8192, 131072 and 524288 stand for the first three sizes.
 PolygonMesh sphere(int size) {
   int levels = 0;
   for (int faces = 8; faces * 2 < size; faces *= 4) ++levels;
@@ -281,8 +281,8 @@ int run(std::vector<std::string> arguments) {
 }  // namespace remesh::bench
 
 int main(int argc, char** argv) {
-  // As the command `remesh` has it, for us and for the peers: else each run would give its memory back, and the next
-  // one would fetch it again, page by page.
+  // These settings are those of the command `remesh`, and they hold for us and for the peers. Without them, each run
+  // would give its memory back, and the next one would fetch it again, page by page.
   mallopt(M_MMAP_THRESHOLD, std::numeric_limits<int>::max());
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
   return remesh::bench::run({argv + 1, argv + argc});

@@ -1,6 +1,6 @@
 /// Runs a program to its end: `measured FILE PROGRAM ARGUMENT...` writes the seconds and the peak of memory to the
-/// file, as JSON, and exits as the program did. Between a script and the program, since the kernel counts towards a
-/// program's peak what the process that started it had.
+/// file, as JSON, and exits as the program did. It stands between a script and the program, because the kernel counts
+/// the memory of the process that starts a program towards the program's peak.
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>

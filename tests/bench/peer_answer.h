@@ -1,4 +1,4 @@
-/// What the programs around other libraries print, for the scripts.
+/// The answer that the programs around other libraries print. The scripts read it.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ struct PeerAnswer {
   std::size_t faces_in = 0;
   std::size_t faces_out = 0;
 
-  /// As one JSON object.
+  /// Prints the answer as one JSON object.
   void print() const {
     std::printf(R"({"read_ms": %.3f, "process_ms": %.3f, "write_ms": %.3f, "faces_in": %zu, "faces_out": %zu})"
                 "\n",

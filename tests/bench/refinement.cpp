@@ -23,16 +23,16 @@
 namespace remesh::bench {
 namespace {
 
-/// CGAL's bound is a squared sine: 20.7 degrees. Ours is a little higher.
+/// CGAL's bound is the square of a sine, and corresponds to 20.7 degrees. Our bound is a little higher.
 constexpr double kCgalBound = 0.125;
 constexpr double kDegrees = 20.705;
 
 struct Outcome {
-  double ms = 0;  ///< of triangulation and refinement; of three runs the one in the middle
+  double ms = 0;  ///< time of triangulation and refinement; the median of three runs
   std::uint64_t triangles = 0;
 };
 
-/// One run on one thread.
+/// Runs the refinement once on one thread.
 Outcome refine_ours(const PolygonMesh& mesh, const Options& options) {
   RunControl control;
   const Result result = remesh_surface(mesh, options, {}, control);
@@ -48,7 +48,7 @@ using Structure = CGAL::Triangulation_data_structure_2<CGAL::Delaunay_mesh_verte
                                                        CGAL::Delaunay_mesh_face_base_2<Kernel>>;
 using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Structure>;
 
-/// A point inside a loop.
+/// Returns a point inside a loop.
 Kernel::Point_2 point_inside(polygons::Loop loop) {
   if (polygons::area(loop) < 0) std::reverse(loop.begin(), loop.end());
   RunControl control;
@@ -86,7 +86,7 @@ void compare(const char* name, const polygons::Polygon& polygon, Rows& rows) {
   options.min_angle_deg = kDegrees;
   std::vector<double> times_of_ours, times_of_theirs;
   Outcome ours, theirs;
-  // Alternating, so that both see the same moods of the machine.
+  // The two alternate, so that changes in the speed of the machine affect both alike.
   for (int run = 0; run < kRuns; ++run) {
     ours = refine_ours(mesh, options);
     theirs = refine_cgal(input, seeds);
@@ -104,7 +104,7 @@ void compare(const char* name, const polygons::Polygon& polygon, Rows& rows) {
   rows.push_back({"refinement", name, "CGAL Mesh_2", input.edges.size(), theirs.ms, theirs.triangles});
 }
 
-/// Prints the time per face of the output; returns it, in nanoseconds.
+/// Prints and returns the time per face of the output, in nanoseconds.
 double time_per_face(const char* name, const PolygonMesh& mesh, const Options& options, double of_large_patch,
                      Rows& rows) {
   std::vector<double> times;

@@ -1,4 +1,4 @@
-/// Refinement, measured.
+/// The measurements of refinement.
 #pragma once
 
 #include "tests/bench/rows.h"

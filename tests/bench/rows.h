@@ -1,4 +1,4 @@
-/// What remesh_bench measured, for scripts.
+/// The measurements of remesh_bench, in a form that scripts read.
 #pragma once
 
 #include <cstdint>
@@ -9,18 +9,18 @@
 
 namespace remesh::bench {
 
-/// One figure: what it took to do `what` with a `subject` of this size.
+/// One measurement: the time that it took to do `what` with a `subject` of this size.
 struct Row {
-  std::string part;  ///< of remesh_bench
+  std::string part;  ///< the part of remesh_bench that measured it
   std::string subject;
   std::string what;
   std::uint64_t size = 0;
   double ms = 0;                ///< a median
-  std::uint64_t triangles = 0;  ///< that were made; 0 where they are not counted
+  std::uint64_t triangles = 0;  ///< how many were made; 0 if they are not counted
 };
 using Rows = std::vector<Row>;
 
-/// A list of flat objects.
+/// Returns the rows as a JSON array of flat objects.
 inline std::string json_of(const Rows& rows) {
   api::JsonWriter json;
   json.begin_array();

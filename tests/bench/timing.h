@@ -1,4 +1,4 @@
-/// How benchmarks take times: several runs, the one in the middle.
+/// The way in which benchmarks take times: there are several runs, and the median counts.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +29,8 @@ struct NamedWork {
   std::function<void()> run;
 };
 
-/// The median of each, in their order. They take turns, so that all see the same moods of the machine.
+/// Returns the median time of each work, in their order. The works take turns, so that changes in the speed of the
+/// machine affect all alike.
 inline std::vector<double> median_milliseconds(const std::vector<NamedWork>& works) {
   std::vector<std::vector<double>> times(works.size());
   for (int run = 0; run < kRuns; ++run)

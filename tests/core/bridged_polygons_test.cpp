@@ -1,4 +1,4 @@
-// Polygons whose holes hang on bridges, at random, as one face each: what comes back has their area.
+// Tests random polygons that are one face each, because their holes hang on bridges. The result has their area.
 
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 using polygons::Loop;
 
-/// Do the closed segments touch anywhere but in a common end?
+/// Returns whether the closed segments touch anywhere but in a common end.
 bool is_blocked_by(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
   const auto is_between = [](Vec2 p, Vec2 q, Vec2 x) {
     return orient2d(p, q, x) == 0 && std::min(p, q) < x && x < std::max(p, q);
@@ -36,8 +36,8 @@ bool is_blocked(Vec2 a, Vec2 b, const Loop& loop) {
   return false;
 }
 
-/// The polygon as one loop, each hole on a random bridge. Output: how many holes found a corner of the outline that no
-/// other bridge uses.
+/// Turns a polygon into one loop, in which each hole hangs on a random bridge.
+/// Output: how many holes found a corner of the outline that no other bridge uses.
 std::size_t hang_holes(const polygons::Polygon& polygon, Random& random, Loop& outline) {
   outline = polygon.outer;
   std::size_t hung = 0;

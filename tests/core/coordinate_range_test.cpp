@@ -1,5 +1,5 @@
-// Absurd but finite coordinates, and sizes that are absurd for the coordinates: an answer that holds, or an error of
-// the input, and both soon.
+// Tests coordinates that are absurd but finite, and sizes that are absurd for the coordinates. The program must soon
+// give either a verified answer or an error of the input.
 
 #include "core/base/coordinate_range.h"
 
@@ -39,7 +39,7 @@ bool has_report(const std::string& name) {
   return std::filesystem::exists(test::shared_meshes_folder() / "reports" / name);
 }
 
-/// What a run ends with, if that is an error. A result is verified.
+/// Returns the error that a run ends with, if any. If there is none, the result must be verified.
 std::optional<Error> error_of_run(const PolygonMesh& mesh, const Options& options) {
   RunControl control;
   const auto start = Clock::now();
@@ -55,8 +55,8 @@ std::optional<Error> error_of_run(const PolygonMesh& mesh, const Options& option
   return ended;
 }
 
-/// Either it holds, or coordinates are named as the reason, with the vertex or face that it is about. What rounding has
-/// left no width has no area.
+/// Expects either a verified result, or an error that blames the range of the coordinates and names a vertex or a face.
+/// The error that the mesh is empty is allowed as well, because a mesh has no area if rounding has left it no width.
 void expect_held_or_refused(const PolygonMesh& mesh, const Options& options, const std::string& what) {
   const auto error = error_of_run(mesh, options);
   if (!error || error->code == Code::kEmptyMesh) return;

@@ -1,4 +1,5 @@
-// Shells that look the wrong way, from the input to the result: the analysis, the repair and the result say the same.
+// Tests shells that look the wrong way, from the input to the result. The analysis, the repair and the result must say
+// the same about them.
 
 #include <gtest/gtest.h>
 
@@ -31,8 +32,8 @@ std::uint64_t obstacles(const Report& report) {
   return count;
 }
 
-/// So many shells look the wrong way, in the analysis and in the result, and with `inside_out` none; then the volume is
-/// this.
+/// Expects that both the analysis and the result report `wrong` shells that are inside out, as obstacles to a volume.
+/// With the repair `inside_out` they are still told, but are no obstacles any more, and the result has this volume.
 void expect_wrong(const PolygonMesh& mesh, std::uint64_t wrong, double volume, Options options = unrefined()) {
   RunControl control;
   const Report analysis = analyze_surface(mesh, options, {}, control);
@@ -82,7 +83,8 @@ TEST(inside_out, bodies_in_cavities_of_bodies_are_turned_by_their_depth) {
   }
 }
 
-/// Cladding with a cavity and fuel in it, which has a cavity: all look outwards. The second label stands on the fuel.
+/// Makes cladding with a cavity, and in it fuel that has a cavity as well. All shells look outwards. The second label
+/// stands on the fuel.
 PolygonMesh rod(LabelSet FaceLabels::*kind) {
   PolygonMesh mesh = in_the_middle(8, false);
   const std::size_t faces = mesh.face_count();

@@ -1,4 +1,4 @@
-// What is mended, and what is told of it.
+// Tests what is mended, and what the report says about it.
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ Options without_repair() {
   return options;
 }
 
-/// A unit cube of quads, the upper one in two halves: their ends in the middle are on edges of the sides.
+/// Makes a unit cube of quads. The upper quad is in two halves, whose ends in the middle are on edges of the sides.
 PolygonMesh cube_with_t_junctions() {
   return shapes::from_lists(
       {{0, 0, 0},
@@ -302,7 +302,7 @@ TEST(remesh_surface, two_sheets_on_each_other_overlap) {
   EXPECT_NE(obstacle(result.report, DiagnosticCode::kOverlappingFaces), nullptr);
 }
 
-/// A sheet with a dip in its middle, and a triangle that stands in the dip without touching it.
+/// Makes a sheet with a dip in its middle, and a triangle that stands in the dip without touching it.
 PolygonMesh tip_in_a_dip() {
   PolygonMesh sheet = shapes::sheet(8, 8, 8, 8);
   for (Vec3& p : sheet.positions)
@@ -323,7 +323,7 @@ TEST(remesh_surface, flattening_makes_no_faces_cross_that_did_not) {
       return p.status == PatchStatus::kReduced && p.reason == PatchReason::kVerificationFailed;
     }));
   }
-  // Without the tip the sheet is one patch.
+  // The sheet alone, without the tip, is one patch.
   PolygonMesh alone = tip_in_a_dip();
   alone.face_begin.pop_back();
   alone.corners.resize(alone.face_begin.back());

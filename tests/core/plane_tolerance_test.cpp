@@ -1,4 +1,4 @@
-// The plane tolerance through the pipeline's entry: given as an option, or told from the input's digits.
+// Tests the plane tolerance through the entry of the pipeline. It is an option, or is derived from the input's digits.
 
 #include <gtest/gtest.h>
 
@@ -46,7 +46,7 @@ TEST(plane_tolerance, noise_within_a_given_tolerance_merges_and_beyond_it_does_n
   EXPECT_TRUE(kept.report.verified.all_true());
 }
 
-/// A plate 200 x 100 x 10 with a ridge along the middle of its top, polygons as they are drawn.
+/// Makes a plate of 200 x 100 x 10 with a ridge along the middle of its top. Its faces are polygons as they are drawn.
 PolygonMesh crowned_plate(double crown, const Vec3& at = {}) {
   const double top = 10, ridge = top + crown;
   PolygonMesh mesh = shapes::from_lists(

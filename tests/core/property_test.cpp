@@ -45,7 +45,7 @@ const std::vector<Family>& families() {
   return all;
 }
 
-/// Corners at which the direction changes: those that must stay.
+/// Returns the number of corners at which the direction changes, which are those that must stay.
 std::size_t corner_count(const Loop& loop) {
   std::size_t corners = 0;
   for (std::size_t i = 0; i < loop.size(); ++i) {
@@ -61,7 +61,7 @@ std::size_t corner_count(const Polygon& polygon) {
   return corners;
 }
 
-/// The polygon in triangles, cut by CGAL: its own corners, and more points inside and on its sides.
+/// A polygon that CGAL has cut into triangles. It has more points than its own corners, inside and on its sides.
 struct Triangulated {
   std::vector<Vec2> points;
   std::vector<std::vector<std::uint32_t>> faces;
@@ -112,7 +112,7 @@ Triangulated randomly_triangulated(const Polygon& polygon, std::uint64_t seed) {
   return result;
 }
 
-/// The polygon as one face: every hole joined to what is walked so far by a bridge that crosses nothing.
+/// Returns the polygon as one face. Every hole is joined by a bridge that crosses nothing to the loop made so far.
 Loop bridged(const Polygon& polygon) {
   Loop walk = polygon.outer;
   std::vector<Loop> left = polygon.holes;
@@ -158,7 +158,7 @@ Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined()) {
   return remesh_surface(mesh, options, RunSettings{}, control);
 }
 
-/// What must come back, whatever the triangulation that went in.
+/// Expects the properties that every result for this polygon has, whatever triangulation of it was the input.
 void expect_right(const Polygon& polygon, const polygons::Placement& place, const Result& result) {
   const double unit = norm(place.x_axis);
   const double area = polygons::area(polygon) * unit * unit;
@@ -341,7 +341,7 @@ TEST(random_surfaces, steps_of_random_height_keep_area_volume_and_closedness) {
   }
 }
 
-/// Every coordinate written in this format and read again; an empty format: through a float.
+/// Writes every coordinate in this format and reads it again. If the format is empty, it rounds them to floats.
 PolygonMesh printed(PolygonMesh mesh, const std::string& format) {
   for (Vec3& p : mesh.positions)
     for (int axis = 0; axis < 3; ++axis) {
@@ -393,7 +393,7 @@ TEST(random_surfaces, terrain_of_whole_heights_keeps_its_area_and_border) {
 }
 
 TEST(random_surfaces, noise_around_the_tolerance_never_breaks_the_result) {
-  // From far below the tolerance to ten times it, with tolerances up to the size of the faces.
+  // The noise is from far below the tolerance to ten times it, and tolerances are up to the size of the faces.
   for (std::uint64_t seed = kSeed + 5500; seed < kSeed + 5600; ++seed) {
     SCOPED_TRACE(seed);
     Random random(seed);
@@ -417,8 +417,8 @@ TEST(random_surfaces, noise_around_the_tolerance_never_breaks_the_result) {
   }
 }
 
-/// Faces through random points of a small grid: they cross, repeat, fold, lie flat on a line; an edge has any number of
-/// faces.
+/// Makes faces through random points of a small grid. They cross, repeat, fold, and lie flat on a line, and an edge has
+/// any number of faces.
 PolygonMesh soup(Random& random, int most_corners) {
   const int side = random.integer(1, 3), height = random.integer(0, 2);
   std::vector<Vec3> positions;
@@ -435,8 +435,8 @@ PolygonMesh soup(Random& random, int most_corners) {
   return shapes::from_lists(positions, faces);
 }
 
-/// Either a verified answer, or a word that there is none: no face has an area, or polygons on the same vertices would
-/// have to share a diagonal, whatever their triangulations.
+/// Expects a verified answer, or an error that says why there is none: either no face has an area, or polygons on the
+/// same vertices would have to share a diagonal, whatever their triangulations.
 void expect_verified_or_refused(const PolygonMesh& mesh) {
   try {
     const Result result = remeshed(mesh);

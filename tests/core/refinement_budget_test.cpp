@@ -1,5 +1,5 @@
-// The largest number of faces that is allowed: never more, nearly as many where they are needed, and no worse a mesh
-// where they are not.
+// Tests the largest number of faces that is allowed. There are never more. If they are needed, there are nearly as
+// many. If they are not, the limit does not make the mesh worse.
 
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
@@ -74,7 +74,8 @@ TEST(refinement_budget, a_budget_of_twice_what_is_needed_changes_little_where_on
   EXPECT_NEAR(static_cast<double>(refined(mesh, options).mesh.faces.size()) / static_cast<double>(all), 1, 0.01);
 }
 
-/// Behind the slot sizes grow, and at 33 degrees there are three times as many triangles before they are thinned out.
+/// Makes a block with a slot. Behind the slot sizes grow. With a bound of 33 degrees there are three times as many
+/// triangles before they are thinned out.
 PolygonMesh slotted_block() {
   return shapes::prism({{0, 0}, {4, 0}, {4, 1.95}, {1, 1.95}, {1, 2.05}, {4, 2.05}, {4, 4}, {0, 4}}, 2);
 }

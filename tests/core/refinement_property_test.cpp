@@ -21,7 +21,7 @@ const std::uint64_t kSeed = base_seed(20183);
 
 constexpr std::uint64_t kMaxFaces = 10'000;
 
-/// Some options, sizes fitting a body of that size.
+/// Returns random options. Their sizes fit a body of this size.
 Options random_options(Random& random, double size) {
   Options options;
   options.max_output_faces = kMaxFaces;
@@ -62,7 +62,8 @@ double size_of(const PolygonMesh& mesh) {
   return box.diagonal();
 }
 
-/// The promises, and that neither the number of workers nor a scale of a power of two changes anything.
+/// Expects that the result keeps the promises, and that neither the number of workers nor a scale by a power of two
+/// changes anything.
 void expect_refined_well(const PolygonMesh& mesh, const Options& options, double tolerance = 1e-9) {
   Result result;
   try {
@@ -167,7 +168,7 @@ TEST(refined_polyhedra, blocks_that_touch_in_edges_and_corners) {
   }
 }
 
-/// Faces through random points of a small grid: they cross, repeat, fold; an edge has any number of faces.
+/// Makes faces through random points of a small grid. They cross, repeat and fold, and an edge has any number of faces.
 PolygonMesh soup(Random& random) {
   const int side = random.integer(1, 3), height = random.integer(0, 2);
   std::vector<Vec3> positions;

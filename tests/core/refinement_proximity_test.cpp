@@ -1,5 +1,5 @@
-// Sizes that see the third dimension, and how they grow from place to place: no edge longer than the gap, and hardly a
-// face more than that takes.
+// Tests sizes that depend on gaps in the third dimension, and how they grow from place to place. No edge is longer than
+// the gap, and there are hardly more faces than that takes.
 
 #include <gtest/gtest.h>
 
@@ -31,10 +31,10 @@ TEST(refinement_proximity, between_two_plates_no_edge_is_longer_than_the_gap) {
     EXPECT_LE(longest_edge(result.mesh), gap * kHair);
     ASSERT_TRUE(result.report.smallest_gap.has_value());
     EXPECT_NEAR(*result.report.smallest_gap, gap, 1e-9);
-    // Of equilateral triangles it would take these; near the rims there are more.
+    // This number of equilateral triangles would cover both plates. Near the rims there are more.
     const double triangles = 2 * 4 / (gap * gap * std::sqrt(3) / 4);
     EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 3 * triangles);
-    // Twice as fine where asked.
+    // A proximity of 2 makes edges half as long.
     options.proximity = 2;
     EXPECT_LE(longest_edge(refined(mesh, options).mesh), gap / 2 * kHair);
   }
@@ -133,7 +133,8 @@ TEST(refinement_proximity, a_plate_of_so_many_thicknesses_is_cut_into_so_many_pi
       };
       EXPECT_EQ(count(1, 2), 13) << thick;
       EXPECT_EQ(count(0, 2), 8) << thick;
-      // Of equilateral triangles it would take so many. Squares across the rims have a point inside each.
+      // This number of equilateral triangles would cover the box. There are more, because each square across the rims
+      // has a point inside.
       const double triangles = 2 * (12 * 7 + 12 + 7) / (std::sqrt(3) / 4);
       EXPECT_LT(static_cast<double>(result.mesh.faces.size()), 1.35 * triangles) << thick;
     }
@@ -153,7 +154,7 @@ TEST(refinement_proximity, where_gaps_close_the_shortest_edge_goes_before_them) 
     EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kMinEdgeLength));
     EXPECT_GE(shortest_edge(result.mesh), shortest / kHair);
     EXPECT_LE(longest_edge(result.mesh), 0.3 * kHair);
-    // Not as if the notch were not there.
+    // The notch is not ignored: edges become as short as they may.
     EXPECT_LE(shortest_edge(result.mesh), 1.2 * shortest);
   }
 }

@@ -21,11 +21,12 @@ Options with(double angle, double length) {
   return options;
 }
 
-/// How many triangles a corner takes, with sides 1: in a row between them, from the first size to where there is room
-/// for equilateral ones. Beyond, up to the distance 1, half as many again as equilateral ones would be.
+/// Returns how many triangles a corner takes whose sides have length 1. From the first size to where there is room for
+/// equilateral triangles, they are in a row between the sides. Beyond, up to the distance 1, there are 50 % more than
+/// equilateral triangles would be.
 double triangles_in_needle(double degrees, double bound, double size) {
   const double angle = degrees * kDegree, tangent = std::tan(bound * kDegree);
-  // From here on pieces are as long as the size.
+  // From this distance on, pieces are as long as the size.
   const double even = std::min(1.0, std::max(size, tangent * size / 2 / angle));
   const double growing = std::log(even / size) / (2 * std::log1p(angle / tangent));
   const double wide = std::min(1.0, size * std::numbers::sqrt3 / 2 / angle);
@@ -41,7 +42,7 @@ TEST(sharp_corners, a_needle_takes_hardly_more_triangles_than_a_row_of_them_with
         const Options options = with(bound, size);
         const Result result = refined(mesh, options);
         expect_promises(mesh, options, result);
-        // But for the corner itself.
+        // Only the corner itself may be listed.
         EXPECT_LE(listed(result.report), 1u) << degrees << ' ' << bound << ' ' << size;
         EXPECT_LE(static_cast<double>(result.mesh.faces.size()), 1.15 * triangles_in_needle(degrees, bound, size) + 6)
             << degrees << ' ' << bound << ' ' << size;

@@ -1,5 +1,5 @@
-// What a bound on sizes did not reach is listed: told by a measure of gaps over all facets, one by one, that is neither
-// the pipeline's nor the checker's.
+// Tests that each triangle is listed that does not meet its bound on sizes. The gaps are measured here over all facets,
+// one by one, in a way that is neither the pipeline's nor the checker's.
 
 #include <gtest/gtest.h>
 
@@ -25,11 +25,12 @@
 namespace remesh {
 namespace {
 
-/// The contract: an edge may be a tenth longer than the size at a place and what sizes grow by on the way from there.
+/// By the contract, an edge may be a tenth longer than the size at a place plus what sizes grow by on the way from
+/// there.
 constexpr double kSlack = 1.1;
 /// The square of the sine of 51 degrees.
 constexpr double kSteep = 0.604;
-/// What is nearer than this to one of the limits is nobody's mistake.
+/// A value that is nearer than this to a limit may be on either side of it without being a fault.
 constexpr double kHair = 1e-6;
 
 using Corners = std::array<Vec3, 3>;
@@ -53,7 +54,8 @@ Vec3 nearest(const Vec3& p, const Corners& t) {
   return best;
 }
 
-/// The shortest way over a line, found by trying: it is a convex function of where the line is crossed.
+/// Returns the length of the shortest way from p to q over a line. It is found by trying, since the length is a convex
+/// function of the place where the line is crossed.
 double way_over(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b) {
   const auto way = [&](double t) { return norm(p - (a + t * (b - a))) + norm(q - (a + t * (b - a))); };
   double low = 0, high = 1;
@@ -155,7 +157,7 @@ class Facets {
   std::vector<std::set<std::array<VertexId, 2>>> edges_;
   std::vector<Vec3> normals_;
   std::vector<std::uint32_t> body_;
-  std::vector<Vec3> centre_;  ///< of each face
+  std::vector<Vec3> centre_;  ///< one per face
   std::vector<double> radius_;
 };
 
@@ -172,7 +174,7 @@ struct Measured {
   }
 };
 
-/// Faces that miss what their gaps ask for.
+/// Returns the faces that are larger than their gaps allow.
 std::vector<std::uint32_t> faces_beyond_gaps(const Result& result, const Options& options) {
   const Facets facets(result);
   const double slope = options.gradation.value_or(1.5) - 1, tolerance = result.report.plane_tolerance;
@@ -193,7 +195,7 @@ std::vector<std::uint32_t> faces_beyond_gaps(const Result& result, const Options
   return found;
 }
 
-/// Are these faces among the listed ones? Of a reason with more than a hundred only the number is known.
+/// Expects that these faces are listed. If a reason has more faces than places, only the number of faces is compared.
 void expect_listed(const std::vector<std::uint32_t>& faces, const Result& result) {
   EXPECT_LE(faces.size(), listed(result.report)) << listed_in_words(result.report);
   const auto& all = result.report.unrefined;
@@ -208,7 +210,7 @@ void expect_listed(const std::vector<std::uint32_t>& faces, const Result& result
   }
 }
 
-/// Two narrow strips of length 1 that meet at an edge; a body would have two more sides, and gaps between these.
+/// Makes two narrow strips of length 1 that meet at an edge. A body would have two more sides, and gaps between these.
 PolygonMesh wedge(double degrees) {
   const double angle = degrees * std::numbers::pi / 180, width = 0.006;
   const Vec3 up{std::cos(angle), 0, std::sin(angle)}, along{0, width, 0};
@@ -241,7 +243,7 @@ PolygonMesh nested_boxes() {
   return shapes::joined(shapes::box({1, 1, 1}),
                         shapes::moved(shapes::turned_over(shapes::box({0.7, 0.7, 0.6})), {0.15, 0.12, 0.2}));
 }
-/// Two small sheets that are nearer to each other than the smallest size that gaps ask for.
+/// Makes two small sheets that are nearer to each other than the smallest size that gaps ask for.
 PolygonMesh nearly_touching() {
   return shapes::joined(shapes::sheet(4, 4, 1, 1), shapes::moved(shapes::sheet(0.05, 0.04, 1, 1), {1, 1, 1e-4}));
 }
@@ -269,7 +271,8 @@ std::vector<Scene> scenes() {
           {"cylinder", shapes::cylinder(16, 0.5, 0.3)}};
 }
 
-/// Runs, has the checker's word, and asks the oracle. Output: how many faces it finds beyond their gaps.
+/// Refines a mesh, and expects that the result is verified and that all faces that miss their gaps are listed.
+/// Output: how many faces miss their gaps.
 std::size_t expect_all_listed(const PolygonMesh& mesh, const Options& options) {
   const Result result = refined(mesh, options);
   EXPECT_TRUE(result.report.verified.all_true())
@@ -370,7 +373,7 @@ TEST(size_promise, what_meets_its_gaps_is_not_listed) {
   }
 }
 
-/// The segments of an input without collinear vertices: its edges that are not inside a plane.
+/// Returns the segments of an input without collinear vertices, which are its edges that are not inside a plane.
 std::vector<std::array<Vec3, 2>> sharp_edges(const PolygonMesh& mesh) {
   std::vector<std::array<Vec3, 2>> found;
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f) {
@@ -415,7 +418,7 @@ TEST(size_promise, edges_beside_short_ones_grow_as_asked_or_are_listed) {
     }
 }
 
-/// A cylinder without ends whose last side does not quite come back to its first.
+/// Makes a cylinder without ends whose last side does not quite come back to its first.
 PolygonMesh cracked_cylinder(int sides, double crack) {
   std::vector<Vec3> points;
   for (int i = 0; i <= sides; ++i) {
@@ -429,7 +432,7 @@ PolygonMesh cracked_cylinder(int sides, double crack) {
     faces.push_back({2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1});
   return shapes::from_lists(points, faces);
 }
-/// A plate whose border comes back to itself within rounding: a slit that is no wider than that.
+/// Makes a plate with a slit that is no wider than rounding, so that its border comes back to itself.
 PolygonMesh slit_plate(double width) {
   return shapes::polygon({{0, 0}, {4, 0}, {4, 3}, {2 + width, 3}, {2 + width, 1}, {2, 1}, {2, 3}, {0, 3}});
 }

@@ -1,5 +1,5 @@
-// Refinement through the pipeline's entry: analytic answers, hard inputs, and every option that steers it. What is
-// asserted is measured here (tests/support/refined_checks.h), not taken from the report.
+// Tests refinement through the entry of the pipeline: analytic answers, hard inputs, and every option that steers it.
+// What is asserted is measured here (tests/support/refined_checks.h), not taken from the report.
 
 #include <gtest/gtest.h>
 
@@ -50,7 +50,7 @@ TEST_P(RefinedCube, has_even_edges_sizes_and_sides) {
   EXPECT_LE(result.mesh.faces.size(), 2600u);
   EXPECT_EQ(listed(result.report), 0u);
 
-  // Each edge of the cube: its vertices are at the tenths, and there is no other.
+  // On each edge of the cube, there is a vertex at each tenth, and no other.
   std::map<std::pair<int, std::pair<double, double>>, std::vector<double>> on_edge;
   for (const Vec3& p : result.mesh.positions)
     for (int axis = 0; axis < 3; ++axis) {
@@ -207,8 +207,8 @@ TEST(refinement, turned_moved_scaled_and_renumbered_inputs_have_nearly_as_many_f
   }
 }
 
-/// A strip of width w and length L, in triangles with two equal sides, needs L / (2 w / tan angle) of them on either
-/// side and half of one at each end.
+/// A strip of width w and length L is filled by triangles with two equal sides. It needs L / (2 w / tan angle) of them
+/// on either side, and half of one at each end.
 TEST(refinement, facets_of_a_cylinder_get_hardly_more_faces_than_they_need) {
   for (const double bound : {20.0, 25.0, 33.0})
     for (const auto& [sides, height] : {std::pair(12, 40.0), std::pair(64, 10.0), std::pair(360, 2.0)}) {
@@ -235,7 +235,7 @@ TEST(refinement, facets_of_a_cylinder_get_hardly_more_faces_than_they_need) {
     }
 }
 
-/// A bar with four chamfers along it that are narrower than a row of equilateral triangles of its size is high.
+/// Makes a bar with four chamfers along it that are narrower than a row of equilateral triangles of its size is high.
 PolygonMesh chamfered_bar(double length, double thickness, double cut) {
   return shapes::prism({{cut, 0},
                         {1 - cut, 0},
@@ -267,7 +267,8 @@ TEST(refinement, strips_narrower_than_a_row_for_the_size_have_no_points_inside) 
       const Vec3 normal = normalized(cross(at[t[1]] - at[t[0]], at[t[2]] - at[t[0]]));
       on_chamfers += std::fabs(std::fabs(normal.x) - std::fabs(normal.y)) < 1e-6 && std::fabs(normal.z) < 0.5;
     }
-    // On either side of each as many pieces as its size asks for, and one more where they take turns.
+    // On either side of each chamfer there are as many pieces as its size asks for, and one more where the two sides
+    // take turns.
     const double least = std::min(size, result.report.smallest_gap.value_or(size));
     EXPECT_LE(static_cast<double>(on_chamfers), 4 * (2 * std::ceil(length / least) + 2)) << c.cut;
     EXPECT_GE(static_cast<double>(on_chamfers), 4 * 2 * std::floor(length / size)) << c.cut;
@@ -448,7 +449,7 @@ TEST(refinement, what_the_shortest_edge_does_not_forbid_is_not_listed_as_that) {
   EXPECT_EQ(listed(locked.report, UnrefinedReason::kMinEdgeLength), 0u) << listed_in_words(locked.report);
 }
 
-/// Vertices of the output on an edge of the box [0, size]^3.
+/// Returns the number of vertices of the output on an edge of the box [0, size]^3.
 std::size_t vertices_on_box_edges(const TriangleMesh& mesh, double size) {
   std::size_t count = 0;
   for (const Vec3& p : mesh.positions) {
@@ -485,13 +486,13 @@ TEST(refinement, boundaries_that_must_not_be_split_get_no_vertex) {
     EXPECT_EQ(vertices_on_box_edges(result.mesh, 1), 8u);
     EXPECT_GT(listed(result.report, UnrefinedReason::kBoundaryLocked), 0u);
     EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kBoundaryLocked));
-    // What cannot be reached is not chased: no more faces than if the boundaries could be split.
+    // Bounds that cannot be met cost no faces: there are no more than if the boundaries could be split.
     EXPECT_LE(result.mesh.faces.size(), refined(mesh, with_length(length)).mesh.faces.size());
   }
 }
 
 TEST(refinement, away_from_boundaries_that_must_not_be_split_bounds_are_met) {
-  // Sides 10 to 50 times as long as the size; however the part lies.
+  // The sides are 10 to 50 times as long as the size. It does not matter how the part lies in space.
   for (const double length : {0.1, 0.04, 0.02}) {
     std::vector<double> faces;
     for (const double degrees : {0.0, 33.0}) {
@@ -501,7 +502,8 @@ TEST(refinement, away_from_boundaries_that_must_not_be_split_bounds_are_met) {
       const Result result = refined(box, options);
       expect_promises(box, options, result);
       EXPECT_EQ(listed(result.report), listed(result.report, UnrefinedReason::kBoundaryLocked));
-      // What is farther from the sides than a third of their length: a ninth of a square.
+      // The part of a square that is farther from its sides than a third of their length is a ninth of its area.
+      // It must be filled.
       const double ideal = std::sqrt(3) / 4 * length * length;
       EXPECT_GT(static_cast<double>(result.mesh.faces.size() - listed(result.report)), 6.0 / 9 / ideal);
       faces.push_back(static_cast<double>(result.mesh.faces.size()));

@@ -27,7 +27,7 @@ Result remeshed(const PolygonMesh& mesh, const Options& options = unrefined(), c
   return remesh_surface(mesh, options, settings, control);
 }
 
-/// Everything that a caller sees and that must not depend on workers or luck, as text.
+/// Returns everything, as text, that a caller sees and that must not depend on the number of workers or on luck.
 std::string bytes(const Result& result) {
   RunControl control;
   std::ostringstream out;
@@ -64,7 +64,7 @@ std::string bytes(const Result& result) {
   return out.str();
 }
 
-/// The output's triangles by position, for comparison across numberings.
+/// Returns the triangles of the output by their positions, so that they can be compared across numberings.
 std::multiset<std::vector<Vec3>> triangle_set(const Result& result) {
   std::multiset<std::vector<Vec3>> set;
   for (const Triangle& t : result.mesh.faces) {
@@ -92,7 +92,7 @@ void expect_sound(const Result& result) {
   for (std::size_t p = 0; p < faces.size(); ++p) EXPECT_EQ(faces[p], result.report.patches[p].output_faces);
 }
 
-/// A part with several kinds of patches: a plate with a hole on legs.
+/// Makes a part with several kinds of patches. It is a plate with a hole that stands on legs.
 PolygonMesh bracket() { return shapes::blocks({"####", "#..#", "####", "#..#"}, 3); }
 
 TEST(remesh_surface, the_volume_changes_by_no_more_than_the_bound_that_is_reported) {
@@ -194,7 +194,8 @@ TEST(remesh_surface, a_third_faces_corner_on_a_straight_border_stays) {
 }
 
 TEST(remesh_surface, a_double_sheet_stays_two) {
-  // Over the same four vertices: as two squares, and cut along one diagonal above and along the other one below.
+  // Both sheets are over the same four vertices. They are two squares, or they are cut along one diagonal above and
+  // along the other one below.
   const std::vector<Vec3> corners = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
   for (const auto& mesh : {shapes::from_lists(corners, {{0, 1, 2, 3}, {3, 2, 1, 0}}),
                            shapes::from_lists(corners, {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}})}) {
@@ -552,7 +553,7 @@ TEST(remesh_surface, a_closed_surface_with_zero_area_faces_stays_closed) {
   EXPECT_EQ(result.mesh.faces.size(), 4u);
 }
 
-/// Why a mesh does not come back verified; empty if it does.
+/// Returns why a mesh does not come back verified, or an empty text if it does.
 std::string failure_of(const PolygonMesh& mesh) {
   try {
     const Result result = remeshed(mesh);

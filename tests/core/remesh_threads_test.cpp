@@ -1,4 +1,4 @@
-/// The threads of a run: how many there are, and what is left of them.
+/// Tests the threads of a run: how many there are, and what is left of them.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <unistd.h>
@@ -29,7 +29,7 @@ TEST(thread_count, one_thread_takes_a_small_input_that_is_not_refined) {
   EXPECT_EQ(count(corners + 1, true), 6) << "what is refined may become large";
 }
 
-/// Of this process, in the memory.
+/// Returns how much memory of this process is resident, in MiB.
 double resident_mib() {
   std::ifstream file("/proc/self/statm");
   std::size_t all = 0, resident = 0;

@@ -1,4 +1,5 @@
-// Small files after reports of faults: each result is what geometry says, not what a program said before.
+// Tests small files that were made after reports of faults. Each expected result is what geometry says, not what a
+// program gave before.
 
 #include <gtest/gtest.h>
 
@@ -65,7 +66,8 @@ TEST_F(ReportFiles, text_stl_with_words_apart_is_the_box_that_it_tells_of) {
 }
 
 TEST_F(ReportFiles, thin_sheets_and_wedges_list_what_gaps_ask_for_in_vain) {
-  // So many triangles as the gaps ask for are not allowed: nearly all are larger, and all these must be listed.
+  // The gaps ask for more triangles than the budget allows. Thus nearly all triangles are too large, and all of those
+  // must be listed.
   for (const char* name : {"sheet-metal.stl", "tetgen-knife.obj"}) {
     SCOPED_TRACE(name);
     Options options;

@@ -1,4 +1,4 @@
-// Seams within the rounding of coordinates, from the mesh as read to the result.
+// Tests that seams within the rounding of coordinates are closed, from the mesh as it is read to the result.
 
 #include <gtest/gtest.h>
 
@@ -36,8 +36,8 @@ std::uint64_t seams_of(const Report& report) {
   return count;
 }
 
-/// A closed cylinder whose last angle is a full turn as computed, so that its sine is not 0. On its outside it has
-/// `before` rows of quads along the seam up to the last column, and `after` rows in the first one.
+/// Makes a closed cylinder whose last angle is a full turn as computed, so that its sine is not 0. On its outside it
+/// has `before` rows of quads along the seam up to the last column, and `after` rows in the first one.
 PolygonMesh cylinder_with_a_seam(std::uint32_t sides, std::uint32_t before, std::uint32_t after) {
   std::vector<Vec3> points;
   std::vector<std::vector<std::uint32_t>> faces;
@@ -123,7 +123,7 @@ TEST(seams, a_solid_of_facets_that_were_all_moved_by_rounding_is_closed) {
   }
 }
 
-/// What a result is, by its triangles alone.
+/// Properties of a result that are computed from its triangles alone.
 struct Body {
   bool is_closed = true;  ///< each edge has as many triangles one way as the other
   double volume = 0;
@@ -154,7 +154,7 @@ PolygonMesh narrowed(PolygonMesh mesh, double factor) {
   return mesh;
 }
 
-/// Every so manieth face, at random, looks the other way.
+/// Turns faces over at random, one in `every` on average.
 PolygonMesh with_turned_faces(PolygonMesh mesh, unsigned seed, unsigned every) {
   std::mt19937 random(seed);
   for (std::uint32_t f = 0; f < mesh.face_count(); ++f)
@@ -163,7 +163,7 @@ PolygonMesh with_turned_faces(PolygonMesh mesh, unsigned seed, unsigned every) {
   return mesh;
 }
 
-/// The same in other numberings and positions: as it is, and turned about some axes.
+/// Returns the mesh itself, and the same mesh in other numberings, each both in place and turned about some axis.
 std::vector<PolygonMesh> in_many_ways(const PolygonMesh& mesh) {
   std::vector<PolygonMesh> all{mesh};
   for (unsigned seed = 1; seed <= 4; ++seed) {

@@ -1,5 +1,5 @@
-// Real meshes: every file of the shared collection that can be read comes back verified. Where the collection is
-// absent, this says so.
+// Tests real meshes: every file of the shared collection that can be read must come back verified. If the collection is
+// absent, the tests say so.
 
 #include <gtest/gtest.h>
 
@@ -33,10 +33,10 @@ const fs::path kMeshes = test::shared_meshes_folder();
 
 using Facts = test::MeshFacts;
 
-/// Not text that this reads, and numbers that no grammar allows.
+/// The files that cannot be read. One has a kind of text that is not read, the other numbers that no grammar allows.
 const std::set<std::string> kUnreadable{"syntax/box_UTF16BE.obj", "syntax/number_formats.obj"};
 
-/// What the collection's table says of each file.
+/// Returns the row of the collection's table for each file, by the name of the file.
 std::map<std::string, Facts> read_facts() {
   std::map<std::string, Facts> all;
   for (const Facts& facts : test::shared_meshes_facts()) all[facts.at("file")] = facts;
@@ -71,7 +71,7 @@ std::vector<std::string> obj_files() {
   return names;
 }
 
-/// Every file that is to be remeshed, sorted.
+/// Returns every file that is to be remeshed, sorted.
 std::vector<std::string> all_files() {
   std::vector<std::string> names;
   for (const char* folder : {"seed", "planar-cad", "polygons", "curved", "broken", "syntax"}) {
@@ -83,7 +83,7 @@ std::vector<std::string> all_files() {
   return names;
 }
 
-/// The mesh of a file in whatever format.
+/// Reads the mesh of a file in any format.
 PolygonMesh read_any(const std::string& name) {
   RunControl control;
   const std::string content = contents(kMeshes / name);
@@ -207,7 +207,7 @@ TEST_F(SharedMeshes, volumes_change_by_no_more_than_the_bound_that_is_reported) 
   EXPECT_GE(tested, 100);
 }
 
-/// Whether a place is within the tolerance of some triangle of a mesh; a tree finds those near by.
+/// Tells whether a place is within the tolerance of some triangle of a mesh. A tree finds the triangles near it.
 class Nearness {
  public:
   explicit Nearness(const TriangleMesh& mesh)

@@ -1,4 +1,4 @@
-// Polygons that run out and back over themselves: what is left of them, and what is told.
+// Tests polygons that run out and back over themselves: what is left of them, and what the report says about them.
 
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ std::uint64_t count_of(const Report& report, DiagnosticCode code) {
   return count;
 }
 
-/// A rectangle of 10 x 3 with something in its upper side, from right to left.
+/// Makes a rectangle of 10 x 3. Its upper side is the given way, which runs from right to left.
 std::vector<Vec2> rectangle_with(const std::vector<Vec2>& upper) {
   std::vector<Vec2> loop{{0, 0}, {10, 0}, {10, 3}};
   loop.insert(loop.end(), upper.begin(), upper.end());
@@ -46,7 +46,7 @@ struct Case {
   std::vector<Vec2> upper;
 };
 
-/// All of them have the area of the rectangle.
+/// Cases with spikes in the upper side. All of them have the area of the rectangle.
 const std::vector<Case> kSpikes{
     {"one corner", {{6, 3}, {6, 4}, {6, 3}}},
     {"three corners", {{6, 3}, {6, 4}, {7, 5}, {6, 6}, {7, 5}, {6, 4}, {6, 3}}},
@@ -107,7 +107,7 @@ TEST(spikes, in_any_place_and_position_with_the_noise_of_doubles_a_spike_is_one)
     }
 }
 
-/// A rectangle of 10 x 3 with a way in its upper side that leaves its plane.
+/// Makes a rectangle of 10 x 3 with a way in its upper side that leaves its plane.
 std::vector<Vec3> rectangle_in_space(const std::vector<Vec3>& upper) {
   std::vector<Vec3> loop{{0, 0, 0}, {10, 0, 0}, {10, 3, 0}};
   loop.insert(loop.end(), upper.begin(), upper.end());
@@ -115,7 +115,7 @@ std::vector<Vec3> rectangle_in_space(const std::vector<Vec3>& upper) {
   return loop;
 }
 
-/// A mesh of one polygon. Equal corners are one vertex, as in files that have spikes.
+/// Makes a mesh of one polygon. Equal corners are one vertex, as in files that have spikes.
 PolygonMesh one_polygon(const std::vector<Vec3>& corners) {
   std::vector<Vec3> points;
   std::vector<std::uint32_t> loop;
@@ -206,7 +206,7 @@ TEST(spikes, a_slit_into_a_polygon_is_right_as_it_was) {
   EXPECT_DOUBLE_EQ(result.report.output.area, 30);
 }
 
-/// A rectangle of 10 x 5: a lower part whose outline runs up between the two upper ones, and these.
+/// Makes a rectangle of 10 x 5 of three parts: two upper ones, and a lower one whose outline runs up between them.
 PolygonMesh three_parts(const std::vector<std::uint32_t>& lower, const std::vector<std::uint32_t>& right,
                         const std::vector<std::uint32_t>& left) {
   return shapes::from_lists({{0, 0, 0},

@@ -1,4 +1,4 @@
-// A stop at any moment, under surfaces that make single steps of the pipeline as large as they can be.
+// Tests that a run stops soon at any moment, on surfaces that make single steps of the pipeline as long as possible.
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using Seconds = std::chrono::duration<double>;
 
-/// How long a run takes to end once it is stopped so long after its begin; nothing if it ends before.
+/// Cancels a run `stop_after` its beginning, and returns how long it then takes to end. Returns nothing if the run ends
+/// before.
 std::optional<Seconds> time_to_stop(const hostile::Case& hostile, Seconds stop_after) {
   RunControl control;
   std::mutex mutex;

@@ -81,7 +81,7 @@ void bridge(Loop& outline, const Loop& hole, const std::vector<Loop>& holes) {
   outline.insert(outline.begin() + static_cast<std::ptrdiff_t>(at) + 1, inserted.begin(), inserted.end());
 }
 
-/// Ear clipping; the best-shaped ear first, so that no sliver is left for the end.
+/// Triangulates by ear clipping. The best-shaped ear is cut first, so that no sliver is left for the end.
 std::vector<std::array<Vec2, 3>> triangulate(Loop loop, const std::vector<Loop>& holes) {
   for (const Loop& hole : holes) bridge(loop, hole, holes);
   std::vector<std::array<Vec2, 3>> triangles;
@@ -110,7 +110,7 @@ std::vector<std::array<Vec2, 3>> triangulate(Loop loop, const std::vector<Loop>&
   return triangles;
 }
 
-/// Triangles that are welded as they come and can be cut at any edge, both sides at once.
+/// Triangles that are welded as they are added. They can be cut at any edge, in the faces on both sides at once.
 class Cutter {
  public:
   void add(const std::array<Vec3, 3>& corners) {
@@ -168,8 +168,9 @@ class Cutter {
   void enqueue(Edge edge) { queue_.emplace(length(edge) * random_.uniform(0.5, 1.5), edge); }
   double length(Edge edge) const { return norm(positions_[edge.first] - positions_[edge.second]); }
 
-  /// The edge to cut instead: from longer to longer through the faces beside it, to one that is the longest of both of
-  /// its faces. Cutting only such edges keeps needles from becoming ever thinner (Rivara).
+  /// Returns the edge to cut instead. It goes from an edge to a longer one in the faces beside it, until it comes to
+  /// one that is the longest of both of its faces. Cutting only such edges keeps needles from becoming ever thinner
+  /// (Rivara).
   Edge longest_near(Edge edge) const {
     for (bool is_longest = false; !is_longest;) {
       is_longest = true;
@@ -226,7 +227,7 @@ void add_plate(Cutter& part, const Loop& outline, const std::vector<Loop>& holes
   }
 }
 
-/// The strip between two copies of a line of points; seen from outside, `low` runs to the right below `high`.
+/// Makes the strip between two copies of a line of points. Seen from outside, `low` runs to the right below `high`.
 void add_strip(Cutter& part, const Loop& line, const Placement& low, const Placement& high) {
   for (std::size_t i = 0; i + 1 < line.size(); ++i) {
     part.add({low(line[i]), low(line[i + 1]), high(line[i + 1])});

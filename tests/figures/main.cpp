@@ -61,7 +61,7 @@ Shape shape_of(const Result& result) {
   return shape;
 }
 
-/// The first screen of the README.
+/// Draws the picture on the first screen of the README.
 std::string before_and_after(const Part& part, const Result& result) {
   Panel before("Before", count(part.surface.face_count()) + " triangles, coordinates rounded to six decimals");
   draw(shape_of(part), Paint::kLight, 0.35, before);
@@ -80,7 +80,7 @@ std::string regions_and_result(const Part& part, const Result& result) {
   return to_svg({input, output}, 420, 400);
 }
 
-/// What a user chooses between: the shape decides, one size for all, the gaps decide.
+/// Draws the three settings between which a user chooses: the shape decides, one size for all, or the gaps decide.
 std::string three_settings(const PolygonMesh& mesh, RunControl& control) {
   std::vector<Panel> panels;
   const auto add = [&](const std::string& title, const Options& options) {
@@ -100,7 +100,7 @@ std::string three_settings(const PolygonMesh& mesh, RunControl& control) {
   return to_svg(panels, 330, 310);
 }
 
-/// One patch on its way through the plane.
+/// Draws one patch in each step of its way through the plane.
 class PatchFigures {
  public:
   PatchFigures(const Part& part, PatchId patch, RunControl& control) : part_(part), patch_(patch), control_(control) {
@@ -225,7 +225,7 @@ class PatchFigures {
   std::vector<Segment> segments_;  // the loops' edges between them
 };
 
-/// The face of the base that carries the rib: an outline that is not convex, and two slots.
+/// Returns the face of the base that carries the rib. Its outline is not convex, and it has two slots.
 PatchId upper_face_of_base(const Part& part) {
   PatchId best;
   for (std::uint32_t p = 0; p < part.patches.count(); ++p) {

@@ -9,7 +9,7 @@
 
 namespace remesh::figures {
 
-/// Up to its patches.
+/// A part after the stages up to its patches.
 struct Part {
   Surface surface;
   Adjacency adjacency;  ///< looks into the surface's arrays, which stay where they are when the surface is moved

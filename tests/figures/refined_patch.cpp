@@ -28,7 +28,7 @@ const Colour kBad{0.97, 0.80, 0.78};
 const Colour kNeighbour{0.13, 0.53, 0.33};
 constexpr double kLargestEdge = 6;
 
-/// Has the triangle an angle below that of the tangent?
+/// Returns whether the triangle has an angle below the angle with this tangent.
 bool is_bad(Vec2 a, Vec2 b, Vec2 c, double tangent) {
   const auto is_sharp = [&](Vec2 at, Vec2 p, Vec2 q) { return cross(p - at, q - at) < tangent * dot(p - at, q - at); };
   return is_sharp(a, b, c) || is_sharp(b, c, a) || is_sharp(c, a, b);
@@ -80,7 +80,7 @@ class Figure {
     return segments;
   }
 
-  /// What the patch does by itself in the first round.
+  /// Refines the patch by itself, as in the first round, when no neighbour has made cuts yet.
   PatchMesh refine_alone(const Goals& goals) {
     const SizeField sizes(goals.max_edge_length);
     const SegmentTable segments = segments_of(sizes, goals);
@@ -114,7 +114,7 @@ class Figure {
       if (mesh.is_constrained(h)) panel.line(patch.uv[mesh.from(h)], patch.uv[mesh.to(h)], kOuter, 1.6);
   }
 
-  /// The corners; the cuts in the boundary that `alone` has too, and those that it has not.
+  /// Draws the vertices on the boundary in three styles: corners, cuts that `alone` has as well, and all other cuts.
   void draw_points(const PatchMesh& patch, const PatchMesh& start, const PatchMesh& alone, Panel& panel) const {
     std::vector<std::uint8_t> is_on_boundary(patch.uv.size(), 0);
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)

@@ -1,4 +1,4 @@
-/// The figures of the stage refinement.
+/// The figures that show the refinement stage.
 #pragma once
 
 #include <string>
@@ -9,10 +9,11 @@
 
 namespace remesh::figures {
 
-/// One patch before, during and after the refinement of all patches, and the same with a largest edge; as SVG.
+/// Draws one patch as SVG before, during and after the refinement of all patches, and the same patch with a largest
+/// edge.
 std::string refinement_of_patch(const Part& part, PatchId patch, RunControl& control);
 
-/// A facet with a sharp corner and a largest edge, without and with a bound on angles; as SVG.
+/// Draws a facet with a sharp corner and a largest edge as SVG, without and with a bound on angles.
 std::string sharp_corner(RunControl& control);
 
 }  // namespace remesh::figures

@@ -46,7 +46,7 @@ Facet make_facet(const Shape& shape, std::size_t face, const Vec3& normal) {
   return facet;
 }
 
-/// What two facets have in common in the picture, as a convex polygon.
+/// Returns the area that two facets share in the picture, as a convex polygon.
 std::vector<Vec2> overlap(const Facet& a, const Facet& b) {
   std::vector<Vec2> polygon(a.corners.begin(), a.corners.end());
   for (std::size_t k = 0; k < 3 && !polygon.empty(); ++k) {
@@ -70,7 +70,7 @@ double area(const std::vector<Vec2>& polygon) {
   return doubled / 2;
 }
 
-/// How much nearer `a` is than `b` in the middle of what they share; 0 where they share nothing.
+/// Returns how much nearer `a` is than `b` in the middle of the area that they share, or 0 if they share none.
 double nearer_by(const Facet& a, const Facet& b) {
   const std::vector<Vec2> shared = overlap(a, b);
   const double box = (a.high.x - a.low.x) * (a.high.y - a.low.y);
@@ -79,7 +79,8 @@ double nearer_by(const Facet& a, const Facet& b) {
   return a.depth(middle) - b.depth(middle);
 }
 
-/// The order to paint in, in runs that are each of one patch: who is covered comes before who covers it.
+/// Returns the order in which to paint, in runs that each belong to one patch. A facet comes before those that cover
+/// it.
 std::vector<std::vector<std::size_t>> paint_order(const std::vector<Facet>& facets) {
   std::vector<std::vector<std::size_t>> covered_by(facets.size());
   std::vector<std::size_t> waits_for(facets.size(), 0);
@@ -104,7 +105,7 @@ std::vector<std::vector<std::size_t>> paint_order(const std::vector<Facet>& face
     if (waits_for[i] == 0) ready[facets[i].patch].push_back(i);
   std::vector<std::vector<std::size_t>> runs;
   while (!ready.empty()) {
-    // The longest run, so that there are few.
+    // The longest run is taken next, so that there are few runs.
     const auto longest = std::max_element(
         ready.begin(), ready.end(), [](const auto& a, const auto& b) { return a.second.size() < b.second.size(); });
     const std::uint32_t patch = longest->first;
@@ -124,7 +125,7 @@ Colour shade(const Colour& base, const Vec3& normal) {
   return light < 0 ? mix(base, kDark, -0.45 * light) : mix(base, kWhite, light);
 }
 
-/// By the longest edge, in steps: warm where that is short.
+/// Returns the colour for the longest edge of a face, in steps. Short edges get warm colours.
 Colour colour_of_size(const Shape& shape, std::size_t face) {
   constexpr double kSmall = 1, kLarge = 32;  // millimetres of the part that is shown
   constexpr int kSteps = 24;

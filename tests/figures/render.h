@@ -1,4 +1,4 @@
-/// Surfaces in space, drawn flat.
+/// A renderer that draws surfaces in space as flat pictures.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace remesh::figures {
 
-/// A surface as the renderer wants it. Corners are counter-clockwise from outside.
+/// A surface as the renderer takes it. The corners of a face are counter-clockwise, seen from outside.
 struct Shape {
   std::vector<Vec3> positions;
   std::vector<std::array<std::uint32_t, 3>> faces;
@@ -19,10 +19,10 @@ struct Shape {
 
 enum class Paint { kLight, kPatches, kSizes };
 
-/// Draws the faces that look at the viewer, seen from the front right above in parallel projection, the far ones first:
-/// shaded by a light from above, or coloured by patch or by size (small ones warm, large ones cold) and shaded a
-/// little.
-/// Input:  faces that do not pass through each other.
+/// Draws the faces that look at the viewer in parallel projection, seen from the front right above. Far faces are drawn
+/// first. They are shaded by a light from above, or they are coloured by patch or by size (small ones warm, large ones
+/// cold) and shaded a little.
+/// Input:  The faces do not pass through each other.
 /// Cost:   O(n^2) box tests in the visible faces.
 void draw(const Shape& shape, Paint paint, double mesh_line_width, Panel& panel);
 

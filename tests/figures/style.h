@@ -15,7 +15,7 @@ inline const Colour kOuter{0.09, 0.39, 0.67};
 inline const Colour kHole{0.85, 0.37, 0.05};
 inline const Colour kMissing{0.80, 0.10, 0.16};
 
-/// 4800 as "4,800".
+/// Writes 4800 as "4,800".
 inline std::string count(std::size_t n) {
   std::string text = std::to_string(n);
   for (std::size_t at = text.size(); at > 3;) text.insert(at -= 3, 1, ',');

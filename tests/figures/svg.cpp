@@ -37,7 +37,8 @@ class Path {
     append(at_.x - from.x);
     append(at_.y - from.y);
   }
-  /// A letter or a minus parts a number from the one before, else a space does.
+  /// Appends a number. If neither a minus nor the letter `m` separates it from the number before, it puts a space
+  /// between them.
   void append(long hundredths) {
     if (hundredths < 0)
       text_ += '-';
@@ -149,7 +150,7 @@ std::string to_svg(const std::vector<Panel>& panels, double panel_width, double 
     };
     const auto& elements = panels[i].elements_;
     for (std::size_t from = 0, to = 0; from < elements.size(); from = to) {
-      // What looks alike and stands together is one path.
+      // Consecutive elements that look alike become one path, or one group of dots.
       const auto& first = elements[from];
       while (to < elements.size() && elements[to].is_like(first)) ++to;
       svg += first.kind == Panel::Element::Kind::kDot ? "<g" : "<path";

@@ -10,7 +10,7 @@
 
 namespace remesh::figures {
 
-/// Red, green and blue, each 0 to 1.
+/// A colour in parts of red, green and blue, each from 0 to 1.
 struct Colour {
   double red = 0;
   double green = 0;
@@ -19,12 +19,13 @@ struct Colour {
   friend bool operator==(const Colour&, const Colour&) = default;
 };
 
-/// `amount` of `b` in `a`.
+/// Mixes `amount` of `b` into `a`.
 Colour mix(const Colour& a, const Colour& b, double amount);
-/// Colours that differ well from their neighbours in number; the same for the same number, always.
+/// Returns a colour that differs well from those of the neighbouring numbers. The same number always gets the same
+/// colour.
 Colour colour_of(std::uint32_t number);
 std::string hex(const Colour& colour);
-/// With at most two decimals.
+/// Formats a value with at most two decimals.
 std::string number(double value);
 
 /// One picture: SVG elements in its own coordinates (x to the right, y upwards), and what stands below it.
@@ -45,7 +46,7 @@ class Panel {
     std::vector<Vec2> points;
     Colour fill;
     Colour stroke;
-    double width;  ///< of the stroke; the radius of a dot
+    double width;  ///< width of the stroke, or radius of a dot
 
     bool is_like(const Element& other) const {
       return kind == other.kind && fill == other.fill && stroke == other.stroke && width == other.width;
@@ -57,7 +58,7 @@ class Panel {
   std::vector<Element> elements_;
 };
 
-/// Panels in rows of two, three in one row; each fitted into its field, the same scale for all.
+/// Sets panels in rows of two, or three panels in one row. Each is fitted into its field, and all have the same scale.
 std::string to_svg(const std::vector<Panel>& panels, double panel_width, double panel_height);
 
 }  // namespace remesh::figures

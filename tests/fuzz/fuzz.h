@@ -1,4 +1,4 @@
-/// What the fuzz targets share.
+/// Checks that the fuzz targets share.
 #pragma once
 
 #include <cstdlib>
@@ -20,7 +20,7 @@ inline void require(bool condition, std::string_view what) {
   if (!condition) found(what);
 }
 
-/// What PolygonMesh promises.
+/// Requires everything that PolygonMesh promises.
 inline void check_mesh(const PolygonMesh& mesh) {
   require(mesh.face_count() > 0, "a reader gives a mesh without faces");
   require(mesh.face_begin.front() == 0 && mesh.face_begin.back() == mesh.corners.size(), "face_begin is not whole");

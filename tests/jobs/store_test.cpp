@@ -1,5 +1,6 @@
-/// What every job store promises. Which one is meant says the environment: REMESHD_TEST_STORE is `sqlite` or the URL of
-/// a PostgreSQL that the tests may use as they like. Each test runs twice: with blobs in the store, and in a folder.
+/// Tests what every job store promises. The environment says which store is tested: REMESHD_TEST_STORE is `sqlite` or
+/// the URL of a PostgreSQL that the tests may use as they like. Each test runs twice: with blobs in the store, and with
+/// blobs in a folder.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
@@ -48,7 +49,7 @@ class StoreTest : public ::testing::TestWithParam<Blobs> {
     if (is_sqlite()) return make_sqlite_driver((folder_ / "jobs.sqlite").string());
     return make_postgres_driver(url_ + "?options=-csearch_path%3D" + schema_);
   }
-  /// Another daemon's view of the same store.
+  /// Opens the store once more, as another daemon would.
   std::unique_ptr<JobStore> open(const StoreRules& rules = {}) const {
     std::unique_ptr<BlobFolder> blobs;
     if (GetParam() == Blobs::kInFolder) blobs = std::make_unique<BlobFolder>((folder_ / "blobs").string());
@@ -186,7 +187,7 @@ TEST_P(StoreTest, a_file_that_is_lost_is_the_loss_of_its_job_alone) {
   EXPECT_THROW(store->blob_size(id, BlobKind::kInput), BlobLost);
   EXPECT_TRUE(store->is_well());
   EXPECT_EQ(store->read_blob(other, BlobKind::kInput), "another body");
-  // Without the folder nothing is known to be lost.
+  // If the whole folder is missing, no single blob is known to be lost.
   std::filesystem::rename(folder_ / "blobs", folder_ / "away");
   EXPECT_THROW(store->read_blob(id, BlobKind::kInput), StoreError);
   EXPECT_TRUE(store->is_well());

@@ -66,10 +66,10 @@ double Times::quantile(double share) const {
 
 namespace {
 
-/// Seconds of all processors.
+/// Seconds that were spent, summed over all processors.
 struct Spent {
-  double busy;    ///< on anything
-  double stolen;  ///< of that, by the host that this machine is a guest of
+  double busy;    ///< on any work, stolen time included
+  double stolen;  ///< the part of `busy` that the host took from this machine, which is its guest
 };
 
 Spent machine_spent() {
@@ -81,7 +81,7 @@ Spent machine_spent() {
   return {(user + nice + system + interrupts + soft + stolen) / ticks, stolen / ticks};
 }
 
-/// Seconds that a process has taken.
+/// Returns the seconds of processor time that a process has taken.
 double process_busy_s(int pid) {
   std::ifstream file("/proc/" + std::to_string(pid) + "/stat");
   std::string text((std::istreambuf_iterator<char>(file)), {});

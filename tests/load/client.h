@@ -1,4 +1,4 @@
-/// A client that asks, measures, and can misbehave.
+/// A client that sends requests, measures the answers, and can misbehave.
 #pragma once
 
 #include <algorithm>
@@ -13,22 +13,22 @@ namespace remesh::load {
 
 using Clock = std::chrono::steady_clock;
 
-/// What became of one request.
+/// The outcome of one request.
 struct Outcome {
-  int status = 0;  ///< 0: no answer
+  int status = 0;  ///< 0 if there was no answer
   double ms = 0;   ///< from the connection to the answer's end
   std::size_t bytes = 0;
 };
 
-/// Sends the bytes, and takes the answer.
+/// Sends the bytes and waits for the answer.
 Outcome perform(int port, const std::string& bytes, std::string* answer = nullptr);
-/// Sends the bytes and leaves without a look at the answer.
+/// Sends the bytes and closes the connection without reading the answer.
 void send_and_leave(int port, const std::string& bytes);
 
 std::string get_text(const std::string& path);
 std::string post_text(const std::string& target, const std::string& body);
 
-/// A value of GET /metrics; 0 where the series is not there.
+/// Returns the value of a series in the text of GET /metrics, or 0 if it is not there.
 double metric(const std::string& metrics, const std::string& series);
 std::string fetch(int port, const std::string& path);
 
@@ -37,7 +37,7 @@ class Times {
  public:
   void add(double ms);
   std::size_t count() const;
-  /// The value that a part `share` of them does not pass; 0 of none.
+  /// Returns the time that a part `share` of all times does not exceed, or 0 if there are no times.
   double quantile(double share) const;
 
  private:
@@ -45,19 +45,21 @@ class Times {
   std::vector<double> all_;
 };
 
-/// How much of the processors others take meanwhile: what is measured says little about the daemon when they take much.
+/// Measures how much of the processors other processes take meanwhile. If they take much, a measured time says little
+/// about the daemon.
 class Neighbours {
  public:
-  /// Others than this process and that one.
+  /// Starts to measure. Neither this process nor the daemon, whose process id is given, counts as another.
   explicit Neighbours(int daemon);
 
-  /// Of all processors, since the start.
+  /// Returns the share of all processors that others have taken since the start.
   double share() const;
-  /// Of that, what the host takes of a machine that is its guest. It stands still for tens of milliseconds then.
+  /// Returns the part of share() that the host took from this machine, if it is a guest. While the host takes a
+  /// processor, it stands still for tens of milliseconds.
   double stolen_share() const;
-  /// Of so large a share of answers in time, what is left without those that the host held up.
+  /// Lowers the share of answers that must be in time by the share of time that the host took.
   double without_stolen(double share) const { return std::max(0.0, share - stolen_share()); }
-  /// Whether times can be judged.
+  /// Returns whether the machine is quiet enough for times to be judged.
   bool are_quiet() const { return share() < 0.15; }
 
  private:
@@ -69,11 +71,11 @@ class Neighbours {
   const double busy_at_start_s_, stolen_at_start_s_;
 };
 
-/// Prints the claims with their figures, and remembers whether all held.
+/// Prints each claim with its figures, and remembers whether all of them held.
 class Verdict {
  public:
   void expect(bool holds, const std::string& claim);
-  /// Of a claim about time: judged where the neighbours let it, else only told.
+  /// Judges a claim about time. If it does not hold while the neighbours take much of the machine, it is printed only.
   void expect_in_time(bool holds, const std::string& claim, const Neighbours& neighbours);
   int exit_code() const { return holds_ ? 0 : 1; }
 
@@ -83,7 +85,7 @@ class Verdict {
 
 std::string with_unit(double value, const char* unit);
 
-/// `count` threads that do the same; returns when all have.
+/// Runs `task` in `count` threads, each with its number. Returns when all have ended.
 template <typename Task>
 void in_parallel(std::size_t count, const Task& task) {
   std::vector<std::thread> threads;

@@ -14,7 +14,8 @@ namespace {
 
 constexpr std::uint64_t kBudget = 512ull << 20;
 
-/// Requests served a second by clients that ask again as soon as they have their answer, few enough to find a place.
+/// Returns how many requests are served per second if clients ask again as soon as they have their answer. The clients
+/// are few enough for each to find a place.
 double peak_throughput(int port, const std::string& request, double seconds) {
   std::atomic<int> served = 0;
   const Clock::time_point end = Clock::now() + std::chrono::milliseconds(static_cast<int>(seconds * 1000));
@@ -36,7 +37,8 @@ int overload(double seconds) {
   const double peak_before = peak_throughput(port, request, peak_seconds);
   const double rate = 3 * peak_before;
 
-  // At fixed times, whatever became of those before. As many threads as can be waiting at once.
+  // Requests are sent at fixed times, whatever became of those before. There are as many threads as requests can wait
+  // at once.
   const auto total = static_cast<std::size_t>(rate * seconds);
   std::atomic<std::size_t> next = 0;
   std::atomic<std::size_t> served = 0;
@@ -71,7 +73,8 @@ int overload(double seconds) {
   const double took = std::chrono::duration<double>(Clock::now() - start).count();
   goes_on = false;
   watcher.join();
-  // Before and after: within a minute a shared machine becomes faster or slower by more than what is asked here.
+  // The peak is measured before and after the load, because within a minute a shared machine becomes faster or slower
+  // by more than is asked here.
   const double peak = (peak_before + peak_throughput(port, request, peak_seconds)) / 2;
 
   Verdict verdict;
@@ -80,7 +83,7 @@ int overload(double seconds) {
               static_cast<double>(total) / took, took, served.load(), rejected.load());
   verdict.expect_in_time(static_cast<double>(total) / took > 2.5 * peak, "the load was about three times the peak",
                          neighbours);
-  // In a few seconds the peak is not known to 5 %.
+  // A few seconds are not enough to know the peak to 5 %.
   const double share = seconds < 30 ? 0.8 : 0.95;
   verdict.expect_in_time(throughput >= share * peak, "served: " + with_unit(100 * throughput / peak, "% of the peak"),
                          neighbours);

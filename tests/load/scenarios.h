@@ -1,17 +1,20 @@
-/// The loads; each starts a daemon of its own, prints what it measured, and returns an exit code.
+/// The load scenarios. Each starts a daemon of its own, prints what it measured, and returns an exit code.
 #pragma once
 
 #include <cstddef>
 
 namespace remesh::load {
 
-/// So many connections that send a byte now and then, and as many that read as slowly, hold nobody up.
+/// Opens `connections` connections that send a byte now and then, and as many that read as slowly. They must not delay
+/// anybody else.
 int slow(std::size_t connections);
 
-/// Three times what the daemon can do: it goes on doing what it can, and turns the rest away at once.
+/// Sends three times as many requests as the daemon can serve. It must go on serving as many as it can, and turn the
+/// rest away at once.
 int overload(double seconds);
 
-/// So many requests, a tenth of them broken and a tenth cut off: nothing grows, and all are counted.
+/// Sends `requests` requests, of which a tenth are broken and a tenth are cut off. Neither memory nor the number of
+/// descriptors may grow, and /metrics must count all requests.
 int soak(std::size_t requests);
 
 }  // namespace remesh::load

@@ -17,7 +17,7 @@ namespace {
 using server::RawClient;
 using Clients = std::vector<std::unique_ptr<RawClient>>;
 
-/// Every few seconds a byte each, while `goes_on`.
+/// Sends one byte on each sender, and takes one from each reader, every two seconds while `goes_on`.
 void trickle(const Clients& senders, const Clients& readers, const std::atomic<bool>& goes_on) {
   while (goes_on) {
     for (const auto& client : senders) client->send("a");
@@ -44,11 +44,11 @@ int slow(std::size_t connections) {
   Clients senders;
   for (std::size_t i = 0; i < connections; ++i) {
     senders.push_back(std::make_unique<RawClient>(port));
-    // Half of them in the head, half in the body.
+    // Half of them are slow in the head, and half in the body.
     senders.back()->send(i % 2 == 0 ? "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nX-Slow: "
                                     : "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 100000\r\n\r\n");
   }
-  // Answers that no buffer on the way holds, to clients that hardly read.
+  // The answers are too large for the buffers on the way, and these clients hardly read.
   const std::string large = post_text("/v1/remesh?refine=false&format=json", server::bumpy_sheet(15));
   Clients readers;
   for (std::size_t i = 0; i < connections; ++i) {

@@ -47,7 +47,7 @@ std::vector<Sample> samples() {
   };
 }
 
-/// The n-th request: a tenth broken, a tenth cut off.
+/// Returns the n-th request. A tenth of all requests are broken, and a tenth are cut off.
 const Sample& choose(const std::vector<Sample>& all, std::size_t n) {
   const Kind kind = n % 10 == 3 ? Kind::kBroken : n % 10 == 7 ? Kind::kCut : Kind::kGood;
   std::size_t skip = n / 10;
@@ -73,14 +73,14 @@ double with_code(const std::string& metrics, int code) {
   return sum;
 }
 
-/// What the daemon holds once all is quiet.
+/// The resources that the daemon occupies once all is quiet.
 struct Holding {
   double memory_mib = 0;
   std::size_t descriptors = 0;
 };
 
-/// The least of ten looks: what is held is in all of them, but the file in which the daemon reads its own memory is
-/// open for a moment again and again.
+/// Returns the least of ten counts. A descriptor that stays open is in all of them. The file in which the daemon reads
+/// its own memory is not, because it is open only for a moment again and again.
 std::size_t descriptors_held(const server::Daemon& daemon) {
   std::size_t least = daemon.descriptors();
   for (int look = 1; look < 10; ++look) {
@@ -123,12 +123,13 @@ int soak(std::size_t requests) {
   };
 
   const Clock::time_point start = Clock::now();
-  // What caches and the arenas of all threads take once is no growth.
+  // Caches and the arenas of all threads take memory once. This is no growth, so measuring begins after it.
   constexpr std::size_t kWarm = 5000;
   const std::size_t warm = std::max(requests / 5, std::min(requests / 2, kWarm));
   run_until(warm);
   const Holding before = measure(daemon);
-  // What leaks, leaks all the time; an arena that grows once, because many requests happened to meet, does not.
+  // A leak grows in every stage. An arena that grows once, because many requests happened to meet, does not. Thus the
+  // median of the stages is judged.
   constexpr std::size_t kStages = 5;
   Holding after = before;
   std::array<double, kStages> growths{};
@@ -155,7 +156,7 @@ int soak(std::size_t requests) {
   for (std::size_t code = 200; code < answered.size(); ++code) {
     if (answered[code] == 0) continue;
     const double counted = with_code(metrics, static_cast<int>(code));
-    // Those that were cut off may have been answered before the daemon could know.
+    // The daemon may have answered a request before it could know that the client had cut it off.
     const bool may_be_more = code == 200 || code == 400;
     const auto seen = static_cast<double>(answered[code]);
     verdict.expect(may_be_more ? counted >= seen && counted <= seen + static_cast<double>(cut) : counted == seen,

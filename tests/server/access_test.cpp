@@ -1,4 +1,4 @@
-/// Who may ask: keys, origins, addresses.
+/// Tests who may send requests: keys, origins, addresses.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -78,7 +78,7 @@ TEST(ApiKeys, a_file_is_read_again_and_the_old_keys_stay_where_it_is_wrong) {
 }
 
 TEST(ApiKeys, requests_are_compared_while_the_file_is_read_again) {
-  // Keys that were freed too early show, at the latest, under a sanitizer.
+  // If keys were freed too early, at least a sanitizer would find it.
   const KeyFile file(kKey + "\n");
   ApiKeys keys(file.path(), "");
   std::atomic<bool> goes_on = true;

@@ -1,5 +1,5 @@
-/// What hostile clients send, against the real binary: each gets the status of the contract at once, then the
-/// connection closes; the daemon's memory stays where it was.
+/// Tests the real binary against what hostile clients send. Each client gets the status of the contract at once, and
+/// then the connection closes. The daemon's memory does not grow.
 #include <gtest/gtest.h>
 #include <zlib.h>
 
@@ -19,7 +19,7 @@ namespace remesh::server {
 namespace {
 
 constexpr std::uint64_t kMebibyte = 1 << 20;
-/// A sanitizer keeps shadows, and what was freed.
+/// The limit is larger with a sanitizer, because it stores shadow memory and does not release what was freed.
 constexpr std::uint64_t kMaxGrowth = (kIsSanitized ? 1024 : 64) * kMebibyte;
 
 struct Attack {
@@ -116,7 +116,7 @@ std::string code_in(const Answer& answer) {
 class AttackTest : public ::testing::Test {
  protected:
   AttackTest() {
-    // What the daemon needs for any request at all does not count.
+    // Memory that the daemon needs for any request at all does not count, so one is sent first.
     EXPECT_EQ(post(daemon_.port(), "/v1/remesh", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").status, 200);
     idle_ = daemon_.memory("VmRSS");
     daemon_.forget_peak();
@@ -197,7 +197,7 @@ TEST_F(AttackTest, many_bodies_that_never_end_take_no_memory) {
 TEST_F(AttackTest, what_follows_a_refused_request_is_not_taken_for_another) {
   const std::string smuggled = "GET /v1/capabilities HTTP/1.1\r\nHost: x\r\n\r\n";
   const std::string length = "Content-Length: " + std::to_string(smuggled.size()) + "\r\n\r\n";
-  // Not even where the client asks for the connection to be kept.
+  // The connection is closed even if the client asks to keep it open.
   const std::string keep = "Connection: keep-alive\r\n";
   for (const std::string& first :
        {kPost + keep + "Content-Length: 0\r\n" + length, "GET /livez HTTP/1.1\r\nHost: x\r\n" + keep + length,
@@ -213,7 +213,7 @@ TEST_F(AttackTest, what_follows_a_refused_request_is_not_taken_for_another) {
   }
 }
 
-/// So many zero bytes under gzip: a thousandth of them.
+/// Returns `count` zero bytes under gzip, which makes them a thousand times smaller.
 std::string zeros_in_gzip(std::uint64_t count) {
   z_stream stream{};
   deflateInit2(&stream, Z_BEST_COMPRESSION, Z_DEFLATED, 15 + 16, 8, Z_RLE);

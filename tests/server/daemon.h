@@ -1,4 +1,4 @@
-/// The real binary in a process of its own.
+/// Runs the real binary in a process of its own.
 #pragma once
 
 #include <fcntl.h>
@@ -19,7 +19,7 @@
 
 namespace remesh::server {
 
-/// `remeshd` on a free port; killed with the test if it still runs.
+/// A `remeshd` that listens on a free port. It is killed at the end of the test if it still runs.
 class Daemon {
  public:
   explicit Daemon(std::vector<std::string> flags = {}) {
@@ -65,7 +65,8 @@ class Daemon {
   int ops_port() const { return ops_port_; }
   pid_t pid() const { return child_; }
 
-  /// A line of /proc/PID/status in bytes: "VmRSS", or "VmHWM", the most since `forget_peak`.
+  /// Returns the value of a line of /proc/PID/status in bytes: "VmRSS" is the memory in use now, and "VmHWM" the peak
+  /// since `forget_peak`.
   std::uint64_t memory(const std::string& what) const {
     std::ifstream status("/proc/" + std::to_string(child_) + "/status");
     for (std::string line; std::getline(status, line);) {
@@ -79,14 +80,14 @@ class Daemon {
     return static_cast<std::size_t>(std::distance(begin(folder), end(folder)));
   }
   void send_signal(int number) const { ::kill(child_, number); }
-  /// The exit code, or minus the signal that ended it.
+  /// Waits for the end. Returns the exit code, or the negated number of the signal that ended it.
   int wait() {
     int status = 0;
     ::waitpid(child_, &status, 0);
     child_ = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
-  /// What it has logged since its start, whole where it has ended.
+  /// Returns what the daemon has logged since its start. The log is complete once the daemon has ended.
   std::string log() {
     if (child_ < 0 && reader_.joinable()) reader_.join();
     const std::lock_guard lock(mutex_);

@@ -1,4 +1,4 @@
-/// The real binary in a process of its own, with the real geometry.
+/// Tests the real binary in a process of its own, with the real geometry.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>

@@ -1,4 +1,4 @@
-/// Routing and the writing of answers, over real connections.
+/// Tests routing and the writing of answers over real connections.
 #include "server/http_server.h"
 
 #include <gtest/gtest.h>
@@ -44,7 +44,7 @@ Response in_pieces(const Call& call) {
   return response;
 }
 
-/// More than the buffers of a connection hold.
+/// Answers with more than the buffers of a connection hold.
 Response large(const Call&) {
   Response response;
   response.body.assign(30'000'000, 'x');
@@ -101,7 +101,7 @@ TEST_F(HttpServerTest, other_paths_are_not_found) {
   for (const char* method : {"POST", "PUT", "PATCH", "DELETE", "OPTIONS"}) {
     EXPECT_EQ(request(method, "/v1", "Content-Length: 0\r\n").status, 404) << method;
   }
-  // Far longer than what the library's regular expressions could stand.
+  // The path is far longer than the regular expressions of the library could stand.
   EXPECT_EQ(request("GET", "/v1/requests/" + std::string(30'000, 'a')).status, 404);
 }
 
@@ -189,7 +189,7 @@ TEST_F(HttpServerTest, a_value_cannot_start_a_field_of_its_own) {
 }
 
 TEST_F(HttpServerTest, what_a_client_may_ask_of_the_library_is_not_heard) {
-  // Ranges, compression, its own times for connections: the library knows them all.
+  // The HTTP library itself knows ranges, compression, and times of its own for connections.
   const Answer answer = request("GET", "/v1/requests/abc",
                                 "Range: bytes=0-1\r\nAccept-Encoding: gzip, br\r\n"
                                 "Expect: 100-continue\r\nREMOTE_ADDR: 1.2.3.4\r\n");
@@ -255,7 +255,7 @@ class KeptConnection : public HttpServerTest {
   static std::string get_text(const std::string& path, const std::string& fields = "") {
     return "GET " + path + " HTTP/1.1\r\nHost: x\r\n" + fields + "\r\n";
   }
-  /// Of a connection that the server has closed.
+  /// Returns whether the server closes the connection without sending anything more.
   static bool is_closed(RawClient& client) { return client.receive().empty(); }
 
   static std::unique_ptr<HttpServer> start(const HttpSettings& settings) {
@@ -338,7 +338,7 @@ TEST_F(KeptConnection, a_line_end_behind_a_body_is_no_request) {
     client.send(get_text("/v1/requests/two"));
     EXPECT_EQ(client.answer().body, "show:two:") << is_late;
   }
-  // With the next request in one piece, as it is put back.
+  // The same holds if the next request arrives in one piece with it, as it is put back.
   RawClient client(server_.port());
   client.send(get_text("/") + "\r\n" + get_text("/v1/requests/two", "Connection: close\r\n"));
   EXPECT_EQ(client.answer().body, "root::");

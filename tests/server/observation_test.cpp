@@ -1,4 +1,4 @@
-/// What the daemon tells of itself: metrics, traces, digests.
+/// Tests what the daemon tells about itself: metrics, traces, digests.
 #include <gtest/gtest.h>
 #include <zlib.h>
 

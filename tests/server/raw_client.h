@@ -18,10 +18,11 @@
 
 namespace remesh::server {
 
-/// How long a test waits for what must come: long, so that a busy machine is not taken for a fault.
+/// How long a test waits for an event that must happen. The time is long, so that a busy machine is not mistaken for a
+/// fault.
 constexpr std::chrono::seconds kPatience{60};
 
-/// An answer, taken apart.
+/// An answer, split into its parts.
 struct Answer {
   int status = 0;
   std::string head;
@@ -47,13 +48,14 @@ struct Answer {
 
 class RawClient {
  public:
-  /// From an address of this machine of the test's choice.
-  /// `receive_buffer`: of a client that takes little, so that an answer waits at the server.
+  /// Connects to the server from `from`, an address of this machine.
+  /// Input:  `receive_buffer` is the size of the buffer for arriving bytes; 0 leaves it to the system. With a small
+  ///         buffer the client takes little, so that an answer waits at the server.
   explicit RawClient(int port, const char* from = "127.0.0.1", int receive_buffer = 0)
       : socket_(::socket(AF_INET, SOCK_STREAM, 0)) {
     if (receive_buffer > 0) {
       ::setsockopt(socket_, SOL_SOCKET, SO_RCVBUF, &receive_buffer, sizeof receive_buffer);
-      // Small segments, or the other side makes its buffer large.
+      // Segments must be small, or the other side makes its buffer large.
       const int segment = 536;
       ::setsockopt(socket_, IPPROTO_TCP, TCP_MAXSEG, &segment, sizeof segment);
     }
@@ -74,7 +76,8 @@ class RawClient {
   RawClient(const RawClient&) = delete;
   RawClient& operator=(const RawClient&) = delete;
 
-  /// Output: false when the server has closed the connection.
+  /// Sends all bytes.
+  /// Output: false if the server has closed the connection.
   bool send(std::string_view bytes) {
     while (!bytes.empty()) {
       const ssize_t put = ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
@@ -84,15 +87,16 @@ class RawClient {
     return true;
   }
 
-  /// Everything up to the end, or at least up to `stop` if that is given and seen.
+  /// Returns everything up to the end of the connection. If `stop` is given and arrives, it returns what has arrived by
+  /// then.
   std::string receive(std::string_view stop = {}) {
     while ((stop.empty() || arrived_.find(stop) == std::string::npos) && receive_some()) {
     }
     return std::exchange(arrived_, {});
   }
 
-  /// One answer, behind interim ones: as much as its Content-Length says, and all that comes up to the end of a
-  /// connection that ends with it.
+  /// Returns one answer and skips interim ones. It takes as much of the body as Content-Length says, or everything up
+  /// to the end if the answer ends the connection.
   std::string receive_answer() {
     const auto take_head = [this] { return take_up_to("\r\n\r\n"); };
     std::string head = take_head();
@@ -102,7 +106,7 @@ class RawClient {
     const std::string length = answer.header("Content-Length");
     return head + (length.empty() ? "" : take(std::stoull(length)));
   }
-  /// The same, taken apart.
+  /// Returns the next answer, split into its parts.
   Answer answer() { return Answer::parse(receive_answer()); }
 
   /// Takes one byte if there is one.
@@ -111,7 +115,7 @@ class RawClient {
     [[maybe_unused]] const ssize_t got = ::recv(socket_, &byte, 1, MSG_DONTWAIT);
   }
 
-  /// True when there is something to receive, or the end.
+  /// Returns whether there is something to receive, or the connection has ended.
   bool has_input() const {
     pollfd entry{socket_, POLLIN, 0};
     return ::poll(&entry, 1, 0) > 0;
@@ -125,7 +129,8 @@ class RawClient {
   }
 
  private:
-  /// Output: false at the end.
+  /// Waits for some bytes and appends them to `arrived_`.
+  /// Output: false at the end of the connection, or if nothing arrives within kPatience.
   bool receive_some() {
     std::array<char, 4096> buffer;
     const ssize_t got = ::recv(socket_, buffer.data(), buffer.size(), 0);
@@ -147,7 +152,7 @@ class RawClient {
   }
 
   int socket_;
-  std::string arrived_;  ///< and not taken yet
+  std::string arrived_;  ///< bytes that were received and not taken yet
 };
 
 inline Answer ask(int port, std::string_view bytes) {
@@ -169,7 +174,8 @@ inline Answer post(int port, const std::string& target, const std::string& body,
   return ask(port, post_text(target, body, fields));
 }
 
-/// Waits until the condition holds, as long as a test has patience. Output: whether it does.
+/// Waits until the condition holds, for at most kPatience.
+/// Output: whether it holds.
 template <typename Condition>
 bool eventually(Condition condition) {
   const auto deadline = std::chrono::steady_clock::now() + kPatience;
@@ -180,9 +186,9 @@ bool eventually(Condition condition) {
   return true;
 }
 
-/// What `attempt` takes at its best: tried a few times until it is within `bound`, since what else the machine does is
-/// not what is measured.
-/// Input:  `attempt` gives its time.
+/// Returns the shortest time of at most ten attempts. It stops at the first that is within `bound`. One attempt is not
+/// enough, because other work on the machine may delay it.
+/// Input:  `attempt` returns the time that it took.
 template <typename Attempt>
 std::chrono::steady_clock::duration best_time(std::chrono::steady_clock::duration bound, Attempt attempt) {
   auto best = attempt();

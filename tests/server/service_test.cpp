@@ -1,4 +1,4 @@
-/// The whole daemon in this process, on a free port, with stubs in place of the geometry.
+/// Tests the whole daemon in this process, on a free port, with a stub in place of the geometry.
 #include "server/service.h"
 
 #include <gtest/gtest.h>
@@ -218,7 +218,7 @@ TEST_F(ServiceTest, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
   start();
   std::vector<std::unique_ptr<RawClient>> taken;
   int tries = 0;
-  // Gives the refusal, or nothing where it was taken.
+  // Returns the refusal, or nothing if the request was accepted.
   const auto submit = [&] {
     const std::string id = kId + std::to_string(++tries);
     auto client = std::make_unique<RawClient>(port_);
@@ -228,7 +228,7 @@ TEST_F(ServiceTest, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
     taken.push_back(std::move(client));
     return Answer();
   };
-  // One computes, one passes it after a while, one waits; none ends.
+  // One request computes, one passes it after a while, and one waits. None ends.
   ASSERT_TRUE(eventually([&] {
     submit();
     return taken.size() == 3;
@@ -278,7 +278,7 @@ TEST_F(ServiceTest, work_that_does_not_hear_the_stop_is_answered_for) {
 TEST_F(ServiceTest, waiting_too_long_for_a_worker_is_overload_not_timeout) {
   config_.request_timeout = milliseconds(500);
   start();
-  // The first may use its time and then, being deaf, holds the only thread.
+  // The first request may use its time. Then, being deaf, it occupies the only thread.
   const auto running = start_blocking("", "deaf");
   EXPECT_EQ(code_of(post(port_, "/v1/remesh", "good")), "overloaded");
   stub_.released = true;

@@ -1,4 +1,4 @@
-/// Meshes for tests that send them.
+/// Small meshes that tests send to the daemon.
 #pragma once
 
 #include <string>
@@ -10,7 +10,7 @@ inline const std::string kFrame =
     "v -4 -4 1\nv 4 -4 1\nv -4 4 1\nv 4 4 1\nv -3 -3 1\nv 3 -3 1\nv -3 3 1\nv 3 3 1\n"
     "f 5 3 1\nf 4 7 8\nf 1 2 6\nf 5 7 3\nf 1 6 5\nf 6 2 4\nf 4 3 7\nf 8 6 4\n";
 
-/// A bumpy sheet of 2 n² triangles, hardly two of them in one plane: work for a while.
+/// Makes a bumpy sheet of 2 n² triangles. Hardly two of them are in one plane, so it is work for a while.
 inline std::string bumpy_sheet(int n) {
   std::string text;
   unsigned state = 1;

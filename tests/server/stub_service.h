@@ -1,4 +1,4 @@
-/// The whole daemon in this process, on a free port, with stubs in place of the geometry.
+/// Runs the whole daemon in this process, on a free port, with a stub in place of the geometry.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,8 +23,9 @@ inline std::string code_of(const Answer& answer) {
   return problem.is_object() ? problem.value("code", "") : "";
 }
 
-/// Does what the body says: "echo ...", "block" (until released, or told to stop), "deaf" (the same, but cannot be
-/// told), "throw", "no memory".
+/// Does what the body says. "block" blocks until the stub is released or told to stop, and "deaf" blocks until it is
+/// released only. "throw", "no memory", "line 3" and an empty body end with an error each. For any other body, the
+/// answer describes the request.
 class Stub {
  public:
   api::Response operator()(const api::Request& request, const api::Limits&, RunControl& control) {
@@ -80,7 +81,7 @@ class StubService : public ::testing::Test {
     service_->start();
     port_ = service_->port();
   }
-  /// A request that blocks until the stub is released; returns once it computes.
+  /// Sends a request that blocks until the stub is released. Returns once it computes.
   std::unique_ptr<RawClient> start_blocking(const std::string& fields = "", const std::string& body = "block") {
     const int before = stub_.blocked;
     auto client = std::make_unique<RawClient>(port_);
@@ -88,7 +89,7 @@ class StubService : public ::testing::Test {
     EXPECT_TRUE(eventually([&] { return stub_.blocked > before; }));
     return client;
   }
-  /// A connection that is in its place, and stays there: it has been asked for its body, which never comes.
+  /// Opens a connection that occupies a place and stays there. The server has asked for its body, which never comes.
   std::unique_ptr<RawClient> hold_connection() {
     auto client = std::make_unique<RawClient>(port_);
     client->send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 1\r\nExpect: 100-continue\r\n\r\n");

@@ -26,7 +26,7 @@ constexpr std::string_view kSquare = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 
 constexpr const char* kColumns =
     "file,status,code,faces_in,faces_out,patches,kept,min_angle_deg,max_angle_deg,verified,warnings,seconds,message";
 
-/// A line of the table with S for the seconds, the one number with three decimals.
+/// Returns a line of the table with S in place of the seconds, which are the one number with three decimals.
 std::string without_seconds(std::string line) {
   constexpr const char* kDigits = "0123456789";
   for (std::size_t dot = line.find('.'); dot != std::string::npos; dot = line.find('.', dot + 1)) {

@@ -29,7 +29,7 @@ TEST(Failure, what_the_mesh_decides_fails_and_what_the_command_line_decides_is_m
   EXPECT_EQ(exit_code(bad_index()), kFailed);
   EXPECT_EQ(exit_code(Error(Code::kInvalidOption, Stage::kRead, "").for_option("max_area")), kMisused);
   EXPECT_EQ(exit_code(Error(Code::kNotAcceptable, Stage::kRead, "")), kMisused);
-  // The option is named, but whether the mesh keeps to it is the mesh's.
+  // The option is named, but the fault is the mesh's, because the mesh does not keep to the option.
   EXPECT_EQ(exit_code(Error(Code::kOutputTooLarge, Stage::kRefinement, "").for_option("max_output_faces")), kFailed);
   EXPECT_EQ(exit_code(Error(Code::kCancelled, Stage::kWeld, "")), kFailed);
 }

@@ -23,7 +23,7 @@ class Files : public testing::Test {
   std::string read_by_us(const std::string& name) const {
     return std::string(read_file(folder_.path(name), control_).view());
   }
-  /// What the file error says; empty if there is none.
+  /// Returns the text of the FileError that `act` throws, or an empty text if it throws none.
   template <typename Act>
   static std::string complaint(const Act& act) {
     try {
@@ -38,7 +38,7 @@ class Files : public testing::Test {
   RunControl control_;
 };
 
-/// Bytes of every value, more of them than are read at once.
+/// Returns bytes of every value. There are more of them than are read at once.
 std::string many_bytes() {
   std::string bytes(3'000'001, '\0');
   for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = static_cast<char>(i % 251);

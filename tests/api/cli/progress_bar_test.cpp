@@ -31,7 +31,7 @@ TEST(progress_bar, a_run_shows_its_stage_and_how_far_it_is) {
   EXPECT_EQ(progress_line(control), "[######                  ]  25 % refinement");
 }
 
-/// Standard error goes elsewhere as long as this lives.
+/// Redirects standard error as long as it lives.
 class StandardError {
  public:
   explicit StandardError(int fd) : kept_(::dup(STDERR_FILENO)) { ::dup2(fd, STDERR_FILENO); }

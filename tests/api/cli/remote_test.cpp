@@ -1,4 +1,4 @@
-// The client against a server that answers as a test says.
+// Tests the client against a server that answers as each test says.
 #include "api/cli/remote.h"
 
 #include <gmock/gmock.h>
@@ -30,7 +30,7 @@ struct Seen {
   }
 };
 
-/// Answers what `answer` says, and keeps what it was asked.
+/// A server that answers what `answer` says, and records the requests.
 class StubServer {
  public:
   using Answer = std::function<void(const Seen&, httplib::Response&)>;
@@ -58,7 +58,7 @@ class StubServer {
     const std::lock_guard lock(mutex_);
     return seen_;
   }
-  /// What was asked, in words: "GET /v1/jobs/7".
+  /// Returns the method and the target of each request so far, as in "GET /v1/jobs/7".
   std::vector<std::string> asked() const {
     std::vector<std::string> all;
     for (const Seen& one : seen()) all.push_back(one.method + " " + one.target);
@@ -79,7 +79,8 @@ void reply(httplib::Response& response, int status, const std::string& body) {
   response.set_content(body, "application/json");
 }
 
-/// A server whose one job, 7, succeeds; `before` may answer first, and then returns true.
+/// Returns the answers of a server with one job, 7, that succeeds. `before` may answer a request itself, and then
+/// returns true.
 StubServer::Answer job_that_succeeds(std::function<bool(const Seen&, httplib::Response&)> before) {
   return [before = std::move(before)](const Seen& seen, httplib::Response& response) {
     if (before(seen, response)) return;

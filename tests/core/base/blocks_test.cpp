@@ -10,7 +10,7 @@ namespace {
 
 TEST(concatenate, keeps_the_order_of_blocks_and_of_their_items) {
   RunControl control;
-  // More blocks than are put together in one task, some of them empty.
+  // There are more blocks than are put together in one task, and some of them are empty.
   std::vector<std::vector<int>> blocks(1000);
   std::vector<std::int64_t> expected;
   for (int b = 0; b < 1000; ++b)

@@ -38,7 +38,7 @@ TEST(grouping, items_stand_with_their_keys_in_the_order_of_a_stable_sort) {
 
 using Item = std::array<std::uint32_t, 2>;
 
-/// Some twice, each with a key below `keys`.
+/// Returns random items with keys below `keys`. Some items may be equal.
 std::vector<Item> items(std::size_t n, int keys, std::uint64_t seed) {
   Random random(seed);
   std::vector<Item> items(n);

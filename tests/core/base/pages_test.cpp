@@ -21,7 +21,7 @@ TEST(pages, those_within_the_memory_are_there_and_no_others) {
   ASSERT_NE(mapped, MAP_FAILED);
   (void)::madvise(mapped, kPages * page, MADV_NOHUGEPAGE);
   if (::madvise(mapped, page, MADV_POPULATE_WRITE) != 0) GTEST_SKIP() << "the kernel does not know how";
-  // From the middle of page 8 to the middle of page 264.
+  // The range is from the middle of page 8 to the middle of page 264.
   take_pages(static_cast<std::byte*>(mapped) + 8 * page + page / 2, kTaken * page);
   std::vector<unsigned char> is_there(kPages);
   ASSERT_EQ(::mincore(mapped, kPages * page, is_there.data()), 0);

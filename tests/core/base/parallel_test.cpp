@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// Waits for it, though not for ever.
+/// Waits up to five seconds for a condition. Returns whether it has come true.
 template <class Condition>
 bool comes_true(const Condition& condition) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(5);

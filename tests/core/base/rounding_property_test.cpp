@@ -1,4 +1,4 @@
-// The estimate of what coordinates are rounded to, held against how random meshes were rounded in truth.
+// Compares the estimate of what coordinates are rounded to with how random meshes were really rounded.
 
 #include <gtest/gtest.h>
 
@@ -23,7 +23,8 @@ namespace {
 
 const std::uint64_t kSeed = base_seed(20360);
 
-/// How many meshes are tried. The environment's REMESH_TRIALS says how many more than usual: 100000 take some minutes.
+/// Returns how many meshes are tried. The environment variable REMESH_TRIALS replaces the usual number.
+/// 100000 meshes take some minutes.
 int trials() {
   constexpr int kUsual = 3000;
   const char* text = std::getenv("REMESH_TRIALS");
@@ -44,7 +45,7 @@ struct Rounder {
     if (kind == Kind::kFloats) return static_cast<double>(static_cast<float>(x));
     return printed(x).first;
   }
-  /// The number, and whether it shows more than half of its significant digits.
+  /// Returns the number as it is printed, and whether it shows more than half of its significant digits.
   std::pair<double, bool> printed(double x) const {
     std::array<char, 400> text{};
     const bool is_fixed = kind == Kind::kDecimals;
@@ -80,7 +81,7 @@ double last_place(double x, int bits) {
   return x == 0 ? 0 : std::ldexp(1.0, exponent - bits);
 }
 
-/// What a mesh is made of before it is rounded.
+/// The points of a mesh before they are rounded, and what is known about their coordinates.
 struct Model {
   std::vector<Vec3> points;
   std::string name;
@@ -123,7 +124,7 @@ class Models {
         break;
       }
       case 3: {
-        // Nearly all of it exact.
+        // Nearly all coordinates are exact.
         model.name = "grid with free corners";
         const int free_ones = random_.integer(1, 12);
         for (int i = 0; i < n; ++i) add(model, {exact(size), exact(size), exact(size)}, false, false, false);
@@ -157,7 +158,7 @@ class Models {
     return static_cast<int>(4 * std::pow(most / 4, random_.unit()));
   }
   double free(double size) { return random_.uniform(-size, size); }
-  /// A multiple of a simple part of the size.
+  /// Returns a multiple of a simple part of the size.
   double exact(double size) {
     const double unit = std::pow(10.0, std::round(std::log10(size)) - 2);
     static constexpr std::array kParts{1.0, 2.0, 5.0, 10.0, 25.0};
@@ -182,8 +183,8 @@ struct Truth {
   int independent = 0;
 };
 
-/// The same, or the coarsest way that leaves the same of all points: few numbers may all end in a 0 by chance, and
-/// then they are those of a mesh that was rounded like that.
+/// Returns the coarsest rounding that gives the same points as `rounder` does. If there are few numbers, all may end in
+/// a 0 by chance, and then they are those of a mesh that was rounded more coarsely.
 Rounder coarsest_alike(const Model& model, Rounder rounder) {
   if (rounder.kind != Kind::kDecimals && rounder.kind != Kind::kDigits) return rounder;
   const int least = rounder.kind == Kind::kDecimals ? 0 : 1;
@@ -261,7 +262,7 @@ TEST(rounding_estimate, the_step_is_right_or_not_told_and_never_coarser_than_the
     Random& random = models.random();
     const double size = std::pow(10, random.uniform(-3, 4));
     Rounder rounder{kKinds[static_cast<std::size_t>(random.below(4))], 0};
-    // From steps as coarse as a tenth of the size to as fine as doubles have room for.
+    // Steps are from as coarse as a tenth of the size to as fine as doubles have room for.
     if (rounder.kind == Kind::kDecimals)
       rounder.places = std::max(0, random.integer(1, 10) - static_cast<int>(std::floor(std::log10(size))));
     if (rounder.kind == Kind::kDigits) rounder.places = random.integer(1, 9);

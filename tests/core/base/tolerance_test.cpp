@@ -17,7 +17,8 @@
 namespace remesh {
 namespace {
 
-/// What a file holds that was written with this printf format: random coordinates up to `size` in magnitude.
+/// Returns points with random coordinates up to `size` in magnitude. The coordinates are those that one reads from a
+/// file that was written with this printf format.
 std::vector<Vec3> printed(const char* format, double size, int n = 200, std::uint64_t seed = 1) {
   Random random(seed);
   const auto coordinate = [&] {

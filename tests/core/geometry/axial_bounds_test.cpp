@@ -23,7 +23,8 @@ struct Around {
   }
 };
 
-/// Whole coordinates, so that many just touch or lie on the line; or any, near it or a little away from it.
+/// Makes random faces. Their coordinates are either whole numbers, so that many faces just touch the line or lie on it,
+/// or any numbers near the line or a little away from it.
 Around random_faces(int seed) {
   Random random(seed);
   Around around;

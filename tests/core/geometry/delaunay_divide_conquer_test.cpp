@@ -23,7 +23,7 @@ namespace {
 
 constexpr std::uint32_t kNone = Triangulation2d::kNone;
 
-/// The triangles in the order of the triangulation.
+/// Returns the triangles in the order of the triangulation.
 std::vector<Corners> triangles(const Triangulation2d& mesh) {
   std::vector<Corners> result;
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3)
@@ -45,8 +45,9 @@ std::size_t convex_hull_size_with_collinear(const std::vector<Vec2>& points) {
   return size;
 }
 
-/// Counter-clockwise triangles, joined to their neighbours, as many as Euler's formula says, and locally Delaunay: that
-/// is the Delaunay triangulation. Ties must fall as in_circle_perturbed says, so it is the one.
+/// Expects the Delaunay triangulation. Its triangles run counter-clockwise, are joined to their neighbours, are locally
+/// Delaunay, and are as many as Euler's formula says. Ties must fall as in_circle_perturbed says, so that there is only
+/// one such triangulation.
 void expect_delaunay(const std::vector<Vec2>& points, const Triangulation2d& mesh) {
   std::size_t hull_edges = 0;
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {

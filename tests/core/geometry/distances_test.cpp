@@ -10,7 +10,7 @@
 namespace remesh {
 namespace {
 
-/// On a coarse grid, so that parallel sides, common planes and contacts come by chance.
+/// Returns a random place on a coarse grid, so that parallel sides, common planes and contacts come by chance.
 Vec3 place(Random& random) {
   return {0.25 * random.integer(-4, 4), 0.25 * random.integer(-4, 4), 0.25 * random.integer(-4, 4)};
 }

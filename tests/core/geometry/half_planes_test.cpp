@@ -13,7 +13,7 @@
 namespace remesh {
 namespace {
 
-/// Pages with these apexes; positions[0] and positions[1] are the edge.
+/// A book of pages with given apexes. The edge is from positions[0] to positions[1].
 struct Book {
   std::vector<Vec3> positions;
   std::vector<Page> pages;

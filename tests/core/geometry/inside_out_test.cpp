@@ -15,7 +15,7 @@
 namespace remesh {
 namespace {
 
-/// One label a face; none: all are labelled alike.
+/// One label per face. If there are none, all faces are labelled alike.
 using Labels = std::vector<std::uint32_t>;
 using Found = std::vector<FaceId>;
 
@@ -35,7 +35,8 @@ InsideOut find_in(const PolygonMesh& mesh, const BodyLabels& labels) {
   return find_inside_out(mesh.positions.items(), mesh.corners, edges, labels, control);
 }
 
-/// The first faces of the shells that look the wrong way; of none, once these are turned over.
+/// Returns the first face of each shell that looks the wrong way. Expects that no such shell is left once these are
+/// turned over.
 Found found_in(const PolygonMesh& mesh, const Labels& labels = {}) {
   const InsideOut found = find_in(mesh, body_labels(labels));
   EXPECT_EQ(found.is_inside_out.empty(), found.first_faces.empty());
@@ -49,7 +50,7 @@ Found found_in(const PolygonMesh& mesh, const Labels& labels = {}) {
 
 enum Way { kOut, kIn };
 
-/// A cube about a place that looks that way.
+/// Makes a cube about a place that looks outwards or inwards.
 PolygonMesh cube(double size, Way way, const Vec3& at = {}) {
   PolygonMesh mesh = shapes::moved(shapes::box({size, size, size}, 2), at - Vec3{size / 2, size / 2, size / 2});
   return way == kIn ? shapes::turned_over(mesh) : mesh;
@@ -63,9 +64,9 @@ PolygonMesh all(const std::vector<PolygonMesh>& meshes) {
   return joined;
 }
 
-/// Cubes in each other, the outermost first, with these ways and bodies: "O" and "I" say how one looks, the digit
-/// behind it what its label is.
-/// Output: the numbers of those that look the wrong way.
+/// Tests cubes in each other. `nest` describes each of them by two characters, the outermost cube first. "O" or "I"
+/// says whether the cube looks outwards or inwards, and the digit behind it is its label.
+/// Output: the numbers of the cubes that look the wrong way.
 std::string wrong_of(const std::string& nest) {
   const std::size_t count = nest.size() / 2;
   std::vector<PolygonMesh> cubes;
@@ -151,8 +152,8 @@ TEST(find_inside_out, faces_that_stand_for_several_have_all_their_labels) {
   EXPECT_EQ(find_in(mesh, labels).first_faces, Found{first_of(1)});
 }
 
-/// Cubes in one another, the outermost first, that look outwards and inwards in turn: solids and their cavities. One
-/// looks the wrong way.
+/// Makes cubes in one another, the outermost first. They look outwards and inwards in turn, so they are solids and
+/// their cavities. One of them looks the wrong way.
 PolygonMesh nest(int count, int wrong) {
   PolygonMesh mesh;
   const PolygonMesh shape = shapes::box({2, 2, 2});
@@ -193,8 +194,8 @@ TEST(find_inside_out, a_nest_of_any_number_of_shells_is_judged_right) {
   }
 }
 
-/// Bodies and cavities in each other at random, and what is wrong of them by the rule alone: which lies in which is
-/// known from how they were made.
+/// Random bodies and cavities in each other. Which of them are wrong follows from the rule alone, because their making
+/// tells which lies in which.
 class RandomNest {
  public:
   explicit RandomNest(std::uint64_t seed, bool has_labels) : random_(seed), has_labels_(has_labels) {
@@ -204,7 +205,7 @@ class RandomNest {
   std::vector<PolygonMesh> shells;
   std::vector<std::uint32_t> label;
   std::vector<std::uint8_t> is_wrong;
-  double volume = 0;  ///< of the bodies, without their cavities; right where all labels are alike
+  double volume = 0;  ///< volume of the bodies without their cavities; right if all labels are alike
 
  private:
   struct Outer {
@@ -303,13 +304,14 @@ TEST(find_inside_out, what_lies_in_a_notch_lies_outside) {
   EXPECT_EQ(found_in(shapes::joined(solid, cube(0.5, kOut, in_arm))), Found{FaceId(n)});
 }
 
-/// A tetrahedron that looks outwards.
+/// Makes a tetrahedron that looks outwards.
 PolygonMesh tetrahedron(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const PolygonMesh mesh = shapes::from_lists({a, b, c, d}, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
   return volume_of(mesh) > 0 ? mesh : shapes::turned_over(mesh);
 }
 
-/// For each cavity, as it should look and the other way, in a solid as it should look and the other way.
+/// Expects the right shells to be found for a cavity in a solid, where each of the two looks as it should or the other
+/// way.
 void expect_cavity_judged(const PolygonMesh& solid, const PolygonMesh& inner, const std::string& what) {
   ASSERT_GT(volume_of(inner), 0);
   const FaceId outer_first(0), inner_first(solid.face_count());
@@ -325,17 +327,17 @@ void expect_cavity_judged(const PolygonMesh& solid, const PolygonMesh& inner, co
 
 TEST(find_inside_out, a_cavity_may_touch_the_outer_shell) {
   const PolygonMesh solid = shapes::moved(shapes::box({2, 2, 2}, 2), {-1, -1, -1});
-  // In a vertex of both: any of the outer shell's corners.
+  // It touches in a vertex of both, which is any of the outer shell's corners.
   for (int i = 0; i < 8; ++i) {
     const Vec3 corner{i & 1 ? 1.0 : -1, i & 2 ? 1.0 : -1, i & 4 ? 1.0 : -1};
     expect_cavity_judged(solid, tetrahedron(corner, {0, 0, 0}, {0.5 * corner.x, 0, 0}, {0, 0.5 * corner.y, 0}),
                          "corner " + std::to_string(i));
   }
-  // In a vertex of its own that lies in a face, and in an edge of the outer shell.
+  // It touches in a vertex of its own that lies in a face or in an edge of the outer shell.
   expect_cavity_judged(solid, tetrahedron({1, 0.25, 0.375}, {0.5, 0, 0}, {0.5, 0, 0.5}, {0.5, 0.5, 0}), "in a face");
   expect_cavity_judged(solid, tetrahedron({-1, 0.25, 0.375}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0.5, 0, 0.5}), "in a face");
   expect_cavity_judged(solid, tetrahedron({1, 1, 0.25}, {0, 0, 0}, {0.5, 0, 0.25}, {0.25, 0.5, 0.5}), "in an edge");
-  // Along an edge of both.
+  // It touches along an edge of both.
   expect_cavity_judged(solid, tetrahedron({-1, -1, -1}, {-1, -1, 0}, {0.5, 0, 0}, {0, 0.5, 0.5}), "along an edge");
   // With all of its vertices, and with all of its edges.
   expect_cavity_judged(
@@ -349,12 +351,12 @@ TEST(find_inside_out, a_cavity_may_touch_the_outer_shell) {
 TEST(find_inside_out, bodies_that_touch_from_outside_are_no_cavities) {
   const PolygonMesh block = shapes::blocks({"###", "#..", "###"});  // around a notch
   const auto n = static_cast<std::uint32_t>(block.face_count());
-  // In the notch: on a face in a vertex, in a corner of the notch, along an edge of the notch.
+  // The bodies are in the notch. They touch a face of it in a vertex, a corner of it, an edge of it, or whole walls.
   for (const PolygonMesh& right : {tetrahedron({1.5, 1, 0.5}, {2, 1.5, 0.5}, {1.5, 1.5, 0.5}, {1.75, 1.5, 0.75}),
                                    tetrahedron({1, 1, 0}, {1.5, 1.25, 0.25}, {1.25, 1.5, 0.25}, {1.25, 1.25, 0.75}),
                                    tetrahedron({1, 1, 0}, {1, 1, 1}, {1.5, 1.25, 0.5}, {1.25, 1.5, 0.5}),
                                    shapes::moved(shapes::box({1, 1, 1}), {1, 1, 0})}) {
-    // Not welded where whole walls meet: there nothing closes by itself.
+    // Bodies whose whole walls meet are not welded, since neither would be closed by itself there.
     for (const bool is_welded : {false, right.face_count() == 4}) {
       const auto as = [&](const PolygonMesh& mesh) { return is_welded ? shapes::welded(mesh) : mesh; };
       EXPECT_EQ(found_in(as(shapes::joined(block, right))), Found{});
@@ -408,7 +410,7 @@ TEST(find_inside_out, shells_in_one_place_are_right_if_one_order_of_them_is) {
   EXPECT_EQ(found_in(all({cavity, filling})), Found{}) << "a solid without thickness";
   EXPECT_EQ(found_in(all({cavity, cavity})), Found{first_of(0)});
   EXPECT_EQ(found_in(all({outer, cavity, filling, cube(1, kIn)})), Found{});
-  // With other triangles.
+  // The filling may have other triangles than the cavity.
   const PolygonMesh fine = shapes::moved(shapes::box({2, 2, 2}, 3), {-1, -1, -1});
   EXPECT_EQ(found_in(all({outer, cavity, fine})), Found{});
   EXPECT_EQ(found_in(all({outer, fine, cavity})), Found{});
@@ -423,7 +425,7 @@ TEST(find_inside_out, a_solid_that_crosses_another_is_no_cavity_of_it) {
   EXPECT_EQ(found_in(all({plate, cube(2, kOut, {1.75, 0.25, 0.125})})), Found{}) << "half outside";
 }
 
-/// A box from one corner to the opposite one that looks that way.
+/// Makes a box from one corner to the opposite one. It looks outwards or inwards, as `way` says.
 PolygonMesh block(const Vec3& low, const Vec3& high, Way way = kOut) {
   const PolygonMesh mesh = shapes::moved(shapes::box(high - low), low);
   return way == kIn ? shapes::turned_over(mesh) : mesh;
@@ -434,7 +436,7 @@ TEST(find_inside_out, shells_that_cross_are_cavities_of_what_is_around_them_all_
   const Found both{FaceId(12), FaceId(24)};
   EXPECT_EQ(found_in(all({outer, first, block({3, 4, 5}, {7, 9, 8})})), both);
   EXPECT_EQ(found_in(all({outer, first, block({3, 4, 5}, {7, 9, 8}, kIn)})), Found{FaceId(12)});
-  // In general position and not, and as all is turned.
+  // The boxes are in special position first and then in general position, and all is turned.
   Random random(base_seed(3608));
   for (int i = 0; i < 20; ++i) {
     const double much = i == 0 ? 0 : 1e-6;
@@ -445,7 +447,7 @@ TEST(find_inside_out, shells_that_cross_are_cavities_of_what_is_around_them_all_
   }
 }
 
-/// A box whose sides are four triangles each, around their middles.
+/// Makes a box whose sides are four triangles each, around their middles.
 PolygonMesh crossed_block(const Vec3& low, const Vec3& high) {
   const PolygonMesh quads = shapes::moved(shapes::quad_box(high - low), low);
   PolygonMesh mesh;

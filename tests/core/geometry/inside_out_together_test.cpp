@@ -1,4 +1,4 @@
-// Shells that look the wrong way in bodies whose surfaces close only together, or not at all.
+// Tests shells that look the wrong way in bodies whose surfaces are closed only together, or not at all.
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@
 namespace remesh {
 namespace {
 
-/// The objects, by number, of which faces are said to look the wrong way.
+/// Returns the numbers of the objects of which faces are said to look the wrong way.
 std::set<std::uint32_t> wrong_objects(const PolygonMesh& mesh, const std::vector<std::uint32_t>& label_of_object) {
   RunControl control;
   const Adjacency edges(mesh.vertex_count(), mesh.face_begin, mesh.corners, control);
@@ -42,7 +42,7 @@ class Builder {
     mesh_ = mesh_.face_count() == 0 ? part : shapes::joined(mesh_, part);
     for (std::size_t f = 0; f < part.face_count(); ++f) of_face_.push_back(object);
   }
-  /// A square of two triangles across an axis that looks along it, or against it.
+  /// Adds a square of two triangles across an axis. It looks along the axis or against it.
   void add_square(std::uint32_t object, const Vec3& corner, int axis, bool looks_along) {
     Vec3 u, v;
     u[(axis + 1) % 3] = v[(axis + 2) % 3] = 1;
@@ -70,8 +70,8 @@ void add_shell(Builder& builder, std::uint32_t object, const std::array<int, 3>&
   builder.add(object, is_out ? cube : shapes::turned_over(cube));
 }
 
-/// Cells of a grid, each in one of some bodies or in none, and in each cell perhaps a small shell. Bodies have a wall
-/// each between them. Object 0 is the walls of all bodies.
+/// Cells of a grid. Each cell belongs to one of some bodies or to none, and may contain a small shell. Where two bodies
+/// meet, each has a wall of its own. Object 0 is the walls of all bodies.
 class Cells {
  public:
   explicit Cells(std::uint64_t seed) : random_(seed) {
@@ -92,7 +92,7 @@ class Cells {
   }
 
   Builder builder;
-  std::set<std::uint32_t> wrong;  ///< objects
+  std::set<std::uint32_t> wrong;  ///< the objects that look the wrong way
 
  private:
   static constexpr int kSize = 3;
@@ -102,7 +102,7 @@ class Cells {
     if (std::any_of(p.begin(), p.end(), [](int i) { return i < 0 || i >= kSize; })) return -1;
     return body_[static_cast<std::size_t>(p[0])][static_cast<std::size_t>(p[1])][static_cast<std::size_t>(p[2])];
   }
-  /// Between a cell and the next one along an axis.
+  /// Adds the walls between a cell and the next one along an axis.
   void add_walls(const Place& at, int axis) {
     Place next = at;
     Vec3 corner{static_cast<double>(at[0]), static_cast<double>(at[1]), static_cast<double>(at[2])};
@@ -153,7 +153,7 @@ TEST(find_inside_out, in_chambers_with_one_wall_between_them_nothing_right_is_ca
               const bool looks_along = !is_in(axis) || (cell[axis] > 0 && random.chance(0.5));
               builder.add_square(0, {1.0 * x, 1.0 * y, 1.0 * z}, static_cast<int>(axis), looks_along);
             }
-          // In a chamber, or outside of all.
+          // The shell is in a chamber, or outside of all bodies.
           const std::uint32_t object = builder.add_object();
           const bool is_out = random.chance(0.5), is_in_chamber = is_in(0) && is_in(1) && is_in(2);
           add_shell(builder, object, is_in_chamber ? cell : std::array{x + 5, y, z}, is_out);
@@ -167,7 +167,7 @@ TEST(find_inside_out, in_chambers_with_one_wall_between_them_nothing_right_is_ca
   EXPECT_GT(2 * named_in_all, wrong_in_all) << "not all is in doubt";
 }
 
-/// A cube about the origin.
+/// Makes a cube about the origin.
 PolygonMesh cube(double size, bool is_out = true) {
   const PolygonMesh mesh = shapes::moved(shapes::box({size, size, size}, 2), {-size / 2, -size / 2, -size / 2});
   return is_out ? mesh : shapes::turned_over(mesh);

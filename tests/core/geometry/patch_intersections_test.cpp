@@ -92,7 +92,7 @@ TEST(patch_intersections, sheets_that_lie_in_one_another_are_held_against_each_o
   EXPECT_EQ(patched.find(1000).pairs.size(), 1000u);
 }
 
-/// Sheets through one line, like the pages of a book that go on behind its back.
+/// Makes sheets through one line, like the pages of a book that go on behind its back.
 PolygonMesh crossing_sheets(int count, int cells) {
   PolygonMesh mesh;
   for (int i = 0; i < count; ++i) {
@@ -113,7 +113,8 @@ TEST(patch_intersections, many_patches_may_meet_in_one_place) {
   }
 }
 
-/// A cone whose base is a fan: n facets, one patch each, and one patch of n needles; `lift` raises the base.
+/// Makes a cone whose base is a fan. Each of its n facets is one patch, and the n needles of the base are one more.
+/// `lift` raises the base.
 Patched cone_on_a_fan(int n, double lift) {
   std::vector<Vec3> points{{0, 0, 1}, {0, 0, lift}};
   std::vector<std::vector<std::uint32_t>> faces;

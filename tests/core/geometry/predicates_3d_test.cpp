@@ -12,7 +12,7 @@
 namespace remesh {
 namespace {
 
-/// Compares with the oracle in several orders of the arguments, the filtered and the exact way; returns the sign.
+/// Compares the filtered and the exact predicate with the oracle in several orders of the arguments. Returns the sign.
 int compare(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   const int expected = cgal_orientation(a, b, c, d);
   EXPECT_EQ(orient3d(a, b, c, d), expected);

@@ -13,7 +13,7 @@
 namespace remesh {
 namespace {
 
-/// The value some units in the last place away.
+/// Returns the value that is `ulps` units in the last place away.
 double nudged(double value, int ulps) {
   for (; ulps > 0; --ulps) value = std::nextafter(value, HUGE_VAL);
   for (; ulps < 0; ++ulps) value = std::nextafter(value, -HUGE_VAL);
@@ -24,7 +24,7 @@ Vec2 nudged(Random& random, Vec2 p, int ulps) {
   return {x, nudged(p.y, random.integer(-ulps, ulps))};
 }
 
-/// Compares with the oracle in every order of the arguments, the filtered and the exact way; counts the zeros.
+/// Compares the filtered and the exact predicates with the oracle in every order of the arguments. Counts the zeros.
 class Comparison {
  public:
   void orientation(Vec2 a, Vec2 b, Vec2 c) {

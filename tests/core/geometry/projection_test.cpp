@@ -83,7 +83,7 @@ TEST(make_frame, axes_are_orthonormal_and_right_handed_and_all_points_lie_within
         const Vec2 uv = to_plane(frame, p);
         EXPECT_LE(std::max(std::fabs(uv.x), std::fabs(uv.y)), 1);
         EXPECT_EQ(std::nearbyint(uv.x / frame.grid) * frame.grid, uv.x);
-        // And back again, within the rounding of the coordinates and of the grid.
+        // The way back leads to p again, within the rounding of the coordinates and of the grid.
         const Vec3 back = frame.origin + frame.scale * (uv.x * frame.x_axis + uv.y * frame.y_axis);
         EXPECT_LT(norm(back - p), frame.scale * 0x1p-39 + 1e-14 * norm(p));
       }

@@ -37,7 +37,7 @@ SelfIntersections find(const TriangleMesh& mesh, const std::vector<std::uint32_t
   return self_intersections(mesh.positions.items(), mesh.faces.items(), pieces, max_pairs, control);
 }
 
-/// Random triangles over the points of a grid of n^3, corners repeated now and then.
+/// Makes random triangles over the points of a grid of n^3. Now and then a corner is repeated.
 TriangleMesh soup(std::uint64_t seed, int n, int faces) {
   Random random(seed);
   TriangleMesh mesh;
@@ -49,7 +49,7 @@ TriangleMesh soup(std::uint64_t seed, int n, int faces) {
   return mesh;
 }
 
-/// Small triangles at whole places of [0, n)^3: many faces that meet few others.
+/// Makes small triangles at whole places of [0, n)^3. They are many faces that meet few others.
 TriangleMesh crumbs(std::uint64_t seed, int n, int faces) {
   Random random(seed);
   TriangleMesh mesh;
@@ -98,8 +98,8 @@ TEST(self_intersections, faces_of_one_piece_are_not_held_against_each_other) {
   }
 }
 
-/// A fan of n needles around the origin, spokes one long that go up and down in turn; every `odd`th reaches over the
-/// next two and crosses one of them.
+/// Makes a fan of n needles around the origin. Its spokes have length one and go up and down in turn. Every `odd`th
+/// needle reaches over the next two and crosses one of them.
 TriangleMesh fan(int n, int odd) {
   TriangleMesh mesh;
   mesh.positions.push_back({});
@@ -154,7 +154,7 @@ Pairs all_pairs(const TriangleMesh& mesh) {
 
 Vec3 on_circle(double turns, double z) { return {std::cos(2 * M_PI * turns), std::sin(2 * M_PI * turns), z}; }
 
-/// Needles whose boxes all meet: they lie side by side, askew to the axes.
+/// Makes needles whose boxes all meet, because they lie side by side and askew to the axes.
 TriangleMesh needles(int n) {
   TriangleMesh mesh;
   for (int i = 0; i < n; ++i) {
@@ -165,7 +165,7 @@ TriangleMesh needles(int n) {
   return mesh;
 }
 
-/// Two cones of n needles each on one circle.
+/// Makes two cones of n needles each on one circle.
 TriangleMesh double_cone(int n) {
   TriangleMesh mesh;
   const auto top = mesh.positions.push_back({0, 0, 1}), bottom = mesh.positions.push_back({0, 0, -1});
@@ -178,8 +178,8 @@ TriangleMesh double_cone(int n) {
   return mesh;
 }
 
-/// The surface that a straight line sweeps between two circles turned against each other: all needles cross over near
-/// the waist.
+/// Makes the surface that a straight line sweeps between two circles that are turned against each other. All needles
+/// cross over near the waist.
 TriangleMesh waisted_tube(int n) {
   TriangleMesh mesh;
   for (int i = 0; i < n; ++i) mesh.positions.push_back(on_circle(1.0 * i / n, -1));
@@ -192,7 +192,8 @@ TriangleMesh waisted_tube(int n) {
   return mesh;
 }
 
-/// A book of n pages, or of n times two triangles a page: around the edge from the origin to (0, 0, 1).
+/// Makes a book of n pages around the edge from the origin to (0, 0, 1). A page is one triangle, or two if
+/// it is a square.
 TriangleMesh book(int n, bool are_squares) {
   TriangleMesh mesh;
   const auto from = mesh.positions.push_back({0, 0, 0}), to = mesh.positions.push_back({0, 0, 1});
@@ -202,7 +203,8 @@ TriangleMesh book(int n, bool are_squares) {
       mesh.faces.push_back({from, to, a});
       continue;
     }
-    // Cut by turns from corner to corner, so that triangles with one end of the edge lie side by side with others.
+    // The squares are cut by turns along one diagonal and the other, so that triangles with one end of the edge lie
+    // side by side with others.
     const auto b = mesh.positions.push_back(on_circle(1.0 * i / n, 1));
     mesh.faces.push_back({from, a, i % 2 ? b : to});
     mesh.faces.push_back({i % 2 ? from : a, b, to});
@@ -210,7 +212,7 @@ TriangleMesh book(int n, bool are_squares) {
   return mesh;
 }
 
-/// n closed wedges around the edge from the origin to (0, 0, 1).
+/// Makes n closed wedges around the edge from the origin to (0, 0, 1).
 TriangleMesh wedges(int n) {
   TriangleMesh mesh = book(2 * n, true);
   for (int i = 0; i < n; ++i) {
@@ -221,7 +223,7 @@ TriangleMesh wedges(int n) {
   return mesh;
 }
 
-/// Pages in n half-planes, two in each; all on two sides of one triangle.
+/// Makes pages in n half-planes, two in each. All are on two sides of one triangle.
 TriangleMesh two_books_of_double_pages(int n) {
   TriangleMesh mesh;
   const auto a = mesh.positions.push_back({0, 0, 0}), b = mesh.positions.push_back({0, 0, 8}),
@@ -237,7 +239,7 @@ TriangleMesh two_books_of_double_pages(int n) {
   return mesh;
 }
 
-/// Turned at random, some corners moved, and some large triangles across.
+/// Returns the mesh turned at random. Some of its corners are moved, and some large triangles lie across it.
 TriangleMesh disturbed(const TriangleMesh& mesh, std::uint64_t seed) {
   Random random(seed);
   TriangleMesh result = mesh;
@@ -280,8 +282,8 @@ TEST(self_intersections, a_fan_of_a_hundred_thousand_needles_does_not_take_quadr
   EXPECT_EQ(find(fan(100'000, 1'000'000)).pairs.size(), 1u);  // 5e9 pairs share the vertex; one needle is too wide
 }
 
-/// Faces at both ends, at one or at none of some edges between the points of a grid; of many of them some lie in one
-/// half-plane, or on the line.
+/// Makes faces at some edges between the points of a grid. A face has both ends of an edge, one end or none. If there
+/// are many faces, some lie in one half-plane, or on the line.
 TriangleMesh library(std::uint64_t seed, int edges, int faces) {
   Random random(seed);
   TriangleMesh mesh;
@@ -390,7 +392,7 @@ TEST(self_intersections, many_copies_of_one_face_do_not_take_quadratic_time_once
 TEST(self_intersections, coordinates_of_any_magnitude_give_the_same_pairs) {
   const TriangleMesh mesh = soup(5, 5, 200);
   const Pairs expected = find(mesh).pairs;
-  // From the smallest double to near the largest; 2^126 takes the coordinate 4 to 3.4e38.
+  // The factors reach from the smallest double to near the largest; 2^126 takes the coordinate 4 to 3.4e38.
   for (const double factor : {0x1p-1074, 0x1p-1000, 0x1p126, 0x1p1021}) {
     TriangleMesh scaled = mesh;
     for (Vec3& p : scaled.positions) p = factor * p;

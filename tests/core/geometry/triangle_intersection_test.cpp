@@ -15,7 +15,7 @@ namespace {
 
 Triangle triangle(int a, int b, int c) { return {VertexId(a), VertexId(b), VertexId(c)}; }
 
-/// In every order of the two and of their corners.
+/// Expects the same answer for every order of the two triangles and of their corners.
 void expect_intersect(const Triangle& f, const Triangle& g, std::span<const Vec3> positions, bool expected) {
   Triangle a = f;
   std::sort(a.begin(), a.end());
@@ -39,7 +39,7 @@ Triangle random_triangle(Random& random, std::size_t vertices) {
 /// How often each case came up: shared corners, whether both have area, the answer.
 using Tally = std::map<std::tuple<int, bool, bool>, int>;
 
-/// Random pairs over these points, corners repeated now and then, against the oracle.
+/// Compares random pairs of triangles over these points with the oracle. Now and then a corner is repeated.
 Tally compare_random_pairs(const std::vector<Vec3>& points, std::uint64_t seed, int pairs) {
   const CgalIntersection oracle(points);
   Random random(seed);
@@ -85,7 +85,7 @@ TEST(triangle_intersection, coplanar_pairs_agree_with_the_oracle) {
     for (Vec3& p : points) p = {p[axis], p[(axis + 1) % 3], p[(axis + 2) % 3]};
     compare_random_pairs(points, 2 + axis, 2500);
   }
-  // In a plane that is parallel to no axis.
+  // The points are in a plane that is parallel to no axis.
   std::vector<Vec3> points = grid(5, 1);
   for (Vec3& p : points) p.z = 3 * p.x - 2 * p.y;
   compare_random_pairs(points, 5, 2500);

@@ -1,5 +1,5 @@
-/// Readers and writers on meshes from many programs, against facts computed by other means; and what becomes of those
-/// that are odd or broken.
+/// Tests readers and writers on meshes from many programs, against facts that were computed by other means. Tests also
+/// what becomes of meshes that are odd or broken.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,7 +30,7 @@ namespace fs = std::filesystem;
 
 const fs::path kMeshes = test::shared_meshes_folder();
 
-/// The file's bytes, decompressed.
+/// Returns the bytes of a file, decompressed.
 std::string content_of(const std::string& name) {
   std::ifstream file(kMeshes / name, std::ios::binary);
   std::string content{std::istreambuf_iterator<char>(file), {}};
@@ -40,13 +40,13 @@ std::string content_of(const std::string& name) {
 
 using Row = test::MeshFacts;
 
-/// What ends a file's reading, and where.
+/// The error that ends the reading of a file, and its place.
 struct Refusal {
   Code code;
   std::optional<std::uint64_t> line, byte;
 };
 
-/// What cannot be read; everything else can.
+/// The files that cannot be read. All other files can.
 const std::map<std::string, Refusal> kRefused = {
     {"seed/PolyFile.obj", {Code::kEmptyMesh, {}, {}}},
     {"syntax/box_UTF16BE.obj", {Code::kInvalidMesh, 1, {}}},
@@ -184,7 +184,7 @@ TEST_F(Collection, two_solids_come_back_as_two_objects) {
   EXPECT_EQ(result.mesh.labels.object.of_face.size(), result.mesh.faces.size());
 }
 
-/// Fans from the first corner: the writers take triangles only, and here only the file matters.
+/// Cuts faces into fans from the first corner. The writers take triangles only, and here only the file matters.
 TriangleMesh triangulated(PolygonMesh mesh) {
   TriangleMesh result;
   const auto labels_of = [](FaceLabels& l) { return std::array{&l.object, &l.group, &l.material}; };

@@ -12,7 +12,7 @@
 namespace remesh {
 namespace {
 
-/// A binary STL of `triangles` flat records, its header starting with `header`.
+/// Makes a binary STL of `triangles` flat records. Its header begins with `header`.
 std::string binary_stl(std::string header, unsigned char triangles) {
   header.resize(80, '\0');
   header += std::string{static_cast<char>(triangles), '\0', '\0', '\0'};

@@ -19,7 +19,7 @@ std::string unpack(std::string_view content, const DecompressionLimits& limits =
   RunControl control;
   return gunzip(content, limits, control);
 }
-/// The error of unpacking; nothing if there is none.
+/// Returns the error of unpacking, or nothing if there is none.
 std::optional<Error> error_of(std::string_view content, const DecompressionLimits& limits = {}) {
   try {
     (void)unpack(content, limits);

@@ -17,7 +17,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Builder : public testing::Test {
  protected:
-  /// A builder to which a mesh of so many vertices and faces was announced, with room for all of them.
+  /// Returns a builder to which a mesh with these numbers of vertices and faces was announced. It has room for all of
+  /// them.
   MeshBuilder announced(std::uint64_t vertices, std::uint64_t faces) {
     MeshBuilder builder(limits_, control_);
     builder.announce(vertices, faces, vertices, faces, Place::line(1));

@@ -19,7 +19,7 @@ namespace {
 
 using Corners = std::array<Vec3, 3>;
 
-/// The triangles of a result by their positions alone, each from its least corner on, sorted.
+/// Returns the triangles of a result by their positions alone, sorted. Each begins at its least corner.
 std::vector<Corners> geometry(const TriangleMesh& mesh) {
   std::vector<Corners> triangles;
   for (const Triangle& face : mesh.faces) {
@@ -68,7 +68,7 @@ TEST(mesh_files, what_is_not_read_or_written_here_is_an_error) {
   EXPECT_THROW(write_mesh(Format::kJson, {}, {}, {}, control), Error);
 }
 
-/// Two triangles on two patches.
+/// Returns two triangles on two patches.
 std::pair<TriangleMesh, IdVector<FaceId, PatchId>> folded() {
   TriangleMesh mesh;
   for (const Vec3& p : {Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 0.1}}) mesh.positions.push_back(p);

@@ -1,4 +1,4 @@
-/// The fast way to read OBJ against the one through tinyobjloader.
+/// Compares the fast way to read OBJ with the way through tinyobjloader.
 #include <gtest/gtest.h>
 #include <tbb/task_arena.h>
 
@@ -29,7 +29,7 @@ std::optional<ReadResult> read_plain(std::string_view text, int threads = 1, con
   return tbb::task_arena(threads).execute([&] { return read_plain_obj(text, limits, control); });
 }
 
-/// What reading any OBJ gives; nothing where it ends with an error.
+/// Returns what the reader of any OBJ gives, or nothing if it ends with an error.
 std::optional<ReadResult> read_any(std::string_view text, const ReadLimits& limits = {}) {
   RunControl control;
   try {
@@ -39,7 +39,7 @@ std::optional<ReadResult> read_any(std::string_view text, const ReadLimits& limi
   }
 }
 
-/// Returns whether the text was plain.
+/// Expects the same result from both readers if the text is plain. Returns whether it is plain.
 bool expect_same_reading(std::string_view text, int threads = 1, const ReadLimits& limits = {}) {
   const std::optional<ReadResult> plain = read_plain(text, threads, limits);
   if (!plain) return false;
@@ -155,7 +155,7 @@ TEST(obj_plain, limits_are_those_of_the_other_reader) {
   EXPECT_FALSE(read_plain(text, 1, {.max_vertices = 6, .max_faces = 1}));
 }
 
-/// Lines of all kinds, mostly plain, some odd or wrong.
+/// Returns a line of any kind. Most lines are plain, and some are odd or wrong.
 std::string random_line(Random& random, bool is_wild) {
   const auto pick = [&](auto n) { return random.below(static_cast<int>(n)); };
   const auto blank = [&] { return std::array{" ", "  ", "\t", " \v", " "}[pick(is_wild ? 5 : 2)]; };

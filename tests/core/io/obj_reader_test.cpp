@@ -27,7 +27,7 @@ ReadResult read(const std::string& text, const ReadLimits& limits = {}) {
   return read_obj(text, limits, control);
 }
 
-/// The error that reading `text` ends with.
+/// Returns the error that reading `text` ends with.
 Error error_of(const std::string& text, const ReadLimits& limits = {}) {
   try {
     read(text, limits);
@@ -74,7 +74,8 @@ TEST(obj_reader, vertices_come_in_file_order_and_faces_as_listed) {
   EXPECT_EQ(mesh.labels, FaceLabels{});
 }
 
-/// A number as some program might print it: any sign, count of digits, place of the point and spelling of the exponent.
+/// Returns a number as some program might print it, with any sign, count of digits, place of the point and spelling of
+/// the exponent.
 std::string random_number(std::mt19937_64& random) {
   const auto pick = [&](int n) { return static_cast<int>(random() % static_cast<std::uint64_t>(n)); };
   std::string text = std::array{"", "-", "+"}[pick(3)];
@@ -96,7 +97,8 @@ std::string random_number(std::mt19937_64& random) {
   return text;
 }
 
-/// The exact decimal expansion of the middle between a double and the next one: the hardest text to round.
+/// Returns the exact decimal expansion of the middle between a double and the next one, which is the hardest text to
+/// round.
 std::string random_tie(std::mt19937_64& random) {
   double below = 0;
   do {

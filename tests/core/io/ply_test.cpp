@@ -35,7 +35,7 @@ void append(std::string& out, T value, ByteOrder order) {
   out += bytes;
 }
 
-/// A quad and a triangle over five vertices.
+/// Returns a quad and a triangle over five vertices.
 std::string text_ply() { return header("ascii", 5, 2) + "0 0 0\n1 0 0\n1 1 0\n0 1 0.1\n2 0 0\n4 0 1 2 3\n3 1 4 2\n"; }
 std::string binary_ply(ByteOrder order) {
   std::string file = header(order == ByteOrder::kLittle ? "binary_little_endian" : "binary_big_endian", 5, 2);

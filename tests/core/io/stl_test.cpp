@@ -159,7 +159,7 @@ TEST(stl_reader, each_solid_is_an_object_even_where_two_have_one_name) {
   EXPECT_FALSE(read("solid\n" + kFacet + "endsolid\n").mesh.labels.object.is_used());
 }
 
-/// Each letter in the other case.
+/// Returns the text with each letter in the other case.
 std::string in_other_case(std::string text) {
   for (char& c : text) c = static_cast<char>(is_letter(c) ? c ^ ('a' ^ 'A') : c);
   return text;

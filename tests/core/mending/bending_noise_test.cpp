@@ -38,7 +38,7 @@ TEST(is_noise_present, neither_winding_nor_copies_nor_order_hide_it) {
   for (const bool is_rounded : {false, true}) {
     PolygonMesh mesh = shapes::rotated(shapes::box({1, 2, 3}), {1, 2, 3}, 40);
     if (is_rounded) mesh = shapes::rounded(mesh, 1e-4);
-    // Of the two triangles of each side one looks the other way.
+    // In this mesh, every second triangle looks the other way.
     PolygonMesh flipped = mesh;
     for (std::size_t f = 0; f < mesh.face_count(); f += 2)
       std::swap(flipped.corners[3 * f], flipped.corners[3 * f + 1]);

@@ -21,14 +21,14 @@ Report remeshed(const PolygonMesh& mesh, double weld_tolerance = 0) {
   return remesh_surface(mesh, options, {}, control).report;
 }
 
-/// What is told of open edges; empty if there are none.
+/// Returns the message about open edges, or an empty text if there is none.
 std::string told_of(const Report& report) {
   for (const Diagnostic& d : report.diagnostics)
     if (d.code == DiagnosticCode::kOpenBoundary) return d.message;
   return "";
 }
 
-/// The weld tolerance that a message names; 0 if it names none.
+/// Returns the weld tolerance that a message names, or 0 if it names none.
 double named_tolerance(const std::string& message) {
   std::smatch match;
   return std::regex_search(message, match, std::regex("weld_tolerance=([-+.e0-9]+)")) ? std::stod(match[1]) : 0;
@@ -107,7 +107,7 @@ TEST(cracks, where_the_widest_is_no_crack_a_smaller_tolerance_is_named) {
   EXPECT_LT(tolerance, 0.01) << told;
 }
 
-/// A wall of a box, moved outwards, and cut into other columns than the rest.
+/// Makes a box of which one wall is moved outwards and cut into other columns than the rest.
 PolygonMesh box_with_a_wall_off(std::uint32_t columns, double gap) {
   const PolygonMesh box = shapes::quad_box({1, 1, 1}, 3);
   const PolygonMesh open = torn::only(box, [&](FaceId f) {

@@ -31,7 +31,7 @@ Dropped drop(const PolygonMesh& mesh, Mend mend = Mend::kYes) {
 
 using Faces = std::vector<std::vector<std::uint32_t>>;
 
-/// A tetrahedron and more faces over its vertices.
+/// Makes a tetrahedron and more faces over its vertices.
 PolygonMesh tetrahedron_and(const Faces& more) {
   Faces faces{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
   faces.insert(faces.end(), more.begin(), more.end());
@@ -72,7 +72,7 @@ TEST(drop_duplicate_faces, both_sides_of_a_sheet_stay_and_are_counted) {
 TEST(drop_duplicate_faces, two_faces_alone_are_found_whichever_way_they_run) {
   const std::vector<Vec3> points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1, 1, 0}};
   for (const Faces& back : {Faces{{0, 1, 2}, {0, 2, 1}}, Faces{{0, 1, 2}, {2, 1, 0}}, Faces{{0, 1, 3, 2}, {1, 0, 2, 3}},
-                            // From a corner that is there twice, in both directions.
+                            // These begin at a corner that is there twice, and run in both directions.
                             Faces{{2, 2, 0, 1}, {2, 2, 1, 0}}, Faces{{2, 2, 0, 1}, {0, 2, 2, 1}}}) {
     const Dropped result = drop(shapes::from_lists(points, back));
     ASSERT_EQ(result.diagnostics.size(), 1u);
@@ -135,7 +135,7 @@ TEST(drop_duplicate_faces, of_a_back_what_looks_as_its_neighbours_do_stays_which
   }
 }
 
-/// A cube about the origin with a label, cut into squares of two triangles.
+/// Makes a cube about the origin with a label. It is cut into squares of two triangles.
 PolygonMesh cube(double size, bool is_out, std::uint32_t label) {
   PolygonMesh mesh = shapes::moved(shapes::box({size, size, size}, 2), {-size / 2, -size / 2, -size / 2});
   if (!is_out) mesh = shapes::turned_over(mesh);
@@ -153,7 +153,7 @@ PolygonMesh all(const std::vector<PolygonMesh>& meshes) {
   return shapes::welded(joined);
 }
 
-/// By the half width of the cubes: what of them is left, their labels and the volume.
+/// The labels, the number of faces and the volume of the cubes of one half width, as far as they are left.
 struct Left {
   std::set<std::string> labels;
   std::size_t faces = 0;

@@ -23,7 +23,8 @@ std::uint64_t count_of(const std::vector<Diagnostic>& diagnostics, DiagnosticCod
   return 0;
 }
 
-/// Half-edges that have no counterpart running the other way: 0 if the surface is closed and consistently wound.
+/// Returns the number of half-edges without a counterpart that runs the other way. It is 0 if the surface is closed and
+/// consistently wound.
 int open_half_edges(const Surface& surface) {
   std::map<std::pair<VertexId, VertexId>, int> balance;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
@@ -38,7 +39,7 @@ int open_half_edges(const Surface& surface) {
   return open;
 }
 
-/// What a Surface promises of its faces and vertices.
+/// Expects what a Surface promises of its faces and vertices.
 void expect_holds(const Surface& surface) {
   std::vector<int> uses(surface.vertex_count());
   ASSERT_EQ(surface.face_source.size(), surface.face_count());
@@ -247,7 +248,7 @@ TEST(mend_faces, a_stop_is_obeyed_while_faces_without_area_are_dropped) {
   const Clock::time_point ended = Clock::now();
   is_over = true;
   watcher.join();
-  // Not stopped: it was asked for when all was done but for a little.
+  // If the run was not stopped, it was asked to stop when nearly all was done.
   EXPECT_TRUE(is_stopped || ended - asked < std::chrono::milliseconds(20));
 }
 

@@ -30,7 +30,7 @@ void mend(Surface& surface) {
   mend_faces(surface, kTolerance, {}, Mend::kYes, diagnostics, control);
 }
 
-/// How many sides of faces lie on each edge; vertices by their places, since mending renumbers them.
+/// Returns how many sides of faces lie on each edge. Vertices are named by their places, since mending renumbers them.
 std::map<std::set<Vec3>, int> sides_of_edges(const Surface& surface) {
   std::map<std::set<Vec3>, int> sides;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {

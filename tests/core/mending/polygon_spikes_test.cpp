@@ -103,7 +103,7 @@ TEST(cut_spikes, random_spikes_on_random_polygons_are_found_wherever_the_corners
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < sound.size(); ++i) {
       points.push_back(sound[i]);
-      // Out over some places and back over the same ones.
+      // Each spike runs out over some places and back over the same ones.
       std::vector<Vec3> way;
       for (std::size_t k = random() % 4; k > 0; --k)
         way.push_back({anywhere(random), anywhere(random), anywhere(random)});
@@ -125,7 +125,7 @@ TEST(cut_spikes, random_spikes_on_random_polygons_are_found_wherever_the_corners
   EXPECT_GT(spiked, 10);
 }
 
-/// A rectangle of 9 x 3 in the plane z = 0, and a way in its upper side, from right to left.
+/// Makes a rectangle of 9 x 3 in the plane z = 0. Its upper side is the given way, which runs from right to left.
 std::vector<Vec3> rectangle_with(const std::vector<Vec3>& upper) {
   std::vector<Vec3> loop{{0, 0, 0}, {9, 0, 0}, {9, 3, 0}};
   loop.insert(loop.end(), upper.begin(), upper.end());
@@ -133,7 +133,7 @@ std::vector<Vec3> rectangle_with(const std::vector<Vec3>& upper) {
   return loop;
 }
 
-/// What stays of a rectangle's upper side when the spikes out of its plane are cut off.
+/// Returns what is left of a rectangle's upper side when the spikes out of its plane are cut off.
 std::vector<Vec3> upper_side_of(const std::vector<Vec3>& points, double plane_tolerance = 1e-6) {
   const RunControl control;
   const Spikes spikes = cut_spikes_out_of_plane(points, 1e-9, plane_tolerance, control).spikes;

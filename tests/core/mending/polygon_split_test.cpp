@@ -53,7 +53,7 @@ TEST(polygon_split, the_diagonal_of_a_convex_quadrilateral_is_the_delaunay_one) 
   }
 }
 
-/// By their points.
+/// Splits a polygon and returns each triangle as the set of its points.
 std::set<std::set<Vec3>> triangles_of(const std::vector<Vec3>& points) {
   std::set<std::set<Vec3>> triangles;
   for (const auto& [a, b, c] : split(points).triangles) triangles.insert({points[a], points[b], points[c]});

@@ -39,7 +39,7 @@ Closed close(const PolygonMesh& mesh, Mend mend = Mend::kYes, double tolerance =
   return result;
 }
 
-/// How many edges have so many faces, counted by hand. A face whose corners repeat has no edge between these.
+/// Counts the edges by the number of their faces. A face with two equal corners in a row has no edge between these.
 std::map<std::size_t, int> faces_at_edges(const Surface& surface) {
   std::map<std::pair<VertexId, VertexId>, std::size_t> uses;
   for (std::uint32_t f = 0; f < surface.face_count(); ++f) {
@@ -61,7 +61,7 @@ std::uint64_t count_of(const Closed& result) {
   return result.diagnostics.empty() ? 0 : result.diagnostics.front().count;
 }
 
-/// Every vertex is used, and every corner within the tolerance of where it was.
+/// Expects that every vertex is used, and that every corner is within the tolerance of where it was.
 void expect_in_place(const PolygonMesh& before, const Surface& after, double tolerance = kTolerance) {
   ASSERT_EQ(after.corners.size(), before.corners.size());
   std::vector<int> uses(after.vertex_count());
@@ -141,7 +141,7 @@ TEST(Seams, two_sheets_on_each_other_stay_two) {
 }
 
 TEST(Seams, two_open_boxes_side_by_side_stay_two) {
-  // Without their lids; their walls lie on each other.
+  // The boxes have no lids, and a wall of one lies on a wall of the other.
   PolygonMesh box = shapes::quad_box({1, 1, 1}, 2);
   const PolygonMesh open = torn::only(box, [&](FaceId f) {
     const auto loop = box.face(f);

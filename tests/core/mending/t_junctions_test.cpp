@@ -44,7 +44,8 @@ std::vector<VertexId> loop_of(const Surface& surface, std::size_t f) {
   return {loop.begin(), loop.end()};
 }
 
-/// A large triangle below y = 0 along x, and `n` small ones above, whose corners lie on its edge, raised by `off`.
+/// Makes a large triangle below y = 0 along x, and `n` small ones above, whose corners lie on its edge, raised by
+/// `off`.
 PolygonMesh comb(int n, double off = 0) {
   std::vector<Vec3> points{{0, 0, 0}, {0.5, -1, 0}, {1, 0, 0}};
   std::vector<std::vector<std::uint32_t>> faces{{0, 1, 2}};
@@ -105,7 +106,7 @@ TEST(split_t_junctions, a_closed_surface_and_inner_vertices_are_left_alone) {
   EXPECT_FALSE(split(mesh, 1e-9).is_changed);
 }
 
-/// A wedge along x whose sides are `width` apart at its end, and a triangle that touches its middle line there.
+/// Makes a wedge along x whose sides are `width` apart at its end, and a triangle that touches its middle line there.
 PolygonMesh wedge_and_tip(double width, double at) {
   return shapes::from_lists(
       {{0, 0, 0}, {1, -width / 2, 0}, {1, width / 2, 0}, {at, 0, 0.0001}, {0.5, 0, 1}, {0.6, 0, 1}},
@@ -122,7 +123,7 @@ TEST(split_t_junctions, a_face_that_is_as_thin_as_the_tolerance_is_handed_none) 
   EXPECT_FALSE(split(wedge_and_tip(0.01, 0.5), 0.01).is_changed);
 }
 
-/// Half-edges that run the same way as another one over the same edge.
+/// Returns the number of edges with two half-edges that run the same way.
 std::size_t edges_used_twice_one_way(const Surface& surface) {
   RunControl control;
   const Adjacency edges(surface.vertex_count(), surface.face_begin, surface.corners, control);
@@ -134,8 +135,9 @@ std::size_t edges_used_twice_one_way(const Surface& surface) {
   return count;
 }
 
-/// Two plates on both sides of a line through the origin, which have only that corner in common: their edges run along
-/// each other and end a tenth of the noise apart. On the line stand two fins, whose corners are up to `noise` apart.
+/// Makes two plates on both sides of a line through the origin, which is the only corner that they share. Their edges
+/// run along each other and end a tenth of the noise apart. On the line stand two fins, whose corners are up to `noise`
+/// apart.
 PolygonMesh plates_and_fins(const Vec3& along, const Vec3& across, double noise, std::mt19937_64& random) {
   std::uniform_real_distribution<double> any(-0.5, 0.5);
   const auto about = [&](const Vec3& p, double size) { return p + size * Vec3{any(random), any(random), any(random)}; };
@@ -231,7 +233,7 @@ TEST(split_t_junctions, very_many_long_edges_side_by_side_do_not_take_quadratic_
   EXPECT_FALSE(split(mesh, 1e-6).is_changed);
 }
 
-/// `n` large triangles whose edges run along one line, and as many small ones with a corner on it.
+/// Makes `n` large triangles whose edges run along one line, and as many small ones with a corner on it.
 PolygonMesh bundle(int n) {
   std::vector<Vec3> points;
   std::vector<std::vector<std::uint32_t>> faces;
@@ -275,7 +277,7 @@ TEST(split_t_junctions, edges_along_each_other_with_all_vertices_on_them_do_not_
   EXPECT_FALSE(split(bundle(50'000), 1e-9).is_changed);  // 5e9 junctions
 }
 
-/// Squares above each other, each nearer to the first one than the one before by the same factor.
+/// Makes squares above each other. Each is nearer to the first one than the one before, always by the same factor.
 PolygonMesh nearing_sheets(int n, double last) {
   std::vector<Vec3> points;
   std::vector<std::vector<std::uint32_t>> faces;
@@ -288,7 +290,7 @@ PolygonMesh nearing_sheets(int n, double last) {
   return shapes::from_lists(points, faces);
 }
 
-/// Pairs of a face and a vertex on one of its edges, found by looking at all.
+/// Returns the number of pairs of a face and a vertex on one of its edges. It looks at all pairs.
 std::size_t junctions_of_all_pairs(const PolygonMesh& mesh, double tolerance) {
   std::set<std::pair<std::size_t, std::uint32_t>> found;
   for (std::size_t f = 0; f + 1 < mesh.face_begin.size(); ++f)

@@ -80,7 +80,7 @@ TEST(weld, minus_zero_equals_zero) {
   EXPECT_EQ(result.surface.corners[3], result.surface.corners[0]);
 }
 
-/// Someone who knows the hash of vertices can choose them so that all are looked for in one place.
+/// Somebody who knows the hash of vertices can choose vertices that are all looked for in one place.
 TEST(weld, vertices_chosen_to_collide_are_welded_all_the_same_and_soon) {
   constexpr std::uint64_t kFactor = 0x9e3779b97f4a7c15u;
   std::uint64_t inverse = kFactor;
@@ -178,7 +178,7 @@ Welded welded_within(const PolygonMesh& mesh, double tolerance) {
   return result;
 }
 
-/// A vertex at each place, all in one face.
+/// Makes a mesh with a vertex at each place. All of them are in one face.
 PolygonMesh at(const std::vector<Vec3>& places) {
   std::vector<std::uint32_t> loop(places.size());
   for (std::uint32_t i = 0; i < loop.size(); ++i) loop[i] = i;

@@ -24,7 +24,7 @@ Ends ends(const Adjacency& adjacency, std::uint32_t h) {
   return std::minmax(adjacency.from(h).value, adjacency.to(h).value);
 }
 
-/// A mesh of which only the connections matter.
+/// Makes a mesh of which only the connections matter.
 PolygonMesh connected(std::uint32_t vertices, const std::vector<std::vector<std::uint32_t>>& faces) {
   return shapes::from_lists(std::vector<Vec3>(vertices), faces);
 }
@@ -71,7 +71,7 @@ TEST(adjacency, next_goes_round_the_face) {
   EXPECT_EQ(adjacency.to(6), VertexId(0));
 }
 
-/// Holds an adjacency against what a map comes to.
+/// Compares the adjacency of a mesh with one that is computed by a map.
 void expect_grouped(const PolygonMesh& mesh) {
   const Adjacency adjacency = adjacency_of(mesh);
   std::map<Ends, std::vector<std::uint32_t>> expected;

@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// Of the first face, its coordinates taken as local units.
+/// Returns the geometry of the first face. Its coordinates are taken as local units.
 FaceGeometry geometry_of(const PolygonMesh& mesh) {
   Surface surface = shapes::surface(mesh);
   surface.local.items().assign(surface.positions.begin(), surface.positions.end());

@@ -169,7 +169,7 @@ TEST(Quality, agrees_with_a_plain_computation_on_random_triangles) {
   EXPECT_EQ(total(q.radius_edge_histogram), faces.size());
 }
 
-/// The angles of triangles by an arc tangent each, in degrees.
+/// Returns the angles of triangles in degrees, each computed by an arc tangent.
 std::vector<double> plain_angles(const TriangleMesh& mesh) {
   std::vector<double> angles;
   for (const Triangle& t : mesh.faces)

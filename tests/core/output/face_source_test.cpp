@@ -16,7 +16,7 @@ double distance_to_segment(const Vec3& a, const Vec3& b, const Vec3& p) {
   return norm(p - (a + t * (b - a)));
 }
 
-/// Of a point in the plane of a convex face.
+/// Returns the distance from a convex face to a point in its plane.
 double distance_to_face(const PolygonMesh& mesh, FaceId f, const Vec3& p) {
   const auto loop = mesh.face(f);
   Vec3 normal;
@@ -34,7 +34,8 @@ double distance_to_face(const PolygonMesh& mesh, FaceId f, const Vec3& p) {
   return is_inside ? std::fabs(dot(p - mesh.positions[loop[0]], normal)) : distance;
 }
 
-/// Every output face has a source of its own patch, as near to its centroid as any face of that patch.
+/// Expects that every output face has a source in its own patch, which is as near to its centroid as any face of that
+/// patch.
 void expect_nearest(const PolygonMesh& mesh) {
   const StageChain chain(mesh);
   const auto source = face_source(chain.surface, chain.patches, chain.meshes, chain.control);

@@ -1,4 +1,4 @@
-// Results in the numbers of binary STL: what comes out is right by geometry, or it is refused and says why.
+// Tests results in the numbers of binary STL. A result is right by geometry, or it is refused with the reason.
 #include "core/output/output_form.h"
 #include "core/remesh.h"
 

@@ -30,7 +30,7 @@ std::map<DiagnosticCode, VolumeObstacle> obstacles_of(const PolygonMesh& mesh, c
   return by_code;
 }
 
-/// A roof of two pages that meet under this angle, closed below and at its ends.
+/// Makes a roof of two pages that meet under this angle. It is closed below and at its ends.
 PolygonMesh wedge(double degrees) {
   const double h = std::tan(degrees * std::numbers::pi / 180);
   return shapes::from_lists({{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, h}, {1, 1, h}},

@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// Every boundary half-edge of a patch in exactly one loop of that patch, each loop closed.
+/// Expects that every boundary half-edge of a patch is in exactly one loop of that patch, and that each loop is closed.
 void expect_holds(const StageChain& chain) {
   const BoundaryLoops& loops = chain.loops;
   std::vector<int> uses(chain.surface.corners.size(), 0);

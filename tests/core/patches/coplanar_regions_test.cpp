@@ -22,7 +22,8 @@ std::size_t region_count(const StageChain& chain) {
   return used.size();
 }
 
-/// The regions as sets of faces, each face named by its corners' sum: the same for any numbering.
+/// Returns the regions as sets of faces. Each face is named by the sum of its corners, which is the same for any
+/// numbering.
 std::set<std::set<Vec3>> region_sets(const StageChain& chain) {
   std::map<RegionId, std::set<Vec3>> sets;
   for (std::uint32_t f = 0; f < chain.surface.face_count(); ++f) {
@@ -38,8 +39,8 @@ std::set<std::set<Vec3>> region_sets(const StageChain& chain) {
   return result;
 }
 
-/// What the header holds: corners within half the tolerance, no face turned over, every region in one piece, and how
-/// far its corners are from its plane.
+/// Expects what the header promises. All corners are within half the tolerance of their plane. No face is turned over.
+/// Every region is in one piece. The deviation of a region is how far its corners are from its plane.
 void expect_holds(const StageChain& chain) {
   UnionFind pieces(chain.surface.face_count());
   std::map<RegionId, double> farthest;
@@ -70,7 +71,7 @@ void expect_holds(const StageChain& chain) {
   }
 }
 
-/// A strip of quads along x, each turned about y by this angle against the one before.
+/// Makes a strip of quads along x. Each is turned about y by this angle against the one before.
 PolygonMesh bent_strip(int quads, double angle_deg) {
   std::vector<Vec3> positions;
   std::vector<std::vector<std::uint32_t>> faces;
@@ -239,7 +240,7 @@ TEST(coplanar_regions, digits_are_not_asked_where_neighbours_turn_by_a_milliradi
     EXPECT_EQ(count(3e-4, normal_tolerance), 1u) << normal_tolerance;
     EXPECT_EQ(count(5e-4, normal_tolerance), 2u) << normal_tolerance;
   }
-  // By 0.0018: sqrt(3) times the tolerance is allowed, not its root.
+  // The two normals differ by 0.0018. Allowed is sqrt(3) times the tolerance, not its root.
   EXPECT_EQ(count(5e-4, 0.9e-3), 2u);
   EXPECT_EQ(count(5e-4, 1.1e-3), 1u);
 }

@@ -23,9 +23,9 @@ Points flat_points(const std::vector<Vec2>& points) {
   return result;
 }
 
-/// Every loop vertex that went lies within the tolerance of the chord that replaces it, in order along it; a closed
-/// boundary keeps three; no two chords of different boundary edges join the same vertices. None lies inside a patch,
-/// where none is said to.
+/// Expects that every loop vertex that was removed lies within the tolerance of the chord that replaces it, in order
+/// along it. A loop has at least three essential vertices, if it has as many vertices at all. If all essential vertices
+/// are said to be on loops, none lies inside a patch.
 void expect_holds(const StageChain& chain) {
   for (std::uint32_t f = 0; f < chain.surface.face_count() && chain.essential.are_on_loops; ++f) {
     const PatchId p = chain.patches.of_face[FaceId(f)];

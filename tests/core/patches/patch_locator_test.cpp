@@ -36,7 +36,7 @@ double distance_to_segment(Vec2 a, Vec2 b, Vec2 p) {
   return norm(p - (a + t * (b - a)));
 }
 
-/// Of a convex face, counter-clockwise.
+/// Returns the distance of p from a convex face whose corners run counter-clockwise.
 double distance_to_loop(const std::vector<Vec2>& loop, Vec2 p) {
   bool is_inside = true;
   double distance = HUGE_VAL;

@@ -14,7 +14,8 @@
 namespace remesh {
 namespace {
 
-/// Every patch done, its points in order and where the frame says, its triangles valid, Delaunay and of its area.
+/// Expects that every patch is meshed. Its points are in order and where the frame says. Its triangles are valid and
+/// Delaunay, and have the area of the patch.
 void expect_holds(const StageChain& chain) {
   ASSERT_EQ(chain.meshes.size(), chain.patches.count());
   for (std::uint32_t p = 0; p < chain.meshes.size(); ++p) {

@@ -1,4 +1,4 @@
-// Regions that have one plane after all, by way of coplanar_regions.
+// Tests, through coplanar_regions, that regions are merged that have one plane after all.
 #include "core/patches/region_merging.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,8 @@ std::size_t region_count(const StageChain& chain) {
   return std::set<RegionId>(chain.regions.of_face.begin(), chain.regions.of_face.end()).size();
 }
 
-/// A unit sheet of n x n squares, lifted at every tenth vertex and by noise at all; in tolerances.
+/// Makes a unit sheet of n x n squares. Every tenth vertex is lifted, and all are moved up or down by noise. Both are
+/// given in tolerances.
 PolygonMesh lifted_sheet(int n, double lift, double noise) {
   Random random(1);
   PolygonMesh mesh = shapes::sheet(1, 1, n, n);
@@ -30,7 +31,8 @@ PolygonMesh lifted_sheet(int n, double lift, double noise) {
   return mesh;
 }
 
-/// All corners of a region are within half the tolerance of its plane, the farthest by its deviation.
+/// Expects that all corners of a region are within half the tolerance of its plane. The farthest of them is as far as
+/// its deviation says.
 void expect_in_band(const StageChain& chain) {
   std::map<RegionId, double> farthest;
   for (FaceId f(0); f.value < chain.surface.face_count(); ++f.value) {

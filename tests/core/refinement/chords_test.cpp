@@ -21,7 +21,7 @@ namespace {
 
 using Edge = std::pair<VertexId, VertexId>;
 
-/// Undirected edges inside each patch between vertices of the surface.
+/// Counts the undirected edges inside patches between vertices of the surface.
 std::map<Edge, int> inside_edges(const std::vector<PatchMesh>& meshes) {
   std::map<Edge, int> edges;
   for (const PatchMesh& patch : meshes)
@@ -54,7 +54,7 @@ void expect_no_shared_chord(const std::vector<PatchMesh>& meshes) {
 bool flip(StageChain& chain) { return flip_chords(chain.meshes, chain.surface.vertex_count(), chain.control); }
 void split(StageChain& chain) { split_chords(chain.meshes, chain.surface.vertex_count(), chain.control); }
 
-/// A polygon and the same turned over.
+/// Makes a polygon and the same polygon turned over.
 PolygonMesh back_to_back(const std::vector<Vec3>& polygon) {
   std::vector<std::uint32_t> front, back;
   for (std::uint32_t i = 0; i < polygon.size(); ++i) {
@@ -66,7 +66,8 @@ PolygonMesh back_to_back(const std::vector<Vec3>& polygon) {
 
 const std::vector<Vec3> kL{{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}};
 
-/// Two patches folded together along a bent border (0 1 2): the Delaunay diagonal of both is the chord 0-2.
+/// Makes two patches that are folded together along a bent border (0 1 2). The Delaunay diagonal of both is the chord
+/// 0-2.
 PolygonMesh folded_along_a_bent_border(const Vec3& corner_of_the_second) {
   return shapes::from_lists({{-1, 0, 0}, {0, -0.25, 0}, {1, 0, 0}, {0, 4, 0}, corner_of_the_second},
                             {{0, 1, 2, 3}, {2, 1, 0, 4}});

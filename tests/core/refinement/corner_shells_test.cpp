@@ -17,7 +17,7 @@
 #include "tests/support/solids.h"
 #include "tests/support/stage_chain.h"
 
-// What it makes of whole surfaces is in tests/core/refinement_sharp_corners_test.cpp.
+// The effect of corner shells on whole surfaces is tested in tests/core/refinement_sharp_corners_test.cpp.
 
 namespace remesh {
 namespace {
@@ -29,7 +29,7 @@ SegmentTable planned(const StageChain& chain, const SizeField& sizes, const Goal
   return table;
 }
 
-/// Distances from the corner at the origin, of a side's cuts.
+/// Returns the distances of a side's cuts from the corner at the origin, ascending.
 std::vector<double> distances(const StageChain& chain, const SegmentTable& table, const SizeField& sizes,
                               const Vec3& end) {
   for (std::uint32_t s = 0; s < table.size(); ++s) {
@@ -58,7 +58,7 @@ TEST(corner_shells, the_sides_of_a_corner_are_cut_by_turns_in_pieces_that_grow) 
   EXPECT_EQ(a[0], size);
   EXPECT_NEAR(b[0], size, 1e-12);
   if (a[1] < b[1]) std::swap(a, b);
-  // Behind the last shells the sides are cut each on its own.
+  // Behind the last shells, each side is cut on its own.
   const double near = 0.8 * size / width;
   for (std::size_t i = 1; i < std::min(a.size(), b.size()) && a[i] < near; ++i) {
     EXPECT_LT(a[i - 1], b[i]);
@@ -74,8 +74,8 @@ TEST(corner_shells, the_sides_of_a_corner_are_cut_by_turns_in_pieces_that_grow) 
   }
 }
 
-/// A triangle beside the x axis, and far from it two sheets near each other: sizes vary, but at the triangle the size
-/// is the largest.
+/// A triangle beside the x axis, and far from it two sheets that are near each other. Thus sizes vary, but at the
+/// triangle the size is the largest.
 struct WhereSizesVary {
   static constexpr double kSize = 0.1;
 

@@ -82,7 +82,7 @@ class Subject {
     return true;
   }
 
-  /// A free vertex goes, if there is one.
+  /// Removes a free vertex, if there is one.
   void remove_any(Random& random) {
     if (free_.empty()) return;
     auto v = free_.begin();
@@ -92,7 +92,7 @@ class Subject {
     free_.erase(v);
   }
 
-  /// The triangulation is the one that its points and sides have, made anew.
+  /// Expects the triangulation that is made anew from its points and sides.
   void expect_is_fresh() const {
     std::vector<std::uint32_t> order;
     for (std::uint32_t v = 0; v < mesh.vertex_slots(); ++v)
@@ -165,7 +165,7 @@ Extent extent(const std::vector<Vec2>& points) {
   return e;
 }
 
-/// Insertions, cuts and removals by chance; compared with a fresh triangulation again and again.
+/// Inserts, cuts and removes at random. Again and again it compares the mesh with a fresh triangulation.
 void change_at_random(Subject& subject, const Extent& box, double grid, Random& random, int steps) {
   int inserted = 0, cuts = 0;
   for (int i = 0; i < steps; ++i) {

@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-/// A region, its boundary cut into pieces no longer than the size there, and the triangles between.
+/// A region in triangles. Its boundary is cut into pieces that are no longer than the size there.
 struct Region {
   std::vector<std::array<Vec2, 3>> triangles;
   std::vector<Vec2> boundary;
@@ -51,7 +51,7 @@ Region region(const polygons::Polygon& polygon, const PlaneSizes& sizes) {
 PlaneSizes uniform(double size) {
   return {[size](Vec2) { return size; }, [size](double length, Vec2, double) { return length <= size; }};
 }
-/// Finest at the left.
+/// Returns sizes that are `least` up to x = 0 and grow with x from there.
 PlaneSizes growing(double least, double slope) {
   const auto at = [=](Vec2 p) { return least + slope * std::max(0.0, p.x); };
   return {at, [=](double length, Vec2 p, double radius) { return length <= at({p.x - radius, p.y}); }, false};
@@ -69,7 +69,7 @@ bool is_inside(const Region& region, Vec2 p) {
   });
 }
 
-/// To the nearest of the points, p itself left out.
+/// Returns the distance from p to the nearest of the other points.
 double nearest(const std::vector<Vec2>& points, Vec2 p) {
   double least = HUGE_VAL;
   for (const Vec2 q : points)
@@ -82,7 +82,8 @@ const polygons::Polygon& square() {
   return polygon;
 }
 
-/// `column`: of a lattice that fits the region's box, in sizes.
+/// Expects that the points are inside the region, and neither too near to each other nor too far apart.
+/// Input:  `column` is the width of a column of the lattice that fits the region's box, in sizes.
 void expect_holds(const Region& region, const PlaneSizes& sizes, double column = 1) {
   const std::vector<Vec2> points = fill(region, sizes);
   ASSERT_GT(points.size(), 20u);
@@ -126,7 +127,8 @@ TEST(even_fill, of_sizes_that_grow_it_is_as_coarse_as_they_allow) {
 }
 
 TEST(even_fill, however_steeply_sizes_grow_few_places_are_looked_at) {
-  // As large as they may be a hair from the left side; near that, cells would be cut until they are as small as a hair.
+  // Already at a hair from the left side, sizes are as large as they may be. Near that side, cells would be cut until
+  // they are as small as a hair.
   PlaneSizes sizes = growing(0.1, 1e9);
   std::size_t asked = 0;
   sizes.allows = [&asked, allows = sizes.allows](double length, Vec2 p, double radius) {
@@ -181,7 +183,7 @@ TEST(even_fill, rows_begin_as_the_vertices_along_the_lowest_side_do) {
   }
 }
 
-/// A plate ten wide, its lower and upper side cut into so many pieces.
+/// Makes a plate of width ten. Its lower and upper sides are cut into `pieces` pieces each.
 polygons::Polygon plate_of_pieces(double height, int pieces) {
   polygons::Polygon plate;
   for (int k = 0; k <= pieces; ++k) plate.outer.push_back({10.0 * k / pieces, 0});

@@ -28,7 +28,7 @@ struct Scene {
   explicit Scene(const PolygonMesh& mesh)
       : chain(mesh, kTolerance), gaps(chain.surface, chain.adjacency, chain.patches, kTolerance, chain.control) {}
 
-  /// The gap at a place on the patch that an input face belongs to.
+  /// Returns the gap at a place on the patch that an input face belongs to.
   double at(std::size_t input_face, const Vec3& place, double limit = kFar) const {
     return gaps.at(place, chain.patch_of(input_face), limit);
   }
@@ -38,7 +38,8 @@ struct Scene {
   GapSearch gaps;
 };
 
-/// The rule word for word: every triangle of every other patch, every vertex and edge that two patches share.
+/// Follows the rule word for word. It looks at every triangle of every other patch, and at every vertex and edge that
+/// two patches share.
 class BruteForce {
  public:
   explicit BruteForce(const Scene& scene) : scene_(scene) {
@@ -97,7 +98,8 @@ class BruteForce {
     return std::fabs(dot(way, scene_.chain.patches.planes[p].normal)) > std::sqrt(0.604) * norm(way);
   }
 
-  /// Faces that share edges are one piece; it is a solid if each of its edges is run along once each way.
+  /// Finds the solids. Faces that share edges are one piece. It is a solid if each of its edges is used once in each
+  /// direction.
   void find_solids() {
     const StageChain& chain = scene_.chain;
     std::map<std::pair<VertexId, VertexId>, std::vector<std::uint32_t>> runs;  // faces by directed edge
@@ -129,7 +131,8 @@ class BruteForce {
     for (std::uint32_t f = 0; f < piece.size(); ++f)
       solid_[chain.patches.of_face[FaceId(f)].value] = open_pieces.count(piece[f]) ? -1 : static_cast<int>(piece[f]);
   }
-  /// Inwards from one, and from outside to the other, or the other way round.
+  /// Returns whether the way leads inwards from p and comes to q from outside, or outwards from p and comes to q from
+  /// inside, where both belong to one solid.
   bool is_blocked(const Vec3& way, PatchId p, PatchId q) const {
     if (solid_[p.value] < 0 || solid_[p.value] != solid_[q.value]) return false;
     const auto side = [&](PatchId of) { return dot(way, scene_.chain.patches.planes[of].normal); };
@@ -184,15 +187,15 @@ class BruteForce {
   const Scene& scene_;
   std::vector<std::set<VertexId>> vertices_;
   std::vector<std::set<std::pair<VertexId, VertexId>>> edges_;
-  std::vector<int> solid_;  ///< of each patch; -1: none
+  std::vector<int> solid_;  ///< one per patch; -1 if the patch belongs to no solid
 };
 
 PolygonMesh cube_in_cube() {
   return shapes::joined(shapes::box({1, 1, 1}, 2),
                         shapes::turned_over(shapes::moved(shapes::box({0.9, 0.9, 0.9}, 3), {0.05, 0.05, 0.05})));
 }
-/// A prism over a triangle with that angle at the origin and two sides of length 1; its sides are the faces 2, 3, 4
-/// (the first side lies in y = 0), its caps 0 and 1.
+/// Makes a prism over a triangle with this angle at the origin and two sides of length 1. Its caps are the faces 0 and
+/// 1, and its sides the faces 2, 3 and 4, of which the first lies in y = 0.
 PolygonMesh wedge(double degrees, double length) {
   const double a = degrees * std::numbers::pi / 180;
   return shapes::prism({{0, 0}, {1, 0}, {std::cos(a), std::sin(a)}}, length);
@@ -342,7 +345,7 @@ TEST(gap_search, what_touches_is_no_gap) {
 TEST(gap_search, facets_round_a_hole_see_the_opposite_ones_and_not_the_next_but_one) {
   constexpr int kSides = 3000;
   const Scene scene(shapes::cylinder(kSides, 1, 3));
-  // Down to the facets that are seen at 51 degrees.
+  // The nearest facets that count are those that are seen at 51 degrees.
   const double at_51 = 2 * std::sqrt(0.604);
   const Vec3 on_facet{std::cos(std::numbers::pi / kSides) * std::cos(std::numbers::pi / kSides),
                       std::cos(std::numbers::pi / kSides) * std::sin(std::numbers::pi / kSides), 1.5};

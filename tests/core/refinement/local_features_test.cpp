@@ -25,7 +25,7 @@ PolygonMesh face_of(const polygons::Loop& loop) {
   return mesh;
 }
 
-/// The features of a patch's sides, and the sides.
+/// A patch with its sides and their features.
 struct Subject {
   explicit Subject(const polygons::Loop& loop) : chain(face_of(loop)) {
     const Triangulation2d& mesh = patch().mesh;

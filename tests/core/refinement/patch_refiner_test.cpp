@@ -71,7 +71,8 @@ Measures measure(const PatchMesh& patch) {
   return m;
 }
 
-/// A valid constrained Delaunay triangulation whose new vertices are where their cuts say; nothing has been lost.
+/// Expects a valid constrained Delaunay triangulation. Its new vertices on segments are where their cuts say. Neither
+/// area nor a vertex of the patch has been lost.
 void expect_sound(const Subject& subject, const PatchRefiner::Refined& refined) {
   const PatchMesh& patch = refined.patch;
   ASSERT_EQ(patch.uv.size(), patch.vertices.size());
@@ -300,7 +301,7 @@ TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
   EXPECT_EQ(refiner.triangle_count(), 4u);
   const PatchRefiner::Refined split = refiner.finish();
   EXPECT_EQ(split.patch.vertices.size(), 5u);
-  // What lies on the boundary is no edge inside.
+  // Edges on the boundary are no inner edges, so none of them is split.
   std::vector<std::uint32_t> rim;
   for (std::uint32_t h = 0; h < split.patch.mesh.half_edge_count(); ++h)
     if (split.patch.mesh.is_constrained(h)) rim.push_back(h);
@@ -324,7 +325,7 @@ double shortest_edge(const PatchMesh& patch) {
   return least;
 }
 
-/// The least of all triangles: area over the sum of squared edges, twice.
+/// Returns the least shape of all triangles. The shape is twice the area over the sum of the squared edges.
 double least_shape(const PatchMesh& patch) {
   double least = HUGE_VAL;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3) {
@@ -361,7 +362,7 @@ TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
         EXPECT_LE(largest_area(after.patch), options.max_area.value_or(HUGE_VAL) * (1 + 1e-9));
         EXPECT_GE(measure(after.patch).smallest_angle_deg, std::min(degrees, measure(before.patch).smallest_angle_deg));
         EXPECT_GE(least_shape(after.patch), std::min(0.165, least_shape(before.patch)) * (1 - 1e-9));
-        // Only points inside go.
+        // Only points inside the patch are removed.
         const auto cuts_of = [](const PatchRefiner::Refined& refined) {
           return std::count_if(refined.cuts.begin(), refined.cuts.end(),
                                [](const Cut& cut) { return cut.segment.is_valid(); });

@@ -13,7 +13,8 @@
 namespace remesh {
 namespace {
 
-/// `frozen`: a patch that stays as it is.
+/// Returns the lower bound on the number of faces.
+/// Input:  `frozen` is a patch that stays as it is, if it is valid.
 double least(const PolygonMesh& mesh, const Options& options, PatchId frozen = {}) {
   StageChain chain(mesh);
   const Goals goals = goals_of(options, 1);

@@ -60,7 +60,7 @@ struct Subject {
   SegmentTable table;
 };
 
-/// All places at which a segment can ever be cut, ascending, as long as the pieces stay longer than `least`.
+/// Returns all places, ascending, at which a segment can ever be cut, as long as the pieces stay longer than `least`.
 std::vector<double> all_cuts(const SegmentTable& table, SegmentId s, double least = 0) {
   std::vector<double> places;
   std::vector<std::pair<double, double>> pieces{{0, 1}};
@@ -171,7 +171,7 @@ TEST(segment_table, segments_at_a_small_angle_are_cut_on_common_shells) {
           EXPECT_NEAR(shells[i] / shells[i - 1], 0.5, 1e-9) << degrees;
         }
       }
-    // What the first cut leaves is long enough on both sides.
+    // The pieces on both sides of the first cut are long enough.
     EXPECT_GE(on_first[0], 5.0 / 4);
     EXPECT_LE(on_first[0], 5.0 * 3 / 4);
   }
@@ -357,7 +357,7 @@ TEST(even_parts, are_cut_apart_before_they_are_halved) {
     }
 }
 
-/// The segments of a prism's long sides, in their order around it.
+/// Returns the segments of a prism's long sides, in their order around it.
 std::vector<SegmentId> long_sides(const Subject& subject, std::size_t sides, double height) {
   std::vector<std::pair<double, SegmentId>> found;
   for (std::uint32_t s = 0; s < subject.table.size(); ++s) {

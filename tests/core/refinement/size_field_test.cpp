@@ -16,7 +16,7 @@ namespace remesh {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::infinity();
-/// Sizes are kept in single precision, and a little too large.
+/// The tolerance for sizes: they are stored in single precision, and a little too large.
 constexpr double kSingle = 1e-6;
 
 Goals goals(double proximity, double gradation) {
@@ -67,7 +67,7 @@ struct Scene {
 PolygonMesh plates(double distance, int n = 3) {
   return shapes::joined(shapes::sheet(4, 4, n, n), shapes::moved(shapes::sheet(4, 4, 2, 2), {0, 0, distance}));
 }
-/// A plate 1/16 thick from which a block rises, with a slot in it.
+/// Makes a plate 1/16 thick from which a block rises, with a slot in it.
 PolygonMesh thick_and_thin() {
   const std::vector<Vec2> outline = {{0, 0},        {4, 0},     {4, 0.0625}, {2, 0.0625}, {2, 1},      {1.5625, 1},
                                      {1.5625, 0.5}, {1.5, 0.5}, {1.5, 1},    {1, 1},      {1, 0.0625}, {0, 0.0625}};
@@ -245,7 +245,7 @@ TEST(size_field, gradation_alone_grades_away_from_short_segments) {
   EXPECT_NEAR(scene.sizes.at({1.03125, 2, 0}), 0.03125 + 0.25, kSingle);
   EXPECT_NEAR(scene.sizes.at({0, 1, 0}), 0.03125 + 0.25, kSingle);  // on a segment of length 2
   EXPECT_NEAR(scene.sizes.at({0, 3.03125, 7}), 0.03125 + 0.25 * std::hypot(1, 7), 10 * kSingle);
-  // Far from all: the segments' own lengths bound it.
+  // Far from everything else, the size is bounded by the lengths of the segments.
   const Scene square(shapes::polygon({{0, 0}, {4, 0}, {4, 4}, {0, 4}}), goals(0, 1.25));
   EXPECT_NEAR(square.sizes.at({1, 0, 0}), 4, 4 * kSingle);
   EXPECT_NEAR(square.sizes.at({2, 2, 0}), 4 + 0.25 * 2, 4 * kSingle);
@@ -304,7 +304,7 @@ TEST(size_field, what_crosses_a_facet_has_no_gap_to_it_but_what_is_above_it_has)
   Random random(9);
   double least = kFar;
   for (int i = 0; i < 1000; ++i) least = std::min(least, alone.sizes.at(alone.place(random).point));
-  // Of each sheet one triangle ends before the other sheet.
+  // One triangle of each sheet ends before it reaches the other sheet, so a gap may remain, but no small one.
   EXPECT_GT(least, 0.1);
   const Scene covered(shapes::joined(crossing, shapes::moved(shapes::sheet(0.5, 0.5, 1, 1), {3.2, 0.4, 0.125})),
                       goals(1, 1.5));
@@ -328,7 +328,7 @@ TEST(size_field, what_is_allowed_around_a_place_is_allowed_at_all_places_there) 
   for (int i = 0; i < 1000; ++i) {
     const Vec3 x = scene.place(random).point;
     const double radius = random.uniform(0, 0.5), size = scene.sizes.at(x);
-    // By the slope alone it is at least that.
+    // By the slope alone, a size of at least this is allowed everywhere within the radius.
     EXPECT_TRUE(scene.sizes.allows(0.999999 * (size - 0.5 * radius), x, radius));
     const double length = random.uniform(0.5, 1) * size;
     if (!scene.sizes.allows(length, x, radius)) continue;

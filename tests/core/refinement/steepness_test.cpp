@@ -18,7 +18,7 @@ Vec3 random_place(Random& random, double size) {
   return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
 }
 
-/// Three corners about a place.
+/// Returns three random corners about a place.
 Corners3 random_triangle(Random& random, const Vec3& at, double size) {
   return {at + random_place(random, size), at + random_place(random, size), at + random_place(random, size)};
 }
@@ -88,8 +88,9 @@ TEST(steepness, no_steep_way_is_shorter_than_what_is_told_of_all) {
   EXPECT_GT(longer, 1000);
 }
 
-/// What a facet faces first on a sphere lies on a whole circle, all about as far: without layers, nothing is told of it
-/// before the single triangle, and some 30 n^(1/2) boxes are looked at for each place.
+/// On a sphere, the facets that a facet faces first lie on a whole circle, all at about the same distance. Without
+/// layers, nothing is known about them before the search comes to single triangles, and about 30 n^(1/2) boxes are
+/// looked at for each place.
 TEST(steepness, on_a_sphere_few_boxes_are_looked_at) {
   struct Tag {
     Layer layer;

@@ -12,7 +12,7 @@ namespace {
 
 using Queues = TaskQueues<int>;
 
-/// What pops next, by a plain map of queues.
+/// A model of the queues that is a plain map. It tells which task must pop next.
 class Expected {
  public:
   void push(std::size_t queue, int task) { queues_[queue].push_back(task); }

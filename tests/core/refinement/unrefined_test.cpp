@@ -16,7 +16,7 @@ Goals no_goals() {
   return goals_of(options, 1);
 }
 
-/// One triangle; which reason is not asked.
+/// Returns whether one triangle is found. It does not matter for which reason.
 bool is_found(const Vec3& a, const Vec3& b, const Vec3& c, const Goals& goals) {
   const std::vector<Vec3> positions{a, b, c};
   const std::vector<Triangle> faces{{VertexId(0), VertexId(1), VertexId(2)}};
@@ -25,7 +25,7 @@ bool is_found(const Vec3& a, const Vec3& b, const Vec3& c, const Goals& goals) {
   return !find_unrefined(positions, faces, reasons, {}, goals, control).faces.empty();
 }
 
-/// With that angle at the origin, and the two others larger.
+/// Returns whether a triangle is found that has this angle at the origin, and two equal angles.
 bool is_angle_found(double degrees, double bound, double scale = 1) {
   const double angle = degrees * std::numbers::pi / 180;
   Goals goals = no_goals();

@@ -17,7 +17,7 @@ struct Carved {
   double area() const { return area_of(points, mesh); }
 };
 
-/// Loops of corners, walked with the inside on the left.
+/// Carves a region out of loops of corners. The inside is on the left of each loop.
 Carved carved(const std::vector<polygons::Loop>& loops, const std::vector<Vec2>& more_points = {}) {
   Carved result;
   result.points = more_points;
@@ -84,7 +84,7 @@ TEST(carving, points_inside_stay_corners_and_points_outside_do_not) {
 
 TEST(carving, a_loop_that_runs_clockwise_is_inconsistent_or_leaves_nothing) {
   EXPECT_EQ(carved({reversed({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}})}).outcome, Outcome::kInconsistentLoops);
-  // Of a convex loop there is no outside that could object.
+  // A convex loop has no triangles outside, at which the wrong direction could be noticed.
   const Carved convex = carved({reversed(square(0, 4))});
   EXPECT_EQ(convex.outcome, Outcome::kDone);
   EXPECT_EQ(convex.mesh.triangle_count(), 0u);

@@ -33,7 +33,8 @@ Recovered recovered(const std::vector<Vec2>& points, const std::vector<Segment>&
   return result;
 }
 
-/// As many random segments as fit without crossing each other or passing through a point.
+/// Returns random segments that neither cross each other nor pass through a point. Of the `attempts` segments, those
+/// that would do so are left out.
 std::vector<Segment> random_segments(const std::vector<Vec2>& points, int attempts, std::uint64_t seed) {
   Random random(seed);
   std::vector<Segment> segments;

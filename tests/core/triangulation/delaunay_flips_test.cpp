@@ -21,7 +21,7 @@ void flip_all(const std::vector<Vec2>& points, Triangulation2d& mesh) {
   delaunay_flips(points, mesh, control);
 }
 
-/// Some other triangulation of the same points: random flips of convex quadrilaterals.
+/// Turns a triangulation into another one of the same points by random flips of convex quadrilaterals.
 void shuffle(const std::vector<Vec2>& points, Triangulation2d& mesh, std::uint64_t seed) {
   Random random(seed);
   for (std::uint32_t i = 0; i < 4 * mesh.half_edge_count(); ++i) {
@@ -33,7 +33,7 @@ void shuffle(const std::vector<Vec2>& points, Triangulation2d& mesh, std::uint64
   }
 }
 
-/// The Delaunay triangulation by definition: every triangle whose circle is empty.
+/// Returns the Delaunay triangulation by its definition, which is every triangle whose circle is empty.
 std::vector<Corners> by_definition(const std::vector<Vec2>& points) {
   std::vector<Corners> triangles;
   const auto n = static_cast<std::uint32_t>(points.size());

@@ -15,7 +15,7 @@ Triangulation2d sweep(const std::vector<Vec2>& points) {
   return lexicographic_triangulation(points, control);
 }
 
-/// Twice the area of the convex hull of integer or dyadic points, exact for small ones.
+/// Returns twice the area of the convex hull of integer or dyadic points. It is exact if the points are small.
 double hull_area(const std::vector<Vec2>& sorted) {
   std::vector<Vec2> ring;
   for (const int side : {1, -1}) {
@@ -47,7 +47,7 @@ TEST(lexicographic_triangulation, a_triangle_is_itself) {
 }
 
 TEST(lexicographic_triangulation, a_collinear_run_at_the_start_waits_for_the_first_point_beside_it) {
-  // On the left of the run, on its right, and with more of the line afterwards.
+  // The point is on the left of the run or on its right, and the line ends there or goes on afterwards.
   for (const Vec2 beside : {Vec2{10, 3}, Vec2{10, -3}, Vec2{2.5, 5}, Vec2{2.5, -5}}) {
     const std::vector<Vec2> points = polygons::sorted_unique({{0, 0}, {1, 0}, {2, 0}, {3, 0}, {4, 0}, beside});
     const Triangulation2d mesh = sweep(points);

@@ -16,7 +16,8 @@ PatchTriangulation triangulated(const polygons::PatchInput& input) {
   return triangulate_patch(input.points, input.edges, control);
 }
 
-/// Valid, Delaunay, and by Euler: n + 2 holes - 2 triangles, with the polygon's area and its edges as the border.
+/// Expects that the triangulation is valid and Delaunay, and that it has the area of the polygon and its edges as the
+/// border. By Euler's formula it has n + 2 holes - 2 triangles.
 void expect_holds(const polygons::Polygon& polygon) {
   const polygons::PatchInput input = polygons::patch_input(polygon);
   const PatchTriangulation result = triangulated(input);

@@ -1,4 +1,4 @@
-/// Claims of every kind that are correct: what the checker's tests begin with.
+/// Correct claims of every kind, with which the tests of the checker begin.
 #pragma once
 
 #include <string_view>
@@ -11,14 +11,14 @@ namespace remesh {
 inline Example cube() { return example(shapes::box({1, 1, 1}, 4), shapes::box({1, 1, 1}, 1)); }
 inline Example ring() { return example(shapes::ring(4), shapes::ring(1)); }
 
-/// The L without the vertices inside its long sides.
+/// Makes the L without the vertices inside its long sides.
 inline PolygonMesh minimal_l() {
   return shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}},
                             {{0, 1, 3}, {1, 2, 3}, {0, 3, 5}, {3, 4, 5}});
 }
 inline Example flat_l() { return example(shapes::flat({"#.", "##"}, 3), minimal_l()); }
 
-/// A plate with a slot; only the slot's and the plate's corners are left.
+/// Makes a plate with a slot, of which only the corners of the slot and of the plate are left.
 inline Example slotted() {
   const PolygonMesh minimal =
       shapes::from_lists({{0, 0, 0}, {5, 0, 0}, {5, 3, 0}, {3, 3, 0}, {3, 1, 0}, {2, 1, 0}, {2, 3, 0}, {0, 3, 0}},
@@ -26,7 +26,7 @@ inline Example slotted() {
   return example(shapes::slotted_plate(2), minimal);
 }
 
-/// Two squares at right angles over one edge, from x = 0 to 2.
+/// Makes two squares that meet at right angles in one edge, from x = 0 to 2.
 inline Example fold() {
   const auto page = [](int n) {
     return shapes::welded(shapes::joined(
@@ -35,14 +35,14 @@ inline Example fold() {
   return example(shapes::rounded(page(2), 0.5), shapes::rounded(page(1), 0.5));
 }
 
-/// A square with its middle in the input, so that the output may use it.
+/// Makes a square whose middle is a vertex of the input, so that the output may use it.
 inline Example square_with_middle() {
   const PolygonMesh fan = shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1, 0}},
                                              {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
   return example(fan, fan);
 }
 
-/// A square of 4 x 4 cells whose vertex (1, 1) is lifted; four corners are left.
+/// Makes a square of 4 x 4 cells whose vertex (1, 1) is lifted. In the output four corners are left.
 inline Example bump(double height, double plane_tolerance) {
   PolygonMesh input = shapes::sheet(4, 4, 4, 4);
   const PolygonMesh output = shapes::sheet(4, 4, 1, 1);
@@ -54,8 +54,8 @@ inline Example bump(double height, double plane_tolerance) {
   return e;
 }
 
-/// A slope of 1 : 2000 in a frame that calls it level: heights over the plane go up to four tolerances, and say
-/// nothing. The vertex (1, 1) is lifted off the slope.
+/// Makes a slope of 1 : 2000 in a frame that calls it level. Thus heights over the plane go up to four tolerances, and
+/// say nothing. The vertex (1, 1) is lifted off the slope.
 inline Example slope(double lift) {
   const auto tilted = [](PolygonMesh mesh) {
     for (Vec3& p : mesh.positions) p.z = 0.5e-3 * p.x;

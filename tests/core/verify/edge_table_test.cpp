@@ -1,4 +1,4 @@
-/// The checker's edges, with and without somebody else's order of them.
+/// Tests the checker's table of edges, with and without an order of the edges that somebody else has made.
 #include "core/verify/edge_table.h"
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ std::string text(const Edge& edge) {
   return text;
 }
 
-/// Everything that a table tells.
+/// Returns everything that a table tells, as text.
 std::vector<std::string> contents(const PolygonMesh& mesh, const std::vector<PatchId>& patch,
                                   std::span<const std::uint32_t> order) {
   RunControl control;

@@ -1,4 +1,4 @@
-/// Claims for the checker's tests: a correct one to begin with, and the means to spoil it.
+/// Makes claims for the tests of the checker. A claim is correct at first, and there are means to spoil it.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -28,12 +28,12 @@ struct Example {
   std::vector<PatchId> face_patch;
   std::vector<Vec2> corner_uv;
   double plane_tolerance = 0;
-  std::optional<Goals> goals;  ///< none: nothing was refined
+  std::optional<Goals> goals;  ///< empty if nothing was refined
   std::vector<FaceId> unrefined;
   std::vector<UnrefinedReason> reasons;
-  std::vector<std::uint8_t> frozen;                               ///< empty: no patch
-  std::vector<std::pair<PatchId, PatchId>> intersecting_patches;  ///< of the input
-  bool are_these_all = true;                                      ///< of `intersecting_patches`
+  std::vector<std::uint8_t> frozen;                               ///< empty if no patch is frozen
+  std::vector<std::pair<PatchId, PatchId>> intersecting_patches;  ///< pairs that cross in the input
+  bool are_these_all = true;                                      ///< whether the pairs above are all
 
   Verdict verify() const {
     RunControl control;
@@ -43,7 +43,7 @@ struct Example {
                            goals.has_value(), goals ? &refinement : nullptr, &known},
                           control);
   }
-  /// The input intersects where the output does.
+  /// Claims that the input intersects where the output does.
   void allow_intersections() {
     for (const auto& [f, g] : verify().intersections)
       intersecting_patches.push_back(std::minmax(face_patch[f.value], face_patch[g.value]));
@@ -110,7 +110,7 @@ struct Example {
     for (std::size_t f = faces.size(); f-- > 0;)
       if (face_patch[f] == patch) remove_face(f);
   }
-  /// The face with these corners, in any order.
+  /// Returns the face with these corners, which may be in any order.
   std::size_t face_at(const Vec3& a, const Vec3& b, const Vec3& c) const {
     std::vector<Vec3> wanted{a, b, c};
     std::sort(wanted.begin(), wanted.end());
@@ -134,7 +134,7 @@ inline Vec3 normal_of(const PolygonMesh& mesh, std::size_t f) {
   return normalized(sum);
 }
 
-/// Connected coplanar faces, found the plain way: by comparing face with neighbour.
+/// Finds the patches of connected coplanar faces in the plain way, by comparing each face with its neighbours.
 inline IdVector<FaceId, PatchId> plain_patches(const PolygonMesh& mesh, std::size_t& count) {
   std::map<std::pair<VertexId, VertexId>, std::vector<std::size_t>> by_edge;
   for (std::size_t f = 0; f < mesh.face_count(); ++f) {
@@ -234,7 +234,7 @@ inline Example example(const PolygonMesh& input, const PolygonMesh& output) {
   return out;
 }
 
-/// The same, in other units.
+/// Returns the same claim in other units.
 inline Example scaled(Example e, double factor) {
   e.move([&](Vec3& p) { p = factor * p; });
   for (Vec3& p : e.positions) p = factor * p;

@@ -19,7 +19,7 @@ constexpr UnrefinedReason kAllReasons[] = {UnrefinedReason::kInputAngle,    Unre
                                            UnrefinedReason::kBudget,        UnrefinedReason::kBoundaryLocked,
                                            UnrefinedReason::kOutputRounding};
 
-/// The verdict on quality; all else must be right.
+/// Returns the verdict on quality. Everything else must be right.
 bool is_good(const Example& e) {
   const Verdict v = e.verify();
   EXPECT_TRUE(v.surface && v.conforming && v.delaunay) << all_words(v);
@@ -43,7 +43,8 @@ double least_angle_deg(const Example& e, std::size_t f) {
   return least;
 }
 
-/// A wedge whose every face below the bound is listed: the first for its corner, the others for what is across.
+/// Makes a wedge of which every face below the bound is listed. The reason of the first is its corner, and that of the
+/// others is the angle across which they lie.
 Example certified_wedge(double degrees, int shells, double bound) {
   Example e = wedge(degrees, shells, bound);
   for (std::size_t f = 0; f < e.faces.size(); ++f)
@@ -54,7 +55,8 @@ Example certified_wedge(double degrees, int shells, double bound) {
   return e;
 }
 
-/// Does the reason hold for any of the listed faces? Each is asked alone, the others get one that always holds.
+/// Returns whether the reason holds for any of the listed faces. Each face is tried alone, and the others get a
+/// reason that always holds.
 bool is_any_certified(Example e, UnrefinedReason reason) {
   bool is_any = false;
   for (std::size_t i = 0; i < e.unrefined.size(); ++i) {
@@ -185,7 +187,7 @@ TEST(VerifyGoals, points_on_different_shells_certify_nothing) {
   move_vertex(e, e.positions[4], on_ray(10, 2.01));
   e.make_delaunay();
   EXPECT_FALSE(is_good(e));
-  // To rounding it may be.
+  // It may be further out within rounding.
   e = certified_wedge(10, 4, 25);
   move_vertex(e, e.positions[4], (1 + 1e-13) * e.positions[4]);
   e.make_delaunay();
@@ -297,10 +299,10 @@ Goals gap_goal(double proximity, double gradation = 1.5) {
   return goals;
 }
 
-/// Is the claim good without any face listed?
+/// Returns whether the claim is good without any face listed.
 bool is_met(const PolygonMesh& mesh, const Goals& goals) { return is_good(refined(mesh, mesh, goals)); }
 
-/// Is it good with all of them listed?
+/// Returns whether the claim is good with all faces listed.
 bool is_missed_by_all(const PolygonMesh& mesh, const Goals& goals) {
   Example e = refined(mesh, mesh, goals);
   for (std::size_t f = 0; f < e.faces.size(); ++f) list(e, f, UnrefinedReason::kSizeFloor);
@@ -386,7 +388,7 @@ TEST(VerifyGoals, what_a_closed_surface_hides_is_no_gap) {
     return is_any;
   };
   EXPECT_FALSE(are_treads_blamed(step));
-  // With an open side it hides nothing.
+  // A surface with an open side hides nothing.
   faces.pop_back();
   EXPECT_TRUE(are_treads_blamed(shapes::from_lists(points, faces)));
 }
@@ -462,7 +464,7 @@ TEST(VerifyGoals, short_edges_are_allowed_across_a_small_input_angle_only) {
   e.goals->min_edge_length = 1.01;
   EXPECT_FALSE(is_good(e));
 
-  // From side to side of a strip.
+  // The edges run from side to side of a strip.
   const PolygonMesh strip = shapes::from_lists({{0, 0, 0}, {8, 0, 0}, {8, 1, 0}, {0, 1, 0}}, {{0, 1, 2}, {0, 2, 3}});
   e = refined(strip, strip);
   split_edge(e, {0, 0, 0}, {8, 0, 0}, {4, 0, 0});
@@ -473,7 +475,7 @@ TEST(VerifyGoals, short_edges_are_allowed_across_a_small_input_angle_only) {
   EXPECT_FALSE(is_good(e));
 }
 
-// The list itself.
+// The next tests are about the list itself.
 
 TEST(VerifyGoals, a_list_that_does_not_fit_together_fails_as_a_whole) {
   const std::function<void(Example&)> spoil[] = {[](Example& e) { e.reasons.pop_back(); },

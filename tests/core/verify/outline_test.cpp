@@ -40,7 +40,8 @@ bool is_between(const Point& a, const Point& b, const Point& p) {
          p.y <= std::max(a.y, b.y);
 }
 
-/// Whether a polygon neither crosses nor touches itself, by all pairs of a corner and an edge and all pairs of edges.
+/// Returns whether a polygon neither crosses nor touches itself. It tests all pairs of a corner and an edge, and all
+/// pairs of edges.
 bool is_simple_by_all_pairs(const std::vector<Point>& loop) {
   const std::size_t n = loop.size();
   const auto sign = [](std::int64_t x) { return (x > 0) - (x < 0); };

@@ -13,7 +13,8 @@
 namespace remesh {
 namespace {
 
-/// The verdict on triangles, taken for the surface and for the result, that came of the first face of a mesh.
+/// Returns the verdict on triangles that are made from the first face of a mesh. They are taken both for the surface
+/// and for the result.
 Verdict verdict_on(const PolygonMesh& input, const PolygonMesh& triangles, double weld_tolerance = 0) {
   Example e = example(triangles, triangles);
   for (FaceId& source : e.surface.face_source) source = FaceId(0);
@@ -42,7 +43,7 @@ bool is_refuted(const Verdict& verdict) {
                      [](const std::string& failure) { return failure.find("input polygon 0") != std::string::npos; });
 }
 
-/// The triangles over a polygon's own corners.
+/// Returns the given triangles over a polygon's own corners.
 PolygonMesh cut_into(const PolygonMesh& polygon, const std::vector<std::vector<std::uint32_t>>& triangles) {
   return shapes::from_lists(polygon.positions.items(), triangles);
 }

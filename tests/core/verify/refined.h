@@ -1,4 +1,4 @@
-/// Refined claims that are correct, made by hand, and the means to make more of them.
+/// Correct refined claims that are made by hand, and the means to make more of them.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ inline Goals angle_goal(double degrees) {
   return goals;
 }
 
-/// A result with new vertices, which it may have from here on.
+/// Returns the claim as one about a refined result, which may have new vertices.
 inline Example refined(Example e, const Goals& goals = no_goals()) {
   e.goals = goals;
   return e;
@@ -72,19 +72,20 @@ inline void move_vertex(Example& e, const Vec3& from, const Vec3& to) {
   e.project();
 }
 
-/// A square with its middle, which is new.
+/// Makes a square with a new vertex in its middle.
 inline Example square_with_new_middle() {
   return refined(shapes::sheet(2, 2, 1, 1), shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1, 1, 0}},
                                                                {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}));
 }
 
-/// A cube, each edge in n pieces.
+/// Makes a cube of which each edge is cut into n pieces.
 inline Example refined_cube(int n) { return refined(shapes::box({1, 1, 1}), shapes::box({1, 1, 1}, n)); }
 
-/// Three pages whose common edge is cut.
+/// Makes three pages whose common edge is cut.
 inline Example refined_pages(int n) { return refined(shapes::three_pages(1), shapes::three_pages(n)); }
 
-/// A square plate with a fin on it, whose foot is in the plate's inside: an edge with the plate on both sides.
+/// Makes a square plate with a fin on it. The foot of the fin is inside the plate, so it is an edge with the plate on
+/// both sides.
 inline Example plate_with_fin() {
   const std::vector<Vec3> points{{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0},
                                  {1, 2, 0}, {3, 2, 0}, {3, 2, 1}, {1, 2, 1}};
@@ -95,7 +96,7 @@ inline Example plate_with_fin() {
   return e;
 }
 
-/// A wedge of `degrees` at the origin whose two sides are cut at shells of radius 1 to `shells`.
+/// Makes a wedge of `degrees` at the origin whose two sides are cut at shells of radius 1 to `shells`.
 inline Example wedge(double degrees, int shells, double bound) {
   const double angle = degrees * 3.14159265358979323846 / 180;
   const Vec3 right{1, 0, 0}, left{std::cos(angle), std::sin(angle), 0};

@@ -241,7 +241,7 @@ TEST(VerifyRefined, a_new_vertex_off_the_plane_is_found) {
 
 TEST(VerifyRefined, where_heights_prove_nothing_new_vertices_are_measured) {
   for (const double lift : {0.0, 0.4e-3, -0.4e-3, 0.6e-3, -0.6e-3}) {
-    // On the low end of the slope, so that heights over the plane say nothing.
+    // The new vertex is on the low end of the slope, so that heights over the plane say nothing.
     Example e = refined(slope(0));
     split_face(e, 0, {0.3, 0.2, 0.5e-3 * 0.3 + lift});
     EXPECT_EQ(e.verify().surface, std::fabs(lift) < 0.5e-3) << lift << all_words(e.verify());

@@ -1,4 +1,5 @@
-// Rounded coordinates against the verified ones: each test of the check, and all of them against a brute-force oracle.
+// Compares rounded coordinates with the verified ones. Covers each test of the check, and all of them against a
+// brute-force oracle.
 #include "core/verify/stored_form.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +26,7 @@ struct Stored {
   Vec3 origin;
   Storage storage = Storage::kDouble;
   double allowed = 1e3;
-  std::optional<UnrefinedFaces> unrefined;  ///< nothing: as before
+  std::optional<UnrefinedFaces> unrefined;  ///< empty if the listed faces are those of the result
 
   explicit Stored(const PolygonMesh& mesh, const Options& options = remesh::unrefined()) {
     RunControl control;
@@ -53,7 +54,7 @@ struct Stored {
     RunControl control;
     return check_stored_form(claim, control);
   }
-  /// The vertex at a place.
+  /// Returns the vertex at a place.
   std::size_t at(const Vec3& place) const {
     const auto& all = result.mesh.positions.items();
     return static_cast<std::size_t>(std::find(all.begin(), all.end(), place) - all.begin());
@@ -223,7 +224,7 @@ TEST(StoredForm, a_face_that_missed_the_goals_before_keeps_its_reason) {
   EXPECT_EQ(wedge.check().fault, StoredFault::kWrongReason);
 }
 
-/// By the definitions, pair by pair.
+/// Finds flat faces and intersections by their definitions, pair by pair.
 struct Oracle {
   bool has_flat = false, has_intersection = false;
 

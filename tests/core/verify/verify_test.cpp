@@ -118,9 +118,9 @@ TEST(Verify, plane_coordinates_may_be_off_by_one_of_the_fine_grid_and_by_no_more
   }
 }
 
-// What is wrong in the plane.
+// The next tests are about faults in the plane.
 
-/// A kite: its Delaunay diagonal is the short one.
+/// Makes a kite, of which the Delaunay diagonal is the short one.
 Example kite() {
   const PolygonMesh input = shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}}, {{0, 1, 2, 3}});
   const PolygonMesh output = shapes::from_lists({{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}}, {{0, 1, 2}, {0, 2, 3}});

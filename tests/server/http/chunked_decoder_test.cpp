@@ -8,7 +8,7 @@ namespace remesh::server {
 namespace {
 
 struct Decoded {
-  int status = 0;  ///< of the error, or 0
+  int status = 0;  ///< the status of the error, or 0
   bool is_done = false;
   std::size_t used = 0;
   std::string body;

@@ -14,7 +14,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-/// Reads what a test wrote into the other end of a socket pair.
+/// A gate that reads what a test writes into the other end of a socket pair.
 class Gate : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -34,7 +34,7 @@ class Gate : public ::testing::Test {
   void send(std::string_view text) {
     ASSERT_EQ(::send(client_, text.data(), text.size(), MSG_NOSIGNAL), static_cast<ssize_t>(text.size()));
   }
-  /// The status of the refusal, or 200.
+  /// Reads a request. Returns the status with which it is refused, or 200.
   int read() {
     try {
       const std::optional<Framing> framing = read_head(*connection_, limits_, request_);

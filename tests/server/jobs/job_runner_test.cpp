@@ -1,4 +1,5 @@
-/// What becomes of jobs whose work ends in every way, with a stub in place of the geometry. The store is SQLite.
+/// Tests what becomes of jobs, for every way in which their work can end. A stub takes the place of the geometry. The
+/// store is SQLite.
 #include "server/jobs/job_runner.h"
 
 #include <gtest/gtest.h>
@@ -69,7 +70,7 @@ class Runner : public ::testing::Test {
     if (runner_) runner_->wake();
     return job.id;
   }
-  /// What becomes of a body that waits for nothing but a runner.
+  /// Starts the runner, submits a job with this body, and returns the job once it has ended.
   JobRecord outcome_of(const std::string& body) {
     start();
     return ended(submit(body));
