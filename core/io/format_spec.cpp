@@ -17,14 +17,6 @@ namespace {
 
 bool is_space(char c) { return is_blank(c) || c == '\n' || c == '\r'; }
 
-// A locale must not change what a keyword means.
-char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-bool equals_ignoring_case(std::string_view text, std::string_view lower_case) {
-  return std::equal(text.begin(), text.end(), lower_case.begin(), lower_case.end(),
-                    [](char c, char lower) { return to_lower(c) == lower; });
-}
-
 /// Returns the first token that is neither blank nor in a comment line.
 std::string_view first_word(std::string_view text) {
   for (;;) {

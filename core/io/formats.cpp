@@ -12,14 +12,6 @@
 namespace remesh {
 namespace {
 
-// A locale must not change the meaning of a file ending.
-char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
-
-bool equals_ignoring_case(std::string_view text, std::string_view lower_case) {
-  return std::equal(text.begin(), text.end(), lower_case.begin(), lower_case.end(),
-                    [](char c, char lower) { return to_lower(c) == lower; });
-}
-
 /// The beginning, in lower case, of files that are often mistaken for meshes in our formats.
 struct ForeignMark {
   std::string_view begin;

@@ -108,12 +108,6 @@ ReadResult read_binary(std::string_view content, const ReadLimits& limits, RunCo
   return result;
 }
 
-bool equals_ignoring_case(std::string_view word, std::string_view lower_case) {
-  return word.size() == lower_case.size() &&
-         std::equal(word.begin(), word.end(), lower_case.begin(),
-                    [](char c, char l) { return c == l || (c >= 'A' && c <= 'Z' && c - 'A' + 'a' == l); });
-}
-
 class TextReader {
  public:
   TextReader(std::string_view content, const ReadLimits& limits, RunControl& control)

@@ -1,6 +1,7 @@
 /// Tokens and numbers in the text formats of meshes.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -21,6 +22,13 @@ constexpr bool is_line_end(char c) { return c == '\n' || c == '\r'; }
 // These functions replace those of <cctype>, because formats must not depend on a locale.
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+constexpr char to_lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
+
+/// True if `text` is `lower_case` but for capital letters.
+constexpr bool equals_ignoring_case(std::string_view text, std::string_view lower_case) {
+  return std::equal(text.begin(), text.end(), lower_case.begin(), lower_case.end(),
+                    [](char c, char lower) { return to_lower(c) == lower; });
+}
 
 /// Returns `text` without the blanks at both ends.
 std::string_view trim(std::string_view text);
