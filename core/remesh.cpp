@@ -113,12 +113,12 @@ class Run {
     examine_input();
     if (options_.refine) warn_of_curves(surface(), partition_.patches, report_.diagnostics);
     watch_.enter(Stage::kRefinement);
-    refiner_->predict_faces(patched(), candidate_.meshes);
+    refiner_->predict_faces(patched(), candidate_.triangulated);
     report_.smallest_gap = refiner_->smallest_gap();
     if (!report_.smallest_gap)
-      report_.smallest_gap =
-          GapSearch(surface(), adjacency(), partition_.patches, report_.plane_tolerance, control_, candidate_.meshes)
-              .smallest(control_);
+      report_.smallest_gap = GapSearch(surface(), adjacency(), partition_.patches, report_.plane_tolerance, control_,
+                                       &candidate_.triangulated)
+                                 .smallest(control_);
     summarise();
     report_.timing_ms = watch_.finish();
     return std::move(report_);
@@ -155,18 +155,19 @@ class Run {
   void triangulate() {
     watch_.enter(Stage::kTriangulation);
     candidate_.clear();
-    candidate_.meshes = mesh_patches(surface(), adjacency(), partition_.patches, partition_.loops, partition_.essential,
-                                     {options_.reference_axis, options_.reference_direction}, control_);
+    candidate_.triangulated =
+        mesh_patches(surface(), adjacency(), partition_.patches, partition_.loops, partition_.essential,
+                     {options_.reference_axis, options_.reference_direction}, control_);
   }
 
   /// Goes from the patches' triangles to a verdict.
   Outcome attempt() {
     if (!are_input_intersections_known_) find_input_intersections(Triangulated(surface(), control_));
     watch_.enter(Stage::kAssembly);
-    std::vector<FailedPatch> failed = find_failed_patches(candidate_.meshes);
+    std::vector<FailedPatch> failed = find_failed_patches(candidate_.triangulated.meshes);
     if (!failed.empty()) return step_up(failed);
     // No edge inside a patch may be the edge of another patch.
-    candidate_.has_chords = !flip_chords(candidate_.meshes, surface().vertex_count(), control_);
+    candidate_.has_chords = !flip_chords(candidate_.triangulated.meshes, surface().vertex_count(), control_);
     // All patches together: improve angles and sizes, and resolve the remaining conflicts between patches.
     refine();
     watch_.enter(Stage::kAssembly);
@@ -189,14 +190,13 @@ class Run {
     if (goals() == nullptr && !candidate_.has_chords) return;
     watch_.enter(Stage::kRefinement);
     if (goals() != nullptr)
-      refinement = refiner_->refine(patched(), *ladder_, intersections().patches, candidate_.meshes);
+      refinement = refiner_->refine(patched(), *ladder_, intersections().patches, candidate_.triangulated);
     else
-      split_chords(surface(), partition_.patches, candidate_.meshes, refinement, {}, UnrefinedReason::kSizeFloor,
-                   control_);
+      split_chords(surface(), candidate_.triangulated, refinement, {}, UnrefinedReason::kSizeFloor, control_);
     report_.refinement_rounds = refinement.rounds;
     if (refiner_->smallest_gap()) report_.smallest_gap = refiner_->smallest_gap();
-    lift_new_vertices(surface(), partition_.patches, candidate_.meshes, refinement.first_inner, report_.plane_tolerance,
-                      refinement.new_positions, control_);
+    lift_new_vertices(surface(), partition_.patches, candidate_.triangulated, refinement.first_inner,
+                      report_.plane_tolerance, refinement.new_positions, control_);
   }
 
   void refuse_if_too_large() const {
@@ -214,12 +214,18 @@ class Run {
     prepared_.release_all_but_order();
     watch_.enter(Stage::kVerify);
     const InputIntersections known = intersections();
-    const CheckedAgainst against{
-        input_,  surface(),          partition_.patches, known, report_.plane_tolerance, options_.weld_tolerance,
-        goals(), refiner_->frozen(), prepared_.order()};
+    const CheckedAgainst against{input_,
+                                 surface(),
+                                 partition_.patches,
+                                 known,
+                                 report_.plane_tolerance,
+                                 options_.weld_tolerance,
+                                 goals(),
+                                 refiner_->frozen().items(),
+                                 prepared_.order()};
     report_.verified = check(candidate_, against, control_);
     if (report_.verified.all_true() ||
-        !separate_new_vertices(surface(), candidate_.meshes, candidate_.refinement, control_))
+        !separate_new_vertices(surface(), candidate_.triangulated, candidate_.refinement, control_))
       return;
     assemble(candidate_, surface(), goals(), control_);
     report_.verified = check(candidate_, against, control_);
@@ -276,9 +282,9 @@ class Run {
   /// Finds the faces that intersect before anything is done to them. They are looked for between patches.
   void find_input_intersections(const Triangulated& faces) {
     watch_.enter(Stage::kVerify);
-    input_intersections_ =
-        find_intersections(surface(), faces, partition_.patches, find_simple_patches(partition_, candidate_.meshes),
-                           report_.plane_tolerance, report_.diagnostics, control_);
+    input_intersections_ = find_intersections(surface(), faces, partition_.patches,
+                                              find_simple_patches(partition_, candidate_.triangulated.meshes),
+                                              report_.plane_tolerance, report_.diagnostics, control_);
     report_.input.intersecting_pairs = input_intersections_.pairs.size();
     are_input_intersections_known_ = true;
   }
@@ -311,8 +317,8 @@ class Run {
   void complete_report() {
     summarise();
     report_.volume_bound = report_.verified.volume_bound;
-    for (std::size_t p = 0; p < candidate_.meshes.size(); ++p)
-      report_.patches[p].output_faces = candidate_.meshes[p].mesh.triangle_count();
+    for (std::size_t p = 0; p < candidate_.triangulated.meshes.size(); ++p)
+      report_.patches[p].output_faces = candidate_.triangulated.meshes[PatchId(p)].mesh.triangle_count();
     prepared_.release();
     if (options_.refine) warn_of_curves(surface(), partition_.patches, report_.diagnostics);
     if (!report_.verified.are_all_intersections_known) warn_of_many_intersections(report_.diagnostics);
@@ -336,7 +342,7 @@ class Run {
     do_all([&] { measure_output(result, control_); },
            [&] {
              // The source of each output face is the input face under its centroid.
-             source = are_sources_needed ? face_source(surface(), partition_.patches, candidate_.meshes, control_)
+             source = are_sources_needed ? face_source(surface(), partition_.patches, candidate_.triangulated, control_)
                                          : first_faces(surface(), partition_.patches, result.face_patch);
              candidate_.clear();
            });
@@ -352,8 +358,9 @@ class Run {
 
   OutputBasis output_basis(const IdVector<VertexId, Vec3>& positions) {
     OutputBasis basis;
-    basis.normals.reserve(candidate_.meshes.size());
-    for (const PatchMesh& mesh : candidate_.meshes) basis.normals.push_back(mesh.frame.normal);
+    const PatchCharts& charts = candidate_.triangulated.charts;
+    basis.normals.reserve(charts.size());
+    for (std::size_t p = 0; p < charts.size(); ++p) basis.normals.push_back(charts[PatchId(p)].normal({}));
     // The input's bounding box may have corners of faces that were dropped.
     Box3 box;
     for (const Vec3& p : positions) box.add(p);

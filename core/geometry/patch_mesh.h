@@ -8,15 +8,15 @@
 #include <vector>
 
 #include "core/base/ids.h"
-#include "core/geometry/frame.h"
+#include "core/base/vec.h"
 #include "core/geometry/patch_reason.h"
 #include "core/geometry/triangulation_2d.h"
 
 namespace remesh {
 
-/// A triangulated patch. If there is no triangulation, `reason` says why.
+/// A triangulated patch, in the plane of its chart (core/patches/patch_chart.h). If there is no triangulation, `reason`
+/// says why.
 struct PatchMesh {
-  Frame frame;                     ///< in model units
   std::vector<VertexId> vertices;  ///< in lexicographic order of their plane coordinates; refinement appends to them
   std::vector<Vec2> uv;            ///< one per vertex
   Triangulation2d mesh;            ///< over `vertices`; boundary edges are constrained
@@ -27,5 +27,8 @@ struct PatchMesh {
 
   bool is_held(std::uint32_t h) const { return held.count(std::minmax(mesh.from(h), mesh.to(h))) != 0; }
 };
+
+/// The triangulated patches of a surface.
+using PatchMeshes = IdVector<PatchId, PatchMesh>;
 
 }  // namespace remesh

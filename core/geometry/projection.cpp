@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/base/stoppable.h"
+
 namespace remesh {
 namespace {
 
@@ -71,6 +73,24 @@ Vec2 to_plane(const Frame& frame, const Vec3& point) {
 
 Vec3 to_space(const Frame& frame, Vec2 uv) {
   return frame.origin + (frame.scale * uv.x) * frame.x_axis + (frame.scale * uv.y) * frame.y_axis;
+}
+
+std::vector<Vec2> lay_out_polygon(std::span<const Vec3> points, const Vec3& centre, const Vec3& normal,
+                                  RunControl& control) {
+  const std::size_t n = points.size();
+  std::vector<Edge3> edges(n);
+  StopCheck check(control);
+  for (std::size_t i = 0; i < n; ++i) {
+    check();
+    edges[i] = {points[i], points[(i + 1) % n]};
+  }
+  const Frame frame = make_frame(normal, centre, points, edges, ReferenceAxis::kDominantEdge, {}, kFineGrid);
+  std::vector<Vec2> uv(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    check();
+    uv[i] = to_plane(frame, points[i]);
+  }
+  return uv;
 }
 
 Vec3 newell_normal(std::span<const Vec3> loop) {

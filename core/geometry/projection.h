@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/base/options.h"
+#include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/frame.h"
 
@@ -30,6 +31,11 @@ Vec2 to_plane(const Frame& frame, const Vec3& point);
 
 /// The point of the frame's plane with these coordinates.
 Vec3 to_space(const Frame& frame, Vec2 uv);
+
+/// Lays a closed polygon into the plane through `centre` with the given unit normal. Its longest edge gives the x axis.
+/// Output: the corners' places, on the grid of 2^-100 in a unit of about the polygon's size.
+std::vector<Vec2> lay_out_polygon(std::span<const Vec3> points, const Vec3& centre, const Vec3& normal,
+                                  RunControl& control);
 
 /// Newell's area vector of a closed polygon. Its direction is the polygon's normal, and its length is twice the
 /// polygon's area.

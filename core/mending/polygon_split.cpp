@@ -103,15 +103,8 @@ PolygonSplit split_outline(std::span<const Vec3> points, double plane_tolerance,
   for (const Vec3& p : points) deviation = std::max(deviation, std::fabs(dot(p - centre, normal)));
   const bool is_flat = deviation <= plane_tolerance;
 
-  std::vector<Edge3> edges(n);
-  for (std::uint32_t i = 0; i < n; ++i) edges[i] = {points[i], points[(i + 1) % n]};
-  const Frame frame = make_frame(normal, centre, points, edges, ReferenceAxis::kDominantEdge, {}, kFineGrid);
-  std::vector<Vec2> uv(n);
+  const std::vector<Vec2> uv = lay_out_polygon(points, centre, normal, control);
   StopCheck check(control);
-  for (std::uint32_t i = 0; i < n; ++i) {
-    check();
-    uv[i] = to_plane(frame, points[i]);
-  }
   if (n == 4 && is_convex(uv)) {
     result.kind = is_flat ? PolygonKind::kPlanar : PolygonKind::kNotPlanar;
     result.has_two_ways = true;

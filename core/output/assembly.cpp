@@ -13,9 +13,9 @@ namespace {
 /// The triangles of all patches, one patch after the other.
 class AllTriangles {
  public:
-  AllTriangles(const std::vector<PatchMesh>& meshes, RunControl& control)
-      : control_(control), begin_(meshes.size() + 1, 0) {
-    for (std::size_t p = 0; p < meshes.size(); ++p) begin_[p + 1] = begin_[p] + meshes[p].mesh.triangle_count();
+  AllTriangles(const PatchMeshes& meshes, RunControl& control) : control_(control), begin_(meshes.size() + 1, 0) {
+    for (std::size_t p = 0; p < meshes.size(); ++p)
+      begin_[p + 1] = begin_[p] + meshes[PatchId(p)].mesh.triangle_count();
   }
 
   std::size_t count() const { return begin_.back(); }
@@ -39,10 +39,10 @@ class AllTriangles {
 
 }  // namespace
 
-Assembled assembly(std::size_t surface_vertices, const std::vector<PatchMesh>& meshes, RunControl& control) {
+Assembled assembly(std::size_t surface_vertices, const PatchMeshes& meshes, RunControl& control) {
   const AllTriangles triangles(meshes, control);
   const auto vertex = [&](PatchId p, std::uint32_t h) {
-    const PatchMesh& patch = meshes[p.value];
+    const PatchMesh& patch = meshes[PatchId(p)];
     return patch.vertices[patch.mesh.from(h)];
   };
   std::vector<std::uint8_t> is_used(surface_vertices, 0);
@@ -64,7 +64,7 @@ Assembled assembly(std::size_t surface_vertices, const std::vector<PatchMesh>& m
     out.face_patch[f] = p;
     for (std::uint32_t k = 0; k < 3; ++k) {
       out.faces[f][k] = number[vertex(p, h + k).value];
-      out.corner_uv[3 * std::size_t{f.value} + k] = meshes[p.value].uv[meshes[p.value].mesh.from(h + k)];
+      out.corner_uv[3 * std::size_t{f.value} + k] = meshes[PatchId(p)].uv[meshes[PatchId(p)].mesh.from(h + k)];
     }
   });
   return out;

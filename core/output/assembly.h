@@ -25,6 +25,6 @@ struct Assembled {
 /// Holds:   the result is the same for any number of threads.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(vertices + triangles).
-Assembled assembly(std::size_t surface_vertices, const std::vector<PatchMesh>& meshes, RunControl& control);
+Assembled assembly(std::size_t surface_vertices, const PatchMeshes& meshes, RunControl& control);
 
 }  // namespace remesh

@@ -17,10 +17,10 @@ void sort_pairs(std::vector<std::pair<PatchId, PatchId>>& pairs) {
 
 }  // namespace
 
-Candidate::~Candidate() { drop_all(meshes); }
+Candidate::~Candidate() { drop_all(triangulated.meshes.items()); }
 
 void Candidate::clear() {
-  drop_all(meshes);
+  drop_all(triangulated.meshes.items());
   has_chords = false;
   refinement = {};
   assembled = {};
@@ -30,7 +30,7 @@ void Candidate::clear() {
 
 void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, RunControl& control) {
   const std::vector<Vec3>& made = candidate.refinement.new_positions;
-  candidate.assembled = assembly(surface.vertex_count() + made.size(), candidate.meshes, control);
+  candidate.assembled = assembly(surface.vertex_count() + made.size(), candidate.triangulated.meshes, control);
   candidate.positions.clear();
   candidate.positions.reserve(candidate.assembled.vertex.size());
   StopCheck stop(control);
@@ -46,13 +46,7 @@ void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, 
 }
 
 Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunControl& control) {
-  IdVector<PatchId, Frame> frames;
-  frames.reserve(candidate.meshes.size());
-  StopCheck stop(control);
-  for (const PatchMesh& mesh : candidate.meshes) {
-    stop();
-    frames.push_back(mesh.frame);
-  }
+  const IdVector<PatchId, Frame> frames = candidate.triangulated.charts.planes(control);
   std::optional<RefinementClaim> refined;
   if (against.goals != nullptr)
     refined = {*against.goals, candidate.unrefined.faces, candidate.unrefined.reasons, against.frozen};

@@ -7,13 +7,13 @@
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
-#include "core/geometry/patch_mesh.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
 #include "core/output/assembly.h"
 #include "core/patches/input_intersections.h"
 #include "core/patches/partition.h"
+#include "core/patches/triangulated_patches.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/rounds.h"
 #include "core/refinement/unrefined.h"
@@ -24,8 +24,8 @@ namespace remesh {
 
 /// The triangles of all patches, first as separate meshes and then as one mesh.
 struct Candidate {
-  std::vector<PatchMesh> meshes;  ///< one per patch
-  bool has_chords = false;        ///< some edges inside patches are also edges of others, and flips do not help
+  TriangulatedPatches triangulated;
+  bool has_chords = false;  ///< some edges inside patches are also edges of others, and flips do not help
   Refinement refinement;
   Assembled assembled;
   IdVector<VertexId, Vec3> positions;  ///< those of `assembled`

@@ -9,20 +9,21 @@
 namespace remesh {
 
 IdVector<FaceId, FaceId> face_source(const Surface& surface, const PatchSet& patches,
-                                     const std::vector<PatchMesh>& meshes, RunControl& control) {
+                                     const TriangulatedPatches& triangulated, RunControl& control) {
+  const PatchMeshes& meshes = triangulated.meshes;
   std::vector<std::size_t> begin{0};
   for (const PatchMesh& patch : meshes) begin.push_back(begin.back() + patch.mesh.triangle_count());
   IdVector<FaceId, FaceId> source(begin.back());
   const auto work = [&](std::size_t p) { return patches.faces_of(PatchId(p)).size() + begin[p + 1] - begin[p]; };
   for_large_first(meshes.size(), kLargePatch, work, control, [&](std::size_t p) {
     const auto faces = patches.faces_of(PatchId(p));
-    const PatchMesh& patch = meshes[p];
+    const PatchMesh& patch = meshes[PatchId(p)];
     if (faces.size() == 1) {
       std::fill(source.begin() + static_cast<std::ptrdiff_t>(begin[p]),
                 source.begin() + static_cast<std::ptrdiff_t>(begin[p + 1]), surface.face_source[faces[0]]);
       return;
     }
-    const PatchLocator locator(surface, faces, patch.frame, control);
+    const PatchLocator locator(surface, faces, triangulated.charts[PatchId(p)], control);
     for_blocks(patch.mesh.triangle_count(), kLookUps, control, [&](std::size_t first, std::size_t last) {
       for (auto t = static_cast<std::uint32_t>(first); t < last; ++t) {
         control.check();  // among needles, a search visits many faces

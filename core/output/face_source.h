@@ -4,9 +4,9 @@
 #include <vector>
 
 #include "core/base/run_control.h"
-#include "core/geometry/patch_mesh.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/surface.h"
+#include "core/patches/triangulated_patches.h"
 
 namespace remesh {
 
@@ -15,6 +15,6 @@ namespace remesh {
 ///         one.
 /// Cost:   O((n + m) log n) for a patch with n input and m output faces, by a tree of boxes.
 IdVector<FaceId, FaceId> face_source(const Surface& surface, const PatchSet& patches,
-                                     const std::vector<PatchMesh>& meshes, RunControl& control);
+                                     const TriangulatedPatches& triangulated, RunControl& control);
 
 }  // namespace remesh

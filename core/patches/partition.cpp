@@ -49,7 +49,7 @@ Partition make_partition(Prepared& prepared, double plane_tolerance, const Optio
   return result;
 }
 
-std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const std::vector<PatchMesh>& meshes) {
+std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const PatchMeshes& meshes) {
   std::vector<std::uint8_t> is_simple;
   is_simple.reserve(meshes.size());
   for (const PatchMesh& mesh : meshes) is_simple.push_back(mesh.reason == PatchReason::kNone);
@@ -57,10 +57,10 @@ std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const 
   return is_simple;
 }
 
-std::vector<FailedPatch> find_failed_patches(const std::vector<PatchMesh>& meshes) {
+std::vector<FailedPatch> find_failed_patches(const PatchMeshes& meshes) {
   std::vector<FailedPatch> failed;
   for (std::size_t p = 0; p < meshes.size(); ++p)
-    if (meshes[p].reason != PatchReason::kNone) failed.push_back({PatchId(p), meshes[p].reason});
+    if (meshes[PatchId(p)].reason != PatchReason::kNone) failed.push_back({PatchId(p), meshes[PatchId(p)].reason});
   return failed;
 }
 

@@ -46,9 +46,9 @@ Partition make_partition(Prepared& prepared, double plane_tolerance, const Optio
 /// Returns which patches cover nothing twice in their plane: their loops do not cross, and none of their faces is so
 /// thin that it may be turned over.
 /// Input:   one mesh per patch.
-std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const std::vector<PatchMesh>& meshes);
+std::vector<std::uint8_t> find_simple_patches(const Partition& partition, const PatchMeshes& meshes);
 
 /// Returns the patches that could not be triangulated, and the reasons.
-std::vector<FailedPatch> find_failed_patches(const std::vector<PatchMesh>& meshes);
+std::vector<FailedPatch> find_failed_patches(const PatchMeshes& meshes);
 
 }  // namespace remesh

@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/base/blocks.h"
-#include "core/geometry/projection.h"
 #include "core/mending/polygon_split.h"
 
 namespace remesh {
@@ -39,9 +38,9 @@ double distance_to_triangle(const std::array<Vec2, 3>& t, Vec2 p) {
 
 }  // namespace
 
-PatchLocator::PatchLocator(const Surface& surface, std::span<const FaceId> faces, const Frame& frame,
+PatchLocator::PatchLocator(const Surface& surface, std::span<const FaceId> faces, const PatchChart& chart,
                            RunControl& control)
-    : surface_(surface), frame_(frame) {
+    : surface_(surface), chart_(chart) {
   parts_ = concatenate<Part>(
       map_blocks<std::vector<Part>>(faces.size(), kItemsPerBlock, control,
                                     [&](std::size_t begin, std::size_t end) {
@@ -79,7 +78,7 @@ PatchLocator::Place PatchLocator::nearest(Vec2 p) const {
 
 std::array<Vec2, 3> PatchLocator::uv_of(const Part& part) const {
   std::array<Vec2, 3> uv;
-  for (int k = 0; k < 3; ++k) uv[k] = to_plane(frame_, surface_.positions[part.corners[k]]);
+  for (int k = 0; k < 3; ++k) uv[k] = chart_.to_plane(surface_.positions[part.corners[k]]);
   return uv;
 }
 

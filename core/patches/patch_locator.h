@@ -11,9 +11,9 @@
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/box_tree.h"
-#include "core/geometry/frame.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
+#include "core/patches/patch_chart.h"
 
 namespace remesh {
 
@@ -25,10 +25,10 @@ inline constexpr std::size_t kLookUps = 4096;
 /// The faces of one patch in its plane, as triangles in a tree of boxes.
 class PatchLocator {
  public:
-  /// Input:  the surface and the frame must outlive this object.
+  /// Input:  the surface must outlive this object.
   /// Errors: kCancelled, kTimeout - asked to stop through `control`.
   /// Cost:   O(n log n), in parallel.
-  PatchLocator(const Surface& surface, std::span<const FaceId> faces, const Frame& frame, RunControl& control);
+  PatchLocator(const Surface& surface, std::span<const FaceId> faces, const PatchChart& chart, RunControl& control);
 
   struct Place {
     std::uint32_t face = 0;  ///< position in `faces`
@@ -49,7 +49,7 @@ class PatchLocator {
   std::array<Vec2, 3> uv_of(const Part& part) const;
 
   const Surface& surface_;
-  const Frame& frame_;
+  const PatchChart chart_;
   std::vector<Part, LeftUnset<Part>> parts_;  ///< one face after another
   BoxTree<NoTag> tree_;
 };

@@ -3,8 +3,9 @@
 #include <tbb/blocked_range.h>
 
 #include <algorithm>
+#include <array>
 #include <atomic>
-#include <cmath>
+#include <utility>
 
 #include "core/base/drop.h"
 #include "core/base/large_first.h"
@@ -13,9 +14,7 @@
 #include "core/base/ranked_ids.h"
 #include "core/base/stoppable.h"
 #include "core/geometry/patch_reason.h"
-#include "core/geometry/patch_set.h"
 #include "core/geometry/projection.h"
-#include "core/mesh/surface.h"
 #include "core/triangulation/patch_triangulation.h"
 
 namespace remesh {
@@ -35,13 +34,13 @@ PatchReason reason_for(Outcome outcome) {
 class Mesher {
  public:
   Mesher(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, const BoundaryLoops& loops,
-         const EssentialVertices& essential, const ProjectionRule& rule, RunControl& control)
+         const EssentialVertices& essential, PatchCharts& charts, RunControl& control)
       : surface_(surface),
         adjacency_(adjacency),
         patches_(patches),
         loops_(loops),
         essential_(essential),
-        rule_(rule),
+        charts_(charts),
         control_(control) {}
 
   PatchMesh run(PatchId p) {
@@ -110,21 +109,18 @@ class Mesher {
   }
 
   Outcome attempt(PatchId p, double grid, PatchMesh& result) {
-    const Plane& plane = patches_.planes[p];
     points_.clear();
     for (const VertexId v : vertices_.ids()) points_.push_back(surface_.positions[v]);
     edges_.clear();
     for (const auto& [a, b] : sides_) edges_.push_back({surface_.positions[a], surface_.positions[b]});
-    // The origin is a vertex, in model units, because differences of the input's own coordinates are nearly exact.
-    const Vec3 origin = *std::min_element(points_.begin(), points_.end());
-    result.frame = make_frame(plane.normal, origin, points_, edges_, rule_.axis, rule_.direction, grid);
+    const PatchChart chart = charts_.project(p, points_, edges_, grid);
 
     const std::size_t n = vertices_.size();
     order_.resize(n);
     StopCheck check(control_);
     for (std::uint32_t i = 0; i < n; ++i) {
       check();
-      order_[i] = {to_plane(result.frame, points_[i]), i};
+      order_[i] = {chart.to_plane(points_[i]), i};
     }
     sort_stoppable(order_.begin(), order_.end(), control_, [](const Flat& a, const Flat& b) { return a.uv < b.uv; });
     rank_.resize(n);
@@ -160,39 +156,13 @@ class Mesher {
   /// Lays a triangle into the plane along its longest side. Its height there is never 0, however thin it is, so the
   /// rounding of the projection cannot turn it over.
   void lay_out_triangle(PatchId p, PatchMesh& result) const {
-    const auto loop = surface_.face(patches_.faces_of(p)[0]);
-    std::array<VertexId, 3> corner{loop[0], loop[1], loop[2]};
-    // Differences come first, so that a small triangle far from the origin loses no digits. They are taken in the
-    // triangle's own unit: if it is far smaller than the mesh, products would underflow in the mesh's unit.
-    const auto difference = [&](int i) {
-      return surface_.positions[corner[(i + 1) % 3]] - surface_.positions[corner[i % 3]];
-    };
-    const double unit = unit_of({difference(0), difference(1), difference(2)});
-    const auto side = [&](int i) { return (1 / unit) * difference(i); };
-    int longest = 0;
-    for (int i = 1; i < 3; ++i)
-      if (norm(side(i)) > norm(side(longest))) longest = i;
-    std::rotate(corner.begin(), corner.begin() + longest, corner.end());
-
-    const Vec3 ab = side(0), ac = -side(2);
-    Frame& frame = result.frame;
-    frame.origin = surface_.positions[corner[0]];
-    frame.x_axis = normalized(ab);
-    frame.normal = normalized(cross(ab, ac));
-    for (const Vec3& other : {patches_.planes[p].normal, Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, 1}})
-      if (!is_across(frame.normal, frame.x_axis)) frame.normal = other;
-    frame.normal = normalized(frame.normal - dot(frame.normal, frame.x_axis) * frame.x_axis);
-    frame.normal = normalized(frame.normal - dot(frame.normal, frame.x_axis) * frame.x_axis);
-    frame.y_axis = cross(frame.normal, frame.x_axis);
-    frame.grid = kFineGrid;
-    int exponent = 0;
-    std::frexp(norm(ab), &exponent);
-    frame.scale = std::ldexp(unit, exponent);
-    const Vec3 b = surface_.positions[corner[1]], c = surface_.positions[corner[2]];
+    const std::array<VertexId, 3> corner = charts_.corners_from_longest(p);
+    const PatchChart chart = charts_.lay_out(p);
+    const Vec2 b = chart.to_plane(surface_.positions[corner[1]]), c = chart.to_plane(surface_.positions[corner[2]]);
     // In a needle, the third corner may come to lie before the first one or behind the second, because rounding decides
     // which of several nearly equal sides is the longest.
-    const Vec2 uv_b{std::min(to_plane(frame, b).x, 1.0), 0};
-    const Vec2 uv_c{std::clamp(to_plane(frame, c).x, -1.0, 1.0), std::max(to_plane(frame, c).y, kFineGrid)};
+    const Vec2 uv_b{std::min(b.x, 1.0), 0};
+    const Vec2 uv_c{std::clamp(c.x, -1.0, 1.0), std::max(c.y, chart.grid())};
 
     std::array<std::pair<Vec2, VertexId>, 3> points{{{{0, 0}, corner[0]}, {uv_b, corner[1]}, {uv_c, corner[2]}}};
     std::sort(points.begin(), points.end());
@@ -211,28 +181,12 @@ class Mesher {
     for (std::uint32_t k = 0; k < 3; ++k) result.mesh.constrain(h + k);
   }
 
-  /// The power of two above the largest component of the sides, limited so that it has a reciprocal.
-  static double unit_of(const std::array<Vec3, 3>& sides) {
-    double largest = 0;
-    for (const Vec3& s : sides) largest = std::max({largest, std::fabs(s.x), std::fabs(s.y), std::fabs(s.z)});
-    int exponent = 0;
-    std::frexp(largest, &exponent);
-    constexpr int kMost = 1022;
-    return std::ldexp(1.0, std::clamp(exponent, -kMost, kMost));
-  }
-
-  /// Returns whether two unit vectors point clearly along different lines. Null vectors do not.
-  static bool is_across(const Vec3& a, const Vec3& b) {
-    constexpr double kClearly = 1e-3;
-    return norm(cross(a, b)) > kClearly;
-  }
-
   const Surface& surface_;
   const Adjacency& adjacency_;
   const PatchSet& patches_;
   const BoundaryLoops& loops_;
   const EssentialVertices& essential_;
-  const ProjectionRule& rule_;
+  PatchCharts& charts_;
   RunControl& control_;
   std::vector<VertexId> corners_;
   RankedIds<VertexId> vertices_;
@@ -246,10 +200,12 @@ class Mesher {
 
 }  // namespace
 
-std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
-                                    const BoundaryLoops& loops, const EssentialVertices& essential,
-                                    const ProjectionRule& rule, RunControl& control) {
+TriangulatedPatches mesh_patches(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
+                                 const BoundaryLoops& loops, const EssentialVertices& essential,
+                                 const ProjectionRule& rule, RunControl& control) {
   const std::size_t n = patches.count();
+  TriangulatedPatches result;
+  result.charts = PatchCharts(surface, patches, rule, control);
   Dropped<PatchMesh> all;
   std::vector<PatchMesh>& meshes = all.items;
   reserve_pages(meshes, n, control);
@@ -260,14 +216,15 @@ std::vector<PatchMesh> mesh_patches(const Surface& surface, const Adjacency& adj
   std::atomic<std::size_t> done{0};
   const auto run = [&](std::size_t begin, std::size_t end) {
     control.check();
-    Mesher mesher(surface, adjacency, patches, loops, essential, rule, control);
+    Mesher mesher(surface, adjacency, patches, loops, essential, result.charts, control);
     for (std::size_t i = begin; i < end; ++i) meshes[by_size.order[i]] = mesher.run(PatchId(by_size.order[i]));
     control.progress(static_cast<double>(done += end - begin) / static_cast<double>(n));
   };
   for_all(std::size_t{0}, by_size.large, [&](std::size_t i) { run(i, i + 1); });
   for_all(tbb::blocked_range<std::size_t>(by_size.large, n, 256),
           [&](const auto& range) { run(range.begin(), range.end()); });
-  return std::move(meshes);
+  result.meshes.items() = std::move(meshes);
+  return result;
 }
 
 }  // namespace remesh

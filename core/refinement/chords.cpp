@@ -45,12 +45,11 @@ using Uses = std::vector<Use, LeftUnset<Use>>;
 /// Returns the edges whose two ends are vertices below `vertex_end` and for which `is_wanted` is true. Each occurs once
 /// per patch. They are sorted.
 template <class IsWanted>
-Uses edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control,
-               const IsWanted& is_wanted) {
+Uses edge_uses(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& control, const IsWanted& is_wanted) {
   const auto blocks = map_blocks<std::vector<Use>>(meshes.size(), 64, control, [&](std::size_t p, std::size_t end) {
     std::vector<Use> uses;
     for (; p < end; ++p) {
-      const PatchMesh& patch = meshes[p];
+      const PatchMesh& patch = meshes[PatchId(p)];
       for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
         const std::uint32_t twin = patch.mesh.twin(h);
         if (twin != Triangulation2d::kNone && twin < h) continue;
@@ -66,7 +65,7 @@ Uses edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, Run
       concatenate<Use>(blocks, control), vertex_end, [](const Use& use) { return use.key.first.value; }, control);
 }
 
-Uses edge_uses(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+Uses edge_uses(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& control) {
   return edge_uses(meshes, vertex_end, control, [](const Key&, bool) { return true; });
 }
 
@@ -104,14 +103,12 @@ bool flip_away(PatchMesh& patch, std::uint32_t h, const Uses& uses, RunControl& 
 }
 
 /// Puts a vertex into the middle of the edge. Returns false, with nothing changed, if there is no room for it.
-bool split(PatchMesh& patch, std::uint32_t h, RunControl& control) {
+bool split(PatchMesh& patch, const PatchChart& chart, std::uint32_t h, RunControl& control) {
   Triangulation2d& mesh = patch.mesh;
   const std::uint32_t g = mesh.twin(h);
   const std::uint32_t a = mesh.from(h), b = mesh.to(h), c = mesh.apex(h), d = mesh.apex(g);
   const auto& uv = patch.uv;
-  const double grid = patch.frame.grid;
-  const Vec2 middle{std::nearbyint((uv[a].x + uv[b].x) / 2 / grid) * grid,
-                    std::nearbyint((uv[a].y + uv[b].y) / 2 / grid) * grid};
+  const Vec2 middle = chart.on_grid(0.5 * (uv[a] + uv[b]));
   for (const auto& [from, to] : {std::pair(b, c), {c, a}, {a, d}, {d, b}})
     if (orient2d(uv[from], uv[to], middle) <= 0) return false;
   const auto m = static_cast<std::uint32_t>(patch.uv.size());
@@ -157,27 +154,26 @@ bool release_held(PatchMesh& patch, const IsWanted& is_wanted, RunControl& contr
 /// the next pass looks at it again. `treat` returns whether it succeeded; if not, it has changed nothing. The result
 /// tells whether any call succeeded.
 template <class Treat>
-bool for_chords(std::vector<PatchMesh>& meshes, const std::vector<Chord>& chords, RunControl& control,
-                const Treat& treat) {
+bool for_chords(PatchMeshes& meshes, const std::vector<Chord>& chords, RunControl& control, const Treat& treat) {
   std::vector<Key> keys;
   keys.reserve(chords.size());
   StopCheck check(control);
   for (const Chord& chord : chords) {
     check();
-    keys.push_back(key_of(meshes[chord.patch.value], chord.half_edge));
+    keys.push_back(key_of(meshes[chord.patch], chord.half_edge));
   }
   bool is_any = false;
   for (std::size_t i = 0; i < chords.size(); ++i) {
     check();
-    PatchMesh& patch = meshes[chords[i].patch.value];
-    if (key_of(patch, chords[i].half_edge) == keys[i]) is_any = treat(patch, chords[i].half_edge) || is_any;
+    const PatchMesh& patch = meshes[chords[i].patch];
+    if (key_of(patch, chords[i].half_edge) == keys[i]) is_any = treat(chords[i].patch, chords[i].half_edge) || is_any;
   }
   return is_any;
 }
 
 }  // namespace
 
-std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+std::vector<Chord> find_chords(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& control) {
   if (meshes.size() < 2) return {};
   // Only few edges inside patches join two such vertices, and only edges with the same two ends can be equal to one of
   // them. So boundary edges are collected only between the ends of these few edges.
@@ -201,7 +197,7 @@ std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t
   return chords_of(uses, control);
 }
 
-bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& control) {
   if (std::all_of(meshes.begin(), meshes.end(), [](const PatchMesh& patch) { return patch.held.empty(); }) &&
       find_chords(meshes, vertex_end, control).empty())
     return true;
@@ -223,12 +219,13 @@ bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCont
     if (is_settled && chords.empty()) return true;
     if (pass == kMaxPasses) return false;
     if (!is_settled) continue;
-    const auto flip_one = [&](PatchMesh& patch, std::uint32_t h) { return flip_away(patch, h, uses, control); };
+    const auto flip_one = [&](PatchId p, std::uint32_t h) { return flip_away(meshes[p], h, uses, control); };
     if (!for_chords(meshes, chords, control, flip_one)) return false;
   }
 }
 
-void split_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control) {
+void split_chords(TriangulatedPatches& triangulated, std::size_t vertex_end, RunControl& control) {
+  PatchMeshes& meshes = triangulated.meshes;
   std::vector<Chord> chords = find_chords(meshes, vertex_end, control);
   if (chords.empty()) return;
   // Edges that were flipped in for chords are released first. If their chord is split now, they have no reason to stay,
@@ -239,8 +236,9 @@ void split_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunCon
   // Each pass leaves fewer chords, because all new edges end at a new vertex.
   do {
     chords = find_chords(meshes, vertex_end, control);
-  } while (
-      for_chords(meshes, chords, control, [&](PatchMesh& patch, std::uint32_t h) { return split(patch, h, control); }));
+  } while (for_chords(meshes, chords, control, [&](PatchId p, std::uint32_t h) {
+    return split(meshes[p], triangulated.charts[p], h, control);
+  }));
 }
 
 }  // namespace remesh

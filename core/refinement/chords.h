@@ -10,6 +10,7 @@
 
 #include "core/base/run_control.h"
 #include "core/geometry/patch_mesh.h"
+#include "core/patches/triangulated_patches.h"
 
 namespace remesh {
 
@@ -23,18 +24,18 @@ struct Chord {
 /// single patch, so no other patch can share an edge at them.
 /// Output: Sorted ascending by the edges' vertices, then by patch.
 /// Cost:   O(n log n) in the number of the patches' edges.
-std::vector<Chord> find_chords(const std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control);
+std::vector<Chord> find_chords(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& control);
 
 /// Flips chords away where the quadrilateral around them is strictly convex and no patch uses the new edge. The new
 /// edge is constrained, so that later flips do not undo it.
 /// Output: True if no chord is left.
-bool flip_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control);
+bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& control);
 
 /// Puts a point into the middle of each chord and makes the triangles around it Delaunay. One point may remove several
 /// chords. A chord without room for a point stays. If there are any chords, no edge is constrained for the sake of a
 /// chord afterwards.
 /// Output: The patches, with their new vertices at the end. These have no ids yet. The new triangles are those at the
 ///         new vertices.
-void split_chords(std::vector<PatchMesh>& meshes, std::size_t vertex_end, RunControl& control);
+void split_chords(TriangulatedPatches& triangulated, std::size_t vertex_end, RunControl& control);
 
 }  // namespace remesh

@@ -157,13 +157,13 @@ class HiddenPatches {
 class GapSearch::Index {
  public:
   Index(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
-        RunControl& control, std::span<const PatchMesh> meshes)
+        RunControl& control, const TriangulatedPatches* triangulated)
       : surface_(surface),
         contacts_(surface, adjacency, patches, control),
         touching_squared_(std::pow(plane_tolerance / surface.unit, 2)) {
-    find_triangles(patches, meshes, control);
+    find_triangles(patches, triangulated, control);
     find_planes(patches, control);
-    find_axes(adjacency, patches, meshes, control);
+    find_axes(adjacency, patches, triangulated, control);
     find_solids(adjacency, patches, control);
     find_boxes(control);
   }
@@ -188,10 +188,10 @@ class GapSearch::Index {
   }
 
  private:
-  void find_triangles(const PatchSet& patches, std::span<const PatchMesh> meshes, RunControl& control);
+  void find_triangles(const PatchSet& patches, const TriangulatedPatches* triangulated, RunControl& control);
   void add_faces(std::span<const FaceId> faces, RunControl& control);
   void find_planes(const PatchSet& patches, RunControl& control);
-  void find_axes(const Adjacency& adjacency, const PatchSet& patches, std::span<const PatchMesh> meshes,
+  void find_axes(const Adjacency& adjacency, const PatchSet& patches, const TriangulatedPatches* triangulated,
                  RunControl& control);
   void find_solids(const Adjacency& adjacency, const PatchSet& patches, RunControl& control);
   void find_boxes(RunControl& control);
@@ -239,15 +239,17 @@ class GapSearch::Index {
   TriangleBoxes tree_;
 };
 
-void GapSearch::Index::find_triangles(const PatchSet& patches, std::span<const PatchMesh> meshes, RunControl& control) {
+void GapSearch::Index::find_triangles(const PatchSet& patches, const TriangulatedPatches* triangulated,
+                                      RunControl& control) {
   triangle_begin_.reserve(patches.count() + 1);
   triangle_begin_.push_back(0);
   for (std::size_t p = 0; p < patches.count(); ++p) {
     if (p % 1024 == 0) control.check();
-    if (meshes.empty() || meshes[p].mesh.triangle_count() == 0) {
+    const PatchMesh* patch = triangulated != nullptr ? &triangulated->meshes[PatchId(p)] : nullptr;
+    if (patch == nullptr || patch->mesh.triangle_count() == 0) {
       add_faces(patches.faces_of(PatchId(p)), control);
     } else {
-      const auto& [vertices, mesh] = std::tie(meshes[p].vertices, meshes[p].mesh);
+      const auto& [vertices, mesh] = std::tie(patch->vertices, patch->mesh);
       for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3)
         triangles_.push_back({vertices[mesh.from(h)], vertices[mesh.from(h + 1)], vertices[mesh.from(h + 2)]});
     }
@@ -274,15 +276,15 @@ void GapSearch::Index::find_planes(const PatchSet& patches, RunControl& control)
   });
 }
 
-void GapSearch::Index::find_axes(const Adjacency& adjacency, const PatchSet& patches, std::span<const PatchMesh> meshes,
-                                 RunControl& control) {
+void GapSearch::Index::find_axes(const Adjacency& adjacency, const PatchSet& patches,
+                                 const TriangulatedPatches* triangulated, RunControl& control) {
   axes_.resize(patch_count());
   for_blocks(patch_count(), 1024, control, [&](std::size_t begin, std::size_t end) {
     std::vector<Edge3> border;
     for (std::size_t i = begin; i < end; ++i) {
       const PatchId p(i);
-      if (!meshes.empty() && meshes[i].mesh.triangle_count() > 0) {
-        axes_[p] = Axes(meshes[i].frame);
+      if (triangulated != nullptr && triangulated->meshes[p].mesh.triangle_count() > 0) {
+        axes_[p] = triangulated->charts[p].axes();
         continue;
       }
       const Vec3& normal = slabs_[p].plane.normal;
@@ -292,7 +294,7 @@ void GapSearch::Index::find_axes(const Adjacency& adjacency, const PatchSet& pat
         for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h)
           if (is_patch_boundary(adjacency, patches, h))
             border.push_back({surface_.local[adjacency.from(h)], surface_.local[adjacency.to(h)]});
-      axes_[p] = Axes(make_frame(normal, {}, {}, border, ReferenceAxis::kDominantEdge, {}, 1));
+      axes_[p] = axes_along(normal, border);
     }
   });
 }
@@ -486,8 +488,8 @@ void GapSearch::Index::look_between_triangles(SharedLeast& least, RunControl& co
 }
 
 GapSearch::GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches,
-                     double plane_tolerance, RunControl& control, std::span<const PatchMesh> meshes)
-    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, meshes)) {}
+                     double plane_tolerance, RunControl& control, const TriangulatedPatches* triangulated)
+    : index_(std::make_unique<Index>(surface, adjacency, patches, plane_tolerance, control, triangulated)) {}
 GapSearch::~GapSearch() = default;
 
 double GapSearch::at(const Vec3& place, PatchId patch, double limit, const Triangle* on) const {

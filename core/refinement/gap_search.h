@@ -7,11 +7,11 @@
 
 #include "core/base/run_control.h"
 #include "core/geometry/frame.h"
-#include "core/geometry/patch_mesh.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/mesh.h"
 #include "core/mesh/surface.h"
+#include "core/patches/triangulated_patches.h"
 
 namespace remesh {
 
@@ -39,10 +39,10 @@ namespace remesh {
 class GapSearch {
  public:
   /// Builds a tree of boxes over the patches' triangles. `surface`, `adjacency` and `patches` must outlive this object.
-  /// Input: The plane tolerance is in model units. `meshes` has one entry per patch, not yet refined, or none at all.
+  /// Input: The plane tolerance is in model units. `triangulated` has the patches before they are refined; it may be null.
   ///        The input faces of a patch are used if it has no mesh; they are the same places but may be very many.
   GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
-            RunControl& control, std::span<const PatchMesh> meshes = {});
+            RunControl& control, const TriangulatedPatches* triangulated = nullptr);
   ~GapSearch();
 
   /// Returns the gap at a place of that patch in model units, or infinity if it is not less than `limit`.
@@ -71,12 +71,12 @@ class GapSearch {
   /// it is exact; pairs of triangles that touch or cross are left out. Between patches that share one, gaps are only
   /// looked for at the corners where three to sixteen patches meet, at no more than some 64 of each patch. (A wedge has
   /// no smallest gap, but it has ends.)
-  /// Input: The constructor was given meshes, or patches have few faces. Otherwise this may take as long as n^1.5.
+  /// Input: The constructor was given triangulated patches, or patches have few faces. Otherwise this may take as long as n^1.5.
   /// Holds: The result is the same for any number of threads.
   std::optional<double> smallest(RunControl& control) const;
 
   /// These are the triangles that are searched. Other parts that walk over the surface use the same ones. The axes of a
-  /// patch are those of its mesh's frame. Without a mesh, they lie along the patch's longest edge.
+  /// patch are those of its chart. Without a chart, they lie along the patch's longest edge.
   std::size_t patch_count() const;
   std::span<const Triangle> triangles_of(PatchId patch) const;
   const Axes& axes_of(PatchId patch) const;

@@ -32,37 +32,37 @@ bool GoalRefinement::has_goals() const {
          goals_.proximity > 0 || goals_.gradation > 0;
 }
 
-std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) {
-  const auto gaps = gap_search(on, meshes);
-  const SizeField& sizes = size_field(on, meshes, gaps.get());
-  if (has_goals()) predicted_faces_ = whole(predict(meshes, goals_, sizes, control_).expected);
+std::uint64_t GoalRefinement::predict_faces(const PatchedSurface& on, const TriangulatedPatches& triangulated) {
+  const auto gaps = gap_search(on, triangulated);
+  const SizeField& sizes = size_field(on, triangulated, gaps.get());
+  if (has_goals()) predicted_faces_ = whole(predict(triangulated, goals_, sizes, control_).expected);
   return predicted_faces_;
 }
 
 Refinement GoalRefinement::refine(const PatchedSurface& on, const Ladder& ladder,
                                   std::span<const std::pair<PatchId, PatchId>> crossing,
-                                  std::vector<PatchMesh>& meshes) {
+                                  TriangulatedPatches& triangulated) {
   frozen_.resize(on.patches.count(), 0);
   for (std::size_t p = 0; p < on.patches.count(); ++p)
-    if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[p] = 1;
+    if (ladder.is_kept(on.patches.faces_of(PatchId(p))[0])) frozen_[PatchId(p)] = 1;
   if (is_budget_too_small()) frozen_.assign(on.patches.count(), 1);
-  const auto gaps = gap_search(on, meshes);
-  const SizeField& sizes = size_field(on, meshes, gaps.get());
-  const std::optional<SizeField> graded = sizes_without_floor(on, meshes);
-  const Prediction prediction = predict(meshes, goals_, sizes, control_);
+  const auto gaps = gap_search(on, triangulated);
+  const SizeField& sizes = size_field(on, triangulated, gaps.get());
+  const std::optional<SizeField> graded = sizes_without_floor(on, triangulated);
+  const Prediction prediction = predict(triangulated, goals_, sizes, control_);
   predicted_faces_ = whole(prediction.expected);
-  const auto attempt = [&](std::uint64_t budget, std::uint64_t most_made) {
-    SegmentTable segments(on.surface, meshes, frozen_, sizes, goals_, control_);
-    refuse_if_hopeless(least_faces(meshes, frozen_, segments, goals_, sizes, control_));
-    segments.plan_cuts(meshes, sizes, goals_, control_);
+  const auto attempt = [&](std::uint64_t budget, std::uint64_t max_made) {
+    SegmentTable segments(on.surface, triangulated, frozen_, sizes, goals_, control_);
+    refuse_if_hopeless(least_faces(triangulated, frozen_, segments, goals_, sizes, control_));
+    segments.plan_cuts(triangulated, sizes, goals_, control_);
     Goals within_budget = goals_;
     within_budget.max_faces = budget;
-    return remesh::refine(on.surface, on.patches, frozen_, within_budget, sizes, std::move(segments), prediction,
-                          meshes, most_made, control_);
+    return remesh::refine({on.surface, frozen_, within_budget, sizes, prediction, max_made}, std::move(segments),
+                          triangulated, control_);
   };
   const auto measured = [&](Refinement refined) {
     if (gaps || graded)
-      note_size_misses(on.surface, meshes, frozen_,
+      note_size_misses(on.surface, triangulated.meshes, frozen_,
                        {goals_, on.plane_tolerance, sizes, gaps.get(), graded ? &*graded : nullptr, crossing}, refined,
                        control_);
     if (is_budget_too_small()) std::fill(refined.reason.begin(), refined.reason.end(), UnrefinedReason::kBudget);
@@ -94,26 +94,26 @@ void GoalRefinement::refuse_if_hopeless(double least) const {
 }
 
 std::unique_ptr<const GapSearch> GoalRefinement::gap_search(const PatchedSurface& on,
-                                                            const std::vector<PatchMesh>& meshes) const {
+                                                            const TriangulatedPatches& triangulated) const {
   if (!(goals_.proximity > 0)) return nullptr;
-  return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, meshes);
+  return std::make_unique<GapSearch>(on.surface, on.adjacency, on.patches, on.plane_tolerance, control_, &triangulated);
 }
 
 /// Returns a value only where gradation alone makes sizes vary.
 std::optional<SizeField> GoalRefinement::sizes_without_floor(const PatchedSurface& on,
-                                                             const std::vector<PatchMesh>& meshes) const {
+                                                             const TriangulatedPatches& triangulated) const {
   if (goals_.proximity > 0 || !(goals_.gradation > 0)) return std::nullopt;
-  return SizeField::without_floor(on.surface, segment_ends(meshes, control_), goals_, control_);
+  return SizeField::without_floor(on.surface, segment_ends(triangulated.meshes, control_), goals_, control_);
 }
 
-const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes,
+const SizeField& GoalRefinement::size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated,
                                             const GapSearch* gaps) {
   if (sizes_) return *sizes_;
   if (gaps != nullptr) smallest_gap_ = gaps->smallest(control_);
   // With proximity, gradation is about the sizes that gaps ask for; around short segments, the bound on angles makes
   // edges grow gradually. Gradation without proximity is about short segments.
   std::vector<std::array<VertexId, 2>> segments;
-  if (gaps == nullptr && goals_.gradation > 0) segments = segment_ends(meshes, control_);
+  if (gaps == nullptr && goals_.gradation > 0) segments = segment_ends(triangulated.meshes, control_);
   if (gaps != nullptr || goals_.gradation > 0)
     sizes_.emplace(on.surface, gaps, segments, goals_, on.plane_tolerance, control_);
   else
@@ -138,8 +138,8 @@ bool GoalRefinement::freeze(const std::vector<PatchId>& failed) {
   if (!has_goals()) return false;
   bool is_new = false;
   for (const PatchId p : failed) {
-    is_new = is_new || frozen_[p.value] == 0;
-    frozen_[p.value] = 1;
+    is_new = is_new || frozen_[p] == 0;
+    frozen_[p] = 1;
   }
   return is_new;
 }

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "core/base/run_control.h"
-#include "core/geometry/patch_mesh.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/adjacency.h"
 #include "core/mesh/surface.h"
 #include "core/patches/ladder.h"
+#include "core/patches/triangulated_patches.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/rounds.h"
@@ -47,17 +47,17 @@ class GoalRefinement {
   std::optional<double> smallest_gap() const { return smallest_gap_; }
 
   /// Predicts how many faces refinement will make of these triangles.
-  std::uint64_t predict_faces(const PatchedSurface& on, const std::vector<PatchMesh>& meshes);
+  std::uint64_t predict_faces(const PatchedSurface& on, const TriangulatedPatches& triangulated);
 
   /// Refines the triangles of all patches, except patches that the ladder takes verbatim and frozen patches.
   /// Input:  `crossing` lists the pairs of patches that cross or touch each other in the input. The smaller id of a
   ///         pair comes first, and the pairs are sorted.
   /// Errors: kOutputTooLarge - no result with these sizes can have as few faces as are allowed.
   Refinement refine(const PatchedSurface& on, const Ladder& ladder,
-                    std::span<const std::pair<PatchId, PatchId>> crossing, std::vector<PatchMesh>& meshes);
+                    std::span<const std::pair<PatchId, PatchId>> crossing, TriangulatedPatches& triangulated);
   /// Has one entry per patch, which is not 0 if the last refinement had to leave the patch and its boundary as they
   /// were.
-  const std::vector<std::uint8_t>& frozen() const { return frozen_; }
+  const IdVector<PatchId, std::uint8_t>& frozen() const { return frozen_; }
 
   /// Returns whether a result with so many faces needs another attempt, and adapts the budget for that attempt. The
   /// first attempt has no budget as long as it does not make far more triangles than allowed: many of them are removed
@@ -93,10 +93,10 @@ class GoalRefinement {
   bool is_budget_too_small() const { return retries_ > kMaxRetries; }
   /// Returns the size field. It is the same for all attempts at the same patches.
   /// Input: `gaps` is there with proximity, and null otherwise.
-  const SizeField& size_field(const PatchedSurface& on, const std::vector<PatchMesh>& meshes, const GapSearch* gaps);
+  const SizeField& size_field(const PatchedSurface& on, const TriangulatedPatches& triangulated, const GapSearch* gaps);
   /// Returns null without proximity. The result refers to its arguments.
-  std::unique_ptr<const GapSearch> gap_search(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) const;
-  std::optional<SizeField> sizes_without_floor(const PatchedSurface& on, const std::vector<PatchMesh>& meshes) const;
+  std::unique_ptr<const GapSearch> gap_search(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
+  std::optional<SizeField> sizes_without_floor(const PatchedSurface& on, const TriangulatedPatches& triangulated) const;
   void refuse_if_hopeless(double least) const;
   bool is_worth_trying_without_budget() const;
 
@@ -105,9 +105,9 @@ class GoalRefinement {
   RunControl& control_;
   bool needs_budget_ = false;  ///< an attempt without a budget made too many faces, or would
   int retries_ = 0;
-  std::uint64_t last_faces_ = 0;      ///< the faces of the last result that was over its budget; 0: none yet
-  std::vector<std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined
-  std::optional<SizeField> sizes_;    ///< the size field of the patches as they are; empty until needed
+  std::uint64_t last_faces_ = 0;            ///< the faces of the last result that was over its budget; 0: none yet
+  IdVector<PatchId, std::uint8_t> frozen_;  ///< one per patch; not 0: it is not refined
+  std::optional<SizeField> sizes_;          ///< the size field of the patches as they are; empty until needed
   std::uint64_t predicted_faces_ = 0;
   std::optional<double> smallest_gap_;
 };

@@ -20,8 +20,8 @@ constexpr double kFlat = 0x1p-46;
 
 class PatchLift {
  public:
-  PatchLift(const Surface& surface, const PatchSet& patches, PatchId p, const PatchMesh& mesh)
-      : surface_(surface), faces_(patches.faces_of(p)), mesh_(mesh) {}
+  PatchLift(const Surface& surface, const PatchSet& patches, PatchId p, const PatchMesh& mesh, const PatchChart& chart)
+      : surface_(surface), faces_(patches.faces_of(p)), mesh_(mesh), chart_(chart) {}
 
   bool is_flat(RunControl& control) const {
     struct Extent {
@@ -32,8 +32,8 @@ class PatchLift {
       for (const FaceId f : faces_.subspan(begin, end - begin))
         for (const VertexId v : surface_.face(f)) {
           const Vec3& position = surface_.positions[v];
-          e.low = std::min(e.low, height(position));
-          e.high = std::max(e.high, height(position));
+          e.low = std::min(e.low, chart_.height(position));
+          e.high = std::max(e.high, chart_.height(position));
           e.magnitude = std::max({e.magnitude, std::fabs(position.x), std::fabs(position.y), std::fabs(position.z)});
         }
       return e;
@@ -47,7 +47,7 @@ class PatchLift {
   void run(std::size_t first_inner, double plane_tolerance, std::vector<Vec3>& new_positions, RunControl& control) {
     const std::size_t old = surface_.vertex_count();
     const auto has_short_edge = vertices_with_short_edges(kMinEdge * plane_tolerance, control);
-    const PatchLocator locator(surface_, faces_, mesh_.frame, control);
+    const PatchLocator locator(surface_, faces_, chart_, control);
     for_blocks(mesh_.vertices.size(), kLookUps, control, [&](std::size_t i, std::size_t end) {
       for (; i < end; ++i) {
         control.check();  // if faces are needles, many of them are near
@@ -55,7 +55,7 @@ class PatchLift {
         if (v < old + first_inner || has_short_edge[i]) continue;
         Vec3& position = new_positions[v - old];
         const double wanted = height_under(locator.nearest(mesh_.uv[i]), mesh_.uv[i]);
-        position += (wanted - height(position)) * mesh_.frame.normal;
+        position += (wanted - chart_.height(position)) * chart_.normal(mesh_.uv[i]);
       }
     });
   }
@@ -66,14 +66,12 @@ class PatchLift {
     for_blocks(mesh_.mesh.half_edge_count(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
         const std::uint32_t a = mesh_.mesh.from(h), b = mesh_.mesh.to(h);
-        if (!(norm(mesh_.uv[b] - mesh_.uv[a]) * mesh_.frame.scale < limit)) continue;
+        if (!(norm(mesh_.uv[b] - mesh_.uv[a]) * chart_.scale(mesh_.uv[a]) < limit)) continue;
         for (const std::uint32_t v : {a, b}) std::atomic_ref(has_one[v]).store(1, std::memory_order_relaxed);
       }
     });
     return has_one;
   }
-
-  double height(const Vec3& p) const { return dot(p - mesh_.frame.origin, mesh_.frame.normal); }
 
   /// Returns the height at p, interpolated between the heights of the triangle's corners.
   double height_under(const PatchLocator::Place& place, Vec2 p) const {
@@ -85,27 +83,31 @@ class PatchLift {
     }
     double result = 0;
     for (int k = 0; k < 3; ++k)
-      result += (sum > 0 ? weight[k] / sum : 1.0 / 3) * height(surface_.positions[place.corners[k]]);
+      result += (sum > 0 ? weight[k] / sum : 1.0 / 3) * chart_.height(surface_.positions[place.corners[k]]);
     return result;
   }
 
   const Surface& surface_;
   std::span<const FaceId> faces_;
   const PatchMesh& mesh_;
+  const PatchChart chart_;
 };
 
 }  // namespace
 
-void lift_new_vertices(const Surface& surface, const PatchSet& patches, const std::vector<PatchMesh>& meshes,
+void lift_new_vertices(const Surface& surface, const PatchSet& patches, const TriangulatedPatches& triangulated,
                        std::size_t first_inner, double plane_tolerance, std::vector<Vec3>& new_positions,
                        RunControl& control) {
-  const auto work = [&](std::size_t p) { return patches.faces_of(PatchId(p)).size() + meshes[p].vertices.size(); };
+  const PatchMeshes& meshes = triangulated.meshes;
+  const auto work = [&](std::size_t p) {
+    return patches.faces_of(PatchId(p)).size() + meshes[PatchId(p)].vertices.size();
+  };
   for_large_first(meshes.size(), kLargePatch, work, control, [&](std::size_t p) {
-    const PatchMesh& mesh = meshes[p];
+    const PatchMesh& mesh = meshes[PatchId(p)];
     const bool has_inner = std::any_of(mesh.vertices.begin(), mesh.vertices.end(),
                                        [&](VertexId v) { return v.value >= surface.vertex_count() + first_inner; });
     if (!has_inner || patches.faces_of(PatchId(p)).size() == 1) return;
-    PatchLift lift(surface, patches, PatchId(p), mesh);
+    PatchLift lift(surface, patches, PatchId(p), mesh, triangulated.charts[PatchId(p)]);
     if (!lift.is_flat(control)) lift.run(first_inner, plane_tolerance, new_positions, control);
   });
 }

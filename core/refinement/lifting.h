@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "core/base/run_control.h"
-#include "core/geometry/patch_mesh.h"
 #include "core/geometry/patch_set.h"
 #include "core/mesh/surface.h"
+#include "core/patches/triangulated_patches.h"
 
 namespace remesh {
 
@@ -16,10 +16,10 @@ namespace remesh {
 /// vertex with an edge shorter than a hundred tolerances is not moved, because there the input's noise would turn the
 /// faces.
 /// Input:  Refined patches, and the positions of the new vertices. Those from `first_inner` on are inside patches, and
-///         each lies in the plane of its patch. The tolerance is in model units.
+///         each lies where its patch's chart puts it. The tolerance is in model units.
 /// Cost:   O((n + m) log n) for n input faces and m new vertices of such a patch.
 /// Source: rules.md, Lifting.
-void lift_new_vertices(const Surface& surface, const PatchSet& patches, const std::vector<PatchMesh>& meshes,
+void lift_new_vertices(const Surface& surface, const PatchSet& patches, const TriangulatedPatches& triangulated,
                        std::size_t first_inner, double plane_tolerance, std::vector<Vec3>& new_positions,
                        RunControl& control);
 

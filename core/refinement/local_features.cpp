@@ -112,8 +112,8 @@ double LocalFeatures::distance(const PatchMesh& patch, std::uint32_t h) {
   return std::sqrt(best);
 }
 
-std::span<const LocalFeature> LocalFeatures::of(const PatchMesh& patch, std::span<const std::uint32_t> sides,
-                                                RunControl& control) {
+std::span<const LocalFeature> LocalFeatures::of(const PatchMesh& patch, const PatchChart& chart,
+                                                std::span<const std::uint32_t> sides, RunControl& control) {
   const Mesh& mesh = patch.mesh;
   features_.clear();
   seen_.assign(mesh.triangle_count(), Mesh::kNone);
@@ -121,7 +121,8 @@ std::span<const LocalFeature> LocalFeatures::of(const PatchMesh& patch, std::spa
     if (i % 256 == 0) control.check();
     const std::uint32_t h = sides[i];
     const std::uint32_t next = next_at_start(mesh, h);
-    features_.push_back({distance(patch, h) * patch.frame.scale, next, angle_between(patch, h, next)});
+    features_.push_back(
+        {distance(patch, h) * chart.scale(patch.uv[mesh.from(h)]), next, angle_between(patch, h, next)});
   }
   return features_;
 }

@@ -8,6 +8,7 @@
 
 #include "core/base/run_control.h"
 #include "core/geometry/patch_mesh.h"
+#include "core/patches/patch_chart.h"
 
 namespace remesh {
 
@@ -32,7 +33,8 @@ class LocalFeatures {
   ///         triangles around a segment. So a distance may be too large where very many features crowd along a long
   ///         segment.
   /// Cost:   O(n) in the size of the patch.
-  std::span<const LocalFeature> of(const PatchMesh& patch, std::span<const std::uint32_t> sides, RunControl& control);
+  std::span<const LocalFeature> of(const PatchMesh& patch, const PatchChart& chart,
+                                   std::span<const std::uint32_t> sides, RunControl& control);
 
  private:
   /// A triangle that the search has entered through a half-edge, and the squared distances of that half-edge's ends

@@ -8,7 +8,6 @@
 #include <numbers>
 
 #include "core/geometry/predicates.h"
-#include "core/geometry/projection.h"
 
 namespace remesh {
 namespace {
@@ -52,7 +51,7 @@ Criteria::Criteria(const Goals& goals, const SizeField& field)
   off_centre = (field.is_uniform() ? kOffCentre : kOnlyOffCentre) / (2 * std::tan(shape / 2));
 }
 
-bool PatchRefiner::has_work(const PatchMesh& patch, const Criteria& criteria) {
+bool PatchRefiner::has_work(const PatchMesh& patch, const PatchChart& chart, const Criteria& criteria) {
   if (!patch.held.empty()) return true;
   for (std::uint32_t t = 0; t < patch.mesh.triangle_count(); ++t) {
     const Vec2 p[3] = {patch.uv[patch.mesh.from(3 * t)], patch.uv[patch.mesh.from(3 * t + 1)],
@@ -63,20 +62,13 @@ bool PatchRefiner::has_work(const PatchMesh& patch, const Criteria& criteria) {
       longest_squared = std::max(longest_squared, squared_length(u));
       if (cross(u, v) < criteria.tangent * dot(u, v)) return true;
     }
-    const double scale = patch.frame.scale;
+    const double scale = chart.scale(p[0]);
     const double area = cross(p[1] - p[0], p[2] - p[0]) / 2;
     if (area * scale * scale > criteria.max_area) return true;
     if (!criteria.sizes.is_uniform()) return true;
     if (std::sqrt(longest_squared) * scale > criteria.sizes.largest() * kSizeMargin) return true;
   }
   return false;
-}
-
-Vec3 PatchRefiner::to_space(Vec2 uv) const { return remesh::to_space(patch_.frame, uv); }
-
-Vec2 PatchRefiner::on_grid(Vec2 uv) const {
-  const double grid = patch_.frame.grid;
-  return {std::nearbyint(uv.x / grid) * grid, std::nearbyint(uv.y / grid) * grid};
 }
 
 // The following functions decide what is wrong with a triangle.
@@ -98,7 +90,7 @@ PatchRefiner::Shape PatchRefiner::shape_of(std::uint32_t t) const {
     if (!mesh_.is_constrained(edge) && state_[mesh_.twin(edge) / 3] == State::kGood) return false;
     return is_too_long(mesh_.point(mesh_.from(edge)), mesh_.point(mesh_.to(edge)));
   };
-  shape.is_too_large = is_too_large_anywhere(shape.longest_squared, shape.twice_area) ||
+  shape.is_too_large = is_too_large_anywhere(a, shape.longest_squared, shape.twice_area) ||
                        (do_sizes_vary() && (is_long(h) || is_long(h + 1) || is_long(h + 2)));
   return shape;
 }
@@ -110,10 +102,10 @@ bool PatchRefiner::is_sharp(double squares, double shortest_squared, double twic
   return twice_area < criteria_.tangent * (squares - 2 * shortest_squared) / 2;
 }
 
-/// Returns whether a triangle is larger than any may be.
-bool PatchRefiner::is_too_large_anywhere(double longest_squared, double twice_area) const {
+/// Returns whether a triangle, of which `at` is a corner, is larger than any may be.
+bool PatchRefiner::is_too_large_anywhere(Vec2 at, double longest_squared, double twice_area) const {
   if (!criteria_.has_sizes || held_) return false;
-  const double scale = patch_.frame.scale;
+  const double scale = chart_.scale(at);
   if (twice_area / 2 * scale * scale > criteria_.max_area) return true;
   return std::sqrt(longest_squared) * scale > criteria_.sizes.largest() * kSizeMargin;
 }
@@ -121,13 +113,13 @@ bool PatchRefiner::is_too_large_anywhere(double longest_squared, double twice_ar
 /// Returns whether a triangle is larger than is asked for anywhere, even if the reason is a side that stays.
 bool PatchRefiner::is_larger_than_asked(std::uint32_t t) const {
   const Shape shape = shape_of(t);
-  const double scale = patch_.frame.scale;
+  const double scale = chart_.scale(mesh_.point(mesh_.from(3 * t)));
   return shape.twice_area / 2 * scale * scale > criteria_.max_area ||
          std::sqrt(shape.longest_squared) * scale > criteria_.sizes.largest();
 }
 
 bool PatchRefiner::is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const {
-  if (is_too_large_anywhere(longest_squared, twice_area)) return true;
+  if (is_too_large_anywhere(a, longest_squared, twice_area)) return true;
   if (!do_sizes_vary()) return false;
   return is_too_long(a, b) || is_too_long(b, c) || is_too_long(c, a);
 }
@@ -137,16 +129,16 @@ bool PatchRefiner::is_too_long(Vec2 a, Vec2 b) const { return !allows(norm(b - a
 
 /// Returns the longest edge that is allowed at a place. Both are in the plane.
 double PatchRefiner::size_at(Vec2 p) const {
-  const double size = criteria_.sizes.at(to_space(p)), scale = patch_.frame.scale;
+  const double size = criteria_.sizes.at(chart_.to_space(p)), scale = chart_.scale(p);
   return held_ ? std::max(std::min(size, criteria_.area_edge) / scale, held_->at(p)) : size / scale;
 }
 
 /// Returns whether an edge of that length is short enough wherever it lies within that radius of the place. All values
 /// are in the plane.
 bool PatchRefiner::allows(double length, Vec2 p, double radius) const {
-  const double scale = patch_.frame.scale;
+  const double scale = chart_.scale(p);
   const bool is_small = !held_ || length * scale <= criteria_.area_edge;
-  return (is_small && criteria_.sizes.allows(length * scale, to_space(p), radius * scale)) ||
+  return (is_small && criteria_.sizes.allows(length * scale, chart_.to_space(p), radius * scale)) ||
          (held_ && held_->allow(length, p, radius));
 }
 
@@ -167,7 +159,7 @@ bool PatchRefiner::is_across_input_angle(std::uint32_t a, std::uint32_t b) const
   if (is_free(a) || is_free(b)) return false;
   const auto is_same_shell = [&](double from_a, double from_b) {
     if (!(std::fabs(from_a - from_b) <= kSameShell * from_a)) return false;
-    return norm(mesh_.point(a) - mesh_.point(b)) * patch_.frame.scale < from_a * (1 - kSameShell);
+    return norm(mesh_.point(a) - mesh_.point(b)) * chart_.scale(mesh_.point(a)) < from_a * (1 - kSameShell);
   };
   const auto segments_at = [&](std::uint32_t corner) {
     return std::pair(corner_segments_.begin() + corner_begin_[corner],
@@ -271,7 +263,7 @@ Vec2 PatchRefiner::steiner_point(const Shape& shape) const {
   height = std::min(height, limit);
   const Vec2 middle = a + 0.5 * base;
   const Vec2 across{-base.y / length, base.x / length};
-  double size = std::min(criteria_.sizes.largest(), 1.5 * std::sqrt(criteria_.max_area)) / patch_.frame.scale;
+  double size = std::min(criteria_.sizes.largest(), 1.5 * std::sqrt(criteria_.max_area)) / chart_.scale(a);
   if (held_)
     size = size_at(middle + height * across);
   else if (!criteria_.sizes.is_uniform())
@@ -342,7 +334,7 @@ PatchRefiner::Outcome PatchRefiner::outcome(Vec2 p, int most) const {
     next = i + 1 < rim.size() ? std::nullopt : first;
     found.more_bad +=
         is_sharp(s.squares, s.shortest_squared, s.twice_area) ||
-        is_too_large_anywhere(s.longest_squared, s.twice_area) ||
+        is_too_large_anywhere(p, s.longest_squared, s.twice_area) ||
         (do_sizes_vary() && (is_long_spoke(e.from, here) || is_long_spoke(e.to, next) || is_long_edge(e)));
     found.least_shape = std::min(found.least_shape, s.twice_area / s.squares);
     if (i == 0) first = here;
@@ -408,7 +400,7 @@ PatchRefiner::Attempt PatchRefiner::insert(const Place& place, Floor floor, May 
     return Attempt::kEncroached;
   }
   const Vec2 p = place.p;
-  const double least = floor.length() / patch_.frame.scale;
+  const double least = floor.length() / chart_.scale(p);
   bool is_near = false;
   for (const DelaunayMesh::RimEdge& e : mesh_.rim()) {
     const Vec2 a = mesh_.point(e.from);
@@ -608,7 +600,6 @@ PatchRefiner::Refined PatchRefiner::finish() const {
   Refined result;
   StackMemory memory;
   std::pmr::vector<std::uint32_t> vertex(&memory), triangle(&memory);
-  result.patch.frame = patch_.frame;
   result.patch.loops = patch_.loops;
   result.patch.mesh = mesh_.compact(vertex, triangle);
   result.patch.uv.reserve(vertex.size());

@@ -13,11 +13,13 @@
 #include "core/base/run_control.h"
 #include "core/base/small_blocks.h"
 #include "core/geometry/patch_mesh.h"
+#include "core/patches/patch_chart.h"
 #include "core/refinement/delaunay_mesh.h"
 #include "core/refinement/floor.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/held_sizes.h"
 #include "core/refinement/refinement_progress.h"
+#include "core/refinement/segment_cuts.h"
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
 #include "core/refinement/task_queues.h"
@@ -25,17 +27,6 @@
 #include "core/refinement/workplace.h"
 
 namespace remesh {
-
-/// A place at which a segment is cut. The parameter t runs from 0 to 1 along the segment.
-struct Cut {
-  SegmentId segment;
-  double t;
-
-  friend bool operator<(const Cut& a, const Cut& b) {
-    return a.segment != b.segment ? a.segment < b.segment : a.t < b.t;
-  }
-  friend bool operator==(const Cut&, const Cut&) = default;
-};
 
 /// Holds the goals in the form that the inner loop tests.
 struct Criteria {
@@ -69,8 +60,8 @@ class PatchRefiner {
   /// `cuts` has the cuts of every segment, ascending. Those of the patch's segments are made at once. Where there are
   /// sizes, wide areas are filled evenly with at most about `quota` triangles. The constructor also begins the first
   /// turn, at `at`.
-  PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria,
-               const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota, Workplace& at,
+  PatchRefiner(const PatchMesh& patch, const PatchChart& chart, PatchId id, const SegmentTable& segments,
+               const Criteria& criteria, const SegmentCuts::OfSegments& cuts, std::uint64_t quota, Workplace& at,
                RunControl& control);
 
   /// The patch may only be changed between these two calls, in its turn. No other refiner may use the workplace during
@@ -79,7 +70,7 @@ class PatchRefiner {
   void end_turn();
 
   /// Returns whether refinement would change the patch at all. This is cheap and needs no refiner.
-  static bool has_work(const PatchMesh& patch, const Criteria& criteria);
+  static bool has_work(const PatchMesh& patch, const PatchChart& chart, const Criteria& criteria);
 
   /// Cuts the patch's sides along `segment` wherever they are not cut yet. `cuts` are all cuts of that segment,
   /// ascending.
@@ -161,8 +152,7 @@ class PatchRefiner {
   void collect_corners(PatchId id);
   void collect_sides(PatchId id);
   void collect_held_sides(PatchId id, RunControl& control);
-  bool start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
-                    RunControl& control);
+  bool start_evenly(PatchId id, const SegmentCuts::OfSegments& cuts, std::uint64_t quota, RunControl& control);
   /// Has the measures of the triangle between a point and an edge.
   struct Spanned {
     double squares, shortest_squared, longest_squared;  ///< sum, minimum and maximum over its edges
@@ -176,7 +166,7 @@ class PatchRefiner {
   }
   Shape shape_of(std::uint32_t t) const;
   bool is_sharp(double squares, double shortest_squared, double twice_area) const;
-  bool is_too_large_anywhere(double longest_squared, double twice_area) const;
+  bool is_too_large_anywhere(Vec2 at, double longest_squared, double twice_area) const;
   bool is_larger_than_asked(std::uint32_t t) const;
   bool is_too_large(Vec2 a, Vec2 b, Vec2 c, double longest_squared, double twice_area) const;
   bool is_too_long(Vec2 a, Vec2 b) const;
@@ -257,14 +247,14 @@ class PatchRefiner {
   bool find_hole(std::uint32_t v, std::size_t k);
   std::uint32_t merge(std::uint32_t v, std::uint32_t w, double flattest);
 
-  Vec3 to_space(Vec2 uv) const;
-  Vec2 on_grid(Vec2 uv) const;
+  Vec2 on_grid(Vec2 uv) const { return chart_.on_grid(uv); }
   bool is_free(std::uint32_t v) const { return v >= corner_count_ && !segment_[v].is_valid(); }
   Floor floor_on(SegmentId s) const { return {segments_[s].floor, segments_[s].is_floor_asked}; }
   Floor floor_of(std::uint32_t v) const { return segment_[v].is_valid() ? floor_on(segment_[v]) : Floor(value_[v]); }
   std::uint64_t cost_of_cut(SegmentId s) const { return segments_.sides(s).size(); }
 
   const PatchMesh& patch_;
+  const PatchChart chart_;
   const SegmentTable& segments_;
   const Criteria& criteria_;
   const std::uint32_t corner_count_;

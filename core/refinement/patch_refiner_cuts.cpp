@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 
-#include "core/geometry/projection.h"
 #include "core/refinement/patch_refiner.h"
 
 namespace remesh {
@@ -33,7 +32,7 @@ bool PatchRefiner::cut_side(std::uint32_t side) {
 bool PatchRefiner::cut_side_at(std::uint32_t side, double t) {
   const SegmentId segment = segment_of_side(side);
   const std::uint32_t partner = sides_[side].partner;
-  const Vec2 p = to_plane(patch_.frame, segments_.position(segment, t));
+  const Vec2 p = chart_.to_plane(segments_.position(segment, t));
   const std::uint32_t v = cut_one(side, t, p, kNone);
   if (v == kNone) return false;
   const auto fresh = static_cast<std::uint32_t>(sides_.size() - 1);

@@ -9,7 +9,6 @@
 #include <tuple>
 
 #include "core/base/stoppable.h"
-#include "core/geometry/projection.h"
 #include "core/refinement/even_fill.h"
 #include "core/refinement/patch_refiner.h"
 #include "core/triangulation/patch_triangulation.h"
@@ -89,10 +88,11 @@ std::vector<std::array<Vec2, 3>> triangles_of(const Triangulation2d& mesh, const
 
 }  // namespace
 
-PatchRefiner::PatchRefiner(const PatchMesh& patch, PatchId id, const SegmentTable& segments, const Criteria& criteria,
-                           const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota, Workplace& at,
-                           RunControl& control)
+PatchRefiner::PatchRefiner(const PatchMesh& patch, const PatchChart& chart, PatchId id, const SegmentTable& segments,
+                           const Criteria& criteria, const SegmentCuts::OfSegments& cuts, std::uint64_t quota,
+                           Workplace& at, RunControl& control)
     : patch_(patch),
+      chart_(chart),
       segments_(segments),
       criteria_(criteria),
       corner_count_(static_cast<std::uint32_t>(patch.vertices.size())),
@@ -188,7 +188,7 @@ void PatchRefiner::collect_corners(PatchId id) {
     for (const std::uint32_t v : {patch_.mesh.from(h), patch_.mesh.to(h)})
       if (is_inside[v] != 0) {
         const double length = norm(patch_.uv[patch_.mesh.to(h)] - patch_.uv[patch_.mesh.from(h)]);
-        const double nearest = std::min(Floor(value_[v]).length(), length * patch_.frame.scale * 0x1p-6);
+        const double nearest = std::min(Floor(value_[v]).length(), length * chart_.scale(patch_.uv[v]) * 0x1p-6);
         value_[v] = Floor::above(criteria_.min_edge_length, nearest).packed();
       }
 }
@@ -226,7 +226,9 @@ void PatchRefiner::collect_held_sides(PatchId id, RunControl& control) {
     const BoundarySegment& segment = segments_[side.segment];
     if (!segment.is_locked()) continue;
     const Vec2 a = patch_.uv[patch_.mesh.from(side.half_edge)], b = patch_.uv[patch_.mesh.to(side.half_edge)];
-    const double size = std::min(criteria_.sizes.at(to_space(0.5 * (a + b))), criteria_.area_edge) / patch_.frame.scale;
+    const Vec2 middle = 0.5 * (a + b);
+    const double size =
+        std::min(criteria_.sizes.at(chart_.to_space(middle)), criteria_.area_edge) / chart_.scale(middle);
     if (!(norm(b - a) > size * kSizeMargin)) continue;
     held.push_back({a, b, size});
     const State why = why_locked(segment.lock);
@@ -237,10 +239,9 @@ void PatchRefiner::collect_held_sides(PatchId id, RunControl& control) {
 
 /// Triangulates the patch anew from its cut boundary and from lattices of points inside, if there are sizes. Returns
 /// false if that would change nothing, or if rounding forbids it. Then vertices and sides may have been changed.
-bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vector<double>>& cuts, std::uint64_t quota,
+bool PatchRefiner::start_evenly(PatchId id, const SegmentCuts::OfSegments& cuts, std::uint64_t quota,
                                 RunControl& control) {
   const SizeField& sizes = criteria_.sizes;
-  const double scale = patch_.frame.scale;
   if (sizes.is_uniform() && !std::isfinite(criteria_.even_size)) return false;
 
   // The vertices are the corners and then the cuts. The pieces run from one vertex to the next, side by side.
@@ -259,7 +260,7 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
       first_cut = static_cast<std::uint32_t>(points.size());
       first_piece = static_cast<std::uint32_t>(sides_.size());
       for (const double t : at) {
-        points.push_back(to_plane(patch_.frame, segments_.position(segment_of(side), t)));
+        points.push_back(chart_.to_plane(segments_.position(segment_of(side), t)));
         segment_.push_back(segment_of(side));
         value_.push_back(t);
       }
@@ -300,15 +301,17 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
                    [&](double length, Vec2 p, double radius) { return allows(length, p, radius); }, false,
                    SizeField::kNoise};
   } else if (sizes.is_uniform()) {
-    const double size = criteria_.even_size / scale;
-    plane_sizes = {[size](Vec2) { return size; }, [size](double length, Vec2, double) { return length <= size; }};
+    const auto size_in_plane = [&](Vec2 p) { return criteria_.even_size / chart_.scale(p); };
+    plane_sizes = {size_in_plane, [=](double length, Vec2 p, double) { return length <= size_in_plane(p); }};
   } else {
-    plane_sizes = {[&](Vec2 p) { return std::min(sizes.at(to_space(p)), criteria_.even_size) / scale; },
-                   [&](double length, Vec2 p, double radius) {
-                     return length * scale <= criteria_.even_size &&
-                            sizes.allows(length * scale, to_space(p), radius * scale);
-                   },
-                   false, SizeField::kNoise};
+    plane_sizes = {
+        [&](Vec2 p) { return std::min(sizes.at(chart_.to_space(p)), criteria_.even_size) / chart_.scale(p); },
+        [&](double length, Vec2 p, double radius) {
+          const double scale = chart_.scale(p);
+          return length * scale <= criteria_.even_size &&
+                 sizes.allows(length * scale, chart_.to_space(p), radius * scale);
+        },
+        false, SizeField::kNoise};
   }
   const std::vector<std::array<Vec2, 3>> triangles =
       made ? triangles_of(made->mesh, points, made->number) : triangles_of(patch_.mesh, patch_.uv, {});
@@ -316,14 +319,14 @@ bool PatchRefiner::start_evenly(PatchId id, const IdVector<SegmentId, std::vecto
   for (const Piece& piece : pieces) boundary.push_back(0.5 * (points[piece.from] + points[piece.to]));
   const std::size_t most = std::min<std::uint64_t>(quota / 3, std::uint64_t{1} << 27);
   // Points are rounded to the grid, and again in space.
-  const double shortest = criteria_.min_edge_length / scale * (1 + 1e-9) + 2 * patch_.frame.grid;
+  const double shortest = criteria_.min_edge_length / chart_.scale(patch_.uv.front()) * (1 + 1e-9) + 2 * chart_.grid();
   const std::size_t before = points.size();
   const auto is_too_fine = [&](double size) { return size / 2 < criteria_.min_edge_length; };
   std::vector<Vec2> fill;
   if (!plane_sizes.is_uniform || !is_too_fine(criteria_.even_size))
     fill = even_fill(triangles, boundary, before, plane_sizes, shortest, most, control);
   for (const Vec2 p : fill) {
-    const double size = plane_sizes.at(p) * scale;
+    const double size = plane_sizes.at(p) * chart_.scale(p);
     if (is_too_fine(size)) continue;
     points.push_back(on_grid(p));
     segment_.emplace_back();

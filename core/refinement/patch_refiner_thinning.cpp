@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "core/geometry/predicates.h"
-#include "core/geometry/projection.h"
 #include "core/refinement/patch_refiner.h"
 
 namespace remesh {
@@ -40,9 +39,9 @@ double squared_length(Vec2 a) { return dot(a, a); }
 /// Returns whether an edge at that place may have that length, in the plane.
 bool PatchRefiner::is_allowed(double length, Vec2 p) const {
   if (held_) return allows(length, p);
-  const double in_space = length * patch_.frame.scale;
+  const double in_space = length * chart_.scale(p);
   return in_space <= criteria_.even_size &&
-         (criteria_.sizes.is_uniform() || criteria_.sizes.allows(in_space, to_space(p)));
+         (criteria_.sizes.is_uniform() || criteria_.sizes.allows(in_space, chart_.to_space(p)));
 }
 
 /// Finds the vertices around v, counter-clockwise. Returns false if there are too many, or if a triangle there is not
@@ -110,12 +109,12 @@ bool PatchRefiner::is_inside(std::uint32_t t, Vec2 p) const {
 /// Returns whether all triangles that were remade since the first point was taken are within the bounds, and none is
 /// flatter than `flattest`.
 bool PatchRefiner::are_remade_well(double flattest) const {
-  const double shortest = criteria_.min_edge_length / patch_.frame.scale;
   return std::all_of(at_->remade.begin(), at_->remade.end(), [&](std::uint32_t t) {
     if (!mesh_.is_live(t)) return true;
     const Vec2 a = mesh_.point(mesh_.from(3 * t)), b = mesh_.point(mesh_.from(3 * t + 1)),
                c = mesh_.point(mesh_.from(3 * t + 2));
     const Spanned s = spanned(c, a, b);
+    const double shortest = criteria_.min_edge_length / chart_.scale(a);
     return s.twice_area >= flattest * s.squares && s.shortest_squared >= shortest * shortest &&
            !is_sharp(s.squares, s.shortest_squared, s.twice_area) &&
            !is_too_large(a, b, c, s.longest_squared, s.twice_area);
@@ -137,10 +136,10 @@ bool PatchRefiner::leave_out(std::uint32_t v, double flattest) {
 /// Returns a place from which all of a ring is within reach, and with which no triangle is flatter than `flattest`.
 std::optional<Vec2> PatchRefiner::place_within(std::span<const std::uint32_t> ring, Floor floor,
                                                double flattest) const {
-  const double least = floor.length() / patch_.frame.scale;
   Vec2 p{};
   for (const std::uint32_t u : ring) p = p + mesh_.point(u);
   p = (1 / static_cast<double>(ring.size())) * p;
+  const double least = floor.length() / chart_.scale(p);
   // The places move towards the middle of the smallest circle around the ring.
   for (int i = 1; i <= kPlaces; ++i) {
     Vec2 farthest = p;

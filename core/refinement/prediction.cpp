@@ -9,7 +9,6 @@
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
-#include "core/geometry/projection.h"
 #include "core/refinement/held_sizes.h"
 #include "core/refinement/strips.h"
 
@@ -68,8 +67,8 @@ struct Asked {
 
 class PatchPrediction {
  public:
-  PatchPrediction(const PatchMesh& patch, const Asked& asked)
-      : patch_(patch), asked_(asked), goals_(asked.goals), sizes_(asked.sizes) {}
+  PatchPrediction(const PatchMesh& patch, const PatchChart& chart, const Asked& asked)
+      : patch_(patch), chart_(chart), asked_(asked), goals_(asked.goals), sizes_(asked.sizes) {}
 
   /// Returns the number of faces for the pieces of boundary edges, where each edge has as many pieces as the patch that
   /// needs most of them.
@@ -89,12 +88,12 @@ class PatchPrediction {
   /// Predicts the faces of the patch. Appends the boundary edges of which the patch needs many pieces to `many_pieces`.
   Prediction run(std::vector<EdgePieces>& many_pieces, RunControl& control) const {
     const Triangulation2d& mesh = patch_.mesh;
-    const double scale = patch_.frame.scale;
     const std::unique_ptr<const HeldSizes> held = held_sizes(control);
     double pieces = 0, area = 0, by_angle = 0, by_size = 0;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
       control.check();
       const Vec2 p[3] = {patch_.uv[mesh.from(h)], patch_.uv[mesh.from(h + 1)], patch_.uv[mesh.from(h + 2)]};
+      const double scale = chart_.scale(p[0]);
       double length[3];
       for (std::uint32_t k = 0; k < 3; ++k) {
         const Vec2 side = p[(k + 1) % 3] - p[k];
@@ -146,7 +145,7 @@ class PatchPrediction {
       // This is the mean of one over a width that grows evenly.
       pieces += part / width * (growth > 1e-3 ? std::log1p(growth) / growth : 1);
     }
-    const double most = length * patch_.frame.scale / goals_.min_edge_length;
+    const double most = length * chart_.scale(a) / goals_.min_edge_length;
     return std::max(1.0, std::min(pieces * asked_.strip_tangent / 2, most));
   }
 
@@ -162,7 +161,7 @@ class PatchPrediction {
 
   double longest_edge() const { return std::min(sizes_.largest(), equilateral_edge(goals_.max_area)); }
   double size_at(Vec2 p) const {
-    return sizes_.is_uniform() ? longest_edge() : std::min(longest_edge(), sizes_.at(to_space(patch_.frame, p)));
+    return sizes_.is_uniform() ? longest_edge() : std::min(longest_edge(), sizes_.at(chart_.to_space(p)));
   }
 
   /// Returns null if all sides may be cut, or if none needs to be.
@@ -173,7 +172,8 @@ class PatchPrediction {
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
       if (!mesh.is_constrained(h)) continue;
       const Vec2 a = patch_.uv[mesh.from(h)], b = patch_.uv[mesh.to(h)];
-      const double size = size_at(0.5 * (a + b)) / patch_.frame.scale;
+      const Vec2 middle = 0.5 * (a + b);
+      const double size = size_at(middle) / chart_.scale(middle);
       if (norm(b - a) > size) sides.push_back({a, b, size});
     }
     if (sides.empty()) return nullptr;
@@ -194,13 +194,14 @@ class PatchPrediction {
           const double u = (i + (1.0 + up) / 3) / kParts, v = (j + (1.0 + up) / 3) / kParts;
           const Vec2 at = p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
           double size = size_at(at);
-          if (held != nullptr) size = std::max(size, held->at(at) * patch_.frame.scale);
+          if (held != nullptr) size = std::max(size, held->at(at) * chart_.scale(at));
           if (std::isfinite(size)) faces += kFacesPerIdeal * part / equilateral_area(size);
         }
     return faces;
   }
 
   const PatchMesh& patch_;
+  const PatchChart chart_;
   const Asked& asked_;
   const Goals& goals_;
   const SizeField& sizes_;
@@ -235,7 +236,7 @@ class LeastFaces {
         // This is the edge of the largest triangle, if all its edges are equally long.
         edge_(equilateral_edge(largest_area_)) {}
 
-  double of(const PatchMesh& patch, PatchId p) const {
+  double of(const PatchMesh& patch, const PatchChart& chart, PatchId p) const {
     // Edges up to this length may stay, whatever sizes ask for.
     double may_stay = is_floor_a_matter(goals_.min_edge_length, kSizesOverFloor) ? goals_.min_edge_length : 0;
     double pieces = 0;
@@ -253,14 +254,15 @@ class LeastFaces {
     double largest = largest_area_;
     if (may_stay > 0) largest = kLeftBesideFloor * std::max(largest, equilateral_area(may_stay));
     const auto triangles = static_cast<double>(patch.mesh.triangle_count());
-    double filled = area_of(patch) / largest;
+    double filled = area_of(patch, chart) / largest;
     if (is_any_locked || may_stay > 0) {
       if (!(filled > kManyFaces))
         filled = 0;
       else if (is_any_kept)
-        filled = away_from_kept(patch, p, largest);
+        filled = away_from_kept(patch, chart, p, largest);
       // The result that rounding leaves room for is so far from what is asked for that it would serve nobody.
-      if (!is_any_kept && !is_floor_asked) filled = std::max(filled, area_of(patch) / largest_area_ / kFarFromAsked);
+      if (!is_any_kept && !is_floor_asked)
+        filled = std::max(filled, area_of(patch, chart) / largest_area_ / kFarFromAsked);
     }
     return std::max({triangles, pieces - 2, filled});
   }
@@ -284,17 +286,18 @@ class LeastFaces {
 
   /// Returns the number of faces that the area away from fixed sides needs. Beside these sides, triangles are as large
   /// as HeldSizes allows.
-  double away_from_kept(const PatchMesh& patch, PatchId p, double largest) const {
+  double away_from_kept(const PatchMesh& patch, const PatchChart& chart, PatchId p, double largest) const {
     const Triangulation2d& mesh = patch.mesh;
-    const double scale = patch.frame.scale, edge = equilateral_edge(largest) / scale;
+    const double longest = equilateral_edge(largest);
     std::vector<HeldSide> held;
     for (const std::uint32_t i : segments_.sides_of_patch(p)) {
       const SegmentSide& side = segments_.all_sides()[i];
       if (!is_kept(segments_[side.segment])) continue;
       const Vec2 a = patch.uv[mesh.from(side.half_edge)], b = patch.uv[mesh.to(side.half_edge)];
+      const double edge = longest / chart.scale(0.5 * (a + b));
       if (norm(b - a) > edge) held.push_back({a, b, edge});
     }
-    if (held.empty()) return area_of(patch) / largest;
+    if (held.empty()) return area_of(patch, chart) / largest;
     const HeldSizes sizes(held, goals_.min_angle_deg, control_);
     double faces = 0;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
@@ -305,20 +308,21 @@ class LeastFaces {
         for (int j = 0; i + j < kSamples; ++j) {
           control_.check();
           const Vec2 at = a + ((i + 1.0 / 3) / kSamples) * (b - a) + ((j + 1.0 / 3) / kSamples) * (c - a);
-          faces += part / equilateral_area(std::max(edge, sizes.at(at)));
+          faces += part / equilateral_area(std::max(longest / chart.scale(at), sizes.at(at)));
         }
     }
     return faces / kDoubtOfSamples;
   }
 
-  static double area_of(const PatchMesh& patch) {
+  static double area_of(const PatchMesh& patch, const PatchChart& chart) {
     const Triangulation2d& mesh = patch.mesh;
     double twice = 0;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
       const Vec2 a = patch.uv[mesh.from(h)];
-      twice += cross(patch.uv[mesh.from(h + 1)] - a, patch.uv[mesh.from(h + 2)] - a);
+      const double scale = chart.scale(a);
+      twice += cross(patch.uv[mesh.from(h + 1)] - a, patch.uv[mesh.from(h + 2)] - a) * scale * scale;
     }
-    return twice / 2 * patch.frame.scale * patch.frame.scale;
+    return twice / 2;
   }
 
   static constexpr int kSamples = 6;
@@ -345,8 +349,9 @@ double pieces_to_be_made(const SegmentTable& segments, const SizeField& sizes, R
 
 }  // namespace
 
-double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
+double least_faces(const TriangulatedPatches& triangulated, const IdVector<PatchId, std::uint8_t>& is_frozen,
                    const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control) {
+  const PatchMeshes& meshes = triangulated.meshes;
   // More pieces than that could not even be listed.
   const double pieces = pieces_to_be_made(segments, sizes, control);
   if (pieces > static_cast<double>(kMaxFaces)) return pieces;
@@ -356,8 +361,9 @@ double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::
          double faces = 0;
          for (; p < end; ++p) {
            control.check();
-           faces += is_frozen[p] == 0 ? least.of(meshes[p], PatchId(p))
-                                      : static_cast<double>(meshes[p].mesh.triangle_count());
+           faces += is_frozen[PatchId(p)] == 0
+                        ? least.of(meshes[PatchId(p)], triangulated.charts[PatchId(p)], PatchId(p))
+                        : static_cast<double>(meshes[PatchId(p)].mesh.triangle_count());
          }
          return faces;
        }))
@@ -365,18 +371,20 @@ double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::
   return sum;
 }
 
-Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, const SizeField& sizes,
+Prediction predict(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
                    RunControl& control) {
   struct Block {
     Prediction sum;
     std::vector<EdgePieces> pieces;
   };
   constexpr std::size_t kPatches = 64;
+  const PatchMeshes& meshes = triangulated.meshes;
   const Asked asked(goals, sizes);
   auto blocks = map_blocks<Block>(meshes.size(), kPatches, control, [&](std::size_t begin, std::size_t end) {
     Block block;
     for (std::size_t p = begin; p < end; ++p) {
-      const Prediction one = PatchPrediction(meshes[p], asked).run(block.pieces, control);
+      const Prediction one =
+          PatchPrediction(meshes[PatchId(p)], triangulated.charts[PatchId(p)], asked).run(block.pieces, control);
       block.sum.expected += one.expected;
       block.sum.of_patch.push_back(static_cast<float>(std::min(one.expected, kMaxOfPatch)));
     }
@@ -404,7 +412,7 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
     double sum = 0;
     for (std::size_t p = begin; p < end; ++p) {
       control.check();
-      sum += PatchPrediction(meshes[p], asked).faces_for_pieces(needed);
+      sum += PatchPrediction(meshes[PatchId(p)], triangulated.charts[PatchId(p)], asked).faces_for_pieces(needed);
     }
     return sum;
   });

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "core/base/run_control.h"
-#include "core/geometry/patch_mesh.h"
+#include "core/patches/triangulated_patches.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
@@ -27,7 +27,7 @@ inline constexpr std::uint64_t kMaxFaces = std::uint64_t{1} << 29;
 
 /// Input: Triangulated patches over the vertices that stay.
 /// Cost:  O(n), or O(n log n) if sizes vary.
-Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, const SizeField& sizes,
+Prediction predict(const TriangulatedPatches& triangulated, const Goals& goals, const SizeField& sizes,
                    RunControl& control);
 
 /// Computes a lower bound on the number of faces in any result. For each patch it is the largest of three numbers: its
@@ -39,7 +39,7 @@ Prediction predict(const std::vector<PatchMesh>& meshes, const Goals& goals, con
 /// Input: The limits of the patches' segments are set; cuts need not be planned yet. `is_frozen` marks the patches that
 ///        are not refined.
 /// Cost:  O(n).
-double least_faces(const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
+double least_faces(const TriangulatedPatches& triangulated, const IdVector<PatchId, std::uint8_t>& is_frozen,
                    const SegmentTable& segments, const Goals& goals, const SizeField& sizes, RunControl& control);
 
 }  // namespace remesh

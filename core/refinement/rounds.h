@@ -5,10 +5,10 @@
 #include <optional>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/run_control.h"
-#include "core/geometry/patch_mesh.h"
-#include "core/geometry/patch_set.h"
 #include "core/mesh/surface.h"
+#include "core/patches/triangulated_patches.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/prediction.h"
 #include "core/refinement/segment_table.h"
@@ -30,26 +30,33 @@ struct Refinement {
   std::uint32_t rounds = 0;
 };
 
+/// Everything that a refinement goes by. It refers to these objects.
+struct RefinementInput {
+  const Surface& surface;
+  /// There is one entry per patch. Frozen patches get no points, neither inside nor on their boundaries.
+  const IdVector<PatchId, std::uint8_t>& is_frozen;
+  const Goals& goals;  ///< `max_faces` is the budget
+  const SizeField& sizes;
+  const Prediction& prediction;  ///< used for the progress, and for sharing out a budget at first
+  /// Refinement ends as soon as it is clear that there will at some time be more triangles than this.
+  std::uint64_t max_made;
+};
+
 /// Refines in rounds. In a round, every patch that has something to do is refined alone, in parallel with the others.
 /// Between rounds, the cuts that patches made in their boundaries go to all other patches there. The rounds end when no
 /// patch has anything to do. Thinning out comes last, so there may be far more triangles between rounds than in the
 /// end; where sizes vary, there may be three times as many. Therefore even a budget that the result does not spend may
 /// have changed the result, and refinement should first be tried without one.
-/// Input:  Triangulated patches. `is_frozen` has one entry per patch; frozen patches get no points, neither inside nor
-///         on their boundaries. `segments` are the segments of these patches, with their cuts planned. `prediction` is
-///         used for the progress, and for sharing out a budget at first. Refinement ends as soon as it is clear that
-///         there will at some time be more than `most_made` triangles.
+/// Input:  Triangulated patches. `segments` are the segments of these patches, with their cuts planned.
 /// Output: The patches with additional vertices. The vertices from surface.vertex_count() on have their places in
-///         `new_positions`. If there would be more than `most_made` triangles, nothing is returned and the patches are
+///         `new_positions`. If there would be more than `max_made` triangles, nothing is returned and the patches are
 ///         as they were.
 /// Holds:  An edge between patches has the same vertices in all of them. The result is the same for any number of
 ///         threads.
 /// Cost:   O(n log n) in the triangles of the result, in practice.
 /// Source: rules.md, Rounds; rules.md, Budget; rules 13 to 22 there for what patches do in their turns.
-std::optional<Refinement> refine(const Surface& surface, const PatchSet& patches,
-                                 const std::vector<std::uint8_t>& is_frozen, const Goals& goals, const SizeField& sizes,
-                                 SegmentTable segments, const Prediction& prediction, std::vector<PatchMesh>& meshes,
-                                 std::uint64_t most_made, RunControl& control);
+std::optional<Refinement> refine(const RefinementInput& input, SegmentTable segments, TriangulatedPatches& triangulated,
+                                 RunControl& control);
 
 /// Applies the chord rule where neither flips nor refinement have helped: every chord of the patches as they are now
 /// gets a point.
@@ -57,8 +64,7 @@ std::optional<Refinement> refine(const Surface& surface, const PatchSet& patches
 ///         empty, and `why` has no effect. `why` is the reason why refinement itself has not split these chords.
 /// Output: The patches and `refinement`, with the new vertices. A new triangle that misses a goal has the reason
 ///         `boundary_locked` if its patch is frozen, and the reason `why` otherwise.
-void split_chords(const Surface& surface, const PatchSet& patches, std::vector<PatchMesh>& meshes,
-                  Refinement& refinement, const std::vector<std::uint8_t>& is_frozen, UnrefinedReason why,
-                  RunControl& control);
+void split_chords(const Surface& surface, TriangulatedPatches& triangulated, Refinement& refinement,
+                  const IdVector<PatchId, std::uint8_t>& is_frozen, UnrefinedReason why, RunControl& control);
 
 }  // namespace remesh

@@ -56,11 +56,11 @@ using Uses = std::vector<Use, LeftUnset<Use>>;
 
 /// Returns the constrained half-edges that bound a patch. Edges that were only constrained for the chord rule are left
 /// out.
-Uses segment_uses(const Surface& surface, const std::vector<PatchMesh>& meshes, RunControl& control) {
+Uses segment_uses(const Surface& surface, const PatchMeshes& meshes, RunControl& control) {
   const auto blocks = map_blocks<std::vector<Use>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
     std::vector<Use> uses;
     for (; p < end; ++p) {
-      const PatchMesh& patch = meshes[p];
+      const PatchMesh& patch = meshes[PatchId(p)];
       for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
         if (!patch.mesh.is_constrained(h) || patch.is_held(h)) continue;
         VertexId a = patch.vertices[patch.mesh.from(h)], b = patch.vertices[patch.mesh.to(h)];
@@ -91,7 +91,7 @@ double EvenParts::cut(double t0, double t1) const {
   return end(std::floor((first + last) / 2));
 }
 
-std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes, RunControl& control) {
+std::vector<std::array<VertexId, 2>> segment_ends(const PatchMeshes& meshes, RunControl& control) {
   std::vector<std::array<VertexId, 2>> ends;
   StopCheck check(control);
   for (const PatchMesh& patch : meshes)
@@ -106,10 +106,11 @@ std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& 
   return ends;
 }
 
-SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>& meshes,
-                           const std::vector<std::uint8_t>& is_frozen, const SizeField& sizes, const Goals& goals,
+SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& triangulated,
+                           const IdVector<PatchId, std::uint8_t>& is_frozen, const SizeField& sizes, const Goals& goals,
                            RunControl& control)
     : surface_(surface), min_edge_length_(goals.min_edge_length) {
+  const PatchMeshes& meshes = triangulated.meshes;
   const Uses uses = segment_uses(surface, meshes, control);
   const auto for_each_segment = [&](const auto& visit) {
     for_blocks(segments_.size(), kSegments, control, [&](std::size_t s, std::size_t end) {
@@ -124,11 +125,11 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   for_each_segment([&](SegmentId s, BoundarySegment& segment) {
     segment.from = uses[begin_[s.value]].from;
     segment.to = uses[begin_[s.value]].to;
-    segment.length = norm(surface.positions[segment.to] - surface.positions[segment.from]);
+    segment.length = curve(s).length();
     if (!goals.split_boundaries) segment.lock = Lock::kKept;
     for (std::uint32_t i = begin_[s.value]; i < begin_[s.value + 1]; ++i) {
       sides_[i] = {s, uses[i].patch, uses[i].half_edge};
-      if (is_frozen[uses[i].patch.value] != 0) segment.lock = Lock::kKept;
+      if (is_frozen[uses[i].patch] != 0) segment.lock = Lock::kKept;
     }
   });
 
@@ -147,12 +148,12 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     for (std::size_t p = range.begin(); p < range.end(); ++p) {
       const auto own = sides_of_patch(PatchId(p));
       half_edges.clear();
-      side_of.assign(meshes[p].mesh.half_edge_count(), kNoSide);
+      side_of.assign(meshes[PatchId(p)].mesh.half_edge_count(), kNoSide);
       for (const std::uint32_t i : own) {
         half_edges.push_back(sides_[i].half_edge);
         side_of[sides_[i].half_edge] = i;
       }
-      const auto features = local_features.of(meshes[p], half_edges, control);
+      const auto features = local_features.of(meshes[PatchId(p)], triangulated.charts[PatchId(p)], half_edges, control);
       for (std::size_t k = 0; k < own.size(); ++k) {
         const std::uint32_t next = side_of[features[k].next_at_start];
         seen[own[k]] = {features[k].distance, features[k].angle_at_start, next == kNoSide ? own[k] : next};
@@ -171,13 +172,14 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
     nearest = segment.length;
     rounding = 0x1p-52 * std::max(magnitude(surface.positions[segment.from]), magnitude(surface.positions[segment.to]));
     for (std::uint32_t i = begin_[s.value]; i < begin_[s.value + 1]; ++i) {
-      const Frame& frame = meshes[sides_[i].patch.value].frame;
+      const PatchMesh& patch = meshes[sides_[i].patch];
+      const PatchChart chart = triangulated.charts[sides_[i].patch];
       nearest = std::min(nearest, seen[i].distance);
-      rounding = std::max(rounding, frame.grid * frame.scale);
+      rounding = std::max(rounding, chart.grid() * chart.scale(patch.uv[patch.mesh.from(sides_[i].half_edge)]));
     }
   });
   const auto end_at_start = [&](const SegmentSide& side) {
-    const PatchMesh& patch = meshes[side.patch.value];
+    const PatchMesh& patch = meshes[side.patch];
     const bool is_from = patch.vertices[patch.mesh.from(side.half_edge)] == segments_[side.segment].from;
     return 2 * side.segment.value + (is_from ? 0u : 1u);
   };
@@ -224,10 +226,10 @@ SegmentTable::SegmentTable(const Surface& surface, const std::vector<PatchMesh>&
   });
 }
 
-void SegmentTable::plan_cuts(const std::vector<PatchMesh>& meshes, const SizeField& sizes, const Goals& goals,
+void SegmentTable::plan_cuts(const TriangulatedPatches& triangulated, const SizeField& sizes, const Goals& goals,
                              RunControl& control) {
   const std::vector<EvenParts> parts =
-      parts_along_strips(meshes, *this, std::exchange(feature_, {}), goals, sizes, control);
+      parts_along_strips(triangulated.meshes, *this, std::exchange(feature_, {}), goals, sizes, control);
   for_blocks(segments_.size(), kSegments, control, [&](std::size_t s, std::size_t end) {
     for (; s < end; ++s) segments_[SegmentId(s)].parts = parts[s];
   });
@@ -246,11 +248,6 @@ void SegmentTable::plan_cuts(const std::vector<PatchMesh>& meshes, const SizeFie
   for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e)
     if (const double base = first[clusters.find(e)]; std::isfinite(base))
       segments_[SegmentId(e / 2)].shell_base[e % 2] = base;
-}
-
-Vec3 SegmentTable::position(SegmentId s, double t) const {
-  const Vec3 &from = surface_.positions[segments_[s].from], &to = surface_.positions[segments_[s].to];
-  return t <= 0.5 ? from + t * (to - from) : to + (1 - t) * (from - to);
 }
 
 std::optional<double> SegmentTable::place_cut(const BoundarySegment& s, double t0, double t1) const {

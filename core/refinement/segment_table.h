@@ -1,5 +1,5 @@
-/// Stores the segments of the whole surface. A segment is a straight part of patch boundaries. It is owned by the mesh
-/// and shared by patches.
+/// Stores the segments of the whole surface. A segment is a part of patch boundaries between two vertices that stay. It
+/// is owned by the mesh and shared by patches.
 #pragma once
 
 #include <array>
@@ -14,6 +14,8 @@
 #include "core/base/union_find.h"
 #include "core/geometry/patch_mesh.h"
 #include "core/mesh/surface.h"
+#include "core/patches/boundary_curve.h"
+#include "core/patches/triangulated_patches.h"
 #include "core/refinement/corner_shells.h"
 #include "core/refinement/goals.h"
 #include "core/refinement/size_field.h"
@@ -47,10 +49,11 @@ enum class Lock : std::uint8_t {
   kAsked,
 };
 
-/// A segment is an edge between two vertices that stay. Places on it are parameters from 0 (at `from`) to 1 (at `to`).
+/// A segment joins two vertices that stay, along a BoundaryCurve. Places on it are parameters from 0 (at `from`) to 1 (at
+/// `to`), in proportion to the length of the way.
 struct BoundarySegment {
   VertexId from, to;  ///< ordered by position, the smaller one first
-  double length = 0;
+  double length = 0;  ///< the length of its curve
   /// There is one entry per end. Pieces at an end are cut on the shells with the radii base * 2^k, so that segments
   /// which meet at a small angle are cut alike. The base is 0 if no other segment is near there. Otherwise it is a
   /// third of the shortest of these segments or, where sizes vary, the first distance of their CornerShells.
@@ -73,24 +76,26 @@ struct SegmentSide {
 };
 
 /// Returns the ends of every segment, the smaller id first. Each segment occurs once, and they are ascending.
-std::vector<std::array<VertexId, 2>> segment_ends(const std::vector<PatchMesh>& meshes, RunControl& control);
+std::vector<std::array<VertexId, 2>> segment_ends(const PatchMeshes& meshes, RunControl& control);
 
 /// Stores the segments, the limits of their pieces, and the patches that have them. Where a piece is cut depends on
 /// that piece alone. So the cuts of a segment form one binary tree, whoever asks for them and in whatever order, and
 /// patches can cut on their own and still agree.
 class SegmentTable {
  public:
-  /// Input:  `meshes` are the patches' triangulations over vertices that stay. `is_frozen` has one entry per patch; the
+  /// Input:  the patches are triangulated over vertices that stay. `is_frozen` has one entry per patch; the
   ///         boundary of a frozen patch stays as it is, and so do its neighbours there.
   /// Source: rules.md, Owned segments; rules.md, Shells; rules.md, Floors.
-  SegmentTable(const Surface& surface, const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
-               const SizeField& sizes, const Goals& goals, RunControl& control);
+  SegmentTable(const Surface& surface, const TriangulatedPatches& triangulated,
+               const IdVector<PatchId, std::uint8_t>& is_frozen, const SizeField& sizes, const Goals& goals,
+               RunControl& control);
 
   /// Plans where segments are cut along strips and at sharp corners. It has to be called once, after the constructor.
   /// This is the only part whose time and memory grow with the number of cuts, so a hopeless refinement can be refused
   /// before it.
   /// Input: The same as for the constructor.
-  void plan_cuts(const std::vector<PatchMesh>& meshes, const SizeField& sizes, const Goals& goals, RunControl& control);
+  void plan_cuts(const TriangulatedPatches& triangulated, const SizeField& sizes, const Goals& goals,
+                 RunControl& control);
 
   std::size_t size() const { return segments_.size(); }
   const BoundarySegment& operator[](SegmentId s) const { return segments_[s]; }
@@ -107,7 +112,11 @@ class SegmentTable {
     if (!segments_[s].is_locked()) segments_[s].lock = Lock::kNoRoom;
   }
 
-  Vec3 position(SegmentId s, double t) const;
+  /// Returns the curve along which a segment runs.
+  BoundaryCurve curve(SegmentId s) const {
+    return BoundaryCurve::line(surface_.positions[segments_[s].from], surface_.positions[segments_[s].to]);
+  }
+  Vec3 position(SegmentId s, double t) const { return curve(s).position(t); }
 
   /// Returns where the piece [t0, t1] is cut. Next to an end that has shells it is on a shell; otherwise it is between
   /// two parts or in the middle. Returns nothing if the segment is locked or if one half would be shorter than the

@@ -1,12 +1,10 @@
 #include "core/refinement/separation.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdint>
 
 #include "core/base/stoppable.h"
 #include "core/geometry/predicates.h"
-#include "core/geometry/projection.h"
 #include "core/triangulation/delaunay_flips.h"
 
 namespace remesh {
@@ -68,34 +66,29 @@ class Mover {
   RunControl& control_;
 };
 
-/// Returns the least length in the patch's plane that rounding of coordinates cannot lose, as a multiple of the grid.
-double step_at(const Frame& frame, const Vec3& position) {
-  const double largest = std::max({std::fabs(position.x), std::fabs(position.y), std::fabs(position.z)});
-  const double ulps = 0x1p-50 * largest / frame.scale;
-  return std::ceil(std::max(1.0, ulps / frame.grid)) * frame.grid;
-}
-
 }  // namespace
 
-bool separate_new_vertices(const Surface& surface, std::vector<PatchMesh>& meshes, Refinement& refinement,
+bool separate_new_vertices(const Surface& surface, TriangulatedPatches& triangulated, Refinement& refinement,
                            RunControl& control) {
   const std::vector<std::uint32_t> before = count_before(surface, refinement.new_positions, control);
   const std::size_t first_inner = surface.vertex_count() + refinement.first_inner;
+  PatchMeshes& meshes = triangulated.meshes;
   bool is_any = false;
   for (std::size_t p = 0; p < meshes.size(); ++p) {
     if (p % 1024 == 0) control.check();
-    PatchMesh& patch = meshes[p];
+    PatchMesh& patch = meshes[PatchId(p)];
     const auto is_twin = [&](VertexId v) { return v.value >= first_inner && before[v.value] > 0; };
     if (std::none_of(patch.vertices.begin(), patch.vertices.end(), is_twin)) continue;
     Mover mover(patch, control);
+    const PatchChart chart = triangulated.charts[PatchId(p)];
     for (std::uint32_t v = 0; v < patch.vertices.size(); ++v) {
       const VertexId id = patch.vertices[v];
       if (!is_twin(id)) continue;
       Vec3& position = refinement.new_positions[id.value - surface.vertex_count()];
       const Vec2 from = patch.uv[v];
-      const Vec2 to = from + Vec2{before[id.value] * step_at(patch.frame, position), 0};
+      const Vec2 to = from + Vec2{before[id.value] * chart.visible_step(from, position), 0};
       if (!mover.move(v, to)) continue;
-      position = position + (to_space(patch.frame, to) - to_space(patch.frame, from));
+      position = position + (chart.to_space(to) - chart.to_space(from));
       is_any = true;
     }
   }

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "core/base/run_control.h"
-#include "core/geometry/patch_mesh.h"
 #include "core/mesh/surface.h"
+#include "core/patches/triangulated_patches.h"
 #include "core/refinement/rounds.h"
 
 namespace remesh {
@@ -16,7 +16,7 @@ namespace remesh {
 /// Input:  Refined patches. Only new vertices inside patches may be moved.
 /// Output: Whether any vertex was moved.
 /// Cost:   O(n log n) in the number of vertices.
-bool separate_new_vertices(const Surface& surface, std::vector<PatchMesh>& meshes, Refinement& refinement,
+bool separate_new_vertices(const Surface& surface, TriangulatedPatches& triangulated, Refinement& refinement,
                            RunControl& control);
 
 }  // namespace remesh

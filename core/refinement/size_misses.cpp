@@ -43,7 +43,7 @@ struct Measured {
 
 class MissSearch {
  public:
-  MissSearch(const Surface& surface, const std::vector<PatchMesh>& meshes, const std::vector<std::uint8_t>& is_frozen,
+  MissSearch(const Surface& surface, const PatchMeshes& meshes, const IdVector<PatchId, std::uint8_t>& is_frozen,
              const VaryingBounds& bounds, Refinement& refinement, RunControl& control)
       : surface_(surface),
         meshes_(meshes),
@@ -113,7 +113,7 @@ class MissSearch {
   double size_of(double gap) const { return (gap + tolerance_) / bounds_.goals.proximity; }
 
   void look_for_gaps(PatchId p, std::span<const PatchId> crossing, std::uint32_t begin, std::uint32_t end) {
-    const PatchMesh& patch = meshes_[p.value];
+    const PatchMesh& patch = meshes_[PatchId(p)];
     std::vector<Measured> measured;
     measured.reserve(end - begin);
     for (std::uint32_t t = begin; t < end; ++t) measured.push_back(measure(patch, t));
@@ -147,7 +147,7 @@ class MissSearch {
 
   void look_at_edges(PatchId p, std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t t = begin; t < end; ++t) {
-      const Measured here = measure(meshes_[p.value], t);
+      const Measured here = measure(meshes_[PatchId(p)], t);
       const auto is_too_long = [&](std::size_t k) {
         return !allows(*bounds_.graded, here.length[k] / Goals::kSizeSlack, here.middle[k]);
       };
@@ -160,7 +160,7 @@ class MissSearch {
   /// Notes that a triangle misses its bound. Some place of the triangle asks for less than `size`.
   void note(PatchId p, std::uint32_t t, const Measured& triangle, double size) {
     is_missed(p, t) = 1;
-    if (is_frozen_[p.value] != 0) return;
+    if (is_frozen_[p] != 0) return;
     UnrefinedReason& reason = refinement_.reason[first_[p.value] + t];
     const double floor = bounds_.sizes.floor() / surface_.unit;
     const auto is_as_aimed_at = [&](std::size_t k) {
@@ -177,8 +177,8 @@ class MissSearch {
   }
 
   const Surface& surface_;
-  const std::vector<PatchMesh>& meshes_;
-  const std::vector<std::uint8_t>& is_frozen_;
+  const PatchMeshes& meshes_;
+  const IdVector<PatchId, std::uint8_t>& is_frozen_;
   const VaryingBounds& bounds_;
   const double slope_;
   const double tolerance_, largest_;  ///< local units
@@ -190,9 +190,9 @@ class MissSearch {
 
 }  // namespace
 
-void note_size_misses(const Surface& surface, const std::vector<PatchMesh>& meshes,
-                      const std::vector<std::uint8_t>& is_frozen, const VaryingBounds& bounds, Refinement& refinement,
-                      RunControl& control) {
+void note_size_misses(const Surface& surface, const PatchMeshes& meshes,
+                      const IdVector<PatchId, std::uint8_t>& is_frozen, const VaryingBounds& bounds,
+                      Refinement& refinement, RunControl& control) {
   MissSearch(surface, meshes, is_frozen, bounds, refinement, control).run();
 }
 

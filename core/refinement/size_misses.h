@@ -53,8 +53,8 @@ struct VaryingBounds {
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   Two or three searches for gaps for each triangle, in parallel. None of them goes farther than the triangle's
 ///         edges are long, times proximity.
-void note_size_misses(const Surface& surface, const std::vector<PatchMesh>& meshes,
-                      const std::vector<std::uint8_t>& is_frozen, const VaryingBounds& bounds, Refinement& refinement,
-                      RunControl& control);
+void note_size_misses(const Surface& surface, const PatchMeshes& meshes,
+                      const IdVector<PatchId, std::uint8_t>& is_frozen, const VaryingBounds& bounds,
+                      Refinement& refinement, RunControl& control);
 
 }  // namespace remesh

@@ -66,8 +66,8 @@ std::uint32_t facing(const PatchMesh& patch, std::uint32_t h) {
 
 /// Returns the pairs of segments that want parts and face each other in a patch. Each pair occurs in both orders. They
 /// are ascending.
-Pairs facing_segments(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
-                      const std::vector<double>& wanted, RunControl& control) {
+Pairs facing_segments(const PatchMeshes& meshes, const SegmentTable& table, const std::vector<double>& wanted,
+                      RunControl& control) {
   const auto blocks = map_blocks<std::vector<Pair>>(meshes.size(), 256, control, [&](std::size_t p, std::size_t end) {
     std::vector<Pair> pairs;
     std::vector<std::pair<std::uint32_t, SegmentId>> segment_of;  // segments of half-edges
@@ -79,7 +79,7 @@ Pairs facing_segments(const std::vector<PatchMesh>& meshes, const SegmentTable& 
       }
       std::sort(segment_of.begin(), segment_of.end());
       for (const auto& [h, s] : segment_of) {
-        const std::uint32_t other = facing(meshes[p], h);
+        const std::uint32_t other = facing(meshes[PatchId(p)], h);
         const auto there = std::lower_bound(segment_of.begin(), segment_of.end(), std::pair(other, SegmentId(0)));
         if (there == segment_of.end() || there->first != other || there->second == s) continue;
         pairs.push_back({s, there->second});
@@ -160,7 +160,7 @@ std::optional<bool> is_odd_across(const SegmentTable& table, const Pair& sides, 
 
 }  // namespace
 
-std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
+std::vector<EvenParts> parts_along_strips(const PatchMeshes& meshes, const SegmentTable& table,
                                           std::span<const double> feature, const Goals& goals, const SizeField& sizes,
                                           RunControl& control) {
   std::vector<EvenParts> parts(table.size());

@@ -35,7 +35,7 @@ inline double least_strip_angle_deg(const SizeField& sizes) { return sizes.is_un
 /// Output: One entry per segment. It is one part for segments that are not sides of strips. It is one part, too, for
 ///         sides of strips that have room for a row of points inside, if the size varies along the side, is the same
 ///         everywhere on the surface, or asks for very many rows.
-std::vector<EvenParts> parts_along_strips(const std::vector<PatchMesh>& meshes, const SegmentTable& table,
+std::vector<EvenParts> parts_along_strips(const PatchMeshes& meshes, const SegmentTable& table,
                                           std::span<const double> feature, const Goals& goals, const SizeField& sizes,
                                           RunControl& control);
 

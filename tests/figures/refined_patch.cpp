@@ -48,7 +48,7 @@ class Figure {
   std::string draw() {
     const Goals goals = goals_of(Options{}, 0);
     tangent_ = std::tan(goals.min_angle_deg * std::numbers::pi / 180);
-    const PatchMesh& start = meshes_[patch_.value];
+    const PatchMesh& start = meshes_[patch_];
     Panel before("before", count(start.mesh.triangle_count()) + " triangles; red: an angle below 25 degrees");
     draw_triangles(start, before);
     draw_points(start, start, start, before);
@@ -88,20 +88,20 @@ class Figure {
     constexpr std::uint64_t kNoQuota = std::numeric_limits<std::uint64_t>::max();
     const Criteria criteria(goals, sizes);
     Workplace workplace;
-    PatchRefiner refiner(meshes_[patch_.value], patch_, segments, criteria, no_cuts, kNoQuota, workplace, control_);
+    PatchRefiner refiner(meshes_[patch_], patch_, segments, criteria, no_cuts, kNoQuota, workplace, control_);
     RefinementProgress progress(control_, 0);
     refiner.run(kNoQuota, progress);
     return refiner.finish().patch;
   }
 
   PatchMesh refine_all(const Goals& goals, std::uint32_t& rounds) {
-    std::vector<PatchMesh> meshes = meshes_;
+    PatchMeshes meshes = meshes_;
     const SizeField sizes(goals.max_edge_length);
     const Prediction prediction = predict(meshes, goals, sizes, control_);
     rounds = refine(part_.surface, part_.patches, frozen_, goals, sizes, segments_of(sizes, goals), prediction, meshes,
                     std::numeric_limits<std::uint64_t>::max(), control_)
                  ->rounds;
-    return meshes[patch_.value];
+    return meshes[patch_];
   }
 
   void draw_triangles(const PatchMesh& patch, Panel& panel) const {
@@ -135,7 +135,7 @@ class Figure {
   const Part& part_;
   PatchId patch_;
   RunControl& control_;
-  std::vector<PatchMesh> meshes_;  // of all patches, before refinement
+  PatchMeshes meshes_;  // of all patches, before refinement
   std::vector<std::uint8_t> frozen_;
   double tangent_ = 0;  // of the bound on angles
 };

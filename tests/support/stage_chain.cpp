@@ -44,7 +44,7 @@ StageChain::StageChain(const PolygonMesh& mesh, double plane_tolerance, const st
   for (const Vec3& p : forced) stays[at(p)] = 1;
   essential = essential_vertices(surface, adjacency, loops, stays, pinched_vertices(surface, adjacency, control),
                                  tolerance, control);
-  meshes = mesh_patches(surface, adjacency, patches, loops, essential, {}, control);
+  triangulated = mesh_patches(surface, adjacency, patches, loops, essential, {}, control);
 }
 
 VertexId StageChain::at(const Vec3& position) const {

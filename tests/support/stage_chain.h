@@ -43,6 +43,8 @@ class StageChain {
   /// Returns the corners of a loop in its direction.
   std::vector<Vec3> loop_points(std::uint32_t loop) const;
 
+  const PatchCharts& charts() const { return triangulated.charts; }
+
   mutable RunControl control;
   Surface surface;
   double tolerance;  ///< in local units
@@ -52,7 +54,8 @@ class StageChain {
   PatchSet patches;
   BoundaryLoops loops;
   EssentialVertices essential;
-  std::vector<PatchMesh> meshes;
+  TriangulatedPatches triangulated;
+  PatchMeshes& meshes = triangulated.meshes;
 };
 
 }  // namespace remesh

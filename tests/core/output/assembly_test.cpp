@@ -25,7 +25,7 @@ TEST(assembly, the_faces_of_the_patches_are_joined_over_common_vertices) {
   EXPECT_TRUE(std::is_sorted(out.face_patch.begin(), out.face_patch.end()));
   std::map<Edge, int> balance;
   for (std::uint32_t f = 0; f < out.faces.size(); ++f) {
-    const PatchMesh& patch = chain.meshes[out.face_patch[FaceId(f)].value];
+    const PatchMesh& patch = chain.meshes[out.face_patch[FaceId(f)]];
     for (std::size_t k = 0; k < 3; ++k) {
       const VertexId a = out.faces[FaceId(f)][k], b = out.faces[FaceId(f)][(k + 1) % 3];
       balance[std::minmax(a, b)] += a < b ? 1 : -1;

@@ -38,10 +38,10 @@ double distance_to_face(const PolygonMesh& mesh, FaceId f, const Vec3& p) {
 /// patch.
 void expect_nearest(const PolygonMesh& mesh) {
   const StageChain chain(mesh);
-  const auto source = face_source(chain.surface, chain.patches, chain.meshes, chain.control);
+  const auto source = face_source(chain.surface, chain.patches, chain.triangulated, chain.control);
   std::uint32_t at = 0;
   for (std::uint32_t p = 0; p < chain.meshes.size(); ++p) {
-    const PatchMesh& patch = chain.meshes[p];
+    const PatchMesh& patch = chain.meshes[PatchId(p)];
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3, ++at) {
       const auto corner = [&](std::uint32_t k) {
         return chain.surface.positions[patch.vertices[patch.mesh.from(h + k)]];
@@ -74,14 +74,14 @@ TEST(face_source, it_is_the_nearest_face_of_the_patch) {
 
 TEST(face_source, a_patch_of_one_face_is_its_own_source) {
   const StageChain chain(shapes::polygon({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}));
-  const auto source = face_source(chain.surface, chain.patches, chain.meshes, chain.control);
+  const auto source = face_source(chain.surface, chain.patches, chain.triangulated, chain.control);
   EXPECT_EQ(source.items(), std::vector<FaceId>(4, FaceId(0)));
 }
 
 TEST(face_source, it_counts_as_the_input_does) {
   // A zero-area face in front, which the surface lacks.
   const StageChain chain(shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 0, 1}, {0, 1, 2}}));
-  const auto source = face_source(chain.surface, chain.patches, chain.meshes, chain.control);
+  const auto source = face_source(chain.surface, chain.patches, chain.triangulated, chain.control);
   EXPECT_EQ(source.items(), std::vector<FaceId>{FaceId(1)});
 }
 

@@ -20,7 +20,7 @@ struct Located {
   explicit Located(const PolygonMesh& mesh)
       : chain(mesh),
         faces(chain.patches.faces_of(PatchId(0))),
-        frame(chain.meshes[0].frame),
+        frame(chain.charts()[PatchId(0)]),
         locator(chain.surface, faces, frame, chain.control) {}
 
   Vec2 uv(VertexId v) const { return to_plane(frame, chain.surface.positions[v]); }
@@ -90,8 +90,9 @@ TEST(patch_locator, of_equally_near_faces_it_is_the_first) {
 TEST(patch_locator, a_stop_that_was_asked_for_ends_it) {
   const StageChain chain(shapes::sheet(1, 1, 2, 2));
   chain.control.cancel();
-  EXPECT_THROW(PatchLocator(chain.surface, chain.patches.faces_of(PatchId(0)), chain.meshes[0].frame, chain.control),
-               Error);
+  EXPECT_THROW(
+      PatchLocator(chain.surface, chain.patches.faces_of(PatchId(0)), chain.charts()[PatchId(0)], chain.control),
+      Error);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ namespace {
 void expect_holds(const StageChain& chain) {
   ASSERT_EQ(chain.meshes.size(), chain.patches.count());
   for (std::uint32_t p = 0; p < chain.meshes.size(); ++p) {
-    const PatchMesh& patch = chain.meshes[p];
+    const PatchMesh& patch = chain.meshes[PatchId(p)];
     SCOPED_TRACE(p);
     ASSERT_EQ(patch.reason, PatchReason::kNone);
     EXPECT_EQ(patch.loops, chain.loop_count(PatchId(p)));
@@ -57,7 +57,7 @@ TEST(patch_meshing, a_slit_stays_an_edge) {
       shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}, {1, 1, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}},
                          {{0, 1, 5, 4}, {1, 2, 5}, {2, 3, 4, 5}, {3, 0, 4}, {4, 5, 7, 6}}));
   expect_holds(chain);
-  const PatchMesh& sheet = chain.meshes[chain.patch_of(0).value];
+  const PatchMesh& sheet = chain.meshes[chain.patch_of(0)];
   EXPECT_EQ(sheet.mesh.triangle_count(), 6u);
   EXPECT_EQ(constrained_edges_of(sheet.mesh).size(), 5u);
 }
@@ -67,7 +67,7 @@ TEST(patch_meshing, what_touches_inside_is_a_point_of_the_patch) {
       shapes::sheet(2, 2, 2, 2),
       shapes::from_lists({{1, 1, 0}, {0.5, 0.5, 1}, {1.5, 0.5, 1}, {1, 1.5, 1}}, {{0, 1, 2}, {0, 2, 3}, {0, 3, 1}})));
   expect_holds(chain);
-  EXPECT_EQ(chain.meshes[0].mesh.triangle_count(), 4u);
+  EXPECT_EQ(chain.meshes[PatchId(0)].mesh.triangle_count(), 4u);
 }
 
 TEST(patch_meshing, a_patch_of_one_triangle_cannot_fail) {
@@ -89,11 +89,11 @@ TEST(patch_meshing, a_patch_of_one_triangle_cannot_fail) {
 
 TEST(patch_meshing, coordinates_are_on_the_coarse_grid_unless_points_would_meet) {
   const StageChain coarse(shapes::rotated(shapes::sheet(3, 2, 1, 1), {1, 2, 3}, 40));
-  EXPECT_EQ(coarse.meshes[0].frame.grid, kPatchGrid);
+  EXPECT_EQ(coarse.charts()[PatchId(0)].grid(), kPatchGrid);
   // Two corners 2^-44 apart: one point on the coarse grid.
   const StageChain close(
       shapes::polygon({{0, 0}, {1, 0}, {1, 1}, {0.5, 1}, {0.5, 0.5}, {0.5 - 0x1p-44, 0.5}, {0.25, 1}, {0, 1}}), 1e-15);
-  EXPECT_EQ(close.meshes[0].frame.grid, kFineGrid);
+  EXPECT_EQ(close.charts()[PatchId(0)].grid(), kFineGrid);
   expect_holds(close);
 }
 
@@ -109,7 +109,7 @@ TEST(patch_meshing, a_loop_that_crosses_itself_is_told) {
   }
   const StageChain chain(shapes::from_lists(positions, faces));
   ASSERT_EQ(chain.meshes.size(), 1u);
-  EXPECT_EQ(chain.meshes[0].reason, PatchReason::kSelfIntersectingLoop);
+  EXPECT_EQ(chain.meshes[PatchId(0)].reason, PatchReason::kSelfIntersectingLoop);
 }
 
 TEST(patch_meshing, the_answer_is_the_same_for_any_number_of_threads) {
@@ -121,9 +121,9 @@ TEST(patch_meshing, the_answer_is_the_same_for_any_number_of_threads) {
       const StageChain again(mesh);
       ASSERT_EQ(again.meshes.size(), chain.meshes.size());
       for (std::size_t p = 0; p < chain.meshes.size(); ++p) {
-        ASSERT_EQ(again.meshes[p].vertices, chain.meshes[p].vertices);
-        ASSERT_EQ(again.meshes[p].uv, chain.meshes[p].uv);
-        ASSERT_EQ(triangles_of(again.meshes[p].mesh), triangles_of(chain.meshes[p].mesh));
+        ASSERT_EQ(again.meshes[PatchId(p)].vertices, chain.meshes[PatchId(p)].vertices);
+        ASSERT_EQ(again.meshes[PatchId(p)].uv, chain.meshes[PatchId(p)].uv);
+        ASSERT_EQ(triangles_of(again.meshes[PatchId(p)].mesh), triangles_of(chain.meshes[PatchId(p)].mesh));
       }
     });
   }

@@ -49,8 +49,8 @@ TEST(patch_summary, the_prediction_is_what_the_triangulation_has) {
     const PatchSummaries s = summarised(chain);
     std::uint64_t sum = 0;
     for (std::size_t p = 0; p < s.patches.size(); ++p) {
-      EXPECT_EQ(s.patches[p].output_faces, chain.meshes[p].mesh.triangle_count());
-      EXPECT_EQ(s.patches[p].essential_vertices, chain.meshes[p].vertices.size());
+      EXPECT_EQ(s.patches[p].output_faces, chain.meshes[PatchId(p)].mesh.triangle_count());
+      EXPECT_EQ(s.patches[p].essential_vertices, chain.meshes[PatchId(p)].vertices.size());
       sum += s.patches[p].output_faces;
     }
     EXPECT_EQ(s.triangles, sum);

@@ -22,7 +22,7 @@ namespace {
 using Edge = std::pair<VertexId, VertexId>;
 
 /// Counts the undirected edges inside patches between vertices of the surface.
-std::map<Edge, int> inside_edges(const std::vector<PatchMesh>& meshes) {
+std::map<Edge, int> inside_edges(const PatchMeshes& meshes) {
   std::map<Edge, int> edges;
   for (const PatchMesh& patch : meshes)
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
@@ -34,7 +34,7 @@ std::map<Edge, int> inside_edges(const std::vector<PatchMesh>& meshes) {
   return edges;
 }
 
-std::set<Edge> border_edges(const std::vector<PatchMesh>& meshes) {
+std::set<Edge> border_edges(const PatchMeshes& meshes) {
   std::set<Edge> edges;
   for (const PatchMesh& patch : meshes)
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
@@ -43,7 +43,7 @@ std::set<Edge> border_edges(const std::vector<PatchMesh>& meshes) {
   return edges;
 }
 
-void expect_no_shared_chord(const std::vector<PatchMesh>& meshes) {
+void expect_no_shared_chord(const PatchMeshes& meshes) {
   const std::set<Edge> borders = border_edges(meshes);
   for (const auto& [edge, uses] : inside_edges(meshes)) {
     EXPECT_EQ(uses, 1) << edge.first << '-' << edge.second;
@@ -52,7 +52,7 @@ void expect_no_shared_chord(const std::vector<PatchMesh>& meshes) {
 }
 
 bool flip(StageChain& chain) { return flip_chords(chain.meshes, chain.surface.vertex_count(), chain.control); }
-void split(StageChain& chain) { split_chords(chain.meshes, chain.surface.vertex_count(), chain.control); }
+void split(StageChain& chain) { split_chords(chain.triangulated, chain.surface.vertex_count(), chain.control); }
 
 /// Makes a polygon and the same polygon turned over.
 PolygonMesh back_to_back(const std::vector<Vec3>& polygon) {
@@ -93,9 +93,9 @@ TEST(flip_chords, both_sides_of_a_rhombus_do_not_share_their_diagonal) {
 
 TEST(flip_chords, the_patch_of_lowest_id_keeps_its_edge) {
   StageChain chain(folded_along_a_bent_border({0, 5, 0}));
-  const auto before = triangles_of(chain.meshes[0].mesh);
+  const auto before = triangles_of(chain.meshes[PatchId(0)].mesh);
   EXPECT_TRUE(flip(chain));
-  EXPECT_EQ(triangles_of(chain.meshes[0].mesh), before);
+  EXPECT_EQ(triangles_of(chain.meshes[PatchId(0)].mesh), before);
 }
 
 TEST(flip_chords, where_no_flip_helps_the_chord_stays) {
@@ -117,7 +117,7 @@ TEST(flip_chords, an_edge_that_is_another_patches_border_is_flipped_away) {
   ASSERT_TRUE(border_edges(chain.meshes).count({chain.at({0, 0, 0}), chain.at({1, 1, 0})}));
   EXPECT_TRUE(flip(chain));
   expect_no_shared_chord(chain.meshes);
-  expect_valid(chain.meshes[square.value].uv, chain.meshes[square.value].mesh);
+  expect_valid(chain.meshes[square].uv, chain.meshes[square].mesh);
 }
 
 TEST(flip_chords, patches_without_common_chords_stay_as_they_are) {
@@ -125,18 +125,18 @@ TEST(flip_chords, patches_without_common_chords_stay_as_they_are) {
   std::vector<std::vector<Corners>> before;
   for (const PatchMesh& patch : chain.meshes) before.push_back(triangles_of(patch.mesh));
   EXPECT_TRUE(flip(chain));
-  for (std::size_t p = 0; p < before.size(); ++p) EXPECT_EQ(triangles_of(chain.meshes[p].mesh), before[p]);
+  for (std::size_t p = 0; p < before.size(); ++p) EXPECT_EQ(triangles_of(chain.meshes[PatchId(p)].mesh), before[p]);
 }
 
 TEST(split_chords, two_sheets_that_no_flips_tell_apart_get_points) {
   StageChain chain(back_to_back(kL));
   ASSERT_EQ(chain.patches.count(), 2u);
   EXPECT_FALSE(flip(chain));
-  const auto before = triangles_of(chain.meshes[0].mesh);
+  const auto before = triangles_of(chain.meshes[PatchId(0)].mesh);
   split(chain);
   expect_no_shared_chord(chain.meshes);
-  EXPECT_EQ(triangles_of(chain.meshes[0].mesh), before);
-  const PatchMesh& patch = chain.meshes[1];
+  EXPECT_EQ(triangles_of(chain.meshes[PatchId(0)].mesh), before);
+  const PatchMesh& patch = chain.meshes[PatchId(1)];
   EXPECT_GT(patch.uv.size(), 6u);
   EXPECT_EQ(patch.vertices.size(), patch.uv.size());
   for (std::size_t v = 6; v < patch.vertices.size(); ++v) EXPECT_FALSE(patch.vertices[v].is_valid());
@@ -151,7 +151,7 @@ TEST(split_chords, one_point_ends_all_chords_of_a_round_patch) {
   ASSERT_EQ(chain.patches.count(), 2u);
   split(chain);
   expect_no_shared_chord(chain.meshes);
-  EXPECT_LE(chain.meshes[1].uv.size(), 103u);
+  EXPECT_LE(chain.meshes[PatchId(1)].uv.size(), 103u);
   for (const PatchMesh& patch : chain.meshes) {
     expect_valid(patch.uv, patch.mesh);
     expect_locally_delaunay(patch.uv, patch.mesh);

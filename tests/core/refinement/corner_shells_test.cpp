@@ -23,9 +23,9 @@ namespace remesh {
 namespace {
 
 SegmentTable planned(const StageChain& chain, const SizeField& sizes, const Goals& goals, RunControl& control) {
-  SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(chain.meshes.size(), 0), sizes, goals,
-                     control);
-  table.plan_cuts(chain.meshes, sizes, goals, control);
+  SegmentTable table(chain.surface, chain.triangulated, IdVector<PatchId, std::uint8_t>(chain.meshes.size()), sizes,
+                     goals, control);
+  table.plan_cuts(chain.triangulated, sizes, goals, control);
   return table;
 }
 

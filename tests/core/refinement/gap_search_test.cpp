@@ -363,7 +363,8 @@ TEST(gap_search, coarse_triangles_of_the_patches_and_the_input_faces_give_the_sa
   for (const PolygonMesh& mesh : {cube_in_cube(), shapes::box({1, 2, 3}, 12)}) {
     const Scene scene(mesh);
     const StageChain& chain = scene.chain;
-    const GapSearch coarse(chain.surface, chain.adjacency, chain.patches, kTolerance, chain.control, chain.meshes);
+    const GapSearch coarse(chain.surface, chain.adjacency, chain.patches, kTolerance, chain.control,
+                           &chain.triangulated);
     EXPECT_DOUBLE_EQ(*coarse.smallest(chain.control), *scene.smallest());
     for (std::uint32_t p = 0; p < coarse.patch_count(); ++p) {
       EXPECT_LT(coarse.triangles_of(PatchId(p)).size(), scene.gaps.triangles_of(PatchId(p)).size());

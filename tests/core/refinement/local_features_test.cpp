@@ -35,7 +35,7 @@ struct Subject {
     const auto found = search.of(patch(), sides, chain.control);
     features.assign(found.begin(), found.end());
   }
-  const PatchMesh& patch() const { return chain.meshes.at(0); }
+  const PatchMesh& patch() const { return chain.meshes[PatchId(0)]; }
   Vec3 at(std::uint32_t h) const { return chain.surface.positions[patch().vertices[patch().mesh.from(h)]]; }
   Vec3 end_of(std::uint32_t h) const { return at(Triangulation2d::next(h)); }
 

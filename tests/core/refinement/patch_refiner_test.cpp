@@ -27,15 +27,15 @@ struct Subject {
         goals(goals_of(options, 1)),
         sizes(goals.max_edge_length),
         criteria(goals, sizes),
-        table(chain.surface, chain.meshes, std::vector<std::uint8_t>(chain.meshes.size(), 0), sizes, goals,
+        table(chain.surface, chain.triangulated, IdVector<PatchId, std::uint8_t>(chain.meshes.size()), sizes, goals,
               chain.control),
         cuts(table.size()) {
-    table.plan_cuts(chain.meshes, sizes, goals, chain.control);
+    table.plan_cuts(chain.triangulated, sizes, goals, chain.control);
     for (std::uint32_t s = 0; s < table.size(); ++s) cuts[SegmentId(s)] = table.size_cuts(SegmentId(s), sizes);
   }
 
   PatchRefiner refiner(std::uint64_t quota = kNoLimit) {
-    return PatchRefiner(chain.meshes[0], PatchId(0), table, criteria, cuts, quota, workplace, chain.control);
+    return PatchRefiner(chain.meshes[PatchId(0)], PatchId(0), table, criteria, cuts, quota, workplace, chain.control);
   }
   PatchRefiner::Refined run() {
     PatchRefiner refiner = this->refiner();
@@ -80,9 +80,9 @@ void expect_sound(const Subject& subject, const PatchRefiner::Refined& refined) 
   ASSERT_EQ(refined.reason.size(), patch.mesh.triangle_count());
   expect_valid(patch.uv, patch.mesh);
   expect_locally_delaunay(patch.uv, patch.mesh);
-  EXPECT_NEAR(measure(patch).area / measure(subject.chain.meshes[0]).area, 1, 1e-11);
+  EXPECT_NEAR(measure(patch).area / measure(subject.chain.meshes[PatchId(0)]).area, 1, 1e-11);
   std::size_t corners = 0;
-  const auto& first = subject.chain.meshes[0].frame;
+  const auto& first = subject.chain.charts()[PatchId(0)];
   for (std::size_t v = 0; v < patch.vertices.size(); ++v) {
     if (patch.vertices[v].is_valid()) {
       ++corners;
@@ -94,7 +94,7 @@ void expect_sound(const Subject& subject, const PatchRefiner::Refined& refined) 
       EXPECT_LT(norm(p - on_plane), 1e-11 * first.scale);
     }
   }
-  EXPECT_EQ(corners, subject.chain.meshes[0].vertices.size());
+  EXPECT_EQ(corners, subject.chain.meshes[PatchId(0)].vertices.size());
 }
 
 TEST(patch_refiner, every_angle_meets_the_bound_where_the_input_has_no_smaller_one) {
@@ -154,7 +154,7 @@ TEST(patch_refiner, no_edge_and_no_area_is_above_its_bound) {
 TEST(patch_refiner, has_work_is_false_only_where_nothing_would_change) {
   const auto has_work = [](const PolygonMesh& mesh, const Options& options) {
     const Subject subject(mesh, options);
-    return PatchRefiner::has_work(subject.chain.meshes[0], subject.criteria);
+    return PatchRefiner::has_work(subject.chain.meshes[PatchId(0)], subject.criteria);
   };
   const PolygonMesh square = shapes::sheet(1, 1, 1, 1), strip = shapes::sheet(10, 1, 1, 1);
   EXPECT_FALSE(has_work(square, with_angle(30)));
@@ -213,8 +213,8 @@ TEST(patch_refiner, the_cuts_of_two_patches_are_of_one_tree) {
   Subject subject(shapes::box({10, 1, 0.3}), with_angle(30));
   std::vector<std::vector<Cut>> own;
   for (std::uint32_t p = 0; p < 6; ++p) {
-    PatchRefiner refiner(subject.chain.meshes[p], PatchId(p), subject.table, subject.criteria, subject.cuts, kNoLimit,
-                         subject.workplace, subject.chain.control);
+    PatchRefiner refiner(subject.chain.meshes[PatchId(p)], PatchId(p), subject.table, subject.criteria, subject.cuts,
+                         kNoLimit, subject.workplace, subject.chain.control);
     refiner.run(kNoLimit, subject.progress);
     own.push_back(own_cuts(refiner));
   }
@@ -258,7 +258,7 @@ TEST(patch_refiner, patches_take_turns_at_one_workplace) {
   Workplace another;
   std::vector<std::unique_ptr<PatchRefiner>> refiners;
   for (int i = 0; i < 2; ++i) {
-    refiners.push_back(std::make_unique<PatchRefiner>(subject.chain.meshes[0], PatchId(0), subject.table,
+    refiners.push_back(std::make_unique<PatchRefiner>(subject.chain.meshes[PatchId(0)], PatchId(0), subject.table,
                                                       subject.criteria, subject.cuts, kNoLimit, subject.workplace,
                                                       subject.chain.control));
     refiners[i]->end_turn();
@@ -292,7 +292,7 @@ TEST(patch_refiner, boundaries_that_are_locked_get_no_vertex) {
 TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
   Subject subject(shapes::sheet(1, 1, 1, 1), with_angle(0));
   PatchRefiner refiner = subject.refiner();
-  const Triangulation2d& mesh = subject.chain.meshes[0].mesh;
+  const Triangulation2d& mesh = subject.chain.meshes[PatchId(0)].mesh;
   std::vector<std::uint32_t> both;
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h)
     if (!mesh.is_constrained(h)) both.push_back(h);
@@ -420,7 +420,7 @@ TEST(patch_refiner, it_can_be_stopped) {
   RunControl control;
   RefinementProgress progress(control, 1);
   control.cancel();
-  EXPECT_THROW(PatchRefiner(subject.chain.meshes[0], PatchId(0), subject.table, subject.criteria, subject.cuts,
+  EXPECT_THROW(PatchRefiner(subject.chain.meshes[PatchId(0)], PatchId(0), subject.table, subject.criteria, subject.cuts,
                             kNoLimit, subject.workplace, control)
                    .run(kNoLimit, progress),
                Error);

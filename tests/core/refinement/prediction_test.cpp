@@ -19,10 +19,10 @@ double least(const PolygonMesh& mesh, const Options& options, PatchId frozen = {
   StageChain chain(mesh);
   const Goals goals = goals_of(options, 1);
   const SizeField sizes(goals.max_edge_length);
-  std::vector<std::uint8_t> is_frozen(chain.meshes.size(), 0);
+  IdVector<PatchId, std::uint8_t> is_frozen(chain.meshes.size());
   if (frozen.is_valid()) is_frozen[frozen.value] = 1;
-  const SegmentTable segments(chain.surface, chain.meshes, is_frozen, sizes, goals, chain.control);
-  return least_faces(chain.meshes, is_frozen, segments, goals, sizes, chain.control);
+  const SegmentTable segments(chain.surface, chain.triangulated, is_frozen, sizes, goals, chain.control);
+  return least_faces(chain.triangulated, is_frozen, segments, goals, sizes, chain.control);
 }
 
 TEST(prediction, the_least_is_the_area_over_that_of_the_largest_triangles) {

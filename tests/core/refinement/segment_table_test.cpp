@@ -29,8 +29,8 @@ struct Subject {
       : chain(mesh), sizes(size), frozen(chain.meshes.size(), 0), table(make(goals)) {}
 
   SegmentTable make(const Goals& goals) {
-    SegmentTable table(chain.surface, chain.meshes, frozen, sizes, goals, chain.control);
-    table.plan_cuts(chain.meshes, sizes, goals, chain.control);
+    SegmentTable table(chain.surface, chain.triangulated, frozen, sizes, goals, chain.control);
+    table.plan_cuts(chain.triangulated, sizes, goals, chain.control);
     return table;
   }
   SegmentId between(const Vec3& a, const Vec3& b) const {
@@ -114,7 +114,7 @@ TEST(segment_table, a_box_has_twelve_segments_of_two_sides_each) {
     ASSERT_EQ(sides.size(), 2u);
     EXPECT_LT(sides[0].patch, sides[1].patch);
     for (const SegmentSide& side : sides) {
-      const PatchMesh& patch = subject.chain.meshes[side.patch.value];
+      const PatchMesh& patch = subject.chain.meshes[side.patch];
       const std::set<VertexId> ends{patch.vertices[patch.mesh.from(side.half_edge)],
                                     patch.vertices[patch.mesh.to(side.half_edge)]};
       EXPECT_EQ(ends, (std::set<VertexId>{segment.from, segment.to}));
@@ -276,8 +276,9 @@ TEST(segment_table, sizes_that_grow_are_followed_along_a_segment) {
   const Goals graded = goals_of(options, 1);
   StageChain chain(mesh);
   const SizeField sizes(chain.surface, nullptr, segment_ends(chain.meshes, chain.control), graded, 1e-6, chain.control);
-  SegmentTable table(chain.surface, chain.meshes, std::vector<std::uint8_t>(1, 0), sizes, graded, chain.control);
-  table.plan_cuts(chain.meshes, sizes, graded, chain.control);
+  SegmentTable table(chain.surface, chain.triangulated, IdVector<PatchId, std::uint8_t>(1), sizes, graded,
+                     chain.control);
+  table.plan_cuts(chain.triangulated, sizes, graded, chain.control);
   std::size_t cuts_in_all = 0;
   for (std::uint32_t s = 0; s < table.size(); ++s) {
     std::vector<double> cuts = table.size_cuts(SegmentId(s), sizes);
