@@ -14,10 +14,13 @@
 
 namespace remesh {
 
+/// The index that stands for "none", wherever an index of 32 bits may be missing.
+inline constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
 /// A 32-bit index of one kind. It is invalid by default, and prints as its prefix and number (`v12`).
 template <class Tag>
 struct Id {
-  static constexpr std::uint32_t kInvalid = std::numeric_limits<std::uint32_t>::max();
+  static constexpr std::uint32_t kInvalid = kNone;
 
   std::uint32_t value = kInvalid;
 

@@ -155,8 +155,6 @@ class Judging {
   }
 
  private:
-  static constexpr std::uint32_t kNone = ShellNesting::kNone;
-
   Side side(std::uint32_t shell) const { return shells_.all[shell].volume > 0 ? Side::kOut : Side::kIn; }
 
   /// The way in which a shell should look. The next shell outside must have been judged.

@@ -29,7 +29,7 @@ struct PatchSet {
 /// belongs to the same patch and has the same orientation.
 inline bool is_patch_boundary(const Adjacency& adjacency, const PatchSet& set, std::uint32_t h) {
   const std::uint32_t twin = adjacency.twin(h);
-  return twin == Adjacency::kNone || set.of_face[adjacency.face_of(twin)] != set.of_face[adjacency.face_of(h)];
+  return twin == kNone || set.of_face[adjacency.face_of(twin)] != set.of_face[adjacency.face_of(h)];
 }
 
 }  // namespace remesh

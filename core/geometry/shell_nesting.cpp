@@ -83,7 +83,7 @@ void sort_out(std::vector<std::uint32_t>& numbers) {
 
 /// The smallest number of a nest in a node of a tree.
 struct FirstNest {
-  std::uint32_t nest = ShellNesting::kNone;
+  std::uint32_t nest = kNone;
   void join(FirstNest other) { nest = std::min(nest, other.nest); }
 };
 

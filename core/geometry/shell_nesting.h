@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/base/grouping.h"
+#include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/base/vec.h"
 #include "core/geometry/distances.h"
@@ -26,8 +27,6 @@ namespace remesh {
 ///          crosses others, the number of faces on the way to the nearest larger one.
 class ShellNesting {
  public:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
   /// The shells in one place. There is one in nearly all cases, and several if shells coincide.
   struct Nest {
     std::vector<std::uint32_t> shells;

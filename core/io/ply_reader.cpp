@@ -215,8 +215,8 @@ class PlyReader {
   void read_vertices(const PlyElement& element) {
     if (element.count == 0) return;
     constexpr std::array<std::string_view, 3> kAxes{"x", "y", "z"};
-    constexpr int kNone = -1;
-    std::vector<int> axis_of(element.properties.size(), kNone);
+    constexpr int kNoAxis = -1;
+    std::vector<int> axis_of(element.properties.size(), kNoAxis);
     for (int axis = 0; axis < 3; ++axis) {
       const auto property = element.find(kAxes[axis]);
       if (!property || element.properties[*property].count_type) {
@@ -231,7 +231,7 @@ class PlyReader {
       Vec3 position;
       for (std::size_t i = 0; i < axis_of.size(); ++i) {
         const PlyProperty& property = element.properties[i];
-        if (axis_of[i] == kNone) {
+        if (axis_of[i] == kNoAxis) {
           skip_property(property);
         } else {
           position[axis_of[i]] = records_.take_real(property.type);
@@ -241,7 +241,7 @@ class PlyReader {
       records_.end_record();
     }
     for (std::size_t i = 0; i < axis_of.size(); ++i) {
-      if (axis_of[i] == kNone) note_dropped(element, &element.properties[i]);
+      if (axis_of[i] == kNoAxis) note_dropped(element, &element.properties[i]);
     }
   }
 

@@ -53,7 +53,6 @@ class SideChoice {
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
   static constexpr std::uint8_t kUnknown = 2;
 
   bool is_first(FaceId f) const { return pairs_[pair_of_[f.value]].first == f; }

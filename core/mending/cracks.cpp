@@ -27,8 +27,6 @@ double widest(const OpenEdge& edge) { return kCrackShare * std::min(edge.length,
 
 /// The nearest partner that was found for an open edge, and the width of the crack between them.
 struct Nearest {
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
   std::uint32_t partner = kNone;
   double width = 0;
 };

@@ -29,7 +29,7 @@ class Duplicates {
     StopCheck check(control_);
     for (const FaceId f : suspects) {
       check();
-      if (first_[f.value] != Adjacency::kNone) edges.push_back(edges_.edge_of(first_[f.value]));
+      if (first_[f.value] != kNone) edges.push_back(edges_.edge_of(first_[f.value]));
     }
     sort_stoppable(edges.begin(), edges.end(), control_);
     edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
@@ -57,7 +57,7 @@ class Duplicates {
   std::vector<FaceId> find_suspects() const {
     auto suspects = select_ids<FaceId>(surface_.face_count(), kItemsPerBlock, control_, [&](std::size_t f) {
       const std::uint32_t h = surface_.face_begin[f], twin = edges_.twin(h);
-      return twin != Adjacency::kNone && do_go_on_alike(h, twin);
+      return twin != kNone && do_go_on_alike(h, twin);
     });
     StopCheck check(control_);
     for (const EdgeId e : edges_.odd_edges()) {
@@ -102,7 +102,7 @@ class Duplicates {
         times = 1;
       }
     }
-    if (times > 1) return Adjacency::kNone;
+    if (times > 1) return kNone;
     const std::uint32_t before = least == begin ? end - 1 : least - 1, after = least + 1 == end ? begin : least + 1;
     return surface_.corners[before] < surface_.corners[after] ? before : least;
   }
@@ -207,12 +207,12 @@ class Duplicates {
     StopCheck check(control_);
     std::vector<std::uint32_t> needed;
     for (const EdgeId e : edges) {
-      std::uint32_t first = Adjacency::kNone;
+      std::uint32_t first = kNone;
       for (const std::uint32_t h : edges_.half_edges(e)) {
         check();
         const std::uint32_t f = edges_.face_of(h).value;
         if (fate_[f] != fate) continue;
-        if (first == Adjacency::kNone)
+        if (first == kNone)
           first = f;
         else
           cluster.join(first, f);

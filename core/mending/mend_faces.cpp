@@ -230,11 +230,11 @@ class Mending {
     UnionFind cluster(surface_.face_count());
     for (std::size_t e = 0; e < edges.edge_count(); ++e) {
       if (e % kBetweenChecks == 0) control_.check();
-      std::uint32_t first = Adjacency::kNone;
+      std::uint32_t first = kNone;
       for (const std::uint32_t h : edges.half_edges(EdgeId(e))) {
         const std::uint32_t f = edges.face_of(h).value;
         if (!is_degenerate_[f]) continue;
-        if (first != Adjacency::kNone) cluster.join(first, f);
+        if (first != kNone) cluster.join(first, f);
         first = f;
       }
     }
@@ -263,7 +263,7 @@ class Mending {
       if (f % kBetweenChecks == 0) control_.check();
       if (!is_as_it_is(surface_.face_source[FaceId(f)])) continue;
       for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
-        if (const std::uint32_t line = cluster_beyond(edges, cluster, h); line != Adjacency::kNone) stays[line] = 1;
+        if (const std::uint32_t line = cluster_beyond(edges, cluster, h); line != kNone) stays[line] = 1;
     }
 
     FaceList out;
@@ -275,7 +275,7 @@ class Mending {
         if (h % kBetweenChecks == 0) control_.check();
         out.corners.push_back(surface_.corners[h]);
         const std::uint32_t line = cluster_beyond(edges, cluster, h);
-        if (line == Adjacency::kNone || stays[line]) continue;
+        if (line == kNone || stays[line]) continue;
         const auto from = std::lower_bound(on_line.begin(), on_line.end(), std::pair{line, edges.from(h)}, before);
         const auto to = std::lower_bound(on_line.begin(), on_line.end(), std::pair{line, edges.to(h)}, before);
         inserted += static_cast<std::size_t>(std::abs(to - from));
@@ -297,7 +297,7 @@ class Mending {
   std::uint32_t cluster_beyond(const Adjacency& edges, UnionFind& cluster, std::uint32_t half_edge) const {
     for (const std::uint32_t h : edges.half_edges(edges.edge_of(half_edge)))
       if (is_degenerate_[edges.face_of(h).value]) return cluster.find(edges.face_of(h).value);
-    return Adjacency::kNone;
+    return kNone;
   }
 
   Surface& surface_;

@@ -63,7 +63,7 @@ class Pieces {
     for_blocks(surface.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
       for (std::size_t h = begin; h < end; ++h) {
         const std::uint32_t twin = edges.twin(static_cast<std::uint32_t>(h));
-        if (twin != Adjacency::kNone && twin > h) join(edges, static_cast<std::uint32_t>(h), twin);
+        if (twin != kNone && twin > h) join(edges, static_cast<std::uint32_t>(h), twin);
       }
     });
     StopCheck check(control);

@@ -259,8 +259,6 @@ class Search {
 
 /// The surface's faces with their open edges split.
 struct Split {
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
   FaceList faces;
   std::vector<std::uint32_t> junction_of;  ///< one per corner; kNone for corners that the face had before
 

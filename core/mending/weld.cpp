@@ -229,7 +229,6 @@ class NearWelding {
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
   /// The number of vertices that are looked at around a place, on average. Places one tolerance apart fill eight cells
   /// with some sixty vertices.
   static constexpr std::size_t kMaxLooks = 128, kFewLooks = 1 << 20;

@@ -82,7 +82,7 @@ class Unifying {
       const FaceId f = piece_[i];
       for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
         const std::uint32_t other = other_of_two(h);
-        if (other == Adjacency::kNone) continue;
+        if (other == kNone) continue;
         const bool is_opposite = edges_.from(other) == edges_.from(h);
         const std::uint8_t side = side_[f.value] ^ static_cast<std::uint8_t>(is_opposite);
         const FaceId g = edges_.face_of(other);
@@ -99,9 +99,9 @@ class Unifying {
 
   /// The other half-edge of an edge with two faces, whichever way they look.
   std::uint32_t other_of_two(std::uint32_t h) const {
-    if (const std::uint32_t twin = edges_.twin(h); twin != Adjacency::kNone) return twin;
+    if (const std::uint32_t twin = edges_.twin(h); twin != kNone) return twin;
     const auto around = edges_.half_edges(edges_.edge_of(h));
-    if (around.size() != 2 || edges_.from(h) == edges_.to(h)) return Adjacency::kNone;
+    if (around.size() != 2 || edges_.from(h) == edges_.to(h)) return kNone;
     return around[0] == h ? around[1] : around[0];
   }
 

@@ -56,8 +56,6 @@ class Adjacency {
   /// The other half-edge of an edge that has exactly two, in opposite directions; otherwise kNone.
   std::uint32_t twin(std::uint32_t half_edge) const { return twin_[half_edge]; }
 
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
  private:
   VertexId smaller(std::uint32_t half_edge) const { return std::min(from(half_edge), to(half_edge)); }
   VertexId larger(std::uint32_t half_edge) const { return std::max(from(half_edge), to(half_edge)); }

@@ -47,7 +47,7 @@ class Search {
  private:
   /// Finds one corner of each vertex. It makes no difference which one.
   void find_corners() {
-    some_.assign(surface_.vertex_count(), Adjacency::kNone);
+    some_.assign(surface_.vertex_count(), kNone);
     for_blocks(surface_.corners.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (std::size_t h = begin; h < end; ++h)
         std::atomic_ref(some_[surface_.corners[h].value])
@@ -64,15 +64,15 @@ class Search {
   /// orientation.
   std::uint32_t walk(std::size_t vertex, StopCheck& check) const {
     const std::uint32_t start = some_[vertex];
-    if (start == Adjacency::kNone) return 0;
+    if (start == kNone) return 0;
     std::uint32_t count = 1;
     std::uint32_t h = edges_.twin(before(start));
-    for (; h != Adjacency::kNone && h != start; h = edges_.twin(before(h))) {
+    for (; h != kNone && h != start; h = edges_.twin(before(h))) {
       check();
       ++count;
     }
     if (h == start) return count;
-    for (h = edges_.twin(start); h != Adjacency::kNone; h = edges_.twin(edges_.next(h))) {
+    for (h = edges_.twin(start); h != kNone; h = edges_.twin(edges_.next(h))) {
       check();
       ++count;
     }

@@ -393,7 +393,7 @@ QualityBlock measure_block(const Scale& scale, std::span<const Vec3> positions, 
       block.volume += lanes.volume(i);
       const auto add_edge = [&](std::uint32_t k, double length) {
         const std::uint32_t twin = adjacency.twin(h + k);
-        if (twin == Adjacency::kNone || twin < h + k) return;
+        if (twin == kNone || twin < h + k) return;
         // If a side is tiny beside the others, its square has lost digits.
         const bool is_exact = m.grown == 0 && length > 0x1p-450;
         block.edge_length.add(is_exact ? length : norm(corner(h + k) - corner(h + (k + 1) % 3)));

@@ -57,7 +57,7 @@ class EdgeExamination {
     const Vec3 middle = 0.5 * positions_[from.value] + 0.5 * positions_[to.value];
     if (around.size() == 1) found_.open.add(middle);
     if (around.size() > 2) found_.non_manifold.add(middle);
-    if (around.size() == 2 && edges_.twin(around[0]) == Adjacency::kNone) found_.winding.add(middle);
+    if (around.size() == 2 && edges_.twin(around[0]) == kNone) found_.winding.add(middle);
     if (around.size() > 1 && has_small_angle(around)) found_.dihedral.add(middle);
     if (around.size() > 1) count_duplicates(around);
   }

@@ -114,7 +114,7 @@ class Growth {
     for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
         const std::uint32_t twin = adjacency_.twin(h);
-        if (twin == Adjacency::kNone || twin < h) continue;
+        if (twin == kNone || twin < h) continue;
         const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
         if (stamp_[f.value] != kTaken && stamp_[g.value] != kTaken && rule_.may_be_joined(h, f, g))
           joints_[h / kBits] |= std::uint64_t{1} << h % kBits;
@@ -295,7 +295,7 @@ class Growth {
   void for_each_open_neighbour(FaceId f, const Walk& walk, Accept accept) {
     for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
       const std::uint32_t twin = adjacency_.twin(h);
-      if (twin == Adjacency::kNone || !is_joint(std::min(h, twin))) continue;
+      if (twin == kNone || !is_joint(std::min(h, twin))) continue;
       const FaceId g = adjacency_.face_of(twin);
       if (stamp_[g.value] != kTaken && stamp_[g.value] != walk.now) accept(g);
     }

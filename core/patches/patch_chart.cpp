@@ -66,7 +66,7 @@ Axes axes_along(const Vec3& normal, std::span<const Edge3> border) {
 PatchCharts::PatchCharts(const Surface& surface, const PatchSet& patches, const ProjectionRule& rule,
                          RunControl& control)
     : surface_(&surface), patches_(&patches), rule_(rule) {
-  stored_at_.resize(patches.count(), kNotStored);
+  stored_at_.resize(patches.count(), kNone);
   triangle_kind_.resize(patches.count());
   std::uint32_t stored = 0;
   StopCheck check(control);
@@ -104,7 +104,7 @@ PatchChart PatchCharts::projection(PatchId p, std::span<const Vec3> points, std:
 
 PatchChart PatchCharts::project(PatchId p, std::span<const Vec3> points, std::span<const Edge3> edges, double grid) {
   const PatchChart chart = projection(p, points, edges, grid);
-  if (stored_at_[p] == kNotStored)
+  if (stored_at_[p] == kNone)
     triangle_kind_[p] = grid == kFineGrid ? TriangleKind::kFineGrid : TriangleKind::kCoarseGrid;
   else
     stored_[stored_at_[p]] = chart;

@@ -89,7 +89,7 @@ class PatchCharts {
 
   std::size_t size() const { return stored_at_.size(); }
   PatchChart operator[](PatchId p) const {
-    return stored_at_[p] != kNotStored ? stored_[stored_at_[p]] : chart_of_triangle(p);
+    return stored_at_[p] != kNone ? stored_[stored_at_[p]] : chart_of_triangle(p);
   }
 
   /// Returns the frames of all charts, which are what the verifier gets as the pipeline's claim.
@@ -106,7 +106,6 @@ class PatchCharts {
   std::array<VertexId, 3> corners_from_longest(PatchId p) const;
 
  private:
-  static constexpr std::uint32_t kNotStored = 0xffffffffu;
   /// The way in which the chart of a patch that is a single triangle was made.
   enum class TriangleKind : std::uint8_t { kCoarseGrid, kFineGrid, kLaidOut };
 
@@ -119,7 +118,7 @@ class PatchCharts {
   const Surface* surface_ = nullptr;
   const PatchSet* patches_ = nullptr;
   ProjectionRule rule_;
-  IdVector<PatchId, std::uint32_t> stored_at_;  ///< index in `stored_`, or kNotStored
+  IdVector<PatchId, std::uint32_t> stored_at_;  ///< index in `stored_`, or kNone
   std::vector<PatchChart> stored_;
   IdVector<PatchId, TriangleKind> triangle_kind_;  ///< only for patches without a stored chart
 };

@@ -46,7 +46,7 @@ class FirstFaces {
     for_blocks(surface.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
         const std::uint32_t twin = adjacency.twin(h);
-        if (twin == Adjacency::kNone || twin < h) continue;
+        if (twin == kNone || twin < h) continue;
         const FaceId f = adjacency.face_of(h), g = adjacency.face_of(twin);
         if (regions_.of_face[f] == regions_.of_face[g]) pieces_.join(f.value, g.value);
       }

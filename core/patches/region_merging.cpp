@@ -64,7 +64,6 @@ class Merging {
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
   using Pairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
   /// The state of a region while regions are merged.
@@ -98,7 +97,7 @@ class Merging {
       Pairs found;
       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
         const std::uint32_t twin = adjacency_.twin(h);
-        if (twin == Adjacency::kNone || twin < h) continue;
+        if (twin == kNone || twin < h) continue;
         const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
         const RegionId r = regions_.of_face[f], q = regions_.of_face[g];
         if (r == q || std::min(r, q).value < first_region_ || !rule_.are_in_one_zone(f, g) || rule_.is_bend(h))

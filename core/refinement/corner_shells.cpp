@@ -57,7 +57,7 @@ double width_of(double angle) { return 2 * std::sin(angle / 2); }
 
 /// This is a side of a sharp corner. Two corners that lie beside each other share one.
 struct Side {
-  std::uint32_t end;
+  SegmentEnd end;
   double length;
   double floor;
   double reach;  ///< the largest distance up to which both it and the other side of one of its corners go
@@ -72,7 +72,7 @@ std::vector<Side> sides_of(std::span<const Corner> corners, const SegmentTable& 
   StopCheck check(control);
   for (const Corner& c : corners) {
     check();
-    const BoundarySegment &a = table[SegmentId(c.end / 2)], &b = table[SegmentId(c.other / 2)];
+    const BoundarySegment &a = table[c.end.segment()], &b = table[c.other.segment()];
     const double reach = std::min(a.length, b.length), width = width_of(c.angle);
     sides.push_back({c.end, a.length, a.floor, reach, width});
     sides.push_back({c.other, b.length, b.floor, reach, width});
@@ -148,9 +148,8 @@ class Way {
     }
     double step = piece.length;
     // If no side is cut, only the first distance is read: other sides at the vertex begin with it.
-    const bool is_any_cut = std::any_of(members.begin(), members.end(), [&](std::uint32_t i) {
-      return !table_[SegmentId(sides[i].end / 2)].is_locked();
-    });
+    const bool is_any_cut = std::any_of(members.begin(), members.end(),
+                                        [&](std::uint32_t i) { return !table_[sides[i].end.segment()].is_locked(); });
     const std::size_t max_stops = is_any_cut ? kMaxStops : 1;
     for (Stop from; stops_.size() < max_stops; from = stops_.back()) {
       std::erase_if(members, [&](std::uint32_t i) {
@@ -226,7 +225,7 @@ class Way {
   double size_at(const Side& side, double distance) const {
     control_.check();
     const double t = distance / side.length;
-    return sizes_.at(table_.position(SegmentId(side.end / 2), side.end % 2 == 0 ? t : 1 - t));
+    return sizes_.at(table_.position(side.end.segment(), side.end.is_from() ? t : 1 - t));
   }
 
   const SegmentTable& table_;
@@ -257,9 +256,9 @@ CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corner
   const double tangent = std::tan(goals.min_angle_deg * std::numbers::pi / 180);
   std::erase_if(corners, [&](const Corner& c) { return width_of(c.angle) >= kSharp * tangent; });
   std::vector<Side> sides = sides_of(corners, table, control);
-  const auto slot = [&](std::uint32_t end) {
+  const auto slot = [&](SegmentEnd end) {
     return static_cast<std::uint32_t>(
-        std::lower_bound(sides.begin(), sides.end(), end, [](const Side& s, std::uint32_t e) { return s.end < e; }) -
+        std::lower_bound(sides.begin(), sides.end(), end, [](const Side& s, SegmentEnd e) { return s.end < e; }) -
         sides.begin());
   };
   std::erase_if(corners, [&](const Corner& c) {
@@ -311,9 +310,9 @@ CornerShells::CornerShells(const SegmentTable& table, std::vector<Corner> corner
   }
 }
 
-std::span<const double> CornerShells::at(std::uint32_t end) const {
+std::span<const double> CornerShells::at(SegmentEnd end) const {
   const auto found =
-      std::lower_bound(ranges_.begin(), ranges_.end(), end, [](const Range& r, std::uint32_t e) { return r.end < e; });
+      std::lower_bound(ranges_.begin(), ranges_.end(), end, [](const Range& r, SegmentEnd e) { return r.end < e; });
   if (found == ranges_.end() || found->end != end) return {};
   return std::span(distances_).subspan(found->begin, found->size);
 }

@@ -8,16 +8,16 @@
 
 #include "core/base/run_control.h"
 #include "core/refinement/goals.h"
+#include "core/refinement/segment_end.h"
 #include "core/refinement/size_field.h"
 
 namespace remesh {
 
 class SegmentTable;
 
-/// Two segment ends that meet at a corner of a patch. The end `from` of segment s has the number 2 s, its end `to` the
-/// number 2 s + 1.
+/// Two segment ends that meet at a corner of a patch.
 struct Corner {
-  std::uint32_t end, other;
+  SegmentEnd end, other;
   double angle;  ///< radians
 };
 
@@ -49,11 +49,11 @@ class CornerShells {
   /// Returns the distances from an end of a segment at which the segment is cut if it is too long. They are ascending
   /// and in model units. They end where the sides are no longer near each other. There are none if no corner at this
   /// end is sharp.
-  std::span<const double> at(std::uint32_t end) const;
+  std::span<const double> at(SegmentEnd end) const;
 
  private:
   struct Range {
-    std::uint32_t end;
+    SegmentEnd end;
     std::size_t begin, size;
   };
   std::vector<Range> ranges_;  ///< sorted by end

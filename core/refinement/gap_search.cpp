@@ -307,7 +307,7 @@ void GapSearch::Index::find_solids(const Adjacency& adjacency, const PatchSet& p
     const auto around = adjacency.half_edges(EdgeId(e));
     const PatchId first = patches.of_face[adjacency.face_of(around[0])];
     for (const std::uint32_t h : around) components.join(first.value, patches.of_face[adjacency.face_of(h)].value);
-    if (adjacency.twin(around[0]) == Adjacency::kNone) is_open[first.value] = 1;
+    if (adjacency.twin(around[0]) == kNone) is_open[first.value] = 1;
   }
   for (std::uint32_t p = 0; p < patches.count(); ++p)
     if (is_open[p] != 0) is_open[components.find(p)] = 1;

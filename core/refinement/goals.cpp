@@ -8,12 +8,12 @@
 namespace remesh {
 
 Goals goals_of(const Options& options, double diagonal) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
+  constexpr double kUnbounded = std::numeric_limits<double>::infinity();
   constexpr double kDefaultDegrees = 25;
   constexpr double kDefaultGradation = 1.5;
   Goals goals;
-  goals.max_edge_length = kNone;
-  goals.max_area = kNone;
+  goals.max_edge_length = kUnbounded;
+  goals.max_area = kUnbounded;
   goals.max_faces = options.max_output_faces.value_or(std::numeric_limits<std::uint64_t>::max());
   if (!options.refine) return goals;
   goals.min_angle_deg = options.min_angle_deg.value_or(kDefaultDegrees);

@@ -24,7 +24,7 @@ std::vector<double> SegmentTable::size_cuts(SegmentId id, const SizeField& sizes
   const BoundarySegment& s = segments_[id];
   std::vector<double> cuts;
   if (s.is_locked() || (sizes.is_uniform() && !std::isfinite(sizes.largest()))) return cuts;
-  const auto at_from = corner_shells_.at(2 * id.value), at_to = corner_shells_.at(2 * id.value + 1);
+  const auto at_from = corner_shells_.at({id, true}), at_to = corner_shells_.at({id, false});
   if (!at_from.empty() || !at_to.empty()) {
     cut_evenly(id, 0, 1, sizes, cuts);
     if (!cuts.empty()) cut_at_corners(id, at_from, at_to, sizes, cuts);

@@ -36,8 +36,6 @@ constexpr double kShellShare = 2.0 / 3 * (1 + 1e-9);
 /// This is the number of segments in a task.
 constexpr std::size_t kSegments = 1024;
 
-constexpr std::uint32_t kNoSide = 0xffffffff;
-
 /// Returns the largest shell base * 2^k that is at most `most`.
 double shell(double base, double most) { return std::ldexp(base, std::ilogb(most / base)); }
 
@@ -148,7 +146,7 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     for (std::size_t p = range.begin(); p < range.end(); ++p) {
       const auto own = sides_of_patch(PatchId(p));
       half_edges.clear();
-      side_of.assign(meshes[PatchId(p)].mesh.half_edge_count(), kNoSide);
+      side_of.assign(meshes[PatchId(p)].mesh.half_edge_count(), kNone);
       for (const std::uint32_t i : own) {
         half_edges.push_back(sides_[i].half_edge);
         side_of[sides_[i].half_edge] = i;
@@ -156,15 +154,15 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
       const auto features = local_features.of(meshes[PatchId(p)], triangulated.charts[PatchId(p)], half_edges, control);
       for (std::size_t k = 0; k < own.size(); ++k) {
         const std::uint32_t next = side_of[features[k].next_at_start];
-        seen[own[k]] = {features[k].distance, features[k].angle_at_start, next == kNoSide ? own[k] : next};
+        seen[own[k]] = {features[k].distance, features[k].angle_at_start, next == kNone ? own[k] : next};
       }
     }
   });
 
-  // Join the ends of segments that meet under a small angle in some patch to clusters. End 2s is `from` of segment s,
-  // and end 2s + 1 is `to`.
-  clusters_ = UnionFind(2 * segments_.size());
-  std::vector<double> sharpest(2 * segments_.size(), std::numbers::pi / 2);
+  // Join the ends of segments that meet under a small angle in some patch to clusters.
+  const auto end_count = static_cast<std::uint32_t>(2 * segments_.size());
+  clusters_ = UnionFind(end_count);
+  std::vector<double> sharpest(end_count, std::numbers::pi / 2);
   feature_.resize(segments_.size());
   std::vector<double> roundings(segments_.size());
   for_each_segment([&](SegmentId s, const BoundarySegment& segment) {
@@ -181,32 +179,31 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
   const auto end_at_start = [&](const SegmentSide& side) {
     const PatchMesh& patch = meshes[side.patch];
     const bool is_from = patch.vertices[patch.mesh.from(side.half_edge)] == segments_[side.segment].from;
-    return 2 * side.segment.value + (is_from ? 0u : 1u);
+    return SegmentEnd(side.segment, is_from);
   };
   StopCheck check(control);
   for (std::uint32_t i = 0; i < sides_.size(); ++i) {
     check();
     if (!(seen[i].angle < kSmallAngle) || seen[i].next == i) continue;
-    const std::uint32_t here = end_at_start(sides_[i]);
+    const SegmentEnd here = end_at_start(sides_[i]);
     // The next side arrives at the vertex: it ends where this one starts.
-    const std::uint32_t there = end_at_start(sides_[seen[i].next]) ^ 1u;
-    clusters_.join(here, there);
+    const SegmentEnd there = end_at_start(sides_[seen[i].next]).opposite();
+    clusters_.join(here.index(), there.index());
     corners_.push_back({here, there, seen[i].angle});
-    sharpest[here] = std::min(sharpest[here], seen[i].angle);
-    sharpest[there] = std::min(sharpest[there], seen[i].angle);
+    for (const SegmentEnd end : {here, there}) sharpest[end.index()] = std::min(sharpest[end.index()], seen[i].angle);
   }
-  std::vector<double> shortest(2 * segments_.size(), HUGE_VAL);
-  std::vector<std::uint32_t> members(2 * segments_.size(), 0);
-  for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
+  std::vector<double> shortest(end_count, HUGE_VAL);
+  std::vector<std::uint32_t> members(end_count, 0);
+  for (std::uint32_t e = 0; e < end_count; ++e) {
     check();
     const std::uint32_t root = clusters_.find(e);
-    shortest[root] = std::min(shortest[root], segments_[SegmentId(e / 2)].length);
+    shortest[root] = std::min(shortest[root], segments_[SegmentEnd::at(e).segment()].length);
     ++members[root];
   }
-  for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
+  for (std::uint32_t e = 0; e < end_count; ++e) {
     check();
     const std::uint32_t root = clusters_.find(e);
-    if (members[root] > 1) segments_[SegmentId(e / 2)].shell_base[e % 2] = shortest[root] / 3;
+    if (members[root] > 1) shell_base(SegmentEnd::at(e)) = shortest[root] / 3;
   }
 
   for_each_segment([&](SegmentId s, BoundarySegment& segment) {
@@ -216,7 +213,7 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     if (!segment.is_locked() && !(size > noise)) segment.lock = Lock::kNoRoom;
     if (!segment.is_locked() && size < goals.min_edge_length) segment.lock = Lock::kAsked;
     for (const double t : {0.0, 0.5, 1.0}) size = std::min(size, sizes.at(position(s, t)));
-    const double angle = std::min(sharpest[2 * s.value], sharpest[2 * s.value + 1]);
+    const double angle = std::min(sharpest[SegmentEnd(s, true).index()], sharpest[SegmentEnd(s, false).index()]);
     // Shells at an angle below 60 degrees are nearer to each other than to the corner.
     const double shortest_piece = goals.min_edge_length / std::min(1.0, 2 * std::sin(angle / 2));
     const double of_features = std::max(kFloorShare * size, noise / std::sin(angle));
@@ -238,16 +235,17 @@ void SegmentTable::plan_cuts(const TriangulatedPatches& triangulated, const Size
   // Pieces that corner shells make next to a corner are cut in halves. (If all sizes are the same, that would take up
   // to a tenth more faces.)
   if (sizes.is_uniform()) return;
-  std::vector<double> first(2 * segments_.size(), HUGE_VAL);
+  const auto end_count = static_cast<std::uint32_t>(2 * segments_.size());
+  std::vector<double> first(end_count, HUGE_VAL);
   StopCheck check(control);
-  for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e) {
+  for (std::uint32_t e = 0; e < end_count; ++e) {
     check();
     double& least = first[clusters.find(e)];
-    if (const auto shells = corner_shells_.at(e); !shells.empty()) least = std::min(least, shells.front());
+    if (const auto shells = corner_shells_.at(SegmentEnd::at(e)); !shells.empty())
+      least = std::min(least, shells.front());
   }
-  for (std::uint32_t e = 0; e < 2 * segments_.size(); ++e)
-    if (const double base = first[clusters.find(e)]; std::isfinite(base))
-      segments_[SegmentId(e / 2)].shell_base[e % 2] = base;
+  for (std::uint32_t e = 0; e < end_count; ++e)
+    if (const double base = first[clusters.find(e)]; std::isfinite(base)) shell_base(SegmentEnd::at(e)) = base;
 }
 
 std::optional<double> SegmentTable::place_cut(const BoundarySegment& s, double t0, double t1) const {

@@ -18,14 +18,10 @@
 #include "core/patches/triangulated_patches.h"
 #include "core/refinement/corner_shells.h"
 #include "core/refinement/goals.h"
+#include "core/refinement/segment_end.h"
 #include "core/refinement/size_field.h"
 
 namespace remesh {
-
-struct SegmentTag {
-  static constexpr char kPrefix = 's';
-};
-using SegmentId = Id<SegmentTag>;
 
 /// A segment is first divided into these equal parts, if it is cut at all. The parts are then halved.
 struct EvenParts {
@@ -54,7 +50,7 @@ enum class Lock : std::uint8_t {
 struct BoundarySegment {
   VertexId from, to;  ///< ordered by position, the smaller one first
   double length = 0;  ///< the length of its curve
-  /// There is one entry per end. Pieces at an end are cut on the shells with the radii base * 2^k, so that segments
+  /// There is one entry per end (SegmentEnd::place). Pieces at an end are cut on the shells with the radii base * 2^k, so that segments
   /// which meet at a small angle are cut alike. The base is 0 if no other segment is near there. Otherwise it is a
   /// third of the shortest of these segments or, where sizes vary, the first distance of their CornerShells.
   std::array<double, 2> shell_base{0, 0};
@@ -134,6 +130,7 @@ class SegmentTable {
                       const SizeField& sizes, std::vector<double>& cuts) const;
   void cut_between_parts(SegmentId s, const SizeField& sizes, std::vector<double>& cuts) const;
   void cut_evenly(SegmentId s, double first, double last, const SizeField& sizes, std::vector<double>& cuts) const;
+  double& shell_base(SegmentEnd end) { return segments_[end.segment()].shell_base[end.place()]; }
   std::optional<double> place_cut(const BoundarySegment& s, double t0, double t1) const;
 
   const Surface& surface_;

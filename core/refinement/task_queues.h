@@ -64,7 +64,6 @@ class TaskQueues {
   }
 
  private:
-  static constexpr std::uint32_t kNone = 0xffffffff;
   static constexpr std::size_t kMoreQueues = 32;  ///< most often, the next tasks are only a little more urgent
   /// A block has some tasks of one queue, in their order.
   struct Block {

@@ -209,7 +209,7 @@ auto in_order(const std::vector<Joints>& blocks, RunControl& control) {
 
 void BoundaryCheck::check_joints() {
   // Most vertices belong to one patch and need no list.
-  constexpr std::uint32_t kNone = 0, kSeveral = 0xffffffffu;
+  constexpr std::uint32_t kUnknown = 0, kSeveral = 0xffffffffu;
   std::vector<std::atomic<std::uint32_t>> only_patch(model_.points.size());  // the number of the patch plus 1
   const auto number = [](PatchId p) { return p.value + 1; };
   const auto of = [&](VertexId v) { return only_patch[v.value].load(std::memory_order_relaxed); };
@@ -217,7 +217,7 @@ void BoundaryCheck::check_joints() {
   const auto of_input = map_corners<Joints>(model_.input, [&](VertexId v, PatchId p, Joints& joints) {
     std::uint32_t only = of(v);
     if (only == number(p)) return;
-    if (only == kNone && only_patch[v.value].compare_exchange_strong(only, number(p), std::memory_order_relaxed))
+    if (only == kUnknown && only_patch[v.value].compare_exchange_strong(only, number(p), std::memory_order_relaxed))
       return;
     if (only == number(p)) return;
     joints.push_back(joint(v, p));
@@ -229,7 +229,7 @@ void BoundaryCheck::check_joints() {
       map_blocks<std::int64_t>(only_patch.size(), kItemsPerBlock, control_, [&](std::size_t begin, std::size_t end) {
         return std::count_if(only_patch.begin() + static_cast<std::ptrdiff_t>(begin),
                              only_patch.begin() + static_cast<std::ptrdiff_t>(end),
-                             [&](const auto& only) { return only.load(std::memory_order_relaxed) != kNone; });
+                             [&](const auto& only) { return only.load(std::memory_order_relaxed) != kUnknown; });
       });
   result_.input_vertices = std::accumulate(used.begin(), used.end(), std::int64_t{0});
   struct OfOutput {

@@ -377,7 +377,6 @@ class StoredCheck {
   /// not closed. Around an inner vertex, every neighbour is once the next corner of a face and once the previous one.
   /// So if the neighbours' numbers are added for one and subtracted for the other, they cancel.
   std::vector<std::uint8_t> rim_vertices() {
-    constexpr std::uint32_t kNone = PatchId::kInvalid;
     std::vector<std::atomic<std::uint64_t>> sum(claim_.stored.size());
     std::vector<std::atomic<std::uint32_t>> patch(claim_.stored.size());
     std::vector<std::uint8_t> is_rim(claim_.stored.size(), 0);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/verify/boundary_graph.h"
 #include "core/verify/model.h"
@@ -60,7 +61,6 @@ class StraightLines {
     VertexId low, high;
     std::span<const Use> uses;
   };
-  static constexpr std::uint32_t kNone = 0xffffffffu;
 
   std::vector<Line> lines_;
   std::vector<std::uint32_t> line_of_;  ///< the line that each vertex is inside of, or kNone

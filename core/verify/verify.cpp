@@ -128,8 +128,8 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
   }
   SelfIntersections found = patch_intersections(
       {claim.positions, corners_of(claim.faces), claim.face_patch, normals, is_simple}, kMaxPairs, control);
-  static const InputIntersections kNone;
-  const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNone;
+  static const InputIntersections kNoIntersections;
+  const InputIntersections& known = claim.intersections != nullptr ? *claim.intersections : kNoIntersections;
   if (known.is_complete)
     for (const auto& [f, g] : found.pairs) {
       check();

@@ -131,7 +131,7 @@ TEST(drop_duplicate_faces, of_a_back_what_looks_as_its_neighbours_do_stays_which
     ASSERT_EQ(result.surface.face_count(), 4u);
     RunControl control;
     const Adjacency edges(4, result.surface.face_begin, result.surface.corners, control);
-    for (std::uint32_t h = 0; h < 12; ++h) EXPECT_NE(edges.twin(h), Adjacency::kNone);
+    for (std::uint32_t h = 0; h < 12; ++h) EXPECT_NE(edges.twin(h), kNone);
   }
 }
 

@@ -35,7 +35,7 @@ TEST(adjacency, an_edge_of_two_faces_joins_twins) {
   EXPECT_EQ(adjacency.edge_count(), 5u);
   EXPECT_EQ(adjacency.twin(1), 3u);
   EXPECT_EQ(adjacency.twin(3), 1u);
-  for (const std::uint32_t h : {0u, 2u, 4u, 5u}) EXPECT_EQ(adjacency.twin(h), Adjacency::kNone) << h;
+  for (const std::uint32_t h : {0u, 2u, 4u, 5u}) EXPECT_EQ(adjacency.twin(h), kNone) << h;
 }
 
 TEST(adjacency, an_edge_of_three_faces_holds_all_of_them_and_has_no_twins) {
@@ -43,14 +43,14 @@ TEST(adjacency, an_edge_of_three_faces_holds_all_of_them_and_has_no_twins) {
   const Adjacency adjacency = adjacency_of(mesh);
   const auto around = adjacency.half_edges(adjacency.edge_of(0));
   EXPECT_EQ(std::vector<std::uint32_t>(around.begin(), around.end()), (std::vector<std::uint32_t>{0, 3, 6}));
-  for (const std::uint32_t h : around) EXPECT_EQ(adjacency.twin(h), Adjacency::kNone);
+  for (const std::uint32_t h : around) EXPECT_EQ(adjacency.twin(h), kNone);
 }
 
 TEST(adjacency, faces_that_run_the_same_way_along_an_edge_are_no_twins) {
   const PolygonMesh mesh = connected(4, {{0, 1, 2}, {0, 1, 3}});
   const Adjacency adjacency = adjacency_of(mesh);
   EXPECT_EQ(adjacency.half_edges(adjacency.edge_of(0)).size(), 2u);
-  EXPECT_EQ(adjacency.twin(0), Adjacency::kNone);
+  EXPECT_EQ(adjacency.twin(0), kNone);
 }
 
 TEST(adjacency, a_polygon_meets_itself_along_a_bridge) {
@@ -94,7 +94,7 @@ void expect_grouped(const PolygonMesh& mesh) {
     for (const std::uint32_t h : around) {
       ASSERT_EQ(ends(adjacency, h), key);
       ASSERT_EQ(adjacency.edge_of(h), e);
-      ASSERT_EQ(adjacency.twin(h), !are_twins ? Adjacency::kNone : h == around[0] ? around[1] : around[0]);
+      ASSERT_EQ(adjacency.twin(h), !are_twins ? kNone : h == around[0] ? around[1] : around[0]);
     }
     ++e.value;
   }

@@ -59,7 +59,7 @@ void expect_holds(const StageChain& chain) {
     }
     for (std::uint32_t h = chain.surface.face_begin[f]; h < chain.surface.face_begin[f + 1]; ++h) {
       const std::uint32_t twin = chain.adjacency.twin(h);
-      if (twin != Adjacency::kNone && chain.regions.of_face[chain.adjacency.face_of(twin)] == region)
+      if (twin != kNone && chain.regions.of_face[chain.adjacency.face_of(twin)] == region)
         pieces.join(f, chain.adjacency.face_of(twin).value);
     }
   }
