@@ -55,7 +55,7 @@ enum class Outcome {
 };
 
 /// The step at which the next attempt begins. The results of earlier steps of the pipeline are used again.
-enum class Step { kPrepare, kPartition, kTriangulate, kFinish };
+enum class Step { kPrepare, kPartition, kTriangulate, kRefine, kFinish };
 
 /// The table of what is tried after each outcome. A decision (in GoalRefinement, Ladder or MendingLimits) holds for all
 /// later attempts, and each of the three can make only a limited number of decisions, so this ends.
@@ -65,10 +65,10 @@ struct Retry {
 };
 constexpr std::array kRetries{
     Retry{Outcome::kVerified, Step::kFinish},
-    // Refine again with a smaller budget. The patches and their loops are used again.
-    Retry{Outcome::kTooManyFaces, Step::kTriangulate},
-    // Refine again, but leave the patches that failed as they are. The patches and their loops are used again.
-    Retry{Outcome::kRefinementFailed, Step::kTriangulate},
+    // Refine again with a smaller budget. The patches and their triangles are used again.
+    Retry{Outcome::kTooManyFaces, Step::kRefine},
+    // Refine again, but leave the patches that failed as they are. The patches and their triangles are used again.
+    Retry{Outcome::kRefinementFailed, Step::kRefine},
     // Split the patches that failed under a tighter tolerance, in the end into single faces (Ladder). The prepared
     // surface is used again, and so are the regions of all other faces.
     Retry{Outcome::kPatchesFailed, Step::kPartition},
@@ -99,7 +99,10 @@ class Run {
       // Sections 2 to 4 of the 2018 report: find coplanar faces, their patches, edge loops and essential vertices.
       if (step <= Step::kPartition) find_patches();
       // Section 5, for every patch: projection, lexicographic triangulation, flips, recovery of the loops, carving.
-      triangulate();
+      if (step <= Step::kTriangulate)
+        triangulate();
+      else
+        candidate_.undo_refinement();
     }
     complete_report();
     return finish(settings);
@@ -166,8 +169,9 @@ class Run {
     watch_.enter(Stage::kAssembly);
     std::vector<FailedPatch> failed = find_failed_patches(candidate_.triangulated.meshes);
     if (!failed.empty()) return step_up(failed);
-    // No edge inside a patch may be the edge of another patch.
-    candidate_.has_chords = !flip_chords(candidate_.triangulated.meshes, surface().vertex_count(), control_);
+    // No edge inside a patch may be the edge of another patch. (If refinement is tried again, this changes nothing.)
+    if (!candidate_.has_chords)
+      candidate_.has_chords = !flip_chords(candidate_.triangulated.meshes, surface().vertex_count(), control_);
     // All patches together: improve angles and sizes, and resolve the remaining conflicts between patches.
     refine();
     watch_.enter(Stage::kAssembly);
@@ -315,6 +319,7 @@ class Run {
 
   /// Completes the report after the result has passed verification.
   void complete_report() {
+    candidate_.refinement.before.clear();
     summarise();
     report_.volume_bound = report_.verified.volume_bound;
     for (std::size_t p = 0; p < candidate_.triangulated.meshes.size(); ++p)

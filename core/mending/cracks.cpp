@@ -61,7 +61,7 @@ class Pairs {
       if (open_[i].face == open_[j].face) return;
       const double to_j = open_.fit(i, j, tolerance_).width;
       if (!(to_j > tolerance_ && to_j <= std::min(nearest.width, widest(open_[j])))) return;
-      if (to_j == nearest.width && nearest.partner != Nearest::kNone && !open_.is_before(j, nearest.partner)) return;
+      if (to_j == nearest.width && nearest.partner != kNone && !open_.is_before(j, nearest.partner)) return;
       nearest = {j, to_j};
       best = to_j * (1 + 1e-12);
     });
@@ -110,7 +110,7 @@ class Alongside {
       const double to_j = width(open_[i], open_[j]);
       if (!(to_j > tolerance_ && to_j <= std::min(nearest.width, widest(open_[j])))) return;
       if (open_.do_lie_on_each_other(i, j, to_j)) return;
-      if (to_j == nearest.width && nearest.partner != Nearest::kNone && !open_.is_before(j, nearest.partner)) return;
+      if (to_j == nearest.width && nearest.partner != kNone && !open_.is_before(j, nearest.partner)) return;
       nearest = {j, to_j};
       best = to_j * (1 + 1e-12);
     });
@@ -231,7 +231,7 @@ Cracks find_cracks(const Surface& surface, const Adjacency& edges, double roundi
   if (partners.empty()) return cracks;
   const auto has_partner = [&](std::size_t i) {
     const std::uint32_t partner = partners[i].partner;
-    return partner != Nearest::kNone && partners[partner].partner == i;
+    return partner != kNone && partners[partner].partner == i;
   };
   const Alongside alongside(surface, open, tolerance, control);
   const auto beside = find_all(open.size(), control, [&](std::size_t i, Nearest& n) -> std::size_t {
@@ -241,7 +241,7 @@ Cracks find_cracks(const Surface& surface, const Adjacency& edges, double roundi
   for (std::uint32_t i = 0; i < open.size(); ++i) {
     check();
     const bool is_one_of_two = has_partner(i);
-    if (!is_one_of_two && (beside.empty() || beside[i].partner == Nearest::kNone)) continue;
+    if (!is_one_of_two && (beside.empty() || beside[i].partner == kNone)) continue;
     ++cracks.edges;
     if (is_one_of_two && partners[i].partner < i) continue;
     cracks.widths.push_back((is_one_of_two ? partners[i].width : beside[i].width) * surface.unit);

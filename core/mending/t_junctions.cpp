@@ -293,7 +293,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
   const auto of_edge = [&](std::uint32_t h) {
     return std::array{split.junction_of[h], split.junction_of[edges.next(h)]};
   };
-  const auto is_new = [&](std::uint32_t h) { return of_edge(h) != std::array{Split::kNone, Split::kNone}; };
+  const auto is_new = [&](std::uint32_t h) { return of_edge(h) != std::array{kNone, kNone}; };
   const auto runs_one_way = [&](std::span<const std::uint32_t> around) {
     return edges.from(around[0]) == edges.from(around[1]);
   };
@@ -331,10 +331,10 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
       continue;
     }
     // Among the vertices that made the edge, the one furthest away from its original edge is chosen.
-    std::uint32_t worst = Split::kNone;
+    std::uint32_t worst = kNone;
     for (const std::uint32_t h : around)
       for (const std::uint32_t j : of_edge(h))
-        if (j != Split::kNone && (worst == Split::kNone || junctions[worst].distance < junctions[j].distance))
+        if (j != kNone && (worst == kNone || junctions[worst].distance < junctions[j].distance))
           worst = j;
     twisting.push_back(worst);
   }

@@ -22,6 +22,15 @@ Candidate::~Candidate() { drop_all(triangulated.meshes.items()); }
 void Candidate::clear() {
   drop_all(triangulated.meshes.items());
   has_chords = false;
+  forget_refinement();
+}
+
+void Candidate::undo_refinement() {
+  refinement.before.exchange_with(triangulated.meshes);
+  forget_refinement();
+}
+
+void Candidate::forget_refinement() {
   refinement = {};
   assembled = {};
   positions.clear();

@@ -39,6 +39,11 @@ struct Candidate {
 
   /// Removes all triangles, so that it can take those of another attempt.
   void clear();
+  /// Removes what was made of the patches' triangles, and brings these back as they were before refinement.
+  void undo_refinement();
+
+ private:
+  void forget_refinement();
 };
 
 /// Makes one mesh of the patches' meshes. If there are `goals`, finds the triangles that miss them.

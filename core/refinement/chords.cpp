@@ -224,21 +224,28 @@ bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& contro
   }
 }
 
-void split_chords(TriangulatedPatches& triangulated, std::size_t vertex_end, RunControl& control) {
+void split_chords(TriangulatedPatches& triangulated, std::size_t vertex_end,
+                  const std::function<void(PatchId)>& before_change, RunControl& control) {
   PatchMeshes& meshes = triangulated.meshes;
   std::vector<Chord> chords = find_chords(meshes, vertex_end, control);
   if (chords.empty()) return;
   // Edges that were flipped in for chords are released first. If their chord is split now, they have no reason to stay,
   // and they may not be Delaunay.
-  for (PatchMesh& patch : meshes)
+  for (std::size_t i = 0; i < meshes.size(); ++i) {
+    const PatchId p(i);
+    if (meshes[p].held.empty()) continue;
+    before_change(p);
     release_held(
-        patch, [](std::uint32_t) { return false; }, control);
+        meshes[p], [](std::uint32_t) { return false; }, control);
+  }
   // Each pass leaves fewer chords, because all new edges end at a new vertex.
+  const auto split_one = [&](PatchId p, std::uint32_t h) {
+    before_change(p);
+    return split(meshes[p], triangulated.charts[p], h, control);
+  };
   do {
     chords = find_chords(meshes, vertex_end, control);
-  } while (for_chords(meshes, chords, control, [&](PatchId p, std::uint32_t h) {
-    return split(meshes[p], triangulated.charts[p], h, control);
-  }));
+  } while (for_chords(meshes, chords, control, split_one));
 }
 
 }  // namespace remesh

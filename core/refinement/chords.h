@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "core/base/run_control.h"
@@ -34,8 +35,10 @@ bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& contro
 /// Puts a point into the middle of each chord and makes the triangles around it Delaunay. One point may remove several
 /// chords. A chord without room for a point stays. If there are any chords, no edge is constrained for the sake of a
 /// chord afterwards.
+/// Input:  `before_change` is called with each patch before it changes, perhaps more than once.
 /// Output: The patches, with their new vertices at the end. These have no ids yet. The new triangles are those at the
 ///         new vertices.
-void split_chords(TriangulatedPatches& triangulated, std::size_t vertex_end, RunControl& control);
+void split_chords(TriangulatedPatches& triangulated, std::size_t vertex_end,
+                  const std::function<void(PatchId)>& before_change, RunControl& control);
 
 }  // namespace remesh

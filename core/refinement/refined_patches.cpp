@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/base/blocks.h"
+#include "core/base/drop.h"
 #include "core/base/stoppable.h"
 
 namespace remesh {
@@ -46,26 +47,27 @@ std::size_t place_inner_vertices(const Surface& surface, const PatchChart& chart
   return first - begin;
 }
 
-void RefinedPatches::collect(const RefinementInput& input, const SegmentTable& segments, const SegmentCuts& cuts,
+PatchesAside collect_refined(const RefinementInput& input, const SegmentTable& segments, const SegmentCuts& cuts,
                              const TriangulatedPatches& triangulated, PatchRefiners& refiners, bool are_refiners_kept,
                              Refinement& result, RunControl& control) {
   const std::size_t n = triangulated.size(), old = input.surface.vertex_count();
   const std::vector<std::uint32_t> first_cut = first_cut_of_segments(segments, cuts, control);
   result.first_inner = first_cut.back();
-  ids_ =
+  std::vector<PatchId> ids =
       select_ids<PatchId>(n, kItemsPerBlock, control, [&](std::size_t p) { return refiners[PatchId(p)] != nullptr; });
-  meshes_.clear();
-  meshes_.resize(ids_.size());
-  std::vector<std::vector<UnrefinedReason>> reasons(ids_.size());
+  Dropped<PatchMesh> all;
+  std::vector<PatchMesh>& meshes = all.items;
+  meshes.resize(ids.size());
+  std::vector<std::vector<UnrefinedReason>> reasons(ids.size());
   // These are first the counts for each patch at work, and for each patch. Then they become the sums over all patches
   // before it.
-  std::vector<std::size_t> first_inner(ids_.size() + 1, 0), first_triangle(n + 1, 0);
+  std::vector<std::size_t> first_inner(ids.size() + 1, 0), first_triangle(n + 1, 0);
   for_blocks(n, kItemsPerBlock, control, [&](std::size_t p, std::size_t end) {
     for (; p < end; ++p) first_triangle[p + 1] = triangulated.meshes[PatchId(p)].mesh.triangle_count();
   });
-  for_blocks(ids_.size(), kPatchesPerTask, control, [&](std::size_t i, std::size_t end) {
+  for_blocks(ids.size(), kPatchesPerTask, control, [&](std::size_t i, std::size_t end) {
     for (; i < end; ++i) {
-      std::unique_ptr<PatchRefiner>& refiner = refiners[ids_[i]];
+      std::unique_ptr<PatchRefiner>& refiner = refiners[ids[i]];
       PatchRefiner::Refined patch = refiner->finish();
       if (!are_refiners_kept) refiner.reset();
       for (std::size_t v = 0; v < patch.cuts.size(); ++v) {
@@ -76,9 +78,9 @@ void RefinedPatches::collect(const RefinementInput& input, const SegmentTable& s
         patch.patch.vertices[v] = VertexId(old + first_cut[cut.segment.value] + static_cast<std::size_t>(k));
       }
       first_inner[i + 1] = count_unplaced(patch.patch);
-      first_triangle[ids_[i].value + 1] = patch.patch.mesh.triangle_count();
+      first_triangle[ids[i].value + 1] = patch.patch.mesh.triangle_count();
       reasons[i] = std::move(patch.reason);
-      meshes_[i] = std::move(patch.patch);
+      meshes[i] = std::move(patch.patch);
     }
   });
   first_inner[0] = result.first_inner;
@@ -101,14 +103,14 @@ void RefinedPatches::collect(const RefinementInput& input, const SegmentTable& s
         result.new_positions[first_cut[s] + k] = segments.position(SegmentId(s), of_segment[k]);
     }
   });
-  for_blocks(ids_.size(), kPatchesPerTask, control, [&](std::size_t i, std::size_t end) {
+  for_blocks(ids.size(), kPatchesPerTask, control, [&](std::size_t i, std::size_t end) {
     for (; i < end; ++i) {
-      place_inner_vertices(input.surface, triangulated.charts[ids_[i]], meshes_[i], first_inner[i],
-                           result.new_positions);
+      place_inner_vertices(input.surface, triangulated.charts[ids[i]], meshes[i], first_inner[i], result.new_positions);
       std::copy(reasons[i].begin(), reasons[i].end(),
-                result.reason.begin() + static_cast<std::ptrdiff_t>(first_triangle[ids_[i].value]));
+                result.reason.begin() + static_cast<std::ptrdiff_t>(first_triangle[ids[i].value]));
     }
   });
+  return {std::move(ids), std::move(meshes)};
 }
 
 }  // namespace remesh

@@ -5,11 +5,11 @@
 #include <memory>
 #include <vector>
 
-#include "core/base/drop.h"
 #include "core/base/ids.h"
 #include "core/base/run_control.h"
 #include "core/geometry/patch_mesh.h"
 #include "core/refinement/patch_refiner.h"
+#include "core/refinement/patches_aside.h"
 #include "core/refinement/rounds.h"
 #include "core/refinement/segment_cuts.h"
 #include "core/refinement/segment_table.h"
@@ -27,36 +27,13 @@ std::size_t place_inner_vertices(const Surface& surface, const PatchChart& chart
 /// Counts these vertices.
 std::size_t count_unplaced(const PatchMesh& patch);
 
-/// The patches that were at work in a refinement. They are kept beside those from which refinement began until it is
-/// known that they stay.
-class RefinedPatches {
- public:
-  RefinedPatches() = default;
-  ~RefinedPatches() { clear(); }
-  RefinedPatches(const RefinedPatches&) = delete;
-  RefinedPatches& operator=(const RefinedPatches&) = delete;
-
-  /// Makes the patches as their refiners have them now. New vertices on segments come first, segment after segment, and
-  /// then those inside patches, patch after patch.
-  /// Input:  If `are_refiners_kept` is false, each refiner is deleted when its patch is made.
-  /// Output: `new_positions`, `first_inner` and `reason` of the result. A patch without a refiner stays as it was,
-  ///         because it is frozen or has nothing to do.
-  void collect(const RefinementInput& input, const SegmentTable& segments, const SegmentCuts& cuts,
-               const TriangulatedPatches& triangulated, PatchRefiners& refiners, bool are_refiners_kept,
-               Refinement& result, RunControl& control);
-
-  /// Swaps these patches with those among `meshes` that have the same ids.
-  void exchange_with(PatchMeshes& meshes) {
-    for (std::size_t i = 0; i < ids_.size(); ++i) std::swap(meshes[ids_[i]], meshes_[i]);
-  }
-  void clear() {
-    ids_.clear();
-    drop_all(meshes_);
-  }
-
- private:
-  std::vector<PatchId> ids_;
-  std::vector<PatchMesh> meshes_;
-};
+/// Makes the patches as their refiners have them now. New vertices on segments come first, segment after segment, and
+/// then those inside patches, patch after patch.
+/// Input:  If `are_refiners_kept` is false, each refiner is deleted when its patch is made.
+/// Output: The patches that have a refiner, and `new_positions`, `first_inner` and `reason` of the result. A patch
+///         without a refiner stays as it was, because it is frozen or has nothing to do.
+PatchesAside collect_refined(const RefinementInput& input, const SegmentTable& segments, const SegmentCuts& cuts,
+                             const TriangulatedPatches& triangulated, PatchRefiners& refiners, bool are_refiners_kept,
+                             Refinement& result, RunControl& control);
 
 }  // namespace remesh

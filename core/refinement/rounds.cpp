@@ -54,21 +54,21 @@ class Rounds {
         continue;
       }
       if (thin_out() && take_up_again()) continue;
-      refined_.collect(input_, segments_, cuts_, triangulated_, refiners_, chords_.are_refiners_kept, result_,
-                       control_);
-      refined_.exchange_with(meshes());
+      PatchesAside aside = collect_refined(input_, segments_, cuts_, triangulated_, refiners_,
+                                           chords_.are_refiners_kept, result_, control_);
+      aside.exchange_with(meshes());
       const std::vector<Chord> found =
           find_chords(meshes(), input_.surface.vertex_count() + result_.first_inner, control_);
       const bool was_in_vain = chords_.are_refiners_kept && !chords_.is_any_split;
       if (!can_split_any(found) || passes == kMaxChordPasses || was_in_vain) {
         drop_all(refiners_.items());
-        refined_.clear();
+        result_.before = std::move(aside);
         const auto why = passes == kMaxChordPasses ? UnrefinedReason::kEffort : UnrefinedReason::kSizeFloor;
         if (!found.empty()) split_chords(input_.surface, triangulated_, result_, input_.is_frozen, why, control_);
         return std::move(result_);
       }
-      refined_.exchange_with(meshes());
-      refined_.clear();
+      aside.exchange_with(meshes());
+      aside.clear();
       // Most surfaces have no chords, and need not keep two of each patch.
       if (!std::exchange(chords_.are_refiners_kept, true)) {
         begin();
@@ -348,7 +348,6 @@ class Rounds {
   /// (core/base/parallel.h).
   tbb::enumerable_thread_specific<Workplace> workplaces_;
   Barrier barrier_;
-  RefinedPatches refined_;
   ChordWork chords_;
   Thinning thinning_;
   Refinement result_;
@@ -371,7 +370,12 @@ void split_chords(const Surface& surface, TriangulatedPatches& triangulated, Ref
     vertices.push_back(patch.vertices.size());
     triangles.push_back(patch.mesh.triangle_count());
   }
-  split_chords(triangulated, surface.vertex_count() + refinement.first_inner, control);
+  IdVector<PatchId, std::uint8_t> is_aside(meshes.size(), 0);
+  for (const PatchId p : refinement.before.ids()) is_aside[p] = 1;
+  const auto set_aside = [&](PatchId p) {
+    if (std::exchange(is_aside[p], 1) == 0) refinement.before.add(p, meshes[p]);
+  };
+  split_chords(triangulated, surface.vertex_count() + refinement.first_inner, set_aside, control);
   std::vector<UnrefinedReason> reason;
   auto before = refinement.reason.begin();
   for (std::size_t i = 0; i < meshes.size(); ++i) {

@@ -10,6 +10,7 @@
 #include "core/mesh/surface.h"
 #include "core/patches/triangulated_patches.h"
 #include "core/refinement/goals.h"
+#include "core/refinement/patches_aside.h"
 #include "core/refinement/prediction.h"
 #include "core/refinement/segment_table.h"
 #include "core/refinement/size_field.h"
@@ -28,6 +29,7 @@ struct Refinement {
   /// (size_misses.h). It is empty if no triangle is.
   std::vector<std::uint8_t> misses_sizes;
   std::uint32_t rounds = 0;
+  PatchesAside before;  ///< the patches that have changed, as they were before
 };
 
 /// Everything that a refinement goes by. It refers to these objects.

@@ -256,12 +256,13 @@ double SurfaceModel::distance(std::size_t f, const Vec3& p) const {
   const auto& face = faces_[f];
   // The surface of a polygon without a plane is not defined, so any point of its box counts.
   if (thickness_[f] > flatness_) return distance_to_box(p, boxes_[f]);
+  double least = HUGE_VAL;
   const Vec3 unit = normalized(normals_[f]);
   if (unit != Vec3{}) {
     const double above = dot(p - positions_[face[0]], unit);
-    if (is_over(f, p - above * unit)) return std::max(0.0, std::fabs(above) - thickness_[f]);
+    if (is_over(f, p - above * unit)) least = std::max(0.0, std::fabs(above) - thickness_[f]);
   }
-  double least = HUGE_VAL;
+  // The normal of a needle is mostly rounding, so its edges are always looked at as well.
   for (std::size_t k = 0; k < face.size(); ++k)
     least = std::min(least, distance_to_segment(p, positions_[face[k]], positions_[face[(k + 1) % face.size()]]));
   return least;
