@@ -6,6 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/ids.h"
+
 namespace remesh {
 
 /// The queues are numbered by urgency. The next task is from the highest queue that has any; within a queue, the first

@@ -20,14 +20,14 @@ struct Located {
   explicit Located(const PolygonMesh& mesh)
       : chain(mesh),
         faces(chain.patches.faces_of(PatchId(0))),
-        frame(chain.charts()[PatchId(0)]),
-        locator(chain.surface, faces, frame, chain.control) {}
+        chart(chain.charts()[PatchId(0)]),
+        locator(chain.surface, faces, chart, chain.control) {}
 
-  Vec2 uv(VertexId v) const { return to_plane(frame, chain.surface.positions[v]); }
+  Vec2 uv(VertexId v) const { return chart.to_plane(chain.surface.positions[v]); }
 
   StageChain chain;
   std::span<const FaceId> faces;
-  Frame frame;
+  PatchChart chart;
   PatchLocator locator;
 };
 

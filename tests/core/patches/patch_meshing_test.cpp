@@ -14,18 +14,19 @@
 namespace remesh {
 namespace {
 
-/// Expects that every patch is meshed. Its points are in order and where the frame says. Its triangles are valid and
+/// Expects that every patch is meshed. Its points are in order and where the chart says. Its triangles are valid and
 /// Delaunay, and have the area of the patch.
 void expect_holds(const StageChain& chain) {
   ASSERT_EQ(chain.meshes.size(), chain.patches.count());
   for (std::uint32_t p = 0; p < chain.meshes.size(); ++p) {
     const PatchMesh& patch = chain.meshes[PatchId(p)];
+    const PatchChart chart = chain.charts()[PatchId(p)];
     SCOPED_TRACE(p);
     ASSERT_EQ(patch.reason, PatchReason::kNone);
     EXPECT_EQ(patch.loops, chain.loop_count(PatchId(p)));
     ASSERT_EQ(patch.uv.size(), patch.vertices.size());
     for (std::size_t i = 0; i < patch.uv.size(); ++i) {
-      EXPECT_EQ(patch.uv[i], to_plane(patch.frame, chain.surface.positions[patch.vertices[i]]));
+      EXPECT_EQ(patch.uv[i], chart.to_plane(chain.surface.positions[patch.vertices[i]]));
       if (i > 0) {
         EXPECT_LT(patch.uv[i - 1], patch.uv[i]);
       }
@@ -36,7 +37,7 @@ void expect_holds(const StageChain& chain) {
     double area = 0;
     for (const FaceId f : chain.patches.faces_of(PatchId(p))) area += chain.geometry[f].area;
     area *= chain.surface.unit * chain.surface.unit;
-    const double meshed = area_of(patch.uv, patch.mesh) * patch.frame.scale * patch.frame.scale;
+    const double meshed = area_of(patch.uv, patch.mesh) * chart.scale({}) * chart.scale({});
     EXPECT_NEAR(meshed / area, 1, 1e-9);
   }
 }

@@ -52,7 +52,10 @@ void expect_no_shared_chord(const PatchMeshes& meshes) {
 }
 
 bool flip(StageChain& chain) { return flip_chords(chain.meshes, chain.surface.vertex_count(), chain.control); }
-void split(StageChain& chain) { split_chords(chain.triangulated, chain.surface.vertex_count(), chain.control); }
+void split(StageChain& chain) {
+  split_chords(
+      chain.triangulated, chain.surface.vertex_count(), [](PatchId) {}, chain.control);
+}
 
 /// Makes a polygon and the same polygon turned over.
 PolygonMesh back_to_back(const std::vector<Vec3>& polygon) {

@@ -32,7 +32,7 @@ struct Subject {
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h)
       if (mesh.is_constrained(h)) sides.push_back(h);
     LocalFeatures search;
-    const auto found = search.of(patch(), sides, chain.control);
+    const auto found = search.of(patch(), chain.charts()[PatchId(0)], sides, chain.control);
     features.assign(found.begin(), found.end());
   }
   const PatchMesh& patch() const { return chain.meshes[PatchId(0)]; }
@@ -72,7 +72,8 @@ TEST(local_features, in_a_convex_face_the_distance_is_the_least_to_what_does_not
         if (c == a || c == b || d == a || d == b) continue;
         expected = std::min({expected, distance(a, c, d), distance(b, c, d)});
       }
-      EXPECT_NEAR(subject.features[i].distance, expected, 4 * subject.patch().frame.grid) << "seed " << seed;
+      EXPECT_NEAR(subject.features[i].distance, expected, 4 * subject.chain.charts()[PatchId(0)].grid())
+          << "seed " << seed;
     }
   }
 }
@@ -106,7 +107,7 @@ TEST(local_features, a_patch_has_the_same_ones_whatever_was_looked_at_before) {
   // Sides of one number are elsewhere in each: what was seen from one must not count for the next.
   for (std::uint64_t seed = 1; seed <= 300; ++seed) {
     const Subject subject(polygons::grown(seed, 30 + static_cast<int>(seed % 3), 8).outer);
-    const auto found = search.of(subject.patch(), subject.sides, control);
+    const auto found = search.of(subject.patch(), subject.chain.charts()[PatchId(0)], subject.sides, control);
     ASSERT_EQ(found.size(), subject.features.size());
     for (std::size_t i = 0; i < found.size(); ++i) {
       EXPECT_EQ(found[i].distance, subject.features[i].distance) << "seed " << seed;

@@ -20,7 +20,7 @@ double least(const PolygonMesh& mesh, const Options& options, PatchId frozen = {
   const Goals goals = goals_of(options, 1);
   const SizeField sizes(goals.max_edge_length);
   IdVector<PatchId, std::uint8_t> is_frozen(chain.meshes.size());
-  if (frozen.is_valid()) is_frozen[frozen.value] = 1;
+  if (frozen.is_valid()) is_frozen[frozen] = 1;
   const SegmentTable segments(chain.surface, chain.triangulated, is_frozen, sizes, goals, chain.control);
   return least_faces(chain.triangulated, is_frozen, segments, goals, sizes, chain.control);
 }

@@ -26,7 +26,7 @@ Goals goals(double min_edge_length = 0) {
 /// The segments of a surface and what they were made from.
 struct Subject {
   explicit Subject(const PolygonMesh& mesh, const Goals& goals = remesh::goals_of({}, 1), double size = kNoSize)
-      : chain(mesh), sizes(size), frozen(chain.meshes.size(), 0), table(make(goals)) {}
+      : chain(mesh), sizes(size), frozen(chain.meshes.size()), table(make(goals)) {}
 
   SegmentTable make(const Goals& goals) {
     SegmentTable table(chain.surface, chain.triangulated, frozen, sizes, goals, chain.control);
@@ -56,7 +56,7 @@ struct Subject {
 
   StageChain chain;
   SizeField sizes;
-  std::vector<std::uint8_t> frozen;
+  IdVector<PatchId, std::uint8_t> frozen;
   SegmentTable table;
 };
 
@@ -315,7 +315,7 @@ TEST(segment_table, locked_segments_stay_as_they_are) {
   }
 
   Subject one(shapes::box({1, 1, 1}), goals(), 0.1);
-  one.frozen[2] = 1;
+  one.frozen[PatchId(2)] = 1;
   SegmentTable table = one.make(goals());
   std::size_t locked = 0;
   for (std::uint32_t s = 0; s < 12; ++s) {
