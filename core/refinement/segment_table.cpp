@@ -138,6 +138,7 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
   struct Seen {
     double distance, angle;
     std::uint32_t next;  ///< index of the next side
+    double grid_step;    ///< a step of the patch's grid, in model units
   };
   std::vector<Seen> seen(sides_.size());
   for_all(tbb::blocked_range<std::size_t>(0, meshes.size(), 64), [&](const auto& range) {
@@ -145,16 +146,20 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     std::vector<std::uint32_t> half_edges, side_of;
     for (std::size_t p = range.begin(); p < range.end(); ++p) {
       const auto own = sides_of_patch(PatchId(p));
+      const PatchMesh& patch = meshes[PatchId(p)];
+      const PatchChart chart = triangulated.charts[PatchId(p)];
       half_edges.clear();
-      side_of.assign(meshes[PatchId(p)].mesh.half_edge_count(), kNone);
+      side_of.assign(patch.mesh.half_edge_count(), kNone);
       for (const std::uint32_t i : own) {
         half_edges.push_back(sides_[i].half_edge);
         side_of[sides_[i].half_edge] = i;
       }
-      const auto features = local_features.of(meshes[PatchId(p)], triangulated.charts[PatchId(p)], half_edges, control);
+      const auto features = local_features.of(patch, chart, half_edges, control);
       for (std::size_t k = 0; k < own.size(); ++k) {
         const std::uint32_t next = side_of[features[k].next_at_start];
-        seen[own[k]] = {features[k].distance, features[k].angle_at_start, next == kNone ? own[k] : next};
+        const Vec2 start = patch.uv[patch.mesh.from(half_edges[k])];
+        seen[own[k]] = {features[k].distance, features[k].angle_at_start, next == kNone ? own[k] : next,
+                        chart.grid() * chart.scale(start)};
       }
     }
   });
@@ -170,10 +175,8 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     nearest = segment.length;
     rounding = 0x1p-52 * std::max(magnitude(surface.positions[segment.from]), magnitude(surface.positions[segment.to]));
     for (std::uint32_t i = begin_[s.value]; i < begin_[s.value + 1]; ++i) {
-      const PatchMesh& patch = meshes[sides_[i].patch];
-      const PatchChart chart = triangulated.charts[sides_[i].patch];
       nearest = std::min(nearest, seen[i].distance);
-      rounding = std::max(rounding, chart.grid() * chart.scale(patch.uv[patch.mesh.from(sides_[i].half_edge)]));
+      rounding = std::max(rounding, seen[i].grid_step);
     }
   });
   const auto end_at_start = [&](const SegmentSide& side) {
