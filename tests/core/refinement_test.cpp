@@ -35,9 +35,9 @@ std::string bytes(const Result& result) {
 
 // A cube with a size.
 
-class RefinedCube : public testing::TestWithParam<double> {};
+class refined_cube : public testing::TestWithParam<double> {};
 
-TEST_P(RefinedCube, has_even_edges_sizes_and_sides) {
+TEST_P(refined_cube, has_even_edges_sizes_and_sides) {
   const double side = GetParam(), size = 0.1 * side;
   const PolygonMesh cube = shapes::box({side, side, side});
   const Options options = with_length(size);
@@ -70,7 +70,7 @@ TEST_P(RefinedCube, has_even_edges_sizes_and_sides) {
   EXPECT_LE(static_cast<double>(most->output_faces), 1.05 * static_cast<double>(least->output_faces));
 }
 
-INSTANTIATE_TEST_SUITE_P(, RefinedCube, testing::Values(1.0, 3.7, 1e-6, 1e9));
+INSTANTIATE_TEST_SUITE_P(, refined_cube, testing::Values(1.0, 3.7, 1e-6, 1e9));
 
 // Hard inputs: they end, and what is left is said.
 
@@ -82,9 +82,9 @@ struct HardCase {
   friend std::ostream& operator<<(std::ostream& out, const HardCase& hard) { return out << hard.name; }
 };
 
-class HardInput : public testing::TestWithParam<std::tuple<HardCase, double>> {};
+class hard_input : public testing::TestWithParam<std::tuple<HardCase, double>> {};
 
-TEST_P(HardInput, ends_soon_and_says_what_is_left) {
+TEST_P(hard_input, ends_soon_and_says_what_is_left) {
   const auto& [hard, degrees] = GetParam();
   const PolygonMesh mesh = hard.make();
   Options options = with_angle(degrees);
@@ -103,7 +103,7 @@ TEST_P(HardInput, ends_soon_and_says_what_is_left) {
 PolygonMesh wedge() { return shapes::polygon({{0, 0}, {1, 0}, {std::cos(0.0174532925), std::sin(0.0174532925)}}); }
 
 INSTANTIATE_TEST_SUITE_P(
-    , HardInput,
+    , hard_input,
     testing::Combine(
         testing::Values(HardCase{"a_wedge_of_one_degree", wedge, {}},
                         HardCase{"a_solid_wedge_of_one_degree",

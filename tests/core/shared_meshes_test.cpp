@@ -95,14 +95,14 @@ PolygonMesh read(const std::string& name) {
   return read_obj(contents(kMeshes / name), ReadLimits{}, control).mesh;
 }
 
-class SharedMeshes : public testing::Test {
+class shared_meshes : public testing::Test {
  protected:
   void SetUp() override {
     if (!fs::is_directory(kMeshes)) GTEST_SKIP() << "NO SHARED MESHES at " << kMeshes << ": nothing is tested here";
   }
 };
 
-TEST_F(SharedMeshes, every_obj_with_faces_comes_back_verified_and_as_closed_as_it_was) {
+TEST_F(shared_meshes, every_obj_with_faces_comes_back_verified_and_as_closed_as_it_was) {
   const auto facts = read_facts();
   ASSERT_FALSE(facts.empty());
   int tested = 0;
@@ -140,7 +140,7 @@ TEST_F(SharedMeshes, every_obj_with_faces_comes_back_verified_and_as_closed_as_i
   EXPECT_GE(tested, 30);
 }
 
-TEST_F(SharedMeshes, every_file_comes_back_verified_within_ten_seconds_with_every_patch_or_the_reason) {
+TEST_F(shared_meshes, every_file_comes_back_verified_within_ten_seconds_with_every_patch_or_the_reason) {
   const auto facts = read_facts();
   int tested = 0;
   for (const std::string& name : all_files()) {
@@ -182,7 +182,7 @@ TEST_F(SharedMeshes, every_file_comes_back_verified_within_ten_seconds_with_ever
   EXPECT_GE(tested, 50);
 }
 
-TEST_F(SharedMeshes, volumes_change_by_no_more_than_the_bound_that_is_reported) {
+TEST_F(shared_meshes, volumes_change_by_no_more_than_the_bound_that_is_reported) {
   const auto facts = read_facts();
   int tested = 0;
   for (const std::string& name : all_files()) {
@@ -242,7 +242,7 @@ class Nearness {
   TriangleTree tree_;
 };
 
-TEST_F(SharedMeshes, the_aerofoil_moves_by_no_more_than_the_tolerance_that_is_named) {
+TEST_F(shared_meshes, the_aerofoil_moves_by_no_more_than_the_tolerance_that_is_named) {
   RunControl control;
   const PolygonMesh mesh = read("curved/NACA0012.obj.gz");
   const Result result = remesh_surface(mesh, unrefined(), RunSettings{2, false}, control);
@@ -271,7 +271,7 @@ TEST_F(SharedMeshes, the_aerofoil_moves_by_no_more_than_the_tolerance_that_is_na
   expect_near(result.mesh, input);
 }
 
-TEST_F(SharedMeshes, patches_are_as_many_as_the_geometry_has) {
+TEST_F(shared_meshes, patches_are_as_many_as_the_geometry_has) {
   const std::map<std::string, std::size_t> known{{"planar-cad/cube-meshed.off", 6},
                                                  {"planar-cad/plate_holes.STL", 439},
                                                  {"planar-cad/t13_data.stl", 769},
@@ -295,7 +295,7 @@ TEST_F(SharedMeshes, patches_are_as_many_as_the_geometry_has) {
   EXPECT_GE(tested, 6);
 }
 
-TEST_F(SharedMeshes, the_listing_of_section_1_1_and_its_cut_and_turned_versions_are_one_patch) {
+TEST_F(shared_meshes, the_listing_of_section_1_1_and_its_cut_and_turned_versions_are_one_patch) {
   for (const char* name : {"seed/section_1_1_sample.obj", "seed/TestSurface3.obj", "seed/TestSurface3_multiface.obj",
                            "seed/TestSurface3_multiface_rotated.obj"}) {
     SCOPED_TRACE(name);
@@ -310,7 +310,7 @@ TEST_F(SharedMeshes, the_listing_of_section_1_1_and_its_cut_and_turned_versions_
   }
 }
 
-TEST_F(SharedMeshes, the_square_cut_into_686_faces_is_two_triangles_again) {
+TEST_F(shared_meshes, the_square_cut_into_686_faces_is_two_triangles_again) {
   RunControl control;
   const Result result = remesh_surface(read("seed/TriangleMesh2x2Cuts.obj"), unrefined(), RunSettings{}, control);
   EXPECT_EQ(result.mesh.positions.size(), 4u);
@@ -318,9 +318,9 @@ TEST_F(SharedMeshes, the_square_cut_into_686_faces_is_two_triangles_again) {
   EXPECT_EQ(result.report.output.area, 4);
 }
 
-class RefinedSharedMeshes : public SharedMeshes, public testing::WithParamInterface<double> {};
+class refined_shared_meshes : public shared_meshes, public testing::WithParamInterface<double> {};
 
-TEST_P(RefinedSharedMeshes, every_manifold_obj_ends_verified_and_lists_what_is_left) {
+TEST_P(refined_shared_meshes, every_manifold_obj_ends_verified_and_lists_what_is_left) {
   constexpr std::uint64_t kLargestInput = 200'000;
   const auto facts = read_facts();
   Options options;
@@ -357,10 +357,10 @@ TEST_P(RefinedSharedMeshes, every_manifold_obj_ends_verified_and_lists_what_is_l
   EXPECT_GE(tested, 20);
 }
 
-INSTANTIATE_TEST_SUITE_P(, RefinedSharedMeshes, testing::Values(25.0, 30.0, 33.0),
+INSTANTIATE_TEST_SUITE_P(, refined_shared_meshes, testing::Values(25.0, 30.0, 33.0),
                          [](const auto& info) { return "at_" + std::to_string(static_cast<int>(info.param)); });
 
-TEST_F(SharedMeshes, the_reference_square_is_refined_as_well_with_fewer_triangles_than_its_reference) {
+TEST_F(shared_meshes, the_reference_square_is_refined_as_well_with_fewer_triangles_than_its_reference) {
   // TestSurface5_simplices_MESHED.obj: 827 triangles, no edge above 0.599, no angle below 28.58 degrees.
   Options options;
   options.max_edge_length = 0.599;

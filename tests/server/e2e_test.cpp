@@ -27,14 +27,14 @@ std::string code_of(const Answer& answer) {
   return problem.is_object() ? problem.value("code", "") : "";
 }
 
-TEST(EndToEnd, the_small_routes_answer) {
+TEST(end_to_end, the_small_routes_answer) {
   const Daemon daemon;
   for (const char* path : {"/livez", "/readyz", "/", "/v1/capabilities", "/openapi.json"}) {
     EXPECT_EQ(get(daemon.port(), path).status, 200) << path;
   }
 }
 
-TEST(EndToEnd, a_square_with_a_hole_comes_back_as_one_patch_of_eight_triangles) {
+TEST(end_to_end, a_square_with_a_hole_comes_back_as_one_patch_of_eight_triangles) {
   const Daemon daemon;
   const Answer answer = post(daemon.port(), "/v1/remesh?refine=false", kFrame, "Accept: application/json\r\n");
   ASSERT_EQ(answer.status, 200) << answer.body;
@@ -47,7 +47,7 @@ TEST(EndToEnd, a_square_with_a_hole_comes_back_as_one_patch_of_eight_triangles) 
   EXPECT_EQ(result["report"]["patches"][0]["essential_vertices"], 8);
 }
 
-TEST(EndToEnd, a_plain_request_is_refined) {
+TEST(end_to_end, a_plain_request_is_refined) {
   const Daemon daemon;
   const Answer answer = post(daemon.port(), "/v1/remesh", kFrame, "Accept: application/json\r\n");
   ASSERT_EQ(answer.status, 200) << answer.body;
@@ -58,7 +58,7 @@ TEST(EndToEnd, a_plain_request_is_refined) {
   EXPECT_EQ(report["verified"]["quality"], true);
 }
 
-TEST(EndToEnd, what_must_get_too_large_is_refused_at_once) {
+TEST(end_to_end, what_must_get_too_large_is_refused_at_once) {
   const Daemon daemon({"--max-output-faces", "1000"});
   // 28 units squared in triangles of at most 4.4e-9: 6e9 of them.
   Answer answer;
@@ -76,7 +76,7 @@ TEST(EndToEnd, what_must_get_too_large_is_refused_at_once) {
   EXPECT_EQ(post(daemon.port(), "/v1/remesh", kFrame).status, 200);
 }
 
-TEST(EndToEnd, plain_curl_gets_an_obj_back) {
+TEST(end_to_end, plain_curl_gets_an_obj_back) {
   const Daemon daemon;
   const std::string folder = ::testing::TempDir();
   const std::string in = folder + "remeshd_e2e_in.obj";
@@ -93,7 +93,7 @@ TEST(EndToEnd, plain_curl_gets_an_obj_back) {
   std::remove(out.c_str());
 }
 
-TEST(EndToEnd, after_each_bad_input_the_next_request_is_served) {
+TEST(end_to_end, after_each_bad_input_the_next_request_is_served) {
   const Daemon daemon({"--max-body", "10kB", "--max-faces", "20"});
   struct Case {
     std::string name, target, body;
@@ -130,7 +130,7 @@ TEST(EndToEnd, after_each_bad_input_the_next_request_is_served) {
   }
 }
 
-TEST(EndToEnd, a_running_request_ends_soon_after_its_delete) {
+TEST(end_to_end, a_running_request_ends_soon_after_its_delete) {
   const Daemon daemon;
   const std::string id = "end-to-end-cancel-1";
   const std::string path = "/v1/requests/" + id;
@@ -155,7 +155,7 @@ TEST(EndToEnd, a_running_request_ends_soon_after_its_delete) {
   }
 }
 
-TEST(EndToEnd, a_stop_lets_the_running_request_finish_and_exits_with_0) {
+TEST(end_to_end, a_stop_lets_the_running_request_finish_and_exits_with_0) {
   Daemon daemon({"--drain-time", "600s"});
   RawClient client(daemon.port());
   const std::string id = "end-to-end-drain-01";
@@ -169,7 +169,7 @@ TEST(EndToEnd, a_stop_lets_the_running_request_finish_and_exits_with_0) {
   EXPECT_NE(daemon.log().find("\"event\":\"stopped\""), std::string::npos);
 }
 
-TEST(EndToEnd, an_idle_daemon_stops_at_once) {
+TEST(end_to_end, an_idle_daemon_stops_at_once) {
   for (const int number : {SIGTERM, SIGINT}) {
     Daemon daemon;
     const auto start = std::chrono::steady_clock::now();
@@ -179,7 +179,7 @@ TEST(EndToEnd, an_idle_daemon_stops_at_once) {
   }
 }
 
-TEST(EndToEnd, health_asks_a_running_daemon) {
+TEST(end_to_end, health_asks_a_running_daemon) {
   const std::string binary = REMESHD_PATH;
   std::string address;
   {
