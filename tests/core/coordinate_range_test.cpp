@@ -5,7 +5,6 @@
 
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -21,12 +20,11 @@
 #include "tests/support/sanitizer.h"
 #include "tests/support/shapes.h"
 #include "tests/support/shared_meshes.h"
+#include "tests/support/time_limit.h"
 #include "tests/support/unrefined_options.h"
 
 namespace remesh {
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 PolygonMesh report_mesh(const std::string& name) {
   std::ifstream file(test::shared_meshes_folder() / "reports" / name, std::ios::binary);
@@ -42,16 +40,16 @@ bool has_report(const std::string& name) {
 /// Returns the error that a run ends with, if any. If there is none, the result must be verified.
 std::optional<Error> error_of_run(const PolygonMesh& mesh, const Options& options) {
   RunControl control;
-  const auto start = Clock::now();
   std::optional<Error> ended;
-  try {
-    const Result result = remesh_surface(mesh, options, {}, control);
-    EXPECT_TRUE(result.report.verified.all_true());
-  } catch (const Error& error) {
-    ended = error;
-  }
-  // It takes some milliseconds; the margin is for slow builds and busy machines.
-  EXPECT_LT(std::chrono::duration<double>(Clock::now() - start).count(), kIsSanitized ? 60 : 10);
+  // It takes some milliseconds.
+  test::expect_within(test::Seconds(10), [&] {
+    try {
+      const Result result = remesh_surface(mesh, options, {}, control);
+      EXPECT_TRUE(result.report.verified.all_true());
+    } catch (const Error& error) {
+      ended = error;
+    }
+  });
   return ended;
 }
 

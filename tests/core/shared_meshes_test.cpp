@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -22,6 +21,7 @@
 #include "core/remesh.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shared_meshes.h"
+#include "tests/support/time_limit.h"
 #include "tests/support/unrefined_options.h"
 
 namespace remesh {
@@ -151,13 +151,9 @@ TEST_F(shared_meshes, every_file_comes_back_verified_within_ten_seconds_with_eve
     try {
       const PolygonMesh mesh = read_any(name);
       RunControl control;
-      // Of the processor, on all threads: what a machine that does nothing else needs at most.
-      const std::clock_t begin = std::clock();
+      const test::Seconds begin = test::processor_time();
       const Result result = remesh_surface(mesh, unrefined(), RunSettings{2, false}, control);
-      [[maybe_unused]] const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-#ifdef NDEBUG
-      EXPECT_LE(seconds, 10);
-#endif
+      test::expect_within(test::Seconds(10), test::processor_time() - begin);
       const Report& report = result.report;
       EXPECT_TRUE(report.verified.all_true());
       EXPECT_FALSE(result.mesh.faces.empty());
