@@ -102,8 +102,10 @@ TEST(refinement_budget, what_thinning_out_leaves_room_for_is_used) {
   EXPECT_TRUE(result.report.verified.all_true());
   EXPECT_LE(result.mesh.faces.size(), *options.max_output_faces);
   EXPECT_GT(result.mesh.faces.size(), *options.max_output_faces * 97 / 100);
-  // An eighth less faces, and the budget is named for few.
-  EXPECT_LT(listed(result.report, UnrefinedReason::kBudget), all / 45);
+  // An eighth less faces, and the budget is named for few. The share is pinned from a run and may change with the
+  // algorithm.
+  constexpr std::uint64_t kPinnedPart = 45;
+  EXPECT_LT(listed(result.report, UnrefinedReason::kBudget), all / kPinnedPart);
 }
 
 TEST(refinement_budget, what_is_made_without_a_budget_ends_alike_for_any_number_of_threads) {

@@ -547,7 +547,7 @@ TEST(refinement, boundary_vertices_that_are_to_stay_do) {
     ++kept;
     EXPECT_TRUE(output.count(p));
   }
-  EXPECT_EQ(kept, 32u);
+  EXPECT_EQ(kept, 8u + 12 * 2) << "its corners, and two vertices inside each edge";
 }
 
 TEST(refinement, labels_are_boundaries_that_are_cut_alike_on_both_sides) {
