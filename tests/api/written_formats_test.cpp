@@ -273,13 +273,14 @@ std::string contents(const std::filesystem::path& path) {
 
 class shared_meshes : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!std::filesystem::exists(folder_)) GTEST_SKIP() << "NOT TESTED: no meshes at " << folder_;
-  }
+  void SetUp() override { test::has_shared_mesh(); }
   const std::filesystem::path folder_ = test::shared_meshes_folder();
 };
 
 TEST_F(shared_meshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused_in_floats) {
+  // This is pinned from a run in doubles and may change with the algorithm. In floats there were 70 patches.
+  constexpr std::size_t kPinnedPatches = 32;
+  if (!test::has_shared_mesh("reports/house-utm.obj.gz")) return;
   const std::string house = contents(folder_ / "reports" / "house-utm.obj.gz");
   for (const Fields& options : {Fields{{"refine", "false"}}, Fields{}}) {
     const Result exact = in_doubles(house, options);
@@ -294,7 +295,7 @@ TEST_F(shared_meshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused
     expect_as_promised(exact, local);
     ASSERT_TRUE(local.report.output_origin);
     EXPECT_NEAR(*local.report.output.volume, *exact.report.output.volume, local.report.volume_bound);
-    EXPECT_EQ(local.report.patches.size(), 32u);
+    EXPECT_EQ(local.report.patches.size(), kPinnedPatches);
     EXPECT_THAT(summary_line(summary_of(local.report)),
                 HasSubstr("origin=" + origin_text(*local.report.output_origin)));
     EXPECT_THAT(local.body.substr(0, 80), HasSubstr("origin " + origin_text(*local.report.output_origin)));
@@ -389,6 +390,7 @@ TEST(written_formats, ten_edges_to_a_side_are_no_fault_of_binary_stl) {
 TEST_F(shared_meshes, ordinary_parts_come_out_as_binary_stl) {
   for (const char* name :
        {"curved-cad/sv_cylinder.stl", "curved-cad/tube.obj", "curved-cad/hx_shell_to_solid.stl.gz"}) {
+    if (!test::has_shared_mesh(name)) continue;
     const std::string mesh = contents(folder_ / name);
     ASSERT_FALSE(mesh.empty()) << name;
     for (const Fields& options : {Fields{{"refine", "false"}}, Fields{}}) {

