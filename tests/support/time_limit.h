@@ -22,8 +22,8 @@ namespace remesh::test {
 
 using Seconds = std::chrono::duration<double>;
 
-/// The factor by which bounds on computations are longer in this build. Tests that are not optimised take about five times as long,
-/// and a sanitizer makes them at least ten times slower.
+/// The factor by which bounds on computations are longer in this build, because code without optimisation or with a
+/// sanitizer is several times slower.
 #ifdef NDEBUG
 constexpr double kSlowdown = kIsSanitized ? 20 : 1;
 #else
