@@ -10,6 +10,7 @@
 #include <iterator>
 #include <map>
 #include <numeric>
+#include <ostream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -105,6 +106,8 @@ struct Way {
   std::string name;
   bool is_refined;
   double proximity;
+
+  friend std::ostream& operator<<(std::ostream& out, const Way& way) { return out << way.name; }
 };
 
 class own_meshes : public testing::TestWithParam<Way> {};

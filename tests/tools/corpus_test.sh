@@ -45,6 +45,18 @@ expect_failure "$mutate_fuzz" 1
 expect_failure "$cancel_test" --runs 1
 expect_failure bash "$root/tests/e2e/workers.sh" "$remeshd" "$remesh"
 
+# The continuous integration requires the collection where it stands beside the checkout, and says so if it does not.
+mkdir -p "$work/checkout/.ci"
+cp "$root/.ci/run" "$work/checkout/.ci/run"
+printf '#!/bin/sh\necho "required: ${REMESHD_REQUIRE_CORPUS:-0}"\n' >"$work/checkout/dev"
+chmod +x "$work/checkout/dev"
+unset REMESHD_REQUIRE_CORPUS
+"$work/checkout/.ci/run" >"$work/log"
+grep -q 'are skipped' "$work/log" && grep -qx 'required: 0' "$work/log" || fail ".ci/run without the corpus: $(cat "$work/log")"
+mkdir -p "$work/shared/meshes"
+"$work/checkout/.ci/run" >"$work/log"
+[ "$(cat "$work/log")" = 'required: 1' ] || fail ".ci/run with the corpus: $(cat "$work/log")"
+
 # A test that asks for the corpus in another way than through the helper is not seen above.
 ! grep -rnE 'GTEST_SKIP.*(meshes|collection|corpus)' "$root/tests" --include='*.cpp' ||
   fail "these tests do not use has_shared_mesh"

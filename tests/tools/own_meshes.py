@@ -415,13 +415,13 @@ geometry, not from a run:
 
 - Area, volume (negative if all faces look inwards, none if the sheet is open), the length of the rim, and the Euler
   number V - E + F are those of the shape that the text tells of, once its defects are mended.
-- Bodies are the parts that have no point in common.
+- Bodies are the parts that have no vertex in common.
 - Patches are the plane parts between edges and labels.
 - Triangles are those of a run without refinement. A patch with n corners and h holes has n - 2 + 2 h.
 - The sharpest corner of a face, in degrees, tells whether an angle bound can be met everywhere.
 - Measures are exact within the precision, relative to the area or volume itself. It allows for coordinates that were
   rounded in the file.
-- Told are the diagnostics that the report must have, among others. A mesh that has none is without defect.
+- The last column has the diagnostics that the report must have, among others. A mesh that has none is without defect.
 
 | file | what it is | area | volume | rim | Euler | bodies | patches | triangles | sharpest | precision | told |
 | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- | --- |
