@@ -61,10 +61,10 @@ void expect_no_leak(const std::string& target, const std::string& content_type) 
   std::cout << failures << " allocations\n";
 }
 
-TEST(AllocationFailure, a_remeshing_ends_cleanly_wherever_memory_runs_out) { expect_no_leak("", "model/obj"); }
-TEST(AllocationFailure, so_does_one_with_its_report) { expect_no_leak("json", "model/obj"); }
+TEST(allocation_failure, a_remeshing_ends_cleanly_wherever_memory_runs_out) { expect_no_leak("", "model/obj"); }
+TEST(allocation_failure, so_does_one_with_its_report) { expect_no_leak("json", "model/obj"); }
 
-TEST(AllocationFailure, the_daemon_answers_wherever_memory_runs_out) {
+TEST(allocation_failure, the_daemon_answers_wherever_memory_runs_out) {
   log::set_up(log::Format::kText, log::Level::kOff);
   allocation::spare_this_thread();
   Config config;

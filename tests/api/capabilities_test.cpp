@@ -16,7 +16,7 @@ using testing::AllOf;
 using testing::HasSubstr;
 using testing::StartsWith;
 
-TEST(Capabilities, they_tell_every_option_and_format) {
+TEST(capabilities, they_tell_every_option_and_format) {
   const json answer = json::parse(capabilities({}).body);
   EXPECT_EQ(answer["options"].size(), option_table().size());
   const auto names = [&](const char* direction) {
@@ -42,7 +42,7 @@ json option_told(std::string_view name) {
   return {};
 }
 
-TEST(Capabilities, an_option_tells_its_type_default_bounds_and_words_and_nothing_it_has_not) {
+TEST(capabilities, an_option_tells_its_type_default_bounds_and_words_and_nothing_it_has_not) {
   EXPECT_EQ(option_told("refine"), json::parse(R"({"name": "refine", "type": "boolean", "default": true})"));
   EXPECT_EQ(option_told("normal_tolerance"), json::parse(R"({"name": "normal_tolerance", "type": "number",
       "default": 1e-6, "minimum": 0, "maximum": 0.5})"));
@@ -54,7 +54,7 @@ TEST(Capabilities, an_option_tells_its_type_default_bounds_and_words_and_nothing
       "default": "object,group,material", "values": ["object", "group", "material"]})"));
 }
 
-TEST(Capabilities, what_is_told_of_an_option_is_what_it_takes) {
+TEST(capabilities, what_is_told_of_an_option_is_what_it_takes) {
   const auto is_taken = [](const std::string& name, const json& value) {
     try {
       OptionReader().add(name, value.is_string() ? value.get<std::string>() : value.dump());
@@ -85,7 +85,7 @@ TEST(Capabilities, what_is_told_of_an_option_is_what_it_takes) {
   }
 }
 
-TEST(Capabilities, every_limit_is_told_under_its_own_name) {
+TEST(capabilities, every_limit_is_told_under_its_own_name) {
   const Limits limits{1, 2, 3, 4, 5, 6, 7, 8.5};
   const Response response = capabilities(limits);
   EXPECT_EQ(response.status, 200);
@@ -97,7 +97,7 @@ TEST(Capabilities, every_limit_is_told_under_its_own_name) {
                             "min_width_of_length": 7.888609052210118e-31})"));
 }
 
-TEST(Openapi, its_parameters_are_the_table_of_options) {
+TEST(openapi, its_parameters_are_the_table_of_options) {
   const json document = json::parse(openapi().body);
   EXPECT_THAT(document["openapi"].get<std::string>(), StartsWith("3.1"));
   const json answer = json::parse(capabilities({}).body);
@@ -146,7 +146,7 @@ void collect_references(const json& node, std::vector<std::string>& references) 
   }
 }
 
-TEST(Openapi, every_reference_has_its_target) {
+TEST(openapi, every_reference_has_its_target) {
   const json document = json::parse(openapi().body);
   std::vector<std::string> references;
   collect_references(document, references);
@@ -155,7 +155,7 @@ TEST(Openapi, every_reference_has_its_target) {
     EXPECT_TRUE(document.contains(json::json_pointer(reference))) << reference;
 }
 
-TEST(Openapi, its_problems_are_as_they_are_sent) {
+TEST(openapi, its_problems_are_as_they_are_sent) {
   const json document = json::parse(openapi().body);
   const json& content = document["components"]["responses"]["Problem"]["content"]["application/problem+json"];
   const std::map<std::string, Code> codes{{"index_out_of_range", Code::kIndexOutOfRange},

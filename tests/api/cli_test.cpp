@@ -35,7 +35,7 @@ std::string what_takes_a_while() {
   return big;
 }
 
-class Cli : public testing::Test {
+class cli : public testing::Test {
  protected:
   struct Outcome {
     int status;
@@ -109,7 +109,7 @@ class Cli : public testing::Test {
   const test::TemporaryFolder folder_;
 };
 
-TEST_F(Cli, a_mesh_goes_in_and_comes_out_with_its_report) {
+TEST_F(cli, a_mesh_goes_in_and_comes_out_with_its_report) {
   const Outcome outcome = run({"square.obj", "-o", "out.obj", "--report", "report.json", "--workers", "1"});
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_EQ(outcome.out, "");
@@ -122,7 +122,7 @@ TEST_F(Cli, a_mesh_goes_in_and_comes_out_with_its_report) {
   EXPECT_EQ(file_count(), 3u);
 }
 
-TEST_F(Cli, a_hyphen_is_standard_input_and_output) {
+TEST_F(cli, a_hyphen_is_standard_input_and_output) {
   const Outcome outcome = run({"-", "-o", "-"}, kSquare);
   EXPECT_EQ(outcome.status, 0) << outcome.err;
   EXPECT_THAT(outcome.out, HasSubstr("\nf "));
@@ -130,7 +130,7 @@ TEST_F(Cli, a_hyphen_is_standard_input_and_output) {
   EXPECT_EQ(outcome.out, read("out.obj"));
 }
 
-TEST_F(Cli, the_format_is_the_endings_unless_it_is_given) {
+TEST_F(cli, the_format_is_the_endings_unless_it_is_given) {
   EXPECT_EQ(run({"square.obj", "-o", "out.json"}).status, 0);
   EXPECT_TRUE(nlohmann::json::parse(read("out.json")).contains("mesh"));
   EXPECT_EQ(run({"out.json", "-o", "back.obj"}).status, 0);
@@ -143,7 +143,7 @@ TEST_F(Cli, the_format_is_the_endings_unless_it_is_given) {
   EXPECT_THAT(read("out.vtu"), HasSubstr("<VTKFile"));
 }
 
-TEST_F(Cli, a_file_that_ends_in_gz_is_compressed_in_and_out) {
+TEST_F(cli, a_file_that_ends_in_gz_is_compressed_in_and_out) {
   EXPECT_EQ(run({"square.obj", "-o", "plain.obj"}).status, 0);
   EXPECT_EQ(run({"square.obj", "-o", "packed.obj.gz"}).status, 0);
   EXPECT_THAT(read("packed.obj.gz"), StartsWith("\x1f\x8b"));
@@ -153,7 +153,7 @@ TEST_F(Cli, a_file_that_ends_in_gz_is_compressed_in_and_out) {
   EXPECT_EQ(run({"square.obj", "-o", "out.xyz.gz"}).status, 2);
 }
 
-TEST_F(Cli, an_error_in_binary_data_names_the_byte) {
+TEST_F(cli, an_error_in_binary_data_names_the_byte) {
   EXPECT_EQ(run({"square.obj", "-o", "whole.stl"}).status, 0);
   write("cut.stl", read("whole.stl").substr(0, 100));
   const Outcome cut = run({"cut.stl", "-o", "out.obj"});
@@ -174,7 +174,7 @@ std::map<std::string, std::vector<std::string>> rows_of(const std::string& table
   return rows;
 }
 
-TEST_F(Cli, a_batch_is_a_table_with_a_line_for_each_mesh_and_stops_at_none) {
+TEST_F(cli, a_batch_is_a_table_with_a_line_for_each_mesh_and_stops_at_none) {
   write("parts/a.obj", kSquare);
   write("parts/bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
   write("parts/deep/b.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
@@ -198,7 +198,7 @@ TEST_F(Cli, a_batch_is_a_table_with_a_line_for_each_mesh_and_stops_at_none) {
   EXPECT_THAT(cell("bad.obj", "message"), HasSubstr("bad.obj:4: "));
 }
 
-TEST_F(Cli, a_batch_writes_its_meshes_where_it_is_told_none_over_another) {
+TEST_F(cli, a_batch_writes_its_meshes_where_it_is_told_none_over_another) {
   write("parts/a.obj", kSquare);
   write("parts/a.off", "OFF 3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
   write("parts/deep/c.obj", kSquare);
@@ -208,7 +208,7 @@ TEST_F(Cli, a_batch_writes_its_meshes_where_it_is_told_none_over_another) {
   EXPECT_THAT(read("done/deep/c.obj"), StartsWith("# remeshd "));
 }
 
-TEST_F(Cli, a_batch_onto_itself_is_misuse_and_one_without_a_mesh_says_so) {
+TEST_F(cli, a_batch_onto_itself_is_misuse_and_one_without_a_mesh_says_so) {
   const Outcome onto_itself = run({"--batch", ".", "--report", "-", "-o", "./"});
   EXPECT_EQ(onto_itself.status, 2);
   EXPECT_THAT(onto_itself.err, HasSubstr("the folder that --batch reads"));
@@ -219,7 +219,7 @@ TEST_F(Cli, a_batch_onto_itself_is_misuse_and_one_without_a_mesh_says_so) {
   EXPECT_EQ(empty.err, "remesh: no mesh found below empty\n");
 }
 
-TEST_F(Cli, options_have_hyphens) {
+TEST_F(cli, options_have_hyphens) {
   const Outcome outcome = run({"square.obj", "-o", "out.obj", "--keep-boundary-vertices", "true",
                                "--plane-tolerance=1e-5", "--reference-axis", "-1,0,0", "--report", "-"});
   ASSERT_EQ(outcome.status, 0) << outcome.err;
@@ -229,7 +229,7 @@ TEST_F(Cli, options_have_hyphens) {
   EXPECT_EQ(options["reference_axis"], "-1,0,0");
 }
 
-TEST_F(Cli, misuse_is_told_in_one_line_and_exits_with_2) {
+TEST_F(cli, misuse_is_told_in_one_line_and_exits_with_2) {
   const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
       {{}, "input is required"},
       {{"square.obj"}, "output is required"},
@@ -258,7 +258,7 @@ TEST_F(Cli, misuse_is_told_in_one_line_and_exits_with_2) {
   }
 }
 
-TEST_F(Cli, failure_is_told_with_file_and_line_and_exits_with_1) {
+TEST_F(cli, failure_is_told_with_file_and_line_and_exits_with_1) {
   write("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n");
   const Outcome bad = run({"bad.obj", "-o", "out.obj"});
   EXPECT_EQ(bad.status, 1);
@@ -269,14 +269,14 @@ TEST_F(Cli, failure_is_told_with_file_and_line_and_exits_with_1) {
   EXPECT_EQ(file_count(), 2u);
 }
 
-TEST_F(Cli, a_result_beyond_its_bound_is_the_meshs_failure_not_misuse) {
+TEST_F(cli, a_result_beyond_its_bound_is_the_meshs_failure_not_misuse) {
   const Outcome outcome = run({"square.obj", "-o", "out.obj", "--refine", "false", "--max-output-faces", "1"});
   EXPECT_EQ(outcome.status, 1);
   EXPECT_THAT(outcome.err, HasSubstr("output_too_large: "));
   EXPECT_EQ(file_count(), 1u);
 }
 
-TEST_F(Cli, refinement_is_on_unless_it_is_turned_off) {
+TEST_F(cli, refinement_is_on_unless_it_is_turned_off) {
   // A strip of 1 by 10: two triangles have 6 degrees.
   write("strip.obj", "v 0 0 0\nv 10 0 0\nv 10 1 0\nv 0 1 0\nf 1 2 3 4\n");
   const auto faces = [&](std::vector<std::string> options) {
@@ -291,14 +291,14 @@ TEST_F(Cli, refinement_is_on_unless_it_is_turned_off) {
   EXPECT_GT(faces({"--max-edge-length", "0.3", "--min-angle-deg", "30"}), refined);
 }
 
-TEST_F(Cli, a_failure_leaves_an_older_output_as_it_was) {
+TEST_F(cli, a_failure_leaves_an_older_output_as_it_was) {
   write("bad.obj", "f 1 2 3\n");
   write("out.obj", "old");
   EXPECT_EQ(run({"bad.obj", "-o", "out.obj"}).status, 1);
   EXPECT_EQ(read("out.obj"), "old");
 }
 
-TEST_F(Cli, a_link_and_its_permissions_stay) {
+TEST_F(cli, a_link_and_its_permissions_stay) {
   write("real.obj", "old");
   std::filesystem::permissions(path("real.obj"), std::filesystem::perms(0640));
   std::filesystem::create_symlink("real.obj", path("link.obj"));
@@ -308,12 +308,12 @@ TEST_F(Cli, a_link_and_its_permissions_stay) {
   EXPECT_EQ(std::filesystem::status(path("real.obj")).permissions(), std::filesystem::perms(0640));
 }
 
-TEST_F(Cli, what_is_no_ordinary_file_is_written_as_it_is) {
+TEST_F(cli, what_is_no_ordinary_file_is_written_as_it_is) {
   EXPECT_EQ(run({"square.obj", "-o", "/dev/null"}).status, 0);
   EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
 }
 
-TEST_F(Cli, help_lists_every_option_with_its_default) {
+TEST_F(cli, help_lists_every_option_with_its_default) {
   const Outcome help = run({"--help"});
   EXPECT_EQ(help.status, 0);
   EXPECT_THAT(help.out, HasSubstr("--max-radius-edge-ratio"));
@@ -324,7 +324,7 @@ TEST_F(Cli, help_lists_every_option_with_its_default) {
   EXPECT_THAT(version.out, StartsWith("remesh "));
 }
 
-TEST_F(Cli, an_interrupt_ends_the_run_and_leaves_no_file) {
+TEST_F(cli, an_interrupt_ends_the_run_and_leaves_no_file) {
   write("big.obj", what_takes_a_while());
   const pid_t child = start({"big.obj", "-o", "out.obj"}, "");
   wait_until_it_handles_interrupts(child);
@@ -335,7 +335,7 @@ TEST_F(Cli, an_interrupt_ends_the_run_and_leaves_no_file) {
   EXPECT_EQ(file_count(), 2u);
 }
 
-TEST_F(Cli, a_batch_that_is_killed_leaves_the_lines_of_what_was_done) {
+TEST_F(cli, a_batch_that_is_killed_leaves_the_lines_of_what_was_done) {
   write("parts/big.obj", what_takes_a_while());
   write("parts/small.obj", kSquare);
   const pid_t child = start({"--batch", "parts", "--report", "out.csv", "--workers", "2"}, "");
@@ -347,7 +347,7 @@ TEST_F(Cli, a_batch_that_is_killed_leaves_the_lines_of_what_was_done) {
   EXPECT_THAT(read("out.csv"), HasSubstr("\nsmall.obj,ok,"));
 }
 
-TEST_F(Cli, a_place_that_cannot_be_written_to_is_told_before_the_work) {
+TEST_F(cli, a_place_that_cannot_be_written_to_is_told_before_the_work) {
   for (const std::vector<std::string>& places : {std::vector<std::string>{"-o", "none/out.obj"},
                                                  {"-o", "out.obj", "--report", "none/report.json"},
                                                  {"-o", "none/out.obj", "--server", "http://127.0.0.1:1"}}) {
@@ -360,7 +360,7 @@ TEST_F(Cli, a_place_that_cannot_be_written_to_is_told_before_the_work) {
   EXPECT_EQ(file_count(), 1u);
 }
 
-TEST_F(Cli, an_interrupt_ends_the_wait_for_input) {
+TEST_F(cli, an_interrupt_ends_the_wait_for_input) {
   ASSERT_EQ(::mkfifo(path("pipe").c_str(), 0600), 0);
   const int writer = ::open(path("pipe").c_str(), O_RDWR);  // keeps the pipe open, and empty
   const pid_t child = start({"pipe", "-o", "out.obj"}, "");

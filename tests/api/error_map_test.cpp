@@ -8,7 +8,7 @@
 namespace remesh::api {
 namespace {
 
-TEST(ErrorMap, every_code_has_the_status_of_the_contract) {
+TEST(error_map, every_code_has_the_status_of_the_contract) {
   const std::map<std::string, int> contract{
       {"malformed_request", 400},      {"malformed_json", 400},   {"malformed_multipart", 400},
       {"invalid_option", 400},         {"unknown_option", 400},   {"not_acceptable", 406},
@@ -25,7 +25,7 @@ TEST(ErrorMap, every_code_has_the_status_of_the_contract) {
   EXPECT_EQ(table, contract);
 }
 
-TEST(ErrorMap, a_problem_says_where) {
+TEST(error_map, a_problem_says_where) {
   Error error(Code::kIndexOutOfRange, Stage::kRead, "face 3 names vertex \"9\"");
   error.at_line(12).at_byte(84).at_element(3).with_limit(8).for_option("repair");
   const Response response = to_response(to_problem(error), "an-id");
@@ -45,7 +45,7 @@ TEST(ErrorMap, a_problem_says_where) {
   EXPECT_EQ(nlohmann::json::parse(response.body), expected);
 }
 
-TEST(ErrorMap, what_does_not_apply_is_left_out) {
+TEST(error_map, what_does_not_apply_is_left_out) {
   Problem not_found;
   not_found.status = 404;
   not_found.code = "not_found";
@@ -54,12 +54,12 @@ TEST(ErrorMap, what_does_not_apply_is_left_out) {
     EXPECT_FALSE(problem.contains(member)) << member;
 }
 
-TEST(ErrorMap, an_unknown_option_is_named_even_where_its_name_is_empty) {
+TEST(error_map, an_unknown_option_is_named_even_where_its_name_is_empty) {
   const Error error = Error(Code::kUnknownOption, Stage::kRead, "there is no option \"\"").for_option("");
   EXPECT_EQ(nlohmann::json::parse(to_response(to_problem(error), "an-id").body)["option"], "");
 }
 
-TEST(ErrorMap, an_internal_error_tells_nothing_of_itself) {
+TEST(error_map, an_internal_error_tells_nothing_of_itself) {
   const Response response = to_response(to_problem(Error(Code::kInternal, Stage::kWeld, "secret at 0x1234")), "an-id");
   EXPECT_EQ(response.body.find("secret"), std::string::npos);
 }

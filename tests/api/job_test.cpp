@@ -38,7 +38,7 @@ RemeshAnswer remesh(Job job, const Limits& limits = {}) {
   return run_remesh_job(std::move(job), limits, control);
 }
 
-TEST(RemeshJob, the_answer_is_the_mesh_in_the_inputs_format_and_its_report) {
+TEST(remesh_job, the_answer_is_the_mesh_in_the_inputs_format_and_its_report) {
   const RemeshAnswer answer = remesh(job_of(kSquare));
   EXPECT_EQ(answer.format, Format::kObj);
   EXPECT_EQ(answer.options.format, Format::kObj);
@@ -49,12 +49,12 @@ TEST(RemeshJob, the_answer_is_the_mesh_in_the_inputs_format_and_its_report) {
   EXPECT_DOUBLE_EQ(again.report.input.area, 1);
 }
 
-TEST(RemeshJob, the_option_goes_before_accept_and_accept_before_the_inputs_format) {
+TEST(remesh_job, the_option_goes_before_accept_and_accept_before_the_inputs_format) {
   EXPECT_EQ(remesh(job_of(kSquare, {}, "model/stl")).format, Format::kStl);
   EXPECT_EQ(remesh(job_of(kSquare, {{"format", "off"}}, "model/stl")).format, Format::kOff);
 }
 
-TEST(RemeshJob, reading_and_writing_are_among_the_times) {
+TEST(remesh_job, reading_and_writing_are_among_the_times) {
   for (const char* format : {"obj", "json"}) {
     const StageTimes times = remesh(job_of(kSquare, {{"format", format}})).times;
     for (const Stage stage : {Stage::kRead, Stage::kTriangulation, Stage::kWrite}) {
@@ -64,7 +64,7 @@ TEST(RemeshJob, reading_and_writing_are_among_the_times) {
   }
 }
 
-TEST(RemeshJob, a_compressed_mesh_is_the_mesh) {
+TEST(remesh_job, a_compressed_mesh_is_the_mesh) {
   RunControl control;
   EXPECT_EQ(remesh(job_of(gzip(kSquare, control))).body, remesh(job_of(kSquare)).body);
 }
@@ -75,7 +75,7 @@ std::string refusal_of(std::string_view mesh, std::optional<Format> named = {}) 
   return error_of([&] { remesh(std::move(job)); }).what();
 }
 
-TEST(RemeshJob, what_is_no_mesh_is_told_as_what_it_was_read_unless_that_was_said) {
+TEST(remesh_job, what_is_no_mesh_is_told_as_what_it_was_read_unless_that_was_said) {
   EXPECT_THAT(refusal_of("some\ntext\n"), EndsWith("; it was read as obj, since it looks like nothing else"));
   EXPECT_THAT(refusal_of("ply\nformat text\n"), EndsWith("; it was read as ply, by its content"));
   EXPECT_THAT(refusal_of(std::string_view("a\0b", 3)), EndsWith("; it was read as stl, by its content"));
@@ -83,7 +83,7 @@ TEST(RemeshJob, what_is_no_mesh_is_told_as_what_it_was_read_unless_that_was_said
   EXPECT_EQ(refusal_of("v 0 0 0\nf 1 2 9\n"), "a face refers to vertex 2, of 1") << "it is OBJ";
 }
 
-TEST(RemeshJob, a_mesh_whose_line_ends_were_lost_on_the_way_is_told_so) {
+TEST(remesh_job, a_mesh_whose_line_ends_were_lost_on_the_way_is_told_so) {
   std::string one_line(kSquare);
   std::erase(one_line, '\n');
   for (const std::string& text : {one_line, "# a comment" + one_line}) {
@@ -94,7 +94,7 @@ TEST(RemeshJob, a_mesh_whose_line_ends_were_lost_on_the_way_is_told_so) {
     EXPECT_THAT(refusal_of(text), Not(HasSubstr("--data-binary"))) << text;
 }
 
-TEST(RemeshJob, the_bound_of_faces_is_the_servers_unless_a_lower_one_is_asked_for) {
+TEST(remesh_job, the_bound_of_faces_is_the_servers_unless_a_lower_one_is_asked_for) {
   Limits limits;
   limits.max_output_faces = 50;
   EXPECT_EQ(remesh(job_of(kSquare), limits).options.core.max_output_faces, 50u);
@@ -112,7 +112,7 @@ TEST(RemeshJob, the_bound_of_faces_is_the_servers_unless_a_lower_one_is_asked_fo
   EXPECT_EQ(remesh(job_of(kSquare), limits).options.core.max_output_faces, 10u);
 }
 
-TEST(RemeshJob, the_face_under_each_face_is_found_where_it_is_told_or_asked_for) {
+TEST(remesh_job, the_face_under_each_face_is_found_where_it_is_told_or_asked_for) {
   const auto sources = [](const char* format, Purpose wanted) {
     RunControl control;
     return remesh_for_job(job_of(kSquare, {{"format", format}}), {}, wanted, control).result.face_source.size();
@@ -122,13 +122,13 @@ TEST(RemeshJob, the_face_under_each_face_is_found_where_it_is_told_or_asked_for)
   EXPECT_EQ(sources("obj", Purpose::kKeeping), 2u);
 }
 
-TEST(RemeshJob, a_stop_ends_it) {
+TEST(remesh_job, a_stop_ends_it) {
   RunControl control;
   control.cancel();
   EXPECT_EQ(error_of([&] { run_remesh_job(job_of(kSquare), {}, control); }).code, Code::kCancelled);
 }
 
-TEST(AnalyzeJob, an_analysis_remeshes_nothing_and_is_json_whatever_the_input) {
+TEST(analyze_job, an_analysis_remeshes_nothing_and_is_json_whatever_the_input) {
   RunControl control;
   const AnalysisAnswer answer = run_analyze_job(job_of(kSquare), {}, control);
   EXPECT_EQ(answer.options.format, Format::kJson);
@@ -157,19 +157,19 @@ Report told_report() {
   return report;
 }
 
-TEST(Summary, it_counts_faces_patches_and_warnings_in_one_line) {
+TEST(summary, it_counts_faces_patches_and_warnings_in_one_line) {
   EXPECT_EQ(summary_line(summary_of(told_report())),
             "input_faces=12, output_faces=3456, patches=3, kept=1, min_angle_deg=17.25, verified=0, warnings=1");
 }
 
-TEST(Summary, it_names_the_origin_last_and_without_commas) {
+TEST(summary, it_names_the_origin_last_and_without_commas) {
   Report report = told_report();
   report.output_origin = Vec3{453016, -0.25, 0};
   EXPECT_THAT(summary_line(summary_of(report)), EndsWith(", warnings=1, origin=453016 -0.25 0"));
   EXPECT_EQ(summary_comments(summary_of(report))[0], "remeshd " + std::string(version()) + ", origin 453016 -0.25 0");
 }
 
-TEST(Summary, only_what_holds_in_every_respect_is_verified) {
+TEST(summary, only_what_holds_in_every_respect_is_verified) {
   Report report = told_report();
   report.verified.quality = std::nullopt;
   EXPECT_THAT(summary_line(summary_of(report)), HasSubstr("verified=1,"));
@@ -177,13 +177,13 @@ TEST(Summary, only_what_holds_in_every_respect_is_verified) {
   EXPECT_THAT(summary_line(summary_of(report)), HasSubstr("verified=0,"));
 }
 
-TEST(Summary, comments_are_a_line_each_whatever_a_message_holds) {
+TEST(summary, comments_are_a_line_each_whatever_a_message_holds) {
   EXPECT_THAT(summary_comments(summary_of(told_report())),
               ElementsAre("remeshd " + std::string(version()), summary_line(summary_of(told_report())),
                           "warning: duplicate_face: 4: first second third", "unrefined: size_floor: 7"));
 }
 
-TEST(Summary, the_report_by_itself_is_the_one_of_the_json_answer_but_for_its_times) {
+TEST(summary, the_report_by_itself_is_the_one_of_the_json_answer_but_for_its_times) {
   RunControl control;
   const RemeshAnswer answer = remesh(job_of(kSquare, {{"format", "json"}}));
   const std::string document = report_document(answer, control);

@@ -46,7 +46,7 @@ std::string mesh(std::string_view vertices, std::string_view faces, std::string_
 constexpr std::string_view kVertices = "[[0,0,0],[1,0,0],[0,1,0]]";
 constexpr std::string_view kFaces = "[[0,1,2]]";
 
-TEST(JsonReader, a_bare_mesh_is_read) {
+TEST(json_reader, a_bare_mesh_is_read) {
   const PolygonMesh mesh = read(kSquare).result.mesh;
   EXPECT_EQ(mesh.vertex_count(), 4u);
   EXPECT_EQ(mesh.positions[VertexId(2)], (Vec3{1, 1, 0}));
@@ -55,7 +55,7 @@ TEST(JsonReader, a_bare_mesh_is_read) {
   EXPECT_FALSE(mesh.labels.group.is_used());
 }
 
-TEST(JsonReader, a_mesh_beside_its_options_is_read_in_any_order_of_keys) {
+TEST(json_reader, a_mesh_beside_its_options_is_read_in_any_order_of_keys) {
   for (
       const std::string_view text :
       {R"({"mesh":{"faces":[[0,1,2]],"vertices":[[0,0,0],[1,0,0],[0,1,0]]},"options":{"plane_tolerance":1e-5,"repair":["winding","degenerate"],"reference_axis":[0,0,1]}})",
@@ -70,7 +70,7 @@ TEST(JsonReader, a_mesh_beside_its_options_is_read_in_any_order_of_keys) {
   }
 }
 
-TEST(JsonReader, a_list_of_words_with_signs_changes_the_default) {
+TEST(json_reader, a_list_of_words_with_signs_changes_the_default) {
   const auto repair = [](const std::string& value) {
     return read(mesh(kVertices, kFaces, ",\"options\":{\"repair\":" + value + "}")).options.core.repair;
   };
@@ -82,7 +82,7 @@ TEST(JsonReader, a_list_of_words_with_signs_changes_the_default) {
   EXPECT_EQ(error_of(R"({"options":{"repair":["+inside_out","winding"]}})").code, Code::kInvalidOption);
 }
 
-TEST(JsonReader, coordinates_come_back_bit_for_bit) {
+TEST(json_reader, coordinates_come_back_bit_for_bit) {
   std::mt19937_64 random(20240607);
   nlohmann::json document{{"vertices", nlohmann::json::array()}, {"faces", {{0, 1, 2}}}};
   std::vector<double> values{0.1, -0.0, 5e-324, 1.7976931348623157e308, 9007199254740993.0, 2.2250738585072011e-308};
@@ -101,21 +101,21 @@ TEST(JsonReader, coordinates_come_back_bit_for_bit) {
   }
 }
 
-TEST(JsonReader, integers_are_coordinates_too) {
+TEST(json_reader, integers_are_coordinates_too) {
   const PolygonMesh mesh =
       read(R"({"vertices":[[-3,18446744073709551615,-9223372036854775808],[1,0,0],[0,1e2,0]],"faces":[[0,1,2]]})")
           .result.mesh;
   EXPECT_EQ(mesh.positions[VertexId(0)], (Vec3{-3, 18446744073709551615.0, -9223372036854775808.0}));
 }
 
-TEST(JsonReader, face_groups_become_group_labels) {
+TEST(json_reader, face_groups_become_group_labels) {
   const PolygonMesh mesh =
       read(::remesh::api::mesh(kVertices, "[[0,1,2],[0,2,1],[1,2,0]]", R"(,"face_groups":[7,-2,7])")).result.mesh;
   EXPECT_THAT(mesh.labels.group.names, ElementsAre("7", "-2"));
   EXPECT_THAT(mesh.labels.group.of_face.items(), ElementsAre(0u, 1u, 0u));
 }
 
-TEST(JsonReader, whole_numbers_are_integers_however_they_are_written) {
+TEST(json_reader, whole_numbers_are_integers_however_they_are_written) {
   const PolygonMesh got =
       read(mesh(kVertices, "[[0.0,1e0,20e-1],[-0.0,1,2]]", R"(,"face_groups":[-7,-7.0])")).result.mesh;
   EXPECT_THAT(got.corners, ElementsAre(VertexId(0), VertexId(1), VertexId(2), VertexId(0), VertexId(1), VertexId(2)));
@@ -125,7 +125,7 @@ TEST(JsonReader, whole_numbers_are_integers_however_they_are_written) {
     EXPECT_EQ(error_of(mesh(kVertices, "[[0,1," + std::string(index) + "]]")).code, Code::kIndexOutOfRange) << index;
 }
 
-TEST(JsonReader, keys_that_are_not_understood_are_skipped_and_counted) {
+TEST(json_reader, keys_that_are_not_understood_are_skipped_and_counted) {
   const Read got = read(mesh(kVertices, kFaces, R"(,"uv":[[0,1],{"a":[true,null,"x"]}],"name":"part","n":3)"));
   ASSERT_EQ(got.result.diagnostics.size(), 1u);
   EXPECT_EQ(got.result.diagnostics[0].code, DiagnosticCode::kAttributeDropped);
@@ -134,7 +134,7 @@ TEST(JsonReader, keys_that_are_not_understood_are_skipped_and_counted) {
   EXPECT_EQ(got.result.mesh.face_count(), 1u);
 }
 
-TEST(JsonReader, what_is_not_json_is_located) {
+TEST(json_reader, what_is_not_json_is_located) {
   const Error error = error_of("{\"vertices\":\n[[0,0,0],\n[1,0,,0]]}");
   EXPECT_EQ(error.code, Code::kMalformedJson);
   EXPECT_EQ(error.line, 3u);
@@ -144,27 +144,27 @@ TEST(JsonReader, what_is_not_json_is_located) {
   }
 }
 
-TEST(JsonReader, every_truncation_is_an_error) {
+TEST(json_reader, every_truncation_is_an_error) {
   for (std::size_t length = 0; length < kSquare.size(); ++length) {
     EXPECT_EQ(error_of(kSquare.substr(0, length)).code, Code::kMalformedJson) << length;
   }
 }
 
-TEST(JsonReader, deep_nesting_is_refused_at_any_place) {
+TEST(json_reader, deep_nesting_is_refused_at_any_place) {
   const std::string deep(1 << 20, '[');
   EXPECT_EQ(error_of("{\"x\":" + deep).code, Code::kMalformedJson);
   EXPECT_EQ(error_of("{\"mesh\":{\"x\":" + deep).code, Code::kMalformedJson);
   EXPECT_EQ(error_of(deep).code, Code::kInvalidMesh);
 }
 
-TEST(JsonReader, a_doubled_key_is_refused) {
+TEST(json_reader, a_doubled_key_is_refused) {
   EXPECT_EQ(error_of(mesh(kVertices, kFaces, ",\"faces\":[]")).code, Code::kMalformedJson);
   EXPECT_EQ(error_of(R"({"mesh":{},"mesh":{}})").code, Code::kMalformedJson);
   EXPECT_EQ(error_of(R"({"mesh":{"vertices":[]},"vertices":[]})").code, Code::kMalformedJson);
   EXPECT_EQ(error_of(R"({"options":{"refine":false,"refine":false}})").code, Code::kInvalidOption);
 }
 
-TEST(JsonReader, a_wrong_shape_names_its_element) {
+TEST(json_reader, a_wrong_shape_names_its_element) {
   struct Case {
     std::string text;
     std::optional<std::uint64_t> element;
@@ -201,7 +201,7 @@ TEST(JsonReader, a_wrong_shape_names_its_element) {
   }
 }
 
-TEST(JsonReader, what_is_missing_is_told_with_the_last_line) {
+TEST(json_reader, what_is_missing_is_told_with_the_last_line) {
   for (const std::string_view text : {"{\n\"faces\": [[0,1,2]]\n}", "{\n\"vertices\": [[0,0,0]]\n}", "{\n\n}"}) {
     const Error error = error_of(text);
     EXPECT_EQ(error.code, Code::kInvalidMesh) << text;
@@ -209,7 +209,7 @@ TEST(JsonReader, what_is_missing_is_told_with_the_last_line) {
   }
 }
 
-TEST(JsonReader, an_index_out_of_range_names_its_face) {
+TEST(json_reader, an_index_out_of_range_names_its_face) {
   for (const std::string_view bad :
        {"3", "-1", "4294967295", "4294967296", "18446744073709551615", "99999999999999999999"}) {
     const Error error = error_of(mesh(kVertices, "[[0,1,2],[0,1," + std::string(bad) + "]]"));
@@ -218,12 +218,12 @@ TEST(JsonReader, an_index_out_of_range_names_its_face) {
   }
 }
 
-TEST(JsonReader, indices_are_held_against_vertices_that_come_later) {
+TEST(json_reader, indices_are_held_against_vertices_that_come_later) {
   EXPECT_EQ(read(R"({"faces":[[2,1,0]],"vertices":[[0,0,0],[1,0,0],[0,1,0]]})").result.mesh.face_count(), 1u);
   EXPECT_EQ(error_of(R"({"faces":[[3,1,0]],"vertices":[[0,0,0],[1,0,0],[0,1,0]]})").code, Code::kIndexOutOfRange);
 }
 
-TEST(JsonReader, coordinates_that_are_not_finite_name_their_vertex) {
+TEST(json_reader, coordinates_that_are_not_finite_name_their_vertex) {
   for (const std::string_view bad : {"1e999", "-1e999", "NaN", "Infinity", "-Infinity"}) {
     const Error error = error_of(mesh("[[0,0,0],[0," + std::string(bad) + ",0]]", kFaces));
     EXPECT_EQ(error.code, Code::kNonfiniteCoordinate) << bad;
@@ -231,12 +231,12 @@ TEST(JsonReader, coordinates_that_are_not_finite_name_their_vertex) {
   }
 }
 
-TEST(JsonReader, a_mesh_without_faces_is_empty) {
+TEST(json_reader, a_mesh_without_faces_is_empty) {
   EXPECT_EQ(error_of(mesh("[]", "[]")).code, Code::kEmptyMesh);
   EXPECT_EQ(error_of(mesh(kVertices, "[]")).code, Code::kEmptyMesh);
 }
 
-TEST(JsonReader, limits_hold_exactly) {
+TEST(json_reader, limits_hold_exactly) {
   EXPECT_NO_THROW(read(kSquare, {4, 1}));
   const Error vertices = error_of(kSquare, {3, 1});
   EXPECT_EQ(vertices.code, Code::kMeshTooLarge);
@@ -246,7 +246,7 @@ TEST(JsonReader, limits_hold_exactly) {
   EXPECT_EQ(faces.limit, 0u);
 }
 
-TEST(JsonReader, options_inside_are_checked_as_any_others) {
+TEST(json_reader, options_inside_are_checked_as_any_others) {
   const auto code = [](const std::string& options) { return error_of("{\"options\":" + options + "}").code; };
   EXPECT_EQ(code(R"({"plane_tol":1})"), Code::kUnknownOption);
   EXPECT_EQ(code(R"({"plane_tolerance":"1"})"), Code::kInvalidOption);
@@ -258,7 +258,7 @@ TEST(JsonReader, options_inside_are_checked_as_any_others) {
   for (const char* no_object : {"3", "null", "[]", "\"refine\""}) EXPECT_EQ(code(no_object), Code::kInvalidOption);
 }
 
-TEST(JsonReader, options_beside_the_arrays_count_whether_the_mesh_is_bare_or_not) {
+TEST(json_reader, options_beside_the_arrays_count_whether_the_mesh_is_bare_or_not) {
   const std::string with_options = mesh(kVertices, kFaces, R"(,"options":{"refine":false})");
   for (const std::string& text : {with_options, "{\"mesh\":" + with_options + "}"}) {
     const Read got = read(text);
@@ -268,7 +268,7 @@ TEST(JsonReader, options_beside_the_arrays_count_whether_the_mesh_is_bare_or_not
   EXPECT_EQ(error_of("{\"mesh\":" + with_options + R"(,"options":{}})").code, Code::kMalformedJson);
 }
 
-TEST(JsonReader, an_options_document_alone_is_read) {
+TEST(json_reader, an_options_document_alone_is_read) {
   RunControl control;
   OptionReader options;
   read_json_options(R"({"keep_boundary_vertices":true,"format":"json"})", control, options);
@@ -280,7 +280,7 @@ TEST(JsonReader, an_options_document_alone_is_read) {
   }
 }
 
-TEST(JsonReader, any_single_changed_byte_gives_a_mesh_or_a_typed_error) {
+TEST(json_reader, any_single_changed_byte_gives_a_mesh_or_a_typed_error) {
   std::string text(
       R"({"mesh":{"vertices":[[0,0.5,0],[1e2,0,0],[0,1,-0]],"faces":[[0,1,2]],"face_groups":[4]},"options":{"repair":["winding"]}})");
   const std::string original = text;
@@ -301,7 +301,7 @@ TEST(JsonReader, any_single_changed_byte_gives_a_mesh_or_a_typed_error) {
   EXPECT_GT(read_whole, 0u);
 }
 
-TEST(JsonReader, a_stop_is_obeyed) {
+TEST(json_reader, a_stop_is_obeyed) {
   std::string many = "{\"vertices\":[";
   for (int i = 0; i < 10000; ++i) many += "[0,0,0],";
   RunControl control;

@@ -23,7 +23,7 @@ std::string string(std::string_view value) {
   return json.take();
 }
 
-TEST(JsonWriter, commas_stand_between_and_nowhere_else) {
+TEST(json_writer, commas_stand_between_and_nowhere_else) {
   JsonWriter json;
   json.begin_object();
   json.key("a");
@@ -44,7 +44,7 @@ TEST(JsonWriter, commas_stand_between_and_nowhere_else) {
   EXPECT_EQ(json.take(), R"({"a":[],"b":[1,-2,{},null,true],"c":"x"})");
 }
 
-TEST(JsonWriter, numbers_are_short_and_read_back_to_the_same_bits) {
+TEST(json_writer, numbers_are_short_and_read_back_to_the_same_bits) {
   EXPECT_EQ(number(0.1), "0.1");
   EXPECT_EQ(number(2), "2");
   EXPECT_EQ(number(-0.0), "-0.0");
@@ -57,25 +57,25 @@ TEST(JsonWriter, numbers_are_short_and_read_back_to_the_same_bits) {
   }
 }
 
-TEST(JsonWriter, what_is_not_finite_is_null) {
+TEST(json_writer, what_is_not_finite_is_null) {
   EXPECT_EQ(number(std::numeric_limits<double>::infinity()), "null");
   EXPECT_EQ(number(std::nan("")), "null");
 }
 
-TEST(JsonWriter, the_smallest_integer_keeps_its_value) {
+TEST(json_writer, the_smallest_integer_keeps_its_value) {
   JsonWriter json;
   json.signed_integer(std::numeric_limits<std::int64_t>::min());
   EXPECT_EQ(json.take(), "-9223372036854775808");
 }
 
-TEST(JsonWriter, strings_are_escaped_and_read_back) {
+TEST(json_writer, strings_are_escaped_and_read_back) {
   for (const std::string_view text :
        {"", "plain", "\"quoted\" \\ back", "line\nline\r\t\x01\x7f", "gr\xc3\xbc\xc3\x9f", "\xf0\x9f\x98\x80"}) {
     EXPECT_EQ(nlohmann::json::parse(string(text)).get<std::string>(), text);
   }
 }
 
-TEST(JsonWriter, bytes_that_are_no_utf8_are_replaced) {
+TEST(json_writer, bytes_that_are_no_utf8_are_replaced) {
   EXPECT_EQ(string("a\xff"
                    "b"),
             "\"a\xEF\xBF\xBD"

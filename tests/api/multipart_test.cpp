@@ -23,7 +23,7 @@ void expect_malformed(std::string_view body, std::string_view type = kType) {
   }
 }
 
-TEST(Multipart, parts_are_taken_apart_with_their_bytes_untouched) {
+TEST(multipart, parts_are_taken_apart_with_their_bytes_untouched) {
   const std::vector<FormPart> parts = parse_multipart(kBody, kType);
   ASSERT_EQ(parts.size(), 2u);
   EXPECT_EQ(parts[0].name, "mesh");
@@ -35,17 +35,17 @@ TEST(Multipart, parts_are_taken_apart_with_their_bytes_untouched) {
   EXPECT_EQ(parts[1].content_type, "");
 }
 
-TEST(Multipart, a_preamble_and_an_epilogue_are_ignored) {
+TEST(multipart, a_preamble_and_an_epilogue_are_ignored) {
   EXPECT_EQ(parse_multipart("to be ignored\r\n" + kBody + "and this", kType).size(), 2u);
 }
 
-TEST(Multipart, an_empty_part_is_empty) {
+TEST(multipart, an_empty_part_is_empty) {
   const std::vector<FormPart> parts = parse_multipart("--XX\r\n" + kMeshHead + "\r\n--XX--", kType);
   ASSERT_EQ(parts.size(), 1u);
   EXPECT_EQ(parts[0].content, "");
 }
 
-TEST(Multipart, any_bytes_may_be_in_a_part) {
+TEST(multipart, any_bytes_may_be_in_a_part) {
   std::string bytes;
   for (int i = 0; i < 256; ++i) bytes += static_cast<char>(i);
   bytes += "\r\n--X\r\n-\r\n--Y";
@@ -55,14 +55,14 @@ TEST(Multipart, any_bytes_may_be_in_a_part) {
   EXPECT_EQ(parts[0].content, bytes);
 }
 
-TEST(Multipart, a_boundary_may_be_quoted) {
+TEST(multipart, a_boundary_may_be_quoted) {
   EXPECT_EQ(
       parse_multipart("--a;b\r\n" + kMeshHead + "x\r\n--a;b--", "Multipart/Form-Data; charset=x; Boundary=\"a;b\"")
           .size(),
       1u);
 }
 
-TEST(Multipart, a_bad_boundary_is_refused) {
+TEST(multipart, a_bad_boundary_is_refused) {
   for (const std::string_view type : {"multipart/form-data", "multipart/form-data; boundary=",
                                       "multipart/form-data; boundary=\"X", "multipart/form-data; boundary"}) {
     expect_malformed(kBody, type);
@@ -71,13 +71,13 @@ TEST(Multipart, a_bad_boundary_is_refused) {
   expect_malformed(kBody, "multipart/form-data; boundary=YY");
 }
 
-TEST(Multipart, every_truncation_is_refused) {
+TEST(multipart, every_truncation_is_refused) {
   const std::size_t whole = kBody.size() - 2;  // the last line end may be missing
   for (std::size_t length = 0; length < whole; ++length) expect_malformed(std::string_view(kBody).substr(0, length));
   EXPECT_EQ(parse_multipart(std::string_view(kBody).substr(0, whole), kType).size(), 2u);
 }
 
-TEST(Multipart, what_is_not_allowed_is_refused) {
+TEST(multipart, what_is_not_allowed_is_refused) {
   const auto part = [](const std::string& head) { return "--XX\r\n" + head + "\r\nx\r\n--XX--\r\n"; };
   expect_malformed(part(""));
   expect_malformed(part("Content-Type: model/obj\r\n"));
@@ -95,13 +95,13 @@ TEST(Multipart, what_is_not_allowed_is_refused) {
       1u);
 }
 
-TEST(Multipart, parts_are_bounded) {
+TEST(multipart, parts_are_bounded) {
   std::string body;
   for (int i = 0; i < 9; ++i) body += "--XX\r\nContent-Disposition: form-data; name=a\r\n\r\nx\r\n";
   expect_malformed(body + "--XX--");
 }
 
-TEST(HeaderParameter, quotes_semicolons_and_backslashes_are_kept_apart) {
+TEST(header_parameter, quotes_semicolons_and_backslashes_are_kept_apart) {
   const std::string_view value = R"(form-data; name="a;b"; filename="C:\temp\x\"y.obj" ; other=1)";
   EXPECT_EQ(header_parameter(value, "name"), "a;b");
   EXPECT_EQ(header_parameter(value, "filename"), R"(C:\temp\x"y.obj)");

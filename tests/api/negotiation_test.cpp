@@ -19,7 +19,7 @@ bool is_refused(std::string_view accept, Format input = Format::kObj) {
   return false;
 }
 
-TEST(Negotiation, a_content_type_names_a_format_whatever_its_case_and_parameters) {
+TEST(negotiation, a_content_type_names_a_format_whatever_its_case_and_parameters) {
   EXPECT_EQ(format_of_content_type("model/obj"), Format::kObj);
   EXPECT_EQ(format_of_content_type("Application/JSON ; charset=utf-8"), Format::kJson);
   EXPECT_EQ(format_of_content_type("model/stl"), Format::kStl);
@@ -29,13 +29,13 @@ TEST(Negotiation, a_content_type_names_a_format_whatever_its_case_and_parameters
   }
 }
 
-TEST(Negotiation, without_a_named_format_the_content_tells) {
+TEST(negotiation, without_a_named_format_the_content_tells) {
   EXPECT_EQ(choose_input_format({}, "# a comment\nv 0 0 0\n"), Format::kObj);
   EXPECT_EQ(choose_input_format({}, " \n{\"vertices\":[]}"), Format::kJson);
   EXPECT_EQ(choose_input_format(Format::kObj, "{"), Format::kObj);
 }
 
-TEST(Negotiation, a_format_that_is_not_read_is_an_unsupported_media_type) {
+TEST(negotiation, a_format_that_is_not_read_is_an_unsupported_media_type) {
   for (const auto& [named, content] : {std::pair<std::optional<Format>, std::string_view>(Format::kVtu, "v 0 0 0"),
                                        {Format::kMsh, "ply\nformat ascii 1.0\n"}}) {
     try {
@@ -47,7 +47,7 @@ TEST(Negotiation, a_format_that_is_not_read_is_an_unsupported_media_type) {
   }
 }
 
-TEST(Negotiation, a_file_of_another_kind_is_told_what_it_is_unless_a_format_is_named) {
+TEST(negotiation, a_file_of_another_kind_is_told_what_it_is_unless_a_format_is_named) {
   const Error error = test::error_of([] { choose_input_format({}, "PK\x03\x04 a 3MF"); });
   EXPECT_EQ(error.code, Code::kUnsupportedMediaType);
   EXPECT_STREQ(error.what(),
@@ -55,12 +55,12 @@ TEST(Negotiation, a_file_of_another_kind_is_told_what_it_is_unless_a_format_is_n
   EXPECT_EQ(choose_input_format(Format::kObj, "# vtk DataFile of old\nv 0 0 0\n"), Format::kObj);
 }
 
-TEST(Negotiation, the_option_wins_over_accept) {
+TEST(negotiation, the_option_wins_over_accept) {
   EXPECT_EQ(choose_output_format(Format::kObj, "application/json", Format::kJson), Format::kObj);
   EXPECT_EQ(choose_output_format(Format::kVtu, "model/obj", Format::kObj), Format::kVtu);
 }
 
-TEST(Negotiation, anything_counts_as_absent) {
+TEST(negotiation, anything_counts_as_absent) {
   for (const std::string_view any : {"", " ", "*/*", "text/html, */*;q=0.8", "*/*;q=0.1"}) {
     EXPECT_EQ(output(any, Format::kObj), Format::kObj) << any;
     EXPECT_EQ(output(any, Format::kJson), Format::kJson) << any;
@@ -68,7 +68,7 @@ TEST(Negotiation, anything_counts_as_absent) {
   EXPECT_EQ(output("application/json, text/plain, */*"), Format::kJson);
 }
 
-TEST(Negotiation, the_heaviest_of_the_named_is_taken) {
+TEST(negotiation, the_heaviest_of_the_named_is_taken) {
   EXPECT_EQ(output("model/obj;q=0.5, application/json"), Format::kJson);
   EXPECT_EQ(output("application/json;q=0.2,model/obj ; Q=0.3", Format::kJson), Format::kObj);
   EXPECT_EQ(output("application/json, model/obj"), Format::kObj);
@@ -78,20 +78,20 @@ TEST(Negotiation, the_heaviest_of_the_named_is_taken) {
   EXPECT_EQ(output("model/step, application/json;q=0.1"), Format::kJson);
 }
 
-TEST(Negotiation, anything_outweighs_what_is_named_with_less) {
+TEST(negotiation, anything_outweighs_what_is_named_with_less) {
   EXPECT_EQ(output("application/json;q=0.2, */*;q=0.9"), Format::kObj);
   EXPECT_EQ(output("application/json;q=0.2, */*;q=0.9", Format::kJson), Format::kObj);
   EXPECT_EQ(output("application/json;q=0.9, */*;q=0.9"), Format::kJson);
 }
 
-TEST(Negotiation, what_cannot_be_written_is_not_acceptable) {
+TEST(negotiation, what_cannot_be_written_is_not_acceptable) {
   EXPECT_TRUE(is_refused("model/step"));
   EXPECT_TRUE(is_refused("text/html"));
   EXPECT_TRUE(is_refused("application/json;q=0"));
   EXPECT_TRUE(is_refused("*/*;q=0"));
 }
 
-TEST(Negotiation, a_weight_of_nothing_refuses_a_format) {
+TEST(negotiation, a_weight_of_nothing_refuses_a_format) {
   EXPECT_EQ(output("model/obj;q=0, */*"), Format::kJson);
   EXPECT_EQ(output("application/json;q=0, */*", Format::kJson), Format::kObj);
 }

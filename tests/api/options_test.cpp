@@ -28,7 +28,7 @@ void expect_invalid(std::string_view name, std::string_view text, ValueKind kind
   EXPECT_EQ(error.option, name);
 }
 
-TEST(Options, the_table_has_every_option_of_the_contract_with_its_default) {
+TEST(options, the_table_has_every_option_of_the_contract_with_its_default) {
   const std::map<std::string_view, std::string> contract{{"refine", "true"},
                                                          {"min_angle_deg", "25"},
                                                          {"max_radius_edge_ratio", "none"},
@@ -54,7 +54,7 @@ TEST(Options, the_table_has_every_option_of_the_contract_with_its_default) {
   EXPECT_EQ(table, contract);
 }
 
-TEST(Options, what_is_left_open_gets_the_value_that_is_used) {
+TEST(options, what_is_left_open_gets_the_value_that_is_used) {
   const auto used = [](std::initializer_list<std::pair<std::string_view, std::string_view>> given) {
     OptionReader reader;
     for (const auto& [name, text] : given) reader.add(name, text);
@@ -73,7 +73,7 @@ TEST(Options, what_is_left_open_gets_the_value_that_is_used) {
   EXPECT_EQ(used({{"refine", "false"}, {"proximity", "1"}}).gradation, std::nullopt);
 }
 
-TEST(Options, every_option_reads_its_example_and_shows_it_again) {
+TEST(options, every_option_reads_its_example_and_shows_it_again) {
   for (const OptionSpec& spec : option_table()) {
     SCOPED_TRACE(spec.name);
     const RequestOptions options = read(spec.name, spec.example);
@@ -83,7 +83,7 @@ TEST(Options, every_option_reads_its_example_and_shows_it_again) {
   }
 }
 
-TEST(Options, an_option_sets_its_own_field_only) {
+TEST(options, an_option_sets_its_own_field_only) {
   for (const OptionSpec& spec : option_table()) {
     const RequestOptions options = read(spec.name, spec.example);
     for (const OptionSpec& other : option_table()) {
@@ -94,13 +94,13 @@ TEST(Options, an_option_sets_its_own_field_only) {
   }
 }
 
-TEST(Options, numbers_are_correctly_rounded) {
+TEST(options, numbers_are_correctly_rounded) {
   EXPECT_EQ(read("plane_tolerance", "0.1").core.plane_tolerance, 0.1);
   EXPECT_EQ(read("plane_tolerance", "2.2250738585072011e-308").core.plane_tolerance, 2.2250738585072011e-308);
   EXPECT_EQ(read("max_output_faces", "18446744073709551615").core.max_output_faces, 18446744073709551615u);
 }
 
-TEST(Options, a_word_unsets_what_may_be_unset) {
+TEST(options, a_word_unsets_what_may_be_unset) {
   EXPECT_EQ(read("plane_tolerance", "auto").core.plane_tolerance, std::nullopt);
   EXPECT_EQ(read("max_area", "none").core.max_area, std::nullopt);
   EXPECT_EQ(read("max_area", "null", ValueKind::kNull).core.max_area, std::nullopt);
@@ -111,7 +111,7 @@ TEST(Options, a_word_unsets_what_may_be_unset) {
   expect_invalid("proximity", "null", ValueKind::kNull);
 }
 
-TEST(Options, what_is_no_number_is_refused) {
+TEST(options, what_is_no_number_is_refused) {
   for (const std::string_view text :
        {"", " ", "1 ", " 1", "1x", "0x10", "nan", "NaN", "inf", "-inf", "1e999", "1,5", "true"}) {
     expect_invalid("plane_tolerance", text);
@@ -122,13 +122,13 @@ TEST(Options, what_is_no_number_is_refused) {
     expect_invalid("max_output_faces", text);
 }
 
-TEST(Options, whole_numbers_are_integers_however_they_are_written) {
+TEST(options, whole_numbers_are_integers_however_they_are_written) {
   for (const std::string_view text : {"1000", "1000.0", "1e3", "1E+3", "0.1e4"})
     EXPECT_EQ(read("max_output_faces", text).core.max_output_faces, 1000u) << text;
   EXPECT_EQ(read("max_output_faces", "9007199254740992.0").core.max_output_faces, std::uint64_t{1} << 53);
 }
 
-TEST(Options, ranges_hold_at_their_ends) {
+TEST(options, ranges_hold_at_their_ends) {
   EXPECT_EQ(read("min_angle_deg", "0").core.min_angle_deg, 0.0);
   EXPECT_EQ(read("min_angle_deg", "33").core.min_angle_deg, 33.0);
   expect_invalid("min_angle_deg", "33.000001");
@@ -145,12 +145,12 @@ TEST(Options, ranges_hold_at_their_ends) {
   expect_invalid("proximity", "-0.5");
 }
 
-TEST(Options, booleans_are_true_or_false) {
+TEST(options, booleans_are_true_or_false) {
   EXPECT_FALSE(read("split_boundaries", "false").core.split_boundaries);
   for (const std::string_view text : {"True", "1", "yes", "", "truee"}) expect_invalid("split_boundaries", text);
 }
 
-TEST(Options, words_are_read_in_any_order_each_once) {
+TEST(options, words_are_read_in_any_order_each_once) {
   const Repair repair = read("repair", "inside_out,duplicates").core.repair;
   EXPECT_EQ(repair, (Repair{.duplicates = true,
                             .degenerate = false,
@@ -165,7 +165,7 @@ TEST(Options, words_are_read_in_any_order_each_once) {
   }
 }
 
-TEST(Options, words_with_signs_change_the_default) {
+TEST(options, words_with_signs_change_the_default) {
   Repair more;
   more.inside_out = true;
   Repair less;
@@ -187,7 +187,7 @@ TEST(Options, words_with_signs_change_the_default) {
   EXPECT_EQ(read("barriers", "-object,-group,-material").core.barriers, (Barriers{false, false, false}));
 }
 
-TEST(Options, words_with_signs_and_words_without_do_not_mix) {
+TEST(options, words_with_signs_and_words_without_do_not_mix) {
   for (const std::string_view text : {"+inside_out,seams", "winding,-seams", "duplicates, inside_out"}) {
     expect_invalid("repair", text);
     EXPECT_THAT(error_of([&] { read("repair", text); }).what(), HasSubstr("mixes words with a sign")) << text;
@@ -197,7 +197,7 @@ TEST(Options, words_with_signs_and_words_without_do_not_mix) {
     expect_invalid("repair", text);
 }
 
-TEST(Options, a_word_that_is_not_known_is_an_error_that_names_those_that_are) {
+TEST(options, a_word_that_is_not_known_is_an_error_that_names_those_that_are) {
   for (const std::string_view text : {"+union", "-holes", "imprint", "winding,self_intersections", " union"}) {
     expect_invalid("repair", text);
     const Error error = error_of([&] { read("repair", text); });
@@ -206,7 +206,7 @@ TEST(Options, a_word_that_is_not_known_is_an_error_that_names_those_that_are) {
   }
 }
 
-TEST(Options, the_axis_is_a_word_or_a_direction) {
+TEST(options, the_axis_is_a_word_or_a_direction) {
   EXPECT_EQ(read("reference_axis", "x").core.reference_axis, ReferenceAxis::kX);
   const Options given = read("reference_axis", "0,-1,2.5").core;
   EXPECT_EQ(given.reference_axis, ReferenceAxis::kGiven);
@@ -216,7 +216,7 @@ TEST(Options, the_axis_is_a_word_or_a_direction) {
   }
 }
 
-TEST(Options, json_types_must_fit) {
+TEST(options, json_types_must_fit) {
   EXPECT_EQ(read("plane_tolerance", "0.5", ValueKind::kNumber).core.plane_tolerance, 0.5);
   expect_invalid("plane_tolerance", "0.5", ValueKind::kString);
   expect_invalid("split_boundaries", "true", ValueKind::kString);
@@ -227,7 +227,7 @@ TEST(Options, json_types_must_fit) {
   EXPECT_EQ(read("repair", "winding", ValueKind::kList).core.repair.winding, true);
 }
 
-TEST(Options, an_unknown_option_names_the_nearest) {
+TEST(options, an_unknown_option_names_the_nearest) {
   const std::map<std::string_view, std::string_view> nearest{
       {"min_angle", "min_angle_deg"}, {"max_edge_lenght", "max_edge_length"}, {"Refine", "refine"}};
   for (const auto& [wrong, right] : nearest) {
@@ -238,19 +238,19 @@ TEST(Options, an_unknown_option_names_the_nearest) {
   }
 }
 
-TEST(Options, an_unknown_option_of_any_length_is_refused_with_a_short_message) {
+TEST(options, an_unknown_option_of_any_length_is_refused_with_a_short_message) {
   const Error error = error_of([] { read(std::string(1 << 20, 'x'), "1"); });
   EXPECT_EQ(error.code, Code::kUnknownOption);
   EXPECT_LT(std::string_view(error.what()).size(), 300u);
 }
 
-TEST(Options, a_nul_in_a_value_does_not_cut_off_the_message) {
+TEST(options, a_nul_in_a_value_does_not_cut_off_the_message) {
   using namespace std::string_view_literals;
   const Error error = error_of([] { read("repair", "a\0b"sv, ValueKind::kString); });
   EXPECT_NE(std::string_view(error.what()).find("not \"a\\u0000b\""), std::string_view::npos) << error.what();
 }
 
-TEST(Options, a_doubled_option_is_refused) {
+TEST(options, a_doubled_option_is_refused) {
   OptionReader reader;
   reader.add("refine", "false");
   const Error error = error_of([&] { reader.add("refine", "false"); });
@@ -258,7 +258,7 @@ TEST(Options, a_doubled_option_is_refused) {
   EXPECT_EQ(error.option, "refine");
 }
 
-TEST(Options, both_of_a_pair_are_refused_in_either_order) {
+TEST(options, both_of_a_pair_are_refused_in_either_order) {
   const std::pair<std::string_view, std::string_view> pairs[] = {{"min_angle_deg", "max_radius_edge_ratio"},
                                                                  {"max_edge_length", "max_edge_fraction"}};
   for (const auto& [a, b] : pairs) {
@@ -272,7 +272,7 @@ TEST(Options, both_of_a_pair_are_refused_in_either_order) {
   }
 }
 
-TEST(Options, all_that_are_declared_exist) {
+TEST(options, all_that_are_declared_exist) {
   for (const OptionSpec& spec : option_table()) {
     SCOPED_TRACE(spec.name);
     OptionReader reader;

@@ -16,7 +16,7 @@ json written(const Report& report, ReportKind kind = ReportKind::kRemesh) {
   return json::parse(writer.take());
 }
 
-TEST(ReportJson, what_is_unrefined_has_its_reason_its_count_and_its_places) {
+TEST(report_json, what_is_unrefined_has_its_reason_its_count_and_its_places) {
   Unrefined corner{UnrefinedReason::kInputAngle, 0, {}};
   corner.add({1, 2, 3});
   corner.add({0.5, -0.25, 1e-9});
@@ -33,7 +33,7 @@ TEST(ReportJson, what_is_unrefined_has_its_reason_its_count_and_its_places) {
   EXPECT_EQ(unrefined[1]["places"].size(), 100u);
 }
 
-TEST(ReportJson, every_reason_has_its_name_of_the_contract) {
+TEST(report_json, every_reason_has_its_name_of_the_contract) {
   const char* names[] = {"input_angle", "across_input_angle", "size_floor", "min_edge_length",
                          "budget",      "boundary_locked",    "effort",     "output_rounding"};
   Report report;
@@ -44,7 +44,7 @@ TEST(ReportJson, every_reason_has_its_name_of_the_contract) {
   for (std::size_t i = 0; i < unrefined.size(); ++i) EXPECT_EQ(unrefined[i]["reason"], names[i]);
 }
 
-TEST(ReportJson, the_verdict_on_quality_is_null_without_refinement) {
+TEST(report_json, the_verdict_on_quality_is_null_without_refinement) {
   Report report;
   EXPECT_TRUE(written(report)["verified"]["quality"].is_null());
   report.verified.quality = true;
@@ -53,7 +53,7 @@ TEST(ReportJson, the_verdict_on_quality_is_null_without_refinement) {
   EXPECT_EQ(written(report)["verified"]["quality"], false);
 }
 
-TEST(ReportJson, the_smallest_gap_is_null_where_there_is_none) {
+TEST(report_json, the_smallest_gap_is_null_where_there_is_none) {
   Report report;
   for (const ReportKind kind : {ReportKind::kRemesh, ReportKind::kAnalysis}) {
     report.smallest_gap.reset();
@@ -63,7 +63,7 @@ TEST(ReportJson, the_smallest_gap_is_null_where_there_is_none) {
   }
 }
 
-TEST(ReportJson, options_are_shown_as_they_were_used) {
+TEST(report_json, options_are_shown_as_they_were_used) {
   Report report;
   report.options.refine = true;
   report.options.proximity = 1;

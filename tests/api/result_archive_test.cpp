@@ -46,7 +46,7 @@ nlohmann::json without_times(const std::string& text) {
   return json;
 }
 
-TEST(ResultArchive, a_kept_result_is_written_in_every_format_as_it_would_have_been_at_once) {
+TEST(result_archive, a_kept_result_is_written_in_every_format_as_it_would_have_been_at_once) {
   const KeptRemesh kept = keep(request(kLabelled, {{"max_edge_length", "0.3"}}));
   for (const Format format : kFormats) {
     const std::string name(format_name(format));
@@ -64,7 +64,7 @@ TEST(ResultArchive, a_kept_result_is_written_in_every_format_as_it_would_have_be
   }
 }
 
-TEST(ResultArchive, what_the_job_asked_for_holds_where_nothing_else_is_asked) {
+TEST(result_archive, what_the_job_asked_for_holds_where_nothing_else_is_asked) {
   const KeptRemesh as_stl = keep(request(kLabelled, {{"format", "stl"}}));
   EXPECT_EQ(write(as_stl, request("")).content_type, "model/stl");
   EXPECT_EQ(write(as_stl, request("", {}, "*/*")).content_type, "model/stl");
@@ -74,7 +74,7 @@ TEST(ResultArchive, what_the_job_asked_for_holds_where_nothing_else_is_asked) {
   EXPECT_EQ(write(keep(request(kLabelled)), request("")).content_type, "model/obj");
 }
 
-TEST(ResultArchive, every_number_and_label_comes_back) {
+TEST(result_archive, every_number_and_label_comes_back) {
   KeptResult kept;
   kept.format = Format::kPly;
   kept.local_origin = true;
@@ -133,7 +133,7 @@ TEST(ResultArchive, every_number_and_label_comes_back) {
   EXPECT_EQ(back.result.input_face_patch, kept.result.input_face_patch);
 }
 
-TEST(ResultArchive, damaged_bytes_are_refused) {
+TEST(result_archive, damaged_bytes_are_refused) {
   const std::string good = pack_result({});
   EXPECT_NO_THROW(unpack_result(good));
   for (std::size_t length = 0; length < good.size(); ++length)
@@ -151,7 +151,7 @@ TEST(ResultArchive, damaged_bytes_are_refused) {
   }
 }
 
-TEST(ResultArchive, a_request_is_checked_before_its_mesh_is_read) {
+TEST(result_archive, a_request_is_checked_before_its_mesh_is_read) {
   EXPECT_NO_THROW(check_remesh(request("not looked at"), {}));
   const auto code = [](const Request& asked) {
     try {

@@ -77,7 +77,7 @@ std::string header(const Response& response, std::string_view name) {
   return "";
 }
 
-TEST(RunRemesh, the_listing_of_the_specification_is_one_ring) {
+TEST(run_remesh, the_listing_of_the_specification_is_one_ring) {
   const Response response = remesh(request_of(kRing, "model/obj", {{"format", "json"}, {"refine", "false"}}));
   EXPECT_EQ(response.status, 200);
   EXPECT_EQ(response.content_type, "application/json");
@@ -110,7 +110,7 @@ Request upload_of(std::string& form, std::string_view mesh, std::string_view fil
   return request_of(form, "multipart/form-data; boundary=B", {{"refine", "false"}}, "*/*");
 }
 
-TEST(RunRemesh, an_obj_comes_back_as_an_obj_with_its_summary) {
+TEST(run_remesh, an_obj_comes_back_as_an_obj_with_its_summary) {
   std::string form;
   const Request request = upload_of(form, kRing, "/tmp/../my ring.OBJ");
   const Response response = remesh(request);
@@ -126,7 +126,7 @@ TEST(RunRemesh, an_obj_comes_back_as_an_obj_with_its_summary) {
   EXPECT_EQ(remesh(request).body, response.body);
 }
 
-TEST(RunRemesh, the_report_has_every_field_of_the_contract) {
+TEST(run_remesh, the_report_has_every_field_of_the_contract) {
   const json report = json::parse(remesh(request_of(kCube, "", {{"refine", "false"}})).body)["report"];
   const auto keys = [](const json& object) {
     std::set<std::string> names;
@@ -188,7 +188,7 @@ std::size_t count_below(const json& mesh, double degrees) {
   }));
 }
 
-TEST(RunRemesh, refinement_is_on_at_25_degrees_unless_it_is_turned_off) {
+TEST(run_remesh, refinement_is_on_at_25_degrees_unless_it_is_turned_off) {
   const json answer = json::parse(remesh(request_of(kRing, "", {{"format", "json"}})).body);
   const json& report = answer["report"];
   EXPECT_EQ(report["options"]["refine"], true);
@@ -201,7 +201,7 @@ TEST(RunRemesh, refinement_is_on_at_25_degrees_unless_it_is_turned_off) {
   EXPECT_GE(report["output"]["quality"]["min_angle_deg"].get<double>(), 25);
 }
 
-TEST(RunRemesh, the_sizes_asked_for_hold) {
+TEST(run_remesh, the_sizes_asked_for_hold) {
   const Fields query{{"max_edge_length", "0.1"}, {"min_angle_deg", "30"}};
   const json answer = json::parse(remesh(request_of(kCube, "", query)).body);
   const json& output = answer["report"]["output"];
@@ -223,7 +223,7 @@ TEST(RunRemesh, the_sizes_asked_for_hold) {
       0.1 * std::sqrt(3.0) * (1 + 1e-11));
 }
 
-TEST(RunRemesh, what_misses_the_bound_is_listed_with_reason_and_place) {
+TEST(run_remesh, what_misses_the_bound_is_listed_with_reason_and_place) {
   const json answer = json::parse(remesh(request_of(kWedge, "", {{"format", "json"}})).body);
   const json& unrefined = answer["report"]["unrefined"];
   EXPECT_EQ(answer["report"]["verified"]["quality"], true);
@@ -242,7 +242,7 @@ TEST(RunRemesh, what_misses_the_bound_is_listed_with_reason_and_place) {
   EXPECT_EQ(listed, count_below(answer["mesh"], 25));
 }
 
-TEST(RunRemesh, a_mesh_format_tells_what_misses_the_bound_in_its_comments) {
+TEST(run_remesh, a_mesh_format_tells_what_misses_the_bound_in_its_comments) {
   const Response response = remesh(request_of(kWedge));
   EXPECT_THAT(response.body, HasSubstr("\n# unrefined: input_angle: 1\n"));
   EXPECT_THAT(header(response, "Remesh-Summary"), StartsWith("input_faces=1, output_faces="));
@@ -250,7 +250,7 @@ TEST(RunRemesh, a_mesh_format_tells_what_misses_the_bound_in_its_comments) {
   EXPECT_THAT(header(response, "Remesh-Summary"), HasSubstr("verified=1, warnings="));
 }
 
-TEST(RunRemesh, a_thin_plate_is_meshed_as_fine_as_it_is_thin) {
+TEST(run_remesh, a_thin_plate_is_meshed_as_fine_as_it_is_thin) {
   const std::string plate =
       R"({"vertices":[[0,0,0],[1,0,0],[1,1,0],[0,1,0],[0,0,0.1],[1,0,0.1],[1,1,0.1],[0,1,0.1]],
           "faces":[[3,2,1,0],[4,5,6,7],[0,1,5,4],[1,2,6,5],[2,3,7,6],[3,0,4,7]]})";
@@ -267,7 +267,7 @@ TEST(RunRemesh, a_thin_plate_is_meshed_as_fine_as_it_is_thin) {
   EXPECT_NEAR(analysis["smallest_gap"].get<double>(), 0.1, 1e-12);
 }
 
-TEST(RunRemesh, a_result_that_must_be_too_large_is_refused_before_the_work) {
+TEST(run_remesh, a_result_that_must_be_too_large_is_refused_before_the_work) {
   try {
     // Six unit squares in triangles of at most 4.4e-9: over a thousand million of them.
     remesh(request_of(kCube, "", {{"max_edge_length", "0.0001"}, {"max_output_faces", "1000"}}));
@@ -279,7 +279,7 @@ TEST(RunRemesh, a_result_that_must_be_too_large_is_refused_before_the_work) {
   }
 }
 
-TEST(RunRemesh, boundaries_are_not_split_where_they_must_not_be) {
+TEST(run_remesh, boundaries_are_not_split_where_they_must_not_be) {
   const Fields query{{"format", "json"}, {"split_boundaries", "false"}, {"max_edge_length", "1"}};
   const json answer = json::parse(remesh(request_of(kRing, "", query)).body);
   EXPECT_EQ(answer["report"]["output"]["boundary_edges"], 8);
@@ -288,7 +288,7 @@ TEST(RunRemesh, boundaries_are_not_split_where_they_must_not_be) {
   EXPECT_EQ(answer["report"]["unrefined"][0]["reason"], "boundary_locked");
 }
 
-TEST(RunRemesh, an_open_surface_is_not_ready_for_a_volume_mesher) {
+TEST(run_remesh, an_open_surface_is_not_ready_for_a_volume_mesher) {
   const json ready = json::parse(
       remesh(request_of(kRing, "", {{"format", "json"}, {"refine", "false"}})).body)["report"]["volume_ready"];
   EXPECT_EQ(ready["ready"], false);
@@ -300,7 +300,7 @@ TEST(RunRemesh, an_open_surface_is_not_ready_for_a_volume_mesher) {
                         {-4, 0, 1}, {4, 0, 1}, {0, -4, 1}, {0, 4, 1}, {-3, 0, 1}, {3, 0, 1}, {0, -3, 1}, {0, 3, 1}}));
 }
 
-TEST(RunRemesh, the_options_of_a_report_can_be_sent_again) {
+TEST(run_remesh, the_options_of_a_report_can_be_sent_again) {
   // A thin plate with one short edge: all that sizes can depend on.
   const std::string plate =
       R"({"vertices":[[0,0,0],[4,0,0],[4,3.9,0],[3.9,4,0],[0,4,0],[0,0,0.5],[4,0,0.5],[4,3.9,0.5],[3.9,4,0.5],[0,4,0.5]],
@@ -316,7 +316,7 @@ TEST(RunRemesh, the_options_of_a_report_can_be_sent_again) {
   }
 }
 
-TEST(RunRemesh, an_answer_can_be_sent_again) {
+TEST(run_remesh, an_answer_can_be_sent_again) {
   const Fields query{{"refine", "false"}};
   const Response first = remesh(request_of(kCube, "", query));
   const json second = json::parse(remesh(request_of(first.body, "", query)).body);
@@ -324,7 +324,7 @@ TEST(RunRemesh, an_answer_can_be_sent_again) {
   EXPECT_EQ(second["report"]["diagnostics"][0]["code"], "attribute_dropped");
 }
 
-TEST(RunRemesh, groups_given_as_numbers_come_back_as_numbers) {
+TEST(run_remesh, groups_given_as_numbers_come_back_as_numbers) {
   const json request{{"vertices", {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {0, 1, 0}}},
                      {"faces", {{0, 1, 4, 5}, {1, 2, 3, 4}}},
                      {"face_groups", {40, -2}}};
@@ -336,7 +336,7 @@ TEST(RunRemesh, groups_given_as_numbers_come_back_as_numbers) {
   EXPECT_FALSE(mesh.contains("labels"));
 }
 
-TEST(RunRemesh, a_form_takes_a_mesh_and_options) {
+TEST(run_remesh, a_form_takes_a_mesh_and_options) {
   const std::string form =
       "--B\r\nContent-Disposition: form-data; name=\"options\"\r\nContent-Type: "
       "application/json\r\n\r\n{\"format\":\"json\"}\r\n"
@@ -352,7 +352,7 @@ TEST(RunRemesh, a_form_takes_a_mesh_and_options) {
             Code::kMalformedMultipart);
 }
 
-TEST(RunRemesh, bad_input_has_its_code) {
+TEST(run_remesh, bad_input_has_its_code) {
   EXPECT_EQ(code_of(request_of("")), Code::kEmptyMesh);
   EXPECT_EQ(code_of(request_of("", "application/json")), Code::kMalformedJson);
   EXPECT_EQ(code_of(request_of("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")), Code::kIndexOutOfRange);
@@ -365,7 +365,7 @@ TEST(RunRemesh, bad_input_has_its_code) {
   EXPECT_EQ(code_of(request_of(kRing, "", {{"weld_tolerance", "-1"}})), Code::kInvalidOption);
 }
 
-TEST(RunRemesh, a_mesh_that_floats_make_flat_is_no_stl_and_everything_else) {
+TEST(run_remesh, a_mesh_that_floats_make_flat_is_no_stl_and_everything_else) {
   for (const std::string mesh :
        {"v 0 0 0\nv 1e-50 0 0\nv 0 1e-50 0\nf 1 2 3\n", "v 1e8 0 0\nv 100000001 0 0\nv 1e8 1 0\nf 1 2 3\n"}) {
     EXPECT_EQ(code_of(request_of(mesh, "", {{"format", "stl"}})), Code::kNotAcceptable) << mesh;
@@ -373,7 +373,7 @@ TEST(RunRemesh, a_mesh_that_floats_make_flat_is_no_stl_and_everything_else) {
   }
 }
 
-TEST(RunRemesh, a_repeated_corner_is_dropped_and_told_with_its_face) {
+TEST(run_remesh, a_repeated_corner_is_dropped_and_told_with_its_face) {
   const std::string mesh = "v 0 0 0\nv 2 0 0\nv 2 2 0\nf 1 1 2 3\n";
   const json report = json::parse(remesh(request_of(mesh, "", {{"format", "json"}})).body)["report"];
   const json& found = report["diagnostics"];
@@ -383,11 +383,11 @@ TEST(RunRemesh, a_repeated_corner_is_dropped_and_told_with_its_face) {
   EXPECT_EQ((*repeated)["elements"], json::array({0}));
 }
 
-TEST(RunRemesh, options_are_refused_before_the_mesh_is_read) {
+TEST(run_remesh, options_are_refused_before_the_mesh_is_read) {
   EXPECT_EQ(code_of(request_of("no mesh at all", "", {{"weld_tolerance", "-1"}})), Code::kInvalidOption);
 }
 
-TEST(RunRemesh, every_format_goes_out_and_what_is_read_comes_in_again_as_the_same_mesh) {
+TEST(run_remesh, every_format_goes_out_and_what_is_read_comes_in_again_as_the_same_mesh) {
   const json as_json = json::parse(remesh(request_of(kCube, "", {{"format", "json"}})).body)["mesh"];
   for (const Format format : kFormats) {
     SCOPED_TRACE(format_name(format));
@@ -401,7 +401,7 @@ TEST(RunRemesh, every_format_goes_out_and_what_is_read_comes_in_again_as_the_sam
   }
 }
 
-TEST(RunRemesh, a_compressed_body_and_a_compressed_mesh_are_what_is_in_them) {
+TEST(run_remesh, a_compressed_body_and_a_compressed_mesh_are_what_is_in_them) {
   RunControl control;
   const std::string expected = remesh(request_of(kRing)).body;
   const std::string compressed = gzip(kRing, control);
@@ -423,7 +423,7 @@ TEST(RunRemesh, a_compressed_body_and_a_compressed_mesh_are_what_is_in_them) {
   EXPECT_EQ(header(of_form, "Content-Disposition"), "attachment; filename=\"a.obj\"");
 }
 
-TEST(RunRemesh, what_cannot_be_decompressed_has_its_code) {
+TEST(run_remesh, what_cannot_be_decompressed_has_its_code) {
   RunControl control;
   const std::string compressed = gzip(kRing, control);
   const auto with_coding = [&](std::string_view body, const char* coding) {
@@ -444,7 +444,7 @@ TEST(RunRemesh, what_cannot_be_decompressed_has_its_code) {
   EXPECT_EQ(remesh(request_of(compressed), limits).status, 200);
 }
 
-TEST(RunRemesh, a_bomb_within_a_bomb_has_the_ratio_once) {
+TEST(run_remesh, a_bomb_within_a_bomb_has_the_ratio_once) {
   RunControl control;
   const std::string once = gzip(std::string(20'000'000, '#'), control);
   const std::string twice = gzip(once, control);
@@ -458,7 +458,7 @@ TEST(RunRemesh, a_bomb_within_a_bomb_has_the_ratio_once) {
   EXPECT_EQ(code_of(request, limits), Code::kEmptyMesh) << "one alone is let in";
 }
 
-TEST(RunRemesh, limits_hold) {
+TEST(run_remesh, limits_hold) {
   Limits limits;
   limits.max_body = 10;
   EXPECT_EQ(code_of(request_of(kRing), limits), Code::kBodyTooLarge);
@@ -471,7 +471,7 @@ TEST(RunRemesh, limits_hold) {
   EXPECT_EQ(code_of(request_of(kCube), limits), Code::kOutputTooLarge);
 }
 
-TEST(RunRemesh, a_stopped_request_ends_at_once) {
+TEST(run_remesh, a_stopped_request_ends_at_once) {
   RunControl control;
   control.expire();
   try {
@@ -482,7 +482,7 @@ TEST(RunRemesh, a_stopped_request_ends_at_once) {
   }
 }
 
-TEST(RunRemesh, an_upload_cannot_choose_an_unsafe_name) {
+TEST(run_remesh, an_upload_cannot_choose_an_unsafe_name) {
   const std::pair<std::string, std::string> names[] = {{"", "remeshed.obj"},
                                                        {"..", "remeshed.obj"},
                                                        {"C:\\parts\\a.stl", "a.obj"},
@@ -499,7 +499,7 @@ TEST(RunRemesh, an_upload_cannot_choose_an_unsafe_name) {
   EXPECT_EQ(header(remesh(request_of(kRing)), "Content-Disposition"), "attachment; filename=\"remeshed.obj\"");
 }
 
-TEST(RunAnalyze, an_analysis_is_a_report_without_an_output) {
+TEST(run_analyze, an_analysis_is_a_report_without_an_output) {
   RunControl control;
   const Response response = run_analyze(request_of(kCube), {}, control);
   EXPECT_EQ(response.content_type, "application/json");
@@ -513,7 +513,7 @@ TEST(RunAnalyze, an_analysis_is_a_report_without_an_output) {
   EXPECT_THROW(run_analyze(request_of(kCube, "", {{"format", "obj"}}), {}, again), Error);
 }
 
-TEST(Openapi, the_report_schema_names_what_a_report_has) {
+TEST(openapi, the_report_schema_names_what_a_report_has) {
   const json document = json::parse(openapi().body);
   // A wedge: its corner of 10 degrees cannot reach the bound.
   const Response answer = remesh(request_of(kWedge, "", {{"format", "json"}, {"proximity", "1"}}));
@@ -540,7 +540,7 @@ TEST(Openapi, the_report_schema_names_what_a_report_has) {
   expect_same_keys(schemas["Unrefined"], report["unrefined"][0]);
 }
 
-TEST(Openapi, its_examples_are_answered) {
+TEST(openapi, its_examples_are_answered) {
   const json document = json::parse(openapi().body);
   const json& content = document["components"]["requestBodies"]["Mesh"]["content"];
   EXPECT_EQ(remesh(request_of(content["model/obj"]["example"].get<std::string>(), "model/obj")).status, 200);

@@ -191,7 +191,7 @@ std::string random_obj(Random& random) {
   return write_obj(shapes::as_triangles(shapes::fan_triangulated(mesh)), {}, control);
 }
 
-TEST(WrittenFormats, whatever_is_written_is_read_back_as_promised_or_was_refused_with_reason) {
+TEST(written_formats, whatever_is_written_is_read_back_as_promised_or_was_refused_with_reason) {
   Random random(base_seed(360202));
   int written_stl = 0, refused = 0, about_origin = 0;
   for (int trial = 0; trial < 120; ++trial) {
@@ -224,7 +224,7 @@ TEST(WrittenFormats, whatever_is_written_is_read_back_as_promised_or_was_refused
   EXPECT_GT(about_origin, 10);
 }
 
-TEST(WrittenFormats, a_kept_job_gives_each_format_as_it_would_have_been_at_once_refusals_too) {
+TEST(written_formats, a_kept_job_gives_each_format_as_it_would_have_been_at_once_refusals_too) {
   Random random(base_seed(360203));
   for (int trial = 0; trial < 12; ++trial) {
     SCOPED_TRACE(trial);
@@ -271,15 +271,16 @@ std::string contents(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-class SharedMeshes : public testing::Test {
+class shared_meshes : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!std::filesystem::exists(folder_)) GTEST_SKIP() << "NOT TESTED: no meshes at " << folder_;
-  }
+  void SetUp() override { test::has_shared_mesh(); }
   const std::filesystem::path folder_ = test::shared_meshes_folder();
 };
 
-TEST_F(SharedMeshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused_in_floats) {
+TEST_F(shared_meshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused_in_floats) {
+  // This is pinned from a run in doubles and may change with the algorithm. In floats there were 70 patches.
+  constexpr std::size_t kPinnedPatches = 32;
+  if (!test::has_shared_mesh("reports/house-utm.obj.gz")) return;
   const std::string house = contents(folder_ / "reports" / "house-utm.obj.gz");
   for (const Fields& options : {Fields{{"refine", "false"}}, Fields{}}) {
     const Result exact = in_doubles(house, options);
@@ -294,7 +295,7 @@ TEST_F(SharedMeshes, a_house_at_map_coordinates_is_exact_in_doubles_and_refused_
     expect_as_promised(exact, local);
     ASSERT_TRUE(local.report.output_origin);
     EXPECT_NEAR(*local.report.output.volume, *exact.report.output.volume, local.report.volume_bound);
-    EXPECT_EQ(local.report.patches.size(), 32u);
+    EXPECT_EQ(local.report.patches.size(), kPinnedPatches);
     EXPECT_THAT(summary_line(summary_of(local.report)),
                 HasSubstr("origin=" + origin_text(*local.report.output_origin)));
     EXPECT_THAT(local.body.substr(0, 80), HasSubstr("origin " + origin_text(*local.report.output_origin)));
@@ -310,7 +311,7 @@ std::string box_on_a_map() {
   return text + "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 }
 
-TEST(WrittenFormats, a_face_that_is_gone_allows_no_larger_rounding) {
+TEST(written_formats, a_face_that_is_gone_allows_no_larger_rounding) {
   // Its corner makes the input's bounding box a thousand times as large.
   for (const std::string more : {"", "v 0 0 0\n", "v 0 0 0\nf 9 9 1\n"}) {
     const Error error = test::error_of([&] { written(box_on_a_map() + more, {{"refine", "false"}}, Format::kStl); });
@@ -318,7 +319,7 @@ TEST(WrittenFormats, a_face_that_is_gone_allows_no_larger_rounding) {
   }
 }
 
-TEST(WrittenFormats, the_header_of_binary_stl_has_a_whole_origin_or_none) {
+TEST(written_formats, the_header_of_binary_stl_has_a_whole_origin_or_none) {
   for (const double size : {1.0, 1e-3, 1e-5, 1e-7}) {
     std::string text;
     for (const int corner : {0, 1, 2, 3}) {
@@ -350,7 +351,7 @@ std::uint64_t count_unrefined(const Report& report) {
   return count;
 }
 
-TEST(WrittenFormats, binary_stl_lists_all_faces_that_doubles_list) {
+TEST(written_formats, binary_stl_lists_all_faces_that_doubles_list) {
   // A thin plate whose rim stays: its edges are as long as allowed, and far longer than the gap asks for.
   std::string text;
   for (const int z : {0, 1})
@@ -379,16 +380,17 @@ TEST(WrittenFormats, binary_stl_lists_all_faces_that_doubles_list) {
   EXPECT_GE(count_unrefined(written(text, options, Format::kStl).report), listed);
 }
 
-TEST(WrittenFormats, ten_edges_to_a_side_are_no_fault_of_binary_stl) {
+TEST(written_formats, ten_edges_to_a_side_are_no_fault_of_binary_stl) {
   const std::string cube =
       "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\n"
       "f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
   EXPECT_EQ(count_unrefined(written(cube, {{"max_edge_length", "0.1"}}, Format::kStl).report), 0u);
 }
 
-TEST_F(SharedMeshes, ordinary_parts_come_out_as_binary_stl) {
+TEST_F(shared_meshes, ordinary_parts_come_out_as_binary_stl) {
   for (const char* name :
        {"curved-cad/sv_cylinder.stl", "curved-cad/tube.obj", "curved-cad/hx_shell_to_solid.stl.gz"}) {
+    if (!test::has_shared_mesh(name)) continue;
     const std::string mesh = contents(folder_ / name);
     ASSERT_FALSE(mesh.empty()) << name;
     for (const Fields& options : {Fields{{"refine", "false"}}, Fields{}}) {
@@ -402,7 +404,7 @@ TEST_F(SharedMeshes, ordinary_parts_come_out_as_binary_stl) {
   }
 }
 
-TEST(WrittenFormats, text_stl_has_a_solid_for_each_group_and_is_read_by_our_reader) {
+TEST(written_formats, text_stl_has_a_solid_for_each_group_and_is_read_by_our_reader) {
   const std::string mesh =
       "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 0 1 0\nv 0 0.1 -1.5e-300\ng inlet 1\nf 1 2 5 6\n"
       "g outlet\nf 2 3 4 5\ng inlet 1\nf 6 5 7\n";
@@ -419,7 +421,7 @@ TEST(WrittenFormats, text_stl_has_a_solid_for_each_group_and_is_read_by_our_read
   EXPECT_THAT(again.body, HasSubstr("o inlet 1\n"));
 }
 
-TEST(WrittenFormats, text_stl_without_labels_is_one_solid_without_a_name) {
+TEST(written_formats, text_stl_without_labels_is_one_solid_without_a_name) {
   const std::string mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
   const RemeshAnswer answer = written(mesh, {{"refine", "false"}}, Format::kStlAscii);
   EXPECT_THAT(answer.body, testing::StartsWith("solid \n"));

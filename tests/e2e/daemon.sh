@@ -1,5 +1,6 @@
 # For the scripts beside it: start and stop a daemon, and say what went wrong.
-# Sets `root` (of the sources), `work` (a folder that is removed at the end), `remeshd` and `remesh`.
+# Sets `root` (of the sources), `shared` and `is_corpus_required` (of the real meshes), `work` (a folder that is removed at
+# the end), `remeshd` and `remesh`.
 
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
@@ -7,6 +8,9 @@ remeshd=$(realpath "$1")
 remesh=$(realpath "$2")
 work=$(mktemp -d)
 daemon=
+# The collection of real meshes: its folder, and whether a test must fail without it.
+shared=${REMESHD_CORPUS:-$root/../shared/meshes}
+is_corpus_required=${REMESHD_REQUIRE_CORPUS:-0}
 # What is set outside must not change what is tested.
 for variable in "${!REMESHD_@}"; do unset "$variable"; done
 # Where jobs go by default, and nobody else's.

@@ -3,11 +3,12 @@
 . "$(dirname "$0")/daemon.sh"
 
 meshes=("$root/tests/data/bracket.obj")
-shared=$root/../shared/meshes
-if [ -d "$shared" ]; then
+if [ -d "$shared/planar-cad" ] && [ -d "$shared/polygons" ]; then
   while IFS= read -r mesh; do meshes+=("$mesh"); done < <(find "$shared/planar-cad" "$shared/polygons" -name '*.obj' | sort)
+elif [ "$is_corpus_required" = 1 ]; then
+  fail "there is no $shared with planar-cad and polygons, and REMESHD_REQUIRE_CORPUS is 1"
 else
-  echo "SKIPPED in part: $shared is not there, only the project's own mesh is tried"
+  echo "SKIPPED in part: there is no $shared with planar-cad and polygons, so only the project's own mesh is tried"
 fi
 
 # What is asked for, as query and as flags.

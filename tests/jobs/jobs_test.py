@@ -34,6 +34,16 @@ def expect(condition, text):
         raise AssertionError(text)
 
 
+def expect_sooner_than(seconds, start, text):
+    """Expects that less time has passed since `start`, which is a value of time.monotonic().
+
+    All bounds on time in this file stand here. They hold on a busy machine, because the work takes some tenths of a
+    second, and a fault makes it wait for seconds or minutes.
+    """
+    took = time.monotonic() - start
+    expect(took < seconds, f"{text}: it took {took:.1f} s, and the bound is {seconds:.1f} s")
+
+
 def expect_equal(got, wanted, text):
     expect(got == wanted, f"{text}: {got!r} in place of {wanted!r}")
 
@@ -130,7 +140,7 @@ def test_the_contract_of_a_job_that_runs(store):
         quick = [accepted(submit(first.port)) for _ in range(4)]
         for other in quick:
             wait_for_state(first.port, other, "succeeded")
-        expect(time.monotonic() - start < 15, "a cancelled job frees its worker")
+        expect_sooner_than(15, start, "a cancelled job frees its worker")
 
 
 def test_refusals(store):
@@ -320,7 +330,8 @@ def test_a_dead_worker_s_job_runs_again(store):
         start = time.monotonic()
         done = wait_for_state(others[0].port, job, "succeeded", seconds=30 * PATIENCE)
         expect_equal(done["attempts"], 2, "attempts")
-        expect(time.monotonic() - start < LEASE_S * 1.25 + 10 * PATIENCE, "within the lease and a quarter of it")
+        # The job itself takes a second of one core; the rest of the ten is for other work on the machine.
+        expect_sooner_than(LEASE_S * 1.25 + 10 * PATIENCE, start, "within the lease and a quarter of it")
         expect(result_of(others[1].port, job).body == direct.body, "the result")
         dead.start()
         expect(sum(daemon.metric('remeshd_job_retries_total{reason="worker_crashed"}') for daemon in others) >= 1, "retries")
@@ -360,7 +371,8 @@ def test_who_watches_a_job_does_not_hold_up_a_stop(store):
         expect_equal(kind, "progress", "the first event")
         start = time.monotonic()
         expect_equal(daemon.stop(), 0, "its exit code")
-        expect(time.monotonic() - start < 2 * PATIENCE, "it stops at once")
+        # If it waited for the stream, that would be the drain time, which is 25 s.
+        expect_sooner_than(10, start, "it stops at once")
         expect_equal(list(stream), [], "the stream ends, without an end of the job")
         daemon.start()
         expect_equal(ask(daemon.port, "DELETE", f"/v1/jobs/{job}").status, 204, "cancel")

@@ -32,6 +32,15 @@ export async function eventually(check) {
   }
 }
 
+/**
+ * Expects that less time has passed since `start`, a value of Date.now(). All bounds on time of these tests stand here.
+ * They hold on a busy machine, because the work takes some tenths of a second, and a fault makes it take far longer.
+ */
+export function assertSoonerThan(ms, start) {
+  const took = Date.now() - start;
+  assert.ok(took < ms, `it took ${took} ms, and the bound is ${ms} ms`);
+}
+
 /** The real daemon on a free port. */
 export async function startDaemon(...options) {
   const environment = Object.fromEntries(Object.entries(process.env).filter(([name]) => !name.startsWith("REMESHD_")));

@@ -42,13 +42,13 @@ RequestHead with_header(const std::string& name, const std::string& value) {
   return head;
 }
 
-TEST(ApiKeys, without_any_all_are_admitted) {
+TEST(api_keys, without_any_all_are_admitted) {
   const ApiKeys keys("", "");
   EXPECT_TRUE(keys.is_open());
   EXPECT_TRUE(keys.admits(RequestHead()));
 }
 
-TEST(ApiKeys, a_key_is_shown_as_bearer_or_in_a_field_of_its_own) {
+TEST(api_keys, a_key_is_shown_as_bearer_or_in_a_field_of_its_own) {
   const ApiKeys keys("", kKey);
   EXPECT_TRUE(keys.admits(with_header("authorization", "Bearer " + kKey)));
   EXPECT_TRUE(keys.admits(with_header("authorization", "bearer  " + kKey)));
@@ -61,7 +61,7 @@ TEST(ApiKeys, a_key_is_shown_as_bearer_or_in_a_field_of_its_own) {
   EXPECT_FALSE(keys.admits(RequestHead()));
 }
 
-TEST(ApiKeys, a_file_is_read_again_and_the_old_keys_stay_where_it_is_wrong) {
+TEST(api_keys, a_file_is_read_again_and_the_old_keys_stay_where_it_is_wrong) {
   const KeyFile file("# the first\n\n  " + kKey + "\r\n");
   ApiKeys keys(file.path(), "");
   EXPECT_EQ(keys.count(), 1u);
@@ -77,7 +77,7 @@ TEST(ApiKeys, a_file_is_read_again_and_the_old_keys_stay_where_it_is_wrong) {
   }
 }
 
-TEST(ApiKeys, requests_are_compared_while_the_file_is_read_again) {
+TEST(api_keys, requests_are_compared_while_the_file_is_read_again) {
   // If keys were freed too early, at least a sanitizer would find it.
   const KeyFile file(kKey + "\n");
   ApiKeys keys(file.path(), "");
@@ -93,7 +93,7 @@ TEST(ApiKeys, requests_are_compared_while_the_file_is_read_again) {
   for (std::thread& asker : askers) asker.join();
 }
 
-TEST(ApiKeys, a_missing_file_and_a_short_key_are_errors) {
+TEST(api_keys, a_missing_file_and_a_short_key_are_errors) {
   EXPECT_THROW(ApiKeys("/nowhere/keys", ""), std::invalid_argument);
   EXPECT_THROW(ApiKeys("", "short"), std::invalid_argument);
 }
@@ -105,7 +105,7 @@ std::string value_of(const Fields& fields, const std::string& name) {
   return "";
 }
 
-TEST(Cors, no_page_may_unless_it_is_listed) {
+TEST(cors, no_page_may_unless_it_is_listed) {
   const RequestHead head = with_header("origin", "https://tool.example");
   EXPECT_TRUE(Cors().headers(head).empty());
   const Cors cors("https://other.example, https://tool.example");
@@ -117,12 +117,12 @@ TEST(Cors, no_page_may_unless_it_is_listed) {
   EXPECT_EQ(value_of(Cors("*").headers(head), "Access-Control-Allow-Origin"), "*");
 }
 
-TEST(Cors, what_is_no_origin_is_an_error) {
+TEST(cors, what_is_no_origin_is_an_error) {
   for (const char* bad : {"tool.example", "https://", "https://tool.example/path", "null"})
     EXPECT_THROW(Cors{bad}, std::invalid_argument) << bad;
 }
 
-TEST(AddressCounts, each_address_has_its_own_places) {
+TEST(address_counts, each_address_has_its_own_places) {
   AddressCounts counts(2);
   auto first = counts.enter("10.0.0.1");
   const auto second = counts.enter("10.0.0.1");
@@ -133,15 +133,15 @@ TEST(AddressCounts, each_address_has_its_own_places) {
   EXPECT_TRUE(counts.enter("10.0.0.1"));
 }
 
-TEST(AddressCounts, a_client_is_an_ipv4_address_or_an_ipv6_network) {
+TEST(address_counts, a_client_is_an_ipv4_address_or_an_ipv6_network) {
   EXPECT_EQ(client_key("::ffff:10.0.0.1"), client_key("10.0.0.1"));
   EXPECT_EQ(client_key("2001:db8:1:2:aaaa::1"), client_key("2001:db8:1:2:bbbb::2"));
   EXPECT_NE(client_key("2001:db8:1:2::1"), client_key("2001:db8:1:3::1"));
 }
 
-using AccessTest = StubService;
+using access = StubService;
 
-TEST_F(AccessTest, with_a_key_only_the_page_and_the_probes_are_open) {
+TEST_F(access, with_a_key_only_the_page_and_the_probes_are_open) {
   config_.api_key = kKey;
   start();
   for (const char* path : {"/", "/livez", "/readyz"}) EXPECT_EQ(get(port_, path).status, 200) << path;
@@ -155,7 +155,7 @@ TEST_F(AccessTest, with_a_key_only_the_page_and_the_probes_are_open) {
   EXPECT_EQ(post(port_, "/v1/remesh", "good", "Authorization: Bearer " + kKey + "\r\n").status, 200);
 }
 
-TEST_F(AccessTest, without_the_key_no_byte_of_a_body_is_read) {
+TEST_F(access, without_the_key_no_byte_of_a_body_is_read) {
   config_.api_key = kKey;
   start();
   RawClient client(port_);
@@ -163,7 +163,7 @@ TEST_F(AccessTest, without_the_key_no_byte_of_a_body_is_read) {
   EXPECT_EQ(client.answer().status, 401);
 }
 
-TEST_F(AccessTest, a_running_request_belongs_to_the_key_that_sent_it) {
+TEST_F(access, a_running_request_belongs_to_the_key_that_sent_it) {
   const KeyFile file(kKey + "\n" + kOtherKey + "\n");
   config_.api_key_file = file.path();
   start();
@@ -182,7 +182,7 @@ TEST_F(AccessTest, a_running_request_belongs_to_the_key_that_sent_it) {
   EXPECT_EQ(code_of(client->answer()), "cancelled");
 }
 
-TEST_F(AccessTest, the_operations_port_asks_for_no_key) {
+TEST_F(access, the_operations_port_asks_for_no_key) {
   config_.api_key = kKey;
   config_.ops_bind = Address{"127.0.0.1", 0};
   start();
@@ -190,7 +190,7 @@ TEST_F(AccessTest, the_operations_port_asks_for_no_key) {
   EXPECT_EQ(get(service_->ops_port(), "/v1/capabilities").status, 404);
 }
 
-TEST_F(AccessTest, a_page_of_an_allowed_origin_may_ask_and_see_errors) {
+TEST_F(access, a_page_of_an_allowed_origin_may_ask_and_see_errors) {
   config_.cors = Cors("https://tool.example");
   config_.api_key = kKey;
   start();
@@ -208,7 +208,7 @@ TEST_F(AccessTest, a_page_of_an_allowed_origin_may_ask_and_see_errors) {
             "");
 }
 
-TEST_F(AccessTest, one_address_cannot_shut_out_another) {
+TEST_F(access, one_address_cannot_shut_out_another) {
   config_.max_connections = 6;
   config_.max_connections_per_address = 3;
   config_.gate.head_timeout = std::chrono::minutes(5);

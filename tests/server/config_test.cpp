@@ -38,7 +38,7 @@ class ScopedVariable {
   const char* name_;
 };
 
-TEST(Config, the_defaults_are_those_of_the_contract) {
+TEST(config, the_defaults_are_those_of_the_contract) {
   const Invocation invocation = read({}).invocation;
   EXPECT_EQ(invocation.command, Command::kServe);
   const std::string text = print_config(invocation.config);
@@ -52,20 +52,20 @@ TEST(Config, the_defaults_are_those_of_the_contract) {
   EXPECT_EQ(invocation.config.max_running, invocation.config.workers);
 }
 
-TEST(Config, the_queue_follows_the_workers) {
+TEST(config, the_queue_follows_the_workers) {
   EXPECT_EQ(read({"--workers", "2"}).invocation.config.queue_size, 16u);
   EXPECT_EQ(read({"--workers", "10"}).invocation.config.queue_size, 40u);
   EXPECT_EQ(read({"--workers", "10", "--queue-size", "3"}).invocation.config.queue_size, 3u);
 }
 
-TEST(Config, a_flag_goes_before_the_environment_and_that_before_the_default) {
+TEST(config, a_flag_goes_before_the_environment_and_that_before_the_default) {
   const ScopedVariable variable("REMESHD_MAX_BODY", "7MiB");
   EXPECT_EQ(read({}).invocation.config.max_body, 7ull << 20);
   EXPECT_EQ(read({"--max-body", "9MiB"}).invocation.config.max_body, 9ull << 20);
   EXPECT_EQ(read({"--max-body=9MiB"}).invocation.config.api_limits().max_body, 9ull << 20);
 }
 
-TEST(Config, a_bad_value_is_fatal_and_named) {
+TEST(config, a_bad_value_is_fatal_and_named) {
   for (const std::vector<const char*>& arguments : std::vector<std::vector<const char*>>{{"--max-body", "3x"},
                                                                                          {"--workers", "0"},
                                                                                          {"--workers", "99999"},
@@ -84,12 +84,12 @@ TEST(Config, a_bad_value_is_fatal_and_named) {
   EXPECT_NE(outcome.err.find("REMESHD_WORKERS"), std::string::npos) << outcome.err;
 }
 
-TEST(Config, an_unknown_flag_is_fatal) {
+TEST(config, an_unknown_flag_is_fatal) {
   EXPECT_EQ(read({"--max-boddy", "1"}).invocation.exit_code, 2);
   EXPECT_EQ(read({"extra"}).invocation.exit_code, 2);
 }
 
-TEST(Config, listening_beyond_loopback_needs_consent) {
+TEST(config, listening_beyond_loopback_needs_consent) {
   EXPECT_EQ(read({"--bind", "0.0.0.0:8080"}).invocation.exit_code, 2);
   EXPECT_EQ(read({"--bind", "[::]:8080"}).invocation.exit_code, 2);
   EXPECT_EQ(read({"--bind", "0.0.0.0:8080", "--allow-anonymous"}).invocation.command, Command::kServe);
@@ -99,7 +99,7 @@ TEST(Config, listening_beyond_loopback_needs_consent) {
   EXPECT_EQ(read({"--bind", "0.0.0.0:8080"}).invocation.command, Command::kServe);
 }
 
-TEST(Config, variables_that_no_setting_has_are_found) {
+TEST(config, variables_that_no_setting_has_are_found) {
   const auto is_unknown = [](const std::string& name) {
     const std::vector<std::string> names = unknown_variables();
     return std::find(names.begin(), names.end(), name) != names.end();
@@ -112,7 +112,7 @@ TEST(Config, variables_that_no_setting_has_are_found) {
     EXPECT_FALSE(is_unknown(name)) << name;
 }
 
-TEST(Config, help_names_every_setting_and_version_prints) {
+TEST(config, help_names_every_setting_and_version_prints) {
   const Outcome help = read({"--help"});
   EXPECT_EQ(help.invocation.command, Command::kExit);
   EXPECT_EQ(help.invocation.exit_code, 0);
@@ -124,13 +124,13 @@ TEST(Config, help_names_every_setting_and_version_prints) {
   EXPECT_NE(read({"--version"}).out.find("remeshd 0."), std::string::npos);
 }
 
-TEST(Config, the_commands_are_told_apart) {
+TEST(config, the_commands_are_told_apart) {
   EXPECT_EQ(read({"--print-config"}).invocation.command, Command::kPrintConfig);
   EXPECT_EQ(read({"--check-config"}).invocation.command, Command::kCheckConfig);
   EXPECT_EQ(read({"health"}).invocation.command, Command::kHealth);
 }
 
-TEST(CpuLimit, a_quota_is_rounded_up_to_whole_cores) {
+TEST(cpu_limit, a_quota_is_rounded_up_to_whole_cores) {
   EXPECT_EQ(api::cores_of_quota("150000 100000\n"), 2);
   EXPECT_EQ(api::cores_of_quota("200000 100000\n"), 2);
   EXPECT_EQ(api::cores_of_quota("5000 100000\n"), 1);

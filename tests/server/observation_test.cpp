@@ -16,7 +16,7 @@ namespace {
 const std::string kTrace = "4bf92f3577b34da6a3ce929d0e0e4736";
 const std::string kParent = "00f067aa0ba902b7";
 
-TEST(TraceContext, trace_and_parent_are_read) {
+TEST(trace_context, trace_and_parent_are_read) {
   for (const std::string& text :
        {"00-" + kTrace + "-" + kParent + "-01", "cc-" + kTrace + "-" + kParent + "-01-more"}) {
     const auto trace = parse_traceparent(text);
@@ -26,7 +26,7 @@ TEST(TraceContext, trace_and_parent_are_read) {
   }
 }
 
-TEST(TraceContext, what_is_not_as_the_standard_has_it_is_ignored) {
+TEST(trace_context, what_is_not_as_the_standard_has_it_is_ignored) {
   for (const std::string& text :
        {std::string(), "00-" + kTrace + "-" + kParent, "ff-" + kTrace + "-" + kParent + "-01",
         "00-" + kTrace + "-" + kParent + "-01-more", "00-" + std::string(32, '0') + "-" + kParent + "-01",
@@ -36,7 +36,7 @@ TEST(TraceContext, what_is_not_as_the_standard_has_it_is_ignored) {
   }
 }
 
-TEST(Digest, the_field_is_that_of_the_standard) {
+TEST(digest, the_field_is_that_of_the_standard) {
   // RFC 9530, appendix D: {"hello": "world"} with a line feed
   EXPECT_EQ(repr_digest("{\"hello\": \"world\"}\n"), "sha-256=:RK/0qy18MlBSVnWgjwz6lZEWjP/lF5HF9bvEF8FabDg=:");
 }
@@ -55,7 +55,7 @@ std::string unzip(const std::string& bytes) {
   return end == Z_STREAM_END ? out : "broken";
 }
 
-TEST(ContentCoding, gzip_is_what_another_reader_reads) {
+TEST(content_coding, gzip_is_what_another_reader_reads) {
   RunControl control;
   for (const std::size_t size : {0u, 1u, 70'000u, 1'000'000u}) {
     std::string text;
@@ -65,7 +65,7 @@ TEST(ContentCoding, gzip_is_what_another_reader_reads) {
   }
 }
 
-TEST(ContentCoding, gzip_is_for_those_who_take_it) {
+TEST(content_coding, gzip_is_for_those_who_take_it) {
   for (const char* yes : {"gzip", "deflate, gzip;q=0.5", "GZIP", "*", "br, x-gzip", "gzip ; q=1"})
     EXPECT_TRUE(accepts_gzip(yes)) << yes;
   for (const char* no : {"", "identity", "deflate", "gzip;q=0", "gzip; q=0.000", "*;q=0", "gzip;q=0, *"})
@@ -77,9 +77,9 @@ double value_of(const std::string& metrics, const std::string& series) {
   return at == std::string::npos ? -1 : std::stod(metrics.substr(at + series.size() + 2));
 }
 
-using ObservationTest = StubService;
+using observation = StubService;
 
-TEST_F(ObservationTest, metrics_count_what_was_asked_and_answered) {
+TEST_F(observation, metrics_count_what_was_asked_and_answered) {
   config_.max_body = 100;
   start();
   for (int i = 0; i < 3; ++i) post(port_, "/v1/remesh", "good");
@@ -105,7 +105,7 @@ TEST_F(ObservationTest, metrics_count_what_was_asked_and_answered) {
   EXPECT_GT(value_of(text, "process_open_fds"), 3);
 }
 
-TEST_F(ObservationTest, a_client_that_leaves_is_counted_as_such) {
+TEST_F(observation, a_client_that_leaves_is_counted_as_such) {
   start();
   start_blocking()->close();
   EXPECT_TRUE(eventually([&] {
@@ -114,7 +114,7 @@ TEST_F(ObservationTest, a_client_that_leaves_is_counted_as_such) {
   }));
 }
 
-TEST_F(ObservationTest, results_carry_the_digest_of_what_is_sent) {
+TEST_F(observation, results_carry_the_digest_of_what_is_sent) {
   start();
   const Answer plain = post(port_, "/v1/remesh", "good");
   EXPECT_EQ(plain.header("Repr-Digest"), repr_digest(plain.body));
@@ -128,7 +128,7 @@ TEST_F(ObservationTest, results_carry_the_digest_of_what_is_sent) {
   EXPECT_EQ(unzip(zipped.body), post(port_, large, "good").body);
 }
 
-TEST_F(ObservationTest, documents_and_metrics_are_compressed_where_the_client_takes_that) {
+TEST_F(observation, documents_and_metrics_are_compressed_where_the_client_takes_that) {
   openapi_ = "{\"paths\":{" + std::string(2000, ' ') + "}}";
   start();
   EXPECT_EQ(get(port_, "/v1/capabilities").header("Vary"), "Accept-Encoding");

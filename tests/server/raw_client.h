@@ -186,14 +186,4 @@ bool eventually(Condition condition) {
   return true;
 }
 
-/// Returns the shortest time of at most ten attempts. It stops at the first that is within `bound`. One attempt is not
-/// enough, because other work on the machine may delay it.
-/// Input:  `attempt` returns the time that it took.
-template <typename Attempt>
-std::chrono::steady_clock::duration best_time(std::chrono::steady_clock::duration bound, Attempt attempt) {
-  auto best = attempt();
-  for (int more = 9; more > 0 && best > bound; --more) best = std::min(best, attempt());
-  return best;
-}
-
 }  // namespace remesh::server

@@ -10,13 +10,14 @@
 #include <vector>
 
 #include "tests/server/stub_service.h"
+#include "tests/support/time_limit.h"
 
 namespace remesh::server {
 namespace {
 
-using ServiceTest = StubService;
+using service = StubService;
 
-TEST_F(ServiceTest, a_request_reaches_the_operation_as_it_was_sent) {
+TEST_F(service, a_request_reaches_the_operation_as_it_was_sent) {
   start();
   const Answer answer = post(port_, "/v1/remesh?a=1e+5&b=%20", "hello",
                              "Content-Type: application/x-www-form-urlencoded\r\nAccept: model/obj\r\n" + kIdField);
@@ -27,7 +28,7 @@ TEST_F(ServiceTest, a_request_reaches_the_operation_as_it_was_sent) {
   EXPECT_EQ(answer.header("Content-Length"), std::to_string(answer.body.size()));
 }
 
-TEST_F(ServiceTest, the_small_routes_answer) {
+TEST_F(service, the_small_routes_answer) {
   start();
   EXPECT_EQ(get(port_, "/livez").status, 200);
   EXPECT_EQ(get(port_, "/readyz").status, 200);
@@ -44,7 +45,7 @@ TEST_F(ServiceTest, the_small_routes_answer) {
   EXPECT_EQ(head.header("Content-Length"), "6");
 }
 
-TEST_F(ServiceTest, http_1_0_and_chunks_are_served) {
+TEST_F(service, http_1_0_and_chunks_are_served) {
   start();
   EXPECT_EQ(ask(port_, "GET /livez HTTP/1.0\r\n\r\n").status, 200);
   EXPECT_EQ(ask(port_,
@@ -54,7 +55,7 @@ TEST_F(ServiceTest, http_1_0_and_chunks_are_served) {
             "5  ");
 }
 
-TEST_F(ServiceTest, bad_requests_are_told_why_and_the_next_one_is_served) {
+TEST_F(service, bad_requests_are_told_why_and_the_next_one_is_served) {
   start();
   const auto expect = [&](int status, const std::string& code, const Answer& answer) {
     EXPECT_EQ(answer.status, status) << code;
@@ -80,7 +81,7 @@ TEST_F(ServiceTest, bad_requests_are_told_why_and_the_next_one_is_served) {
   expect(431, "header_fields_too_large", ask(port_, "GET / HTTP/1.1\r\nA: " + std::string(100'000, 'a')));
 }
 
-TEST_F(ServiceTest, a_request_that_does_not_come_to_its_end_is_told_so) {
+TEST_F(service, a_request_that_does_not_come_to_its_end_is_told_so) {
   config_.gate.head_timeout = milliseconds(300);
   start();
   for (const char* begun :
@@ -91,14 +92,14 @@ TEST_F(ServiceTest, a_request_that_does_not_come_to_its_end_is_told_so) {
   }
 }
 
-TEST_F(ServiceTest, an_unexpected_failure_stays_opaque) {
+TEST_F(service, an_unexpected_failure_stays_opaque) {
   start();
   const Answer answer = post(port_, "/v1/remesh", "throw");
   EXPECT_EQ((answer.head + answer.body).find("secret"), std::string::npos);
   EXPECT_EQ(post(port_, "/v1/remesh", "no memory").header("Retry-After").empty(), false);
 }
 
-TEST_F(ServiceTest, an_upload_that_goes_on_after_its_refusal_still_gets_the_answer) {
+TEST_F(service, an_upload_that_goes_on_after_its_refusal_still_gets_the_answer) {
   start();
   RawClient client(port_);
   client.send("POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 20000000\r\n\r\n");
@@ -106,7 +107,7 @@ TEST_F(ServiceTest, an_upload_that_goes_on_after_its_refusal_still_gets_the_answ
   EXPECT_EQ(client.answer().status, 413);
 }
 
-TEST_F(ServiceTest, a_running_request_is_shown_and_can_be_cancelled) {
+TEST_F(service, a_running_request_is_shown_and_can_be_cancelled) {
   start();
   const auto client = start_blocking(kIdField);
   const Answer shown = get(port_, "/v1/requests/" + kId);
@@ -124,7 +125,7 @@ TEST_F(ServiceTest, a_running_request_is_shown_and_can_be_cancelled) {
   expect_well();
 }
 
-TEST_F(ServiceTest, an_id_in_use_is_replaced_by_a_new_one) {
+TEST_F(service, an_id_in_use_is_replaced_by_a_new_one) {
   config_.max_running = 2;
   start();
   const auto client = start_blocking(kIdField);
@@ -136,7 +137,7 @@ TEST_F(ServiceTest, an_id_in_use_is_replaced_by_a_new_one) {
   EXPECT_EQ(client->answer().header("X-Request-Id"), kId);
 }
 
-TEST_F(ServiceTest, events_follow_a_request_to_its_end) {
+TEST_F(service, events_follow_a_request_to_its_end) {
   start();
   const auto client = start_blocking(kIdField);
   RawClient follower(port_);
@@ -149,7 +150,7 @@ TEST_F(ServiceTest, events_follow_a_request_to_its_end) {
   EXPECT_EQ(get(port_, "/v1/requests/" + kId + "/events").status, 404);
 }
 
-TEST_F(ServiceTest, work_stops_within_100_ms_when_its_client_goes_away) {
+TEST_F(service, work_stops_within_100_ms_when_its_client_goes_away) {
   start();
   const auto leave = [&] {
     const int before = stub_.stopped;
@@ -159,11 +160,11 @@ TEST_F(ServiceTest, work_stops_within_100_ms_when_its_client_goes_away) {
     EXPECT_TRUE(eventually([&] { return stub_.stopped > before; }));
     return Clock::now() - start;
   };
-  EXPECT_LT(best_time(milliseconds(100), leave), milliseconds(100));
+  test::expect_best_within(milliseconds(100), leave);
   expect_well();
 }
 
-TEST_F(ServiceTest, a_client_that_closes_its_sending_side_is_asked_and_gets_its_answer) {
+TEST_F(service, a_client_that_closes_its_sending_side_is_asked_and_gets_its_answer) {
   start();
   const auto client = start_blocking();
   client->close_sending();
@@ -176,7 +177,7 @@ TEST_F(ServiceTest, a_client_that_closes_its_sending_side_is_asked_and_gets_its_
   EXPECT_EQ(stub_.stopped, 0);
 }
 
-TEST_F(ServiceTest, one_that_is_half_closed_and_then_gone_stops_its_work) {
+TEST_F(service, one_that_is_half_closed_and_then_gone_stops_its_work) {
   start();
   const auto client = start_blocking();
   client->close_sending();
@@ -186,7 +187,7 @@ TEST_F(ServiceTest, one_that_is_half_closed_and_then_gone_stops_its_work) {
   expect_well();
 }
 
-TEST_F(ServiceTest, before_http_1_1_there_is_no_asking) {
+TEST_F(service, before_http_1_1_there_is_no_asking) {
   start();
   RawClient client(port_);
   client.send("POST /v1/remesh HTTP/1.0\r\nContent-Length: 5\r\n\r\nblock");
@@ -196,7 +197,7 @@ TEST_F(ServiceTest, before_http_1_1_there_is_no_asking) {
   EXPECT_EQ(stub_.stopped, 1);
 }
 
-TEST_F(ServiceTest, a_small_request_from_a_half_closed_client_is_answered_without_ado) {
+TEST_F(service, a_small_request_from_a_half_closed_client_is_answered_without_ado) {
   start();
   RawClient client(port_);
   client.send(post_text("/v1/remesh", "hello"));
@@ -204,7 +205,7 @@ TEST_F(ServiceTest, a_small_request_from_a_half_closed_client_is_answered_withou
   EXPECT_EQ(client.answer().status, 200);
 }
 
-TEST_F(ServiceTest, a_refusal_carries_the_id_that_the_client_sent) {
+TEST_F(service, a_refusal_carries_the_id_that_the_client_sent) {
   start();
   for (const char* request : {"GET /nothing HTTP/1.1\r\nHost: x\r\n", "BREW / HTTP/1.1\r\nHost: x\r\n",
                               "POST /v1/remesh HTTP/1.1\r\nHost: x\r\n"}) {
@@ -214,7 +215,7 @@ TEST_F(ServiceTest, a_refusal_carries_the_id_that_the_client_sent) {
   }
 }
 
-TEST_F(ServiceTest, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
+TEST_F(service, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
   start();
   std::vector<std::unique_ptr<RawClient>> taken;
   int tries = 0;
@@ -245,7 +246,7 @@ TEST_F(ServiceTest, a_full_queue_refuses_at_once_and_says_when_to_come_back) {
   for (const auto& client : taken) EXPECT_EQ(client->answer().status, 200);
 }
 
-TEST_F(ServiceTest, a_waiting_request_can_be_cancelled_and_frees_its_place) {
+TEST_F(service, a_waiting_request_can_be_cancelled_and_frees_its_place) {
   start();
   const auto running = start_blocking();
   RawClient waiting(port_);
@@ -257,7 +258,7 @@ TEST_F(ServiceTest, a_waiting_request_can_be_cancelled_and_frees_its_place) {
   EXPECT_EQ(stub_.calls, 1);
 }
 
-TEST_F(ServiceTest, work_past_its_time_is_stopped_with_504) {
+TEST_F(service, work_past_its_time_is_stopped_with_504) {
   config_.request_timeout = milliseconds(500);
   start();
   const Answer answer = post(port_, "/v1/remesh", "block");
@@ -267,7 +268,7 @@ TEST_F(ServiceTest, work_past_its_time_is_stopped_with_504) {
   expect_well();
 }
 
-TEST_F(ServiceTest, work_that_does_not_hear_the_stop_is_answered_for) {
+TEST_F(service, work_that_does_not_hear_the_stop_is_answered_for) {
   config_.request_timeout = milliseconds(500);
   start();
   EXPECT_EQ(post(port_, "/v1/remesh", "deaf").status, 504);
@@ -275,7 +276,7 @@ TEST_F(ServiceTest, work_that_does_not_hear_the_stop_is_answered_for) {
   expect_well();
 }
 
-TEST_F(ServiceTest, waiting_too_long_for_a_worker_is_overload_not_timeout) {
+TEST_F(service, waiting_too_long_for_a_worker_is_overload_not_timeout) {
   config_.request_timeout = milliseconds(500);
   start();
   // The first request may use its time. Then, being deaf, it occupies the only thread.
@@ -284,7 +285,7 @@ TEST_F(ServiceTest, waiting_too_long_for_a_worker_is_overload_not_timeout) {
   stub_.released = true;
 }
 
-TEST_F(ServiceTest, slow_clients_hold_nobody_up) {
+TEST_F(service, slow_clients_hold_nobody_up) {
   config_.gate.head_timeout = std::chrono::minutes(5);
   config_.max_connections_per_address = config_.max_connections;
   start();
@@ -299,10 +300,10 @@ TEST_F(ServiceTest, slow_clients_hold_nobody_up) {
     EXPECT_EQ(get(port_, "/livez").status, 200);
     return Clock::now() - start;
   };
-  EXPECT_LT(best_time(milliseconds(50), probe), milliseconds(50));
+  test::expect_best_within(milliseconds(50), probe);
 }
 
-TEST_F(ServiceTest, connections_beyond_the_limit_are_refused_with_an_answer) {
+TEST_F(service, connections_beyond_the_limit_are_refused_with_an_answer) {
   config_.max_connections = 3;
   config_.gate.head_timeout = std::chrono::minutes(5);
   start();
@@ -315,7 +316,7 @@ TEST_F(ServiceTest, connections_beyond_the_limit_are_refused_with_an_answer) {
   EXPECT_TRUE(eventually([&] { return get(port_, "/livez").status == 200; }));
 }
 
-TEST_F(ServiceTest, the_operations_port_answers_for_health_only) {
+TEST_F(service, the_operations_port_answers_for_health_only) {
   config_.ops_bind = Address{"127.0.0.1", 0};
   config_.max_connections = 1;
   start();
@@ -325,7 +326,7 @@ TEST_F(ServiceTest, the_operations_port_answers_for_health_only) {
   EXPECT_EQ(get(service_->ops_port(), "/v1/capabilities").status, 404);
 }
 
-TEST_F(ServiceTest, draining_finishes_what_runs_and_takes_nothing_new) {
+TEST_F(service, draining_finishes_what_runs_and_takes_nothing_new) {
   start();
   const auto running = start_blocking();
   service_->begin_drain();
@@ -340,7 +341,7 @@ TEST_F(ServiceTest, draining_finishes_what_runs_and_takes_nothing_new) {
   EXPECT_TRUE(eventually([&] { return service_->is_idle(); }));
 }
 
-TEST_F(ServiceTest, stopping_cancels_what_is_left) {
+TEST_F(service, stopping_cancels_what_is_left) {
   start();
   const auto running = start_blocking();
   const RawClient idle(port_);
@@ -352,7 +353,7 @@ TEST_F(ServiceTest, stopping_cancels_what_is_left) {
   EXPECT_THROW(RawClient{port_}, std::runtime_error);
 }
 
-TEST_F(ServiceTest, a_port_in_use_is_an_error_not_a_second_daemon) {
+TEST_F(service, a_port_in_use_is_an_error_not_a_second_daemon) {
   start();
   Config second = config_;
   second.bind.port = port_;

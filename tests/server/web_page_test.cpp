@@ -21,9 +21,9 @@ std::string unpacked(const std::string& bytes) {
   return gunzip(bytes, {}, control);
 }
 
-class WebPage : public ::testing::Test {
+class web_page : public ::testing::Test {
  protected:
-  WebPage() {
+  web_page() {
     log::set_up(log::Format::kText, log::Level::kError);
     RunControl control;
     packed_ = gzip(kScript, control);
@@ -44,7 +44,7 @@ class WebPage : public ::testing::Test {
   std::unique_ptr<HttpServer> server_;
 };
 
-TEST_F(WebPage, a_file_comes_packed_to_who_takes_that_and_plain_to_others) {
+TEST_F(web_page, a_file_comes_packed_to_who_takes_that_and_plain_to_others) {
   const Answer packed = get("/assets/app-0123.js", "Accept-Encoding: br, gzip\r\n");
   EXPECT_EQ(packed.header("Content-Encoding"), "gzip");
   EXPECT_EQ(unpacked(packed.body), kScript);
@@ -59,7 +59,7 @@ TEST_F(WebPage, a_file_comes_packed_to_who_takes_that_and_plain_to_others) {
   EXPECT_EQ(get("/").body, "<!doctype html>");
 }
 
-TEST_F(WebPage, what_has_not_changed_is_not_sent_again) {
+TEST_F(web_page, what_has_not_changed_is_not_sent_again) {
   const std::string tag = get("/").header("ETag");
   EXPECT_NE(tag, get("/assets/app-0123.js").header("ETag"));
   for (const std::string& field : {tag, "\"other\", " + tag, tag.substr(2), std::string("*")}) {
@@ -72,12 +72,12 @@ TEST_F(WebPage, what_has_not_changed_is_not_sent_again) {
   EXPECT_EQ(get("/", "If-None-Match: \"other\"\r\n").status, 200);
 }
 
-TEST_F(WebPage, only_files_whose_names_change_with_them_are_kept_without_asking) {
+TEST_F(web_page, only_files_whose_names_change_with_them_are_kept_without_asking) {
   EXPECT_EQ(get("/").header("Cache-Control"), "no-cache");
   EXPECT_NE(get("/assets/app-0123.js").header("Cache-Control").find("immutable"), std::string::npos);
 }
 
-TEST_F(WebPage, the_page_may_load_nothing_from_elsewhere_and_nothing_inline) {
+TEST_F(web_page, the_page_may_load_nothing_from_elsewhere_and_nothing_inline) {
   for (const char* path : {"/", "/assets/app-0123.js"}) {
     const std::string policy = get(path).header("Content-Security-Policy");
     for (const char* part : {"default-src 'none'", "script-src 'self'", "style-src 'self'", "worker-src 'self'",
@@ -88,7 +88,7 @@ TEST_F(WebPage, the_page_may_load_nothing_from_elsewhere_and_nothing_inline) {
   }
 }
 
-TEST_F(WebPage, the_files_compiled_in_begin_with_the_page_and_have_paths_of_their_own) {
+TEST_F(web_page, the_files_compiled_in_begin_with_the_page_and_have_paths_of_their_own) {
   const std::vector<WebFile> files = web_files();
   ASSERT_FALSE(files.empty());
   EXPECT_EQ(files.front().path, "/");

@@ -6,6 +6,7 @@ usage: english.py [--count] [ROOT]
 - No comment begins with a fragment: "What ...", "Whether ...", "That ...", "So many ...", or "Of ...", "Where ...",
   "When ...", "As ...", "With ...", "Without ..." without a comma behind which the main clause could follow.
 - No member is documented by a preposition and a pronoun alone, as in "of both".
+- No suite of tests has a capital letter in its name.
 
 Exit code: 0 - nothing was found; 1 - what was found is listed. --count prints only how much that is in each folder.
 """
@@ -19,6 +20,7 @@ TOPS = ("core", "api", "server", "tests")
 NAME = re.compile(r"\bk(Most|Least)[A-Z]\w*")
 ALWAYS = re.compile(r"^(What|Whether|That|So (many|much|far)) ")
 WITHOUT_CLAUSE = re.compile(r"^(Of|Where|When|As|With|Without) [^,:?]*?([.;]|$)")
+SUITE = re.compile(r"^(TEST|TEST_F|TEST_P)\((\w*[A-Z]\w*)")
 LABEL = re.compile(r"^(Input|Output|Holds|Errors|Cost|Source|Returns|usage):")
 PREPOSITION = re.compile(r"///< (of|in|by|at|from|to|with|for|on|as|than) (it|them|both|these|those|that|this|all|each|one|any|anything|the \w+)[.;]?$")
 
@@ -61,6 +63,9 @@ def find_faults(root):
         for number, line in enumerate(lines, 1):
             for name in NAME.finditer(line):
                 yield path, number, f"the name {name.group()} has kMax or kMin for its usual word"
+            suite = SUITE.match(line)
+            if suite:
+                yield path, number, f"the suite {suite.group(2)} has capital letters; the others are in snake_case"
             if PREPOSITION.search(line):
                 yield path, number, "a preposition alone says little: " + line.split("///<")[1].strip()
         for number, text in comment_blocks(lines):

@@ -38,9 +38,9 @@ std::string without_seconds(std::string line) {
   return line;
 }
 
-class Batch : public testing::Test {
+class batch : public testing::Test {
  protected:
-  Batch() { folder_.write("parts/.keep", ""); }
+  batch() { folder_.write("parts/.keep", ""); }
 
   BatchJob job(int workers = 1) const {
     BatchJob job;
@@ -62,7 +62,7 @@ class Batch : public testing::Test {
   RunControl control_;
 };
 
-TEST_F(Batch, a_row_is_what_became_of_a_mesh_by_its_name) {
+TEST_F(batch, a_row_is_what_became_of_a_mesh_by_its_name) {
   folder_.write("parts/z.obj", kSquare);
   folder_.write("parts/a/b.obj", "v 0 0 0\nf 1 1 2\n");
   const BatchOutcome outcome = run(job());
@@ -76,7 +76,7 @@ TEST_F(Batch, a_row_is_what_became_of_a_mesh_by_its_name) {
   EXPECT_EQ(rows[2], "z.obj,ok,,2,2,1,0,45,90,true,1,S,");
 }
 
-TEST_F(Batch, a_name_with_a_comma_or_a_quote_stays_one_field_and_a_line_end_becomes_a_blank) {
+TEST_F(batch, a_name_with_a_comma_or_a_quote_stays_one_field_and_a_line_end_becomes_a_blank) {
   folder_.write("parts/a,b.obj", kSquare);
   folder_.write("parts/c\"d.obj", kSquare);
   folder_.write("parts/e\nf.obj", kSquare);
@@ -88,7 +88,7 @@ TEST_F(Batch, a_name_with_a_comma_or_a_quote_stays_one_field_and_a_line_end_beco
   EXPECT_THAT(rows[3], StartsWith("e f.obj,ok,"));
 }
 
-TEST_F(Batch, the_table_is_the_same_for_any_number_of_workers) {
+TEST_F(batch, the_table_is_the_same_for_any_number_of_workers) {
   for (const char* name : {"a.obj", "b.obj", "c.obj", "d.obj", "e.obj"})
     folder_.write(std::string("parts/") + name, kSquare);
   folder_.write("parts/bad.obj", "f 1 2 3\n");
@@ -101,7 +101,7 @@ TEST_F(Batch, the_table_is_the_same_for_any_number_of_workers) {
   }
 }
 
-TEST_F(Batch, what_is_no_mesh_by_its_ending_is_passed_over_and_a_compressed_mesh_is_not) {
+TEST_F(batch, what_is_no_mesh_by_its_ending_is_passed_over_and_a_compressed_mesh_is_not) {
   RunControl control;
   folder_.write("parts/part.obj.gz", gzip(kSquare, control));
   folder_.write("parts/readme.txt", "no mesh");
@@ -113,7 +113,7 @@ TEST_F(Batch, what_is_no_mesh_by_its_ending_is_passed_over_and_a_compressed_mesh
   EXPECT_THAT(folder_.read("done/part.obj"), HasSubstr("input_faces=2"));
 }
 
-TEST_F(Batch, an_empty_folder_is_a_table_without_rows_and_a_missing_one_an_error) {
+TEST_F(batch, an_empty_folder_is_a_table_without_rows_and_a_missing_one_an_error) {
   const BatchOutcome outcome = run(job());
   EXPECT_EQ(outcome.files, 0u);
   EXPECT_EQ(outcome.failed, 0u);
@@ -123,7 +123,7 @@ TEST_F(Batch, an_empty_folder_is_a_table_without_rows_and_a_missing_one_an_error
   EXPECT_THROW(run(missing), FileError);
 }
 
-TEST_F(Batch, no_mesh_is_written_over_whatever_the_output_folder_is_called) {
+TEST_F(batch, no_mesh_is_written_over_whatever_the_output_folder_is_called) {
   folder_.write("parts/a.obj", kSquare);
   folder_.write("parts/parts/a.obj", kSquare);
   std::filesystem::create_directory_symlink(folder_.path("parts"), folder_.path("link"));
@@ -139,7 +139,7 @@ TEST_F(Batch, no_mesh_is_written_over_whatever_the_output_folder_is_called) {
   }
 }
 
-TEST_F(Batch, an_output_folder_inside_the_folder_is_not_read) {
+TEST_F(batch, an_output_folder_inside_the_folder_is_not_read) {
   folder_.write("parts/a.obj", kSquare);
   BatchJob inside = job();
   inside.output_folder = folder_.path("parts/done");
@@ -147,7 +147,7 @@ TEST_F(Batch, an_output_folder_inside_the_folder_is_not_read) {
   EXPECT_EQ(folder_.read("parts/done/done/a.obj"), "");
 }
 
-TEST_F(Batch, an_output_that_cannot_be_written_fails_its_file_and_no_other) {
+TEST_F(batch, an_output_that_cannot_be_written_fails_its_file_and_no_other) {
   folder_.write("parts/a.obj", kSquare);
   folder_.write("parts/b.obj", kSquare);
   folder_.write("done/a.obj/in_the_way", "");
@@ -157,7 +157,7 @@ TEST_F(Batch, an_output_that_cannot_be_written_fails_its_file_and_no_other) {
   EXPECT_THAT(table(), ElementsAre(kColumns, HasSubstr("a.obj,failed,file_error,"), StartsWith("b.obj,ok,")));
 }
 
-TEST_F(Batch, where_nothing_can_be_written_nothing_is_remeshed) {
+TEST_F(batch, where_nothing_can_be_written_nothing_is_remeshed) {
   folder_.write("parts/a.obj", kSquare);
   folder_.write("file", "");
   BatchJob no_table = job();
@@ -170,7 +170,7 @@ TEST_F(Batch, where_nothing_can_be_written_nothing_is_remeshed) {
   EXPECT_THROW(run(no_folder), FileError);
 }
 
-TEST_F(Batch, a_stop_ends_every_file_and_the_table_says_so) {
+TEST_F(batch, a_stop_ends_every_file_and_the_table_says_so) {
   folder_.write("parts/a.obj", kSquare);
   folder_.write("parts/b.obj", kSquare);
   control_.cancel();

@@ -18,14 +18,14 @@ Failure failure_by(const T& thrown, const std::string& input = "part.obj") {
 
 Error bad_index() { return Error(Code::kIndexOutOfRange, Stage::kRead, "no such vertex"); }
 
-TEST(Failure, the_place_is_the_line_or_the_byte_of_the_input) {
+TEST(failure, the_place_is_the_line_or_the_byte_of_the_input) {
   EXPECT_EQ(place_of(bad_index().at_line(12), "part.obj"), "part.obj:12");
   EXPECT_EQ(place_of(bad_index().at_byte(84), "part.stl"), "part.stl: byte 84");
   EXPECT_EQ(place_of(bad_index(), "part.obj"), "part.obj");
   EXPECT_EQ(place_of(bad_index().at_line(3), "-"), "standard input:3");
 }
 
-TEST(Failure, what_the_mesh_decides_fails_and_what_the_command_line_decides_is_misuse) {
+TEST(failure, what_the_mesh_decides_fails_and_what_the_command_line_decides_is_misuse) {
   EXPECT_EQ(exit_code(bad_index()), kFailed);
   EXPECT_EQ(exit_code(Error(Code::kInvalidOption, Stage::kRead, "").for_option("max_area")), kMisused);
   EXPECT_EQ(exit_code(Error(Code::kNotAcceptable, Stage::kRead, "")), kMisused);
@@ -34,7 +34,7 @@ TEST(Failure, what_the_mesh_decides_fails_and_what_the_command_line_decides_is_m
   EXPECT_EQ(exit_code(Error(Code::kCancelled, Stage::kWeld, "")), kFailed);
 }
 
-TEST(Failure, only_an_error_of_reading_names_the_input) {
+TEST(failure, only_an_error_of_reading_names_the_input) {
   EXPECT_EQ(describe(bad_index().at_line(12), "part.obj"), "part.obj:12: index_out_of_range: no such vertex");
   EXPECT_EQ(describe(Error(Code::kVerificationFailed, Stage::kVerify, "a hole"), "part.obj"),
             "verification_failed: a hole");
@@ -42,7 +42,7 @@ TEST(Failure, only_an_error_of_reading_names_the_input) {
             "invalid_option: below 0");
 }
 
-TEST(Failure, whatever_is_thrown_has_a_code_and_a_line) {
+TEST(failure, whatever_is_thrown_has_a_code_and_a_line) {
   const Failure read = failure_by(bad_index().at_line(2));
   EXPECT_EQ(read.code, "index_out_of_range");
   EXPECT_EQ(read.message, "no such vertex");
@@ -60,7 +60,7 @@ TEST(Failure, whatever_is_thrown_has_a_code_and_a_line) {
   }
 }
 
-TEST(Failure, a_servers_refusal_is_told_as_our_own_would_be) {
+TEST(failure, a_servers_refusal_is_told_as_our_own_would_be) {
   RemoteError mesh(422, "index_out_of_range", "no such vertex");
   mesh.line = 7;
   EXPECT_EQ(failure_by(mesh).line, "part.obj:7: index_out_of_range: no such vertex");

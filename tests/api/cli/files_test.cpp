@@ -18,7 +18,7 @@ namespace {
 
 using testing::HasSubstr;
 
-class Files : public testing::Test {
+class files : public testing::Test {
  protected:
   std::string read_by_us(const std::string& name) const {
     return std::string(read_file(folder_.path(name), control_).view());
@@ -45,14 +45,14 @@ std::string many_bytes() {
   return bytes;
 }
 
-TEST_F(Files, a_file_is_read_to_its_last_byte) {
+TEST_F(files, a_file_is_read_to_its_last_byte) {
   for (const std::string& content : {std::string(), std::string("a\0b\r\n", 5), many_bytes()}) {
     folder_.write("part", content);
     EXPECT_TRUE(read_by_us("part") == content) << content.size() << " bytes";
   }
 }
 
-TEST_F(Files, an_open_file_is_read_from_where_it_stands_and_left_at_its_end) {
+TEST_F(files, an_open_file_is_read_from_where_it_stands_and_left_at_its_end) {
   const std::string content = many_bytes();
   folder_.write("part", content);
   const int fd = ::open(folder_.path("part").c_str(), O_RDONLY | O_CLOEXEC);
@@ -64,7 +64,7 @@ TEST_F(Files, an_open_file_is_read_from_where_it_stands_and_left_at_its_end) {
   EXPECT_EQ(nothing.view(), "");
 }
 
-TEST_F(Files, a_pipe_is_read_until_it_is_closed_however_it_comes) {
+TEST_F(files, a_pipe_is_read_until_it_is_closed_however_it_comes) {
   ASSERT_EQ(::mkfifo(folder_.path("pipe").c_str(), 0600), 0);
   const std::string content = many_bytes();
   std::thread writer([&] {
@@ -76,12 +76,12 @@ TEST_F(Files, a_pipe_is_read_until_it_is_closed_however_it_comes) {
   EXPECT_TRUE(got == content) << got.size() << " bytes";
 }
 
-TEST_F(Files, what_cannot_be_read_is_named_with_the_reason) {
+TEST_F(files, what_cannot_be_read_is_named_with_the_reason) {
   EXPECT_EQ(complaint([&] { read_by_us("none"); }), folder_.path("none") + ": No such file or directory");
   EXPECT_EQ(complaint([&] { read_file(folder_.path(), control_); }), folder_.path() + ": Is a directory");
 }
 
-TEST_F(Files, a_stop_ends_reading) {
+TEST_F(files, a_stop_ends_reading) {
   folder_.write("part", "v 0 0 0\n");
   control_.cancel();
   try {
@@ -92,7 +92,7 @@ TEST_F(Files, a_stop_ends_reading) {
   }
 }
 
-TEST_F(Files, a_new_file_has_its_content_and_the_permissions_of_any_other) {
+TEST_F(files, a_new_file_has_its_content_and_the_permissions_of_any_other) {
   const mode_t mask = ::umask(027);
   write_file(folder_.path("out"), many_bytes());
   ::umask(mask);
@@ -103,7 +103,7 @@ TEST_F(Files, a_new_file_has_its_content_and_the_permissions_of_any_other) {
   EXPECT_EQ(folder_.entry_count(), 1u);
 }
 
-TEST_F(Files, whoever_reads_the_old_file_reads_it_to_its_end) {
+TEST_F(files, whoever_reads_the_old_file_reads_it_to_its_end) {
   folder_.write("out", "the old content");
   std::ifstream reader(folder_.path("out"));
   std::string first;
@@ -113,7 +113,7 @@ TEST_F(Files, whoever_reads_the_old_file_reads_it_to_its_end) {
   EXPECT_EQ(folder_.read("out"), "new");
 }
 
-TEST_F(Files, a_link_into_another_folder_leads_to_the_new_content) {
+TEST_F(files, a_link_into_another_folder_leads_to_the_new_content) {
   folder_.write("kept/real", "old");
   std::filesystem::create_symlink("kept/real", folder_.path("link"));
   write_file(folder_.path("link"), "new");
@@ -121,7 +121,7 @@ TEST_F(Files, a_link_into_another_folder_leads_to_the_new_content) {
   EXPECT_EQ(folder_.read("kept/real"), "new");
 }
 
-TEST_F(Files, a_write_that_fails_says_why_and_leaves_nothing) {
+TEST_F(files, a_write_that_fails_says_why_and_leaves_nothing) {
   std::filesystem::create_directory(folder_.path("folder"));
   EXPECT_EQ(complaint([&] { write_file(folder_.path("folder"), "x"); }), folder_.path("folder") + ": Is a directory");
   EXPECT_EQ(complaint([&] { write_file(folder_.path("no/file"), "x"); }),
@@ -133,7 +133,7 @@ TEST_F(Files, a_write_that_fails_says_why_and_leaves_nothing) {
   EXPECT_EQ(folder_.entry_count(), 1u);
 }
 
-TEST_F(Files, whether_a_file_could_be_written_is_told_without_writing_it) {
+TEST_F(files, whether_a_file_could_be_written_is_told_without_writing_it) {
   folder_.write("old", "old");
   folder_.write("folder/file", "");
   const auto check = [&](const std::string& path) { return complaint([&] { check_writable(path); }); };
@@ -148,7 +148,7 @@ TEST_F(Files, whether_a_file_could_be_written_is_told_without_writing_it) {
   EXPECT_EQ(folder_.read("old"), "old");
 }
 
-TEST_F(Files, a_draft_has_what_was_appended_at_once_and_takes_the_place_of_what_was_there) {
+TEST_F(files, a_draft_has_what_was_appended_at_once_and_takes_the_place_of_what_was_there) {
   folder_.write("table", "an older and longer one");
   Draft draft(folder_.path("table"));
   draft.append("one,");
@@ -157,7 +157,7 @@ TEST_F(Files, a_draft_has_what_was_appended_at_once_and_takes_the_place_of_what_
   EXPECT_EQ(folder_.read("table"), "one,two");
 }
 
-TEST_F(Files, a_draft_leaves_alone_what_is_no_ordinary_file) {
+TEST_F(files, a_draft_leaves_alone_what_is_no_ordinary_file) {
   ASSERT_EQ(::mkfifo(folder_.path("pipe").c_str(), 0600), 0);
   for (const std::string& path : {folder_.path("pipe"), std::string("-"), folder_.path("none/table")})
     Draft(path).append("nothing");

@@ -116,14 +116,14 @@ RemoteError refusal_of(RemoteJob job) {
   return RemoteError(0, "", "");
 }
 
-TEST(Remote, a_refusal_for_want_of_a_key_says_where_it_is_taken_from) {
+TEST(remote, a_refusal_for_want_of_a_key_says_where_it_is_taken_from) {
   for (const char* body : {R"({"code": "unauthorized", "detail": "a key is needed"})", "not JSON"}) {
     const StubServer server([&](const Seen&, httplib::Response& response) { reply(response, 401, body); });
     EXPECT_THAT(refusal_of(job_for(server)).what(), HasSubstr("REMESH_API_KEY"));
   }
 }
 
-TEST(Remote, a_job_is_sent_watched_and_fetched_where_the_url_says) {
+TEST(remote, a_job_is_sent_watched_and_fetched_where_the_url_says) {
   const StubServer server(job_that_succeeds(nothing_before));
   RemoteJob job = job_for(server);
   job.server += "/behind/proxy/";
@@ -137,7 +137,7 @@ TEST(Remote, a_job_is_sent_watched_and_fetched_where_the_url_says) {
                                           "GET /behind/proxy/v1/jobs/7/report"));
 }
 
-TEST(Remote, what_is_known_of_the_mesh_and_wanted_of_the_answer_stands_in_headers) {
+TEST(remote, what_is_known_of_the_mesh_and_wanted_of_the_answer_stands_in_headers) {
   const StubServer server(job_that_succeeds(nothing_before));
   RemoteJob job = job_for(server);
   RunControl control;
@@ -157,7 +157,7 @@ TEST(Remote, what_is_known_of_the_mesh_and_wanted_of_the_answer_stands_in_header
   for (const Seen& one : seen) EXPECT_EQ(one.header("X-API-Key"), "a-key") << one.target;
 }
 
-TEST(Remote, a_server_without_room_is_asked_again_for_the_same_job) {
+TEST(remote, a_server_without_room_is_asked_again_for_the_same_job) {
   int refusals = 0;
   const StubServer server(job_that_succeeds([&](const Seen& seen, httplib::Response& response) {
     if (seen.method != "POST" || refusals == 2) return false;
@@ -174,7 +174,7 @@ TEST(Remote, a_server_without_room_is_asked_again_for_the_same_job) {
   EXPECT_NE(server.seen()[5].header("Idempotency-Key"), seen[0].header("Idempotency-Key")) << "of another job";
 }
 
-TEST(Remote, a_refusal_is_the_servers_in_its_words_with_the_place) {
+TEST(remote, a_refusal_is_the_servers_in_its_words_with_the_place) {
   const StubServer server([](const Seen&, httplib::Response& response) {
     reply(response, 422, R"({"code": "invalid_mesh", "detail": "no faces", "line": 12})");
   });
@@ -186,14 +186,14 @@ TEST(Remote, a_refusal_is_the_servers_in_its_words_with_the_place) {
   EXPECT_EQ(error.byte, std::nullopt);
 }
 
-TEST(Remote, a_refusal_that_is_no_problem_of_ours_is_told_by_its_status) {
+TEST(remote, a_refusal_that_is_no_problem_of_ours_is_told_by_its_status) {
   const StubServer server([](const Seen&, httplib::Response& response) { reply(response, 500, "<html>sorry</html>"); });
   const RemoteError error = refusal_of(job_for(server));
   EXPECT_EQ(error.code, "http_500");
   EXPECT_THAT(error.what(), HasSubstr("500"));
 }
 
-TEST(Remote, a_job_that_failed_fails_as_its_result_says) {
+TEST(remote, a_job_that_failed_fails_as_its_result_says) {
   const StubServer server(job_that_succeeds([](const Seen& seen, httplib::Response& response) {
     if (seen.target == "/v1/jobs/7") return reply(response, 200, R"({"state": "failed"})"), true;
     if (seen.target != "/v1/jobs/7/result") return false;
@@ -205,7 +205,7 @@ TEST(Remote, a_job_that_failed_fails_as_its_result_says) {
   EXPECT_EQ(error.byte, 84u);
 }
 
-TEST(Remote, what_the_server_says_of_a_running_job_is_the_progress) {
+TEST(remote, what_the_server_says_of_a_running_job_is_the_progress) {
   // The second look at the job finds what the first one told.
   std::string shown;
   int looks = 0;
@@ -224,7 +224,7 @@ TEST(Remote, what_the_server_says_of_a_running_job_is_the_progress) {
   EXPECT_EQ(shown, "[############            ]  50 % refinement");
 }
 
-TEST(Remote, a_stop_cancels_the_job_at_the_server) {
+TEST(remote, a_stop_cancels_the_job_at_the_server) {
   RunControl control;
   const StubServer server(job_that_succeeds([&](const Seen& seen, httplib::Response& response) {
     if (seen.target != "/v1/jobs/7" || seen.method != "GET") return false;
@@ -242,7 +242,7 @@ TEST(Remote, a_stop_cancels_the_job_at_the_server) {
   EXPECT_THAT(server.asked(), ElementsAre("POST /v1/jobs", "GET /v1/jobs/7", "DELETE /v1/jobs/7"));
 }
 
-TEST(Remote, a_job_that_has_failed_is_not_asked_for_its_result) {
+TEST(remote, a_job_that_has_failed_is_not_asked_for_its_result) {
   std::string problem = R"({"status": 503, "code": "out_of_memory", "detail": "not enough memory"})";
   const StubServer server(job_that_succeeds([&](const Seen& seen, httplib::Response& response) {
     if (!seen.target.ends_with("/jobs/7")) return false;
@@ -260,7 +260,7 @@ TEST(Remote, a_job_that_has_failed_is_not_asked_for_its_result) {
   EXPECT_EQ(bad.line, 12u);
 }
 
-TEST(Remote, a_job_whose_result_is_not_given_is_named) {
+TEST(remote, a_job_whose_result_is_not_given_is_named) {
   const StubServer server(job_that_succeeds([](const Seen& seen, httplib::Response& response) {
     if (!seen.target.ends_with("/result")) return false;
     reply(response, 500, R"({"code": "internal", "detail": "something went wrong"})");
@@ -269,7 +269,7 @@ TEST(Remote, a_job_whose_result_is_not_given_is_named) {
   EXPECT_EQ(refusal_of(job_for(server)).what(), "something went wrong; the job is " + server.url() + "/v1/jobs/7");
 }
 
-TEST(Remote, a_stop_while_the_answer_to_the_submission_is_on_its_way_cancels_that_job) {
+TEST(remote, a_stop_while_the_answer_to_the_submission_is_on_its_way_cancels_that_job) {
   // At first the answer comes after the stop; then it never comes, and is asked for again under the same key.
   for (const int status : {202, 503}) {
     RunControl control;
@@ -290,7 +290,7 @@ TEST(Remote, a_stop_while_the_answer_to_the_submission_is_on_its_way_cancels_tha
   }
 }
 
-TEST(Remote, what_is_no_url_is_refused_at_once) {
+TEST(remote, what_is_no_url_is_refused_at_once) {
   for (const char* url : {"ftp://somewhere", "http://", "://"}) {
     RemoteJob job;
     job.server = url;

@@ -19,7 +19,7 @@ void expect_ranked(const RankedIds<VertexId>& ranked, const std::vector<VertexId
   }
 }
 
-TEST(RankedIds, ids_are_in_order_and_know_their_rank_whether_few_or_many_of_a_range) {
+TEST(ranked_ids, ids_are_in_order_and_know_their_rank_whether_few_or_many_of_a_range) {
   Random random(5);
   const RunControl control;
   RankedIds<VertexId> ranked;  // one after the other in the same memory
@@ -32,7 +32,7 @@ TEST(RankedIds, ids_are_in_order_and_know_their_rank_whether_few_or_many_of_a_ra
     }
 }
 
-TEST(RankedIds, the_largest_ids_have_ranks) {
+TEST(ranked_ids, the_largest_ids_have_ranks) {
   const RunControl control;
   RankedIds<VertexId> ranked;
   const std::vector<VertexId> ids{VertexId(0xfffffffeu), VertexId(0xfffffffdu), VertexId(0xfffffffeu)};

@@ -49,7 +49,7 @@ TEST(sort_stoppable, it_ends_in_the_middle_when_it_is_stopped) {
   EXPECT_LT(comparisons, 2000u);
 }
 
-TEST(StopCheck, it_sees_a_stop_within_some_thousand_calls) {
+TEST(stop_check, it_sees_a_stop_within_some_thousand_calls) {
   RunControl control;
   StopCheck check(control);
   for (int i = 0; i < 100'000; ++i) check();

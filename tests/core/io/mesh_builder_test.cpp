@@ -15,7 +15,7 @@ using test::error_of;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-class Builder : public testing::Test {
+class builder : public testing::Test {
  protected:
   /// Returns a builder to which a mesh with these numbers of vertices and faces was announced. It has room for all of
   /// them.
@@ -29,7 +29,7 @@ class Builder : public testing::Test {
   RunControl control_;
 };
 
-TEST_F(Builder, what_is_added_is_the_mesh) {
+TEST_F(builder, what_is_added_is_the_mesh) {
   MeshBuilder builder = announced(4, 2);
   for (int x = 0; x < 4; ++x) builder.add_vertex({double(x), 0.5, -1}, Place::line(2));
   for (const std::vector<int>& face : {std::vector{3, 1, 0}, {0, 1, 2, 3}}) {
@@ -42,7 +42,7 @@ TEST_F(Builder, what_is_added_is_the_mesh) {
   EXPECT_EQ(mesh.positions[VertexId(3)], (Vec3{3, 0.5, -1}));
 }
 
-TEST_F(Builder, counts_up_to_the_limits_are_let_in_and_one_more_is_told_with_its_limit) {
+TEST_F(builder, counts_up_to_the_limits_are_let_in_and_one_more_is_told_with_its_limit) {
   EXPECT_NO_THROW(announced(10, 5));
   const Error vertices = error_of([&] { announced(11, 0); });
   EXPECT_EQ(vertices.code, Code::kMeshTooLarge);
@@ -52,7 +52,7 @@ TEST_F(Builder, counts_up_to_the_limits_are_let_in_and_one_more_is_told_with_its
   EXPECT_EQ(faces.limit, 5u);
 }
 
-TEST_F(Builder, nothing_is_reserved_that_the_file_has_no_room_for) {
+TEST_F(builder, nothing_is_reserved_that_the_file_has_no_room_for) {
   limits_ = {1u << 30, 1u << 30};
   MeshBuilder builder(limits_, control_);
   builder.announce(1u << 30, 1u << 30, 7, 9, Place::byte(0));
@@ -62,7 +62,7 @@ TEST_F(Builder, nothing_is_reserved_that_the_file_has_no_room_for) {
   EXPECT_EQ(builder.vertices_announced(), 1u << 30);
 }
 
-TEST_F(Builder, a_vertex_that_is_not_finite_is_told_by_its_number_and_place) {
+TEST_F(builder, a_vertex_that_is_not_finite_is_told_by_its_number_and_place) {
   MeshBuilder builder = announced(2, 1);
   builder.add_vertex({0, 0, 0}, Place::byte(80));
   const Error error = error_of([&] { builder.add_vertex({0, kInfinity, 0}, Place::byte(92)); });
@@ -71,7 +71,7 @@ TEST_F(Builder, a_vertex_that_is_not_finite_is_told_by_its_number_and_place) {
   EXPECT_EQ(error.byte, 92u);
 }
 
-TEST_F(Builder, a_corner_is_one_of_the_vertices_announced_be_they_read_or_not) {
+TEST_F(builder, a_corner_is_one_of_the_vertices_announced_be_they_read_or_not) {
   MeshBuilder builder = announced(3, 2);
   for (const bool is_second : {false, true}) {
     builder.begin_face(3, Place::line(7));
@@ -87,7 +87,7 @@ TEST_F(Builder, a_corner_is_one_of_the_vertices_announced_be_they_read_or_not) {
   }
 }
 
-TEST_F(Builder, a_face_has_three_corners_or_more_and_no_more_than_32_bits_count) {
+TEST_F(builder, a_face_has_three_corners_or_more_and_no_more_than_32_bits_count) {
   MeshBuilder builder = announced(3, 2);
   for (const std::uint64_t few : {0u, 1u, 2u}) {
     EXPECT_EQ(error_of([&] { builder.begin_face(few, Place::line(1)); }).code, Code::kInvalidMesh) << few;
@@ -101,13 +101,13 @@ TEST_F(Builder, a_face_has_three_corners_or_more_and_no_more_than_32_bits_count)
   EXPECT_NO_THROW(builder.begin_face(kMost - 3, Place::line(2)));
 }
 
-TEST_F(Builder, a_mesh_without_a_face_is_empty) {
+TEST_F(builder, a_mesh_without_a_face_is_empty) {
   MeshBuilder builder = announced(1, 0);
   builder.add_vertex({1, 2, 3}, Place::line(2));
   EXPECT_EQ(error_of([&] { builder.take(); }).code, Code::kEmptyMesh);
 }
 
-TEST_F(Builder, ticks_tell_how_far_reading_is_and_obey_a_stop) {
+TEST_F(builder, ticks_tell_how_far_reading_is_and_obey_a_stop) {
   MeshBuilder builder = announced(1, 1);
   constexpr int kMany = 10'000;
   for (int i = 0; i < kMany; ++i) builder.tick(300, 400);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -14,6 +13,7 @@
 #include "core/mending/weld.h"
 #include "tests/support/shapes.h"
 #include "tests/support/stage_chain.h"
+#include "tests/support/time_limit.h"
 #include "tests/support/torn.h"
 
 namespace remesh {
@@ -74,7 +74,7 @@ void expect_in_place(const PolygonMesh& before, const Surface& after, double tol
   EXPECT_EQ(std::count(uses.begin(), uses.end(), 0), 0);
 }
 
-TEST(Seams, both_sides_of_a_torn_solid_become_one_again) {
+TEST(seams, both_sides_of_a_torn_solid_become_one_again) {
   for (unsigned seed = 1; seed <= 5; ++seed)
     for (const PolygonMesh& whole :
          {shapes::sphere(3), shapes::box({1, 2, 3}, 4), shapes::quad_box({2, 1, 1}, 3), shapes::l_bracket(3)}) {
@@ -89,7 +89,7 @@ TEST(Seams, both_sides_of_a_torn_solid_become_one_again) {
     }
 }
 
-TEST(Seams, facets_that_were_all_computed_by_themselves_become_one_solid) {
+TEST(seams, facets_that_were_all_computed_by_themselves_become_one_solid) {
   for (unsigned seed = 1; seed <= 5; ++seed) {
     const PolygonMesh whole = shapes::sphere(2);
     const PolygonMesh mesh = torn::into_facets(whole, torn::noise(seed, kTolerance / 8));
@@ -100,7 +100,7 @@ TEST(Seams, facets_that_were_all_computed_by_themselves_become_one_solid) {
   }
 }
 
-TEST(Seams, a_crack_wider_than_the_tolerance_stays) {
+TEST(seams, a_crack_wider_than_the_tolerance_stays) {
   const PolygonMesh mesh = torn::in_two(shapes::sphere(2), torn::above_a_plane(1), [](const Vec3& p) {
     return p + Vec3{0, 0, 2e-9};
   });
@@ -109,7 +109,7 @@ TEST(Seams, a_crack_wider_than_the_tolerance_stays) {
   EXPECT_TRUE(result.diagnostics.empty());
 }
 
-TEST(Seams, it_is_told_and_left_if_it_is_not_to_be_mended) {
+TEST(seams, it_is_told_and_left_if_it_is_not_to_be_mended) {
   const PolygonMesh whole = shapes::sphere(2);
   const PolygonMesh mesh = torn::in_two(whole, torn::above_a_plane(1), torn::noise(1, kTolerance / 4));
   const Closed result = close(mesh, Mend::kNo);
@@ -118,7 +118,7 @@ TEST(Seams, it_is_told_and_left_if_it_is_not_to_be_mended) {
   EXPECT_EQ(count_of(result), torn::edges_between(whole, torn::above_a_plane(1)));
 }
 
-TEST(Seams, the_order_of_faces_and_vertices_decides_nothing) {
+TEST(seams, the_order_of_faces_and_vertices_decides_nothing) {
   const PolygonMesh mesh = torn::into_facets(shapes::sphere(2), torn::noise(3, kTolerance / 3));
   const auto places = [](const Surface& surface) {
     return std::set<Vec3>(surface.positions.begin(), surface.positions.end());
@@ -131,7 +131,7 @@ TEST(Seams, the_order_of_faces_and_vertices_decides_nothing) {
   }
 }
 
-TEST(Seams, two_sheets_on_each_other_stay_two) {
+TEST(seams, two_sheets_on_each_other_stay_two) {
   const PolygonMesh sheet = shapes::sheet(3, 2, 3, 2);
   for (const PolygonMesh& other : {shapes::turned_over(sheet), sheet}) {
     const Closed result = close(shapes::joined(sheet, shapes::moved(other, {0, 0, 0.5e-9})));
@@ -140,7 +140,7 @@ TEST(Seams, two_sheets_on_each_other_stay_two) {
   }
 }
 
-TEST(Seams, two_open_boxes_side_by_side_stay_two) {
+TEST(seams, two_open_boxes_side_by_side_stay_two) {
   // The boxes have no lids, and a wall of one lies on a wall of the other.
   PolygonMesh box = shapes::quad_box({1, 1, 1}, 2);
   const PolygonMesh open = torn::only(box, [&](FaceId f) {
@@ -151,7 +151,7 @@ TEST(Seams, two_open_boxes_side_by_side_stay_two) {
   EXPECT_FALSE(result.is_changed);
 }
 
-TEST(Seams, boxes_whose_mouths_meet_become_one) {
+TEST(seams, boxes_whose_mouths_meet_become_one) {
   PolygonMesh box = shapes::quad_box({1, 1, 1}, 2);
   const auto half = [&](double z) {
     return torn::only(box, [&](FaceId f) {
@@ -163,7 +163,7 @@ TEST(Seams, boxes_whose_mouths_meet_become_one) {
   EXPECT_TRUE(is_closed(result.surface));
 }
 
-TEST(Seams, pages_of_a_book_that_lie_beside_each_other_are_not_joined_in_pairs) {
+TEST(seams, pages_of_a_book_that_lie_beside_each_other_are_not_joined_in_pairs) {
   // Three sheets whose edges are one to rounding: two of them would be as good as any other two.
   const Vec3 a{0, 0, 0}, b{0, 0, 1};
   std::vector<Vec3> points;
@@ -177,14 +177,14 @@ TEST(Seams, pages_of_a_book_that_lie_beside_each_other_are_not_joined_in_pairs) 
   EXPECT_FALSE(close(shapes::from_lists(points, faces)).is_changed);
 }
 
-TEST(Seams, edges_that_run_the_same_way_are_no_partners) {
+TEST(seams, edges_that_run_the_same_way_are_no_partners) {
   const PolygonMesh left = shapes::sheet(1, 1, 1, 1);
   const PolygonMesh right = shapes::moved(shapes::turned_over(shapes::sheet(1, 1, 1, 1)), {1 + 0.5e-9, 0, 0});
   EXPECT_FALSE(close(shapes::joined(left, right)).is_changed);
   EXPECT_TRUE(close(shapes::joined(left, shapes::turned_over(right))).is_changed);
 }
 
-TEST(Seams, no_face_collapses) {
+TEST(seams, no_face_collapses) {
   // A seam ends at a face that has both its sides for corners, and would become a line.
   const double w = 0.5e-9;
   const PolygonMesh mesh = shapes::from_lists({{0, 0, 0}, {-w, 1, 0}, {w, 1, 0}, {-1, 0.5, 0}, {1, 0.5, 0}, {0, 2, 0}},
@@ -196,7 +196,7 @@ TEST(Seams, no_face_collapses) {
   }
 }
 
-TEST(Seams, a_long_edge_across_the_end_of_a_seam_loses_the_corner_that_is_there_twice) {
+TEST(seams, a_long_edge_across_the_end_of_a_seam_loses_the_corner_that_is_there_twice) {
   // A polygon below, with both ends of the seam between the two above it on its upper side.
   const double w = 0.25e-9;
   const PolygonMesh mesh = shapes::from_lists({{-1, -1, 0},
@@ -216,7 +216,7 @@ TEST(Seams, a_long_edge_across_the_end_of_a_seam_loses_the_corner_that_is_there_
   EXPECT_EQ(faces_at_edges(result.surface), (std::map<std::size_t, int>{{1, 7}, {2, 3}}));
 }
 
-TEST(Seams, a_chain_of_near_places_does_not_collapse) {
+TEST(seams, a_chain_of_near_places_does_not_collapse) {
   // A fan of facets, each with an apex of its own, 0.4 tolerances from the next one.
   constexpr int kFacets = 24;
   std::vector<Vec3> points;
@@ -237,7 +237,7 @@ TEST(Seams, a_chain_of_near_places_does_not_collapse) {
   EXPECT_EQ(counts.rbegin()->first, 2u);
 }
 
-TEST(Seams, random_facets_with_noise_about_the_tolerance_never_become_what_is_no_surface) {
+TEST(seams, random_facets_with_noise_about_the_tolerance_never_become_what_is_no_surface) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     const PolygonMesh whole = seed % 2 == 0 ? shapes::box({1, 1, 1}, 2) : shapes::three_pages(2);
     const auto of_whole = faces_at_edges(shapes::surface(whole));
@@ -255,7 +255,7 @@ TEST(Seams, random_facets_with_noise_about_the_tolerance_never_become_what_is_no
   }
 }
 
-TEST(Seams, open_edges_on_each_other_by_the_thousand_take_no_quadratic_time) {
+TEST(seams, open_edges_on_each_other_by_the_thousand_take_no_quadratic_time) {
   // Triangles that all have one edge, each to itself, within the tolerance.
   std::vector<Vec3> points;
   std::vector<std::vector<std::uint32_t>> faces;
@@ -264,9 +264,8 @@ TEST(Seams, open_edges_on_each_other_by_the_thousand_take_no_quadratic_time) {
     points.insert(points.end(), {{off, 0, 0}, {off, 0, 1}, {std::cos(angle), std::sin(angle), 0.5}});
     faces.push_back({3 * i, 3 * i + 1, 3 * i + 2});
   }
-  const auto begin = std::chrono::steady_clock::now();
-  const Closed result = close(shapes::from_lists(points, faces));
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(5));
+  Closed result;
+  test::expect_within(test::Seconds(5), [&] { result = close(shapes::from_lists(points, faces)); });
   EXPECT_FALSE(result.is_changed);
   ASSERT_EQ(result.diagnostics.size(), 1u);
 }

@@ -44,7 +44,7 @@ std::uint64_t total(const Histogram& histogram) {
   return std::accumulate(histogram.counts.begin(), histogram.counts.end(), std::uint64_t{0});
 }
 
-TEST(Quality, the_equilateral_triangle_has_the_ideal_values) {
+TEST(quality, the_equilateral_triangle_has_the_ideal_values) {
   const Quality q = quality_of({{0, 0, 0}, {2, 0, 0}, {1, std::sqrt(3.0), 0}}, {{0, 1, 2}});
   EXPECT_NEAR(q.min_angle_deg, 60, 1e-12);
   EXPECT_NEAR(q.max_angle_deg, 60, 1e-12);
@@ -54,7 +54,7 @@ TEST(Quality, the_equilateral_triangle_has_the_ideal_values) {
   EXPECT_NEAR(q.area.mean, std::sqrt(3.0), 1e-14);
 }
 
-TEST(Quality, the_right_isosceles_triangle_has_known_values) {
+TEST(quality, the_right_isosceles_triangle_has_known_values) {
   const Quality q = quality_of({{0, 0, 5}, {3, 0, 5}, {0, 3, 5}}, {{0, 1, 2}});
   EXPECT_NEAR(q.min_angle_deg, 45, 1e-12);
   EXPECT_NEAR(q.max_angle_deg, 90, 1e-12);
@@ -65,7 +65,7 @@ TEST(Quality, the_right_isosceles_triangle_has_known_values) {
   EXPECT_EQ(q.area.min, 4.5);
 }
 
-TEST(Quality, a_needle_keeps_its_small_angle_exact) {
+TEST(quality, a_needle_keeps_its_small_angle_exact) {
   const double h = 1e-9;
   const Quality q = quality_of({{0, 0, 0}, {1, 0, 0}, {1, h, 0}}, {{0, 1, 2}});
   EXPECT_NEAR(q.min_angle_deg * kPi / 180 / h, 1, 1e-12);
@@ -73,7 +73,7 @@ TEST(Quality, a_needle_keeps_its_small_angle_exact) {
   EXPECT_NEAR(q.area.max / h, 0.5, 1e-12);
 }
 
-TEST(Quality, zero_area_triangles_count_with_angle_0_and_spoil_no_ratio) {
+TEST(quality, zero_area_triangles_count_with_angle_0_and_spoil_no_ratio) {
   const Quality q = quality_of({{0, 0, 0}, {1, 0, 0}, {0.5, std::sqrt(0.75), 0}, {2, 0, 0}}, {{0, 1, 2}, {0, 1, 3}});
   EXPECT_EQ(q.min_angle_deg, 0);
   EXPECT_EQ(q.max_angle_deg, 180);
@@ -84,14 +84,14 @@ TEST(Quality, zero_area_triangles_count_with_angle_0_and_spoil_no_ratio) {
   EXPECT_EQ(total(q.radius_edge_histogram), 1u);
 }
 
-TEST(Quality, an_edge_of_several_triangles_counts_once) {
+TEST(quality, an_edge_of_several_triangles_counts_once) {
   // The diagonal of the square is shared: 4 sides of 1 and one of sqrt(2).
   RunControl control;
   const Quality q = measure_surface(shapes::triangles(shapes::sheet(1, 1, 1, 1)), control).quality;
   EXPECT_NEAR(q.edge_length.mean, (4 + std::sqrt(2.0)) / 5, 1e-15);
 }
 
-TEST(Quality, extreme_scales_give_the_same_ratios) {
+TEST(quality, extreme_scales_give_the_same_ratios) {
   const auto mesh = shapes::triangles(shapes::box({3, 2, 1}, 2));
   RunControl control;
   const Quality expected = measure_surface(mesh, control).quality;
@@ -107,14 +107,14 @@ TEST(Quality, extreme_scales_give_the_same_ratios) {
   }
 }
 
-TEST(Quality, a_tiny_triangle_in_a_large_mesh_keeps_its_shape) {
+TEST(quality, a_tiny_triangle_in_a_large_mesh_keeps_its_shape) {
   const double t = 1e-200;
   const Quality q = quality_of({{0, 0, 0}, {t, 0, 0}, {0, t, 0}, {1, 0, 1}, {0, 1, 1}}, {{0, 1, 2}, {0, 3, 4}});
   EXPECT_NEAR(q.min_angle_deg, 45, 1e-12);
   EXPECT_NEAR(q.radius_edge_ratio.max, 1 / std::sqrt(2.0), 1e-14);
 }
 
-TEST(Quality, a_tiny_edge_between_large_triangles_keeps_its_length) {
+TEST(quality, a_tiny_edge_between_large_triangles_keeps_its_length) {
   for (const double t : {1e-150, 1e-158, 1e-161, 1e-170, 1e-300}) {
     const std::vector<Vec3> corners{{0, 0, 0}, {t, 0, 0}, {0, 1, 0}, {0, 0, 1}};
     EXPECT_EQ(quality_of(corners, {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}).edge_length.min, t) << "closed";
@@ -122,7 +122,7 @@ TEST(Quality, a_tiny_edge_between_large_triangles_keeps_its_length) {
   }
 }
 
-TEST(Quality, agrees_with_a_plain_computation_on_random_triangles) {
+TEST(quality, agrees_with_a_plain_computation_on_random_triangles) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> coordinate(-10, 10);
   std::vector<Vec3> positions;
@@ -181,7 +181,7 @@ std::vector<double> plain_angles(const TriangleMesh& mesh) {
   return angles;
 }
 
-TEST(Quality, angles_of_lattice_triangles_are_in_the_bins_of_their_arc_tangents) {
+TEST(quality, angles_of_lattice_triangles_are_in_the_bins_of_their_arc_tangents) {
   // All of a lattice of 4 x 4 x 2 points: right angles and halves of them, at many lengths, and zero areas. None has an
   // angle that is a multiple of 10 degrees but 60, 90 and 120, and of these only 90 is exact in doubles.
   std::vector<Vec3> positions;
@@ -210,7 +210,7 @@ TEST(Quality, angles_of_lattice_triangles_are_in_the_bins_of_their_arc_tangents)
   EXPECT_EQ(q.max_angle_deg, 180);
 }
 
-TEST(Quality, the_extreme_angles_are_those_of_their_arc_tangents_to_a_few_last_places) {
+TEST(quality, the_extreme_angles_are_those_of_their_arc_tangents_to_a_few_last_places) {
   // Needles of all sizes beside each other: cosines tell none of their angles from another.
   for (int needle = 0; needle < 60; ++needle) {
     std::vector<Vec3> positions;
@@ -228,7 +228,7 @@ TEST(Quality, the_extreme_angles_are_those_of_their_arc_tangents_to_a_few_last_p
   }
 }
 
-TEST(Quality, has_the_same_bits_for_any_number_of_threads) {
+TEST(quality, has_the_same_bits_for_any_number_of_threads) {
   const auto mesh = shapes::triangles(shapes::rotated(shapes::noisy_sheet(60, 3), {1, 2, 3}, 40));
   RunControl control;
   std::set<std::vector<double>> seen;
@@ -241,13 +241,13 @@ TEST(Quality, has_the_same_bits_for_any_number_of_threads) {
   EXPECT_EQ(seen.size(), 1u);
 }
 
-TEST(Quality, stops_when_asked) {
+TEST(quality, stops_when_asked) {
   RunControl control;
   control.cancel();
   EXPECT_THROW(measure_surface(shapes::triangles(shapes::box({1, 1, 1})), control), Error);
 }
 
-TEST(MeasureSurface, a_box_has_its_area_volume_and_topology) {
+TEST(measure_surface, a_box_has_its_area_volume_and_topology) {
   for (const auto& mesh : {shapes::box({3, 2, 1}, 4), shapes::quad_box({3, 2, 1}, 4)}) {
     const MeshStatistics s = statistics_of(mesh);
     EXPECT_EQ(s.vertices, mesh.vertex_count());
@@ -263,7 +263,7 @@ TEST(MeasureSurface, a_box_has_its_area_volume_and_topology) {
   }
 }
 
-TEST(MeasureSurface, the_ring_of_the_specification_has_area_28_exactly) {
+TEST(measure_surface, the_ring_of_the_specification_has_area_28_exactly) {
   for (const int cuts : {1, 4}) {
     const MeshStatistics s = statistics_of(shapes::ring(cuts));
     EXPECT_EQ(s.area, 28);
@@ -274,16 +274,16 @@ TEST(MeasureSurface, the_ring_of_the_specification_has_area_28_exactly) {
   }
 }
 
-TEST(MeasureSurface, a_body_far_away_keeps_its_volume) {
+TEST(measure_surface, a_body_far_away_keeps_its_volume) {
   const MeshStatistics s = statistics_of(shapes::moved(shapes::box({1, 1, 1}), {1048576, -1048576, 524288}));
   EXPECT_NEAR(s.volume.value(), 1, 1e-9);
 }
 
-TEST(MeasureSurface, an_inside_out_body_has_negative_volume) {
+TEST(measure_surface, an_inside_out_body_has_negative_volume) {
   EXPECT_NEAR(statistics_of(shapes::turned_over(shapes::box({1, 1, 1}))).volume.value(), -1, 1e-15);
 }
 
-TEST(MeasureSurface, a_body_with_one_face_turned_is_closed_without_volume) {
+TEST(measure_surface, a_body_with_one_face_turned_is_closed_without_volume) {
   PolygonMesh mesh = shapes::box({1, 1, 1});
   std::swap(mesh.corners[0], mesh.corners[1]);
   const MeshStatistics s = statistics_of(mesh);
@@ -291,19 +291,19 @@ TEST(MeasureSurface, a_body_with_one_face_turned_is_closed_without_volume) {
   EXPECT_FALSE(s.volume.has_value());
 }
 
-TEST(MeasureSurface, three_pages_share_one_non_manifold_edge) {
+TEST(measure_surface, three_pages_share_one_non_manifold_edge) {
   const MeshStatistics s = statistics_of(shapes::three_pages());
   EXPECT_EQ(s.non_manifold_edges, 1u);
   EXPECT_EQ(s.boundary_edges, 9u);
   EXPECT_FALSE(s.closed);
 }
 
-TEST(MeasureSurface, parts_that_share_a_vertex_are_one_component) {
+TEST(measure_surface, parts_that_share_a_vertex_are_one_component) {
   EXPECT_EQ(statistics_of(shapes::two_squares_touching_at_a_vertex()).components, 1u);
   EXPECT_EQ(statistics_of(shapes::joined(shapes::box({1, 1, 1}), shapes::box({1, 1, 1}))).components, 2u);
 }
 
-TEST(MeasureSurface, unused_vertices_count_nowhere) {
+TEST(measure_surface, unused_vertices_count_nowhere) {
   PolygonMesh mesh = shapes::sheet(1, 1, 1, 1);
   mesh.positions.push_back({100, 100, 100});
   const MeshStatistics s = statistics_of(mesh);
@@ -312,7 +312,7 @@ TEST(MeasureSurface, unused_vertices_count_nowhere) {
   EXPECT_EQ(s.bounding_box.max, (Vec3{1, 1, 0}));
 }
 
-TEST(MeasureSurface, a_polygon_without_a_plane_has_the_area_and_the_volume_of_its_triangles) {
+TEST(measure_surface, a_polygon_without_a_plane_has_the_area_and_the_volume_of_its_triangles) {
   // A box with one corner pulled up by a half: its top is taken for the two triangles of one diagonal or the other.
   PolygonMesh mesh = shapes::box({1, 1, 1});
   for (Vec3& p : mesh.positions)
@@ -325,14 +325,14 @@ TEST(MeasureSurface, a_polygon_without_a_plane_has_the_area_and_the_volume_of_it
   EXPECT_NEAR(s.area, 3 + 2 * 1.25 + top, 1e-14);
 }
 
-TEST(MeasureSurface, concave_polygons_have_their_own_area) {
+TEST(measure_surface, concave_polygons_have_their_own_area) {
   const MeshStatistics s = statistics_of(shapes::prism({{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}}, 1));
   EXPECT_EQ(s.area, 2 * 3 + 8);
   EXPECT_NEAR(s.volume.value(), 3, 1e-15);
   EXPECT_EQ(s.euler, 2);
 }
 
-TEST(MeasureSurface, an_empty_surface_is_all_zero) {
+TEST(measure_surface, an_empty_surface_is_all_zero) {
   const MeshStatistics s = statistics_of(PolygonMesh{});
   EXPECT_EQ(s.vertices, 0u);
   EXPECT_EQ(s.area, 0);

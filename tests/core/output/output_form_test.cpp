@@ -45,7 +45,7 @@ PolygonMesh at_map_coordinates(double size) {
   return shapes::moved(shapes::scaled(shapes::rotated(shapes::l_bracket(2), {0, 0, 1}, 30), size), {5e5, 5e6, 100});
 }
 
-TEST(OutputForm, the_report_is_about_the_rounded_mesh) {
+TEST(output_form, the_report_is_about_the_rounded_mesh) {
   const PolygonMesh turned = shapes::rotated(shapes::l_bracket(2), {1, 2, 3}, 40);
   const Result exact = in_doubles(turned), rounded = in_floats(turned);
   EXPECT_TRUE(are_floats(rounded));
@@ -64,14 +64,14 @@ TEST(OutputForm, the_report_is_about_the_rounded_mesh) {
   EXPECT_EQ(rounded.face_patch, exact.face_patch);
 }
 
-TEST(OutputForm, what_floats_hold_is_the_same_in_both) {
+TEST(output_form, what_floats_hold_is_the_same_in_both) {
   const Result exact = in_doubles(shapes::l_bracket(2)), rounded = in_floats(shapes::l_bracket(2));
   EXPECT_EQ(rounded.mesh.positions, exact.mesh.positions);
   EXPECT_EQ(rounded.report.output_rounding, 0);
   EXPECT_EQ(rounded.report.verified.deviation, exact.report.verified.deviation);
 }
 
-TEST(OutputForm, a_part_at_map_coordinates_is_refused_with_reason_step_and_formats) {
+TEST(output_form, a_part_at_map_coordinates_is_refused_with_reason_step_and_formats) {
   const Error error = test::error_of([] { in_floats(at_map_coordinates(2)); });
   EXPECT_EQ(error.code, Code::kNotAcceptable);
   EXPECT_EQ(error.option, "format");
@@ -82,7 +82,7 @@ TEST(OutputForm, a_part_at_map_coordinates_is_refused_with_reason_step_and_forma
   EXPECT_THAT(error.what(), HasSubstr("local_origin=true"));
 }
 
-TEST(OutputForm, it_is_written_about_a_named_origin_if_that_is_asked_for) {
+TEST(output_form, it_is_written_about_a_named_origin_if_that_is_asked_for) {
   Options local = unrefined();
   local.local_origin = true;
   const Result exact = in_doubles(at_map_coordinates(2)), rounded = in_floats(at_map_coordinates(2), local);
@@ -99,13 +99,13 @@ TEST(OutputForm, it_is_written_about_a_named_origin_if_that_is_asked_for) {
   EXPECT_TRUE(rounded.report.verified.all_true());
 }
 
-TEST(OutputForm, an_origin_is_used_only_where_it_is_needed) {
+TEST(output_form, an_origin_is_used_only_where_it_is_needed) {
   Options local = unrefined();
   local.local_origin = true;
   EXPECT_FALSE(in_floats(shapes::rotated(shapes::l_bracket(2), {1, 2, 3}, 40), local).report.output_origin);
 }
 
-TEST(OutputForm, an_origin_that_does_not_help_is_not_offered) {
+TEST(output_form, an_origin_that_does_not_help_is_not_offered) {
   // Two boxes, tiny and far apart: wherever the origin is, one of them is too far from it.
   const PolygonMesh tiny = shapes::scaled(shapes::box({1, 1, 1}), 1e-3);
   const PolygonMesh far = shapes::joined(shapes::moved(tiny, {1e6, 0, 0}), shapes::moved(tiny, {-1e6, 0, 0}));
@@ -118,7 +118,7 @@ TEST(OutputForm, an_origin_that_does_not_help_is_not_offered) {
   }
 }
 
-TEST(OutputForm, coordinates_beyond_floats_and_below_them_are_refused) {
+TEST(output_form, coordinates_beyond_floats_and_below_them_are_refused) {
   const Error large = test::error_of([] { in_floats(shapes::scaled(shapes::box({1, 1, 1}), 1e39)); });
   EXPECT_EQ(large.code, Code::kNotAcceptable);
   EXPECT_THAT(large.what(), HasSubstr("beyond"));
@@ -127,7 +127,7 @@ TEST(OutputForm, coordinates_beyond_floats_and_below_them_are_refused) {
   EXPECT_TRUE(are_floats(in_floats(shapes::scaled(shapes::box({1, 1, 1}), 1e-30))));
 }
 
-TEST(OutputForm, thin_walls_are_kept_or_refused) {
+TEST(output_form, thin_walls_are_kept_or_refused) {
   // A hollow box with walls of `wall`, one part in a hundred thousand of its size away from 0. Half a step of floats
   // there is 3.1e-8 of the size.
   for (const double wall : {1e-3, 1e-6, 1e-7, 3e-8}) {
@@ -155,7 +155,7 @@ double least_angle_deg(const Result& result, const Triangle& t) {
   return least;
 }
 
-TEST(OutputForm, angles_that_rounding_costs_are_listed) {
+TEST(output_form, angles_that_rounding_costs_are_listed) {
   // Facets of one triangle each, whose least angle is a little above the bound, turned in many ways: rounding to floats
   // makes some of these angles a little smaller.
   Options options;
@@ -179,7 +179,7 @@ TEST(OutputForm, angles_that_rounding_costs_are_listed) {
   EXPECT_EQ(rounded.report.unrefined[0].count, smaller);
 }
 
-TEST(OutputForm, an_edge_as_long_as_allowed_that_is_rounded_up_is_no_fault) {
+TEST(output_form, an_edge_as_long_as_allowed_that_is_rounded_up_is_no_fault) {
   Options options;
   options.max_edge_length = 0.1;
   const Result rounded = in_floats(shapes::box({1, 1, 1}), options);
@@ -192,7 +192,7 @@ TEST(OutputForm, an_edge_as_long_as_allowed_that_is_rounded_up_is_no_fault) {
   EXPECT_TRUE(rounded.report.unrefined.empty());
 }
 
-TEST(OutputForm, it_is_the_same_for_any_number_of_workers) {
+TEST(output_form, it_is_the_same_for_any_number_of_workers) {
   Options options;
   options.max_edge_length = 0.15;
   options.local_origin = true;

@@ -358,6 +358,7 @@ TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
         EXPECT_TRUE(refiner.is_done());
         const PatchRefiner::Refined after = refiner.finish();
         expect_sound(subject, after);
+        // The share is pinned from a run and may change with the algorithm.
         EXPECT_LT(after.patch.mesh.triangle_count(), 0.995 * before.patch.mesh.triangle_count())
             << degrees << " degrees, " << (is_by_area ? "by area" : "by length");
         EXPECT_LE(measure(subject, after.patch).longest, options.max_edge_length.value_or(HUGE_VAL) * (1 + 1e-9));

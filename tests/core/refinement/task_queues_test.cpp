@@ -31,14 +31,14 @@ class Expected {
 
 constexpr auto kNothing = [](int) {};
 
-TEST(TaskQueues, nothing_comes_out_of_empty_ones) {
+TEST(task_queues, nothing_comes_out_of_empty_ones) {
   Queues queues;
   int task = 0;
   EXPECT_FALSE(queues.pop(task, kNothing));
   EXPECT_EQ(queues.size(), 0u);
 }
 
-TEST(TaskQueues, the_highest_comes_first_and_in_it_who_came_first) {
+TEST(task_queues, the_highest_comes_first_and_in_it_who_came_first) {
   for (const std::uint16_t block : std::initializer_list<std::uint16_t>{1, 2, 8}) {
     Queues queues;
     queues.clear(block);
@@ -64,7 +64,7 @@ TEST(TaskQueues, the_highest_comes_first_and_in_it_who_came_first) {
   }
 }
 
-TEST(TaskQueues, cleared_they_begin_anew) {
+TEST(task_queues, cleared_they_begin_anew) {
   Queues queues;
   for (int i = 0; i < 20; ++i) queues.push(static_cast<std::size_t>(i % 3), i);
   int task = 0;
@@ -79,7 +79,7 @@ TEST(TaskQueues, cleared_they_begin_anew) {
   }
 }
 
-TEST(TaskQueues, a_task_is_announced_a_block_before_it_comes) {
+TEST(task_queues, a_task_is_announced_a_block_before_it_comes) {
   Queues queues;
   queues.clear(4);
   for (int i = 1; i <= 12; ++i) queues.push(3, i);

@@ -82,14 +82,14 @@ std::vector<PatchId> some_patches(const PolygonMesh& mesh) {
   return patch;
 }
 
-TEST(EdgeTable, tells_the_same_whoever_has_put_the_edges_in_order) {
+TEST(edge_table, tells_the_same_whoever_has_put_the_edges_in_order) {
   for (const auto& [name, mesh] : cases()) {
     const std::vector<PatchId> patch = some_patches(mesh);
     EXPECT_EQ(contents(mesh, patch, order_of(mesh)), contents(mesh, patch, {})) << name;
   }
 }
 
-TEST(EdgeTable, takes_no_order_that_is_none) {
+TEST(edge_table, takes_no_order_that_is_none) {
   using Order = std::vector<std::uint32_t>;
   const std::vector<std::pair<std::string, std::function<void(Order&)>>> spoilers{
       {"backwards", [](Order& order) { std::reverse(order.begin(), order.end()); }},

@@ -43,9 +43,9 @@ class NearlyDegenerate {
   double grid_;
 };
 
-class Exact : public ::testing::TestWithParam<double> {};
+class exact : public ::testing::TestWithParam<double> {};
 
-TEST_P(Exact, orientation_agrees_with_cgal) {
+TEST_P(exact, orientation_agrees_with_cgal) {
   const double grid = GetParam();
   NearlyDegenerate points(1, grid);
   int zeros = 0;
@@ -59,7 +59,7 @@ TEST_P(Exact, orientation_agrees_with_cgal) {
   EXPECT_GT(zeros, 100);
 }
 
-TEST_P(Exact, in_circle_agrees_with_cgal) {
+TEST_P(exact, in_circle_agrees_with_cgal) {
   const double grid = GetParam();
   NearlyDegenerate points(2, grid);
   int inside = 0, on = 0;
@@ -78,9 +78,9 @@ TEST_P(Exact, in_circle_agrees_with_cgal) {
   EXPECT_GT(on, 100);
 }
 
-INSTANTIATE_TEST_SUITE_P(BothGrids, Exact, ::testing::Values(kCoarseGrid, kFineGrid));
+INSTANTIATE_TEST_SUITE_P(both_grids, exact, ::testing::Values(kCoarseGrid, kFineGrid));
 
-TEST(Exact, numbers_off_the_grid_are_seen) {
+TEST(exact, numbers_off_the_grid_are_seen) {
   EXPECT_TRUE(is_on_grid({1, -1}, kCoarseGrid));
   EXPECT_TRUE(is_on_grid({0x1p-40, 0}, kCoarseGrid));
   EXPECT_FALSE(is_on_grid({0x1p-41, 0}, kCoarseGrid));
@@ -90,7 +90,7 @@ TEST(Exact, numbers_off_the_grid_are_seen) {
   EXPECT_FALSE(is_on_grid({0, NAN}, kCoarseGrid));
 }
 
-TEST(Exact, collinear_in_space_is_exact) {
+TEST(exact, collinear_in_space_is_exact) {
   EXPECT_TRUE(is_collinear({0, 0, 0}, {1, 2, 3}, {3, 6, 9}));
   EXPECT_TRUE(is_collinear({1, 1, 1}, {1, 1, 1}, {5, 6, 7}));
   // 0.1 + 0.2 is not 0.3: the three are off a line by the last place.

@@ -70,7 +70,7 @@ bool is_any_certified(Example e, UnrefinedReason reason) {
 
 // Faces and bounds.
 
-TEST(VerifyGoals, bounds_that_all_faces_meet_are_met) {
+TEST(verify_goals, bounds_that_all_faces_meet_are_met) {
   Example e = refined_cube(2);
   *e.goals = angle_goal(33);
   e.goals->max_edge_length = std::sqrt(0.5);
@@ -81,7 +81,7 @@ TEST(VerifyGoals, bounds_that_all_faces_meet_are_met) {
   for (const double scale : {1e-100, 1e100}) EXPECT_TRUE(is_good(scaled(e, scale)));
 }
 
-TEST(VerifyGoals, each_bound_that_faces_miss_is_found) {
+TEST(verify_goals, each_bound_that_faces_miss_is_found) {
   const std::function<void(Goals&)> tighten[] = {
       [](Goals& g) { g.min_angle_deg = 45.001; }, [](Goals& g) { g.max_edge_length = 0.70710; },
       [](Goals& g) { g.max_area = 0.12499; },     [](Goals& g) { g.min_edge_length = 0.50001; },
@@ -94,7 +94,7 @@ TEST(VerifyGoals, each_bound_that_faces_miss_is_found) {
   }
 }
 
-TEST(VerifyGoals, the_faces_listed_are_exactly_those_that_miss) {
+TEST(verify_goals, the_faces_listed_are_exactly_those_that_miss) {
   // One corner of the square is far out: two of its four triangles have small angles.
   Example e = refined(shapes::from_lists({{0, 0, 0}, {9, 0, 0}, {2, 2, 0}, {0, 2, 0}}, {{0, 1, 2}, {0, 2, 3}}),
                       shapes::from_lists({{0, 0, 0}, {9, 0, 0}, {2, 2, 0}, {0, 2, 0}, {1.5, 1, 0}},
@@ -118,7 +118,7 @@ TEST(VerifyGoals, the_faces_listed_are_exactly_those_that_miss) {
   }
 }
 
-TEST(VerifyGoals, at_a_bound_to_rounding_a_face_may_be_listed_or_not) {
+TEST(verify_goals, at_a_bound_to_rounding_a_face_may_be_listed_or_not) {
   for (const double share : {1 - 1e-12, 1.0, 1 + 1e-12}) {
     Example e = refined_cube(2);
     e.goals->max_edge_length = share * std::sqrt(0.5);
@@ -129,7 +129,7 @@ TEST(VerifyGoals, at_a_bound_to_rounding_a_face_may_be_listed_or_not) {
   }
 }
 
-TEST(VerifyGoals, a_face_of_no_area_kept_as_it_is_counts_as_below_any_angle) {
+TEST(verify_goals, a_face_of_no_area_kept_as_it_is_counts_as_below_any_angle) {
   const PolygonMesh flat = shapes::from_lists({{0, 0, 0}, {2, 0, 0}, {1, 0, 0}}, {{0, 1, 2}});
   Example e = refined(Example());
   e.surface = shapes::surface(flat);
@@ -152,7 +152,7 @@ TEST(VerifyGoals, a_face_of_no_area_kept_as_it_is_counts_as_below_any_angle) {
 
 // Reasons.
 
-TEST(VerifyGoals, certificates_of_input_angles_hold_at_input_angles) {
+TEST(verify_goals, certificates_of_input_angles_hold_at_input_angles) {
   for (const double degrees : {3.0, 10.0, 20.0, 24.0}) {
     const Example e = certified_wedge(degrees, 4, 25);
     ASSERT_GE(e.unrefined.size(), 1u);
@@ -160,7 +160,7 @@ TEST(VerifyGoals, certificates_of_input_angles_hold_at_input_angles) {
   }
 }
 
-TEST(VerifyGoals, certificates_hold_where_a_vertex_stays_in_the_line_of_the_shells) {
+TEST(verify_goals, certificates_hold_where_a_vertex_stays_in_the_line_of_the_shells) {
   // The input has a vertex where the second shell is: the sides are two chains each, and one line.
   Example with = certified_wedge(5, 4, 25);
   with.surface = shapes::surface(
@@ -169,7 +169,7 @@ TEST(VerifyGoals, certificates_hold_where_a_vertex_stays_in_the_line_of_the_shel
   EXPECT_TRUE(is_good(with));
 }
 
-TEST(VerifyGoals, a_wrong_certificate_is_found) {
+TEST(verify_goals, a_wrong_certificate_is_found) {
   const Example e = certified_wedge(10, 4, 25);
   ASSERT_GE(e.unrefined.size(), 3u);
   for (std::size_t i = 0; i < e.unrefined.size(); ++i) {
@@ -181,7 +181,7 @@ TEST(VerifyGoals, a_wrong_certificate_is_found) {
   }
 }
 
-TEST(VerifyGoals, points_on_different_shells_certify_nothing) {
+TEST(verify_goals, points_on_different_shells_certify_nothing) {
   // The second shell's left point is a little further out.
   Example e = certified_wedge(10, 4, 25);
   move_vertex(e, e.positions[4], on_ray(10, 2.01));
@@ -194,7 +194,7 @@ TEST(VerifyGoals, points_on_different_shells_certify_nothing) {
   EXPECT_TRUE(e.verify().quality.value());
 }
 
-TEST(VerifyGoals, a_longer_side_across_an_input_angle_certifies_nothing) {
+TEST(verify_goals, a_longer_side_across_an_input_angle_certifies_nothing) {
   // A flat triangle stands across the corner, its longest side on one shell.
   const std::vector<Vec3> points{{0, 0, 0}, on_ray(0, 4), on_ray(40, 4), on_ray(40, 3), on_ray(0, 3), on_ray(20, 3.21)};
   Example e =
@@ -207,7 +207,7 @@ TEST(VerifyGoals, a_longer_side_across_an_input_angle_certifies_nothing) {
   EXPECT_FALSE(is_any_certified(e, UnrefinedReason::kAcrossInputAngle));
 }
 
-TEST(VerifyGoals, a_side_of_new_vertices_across_a_right_angle_certifies_nothing) {
+TEST(verify_goals, a_side_of_new_vertices_across_a_right_angle_certifies_nothing) {
   // A corner cut by a short edge, under a far point: the shortest edge's ends are as far from the corner, at 90
   // degrees.
   const PolygonMesh input = shapes::sheet(4, 4, 1, 1);
@@ -226,7 +226,7 @@ TEST(VerifyGoals, a_side_of_new_vertices_across_a_right_angle_certifies_nothing)
   EXPECT_TRUE(is_good(e));
 }
 
-TEST(VerifyGoals, an_input_angle_that_an_inner_edge_divides_certifies_nothing) {
+TEST(verify_goals, an_input_angle_that_an_inner_edge_divides_certifies_nothing) {
   // Forty degrees, halved by an edge to a new vertex inside.
   const std::vector<Vec3> points{{0, 0, 0}, on_ray(0, 3), on_ray(40, 3), on_ray(20, 2)};
   Example e = refined(shapes::from_lists({points[0], points[1], points[2]}, {{0, 1, 2}}),
@@ -238,7 +238,7 @@ TEST(VerifyGoals, an_input_angle_that_an_inner_edge_divides_certifies_nothing) {
   EXPECT_FALSE(is_any_certified(e, UnrefinedReason::kInputAngle));
 }
 
-TEST(VerifyGoals, an_input_angle_does_not_explain_another_small_one) {
+TEST(verify_goals, an_input_angle_does_not_explain_another_small_one) {
   // A triangle of 10 and 12 degrees: at either the other one is below the bound as well.
   const PolygonMesh needle = shapes::from_lists({{0, 0, 0}, {10, 0, 0}, {5.5, 1, 0}}, {{0, 1, 2}});
   Example e = refined(needle, needle, angle_goal(25));
@@ -248,7 +248,7 @@ TEST(VerifyGoals, an_input_angle_does_not_explain_another_small_one) {
   EXPECT_TRUE(is_good(e));
 }
 
-TEST(VerifyGoals, an_input_angle_does_not_explain_a_size) {
+TEST(verify_goals, an_input_angle_does_not_explain_a_size) {
   Example e = certified_wedge(10, 4, 25);
   ASSERT_TRUE(is_any_certified(e, UnrefinedReason::kInputAngle));
   ASSERT_TRUE(is_any_certified(e, UnrefinedReason::kAcrossInputAngle));
@@ -260,7 +260,7 @@ TEST(VerifyGoals, an_input_angle_does_not_explain_a_size) {
   EXPECT_FALSE(is_any_certified(e, UnrefinedReason::kAcrossInputAngle));
 }
 
-TEST(VerifyGoals, a_locked_boundary_is_a_reason_only_where_one_is_locked) {
+TEST(verify_goals, a_locked_boundary_is_a_reason_only_where_one_is_locked) {
   // Two cubes side by side: one of them may be frozen.
   const PolygonMesh cubes = shapes::joined(shapes::box({1, 1, 1}), shapes::moved(shapes::box({1, 1, 1}), {3, 0, 0}));
   Example e = refined(cubes, cubes);
@@ -313,7 +313,7 @@ PolygonMesh two_sheets(double gap) {
   return shapes::joined(shapes::sheet(2, 2, 4, 4), shapes::moved(shapes::sheet(2, 2, 4, 4), {0, 0, gap}));
 }
 
-TEST(VerifyGoals, edges_longer_than_a_gap_have_to_be_listed_and_shorter_ones_must_not) {
+TEST(verify_goals, edges_longer_than_a_gap_have_to_be_listed_and_shorter_ones_must_not) {
   // Edges of 0.5, and of 0.71 across the squares: with a tenth more they need gaps of 0.643.
   const double needed = std::sqrt(0.5) / Goals::kSizeSlack;
   for (const double proximity : {1.0, 2.0, 0.25}) {
@@ -325,7 +325,7 @@ TEST(VerifyGoals, edges_longer_than_a_gap_have_to_be_listed_and_shorter_ones_mus
   }
 }
 
-TEST(VerifyGoals, a_gap_is_found_in_any_unit_and_wherever_a_part_is) {
+TEST(verify_goals, a_gap_is_found_in_any_unit_and_wherever_a_part_is) {
   const PolygonMesh near = two_sheets(0.3), far = two_sheets(1.5);
   for (const double scale : {1e-100, 1e-3, 1e100}) {
     Example e = refined(near, near, gap_goal(1));
@@ -338,7 +338,7 @@ TEST(VerifyGoals, a_gap_is_found_in_any_unit_and_wherever_a_part_is) {
   EXPECT_TRUE(is_met(shapes::moved(far, by), gap_goal(1)));
 }
 
-TEST(VerifyGoals, walls_slots_and_hollows_have_gaps) {
+TEST(verify_goals, walls_slots_and_hollows_have_gaps) {
   EXPECT_FALSE(is_met(shapes::box({1, 1, 0.1}, 3), gap_goal(1)));
   EXPECT_TRUE(is_met(shapes::box({1, 1, 1}, 3), gap_goal(1)));
   const PolygonMesh hollow = shapes::joined(
@@ -346,7 +346,7 @@ TEST(VerifyGoals, walls_slots_and_hollows_have_gaps) {
   EXPECT_FALSE(is_met(hollow, gap_goal(1)));
 }
 
-TEST(VerifyGoals, faces_that_meet_have_a_gap_below_37_degrees_only) {
+TEST(verify_goals, faces_that_meet_have_a_gap_below_37_degrees_only) {
   // An edge of 1 across; near the sharp edge it is longer than the gap.
   for (const double degrees : {3.0, 20.0, 35.0, 41.0, 60.0, 120.0}) {
     const double angle = degrees * 3.14159265358979323846 / 180;
@@ -361,7 +361,7 @@ TEST(VerifyGoals, faces_that_meet_have_a_gap_below_37_degrees_only) {
   }
 }
 
-TEST(VerifyGoals, what_a_closed_surface_hides_is_no_gap) {
+TEST(verify_goals, what_a_closed_surface_hides_is_no_gap) {
   // A step of 0.1 in a block: from one tread to the other it is through the riser.
   const std::vector<Vec2> outline{{0, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 0.9}, {0, 0.9}};
   std::vector<Vec3> points;
@@ -393,7 +393,7 @@ TEST(VerifyGoals, what_a_closed_surface_hides_is_no_gap) {
   EXPECT_TRUE(are_treads_blamed(shapes::from_lists(points, faces)));
 }
 
-TEST(VerifyGoals, patches_that_cross_have_no_gap) {
+TEST(verify_goals, patches_that_cross_have_no_gap) {
   const PolygonMesh crossing = shapes::joined(
       shapes::sheet(2, 2, 2, 2), shapes::moved(shapes::rotated(shapes::sheet(2, 2, 2, 2), {0, 1, 0}, 10), {0, 0, 0.1}));
   Example e = refined(crossing, crossing, gap_goal(1));
@@ -403,7 +403,7 @@ TEST(VerifyGoals, patches_that_cross_have_no_gap) {
   EXPECT_TRUE(is_good(e));
 }
 
-TEST(VerifyGoals, a_size_is_no_small_angle) {
+TEST(verify_goals, a_size_is_no_small_angle) {
   // Both bounds are missed: an angle of the input explains only the one.
   const PolygonMesh needle = shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {4, 1, 0}}, {{0, 1, 2}});
   Example e = refined(needle, needle, angle_goal(25));
@@ -419,7 +419,7 @@ TEST(VerifyGoals, a_size_is_no_small_angle) {
   EXPECT_TRUE(is_good(e));
 }
 
-TEST(VerifyGoals, edges_that_grow_too_fast_have_to_be_listed) {
+TEST(verify_goals, edges_that_grow_too_fast_have_to_be_listed) {
   // A square with one corner cut off: beside the short edge, one of 5.6 across.
   const PolygonMesh mesh = shapes::polygon({{0, 0}, {4, 0}, {4, 4}, {0.25, 4}, {0, 3.75}});
   const PolygonMesh triangles = shapes::fan_triangulated(mesh);
@@ -434,7 +434,7 @@ TEST(VerifyGoals, edges_that_grow_too_fast_have_to_be_listed) {
   EXPECT_FALSE(is_good(e));
 }
 
-TEST(VerifyGoals, floors_and_budgets_are_reasons_only_where_there_are_some) {
+TEST(verify_goals, floors_and_budgets_are_reasons_only_where_there_are_some) {
   Example e = refined(shapes::sheet(2, 2, 1, 1), shapes::sheet(2, 2, 1, 1), no_goals());
   e.goals->max_edge_length = 1;
   for (const UnrefinedReason reason : {UnrefinedReason::kMinEdgeLength, UnrefinedReason::kBudget}) {
@@ -449,14 +449,14 @@ TEST(VerifyGoals, floors_and_budgets_are_reasons_only_where_there_are_some) {
 
 // Least lengths.
 
-TEST(VerifyGoals, what_was_short_before_may_stay_short) {
+TEST(verify_goals, what_was_short_before_may_stay_short) {
   Example e = cube();
   *(e.goals = no_goals());
   e.goals->min_edge_length = 10;
   EXPECT_TRUE(is_good(e));
 }
 
-TEST(VerifyGoals, short_edges_are_allowed_across_a_small_input_angle_only) {
+TEST(verify_goals, short_edges_are_allowed_across_a_small_input_angle_only) {
   Example e = certified_wedge(10, 4, 25);
   // The shells are a unit apart; the shortest edge across is a sixth.
   e.goals->min_edge_length = 1;
@@ -477,7 +477,7 @@ TEST(VerifyGoals, short_edges_are_allowed_across_a_small_input_angle_only) {
 
 // The next tests are about the list itself.
 
-TEST(VerifyGoals, a_list_that_does_not_fit_together_fails_as_a_whole) {
+TEST(verify_goals, a_list_that_does_not_fit_together_fails_as_a_whole) {
   const std::function<void(Example&)> spoil[] = {[](Example& e) { e.reasons.pop_back(); },
                                                  [](Example& e) { std::swap(e.unrefined[0], e.unrefined[1]); },
                                                  [](Example& e) { e.unrefined[1] = e.unrefined[0]; },
@@ -491,7 +491,7 @@ TEST(VerifyGoals, a_list_that_does_not_fit_together_fails_as_a_whole) {
   }
 }
 
-TEST(VerifyGoals, gives_the_same_verdict_for_any_number_of_threads) {
+TEST(verify_goals, gives_the_same_verdict_for_any_number_of_threads) {
   Example e = refined_cube(4);
   e.goals->max_edge_length = 0.3;
   e.goals->min_edge_length = 0.26;

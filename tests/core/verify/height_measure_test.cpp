@@ -9,7 +9,7 @@
 namespace remesh {
 namespace {
 
-TEST(Verify, where_heights_prove_nothing_distances_are_measured) {
+TEST(verify, where_heights_prove_nothing_distances_are_measured) {
   EXPECT_TRUE(is_verified(slope(0)));
   EXPECT_LT(slope(0).verify().deviation, 1e-12);
   for (const double sign : {-1.0, 1.0}) {
@@ -19,7 +19,7 @@ TEST(Verify, where_heights_prove_nothing_distances_are_measured) {
   }
 }
 
-TEST(Verify, measured_distances_are_the_true_ones) {
+TEST(verify, measured_distances_are_the_true_ones) {
   for (unsigned seed = 0; seed < 5; ++seed) {
     std::mt19937 random(seed);
     std::uniform_real_distribution<double> unit(-1, 1);

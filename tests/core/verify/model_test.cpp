@@ -8,7 +8,7 @@
 namespace remesh {
 namespace {
 
-TEST(Verify, a_vertex_moved_by_one_last_place_is_found) {
+TEST(verify, a_vertex_moved_by_one_last_place_is_found) {
   Example e = cube();
   Vec3& p = e.positions[e.vertex_at({1, 1, 1}).value];
   p.x = std::nextafter(p.x, 2);
@@ -18,19 +18,19 @@ TEST(Verify, a_vertex_moved_by_one_last_place_is_found) {
   EXPECT_EQ(v.failed_patches.size(), 3u);
 }
 
-TEST(Verify, a_negative_zero_is_not_the_same_bits) {
+TEST(verify, a_negative_zero_is_not_the_same_bits) {
   Example e = cube();
   e.positions[e.vertex_at({0, 0, 0}).value].x = -0.0;
   EXPECT_FALSE(e.verify().surface);
 }
 
-TEST(Verify, a_vertex_that_is_not_finite_is_found) {
+TEST(verify, a_vertex_that_is_not_finite_is_found) {
   Example e = cube();
   e.positions[0].y = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(e.verify().surface);
 }
 
-TEST(Verify, two_output_vertices_at_one_place_are_a_crack) {
+TEST(verify, two_output_vertices_at_one_place_are_a_crack) {
   Example e = cube();
   const std::size_t f = 0;
   e.positions.push_back(e.positions[e.faces[f][0].value]);

@@ -15,7 +15,7 @@ PolygonMesh turned(const PolygonMesh& mesh) { return shapes::rotated(mesh, {1, 2
 
 bool mentions(const Verdict& v, const char* words) { return all_words(v).find(words) != std::string::npos; }
 
-TEST(VerifyRefined, correct_claims_are_verified) {
+TEST(verify_refined, correct_claims_are_verified) {
   const std::pair<const char*, Example> all[] = {
       {"square", square_with_new_middle()},
       {"cube", refined_cube(2)},
@@ -36,18 +36,18 @@ TEST(VerifyRefined, correct_claims_are_verified) {
   }
 }
 
-TEST(VerifyRefined, without_refinement_there_is_no_verdict_on_quality) {
+TEST(verify_refined, without_refinement_there_is_no_verdict_on_quality) {
   EXPECT_FALSE(cube().verify().quality.has_value());
 }
 
-TEST(VerifyRefined, new_vertices_need_a_claim_of_refinement) {
+TEST(verify_refined, new_vertices_need_a_claim_of_refinement) {
   for (Example e : {square_with_new_middle(), refined_cube(2), plate_with_fin()}) {
     e.goals.reset();
     EXPECT_FALSE(e.verify().surface);
   }
 }
 
-TEST(VerifyRefined, any_scale_and_place_gives_the_same_verdict) {
+TEST(verify_refined, any_scale_and_place_gives_the_same_verdict) {
   for (const double scale : {1e-300, 1e-12, 1e6, 1e300}) {
     EXPECT_TRUE(is_verified(scaled(refined_cube(3), scale))) << scale;
     Example spoiled = refined_cube(3);
@@ -75,7 +75,7 @@ TEST(VerifyRefined, any_scale_and_place_gives_the_same_verdict) {
 
 // New vertices on an edge.
 
-TEST(VerifyRefined, a_new_vertex_off_its_edge_is_found) {
+TEST(verify_refined, a_new_vertex_off_its_edge_is_found) {
   for (const Vec3& off : {Vec3{0, 1e-14, 0}, Vec3{0, -1e-9, 0}, Vec3{0, 0, 1e-12}, Vec3{0, 0, -1e-6}}) {
     Example e = refined_cube(2);
     move_vertex(e, {0.5, 0, 0}, Vec3{0.5, 0, 0} + off);
@@ -86,7 +86,7 @@ TEST(VerifyRefined, a_new_vertex_off_its_edge_is_found) {
   }
 }
 
-TEST(VerifyRefined, new_vertices_out_of_order_are_found) {
+TEST(verify_refined, new_vertices_out_of_order_are_found) {
   Example e = refined_cube(4);
   std::swap(e.positions[e.vertex_at({0.25, 0, 0}).value], e.positions[e.vertex_at({0.5, 0, 0}).value]);
   e.project();
@@ -97,7 +97,7 @@ TEST(VerifyRefined, new_vertices_out_of_order_are_found) {
   EXPECT_TRUE(mentions(e.verify(), "out of order"));
 }
 
-TEST(VerifyRefined, an_edge_cut_on_one_side_only_is_found) {
+TEST(verify_refined, an_edge_cut_on_one_side_only_is_found) {
   Example e = refined(shapes::box({1, 1, 1}), shapes::box({1, 1, 1}));
   ASSERT_TRUE(is_verified(e));
   const PatchId bottom = e.face_patch[0];
@@ -112,7 +112,7 @@ TEST(VerifyRefined, an_edge_cut_on_one_side_only_is_found) {
   }
 }
 
-TEST(VerifyRefined, an_edge_cut_at_two_places_is_found) {
+TEST(verify_refined, an_edge_cut_at_two_places_is_found) {
   // Each side has its own new vertex, next to the other's.
   Example e = refined(shapes::box({1, 1, 1}), shapes::box({1, 1, 1}));
   const VertexId corner = e.vertex_at({0, 0, 0}), next = e.vertex_at({1, 0, 0});
@@ -128,7 +128,7 @@ TEST(VerifyRefined, an_edge_cut_at_two_places_is_found) {
   EXPECT_EQ(e.verify().failed_patches.size(), 2u);
 }
 
-TEST(VerifyRefined, one_of_three_sheets_not_cut_is_found) {
+TEST(verify_refined, one_of_three_sheets_not_cut_is_found) {
   Example e = refined(shapes::three_pages(1), shapes::three_pages(1));
   const VertexId low = e.vertex_at(e.positions[0]);
   // The common edge is the one with three faces.
@@ -156,7 +156,7 @@ TEST(VerifyRefined, one_of_three_sheets_not_cut_is_found) {
   EXPECT_EQ(two.verify().failed_patches.size(), 3u);
 }
 
-TEST(VerifyRefined, an_edge_with_one_patch_on_both_sides_is_cut_on_both) {
+TEST(verify_refined, an_edge_with_one_patch_on_both_sides_is_cut_on_both) {
   Example e = plate_with_fin();
   ASSERT_TRUE(is_verified(e));
   // The plate's upper half does without the cut.
@@ -182,7 +182,7 @@ TEST(VerifyRefined, an_edge_with_one_patch_on_both_sides_is_cut_on_both) {
   EXPECT_FALSE(e.verify().conforming);
 }
 
-TEST(VerifyRefined, two_chains_that_became_one_line_are_found) {
+TEST(verify_refined, two_chains_that_became_one_line_are_found) {
   // A slit-like hole, one side of it bent within tolerance: without its bend, and with a new vertex on the other side,
   // it is closed, but for a T-junction.
   const PolygonMesh input =
@@ -215,7 +215,7 @@ TEST(VerifyRefined, two_chains_that_became_one_line_are_found) {
   }
 }
 
-TEST(VerifyRefined, a_boundary_pulled_into_the_patch_is_found) {
+TEST(verify_refined, a_boundary_pulled_into_the_patch_is_found) {
   // A border of new vertices only, around a hole that the input has not.
   Example e = refined(shapes::sheet(4, 4, 1, 1), shapes::flat({"####", "#.##", "####", "####"}));
   const Verdict v = e.verify();
@@ -225,7 +225,7 @@ TEST(VerifyRefined, a_boundary_pulled_into_the_patch_is_found) {
 
 // New vertices inside a patch.
 
-TEST(VerifyRefined, a_new_vertex_off_the_plane_is_found) {
+TEST(verify_refined, a_new_vertex_off_the_plane_is_found) {
   for (const double lift : {1e-6, -1e-6}) {
     Example e = square_with_new_middle();
     move_vertex(e, {1, 1, 0}, {1, 1, lift});
@@ -239,7 +239,7 @@ TEST(VerifyRefined, a_new_vertex_off_the_plane_is_found) {
   }
 }
 
-TEST(VerifyRefined, where_heights_prove_nothing_new_vertices_are_measured) {
+TEST(verify_refined, where_heights_prove_nothing_new_vertices_are_measured) {
   for (const double lift : {0.0, 0.4e-3, -0.4e-3, 0.6e-3, -0.6e-3}) {
     // The new vertex is on the low end of the slope, so that heights over the plane say nothing.
     Example e = refined(slope(0));
@@ -252,7 +252,7 @@ TEST(VerifyRefined, where_heights_prove_nothing_new_vertices_are_measured) {
   }
 }
 
-TEST(VerifyRefined, a_new_vertex_within_tolerance_of_all_its_input_need_not_be_measured) {
+TEST(verify_refined, a_new_vertex_within_tolerance_of_all_its_input_need_not_be_measured) {
   // A quad, which is no triangle to measure against; thicker than the tolerance, but not than twice that.
   PolygonMesh input =
       shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {1, 1, 0}, {2, 2, 0}, {3, 3, 0}},
@@ -274,13 +274,13 @@ TEST(VerifyRefined, a_new_vertex_within_tolerance_of_all_its_input_need_not_be_m
   }
 }
 
-TEST(VerifyRefined, a_new_vertex_moved_in_its_plane_must_be_where_its_coordinates_say) {
+TEST(verify_refined, a_new_vertex_moved_in_its_plane_must_be_where_its_coordinates_say) {
   Example e = square_with_new_middle();
   e.positions[e.vertex_at({1, 1, 0}).value] = {1 + 1e-9, 1, 0};
   EXPECT_FALSE(e.verify().delaunay);
 }
 
-TEST(VerifyRefined, a_new_vertex_made_in_the_plane_may_be_rounded_in_space) {
+TEST(verify_refined, a_new_vertex_made_in_the_plane_may_be_rounded_in_space) {
   // Grid points, taken to space by the frame and rounded there, far from the origin.
   std::mt19937 random(1);
   std::uniform_real_distribution<double> unit(0.01, 0.98);
@@ -310,7 +310,7 @@ TEST(VerifyRefined, a_new_vertex_made_in_the_plane_may_be_rounded_in_space) {
     }
 }
 
-TEST(VerifyRefined, a_vertex_inside_two_patches_is_found) {
+TEST(verify_refined, a_vertex_inside_two_patches_is_found) {
   // Two squares over the same ground, one above the other; both use one new vertex.
   PolygonMesh two = shapes::joined(shapes::sheet(2, 2, 1, 1), shapes::moved(shapes::sheet(2, 2, 1, 1), {0, 0, 1e-3}));
   Example e = refined(two, two);
@@ -325,7 +325,7 @@ TEST(VerifyRefined, a_vertex_inside_two_patches_is_found) {
   EXPECT_TRUE(mentions(v, "neither on one edge")) << all_words(v);
 }
 
-TEST(VerifyRefined, a_vertex_of_an_edge_inside_another_patch_is_found) {
+TEST(verify_refined, a_vertex_of_an_edge_inside_another_patch_is_found) {
   // A square that hangs over another one's side; its inner vertex is the side's.
   PolygonMesh two = shapes::joined(shapes::sheet(2, 2, 1, 1), shapes::moved(shapes::sheet(2, 2, 1, 1), {1, 0.5, 1e-3}));
   Example e = refined(two, two);
@@ -343,7 +343,7 @@ TEST(VerifyRefined, a_vertex_of_an_edge_inside_another_patch_is_found) {
   }
 }
 
-TEST(VerifyRefined, new_vertices_at_one_place_are_a_crack) {
+TEST(verify_refined, new_vertices_at_one_place_are_a_crack) {
   Example e = refined_cube(2);
   const VertexId middle = e.vertex_at({0.5, 0, 0});
   for (std::size_t f = 0; f < e.faces.size(); ++f)
@@ -356,7 +356,7 @@ TEST(VerifyRefined, new_vertices_at_one_place_are_a_crack) {
     }
 }
 
-TEST(VerifyRefined, new_vertices_of_two_sheets_at_one_place_are_found) {
+TEST(verify_refined, new_vertices_of_two_sheets_at_one_place_are_found) {
   // Whoever reads the result by positions would join the sheets there.
   Example e = refined(shapes::double_sheet(1), shapes::double_sheet(1));
   e.allow_intersections();
@@ -373,7 +373,7 @@ TEST(VerifyRefined, new_vertices_of_two_sheets_at_one_place_are_found) {
   EXPECT_TRUE(mentions(e.verify(), "nor a new one by itself"));
 }
 
-TEST(VerifyRefined, a_new_vertex_that_is_not_finite_or_not_used_is_found) {
+TEST(verify_refined, a_new_vertex_that_is_not_finite_or_not_used_is_found) {
   Example e = square_with_new_middle();
   e.positions[4].z = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(e.verify().surface);
@@ -384,7 +384,7 @@ TEST(VerifyRefined, a_new_vertex_that_is_not_finite_or_not_used_is_found) {
 
 // Anything else.
 
-TEST(VerifyRefined, no_single_change_goes_unseen) {
+TEST(verify_refined, no_single_change_goes_unseen) {
   for (const Example& correct : {square_with_new_middle(), refined_cube(2), refined_pages(2), plate_with_fin()}) {
     ASSERT_TRUE(is_verified(correct));
     for (std::size_t f = 0; f < correct.faces.size(); ++f) {

@@ -68,7 +68,7 @@ Options with_edges(double longest) {
   return options;
 }
 
-TEST(StoredForm, the_same_points_pass_and_small_moves_are_measured) {
+TEST(stored_form, the_same_points_pass_and_small_moves_are_measured) {
   Stored box(shapes::box({3, 2, 1}, 2));
   EXPECT_FALSE(box.check().fault);
   EXPECT_EQ(box.check().largest_move, 0);
@@ -88,7 +88,7 @@ TEST(StoredForm, the_same_points_pass_and_small_moves_are_measured) {
   EXPECT_EQ(box.check().count, 1u);
 }
 
-TEST(StoredForm, a_move_is_what_a_reader_sees_who_adds_the_origin) {
+TEST(stored_form, a_move_is_what_a_reader_sees_who_adds_the_origin) {
   Stored box(shapes::moved(shapes::box({3, 2, 1}), {1e6, 0, 0}));
   box.origin = {1e6, 0, 0};
   for (Vec3& p : box.points) p = p - box.origin;
@@ -98,7 +98,7 @@ TEST(StoredForm, a_move_is_what_a_reader_sees_who_adds_the_origin) {
   EXPECT_DOUBLE_EQ(box.check().largest_move, 0.5);
 }
 
-TEST(StoredForm, numbers_are_those_of_the_storage_and_finite) {
+TEST(stored_form, numbers_are_those_of_the_storage_and_finite) {
   Stored box(shapes::box({3, 2, 0.1}));
   EXPECT_FALSE(box.check().fault);
   box.storage = Storage::kFloat;
@@ -112,7 +112,7 @@ TEST(StoredForm, numbers_are_those_of_the_storage_and_finite) {
   EXPECT_EQ(box.check().fault, StoredFault::kMalformed);
 }
 
-TEST(StoredForm, vertices_in_one_place_are_counted) {
+TEST(stored_form, vertices_in_one_place_are_counted) {
   Stored box(shapes::box({3, 2, 1}));
   box.point({3, 2, 1}) = {0, 0, 0};
   const StoredVerdict verdict = box.check();
@@ -120,7 +120,7 @@ TEST(StoredForm, vertices_in_one_place_are_counted) {
   EXPECT_EQ(verdict.count, 1u);
 }
 
-TEST(StoredForm, triangles_that_are_flat_or_turned_over_are_counted) {
+TEST(stored_form, triangles_that_are_flat_or_turned_over_are_counted) {
   // The middle of a fan is pulled onto its rim, and beyond.
   const PolygonMesh fan = shapes::from_lists({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}, {2, 2, 1}},
                                              {{0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}});
@@ -138,7 +138,7 @@ Vec3 leaning(Vec3 p, double lean) {
   return p;
 }
 
-TEST(StoredForm, a_slot_of_a_large_patch_that_closes_is_seen_though_no_triangle_turns_over) {
+TEST(stored_form, a_slot_of_a_large_patch_that_closes_is_seen_though_no_triangle_turns_over) {
   Stored plate(shapes::slotted_plate(1), with_edges(0.7));
   ASSERT_GT(plate.result.mesh.faces.size(), 30u);
   EXPECT_EQ(plate.result.basis.normals.size(), 1u);
@@ -154,7 +154,7 @@ TEST(StoredForm, a_slot_of_a_large_patch_that_closes_is_seen_though_no_triangle_
   EXPECT_EQ(plate.check().fault, StoredFault::kNewIntersections);
 }
 
-TEST(StoredForm, patches_that_come_to_lie_in_each_other_are_seen_and_known_ones_are_not_new) {
+TEST(stored_form, patches_that_come_to_lie_in_each_other_are_seen_and_known_ones_are_not_new) {
   const PolygonMesh two = shapes::joined(shapes::box({1, 1, 1}), shapes::moved(shapes::box({1, 1, 1}), {2, 0, 0}));
   Stored boxes(two);
   for (Vec3& p : boxes.points)
@@ -167,7 +167,7 @@ TEST(StoredForm, patches_that_come_to_lie_in_each_other_are_seen_and_known_ones_
   EXPECT_FALSE(sunk.check().intersections.empty());
 }
 
-TEST(StoredForm, what_rounding_costs_is_listed_and_nothing_else) {
+TEST(stored_form, what_rounding_costs_is_listed_and_nothing_else) {
   Stored box(shapes::box({3, 3, 3}), with_edges(1.5));
   ASSERT_TRUE(box.result.basis.unrefined.faces.empty());
   box.allowed = 10;
@@ -199,7 +199,7 @@ TEST(StoredForm, what_rounding_costs_is_listed_and_nothing_else) {
   EXPECT_EQ(box.check().fault, StoredFault::kListedInVain);
 }
 
-TEST(StoredForm, an_edge_as_long_as_allowed_may_be_rounded_up) {
+TEST(stored_form, an_edge_as_long_as_allowed_may_be_rounded_up) {
   // Ten edges to a side, and 0.1 is no float: some come out a little longer.
   Stored box(shapes::box({1, 1, 1}), with_edges(0.1));
   ASSERT_TRUE(box.result.basis.unrefined.faces.empty());
@@ -212,7 +212,7 @@ TEST(StoredForm, an_edge_as_long_as_allowed_may_be_rounded_up) {
   EXPECT_FALSE(box.check().fault);
 }
 
-TEST(StoredForm, a_face_that_missed_the_goals_before_keeps_its_reason) {
+TEST(stored_form, a_face_that_missed_the_goals_before_keeps_its_reason) {
   // A corner of ten degrees that no refinement can mend.
   Stored wedge(shapes::triangle(10, 3, 4), Options{});
   const UnrefinedFaces before = wedge.result.basis.unrefined;
@@ -246,7 +246,7 @@ struct Oracle {
   }
 };
 
-TEST(StoredForm, what_passes_intersects_nowhere_whatever_is_moved) {
+TEST(stored_form, what_passes_intersects_nowhere_whatever_is_moved) {
   Random random(base_seed(3601));
   int passed = 0, crossed = 0;
   for (int trial = 0; trial < 50; ++trial) {

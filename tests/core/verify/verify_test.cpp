@@ -15,7 +15,7 @@
 namespace remesh {
 namespace {
 
-TEST(Verify, correct_claims_are_verified) {
+TEST(verify, correct_claims_are_verified) {
   const std::pair<const char*, Example> all[] = {
       {"cube", cube()},
       {"ring", ring()},
@@ -37,7 +37,7 @@ TEST(Verify, correct_claims_are_verified) {
   for (const auto& [name, e] : all) EXPECT_TRUE(is_verified(e)) << name;
 }
 
-TEST(Verify, faces_may_intersect_only_where_their_patches_do_in_the_input) {
+TEST(verify, faces_may_intersect_only_where_their_patches_do_in_the_input) {
   // Each face lies on its back, and is a patch of its own.
   Example e = example(shapes::double_sheet(1), shapes::double_sheet(1));
   const Verdict v = e.verify();
@@ -56,7 +56,7 @@ TEST(Verify, faces_may_intersect_only_where_their_patches_do_in_the_input) {
   EXPECT_TRUE(is_verified(e));
 }
 
-TEST(Verify, it_tells_where_intersections_are_too_many_to_be_all_known) {
+TEST(verify, it_tells_where_intersections_are_too_many_to_be_all_known) {
   Example few = example(shapes::double_sheet(1), shapes::double_sheet(1));
   EXPECT_TRUE(few.verify().are_all_intersections_known);
   few.are_these_all = false;
@@ -74,14 +74,14 @@ TEST(Verify, it_tells_where_intersections_are_too_many_to_be_all_known) {
   EXPECT_FALSE(many.are_all_intersections_known);
 }
 
-TEST(Verify, rounding_noise_of_a_rotation_is_within_tolerance) {
+TEST(verify, rounding_noise_of_a_rotation_is_within_tolerance) {
   const auto turned = [](const PolygonMesh& mesh) { return shapes::rotated(mesh, {1, 2, 3}, 40); };
   const Example e = example(turned(shapes::box({3, 2, 1}, 6)), turned(shapes::box({3, 2, 1}, 1)));
   EXPECT_TRUE(is_verified(e));
   EXPECT_LT(e.verify().deviation, 1e-14);
 }
 
-TEST(Verify, any_scale_gives_the_same_verdict) {
+TEST(verify, any_scale_gives_the_same_verdict) {
   const auto turned = [](const PolygonMesh& mesh) { return shapes::rotated(mesh, {1, 2, 3}, 40); };
   const Example correct = example(turned(shapes::ring(4)), turned(shapes::ring(1)));
   for (const double scale : {1e-300, 1e-12, 1e6, 1e38, 1e300}) {
@@ -92,19 +92,19 @@ TEST(Verify, any_scale_gives_the_same_verdict) {
   }
 }
 
-TEST(Verify, renumbering_the_input_changes_nothing) {
+TEST(verify, renumbering_the_input_changes_nothing) {
   for (unsigned seed = 0; seed < 5; ++seed)
     EXPECT_TRUE(is_verified(example(shapes::renumbered(shapes::l_bracket(3), seed), shapes::l_bracket(1))));
 }
 
-TEST(Verify, the_fine_grid_is_decided_exactly_too) {
+TEST(verify, the_fine_grid_is_decided_exactly_too) {
   Example e = cube();
   for (Frame& frame : e.frames) frame.grid = 0x1p-100;
   e.project();
   EXPECT_TRUE(is_verified(e));
 }
 
-TEST(Verify, plane_coordinates_may_be_off_by_one_of_the_fine_grid_and_by_no_more) {
+TEST(verify, plane_coordinates_may_be_off_by_one_of_the_fine_grid_and_by_no_more) {
   for (const int units : {-2, -1, 1, 2}) {
     const PolygonMesh triangle = shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
     Example e = example(triangle, triangle);
@@ -127,7 +127,7 @@ Example kite() {
   return example(input, output);
 }
 
-TEST(Verify, the_wrong_diagonal_is_found) {
+TEST(verify, the_wrong_diagonal_is_found) {
   Example e = kite();
   ASSERT_TRUE(is_verified(e));
   e.faces = {{VertexId(0), VertexId(1), VertexId(3)}, {VertexId(1), VertexId(2), VertexId(3)}};
@@ -138,7 +138,7 @@ TEST(Verify, the_wrong_diagonal_is_found) {
   EXPECT_EQ(v.failed_patches, std::vector<PatchId>{PatchId(0)});
 }
 
-TEST(Verify, the_wrong_diagonal_is_right_where_the_right_one_is_taken) {
+TEST(verify, the_wrong_diagonal_is_right_where_the_right_one_is_taken) {
   // Under the kite hangs a triangle that has the short diagonal as its edge.
   const std::vector<Vec3> points{{0, -1, 0}, {3, 0, 0}, {0, 1, 0}, {-3, 0, 0}, {0, 0, -1}};
   Example e = example(shapes::from_lists(points, {{0, 1, 2, 3}, {0, 2, 4}}),
@@ -151,7 +151,7 @@ TEST(Verify, the_wrong_diagonal_is_right_where_the_right_one_is_taken) {
   EXPECT_TRUE(is_verified(e));
 }
 
-TEST(Verify, a_diagonal_wrong_by_the_last_place_of_the_grid_is_found) {
+TEST(verify, a_diagonal_wrong_by_the_last_place_of_the_grid_is_found) {
   // The square's upper right corner lies on the circle of the others, or one step inside.
   for (const bool is_inside : {false, true}) {
     const double y = is_inside ? 1 - 0x1p-39 : 1;
@@ -168,7 +168,7 @@ TEST(Verify, a_diagonal_wrong_by_the_last_place_of_the_grid_is_found) {
   }
 }
 
-TEST(Verify, a_plane_coordinate_off_by_one_step_is_found) {
+TEST(verify, a_plane_coordinate_off_by_one_step_is_found) {
   for (std::size_t corner = 0; corner < 36; ++corner) {
     Example e = cube();
     e.corner_uv[corner].x += e.corner_uv[corner].x > 0 ? -0x1p-40 : 0x1p-40;
@@ -178,7 +178,7 @@ TEST(Verify, a_plane_coordinate_off_by_one_step_is_found) {
   }
 }
 
-TEST(Verify, a_plane_coordinate_off_the_grid_is_found) {
+TEST(verify, a_plane_coordinate_off_the_grid_is_found) {
   Example e = cube();
   e.corner_uv[7].y += 0x1p-42;
   EXPECT_FALSE(e.verify().delaunay);
@@ -186,7 +186,7 @@ TEST(Verify, a_plane_coordinate_off_the_grid_is_found) {
   EXPECT_FALSE(e.verify().delaunay);
 }
 
-TEST(Verify, a_frame_that_is_none_is_found) {
+TEST(verify, a_frame_that_is_none_is_found) {
   const std::function<void(Frame&)> spoil[] = {[](Frame& f) { f.normal = 1.001 * f.normal; },
                                                [](Frame& f) { f.normal = -f.normal; },
                                                [](Frame& f) { f.x_axis = f.y_axis; },
@@ -204,7 +204,7 @@ TEST(Verify, a_frame_that_is_none_is_found) {
 
 // Anything else.
 
-TEST(Verify, no_single_change_of_a_face_goes_unseen) {
+TEST(verify, no_single_change_of_a_face_goes_unseen) {
   for (const Example& correct : {cube(), ring(), flat_l(), slotted(), square_with_middle()}) {
     for (std::size_t f = 0; f < correct.faces.size(); ++f) {
       for (int corner = 0; corner < 3; ++corner)
@@ -235,7 +235,7 @@ TEST(Verify, no_single_change_of_a_face_goes_unseen) {
 
 // The claim itself.
 
-TEST(Verify, a_claim_that_does_not_fit_together_fails_as_a_whole) {
+TEST(verify, a_claim_that_does_not_fit_together_fails_as_a_whole) {
   const std::function<void(Example&)> spoil[] = {
       [](Example& e) { e.face_patch.pop_back(); },
       [](Example& e) { e.corner_uv.pop_back(); },
@@ -253,7 +253,7 @@ TEST(Verify, a_claim_that_does_not_fit_together_fails_as_a_whole) {
   }
 }
 
-TEST(Verify, gives_the_same_verdict_for_any_number_of_threads) {
+TEST(verify, gives_the_same_verdict_for_any_number_of_threads) {
   Example e = example(shapes::renumbered(shapes::box({3, 2, 1}, 12), 1), shapes::box({3, 2, 1}, 4));
   for (std::size_t f = e.faces.size(); f-- > 0;)
     if (f % 7 == 0) e.remove_face(f);
@@ -270,7 +270,7 @@ TEST(Verify, gives_the_same_verdict_for_any_number_of_threads) {
   }
 }
 
-TEST(Verify, stops_when_asked) {
+TEST(verify, stops_when_asked) {
   const Example e = cube();
   RunControl control;
   control.cancel();

@@ -22,7 +22,7 @@ Body in_pieces(const std::string& text, std::size_t piece) {
   return body;
 }
 
-TEST(Body, what_is_put_in_comes_out_from_memory_or_from_the_file) {
+TEST(body, what_is_put_in_comes_out_from_memory_or_from_the_file) {
   constexpr std::size_t kEdge = Body::kInMemory;
   for (const std::size_t size : {std::size_t{0}, std::size_t{5}, kEdge - 1, kEdge, kEdge + 1, 3 * kEdge + 77}) {
     const std::string text = pattern(size);
@@ -33,12 +33,12 @@ TEST(Body, what_is_put_in_comes_out_from_memory_or_from_the_file) {
   }
 }
 
-TEST(Body, one_that_comes_in_a_single_piece_is_the_same) {
+TEST(body, one_that_comes_in_a_single_piece_is_the_same) {
   const std::string text = pattern(2 * Body::kInMemory);
   EXPECT_TRUE(in_pieces(text, text.size()).view() == text);
 }
 
-TEST(Body, it_can_be_handed_on_and_dropped) {
+TEST(body, it_can_be_handed_on_and_dropped) {
   const std::string text = pattern(2 * Body::kInMemory);
   Body first = in_pieces(text, 100'000);
   Body second = std::move(first);
@@ -48,7 +48,7 @@ TEST(Body, it_can_be_handed_on_and_dropped) {
   EXPECT_FALSE(second.is_in_file());
 }
 
-TEST(Body, where_no_file_can_be_made_it_lies_in_memory) {
+TEST(body, where_no_file_can_be_made_it_lies_in_memory) {
   ::setenv("TMPDIR", "/proc", 1);
   const std::string text = pattern(2 * Body::kInMemory);
   EXPECT_TRUE(in_pieces(text, 100'000).view() == text);

@@ -28,7 +28,7 @@ Decoded decode(std::string_view text, std::size_t step, std::uint64_t max_body =
   return result;
 }
 
-TEST(ChunkedDecoder, chunks_are_joined_however_the_bytes_are_cut) {
+TEST(chunked_decoder, chunks_are_joined_however_the_bytes_are_cut) {
   const std::string text = "5\r\nhello\r\n00A;name=\"v\"\r\n, chunked!\r\n0\r\nTrailer: x\r\n\r\n";
   for (std::size_t step = 1; step <= text.size(); ++step) {
     const Decoded result = decode(text + "next", step);
@@ -39,7 +39,7 @@ TEST(ChunkedDecoder, chunks_are_joined_however_the_bytes_are_cut) {
   }
 }
 
-TEST(ChunkedDecoder, malformed_chunks_are_refused) {
+TEST(chunked_decoder, malformed_chunks_are_refused) {
   for (const std::string text : {"-2\r\n", "0x5\r\nhello\r\n", "+5\r\n", " 5\r\n", "5 \r\n", "\r\n", "g\r\n",
                                  "5\nhello", "00000000000000005\r\nhello\r\n", "5\r\nhello!\r\n", "5\r\nhello\n",
                                  "5\r\nhelloX\n", "5;a\nb\r\nhello", "5\rhello", "0\r\nTrailer: x\n\r\n", "0\r\n\rx"}) {
@@ -49,12 +49,12 @@ TEST(ChunkedDecoder, malformed_chunks_are_refused) {
   }
 }
 
-TEST(ChunkedDecoder, endless_extensions_and_trailers_are_refused) {
+TEST(chunked_decoder, endless_extensions_and_trailers_are_refused) {
   EXPECT_EQ(decode("5;" + std::string(10'000, 'a'), 100).status, 400);
   EXPECT_EQ(decode("0\r\n" + std::string(10'000, 'a'), 100).status, 400);
 }
 
-TEST(ChunkedDecoder, the_cap_is_noticed_when_a_chunk_is_announced) {
+TEST(chunked_decoder, the_cap_is_noticed_when_a_chunk_is_announced) {
   EXPECT_EQ(decode("3e8\r\n", 1).status, 0);
   EXPECT_EQ(decode("3e9\r\n", 1).status, 413);
   EXPECT_EQ(decode("3e8\r\n" + std::string(1000, 'a') + "\r\n1\r\n", 7).status, 413);

@@ -15,7 +15,7 @@ namespace {
 using std::chrono::milliseconds;
 
 /// A gate that reads what a test writes into the other end of a socket pair.
-class Gate : public ::testing::Test {
+class gate : public ::testing::Test {
  protected:
   void SetUp() override {
     std::array<int, 2> ends{};
@@ -58,7 +58,7 @@ class Gate : public ::testing::Test {
   std::optional<std::uint64_t> limit_;
 };
 
-TEST_F(Gate, a_body_of_known_length_is_read_and_no_more) {
+TEST_F(gate, a_body_of_known_length_is_read_and_no_more) {
   send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 5\r\n\r\nhelloGET /");
   EXPECT_EQ(read(), 200);
   EXPECT_TRUE(is_request_);
@@ -71,7 +71,7 @@ TEST_F(Gate, a_body_of_known_length_is_read_and_no_more) {
   EXPECT_EQ(connection_->bytes_read(), 31u);
 }
 
-TEST_F(Gate, a_chunked_body_is_decoded) {
+TEST_F(gate, a_chunked_body_is_decoded) {
   send("POST /x HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n3\r\nabc\r\n");
   std::thread later([this] {
     std::this_thread::sleep_for(milliseconds(20));
@@ -82,14 +82,14 @@ TEST_F(Gate, a_chunked_body_is_decoded) {
   EXPECT_EQ(request_.body.view(), "abcde");
 }
 
-TEST_F(Gate, a_body_too_long_is_refused_before_it_comes) {
+TEST_F(gate, a_body_too_long_is_refused_before_it_comes) {
   send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 10000000000\r\n\r\n");
   limits_.head_timeout = std::chrono::hours(1);  // waiting for it would never end
   EXPECT_EQ(read(), 413);
   EXPECT_EQ(limit_, 100u);
 }
 
-TEST_F(Gate, a_large_body_is_taken_whole_however_it_comes) {
+TEST_F(gate, a_large_body_is_taken_whole_however_it_comes) {
   max_body_ = 10 << 20;
   limits_.head_timeout = std::chrono::hours(1);
   std::string large(3'000'000, ' ');
@@ -112,12 +112,12 @@ TEST_F(Gate, a_large_body_is_taken_whole_however_it_comes) {
   }
 }
 
-TEST_F(Gate, a_chunked_body_too_long_is_refused_where_it_passes_the_cap) {
+TEST_F(gate, a_chunked_body_too_long_is_refused_where_it_passes_the_cap) {
   send("POST /x HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: chunked\r\n\r\n65\r\n");
   EXPECT_EQ(read(), 413);
 }
 
-TEST_F(Gate, the_client_that_waits_is_told_to_continue) {
+TEST_F(gate, the_client_that_waits_is_told_to_continue) {
   send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 2\r\nExpect: 100-continue\r\n\r\n");
   std::string told(25, ' ');
   std::thread later([this, &told] {
@@ -130,13 +130,13 @@ TEST_F(Gate, the_client_that_waits_is_told_to_continue) {
   EXPECT_EQ(request_.body.view(), "ok");
 }
 
-TEST_F(Gate, a_refused_client_is_not_told_to_continue) {
+TEST_F(gate, a_refused_client_is_not_told_to_continue) {
   send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 200\r\nExpect: 100-continue\r\n\r\n");
   EXPECT_EQ(read(), 413);
   EXPECT_EQ(connection_->bytes_written(), 0u);
 }
 
-TEST_F(Gate, a_slow_head_times_out_as_a_whole) {
+TEST_F(gate, a_slow_head_times_out_as_a_whole) {
   // A byte every 30 ms is never late for the next read; only a deadline for the whole head ends it.
   std::atomic<bool> goes_on = true;
   std::thread drip([&] {
@@ -150,36 +150,36 @@ TEST_F(Gate, a_slow_head_times_out_as_a_whole) {
   EXPECT_FALSE(is_request_);
 }
 
-TEST_F(Gate, a_body_that_stalls_times_out) {
+TEST_F(gate, a_body_that_stalls_times_out) {
   send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 50\r\n\r\nhello");
   EXPECT_EQ(read(), 408);
   EXPECT_TRUE(is_request_);
 }
 
-TEST_F(Gate, a_body_cut_short_is_malformed) {
+TEST_F(gate, a_body_cut_short_is_malformed) {
   send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 50\r\n\r\nhello");
   close_client();
   EXPECT_EQ(read(), 400);
 }
 
-TEST_F(Gate, a_client_that_leaves_without_a_word_is_no_request) {
+TEST_F(gate, a_client_that_leaves_without_a_word_is_no_request) {
   close_client();
   EXPECT_EQ(read(), 200);
   EXPECT_FALSE(is_request_);
 }
 
-TEST_F(Gate, a_client_that_stays_silent_is_no_request) {
+TEST_F(gate, a_client_that_stays_silent_is_no_request) {
   EXPECT_EQ(read(), 200);
   EXPECT_FALSE(is_request_);
 }
 
-TEST_F(Gate, a_compressed_body_passes_as_it_is) {
+TEST_F(gate, a_compressed_body_passes_as_it_is) {
   send("POST /x HTTP/1.1\r\nHost: x\r\nContent-Length: 5\r\nContent-Encoding: gzip\r\n\r\nhello");
   EXPECT_EQ(read(), 200);
   EXPECT_EQ(request_.body.view(), "hello");
 }
 
-TEST_F(Gate, a_head_refused_for_its_framing_is_known_all_the_same) {
+TEST_F(gate, a_head_refused_for_its_framing_is_known_all_the_same) {
   send("POST /x HTTP/1.1\r\nHost: x\r\nX-Request-Id: abcdefgh-12345678\r\n\r\n");
   EXPECT_EQ(read(), 411);
   EXPECT_EQ(request_.header("x-request-id"), "abcdefgh-12345678");

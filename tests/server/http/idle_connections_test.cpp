@@ -45,7 +45,7 @@ struct Pair {
 
 Clock::time_point soon() { return Clock::now() + kPatience; }
 
-TEST(IdleConnections, the_one_that_has_waited_longest_goes) {
+TEST(idle_connections, the_one_that_has_waited_longest_goes) {
   IdleConnections idle(2);
   Event first, second, third;
   {
@@ -62,7 +62,7 @@ TEST(IdleConnections, the_one_that_has_waited_longest_goes) {
   EXPECT_FALSE(first.wait(Clock::now()));
 }
 
-TEST(IdleConnections, all_end_and_begin_again) {
+TEST(idle_connections, all_end_and_begin_again) {
   IdleConnections idle(2);
   Event before, after, anew;
   const IdleConnections::Stay a(idle, before);
@@ -77,7 +77,7 @@ TEST(IdleConnections, all_end_and_begin_again) {
   EXPECT_FALSE(anew.wait(Clock::now()));
 }
 
-TEST(IdleConnections, a_request_that_comes_as_its_connection_is_ended_is_read_to_its_end) {
+TEST(idle_connections, a_request_that_comes_as_its_connection_is_ended_is_read_to_its_end) {
   IdleConnections idle(1);
   Pair pair;
   Event other;
@@ -93,7 +93,7 @@ TEST(IdleConnections, a_request_that_comes_as_its_connection_is_ended_is_read_to
   EXPECT_EQ(pair.connection->wait(nullptr, Clock::now() + std::chrono::milliseconds(10)), Connection::Wake::kTime);
 }
 
-TEST(IdleConnections, the_wait_ends_by_the_event_the_time_and_the_client) {
+TEST(idle_connections, the_wait_ends_by_the_event_the_time_and_the_client) {
   Pair pair;
   EXPECT_FALSE(pair.connection->wait_for_input(pair.end, Clock::now()));
   pair.end.set();
@@ -103,7 +103,7 @@ TEST(IdleConnections, the_wait_ends_by_the_event_the_time_and_the_client) {
   EXPECT_FALSE(pair.connection->wait_for_input(pair.end, soon()));
 }
 
-TEST(ConnectionThreads, those_that_wait_are_told_before_a_shutdown_waits_for_them) {
+TEST(connection_threads, those_that_wait_are_told_before_a_shutdown_waits_for_them) {
   Event end;
   ConnectionThreads threads(4, [&] { end.set(); });
   std::atomic<int> served = 0;

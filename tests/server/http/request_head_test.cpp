@@ -29,7 +29,7 @@ int status_of_head(const std::string& text) {
   });
 }
 
-TEST(RequestHead, a_plain_head_is_read_whole) {
+TEST(request_head, a_plain_head_is_read_whole) {
   const RequestHead head =
       parsed("POST /v1/re%6desh?a=1e+5&b=%20x&c HTTP/1.1\r\nHost: h\r\nContent-TYPE:  model/obj \t\r\n\r\n");
   EXPECT_EQ(head.method, "POST");
@@ -40,7 +40,7 @@ TEST(RequestHead, a_plain_head_is_read_whole) {
   EXPECT_EQ(head.minor_version, 1);
 }
 
-TEST(RequestHead, a_connection_is_kept_unless_the_client_says_close_and_before_1_1_only_if_it_asks) {
+TEST(request_head, a_connection_is_kept_unless_the_client_says_close_and_before_1_1_only_if_it_asks) {
   const auto keeps = [](const std::string& version, const std::string& fields) {
     return wants_to_be_kept(parsed("GET / HTTP/" + version + "\r\nHost: h\r\n" + fields + "\r\n"));
   };
@@ -61,20 +61,20 @@ TEST(RequestHead, a_connection_is_kept_unless_the_client_says_close_and_before_1
   }
 }
 
-TEST(RequestHead, the_absolute_form_of_a_target_is_understood) {
+TEST(request_head, the_absolute_form_of_a_target_is_understood) {
   EXPECT_EQ(parsed("GET http://h:1/livez?x=1 HTTP/1.1\r\nHost: h\r\n\r\n").path, "/livez");
   EXPECT_EQ(parsed("GET http://h HTTP/1.1\r\nHost: h\r\n\r\n").path, "/");
   EXPECT_EQ(parsed("GET HTTPS://h?x=1 HTTP/1.1\r\nHost: h\r\n\r\n").path, "/");
   EXPECT_EQ(parsed("GET http://h?x=1 HTTP/1.1\r\nHost: h\r\n\r\n").query, (Fields{{"x", "1"}}));
 }
 
-TEST(RequestHead, a_host_is_a_name_or_an_address_with_or_without_a_port_or_empty) {
+TEST(request_head, a_host_is_a_name_or_an_address_with_or_without_a_port_or_empty) {
   for (const char* host : {"", "localhost:8080", "mesh_1.example.org", "[::1]:80", "127.0.0.1", "%C3%A4.example"}) {
     EXPECT_EQ(status_of_head("GET / HTTP/1.1\r\nHost: " + std::string(host) + "\r\n\r\n"), 0) << host;
   }
 }
 
-TEST(RequestHead, the_end_is_found_however_the_bytes_are_cut) {
+TEST(request_head, the_end_is_found_however_the_bytes_are_cut) {
   const std::string text = "GET / HTTP/1.1\r\nHost: x\r\n\r\nbody";
   for (std::size_t cut = 0; cut < text.size(); ++cut) {
     std::size_t checked = 0;
@@ -84,7 +84,7 @@ TEST(RequestHead, the_end_is_found_however_the_bytes_are_cut) {
   }
 }
 
-TEST(RequestHead, what_two_programs_could_read_differently_is_malformed) {
+TEST(request_head, what_two_programs_could_read_differently_is_malformed) {
   const std::string start = "POST /v1/remesh HTTP/1.1\r\n";
   for (const std::string& text : {
            std::string("GET / HTTP/1.1\nHost: x\n\n"),                           // bare line feeds
@@ -126,11 +126,11 @@ TEST(RequestHead, what_two_programs_could_read_differently_is_malformed) {
   }
 }
 
-TEST(RequestHead, an_unknown_transfer_coding_is_not_implemented) {
+TEST(request_head, an_unknown_transfer_coding_is_not_implemented) {
   EXPECT_EQ(status_of_head("POST / HTTP/1.1\r\nHost: x\r\nTransfer-Encoding: gzip, chunked\r\n\r\n"), 501);
 }
 
-TEST(RequestHead, a_post_says_how_long_its_body_is) {
+TEST(request_head, a_post_says_how_long_its_body_is) {
   EXPECT_EQ(status_of_head("POST / HTTP/1.1\r\nHost: x\r\n\r\n"), 411);
   const Framing length = framing(parsed("POST / HTTP/1.1\r\nHost: x\r\nContent-Length: 12\r\n\r\n"));
   EXPECT_EQ(length.kind, Framing::Kind::kLength);
@@ -140,7 +140,7 @@ TEST(RequestHead, a_post_says_how_long_its_body_is) {
   EXPECT_EQ(framing(parsed("GET / HTTP/1.0\r\n\r\n")).kind, Framing::Kind::kNone);
 }
 
-TEST(RequestHead, a_long_head_is_refused_before_it_ends) {
+TEST(request_head, a_long_head_is_refused_before_it_ends) {
   std::size_t checked = 0;
   EXPECT_EQ(status_of([&] { find_head_end("GET /" + std::string(100'000, 'a'), checked, {}); }), 414);
   checked = 0;

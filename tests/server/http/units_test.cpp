@@ -9,7 +9,7 @@ namespace {
 
 using std::chrono::milliseconds;
 
-TEST(Units, sizes_counts_and_times_are_read) {
+TEST(units, sizes_counts_and_times_are_read) {
   EXPECT_EQ(parse_bytes("4096"), 4096u);
   EXPECT_EQ(parse_bytes("32KiB"), 32768u);
   EXPECT_EQ(parse_bytes("256MiB"), 268435456u);
@@ -22,7 +22,7 @@ TEST(Units, sizes_counts_and_times_are_read) {
   EXPECT_EQ(parse_duration("5min"), milliseconds(300000));
 }
 
-TEST(Units, anything_else_is_refused) {
+TEST(units, anything_else_is_refused) {
   for (const char* text :
        {"", "x", "-1", "+1", " 1", "1 ", "1.5GiB", "3x", "MiB", "99999999999999999999", "17592186044415GiB"}) {
     EXPECT_THROW(parse_bytes(text), std::invalid_argument) << text;
@@ -31,7 +31,7 @@ TEST(Units, anything_else_is_refused) {
   }
 }
 
-TEST(Units, what_is_shown_reads_back_the_same) {
+TEST(units, what_is_shown_reads_back_the_same) {
   for (const std::uint64_t value : {0ull, 1ull, 1000ull, 1024ull, 1536ull, 256ull << 20, 10'000'000ull, 1ull << 40}) {
     EXPECT_EQ(parse_bytes(format_bytes(value)), value);
     EXPECT_EQ(parse_count(format_count(value)), value);
@@ -42,7 +42,7 @@ TEST(Units, what_is_shown_reads_back_the_same) {
   EXPECT_EQ(format_duration(milliseconds(300'000)), "300s");
 }
 
-TEST(Units, addresses_are_read_and_loopback_is_known) {
+TEST(units, addresses_are_read_and_loopback_is_known) {
   EXPECT_EQ(parse_address("127.0.0.1:8080").text(), "127.0.0.1:8080");
   EXPECT_EQ(parse_address("[::1]:80").host, "::1");
   EXPECT_EQ(parse_address("[::1]:80").text(), "[::1]:80");

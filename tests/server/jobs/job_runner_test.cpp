@@ -20,15 +20,15 @@ namespace {
 
 using std::chrono::milliseconds;
 
-class Runner : public ::testing::Test {
+class runner : public ::testing::Test {
  protected:
-  Runner() : folder_(std::filesystem::temp_directory_path() / ("remeshd-runner-" + new_request_id())) {
+  runner() : folder_(std::filesystem::temp_directory_path() / ("remeshd-runner-" + new_request_id())) {
     log::set_up(log::Format::kText, log::Level::kOff);
     std::filesystem::create_directories(folder_);
     store_ = std::make_unique<SqlStore>(make_sqlite_driver(folder_ / "jobs.sqlite"), StoreRules{});
     settings_.worker = "test";
   }
-  ~Runner() override {
+  ~runner() override {
     released_ = true;
     if (runner_) runner_->stop();
     pool_.reset();
@@ -95,7 +95,7 @@ class Runner : public ::testing::Test {
   std::unique_ptr<JobRunner> runner_;
 };
 
-TEST_F(Runner, a_job_that_waits_is_done_and_its_result_kept) {
+TEST_F(runner, a_job_that_waits_is_done_and_its_result_kept) {
   const std::string id = submit("a part");
   start();
   EXPECT_EQ(ended(id).state, JobState::kSucceeded);
@@ -103,7 +103,7 @@ TEST_F(Runner, a_job_that_waits_is_done_and_its_result_kept) {
   EXPECT_EQ(store_->read_blob(id, BlobKind::kInput), std::nullopt);
 }
 
-TEST_F(Runner, an_error_of_the_input_is_not_tried_again) {
+TEST_F(runner, an_error_of_the_input_is_not_tried_again) {
   const JobRecord job = outcome_of("bad");
   EXPECT_EQ(job.state, JobState::kFailed);
   EXPECT_EQ(job.attempts, 1);
@@ -112,14 +112,14 @@ TEST_F(Runner, an_error_of_the_input_is_not_tried_again) {
   EXPECT_NE(job.problem.find("\"line\":3"), std::string::npos);
 }
 
-TEST_F(Runner, a_defect_is_told_as_opaque_and_not_tried_again) {
+TEST_F(runner, a_defect_is_told_as_opaque_and_not_tried_again) {
   const JobRecord job = outcome_of("throw");
   EXPECT_EQ(job.problem_status, 500);
   EXPECT_EQ(job.problem.find("secret"), std::string::npos);
   EXPECT_EQ(job.attempts, 1);
 }
 
-TEST_F(Runner, want_of_memory_is_tried_again_but_not_for_ever) {
+TEST_F(runner, want_of_memory_is_tried_again_but_not_for_ever) {
   const JobRecord job = outcome_of("no memory");
   EXPECT_EQ(job.state, JobState::kFailed);
   EXPECT_EQ(job.attempts, 3);
@@ -128,14 +128,14 @@ TEST_F(Runner, want_of_memory_is_tried_again_but_not_for_ever) {
   EXPECT_NE(job.problem.find("attempt 3 was the last"), std::string::npos);
 }
 
-TEST_F(Runner, want_of_descriptors_or_threads_is_tried_again_too) {
+TEST_F(runner, want_of_descriptors_or_threads_is_tried_again_too) {
   const JobRecord job = outcome_of("no threads");
   EXPECT_EQ(job.attempts, 3);
   EXPECT_EQ(job.problem_status, 500);
   EXPECT_NE(job.problem.find("\"code\":\"overloaded\""), std::string::npos);
 }
 
-TEST_F(Runner, a_job_has_its_time_and_no_more) {
+TEST_F(runner, a_job_has_its_time_and_no_more) {
   settings_.job_timeout = milliseconds(100);
   settings_.lease = milliseconds(800);
   const JobRecord job = outcome_of("block");
@@ -143,7 +143,7 @@ TEST_F(Runner, a_job_has_its_time_and_no_more) {
   EXPECT_NE(job.problem.find("\"code\":\"timeout\""), std::string::npos);
 }
 
-TEST_F(Runner, a_job_cancelled_elsewhere_is_dropped_at_the_next_look) {
+TEST_F(runner, a_job_cancelled_elsewhere_is_dropped_at_the_next_look) {
   settings_.lease = milliseconds(800);
   start();
   const std::string id = submit("block");
@@ -154,7 +154,7 @@ TEST_F(Runner, a_job_cancelled_elsewhere_is_dropped_at_the_next_look) {
   EXPECT_EQ(ended(submit("next")).state, JobState::kSucceeded);
 }
 
-TEST_F(Runner, no_more_is_held_than_there_are_places) {
+TEST_F(runner, no_more_is_held_than_there_are_places) {
   start(2);
   std::vector<std::string> ids;
   for (int i = 0; i < 5; ++i) ids.push_back(submit("block"));
@@ -165,7 +165,7 @@ TEST_F(Runner, no_more_is_held_than_there_are_places) {
   for (const std::string& id : ids) EXPECT_EQ(ended(id).state, JobState::kSucceeded);
 }
 
-TEST_F(Runner, a_job_is_left_alone_while_its_memory_is_taken) {
+TEST_F(runner, a_job_is_left_alone_while_its_memory_is_taken) {
   start(2);
   const std::string first = submit("block", 700'000);
   ASSERT_TRUE(reaches(first, JobState::kRunning));
@@ -178,7 +178,7 @@ TEST_F(Runner, a_job_is_left_alone_while_its_memory_is_taken) {
   EXPECT_TRUE(eventually([&] { return memory_.reserved() == 0; }));
 }
 
-TEST_F(Runner, a_drain_finishes_what_was_begun_and_begins_nothing) {
+TEST_F(runner, a_drain_finishes_what_was_begun_and_begins_nothing) {
   start();
   const std::string first = submit("block");
   ASSERT_TRUE(reaches(first, JobState::kRunning));
@@ -190,7 +190,7 @@ TEST_F(Runner, a_drain_finishes_what_was_begun_and_begins_nothing) {
   EXPECT_EQ(store_->find(second)->state, JobState::kQueued);
 }
 
-TEST_F(Runner, a_stop_gives_back_what_runs_and_what_waits_in_the_pool) {
+TEST_F(runner, a_stop_gives_back_what_runs_and_what_waits_in_the_pool) {
   start();
   const std::string first = submit("block");
   ASSERT_TRUE(reaches(first, JobState::kRunning));
@@ -199,7 +199,7 @@ TEST_F(Runner, a_stop_gives_back_what_runs_and_what_waits_in_the_pool) {
   EXPECT_EQ(store_->find(first)->attempts, 0);
 }
 
-TEST_F(Runner, an_input_that_is_missing_fails_its_job) {
+TEST_F(runner, an_input_that_is_missing_fails_its_job) {
   const std::string id = submit("gone");
   make_sqlite_driver(folder_ / "jobs.sqlite")->connect()->run("DELETE FROM remeshd_blob");
   start();

@@ -14,18 +14,18 @@
 namespace remesh::server::jobs {
 namespace {
 
-class StateDir : public ::testing::Test {
+class state_dir : public ::testing::Test {
  protected:
-  StateDir() : folder_(std::filesystem::temp_directory_path() / ("remeshd-state-" + new_request_id())) {
+  state_dir() : folder_(std::filesystem::temp_directory_path() / ("remeshd-state-" + new_request_id())) {
     for (const char* name : {"STATE_DIRECTORY", "XDG_STATE_HOME"}) ::unsetenv(name);
     ::setenv("HOME", "/dev/null", 1);
   }
-  ~StateDir() override { std::filesystem::remove_all(folder_); }
+  ~state_dir() override { std::filesystem::remove_all(folder_); }
 
   const std::filesystem::path folder_;
 };
 
-TEST_F(StateDir, the_first_folder_that_can_be_written_is_taken_and_closed_to_others) {
+TEST_F(state_dir, the_first_folder_that_can_be_written_is_taken_and_closed_to_others) {
   ::setenv("HOME", folder_.c_str(), 1);
   EXPECT_EQ(find_state_dir("auto"), folder_ / ".local/state/remeshd");
   ::setenv("XDG_STATE_HOME", (folder_ / "xdg").c_str(), 1);
@@ -39,12 +39,12 @@ TEST_F(StateDir, the_first_folder_that_can_be_written_is_taken_and_closed_to_oth
   EXPECT_EQ(status.st_mode & 0777u, 0700u);
 }
 
-TEST_F(StateDir, a_folder_that_was_named_must_be_had) {
+TEST_F(state_dir, a_folder_that_was_named_must_be_had) {
   EXPECT_EQ(find_state_dir(folder_ / "deep" / "er"), folder_ / "deep" / "er");
   EXPECT_THROW(find_state_dir("/dev/null/nothing"), std::invalid_argument);
 }
 
-TEST_F(StateDir, a_check_of_the_settings_looks_at_the_folders_and_makes_none) {
+TEST_F(state_dir, a_check_of_the_settings_looks_at_the_folders_and_makes_none) {
   const auto check = [](std::vector<const char*> arguments) {
     arguments.insert(arguments.begin(), {"remeshd", "--check-config"});
     std::ostringstream out, err;
@@ -63,7 +63,7 @@ TEST_F(StateDir, a_check_of_the_settings_looks_at_the_folders_and_makes_none) {
   EXPECT_EQ(check({"--state-dir", file.c_str()}), 2);
 }
 
-TEST(StoreUrl, is_shown_without_its_password) {
+TEST(store_url, is_shown_without_its_password) {
   EXPECT_EQ(without_password("postgres://me:secret@host:5432/db"), "postgres://me:***@host:5432/db");
   EXPECT_EQ(without_password("postgres://me@host:5432/db"), "postgres://me@host:5432/db");
   EXPECT_EQ(without_password("postgres://host:5432/db"), "postgres://host:5432/db");
@@ -74,7 +74,7 @@ TEST(StoreUrl, is_shown_without_its_password) {
   EXPECT_EQ(without_password(R"(password = 'a \' secret' host=h)"), "password = *** host=h");
 }
 
-TEST(JobFlags, are_read_and_wrong_ones_refused) {
+TEST(job_flags, are_read_and_wrong_ones_refused) {
   const auto read = [](std::vector<const char*> arguments) {
     arguments.insert(arguments.begin(), "remeshd");
     std::ostringstream out, err;

@@ -5,14 +5,14 @@
 namespace remesh::server::log {
 namespace {
 
-TEST(Log, values_stand_by_their_names) {
+TEST(log, values_stand_by_their_names) {
   EXPECT_EQ(render(Format::kText, "request", {{"path", "/a"}, {"status", std::int64_t{200}}, {"ms", 1.5}}),
             "request path=/a status=200 ms=1.500");
   EXPECT_EQ(render(Format::kJson, "request", {{"path", "/a"}, {"status", std::int64_t{200}}}),
             R"("event":"request","path":"/a","status":200)");
 }
 
-TEST(Log, what_clients_send_cannot_forge_a_line) {
+TEST(log, what_clients_send_cannot_forge_a_line) {
   const std::string evil = "a\r\n\"level\":\"x\" \x1b[2J\xff\\";
   for (const Format format : {Format::kText, Format::kJson}) {
     const std::string line = render(format, "request", {{"path", evil}});

@@ -20,7 +20,7 @@ int status_of(MemoryShare& share, std::uint64_t held, std::uint64_t expected) {
   }
 }
 
-TEST(MemoryBudget, what_can_never_fit_differs_from_what_does_not_fit_now) {
+TEST(memory_budget, what_can_never_fit_differs_from_what_does_not_fit_now) {
   MemoryBudget budget(1000 * kFactor);
   const auto first = budget.open_share();
   EXPECT_EQ(status_of(*first, 0, 1001), 413);
@@ -33,7 +33,7 @@ TEST(MemoryBudget, what_can_never_fit_differs_from_what_does_not_fit_now) {
   EXPECT_EQ(budget.reserved(), 1000 * kFactor);
 }
 
-TEST(MemoryBudget, an_announced_length_takes_nothing_until_it_comes) {
+TEST(memory_budget, an_announced_length_takes_nothing_until_it_comes) {
   MemoryBudget budget(1000 * kFactor);
   const auto slow = budget.open_share();
   EXPECT_EQ(status_of(*slow, 0, 1000), 200);
@@ -41,7 +41,7 @@ TEST(MemoryBudget, an_announced_length_takes_nothing_until_it_comes) {
   EXPECT_EQ(budget.reserved(), 10 * kFactor);
 }
 
-TEST(MemoryBudget, all_is_given_back) {
+TEST(memory_budget, all_is_given_back) {
   MemoryBudget budget(1000 * kFactor);
   {
     const auto share = budget.open_share();
@@ -52,7 +52,7 @@ TEST(MemoryBudget, all_is_given_back) {
   EXPECT_EQ(budget.reserved(), 0u);
 }
 
-TEST(MemoryBudget, what_is_really_in_use_counts_where_it_is_more) {
+TEST(memory_budget, what_is_really_in_use_counts_where_it_is_more) {
   MemoryBudget budget(1000 * kFactor);
   const auto other = budget.open_share();
   other->hold_body(1, 1);
@@ -63,7 +63,7 @@ TEST(MemoryBudget, what_is_really_in_use_counts_where_it_is_more) {
   EXPECT_EQ(status_of(*share, 101, 101), 200);
 }
 
-TEST(MemoryBudget, an_idle_process_takes_whatever_it_does_not_refuse_for_ever) {
+TEST(memory_budget, an_idle_process_takes_whatever_it_does_not_refuse_for_ever) {
   MemoryBudget budget(1000 * kFactor);
   budget.note_resident(900 * kFactor);
   EXPECT_EQ(budget.available(), 1000 * kFactor);
@@ -75,7 +75,7 @@ TEST(MemoryBudget, an_idle_process_takes_whatever_it_does_not_refuse_for_ever) {
   EXPECT_EQ(status_of(*budget.open_share(), 1, 1), 503);
 }
 
-TEST(MemoryWatch, beyond_the_budget_the_request_that_grew_most_is_ended) {
+TEST(memory_watch, beyond_the_budget_the_request_that_grew_most_is_ended) {
   log::set_up(log::Format::kText, log::Level::kError);
   MemoryBudget budget(1000);
   RequestRegistry registry;
@@ -98,7 +98,7 @@ TEST(MemoryWatch, beyond_the_budget_the_request_that_grew_most_is_ended) {
   EXPECT_FALSE(old->control.is_stopped()) << "the first one's memory may still be on its way back";
 }
 
-TEST(MemoryWatch, a_request_is_alone_only_where_nobody_else_holds_memory) {
+TEST(memory_watch, a_request_is_alone_only_where_nobody_else_holds_memory) {
   log::set_up(log::Format::kText, log::Level::kError);
   MemoryBudget budget(1000);
   RequestRegistry registry;
@@ -123,9 +123,9 @@ TEST(MemoryWatch, a_request_is_alone_only_where_nobody_else_holds_memory) {
   EXPECT_EQ(request->eviction, RunningRequest::Eviction::kAlone);
 }
 
-using MemoryTest = StubService;
+using memory = StubService;
 
-TEST_F(MemoryTest, a_body_that_cannot_fit_is_refused_before_it_is_sent) {
+TEST_F(memory, a_body_that_cannot_fit_is_refused_before_it_is_sent) {
   config_.memory_budget = 160;  // less than the process: every body is too much now, or for ever
   start();
   RawClient client(port_);
@@ -137,7 +137,7 @@ TEST_F(MemoryTest, a_body_that_cannot_fit_is_refused_before_it_is_sent) {
   EXPECT_EQ(ask(port_, chunked + "1f4\r\n" + std::string(500, 'x') + "\r\n0\r\n\r\n").status, 413);
 }
 
-TEST_F(MemoryTest, work_that_takes_too_much_is_ended_and_told_why) {
+TEST_F(memory, work_that_takes_too_much_is_ended_and_told_why) {
   config_.memory_budget = api::resident_memory() + (256 << 20);
   start();
   const auto client = start_blocking();

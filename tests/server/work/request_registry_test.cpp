@@ -7,7 +7,7 @@
 namespace remesh::server {
 namespace {
 
-TEST(RequestRegistry, a_request_is_found_while_it_runs_and_no_longer) {
+TEST(request_registry, a_request_is_found_while_it_runs_and_no_longer) {
   RequestRegistry registry;
   std::shared_ptr<RunningRequest> seen;
   {
@@ -20,7 +20,7 @@ TEST(RequestRegistry, a_request_is_found_while_it_runs_and_no_longer) {
   EXPECT_EQ(registry.find("abcdefgh-12345678"), nullptr);
 }
 
-TEST(RequestRegistry, an_id_in_use_is_replaced) {
+TEST(request_registry, an_id_in_use_is_replaced) {
   RequestRegistry registry;
   const auto first = registry.add("abcdefgh-12345678");
   {
@@ -31,7 +31,7 @@ TEST(RequestRegistry, an_id_in_use_is_replaced) {
   EXPECT_EQ(registry.find("abcdefgh-12345678"), first.get());
 }
 
-TEST(RequestRegistry, a_request_is_found_by_its_owner_alone) {
+TEST(request_registry, a_request_is_found_by_its_owner_alone) {
   RequestRegistry registry;
   const auto entry = registry.add("abcdefgh-12345678", "one");
   EXPECT_EQ(registry.find("abcdefgh-12345678", "one"), entry.get());
@@ -39,7 +39,7 @@ TEST(RequestRegistry, a_request_is_found_by_its_owner_alone) {
   EXPECT_EQ(registry.find("abcdefgh-12345678"), nullptr);
 }
 
-TEST(RequestRegistry, cancelling_reaches_the_work_and_wakes_who_waits_for_it) {
+TEST(request_registry, cancelling_reaches_the_work_and_wakes_who_waits_for_it) {
   RequestRegistry registry;
   const auto entry = registry.add(new_request_id());
   EXPECT_FALSE(entry->changed.wait(Clock::now()));
@@ -48,7 +48,7 @@ TEST(RequestRegistry, cancelling_reaches_the_work_and_wakes_who_waits_for_it) {
   EXPECT_TRUE(entry->changed.wait(Clock::now()));
 }
 
-TEST(RequestRegistry, progress_tells_stage_and_fraction) {
+TEST(request_registry, progress_tells_stage_and_fraction) {
   RequestRegistry registry;
   const auto entry = registry.add("abcdefgh-12345678");
   entry->control.enter(Stage::kTriangulation);
@@ -59,7 +59,7 @@ TEST(RequestRegistry, progress_tells_stage_and_fraction) {
       << progress_json(*entry.get());
 }
 
-TEST(RequestId, only_url_safe_ids_of_16_to_64_characters_are_taken) {
+TEST(request_id, only_url_safe_ids_of_16_to_64_characters_are_taken) {
   EXPECT_TRUE(is_request_id("abcdefgh12345678"));
   EXPECT_TRUE(is_request_id(std::string(64, 'a')));
   EXPECT_TRUE(is_request_id("ABC-def_0123.~xx"));
@@ -69,7 +69,7 @@ TEST(RequestId, only_url_safe_ids_of_16_to_64_characters_are_taken) {
   }
 }
 
-TEST(RequestId, new_ids_are_valid_and_differ) {
+TEST(request_id, new_ids_are_valid_and_differ) {
   std::set<std::string> seen;
   for (int i = 0; i < 1000; ++i) {
     const std::string id = new_request_id();

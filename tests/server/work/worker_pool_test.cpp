@@ -9,18 +9,19 @@
 #include <vector>
 
 #include "tests/server/raw_client.h"
+#include "tests/support/time_limit.h"
 
 namespace remesh::server {
 namespace {
 
-TEST(WorkerPool, jobs_run_within_an_arena_of_the_workers_asked_for) {
+TEST(worker_pool, jobs_run_within_an_arena_of_the_workers_asked_for) {
   WorkerPool pool(2, 4, 3);
   std::promise<int> concurrency;
   ASSERT_TRUE(pool.try_submit([&] { concurrency.set_value(tbb::this_task_arena::max_concurrency()); }));
   EXPECT_EQ(concurrency.get_future().get(), 3);
 }
 
-TEST(WorkerPool, it_refuses_at_once_when_threads_and_queue_are_full) {
+TEST(worker_pool, it_refuses_at_once_when_threads_and_queue_are_full) {
   std::promise<void> gate;
   const std::shared_future<void> open(gate.get_future());
   std::atomic<int> finished = 0;
@@ -43,7 +44,7 @@ TEST(WorkerPool, it_refuses_at_once_when_threads_and_queue_are_full) {
   EXPECT_EQ(finished, 5);
 }
 
-TEST(WorkerPool, a_job_that_waits_can_be_withdrawn_and_gives_up_its_place) {
+TEST(worker_pool, a_job_that_waits_can_be_withdrawn_and_gives_up_its_place) {
   std::promise<void> gate;
   const std::shared_future<void> open(gate.get_future());
   std::atomic<bool> ran = false;
@@ -62,7 +63,7 @@ TEST(WorkerPool, a_job_that_waits_can_be_withdrawn_and_gives_up_its_place) {
   EXPECT_FALSE(ran);
 }
 
-TEST(WorkerPool, jobs_start_in_the_order_in_which_they_came) {
+TEST(worker_pool, jobs_start_in_the_order_in_which_they_came) {
   std::vector<int> order;
   std::promise<void> last;
   WorkerPool pool(1, 10, 1);
@@ -76,7 +77,7 @@ TEST(WorkerPool, jobs_start_in_the_order_in_which_they_came) {
   EXPECT_EQ(order, (std::vector<int>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9}));
 }
 
-TEST(WorkerPool, a_long_job_does_not_hold_up_short_ones_while_a_thread_is_free) {
+TEST(worker_pool, a_long_job_does_not_hold_up_short_ones_while_a_thread_is_free) {
   std::promise<void> gate;
   const std::shared_future<void> open(gate.get_future());
   WorkerPool pool(2, 100, 1);
@@ -88,7 +89,7 @@ TEST(WorkerPool, a_long_job_does_not_hold_up_short_ones_while_a_thread_is_free) 
   gate.set_value();
 }
 
-TEST(WorkerPool, small_jobs_pass_while_large_ones_hold_every_place) {
+TEST(worker_pool, small_jobs_pass_while_large_ones_hold_every_place) {
   std::promise<void> gate;
   const std::shared_future<void> open(gate.get_future());
   std::atomic<int> small = 0;
@@ -103,7 +104,7 @@ TEST(WorkerPool, small_jobs_pass_while_large_ones_hold_every_place) {
   EXPECT_TRUE(eventually([&] { return pool.running() == 0 && pool.queued() == 0; }));
 }
 
-TEST(WorkerPool, small_jobs_pass_those_that_have_run_for_long) {
+TEST(worker_pool, small_jobs_pass_those_that_have_run_for_long) {
   std::promise<void> gate;
   const std::shared_future<void> open(gate.get_future());
   std::atomic<bool> ran = false;
@@ -116,7 +117,7 @@ TEST(WorkerPool, small_jobs_pass_those_that_have_run_for_long) {
   gate.set_value();
 }
 
-TEST(WorkerPool, each_one_that_runs_for_long_lets_another_pass) {
+TEST(worker_pool, each_one_that_runs_for_long_lets_another_pass) {
   std::promise<void> gate;
   const std::shared_future<void> open(gate.get_future());
   std::atomic<bool> ran = false;
@@ -128,7 +129,7 @@ TEST(WorkerPool, each_one_that_runs_for_long_lets_another_pass) {
   gate.set_value();
 }
 
-TEST(WorkerPool, a_place_that_opens_earlier_than_was_known_is_taken_then) {
+TEST(worker_pool, a_place_that_opens_earlier_than_was_known_is_taken_then) {
   std::promise<void> gate;
   const std::shared_future<void> open(gate.get_future());
   std::promise<Clock::time_point> ran;
@@ -144,11 +145,12 @@ TEST(WorkerPool, a_place_that_opens_earlier_than_was_known_is_taken_then) {
   ASSERT_TRUE(pool.try_submit([&] { ran.set_value(Clock::now()); }));
   const auto took = ran.get_future().get() - start;
   EXPECT_GE(took, WorkerPool::kLong);
-  EXPECT_LT(took, WorkerPool::kLong * 19 / 10);
+  // It takes little more than kLong. If the pool waited for the short one to have run for long, it would be 1.97 kLong.
+  test::expect_sooner_than(WorkerPool::kLong * 19 / 10, took);
   gate.set_value();
 }
 
-TEST(WorkerPool, none_of_many_jobs_from_many_threads_is_forgotten) {
+TEST(worker_pool, none_of_many_jobs_from_many_threads_is_forgotten) {
   constexpr int kClients = 8;
   constexpr int kJobs = 2000;
   WorkerPool pool(2, kClients, 1);
@@ -168,7 +170,7 @@ TEST(WorkerPool, none_of_many_jobs_from_many_threads_is_forgotten) {
   EXPECT_EQ(done, kClients * kJobs);
 }
 
-TEST(WorkerPool, large_jobs_leave_small_ones_a_part_of_the_queue) {
+TEST(worker_pool, large_jobs_leave_small_ones_a_part_of_the_queue) {
   std::promise<void> gate;
   const std::shared_future<void> open(gate.get_future());
   WorkerPool pool(1, 4, 1);
