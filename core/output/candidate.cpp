@@ -55,7 +55,7 @@ void assemble(Candidate& candidate, const Surface& surface, const Goals* goals, 
 }
 
 Verdict check(const Candidate& candidate, const CheckedAgainst& against, RunControl& control) {
-  const IdVector<PatchId, Frame> frames = candidate.triangulated.charts.planes(control);
+  const auto frames = candidate.triangulated.charts.planes(control);
   std::optional<RefinementClaim> refined;
   if (against.goals != nullptr)
     refined = {*against.goals, candidate.unrefined.faces, candidate.unrefined.reasons, against.frozen};

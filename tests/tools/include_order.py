@@ -1,8 +1,9 @@
-"""Checks that includes between folders go down only, in the order of include_order.txt.
+"""Checks that includes between folders go down only, in the order of include_order.txt, and that the words of seams.txt
+are used only in the files named there.
 
 usage: include_order.py [ROOT]
 
-Exit code: 0 - they do; 1 - the includes that go up are listed.
+Exit code: 0 - both hold; 1 - the includes that go up and the words in other files are listed.
 """
 
 import os
@@ -60,10 +61,34 @@ def find_faults(root, order):
                 yield f"{path}:{number}: {order[here]} must not include {header}, which stands above it"
 
 
+def read_seams(path):
+    """The words, each with the beginnings of the paths that may use it."""
+    seams = {}
+    for line in read_order(path):
+        word, _, paths = line.partition(":")
+        seams[word] = tuple(paths.split())
+    return seams
+
+
+def find_strangers(root, order, seams):
+    words = re.compile(r"\b(" + "|".join(map(re.escape, seams)) + r")\b")
+    for path in sources(root, order):
+        if not path.startswith("core/"):
+            continue
+        with open(os.path.join(root, path), encoding="utf-8") as file:
+            for number, line in enumerate(file, 1):
+                code = line.split("//", 1)[0]
+                for word in sorted(set(words.findall(code))):
+                    if not path.startswith(seams[word]):
+                        yield f"{path}:{number}: only {', '.join(seams[word])} may use {word} (tests/tools/seams.txt)"
+
+
 def main():
     here = os.path.dirname(os.path.abspath(__file__))
     root = os.path.abspath(sys.argv[1]) if len(sys.argv) > 1 else os.path.dirname(os.path.dirname(here))
-    faults = list(find_faults(root, read_order(os.path.join(here, "include_order.txt"))))
+    order = read_order(os.path.join(here, "include_order.txt"))
+    faults = list(find_faults(root, order))
+    faults += find_strangers(root, order, read_seams(os.path.join(here, "seams.txt")))
     for fault in faults:
         print(fault)
     return 1 if faults else 0
