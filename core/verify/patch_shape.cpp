@@ -287,7 +287,8 @@ class PatchCheck {
       return 0;
     }
     if (input_.facing_away.is_valid()) report(Fault::kFacingAway, input_.facing_away.value);
-    const double of_folds = farthest_of_folded(model_, patch_, input_.folded, control_);
+    const double known = is_flat ? std::max(along_boundary, height_bound_) : along_boundary;
+    const double of_folds = farthest_of_folded(model_, patch_, input_.folded, known, control_);
     if (!model_.is_within_tolerance(of_folds, reach_)) report(Fault::kDeviation);
     if (is_flat) return std::max({along_boundary, height_bound_, of_folds});
     const double measured = std::max(

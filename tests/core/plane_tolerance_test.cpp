@@ -7,6 +7,7 @@
 #include <string>
 
 #include "core/remesh.h"
+#include "tests/support/cgal_space.h"
 #include "tests/support/random.h"
 #include "tests/support/shapes.h"
 #include "tests/support/unrefined_options.h"
@@ -44,6 +45,45 @@ TEST(plane_tolerance, noise_within_a_given_tolerance_merges_and_beyond_it_does_n
   EXPECT_EQ(merged.report.plane_tolerance, 1e-3);
   EXPECT_GT(kept.report.patches.size(), 60u);
   EXPECT_TRUE(kept.report.verified.all_true());
+}
+
+/// Returns the distance between a point and the faces of a mesh of triangles.
+double distance_to(const Vec3& p, const Result& result) {
+  double nearest = HUGE_VAL;
+  for (const Triangle& t : result.mesh.faces) {
+    const auto corner = [&](int k) { return result.mesh.positions[t[k]]; };
+    nearest = std::min(nearest, std::sqrt(cgal_squared_distance(p, {corner(0), corner(1), corner(2)})));
+  }
+  return nearest;
+}
+
+TEST(plane_tolerance, the_deviation_counts_places_inside_faces_that_fold_over) {
+  // The tolerance is larger than the sheet is thick in two of its directions, so needles may fold over within it.
+  int folded = 0;
+  for (std::uint64_t seed = 1; seed <= 150; ++seed) {
+    Random random(seed);
+    PolygonMesh mesh = shapes::sheet(1, 1, 3, 2);
+    for (Vec3& p : mesh.positions) {
+      p.y = 4e-6 * (p.y + random.uniform(-1, 1));
+      p.z = random.uniform(-1e-7, 1e-7);
+    }
+    Options options = unrefined();
+    options.plane_tolerance = 1e-5;
+    const Result result = remeshed(mesh, options);
+    double farthest = 0;
+    for (std::size_t f = 0; f < mesh.face_count(); ++f) {
+      const auto face = mesh.face(FaceId(f));
+      for (int i = 0; i < 20; ++i) {
+        const double u = random.unit(), v = (1 - u) * random.unit();
+        const Vec3 &a = mesh.positions[face[0]], &b = mesh.positions[face[1]], &c = mesh.positions[face[2]];
+        farthest = std::max(farthest, distance_to(a + u * (b - a) + v * (c - a), result));
+      }
+    }
+    folded += farthest > 1e-7;
+    // What is farther by less than a quarter is not looked for, and coordinates have rounding.
+    EXPECT_LE(farthest, 1.25 * result.report.verified.deviation + 1e-15) << "seed " << seed;
+  }
+  EXPECT_GT(folded, 20) << "otherwise this shows nothing";
 }
 
 /// Makes a plate of 200 x 100 x 10 with a ridge along the middle of its top. Its faces are polygons as they are drawn.
