@@ -35,8 +35,10 @@ struct Subject {
   }
 
   PatchRefiner refiner(std::uint64_t quota = kNoLimit) {
-    return PatchRefiner(chain.meshes[PatchId(0)], PatchId(0), table, criteria, cuts, quota, workplace, chain.control);
+    return PatchRefiner(patch(), criteria, cuts, quota, scratch, chain.control);
   }
+  PatchToRefine patch(PatchId p = PatchId(0)) { return {chain.meshes[p], chain.charts()[p], p, table}; }
+  PatchChart chart() const { return chain.charts()[PatchId(0)]; }
   PatchRefiner::Refined run() {
     PatchRefiner refiner = this->refiner();
     refiner.run(kNoLimit, progress);
@@ -46,7 +48,7 @@ struct Subject {
   }
 
   StageChain chain;
-  Workplace workplace;
+  RefinerScratch scratch;
   RefinementProgress progress{chain.control, 1000};
   Goals goals;
   SizeField sizes;
@@ -59,14 +61,15 @@ struct Measures {
   double smallest_angle_deg = 180, longest = 0, area = 0;
 };
 
-Measures measure(const PatchMesh& patch) {
+Measures measure(const Subject& subject, const PatchMesh& patch) {
   Measures m;
+  const double scale = subject.chart().scale({});
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
     const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
     m.smallest_angle_deg =
         std::min(m.smallest_angle_deg, std::atan2(cross(b - a, c - a), dot(b - a, c - a)) * 180 / std::numbers::pi);
-    m.longest = std::max(m.longest, norm(b - a) * patch.frame.scale);
-    m.area += cross(b - a, c - a) / 6 * patch.frame.scale * patch.frame.scale;
+    m.longest = std::max(m.longest, norm(b - a) * scale);
+    m.area += cross(b - a, c - a) / 6 * scale * scale;
   }
   return m;
 }
@@ -80,18 +83,16 @@ void expect_sound(const Subject& subject, const PatchRefiner::Refined& refined) 
   ASSERT_EQ(refined.reason.size(), patch.mesh.triangle_count());
   expect_valid(patch.uv, patch.mesh);
   expect_locally_delaunay(patch.uv, patch.mesh);
-  EXPECT_NEAR(measure(patch).area / measure(subject.chain.meshes[PatchId(0)]).area, 1, 1e-11);
+  EXPECT_NEAR(measure(subject, patch).area / measure(subject, subject.chain.meshes[PatchId(0)]).area, 1, 1e-11);
   std::size_t corners = 0;
-  const auto& first = subject.chain.charts()[PatchId(0)];
+  const PatchChart chart = subject.chart();
   for (std::size_t v = 0; v < patch.vertices.size(); ++v) {
     if (patch.vertices[v].is_valid()) {
       ++corners;
       EXPECT_FALSE(refined.cuts[v].segment.is_valid());
     } else if (refined.cuts[v].segment.is_valid()) {
       const Vec3 p = subject.table.position(refined.cuts[v].segment, refined.cuts[v].t);
-      const Vec3 on_plane =
-          first.origin + (first.scale * patch.uv[v].x) * first.x_axis + (first.scale * patch.uv[v].y) * first.y_axis;
-      EXPECT_LT(norm(p - on_plane), 1e-11 * first.scale);
+      EXPECT_LT(norm(p - chart.to_space(patch.uv[v])), 1e-11 * chart.scale(patch.uv[v]));
     }
   }
   EXPECT_EQ(corners, subject.chain.meshes[PatchId(0)].vertices.size());
@@ -104,7 +105,7 @@ TEST(patch_refiner, every_angle_meets_the_bound_where_the_input_has_no_smaller_o
       Subject subject(solids::region(polygon), with_angle(degrees));
       const PatchRefiner::Refined refined = subject.run();
       expect_sound(subject, refined);
-      EXPECT_GE(measure(refined.patch).smallest_angle_deg, degrees);
+      EXPECT_GE(measure(subject, refined.patch).smallest_angle_deg, degrees);
     }
 }
 
@@ -137,8 +138,8 @@ TEST(patch_refiner, no_edge_and_no_area_is_above_its_bound) {
     Subject subject(solids::region(polygons::l_shape()), options);
     const PatchRefiner::Refined refined = subject.run();
     expect_sound(subject, refined);
-    EXPECT_LE(measure(refined.patch).longest, length * (1 + 1e-9));
-    EXPECT_GE(measure(refined.patch).smallest_angle_deg, 25);
+    EXPECT_LE(measure(subject, refined.patch).longest, length * (1 + 1e-9));
+    EXPECT_GE(measure(subject, refined.patch).smallest_angle_deg, 25);
   }
   Options options;
   options.max_area = 0.01;
@@ -147,14 +148,15 @@ TEST(patch_refiner, no_edge_and_no_area_is_above_its_bound) {
   for (std::uint32_t h = 0; h < refined.patch.mesh.half_edge_count(); h += 3) {
     const PatchMesh& patch = refined.patch;
     const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
-    EXPECT_LE(cross(b - a, c - a) / 2 * patch.frame.scale * patch.frame.scale, 0.01 * (1 + 1e-9));
+    const double scale = subject.chart().scale(a);
+    EXPECT_LE(cross(b - a, c - a) / 2 * scale * scale, 0.01 * (1 + 1e-9));
   }
 }
 
 TEST(patch_refiner, has_work_is_false_only_where_nothing_would_change) {
   const auto has_work = [](const PolygonMesh& mesh, const Options& options) {
     const Subject subject(mesh, options);
-    return PatchRefiner::has_work(subject.chain.meshes[PatchId(0)], subject.criteria);
+    return PatchRefiner::has_work(subject.chain.meshes[PatchId(0)], subject.chart(), subject.criteria);
   };
   const PolygonMesh square = shapes::sheet(1, 1, 1, 1), strip = shapes::sheet(10, 1, 1, 1);
   EXPECT_FALSE(has_work(square, with_angle(30)));
@@ -192,11 +194,11 @@ TEST(patch_refiner, its_own_cuts_are_told_once_and_are_all_there_are) {
   EXPECT_EQ(own, in_result);
 }
 
-TEST(patch_refiner, cuts_of_others_are_taken_over_each_once) {
+TEST(patch_refiner, cuts_of_others_are_applied_each_once) {
   Subject subject(shapes::sheet(4, 1, 1, 1), with_angle(20));
   PatchRefiner refiner = subject.refiner();
   const std::vector<double> some{0.25, 0.5}, all{0.125, 0.25, 0.5, 0.75};
-  for (const auto& cuts : {some, all, all}) refiner.take_over(SegmentId(0), cuts);
+  for (const auto& cuts : {some, all, all}) refiner.apply_cuts(SegmentId(0), cuts);
   EXPECT_TRUE(own_cuts(refiner).empty()) << "what others cut is not told again";
   refiner.run(0, subject.progress);
   const PatchRefiner::Refined refined = refiner.finish();
@@ -209,12 +211,12 @@ TEST(patch_refiner, cuts_of_others_are_taken_over_each_once) {
 }
 
 TEST(patch_refiner, the_cuts_of_two_patches_are_of_one_tree) {
-  // Whatever two patches ask for first, their cuts fit together: taken over by either, both end alike.
+  // Whatever two patches ask for first, their cuts fit together: if either applies the other's cuts, both end alike.
   Subject subject(shapes::box({10, 1, 0.3}), with_angle(30));
   std::vector<std::vector<Cut>> own;
   for (std::uint32_t p = 0; p < 6; ++p) {
-    PatchRefiner refiner(subject.chain.meshes[PatchId(p)], PatchId(p), subject.table, subject.criteria, subject.cuts,
-                         kNoLimit, subject.workplace, subject.chain.control);
+    PatchRefiner refiner(subject.patch(PatchId(p)), subject.criteria, subject.cuts, kNoLimit, subject.scratch,
+                         subject.chain.control);
     refiner.run(kNoLimit, subject.progress);
     own.push_back(own_cuts(refiner));
   }
@@ -249,26 +251,25 @@ TEST(patch_refiner, it_stops_at_its_quota_and_goes_on_from_there) {
   EXPECT_NE(std::count(half.reason.begin(), half.reason.end(), UnrefinedReason::kBudget), 0);
   refiner.run(kNoLimit, subject.progress);
   EXPECT_TRUE(refiner.is_done());
-  EXPECT_GE(measure(refiner.finish().patch).smallest_angle_deg, 30);
+  EXPECT_GE(measure(subject, refiner.finish().patch).smallest_angle_deg, 30);
 }
 
-TEST(patch_refiner, patches_take_turns_at_one_workplace) {
+TEST(patch_refiner, patches_take_turns_with_one_scratch_memory) {
   Subject alone(shapes::sheet(100, 1, 1, 1), with_angle(30)), subject(shapes::sheet(100, 1, 1, 1), with_angle(30));
   const PatchRefiner::Refined expected = alone.run();
-  Workplace another;
+  RefinerScratch another;
   std::vector<std::unique_ptr<PatchRefiner>> refiners;
   for (int i = 0; i < 2; ++i) {
-    refiners.push_back(std::make_unique<PatchRefiner>(subject.chain.meshes[PatchId(0)], PatchId(0), subject.table,
-                                                      subject.criteria, subject.cuts, kNoLimit, subject.workplace,
-                                                      subject.chain.control));
+    refiners.push_back(std::make_unique<PatchRefiner>(subject.patch(), subject.criteria, subject.cuts, kNoLimit,
+                                                      subject.scratch, subject.chain.control));
     refiners[i]->end_turn();
-    EXPECT_EQ(subject.workplace.waiting.size(), 0u) << "what waits stays with its patch";
+    EXPECT_EQ(subject.scratch.waiting.size(), 0u) << "what waits stays with its patch";
   }
-  // Stopped again and again, and now at one workplace, now at another.
+  // They are stopped again and again, and use one scratch memory at one time and another one at another time.
   for (int turn = 0; !refiners[0]->is_done() || !refiners[1]->is_done(); ++turn) {
     ASSERT_LT(turn, 1000);
     PatchRefiner& refiner = *refiners[static_cast<std::size_t>(turn) % 2];
-    refiner.begin_turn(turn % 3 == 0 ? another : subject.workplace);
+    refiner.begin_turn(turn % 3 == 0 ? another : subject.scratch);
     refiner.run(7, subject.progress);
     refiner.end_turn();
   }
@@ -309,19 +310,21 @@ TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
   EXPECT_EQ(refiner.triangle_count(), 4u);
 }
 
-double largest_area(const PatchMesh& patch) {
-  double most = 0;
+double largest_area(const Subject& subject, const PatchMesh& patch) {
+  const double scale = subject.chart().scale({});
+  double largest = 0;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3) {
     const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
-    most = std::max(most, cross(b - a, c - a) / 2 * patch.frame.scale * patch.frame.scale);
+    largest = std::max(largest, cross(b - a, c - a) / 2 * scale * scale);
   }
-  return most;
+  return largest;
 }
 
-double shortest_edge(const PatchMesh& patch) {
+double shortest_edge(const Subject& subject, const PatchMesh& patch) {
+  const double scale = subject.chart().scale({});
   double least = HUGE_VAL;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
-    least = std::min(least, norm(patch.uv[patch.mesh.to(h)] - patch.uv[patch.mesh.from(h)]) * patch.frame.scale);
+    least = std::min(least, norm(patch.uv[patch.mesh.to(h)] - patch.uv[patch.mesh.from(h)]) * scale);
   return least;
 }
 
@@ -358,9 +361,10 @@ TEST(patch_refiner, thinned_out_it_has_fewer_faces_within_the_same_bounds) {
         expect_sound(subject, after);
         EXPECT_LT(after.patch.mesh.triangle_count(), 0.995 * before.patch.mesh.triangle_count())
             << degrees << " degrees, " << (is_by_area ? "by area" : "by length");
-        EXPECT_LE(measure(after.patch).longest, options.max_edge_length.value_or(HUGE_VAL) * (1 + 1e-9));
-        EXPECT_LE(largest_area(after.patch), options.max_area.value_or(HUGE_VAL) * (1 + 1e-9));
-        EXPECT_GE(measure(after.patch).smallest_angle_deg, std::min(degrees, measure(before.patch).smallest_angle_deg));
+        EXPECT_LE(measure(subject, after.patch).longest, options.max_edge_length.value_or(HUGE_VAL) * (1 + 1e-9));
+        EXPECT_LE(largest_area(subject, after.patch), options.max_area.value_or(HUGE_VAL) * (1 + 1e-9));
+        EXPECT_GE(measure(subject, after.patch).smallest_angle_deg,
+                  std::min(degrees, measure(subject, before.patch).smallest_angle_deg));
         EXPECT_GE(least_shape(after.patch), std::min(0.165, least_shape(before.patch)) * (1 - 1e-9));
         // Only points inside the patch are removed.
         const auto cuts_of = [](const PatchRefiner::Refined& refined) {
@@ -386,7 +390,7 @@ TEST(patch_refiner, thinned_out_no_edge_becomes_shorter_than_the_shortest_allowe
         const std::uint32_t faces = refiner.triangle_count();
         refiner.thin_out(subject.chain.control, subject.progress);
         thinned += refiner.triangle_count() < faces ? 1 : 0;
-        EXPECT_GE(shortest_edge(refiner.finish().patch), *options.min_edge_length)
+        EXPECT_GE(shortest_edge(subject, refiner.finish().patch), *options.min_edge_length)
             << share << " of " << length << " at " << degrees;
       }
   EXPECT_GT(thinned, 10);
@@ -420,8 +424,7 @@ TEST(patch_refiner, it_can_be_stopped) {
   RunControl control;
   RefinementProgress progress(control, 1);
   control.cancel();
-  EXPECT_THROW(PatchRefiner(subject.chain.meshes[PatchId(0)], PatchId(0), subject.table, subject.criteria, subject.cuts,
-                            kNoLimit, subject.workplace, control)
+  EXPECT_THROW(PatchRefiner(subject.patch(), subject.criteria, subject.cuts, kNoLimit, subject.scratch, control)
                    .run(kNoLimit, progress),
                Error);
 }
