@@ -41,14 +41,14 @@ class Figure {
     const auto essential = essential_vertices(
         part.surface, part.adjacency, loops, IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0),
         pinched_vertices(part.surface, part.adjacency, control), part.tolerance, control);
-    meshes_ = mesh_patches(part.surface, part.adjacency, part.patches, loops, essential, {}, control);
-    frozen_.assign(meshes_.size(), 0);
+    triangulated_ = mesh_patches(part.surface, part.adjacency, part.patches, loops, essential, {}, control);
+    frozen_ = IdVector<PatchId, std::uint8_t>(triangulated_.size(), 0);
   }
 
   std::string draw() {
     const Goals goals = goals_of(Options{}, 0);
     tangent_ = std::tan(goals.min_angle_deg * std::numbers::pi / 180);
-    const PatchMesh& start = meshes_[patch_];
+    const PatchMesh& start = triangulated_.meshes[patch_];
     Panel before("before", count(start.mesh.triangle_count()) + " triangles; red: an angle below 25 degrees");
     draw_triangles(start, before);
     draw_points(start, start, start, before);
@@ -75,8 +75,8 @@ class Figure {
 
  private:
   SegmentTable segments_of(const SizeField& sizes, const Goals& goals) {
-    SegmentTable segments(part_.surface, meshes_, frozen_, sizes, goals, control_);
-    segments.plan_cuts(meshes_, sizes, goals, control_);
+    SegmentTable segments(part_.surface, triangulated_, frozen_, sizes, goals, control_);
+    segments.plan_cuts(triangulated_, sizes, goals, control_);
     return segments;
   }
 
@@ -87,21 +87,22 @@ class Figure {
     const IdVector<SegmentId, std::vector<double>> no_cuts(segments.size());
     constexpr std::uint64_t kNoQuota = std::numeric_limits<std::uint64_t>::max();
     const Criteria criteria(goals, sizes);
-    Workplace workplace;
-    PatchRefiner refiner(meshes_[patch_], patch_, segments, criteria, no_cuts, kNoQuota, workplace, control_);
+    RefinerScratch scratch;
+    PatchRefiner refiner({triangulated_.meshes[patch_], triangulated_.charts[patch_], patch_, segments}, criteria,
+                         no_cuts, kNoQuota, scratch, control_);
     RefinementProgress progress(control_, 0);
     refiner.run(kNoQuota, progress);
     return refiner.finish().patch;
   }
 
   PatchMesh refine_all(const Goals& goals, std::uint32_t& rounds) {
-    PatchMeshes meshes = meshes_;
+    TriangulatedPatches refined = triangulated_;
     const SizeField sizes(goals.max_edge_length);
-    const Prediction prediction = predict(meshes, goals, sizes, control_);
-    rounds = refine(part_.surface, part_.patches, frozen_, goals, sizes, segments_of(sizes, goals), prediction, meshes,
-                    std::numeric_limits<std::uint64_t>::max(), control_)
-                 ->rounds;
-    return meshes[patch_];
+    const Prediction prediction = predict(refined, goals, sizes, control_);
+    const RefinementInput input{part_.surface, frozen_,    goals,
+                                sizes,         prediction, std::numeric_limits<std::uint64_t>::max()};
+    rounds = refine(input, segments_of(sizes, goals), refined, control_)->rounds;
+    return refined.meshes[patch_];
   }
 
   void draw_triangles(const PatchMesh& patch, Panel& panel) const {
@@ -135,8 +136,8 @@ class Figure {
   const Part& part_;
   PatchId patch_;
   RunControl& control_;
-  PatchMeshes meshes_;  // of all patches, before refinement
-  std::vector<std::uint8_t> frozen_;
+  TriangulatedPatches triangulated_;  // all patches before refinement
+  IdVector<PatchId, std::uint8_t> frozen_;
   double tangent_ = 0;  // of the bound on angles
 };
 
