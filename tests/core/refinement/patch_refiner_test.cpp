@@ -8,11 +8,11 @@
 #include <map>
 #include <numbers>
 
+#include "tests/support/patch_subject.h"
 #include "tests/support/polygons.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/solids.h"
-#include "tests/support/stage_chain.h"
 #include "tests/support/triangulation_checks.h"
 
 namespace remesh {
@@ -21,24 +21,12 @@ namespace {
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
 /// The first patch of a surface, ready to be refined alone.
-struct Subject {
-  explicit Subject(const PolygonMesh& mesh, const Options& options = {})
-      : chain(mesh),
-        goals(goals_of(options, 1)),
-        sizes(goals.max_edge_length),
-        criteria(goals, sizes),
-        table(chain.surface, chain.triangulated, IdVector<PatchId, std::uint8_t>(chain.meshes.size()), sizes, goals,
-              chain.control),
-        cuts(table.size()) {
-    table.plan_cuts(chain.triangulated, sizes, goals, chain.control);
-    for (std::uint32_t s = 0; s < table.size(); ++s) cuts[SegmentId(s)] = table.size_cuts(SegmentId(s), sizes);
-  }
+struct Subject : PatchSubject {
+  using PatchSubject::PatchSubject;
 
   PatchRefiner refiner(std::uint64_t quota = kNoLimit) {
     return PatchRefiner(patch(), criteria, cuts, quota, scratch, chain.control);
   }
-  PatchToRefine patch(PatchId p = PatchId(0)) { return {chain.meshes[p], chain.charts()[p], p, table}; }
-  PatchChart chart() const { return chain.charts()[PatchId(0)]; }
   PatchRefiner::Refined run() {
     PatchRefiner refiner = this->refiner();
     refiner.run(kNoLimit, progress);
@@ -47,14 +35,8 @@ struct Subject {
     return refiner.finish();
   }
 
-  StageChain chain;
   RefinerScratch scratch;
   RefinementProgress progress{chain.control, 1000};
-  Goals goals;
-  SizeField sizes;
-  Criteria criteria;
-  SegmentTable table;
-  IdVector<SegmentId, std::vector<double>> cuts;
 };
 
 struct Measures {
