@@ -21,11 +21,11 @@ struct PatchMesh {
   std::vector<Vec2> uv;            ///< one per vertex
   Triangulation2d mesh;            ///< over `vertices`; boundary edges are constrained
   /// Edges that are constrained only for the chord rule. They are in no loop.
-  std::set<std::pair<std::uint32_t, std::uint32_t>> held;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> reserved;
   std::uint32_t loops = 0;
   PatchReason reason = PatchReason::kNone;
 
-  bool is_held(std::uint32_t h) const { return held.count(std::minmax(mesh.from(h), mesh.to(h))) != 0; }
+  bool is_reserved(std::uint32_t h) const { return reserved.count(std::minmax(mesh.from(h), mesh.to(h))) != 0; }
 };
 
 /// The triangulated patches of a surface.

@@ -55,7 +55,8 @@ Uses edge_uses(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& co
         if (twin != Triangulation2d::kNone && twin < h) continue;
         const Key key = key_of(patch, h);
         if (!key.second.is_valid() || key.second.value >= vertex_end) continue;
-        const bool is_inside = twin != Triangulation2d::kNone && (!patch.mesh.is_constrained(h) || patch.is_held(h));
+        const bool is_inside =
+            twin != Triangulation2d::kNone && (!patch.mesh.is_constrained(h) || patch.is_reserved(h));
         if (is_wanted(key, is_inside)) uses.push_back({key, is_inside, PatchId(p), h});
       }
     }
@@ -95,7 +96,7 @@ bool flip_away(PatchMesh& patch, std::uint32_t h, const Uses& uses, RunControl& 
   if (is_used(uses, key_of(patch, c, d))) return false;
   patch.mesh.flip(h);
   patch.mesh.constrain(h);
-  patch.held.insert(std::minmax(c, d));
+  patch.reserved.insert(std::minmax(c, d));
   std::vector<std::uint32_t> around{Triangulation2d::next(h), Triangulation2d::previous(h), Triangulation2d::next(g),
                                     Triangulation2d::previous(g)};
   delaunay_flips(patch.uv, patch.mesh, around, control);
@@ -135,14 +136,15 @@ bool split(PatchMesh& patch, const PatchChart& chart, std::uint32_t h, RunContro
 /// Removes the constraint from edges inside the patch for which `is_wanted` is false, and makes the triangles around
 /// them Delaunay. Returns whether there was such an edge.
 template <class IsWanted>
-bool release_held(PatchMesh& patch, const IsWanted& is_wanted, RunControl& control) {
-  if (patch.held.empty()) return false;
+bool release_reserved(PatchMesh& patch, const IsWanted& is_wanted, RunControl& control) {
+  if (patch.reserved.empty()) return false;
   std::vector<std::uint32_t> released;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
     const std::uint32_t twin = patch.mesh.twin(h);
-    if (twin == Triangulation2d::kNone || !patch.mesh.is_constrained(h) || !patch.is_held(h) || is_wanted(h)) continue;
+    if (twin == Triangulation2d::kNone || !patch.mesh.is_constrained(h) || !patch.is_reserved(h) || is_wanted(h))
+      continue;
     patch.mesh.join(h, twin);
-    patch.held.erase(std::minmax(patch.mesh.from(h), patch.mesh.to(h)));
+    patch.reserved.erase(std::minmax(patch.mesh.from(h), patch.mesh.to(h)));
     released.push_back(h);
   }
   const bool is_any = !released.empty();
@@ -198,7 +200,7 @@ std::vector<Chord> find_chords(const PatchMeshes& meshes, std::size_t vertex_end
 }
 
 bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& control) {
-  if (std::all_of(meshes.begin(), meshes.end(), [](const PatchMesh& patch) { return patch.held.empty(); }) &&
+  if (std::all_of(meshes.begin(), meshes.end(), [](const PatchMesh& patch) { return patch.reserved.empty(); }) &&
       find_chords(meshes, vertex_end, control).empty())
     return true;
   // A flip may make edges that are chords themselves. It may also remove the edge for whose sake another edge was
@@ -213,7 +215,7 @@ bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& contro
       const auto is_wanted = [&](std::uint32_t h) {
         return is_used(uses, key_of(patch, patch.mesh.apex(h), patch.mesh.apex(patch.mesh.twin(h))));
       };
-      is_settled = !release_held(patch, is_wanted, control) && is_settled;
+      is_settled = !release_reserved(patch, is_wanted, control) && is_settled;
     }
     const std::vector<Chord> chords = chords_of(uses, control);
     if (is_settled && chords.empty()) return true;
@@ -233,9 +235,9 @@ void split_chords(TriangulatedPatches& triangulated, std::size_t vertex_end,
   // and they may not be Delaunay.
   for (std::size_t i = 0; i < meshes.size(); ++i) {
     const PatchId p(i);
-    if (meshes[p].held.empty()) continue;
+    if (meshes[p].reserved.empty()) continue;
     before_change(p);
-    release_held(
+    release_reserved(
         meshes[p], [](std::uint32_t) { return false; }, control);
   }
   // Each pass leaves fewer chords, because all new edges end at a new vertex.

@@ -1,6 +1,7 @@
 #include "core/refinement/delaunay_mesh.h"
 
 #include <algorithm>
+#include <cassert>
 
 #include "core/base/small_blocks.h"
 #include "core/geometry/predicates.h"
@@ -99,10 +100,11 @@ void DelaunayMesh::collect_cavity(Vec2 p, std::uint32_t triangle, std::uint32_t 
   }
 }
 
-bool DelaunayMesh::find_cavity(Vec2 p, std::uint32_t triangle) {
+DelaunayMesh::Cavity DelaunayMesh::find_cavity(Vec2 p, std::uint32_t triangle) {
   collect_cavity(p, triangle, kNone);
-  return std::all_of(scratch_->rim.begin(), scratch_->rim.end(),
-                     [&](const RimEdge& e) { return orient2d(points_[e.from], points_[e.to], p) > 0; });
+  const bool has_room = std::all_of(scratch_->rim.begin(), scratch_->rim.end(),
+                                    [&](const RimEdge& e) { return orient2d(points_[e.from], points_[e.to], p) > 0; });
+  return {p, scratch_->cavity, scratch_->rim, has_room};
 }
 
 std::uint32_t DelaunayMesh::new_vertex(Vec2 p) {
@@ -170,8 +172,9 @@ DelaunayMesh::Fan DelaunayMesh::make_fan(std::uint32_t v) {
   return fan;
 }
 
-std::uint32_t DelaunayMesh::fill_cavity(Vec2 p) {
-  const std::uint32_t v = new_vertex(p);
+std::uint32_t DelaunayMesh::fill_cavity(const Cavity& cavity) {
+  assert(cavity.has_room && cavity.rim.data() == scratch_->rim.data() && cavity.rim.size() == scratch_->rim.size());
+  const std::uint32_t v = new_vertex(cavity.point);
   const Fan fan = make_fan(v);
   join(fan.first, fan.last);
   return v;

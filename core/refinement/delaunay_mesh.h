@@ -84,17 +84,26 @@ class DelaunayMesh {
   };
   Location locate(std::uint32_t triangle, Vec2 p) const;
 
-  /// Finds the triangles that would be removed if p were inserted. `triangle` is the one that contains p. Returns false
-  /// if p cannot be joined to the whole rim, because it equals a vertex or lies on a constrained edge. `rim()` is valid
-  /// until the next operation.
-  bool find_cavity(Vec2 p, std::uint32_t triangle);
-  std::span<const RimEdge> rim() const { return scratch_->rim; }
-  /// The triangles of the cavity that was found.
-  std::span<const std::uint32_t> cavity() const { return scratch_->cavity; }
+  /// The triangles that would be removed if a point were inserted, and the edges around them. The spans are valid until
+  /// the next operation.
+  struct Cavity {
+    Vec2 point;
+    std::span<const std::uint32_t> triangles;
+    std::span<const RimEdge> rim;  ///< in the order in which the point is joined to them
+    /// True if the point can be joined to the whole rim. Otherwise it equals a vertex or lies on a constrained edge.
+    bool has_room = false;
+  };
+  /// Finds the cavity of p. `triangle` is the one that contains p.
+  Cavity find_cavity(Vec2 p, std::uint32_t triangle);
+  /// Inserts the point of a cavity that has room for it. The cavity must be the one that was found last. Returns the
+  /// new vertex.
+  std::uint32_t fill_cavity(const Cavity& cavity);
+  /// Returns the number of triangles that the last insertion or cut removed or would remove. It measures the work that
+  /// an operation takes.
+  std::size_t last_cavity_size() const { return scratch_->cavity.size(); }
+
   static bool is_constrained(const RimEdge& e) { return (e.outside & kConstraint) != 0; }
   static std::uint32_t side(const RimEdge& e) { return e.outside & ~kConstraint; }
-  /// Inserts p into the cavity that was found. Returns the new vertex.
-  std::uint32_t fill_cavity(Vec2 p);
 
   /// Cuts the edge of a side at p, which lies on the edge up to rounding. The side keeps the half from its half-edge's
   /// start to p. The other half gets a new side, `side_count() - 1`. If p is a vertex already, because the other side

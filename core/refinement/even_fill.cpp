@@ -102,7 +102,7 @@ Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const Plane
     least_size = std::min(least_size, size);
     largest = std::max(largest, size);
   }
-  double best = 1, least = HUGE_VAL;
+  double best = 1, lowest_cost = HUGE_VAL;
   for (std::size_t i = 0; i < kSteps; ++i) {
     if (smallest[i] == 0) continue;
     double cost = 0;
@@ -112,8 +112,8 @@ Spacing best_spacing(std::span<const std::array<Vec2, 3>> triangles, const Plane
       if (ratio < 1) ratio *= 2;
       cost += points[j] * ratio * ratio;
     }
-    if (cost < least) {
-      least = cost;
+    if (cost < lowest_cost) {
+      lowest_cost = cost;
       best = smallest[i];
     }
   }
@@ -138,7 +138,7 @@ struct Cells {
 };
 
 /// This is a relative slack for rounding, so that a width of ten sizes makes ten columns whatever its last digits are.
-constexpr double kHair = 1 - 1e-11;
+constexpr double kRelativeSlack = 1 - 1e-11;
 
 /// Holds the vertices along the lower or the upper side of a region's box.
 class SideRow {
@@ -205,7 +205,7 @@ class Lattice {
     height_ = high.y - low_.y;
     along_ = {edge_, 0};
     up_ = {edge_ / 2, edge_ * std::numbers::sqrt3 / 2};
-    if (is_even_) fit_columns(std::ceil(width_ / edge_ * kHair));
+    if (is_even_) fit_columns(std::ceil(width_ / edge_ * kRelativeSlack));
   }
 
   /// Fits a lattice of one size to the vertices along the box's lower and upper side.
@@ -269,7 +269,7 @@ class Lattice {
   void fit_columns(double columns) {
     if (width_ > edge_) along_ = {width_ / columns, 0};
     const double highest = std::sqrt(edge_ * edge_ - along_.x * along_.x / 4);
-    up_ = {along_.x / 2, height_ > highest ? height_ / std::ceil(height_ / highest * kHair) : highest};
+    up_ = {along_.x / 2, height_ > highest ? height_ / std::ceil(height_ / highest * kRelativeSlack) : highest};
   }
 
   /// Makes as many columns as the lower side has pieces, if these are only a few more. Returns the number of columns.
@@ -278,10 +278,10 @@ class Lattice {
     double best = columns;
     if (!lower.is_whole()) return best;
     // A row that is out of step with its side costs about one point too many for each column.
-    const double most = columns * (1 + kRowsOutOfStep / rows);
+    const double max_pieces = columns * (1 + kRowsOutOfStep / rows);
     // If the columns are shifted, the pieces at both ends are half as long, so there is one piece more.
     for (const double pieces : {lower.inner_count(), lower.inner_count() + 1})
-      if (pieces > columns && pieces <= most && std::fabs(lower.phase(pieces)) > std::fabs(lower.phase(best)))
+      if (pieces > columns && pieces <= max_pieces && std::fabs(lower.phase(pieces)) > std::fabs(lower.phase(best)))
         best = pieces;
     if (best > columns) fit_columns(best);
     return best;
@@ -350,13 +350,13 @@ class Lattice {
 }  // namespace
 
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
-                            std::size_t vertex_count, const PlaneSizes& sizes, double shortest, std::size_t most,
+                            std::size_t vertex_count, const PlaneSizes& sizes, double shortest, std::size_t max_points,
                             RunControl& control) {
-  const std::size_t most_cells =
-      std::min(kMaxCells, kFewCells + kMaxCellsEach * (std::min(most, kMaxCells) + boundary.size() + triangles.size()));
+  const std::size_t max_cells = std::min(
+      kMaxCells, kFewCells + kMaxCellsEach * (std::min(max_points, kMaxCells) + boundary.size() + triangles.size()));
   Lattice lattice(triangles, sizes, control);
   // This is asked before any number becomes an integer, because the number of cells may be far too large for one.
-  if (!(lattice.least_cells() <= static_cast<double>(most_cells))) return {};
+  if (!(lattice.least_cells() <= static_cast<double>(max_cells))) return {};
   lattice.match(boundary.first(vertex_count));
   const PointGrid grid(boundary, lattice.origin(), std::max(lattice.edge(), shortest), control);
   const auto is_near = [&](Vec2 p) {
@@ -376,7 +376,7 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
   StackMemory memory;
   std::vector<Vec2> points;
   Cells front = lattice.cover(&memory);
-  while (!front.cells.empty() && front.cells.size() < kEnough && points.size() <= most) {
+  while (!front.cells.empty() && front.cells.size() < kEnough && points.size() <= max_points) {
     control.check();
     cells += front.cells.size();
     Cells next(&memory);
@@ -392,7 +392,7 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
     Cells waiting(&memory_below);
     collect(front.cells[first], front, waiting, found);
     std::size_t n = 0;
-    for (; !waiting.cells.empty() && count + found.size() <= most && cells + n <= most_cells; ++n) {
+    for (; !waiting.cells.empty() && count + found.size() <= max_points && cells + n <= max_cells; ++n) {
       if (n % 1024 == 0) control.check();
       const Cell cell = waiting.cells.back();
       waiting.cells.pop_back();
@@ -405,7 +405,7 @@ std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std:
   };
   for (const auto& found : map_blocks<std::vector<Vec2>>(front.cells.size(), 1, control, collect_below))
     points.insert(points.end(), found.begin(), found.end());
-  if (count > most || cells > most_cells) return {};
+  if (count > max_points || cells > max_cells) return {};
   sort_stoppable(points.begin(), points.end(), control);
   return points;
 }

@@ -33,14 +33,14 @@ struct PlaneSizes {
 /// Input:  The triangles cover the region. `boundary` holds points of its boundary; where the boundary can be cut, they
 ///         are no more than half the size there apart. The first `vertex_count` of them are the region's vertices. No
 ///         point of the result is nearer than `shortest` to a point of `boundary`.
-/// Output: The points in lexicographic order. There are none if they would be more than `most`. There are none either
-///         if too many cells of the lattices would have to be looked at, compared with the number of points, boundary
-///         points and triangles.
+/// Output: The points in lexicographic order. There are none if they would be more than `max_points`. There are none
+///         either if too many cells of the lattices would have to be looked at, compared with the number of points,
+///         boundary points and triangles.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   O((t + n) log n) for t triangles and n points, if the triangles are a Delaunay triangulation of the
 ///         boundary.
 std::vector<Vec2> even_fill(std::span<const std::array<Vec2, 3>> triangles, std::span<const Vec2> boundary,
-                            std::size_t vertex_count, const PlaneSizes& sizes, double shortest, std::size_t most,
+                            std::size_t vertex_count, const PlaneSizes& sizes, double shortest, std::size_t max_points,
                             RunControl& control);
 
 }  // namespace remesh

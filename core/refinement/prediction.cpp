@@ -9,7 +9,7 @@
 
 #include "core/base/blocks.h"
 #include "core/base/stoppable.h"
-#include "core/refinement/held_sizes.h"
+#include "core/refinement/fixed_side_sizes.h"
 #include "core/refinement/strips.h"
 
 namespace remesh {
@@ -88,7 +88,7 @@ class PatchPrediction {
   /// Predicts the faces of the patch. Appends the boundary edges of which the patch needs many pieces to `many_pieces`.
   Prediction run(std::vector<EdgePieces>& many_pieces, RunControl& control) const {
     const Triangulation2d& mesh = patch_.mesh;
-    const std::unique_ptr<const HeldSizes> held = held_sizes(control);
+    const std::unique_ptr<const FixedSideSizes> fixed = fixed_side_sizes(control);
     double pieces = 0, area = 0, by_angle = 0, by_size = 0;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
       control.check();
@@ -112,11 +112,11 @@ class PatchPrediction {
         is_filled = is_filled || length[k] > std::min({length[0], length[1], length[2]});
       }
       by_angle += is_filled ? 1 : faces_for_angle(length, triangle);
-      by_size += faces_for_size(p, triangle, held.get());
+      by_size += faces_for_size(p, triangle, fixed.get());
     }
     Prediction result;
     result.expected = std::max({static_cast<double>(mesh.triangle_count()), pieces - 2,
-                                held ? 0 : area / largest_area(goals_, sizes_), by_angle, by_size});
+                                fixed ? 0 : area / largest_area(goals_, sizes_), by_angle, by_size});
     return result;
   }
 
@@ -165,10 +165,10 @@ class PatchPrediction {
   }
 
   /// Returns null if all sides may be cut, or if none needs to be.
-  std::unique_ptr<const HeldSizes> held_sizes(RunControl& control) const {
+  std::unique_ptr<const FixedSideSizes> fixed_side_sizes(RunControl& control) const {
     if (goals_.split_boundaries || (sizes_.is_uniform() && !std::isfinite(longest_edge()))) return nullptr;
     const Triangulation2d& mesh = patch_.mesh;
-    std::vector<HeldSide> sides;
+    std::vector<FixedSide> sides;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
       if (!mesh.is_constrained(h)) continue;
       const Vec2 a = patch_.uv[mesh.from(h)], b = patch_.uv[mesh.to(h)];
@@ -177,12 +177,12 @@ class PatchPrediction {
       if (norm(b - a) > size) sides.push_back({a, b, size});
     }
     if (sides.empty()) return nullptr;
-    return std::make_unique<const HeldSizes>(sides, goals_.min_angle_deg, control);
+    return std::make_unique<const FixedSideSizes>(sides, goals_.min_angle_deg, control);
   }
 
-  double faces_for_size(const Vec2 (&p)[3], double area, const HeldSizes* held) const {
+  double faces_for_size(const Vec2 (&p)[3], double area, const FixedSideSizes* fixed) const {
     const double edge = longest_edge();
-    if (sizes_.is_uniform() && held == nullptr)
+    if (sizes_.is_uniform() && fixed == nullptr)
       return std::isfinite(edge) ? kFacesPerIdeal * area / equilateral_area(edge) : 0;
     // The size is read in the middles of small triangles into which the triangle is divided.
     constexpr int kParts = 6;
@@ -194,7 +194,7 @@ class PatchPrediction {
           const double u = (i + (1.0 + up) / 3) / kParts, v = (j + (1.0 + up) / 3) / kParts;
           const Vec2 at = p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]);
           double size = size_at(at);
-          if (held != nullptr) size = std::max(size, held->at(at) * chart_.scale(at));
+          if (fixed != nullptr) size = std::max(size, fixed->at(at) * chart_.scale(at));
           if (std::isfinite(size)) faces += kFacesPerIdeal * part / equilateral_area(size);
         }
     return faces;
@@ -285,20 +285,20 @@ class LeastFaces {
   static bool is_kept(const BoundarySegment& s) { return s.lock == Lock::kKept || s.lock == Lock::kAsked; }
 
   /// Returns the number of faces that the area away from fixed sides needs. Beside these sides, triangles are as large
-  /// as HeldSizes allows.
+  /// as FixedSideSizes allows.
   double away_from_kept(const PatchMesh& patch, const PatchChart& chart, PatchId p, double largest) const {
     const Triangulation2d& mesh = patch.mesh;
     const double longest = equilateral_edge(largest);
-    std::vector<HeldSide> held;
+    std::vector<FixedSide> fixed;
     for (const std::uint32_t i : segments_.sides_of_patch(p)) {
       const SegmentSide& side = segments_.all_sides()[i];
       if (!is_kept(segments_[side.segment])) continue;
       const Vec2 a = patch.uv[mesh.from(side.half_edge)], b = patch.uv[mesh.to(side.half_edge)];
       const double edge = longest / chart.scale(0.5 * (a + b));
-      if (norm(b - a) > edge) held.push_back({a, b, edge});
+      if (norm(b - a) > edge) fixed.push_back({a, b, edge});
     }
-    if (held.empty()) return area_of(patch, chart) / largest;
-    const HeldSizes sizes(held, goals_.min_angle_deg, control_);
+    if (fixed.empty()) return area_of(patch, chart) / largest;
+    const FixedSideSizes sizes(fixed, goals_.min_angle_deg, control_);
     double faces = 0;
     for (std::uint32_t h = 0; h < mesh.half_edge_count(); h += 3) {
       const Vec2 a = patch.uv[mesh.from(h)], b = patch.uv[mesh.from(h + 1)], c = patch.uv[mesh.from(h + 2)];

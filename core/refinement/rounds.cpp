@@ -126,14 +126,14 @@ class Rounds {
   /// Thins out all patches. This is not done after the first chords, because the points in chords have to stay. Returns
   /// whether it was done.
   bool thin_out() {
-    if (std::exchange(thinning_.is_done, true) || !criteria_.has_sizes) return false;
+    if (std::exchange(thinning_.is_done, true) || !criteria_.has_sizes()) return false;
     const LargeFirst by_size = large_first(refiners_.size(), 500, [&](std::uint32_t p) -> std::size_t {
       return refiners_[PatchId(p)] ? refiners_[PatchId(p)]->triangle_count() : 0;
     });
     for_each_in(by_size, [&](std::uint32_t p) {
       PatchRefiner* refiner = refiners_[PatchId(p)].get();
       if (refiner == nullptr) return;
-      refiner->begin_turn(workplaces_.local());
+      refiner->begin_turn(scratch_.local());
       refiner->thin_out(control_, progress_);
       refiner->end_turn();
     });
@@ -214,19 +214,20 @@ class Rounds {
   /// Refines one patch until it has nothing left to do or has made its share of triangles.
   void take_turn(PatchId p, std::uint64_t share) {
     std::unique_ptr<PatchRefiner>& refiner = refiners_[p];
-    Workplace& at = workplaces_.local();
+    RefinerScratch& scratch = scratch_.local();
     const auto before = static_cast<std::uint32_t>(triangle_count(p));
     if (!refiner)
-      refiner = std::make_unique<PatchRefiner>(meshes()[p], triangulated_.charts[p], p, segments_, criteria_,
-                                               cuts_.all(), std::min(share, budget_.max_made()), at, control_);
+      refiner =
+          std::make_unique<PatchRefiner>(PatchToRefine{meshes()[p], triangulated_.charts[p], p, segments_}, criteria_,
+                                         cuts_.all(), std::min(share, budget_.max_made()), scratch, control_);
     else
-      refiner->begin_turn(at);
+      refiner->begin_turn(scratch);
     // A refiner that begins with points of its own numbers its edges anew. So its chords are left for the next pass,
     // which finds them again.
     if (const auto chords = std::exchange(chords_.of_patch[p], {}); !chords.empty())
       if (refiner->triangle_count() != before || refiner->split_edges(chords, control_)) chords_.is_any_split = true;
     for (const SegmentCuts::Message& message : cuts_.messages_for(p))
-      if (!refiner->impossible().is_valid()) refiner->take_over(message.segment, cuts_[message.segment]);
+      if (!refiner->impossible().is_valid()) refiner->apply_cuts(message.segment, cuts_[message.segment]);
     if (!refiner->impossible().is_valid()) {
       const std::uint64_t made = refiner->triangle_count() - std::min(refiner->triangle_count(), before);
       progress_.add(std::int64_t{refiner->triangle_count()} - before);
@@ -346,7 +347,7 @@ class Rounds {
   PatchRefiners refiners_;
   /// There is one per thread. Parallel loops inside a turn do not run another patch's turn meanwhile
   /// (core/base/parallel.h).
-  tbb::enumerable_thread_specific<Workplace> workplaces_;
+  tbb::enumerable_thread_specific<RefinerScratch> scratch_;
   Barrier barrier_;
   ChordWork chords_;
   Thinning thinning_;

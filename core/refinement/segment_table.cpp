@@ -60,7 +60,7 @@ Uses segment_uses(const Surface& surface, const PatchMeshes& meshes, RunControl&
     for (; p < end; ++p) {
       const PatchMesh& patch = meshes[PatchId(p)];
       for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
-        if (!patch.mesh.is_constrained(h) || patch.is_held(h)) continue;
+        if (!patch.mesh.is_constrained(h) || patch.is_reserved(h)) continue;
         VertexId a = patch.vertices[patch.mesh.from(h)], b = patch.vertices[patch.mesh.to(h)];
         if (surface.positions[b] < surface.positions[a]) std::swap(a, b);
         uses.push_back({a, b, PatchId(p), h});
@@ -95,7 +95,7 @@ std::vector<std::array<VertexId, 2>> segment_ends(const PatchMeshes& meshes, Run
   for (const PatchMesh& patch : meshes)
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
       check();
-      if (!patch.mesh.is_constrained(h) || patch.is_held(h)) continue;
+      if (!patch.mesh.is_constrained(h) || patch.is_reserved(h)) continue;
       const auto [low, high] = std::minmax(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]);
       ends.push_back({low, high});
     }

@@ -42,7 +42,7 @@ class Figure {
         part.surface, part.adjacency, loops, IdVector<VertexId, std::uint8_t>(part.surface.vertex_count(), 0),
         pinched_vertices(part.surface, part.adjacency, control), part.tolerance, control);
     triangulated_ = mesh_patches(part.surface, part.adjacency, part.patches, loops, essential, {}, control);
-    frozen_.assign(triangulated_.size(), 0);
+    frozen_ = IdVector<PatchId, std::uint8_t>(triangulated_.size(), 0);
   }
 
   std::string draw() {
@@ -87,23 +87,22 @@ class Figure {
     const IdVector<SegmentId, std::vector<double>> no_cuts(segments.size());
     constexpr std::uint64_t kNoQuota = std::numeric_limits<std::uint64_t>::max();
     const Criteria criteria(goals, sizes);
-    Workplace workplace;
-    PatchRefiner refiner(triangulated_.meshes[patch_], triangulated_.charts[patch_], patch_, segments, criteria,
-                         no_cuts, kNoQuota, workplace, control_);
+    RefinerScratch scratch;
+    PatchRefiner refiner({triangulated_.meshes[patch_], triangulated_.charts[patch_], patch_, segments}, criteria,
+                         no_cuts, kNoQuota, scratch, control_);
     RefinementProgress progress(control_, 0);
     refiner.run(kNoQuota, progress);
     return refiner.finish().patch;
   }
 
   PatchMesh refine_all(const Goals& goals, std::uint32_t& rounds) {
-    TriangulatedPatches triangulated = triangulated_;
+    TriangulatedPatches refined = triangulated_;
     const SizeField sizes(goals.max_edge_length);
-    const Prediction prediction = predict(triangulated, goals, sizes, control_);
-    constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
-    rounds = refine({part_.surface, frozen_, goals, sizes, prediction, kNoLimit}, segments_of(sizes, goals),
-                    triangulated, control_)
-                 ->rounds;
-    return triangulated.meshes[patch_];
+    const Prediction prediction = predict(refined, goals, sizes, control_);
+    const RefinementInput input{part_.surface, frozen_,    goals,
+                                sizes,         prediction, std::numeric_limits<std::uint64_t>::max()};
+    rounds = refine(input, segments_of(sizes, goals), refined, control_)->rounds;
+    return refined.meshes[patch_];
   }
 
   void draw_triangles(const PatchMesh& patch, Panel& panel) const {
@@ -137,7 +136,7 @@ class Figure {
   const Part& part_;
   PatchId patch_;
   RunControl& control_;
-  TriangulatedPatches triangulated_;  // of all patches, before refinement
+  TriangulatedPatches triangulated_;  // all patches before refinement
   IdVector<PatchId, std::uint8_t> frozen_;
   double tangent_ = 0;  // of the bound on angles
 };

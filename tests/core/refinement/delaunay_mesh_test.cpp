@@ -50,8 +50,10 @@ class Subject {
   bool insert(Vec2 p) {
     const std::uint32_t start = live_triangle();
     const DelaunayMesh::Location at = mesh.locate(start, p);
-    if (at.is_hidden || !mesh.find_cavity(p, at.half_edge / 3)) return false;
-    const std::uint32_t v = mesh.fill_cavity(p);
+    if (at.is_hidden) return false;
+    const DelaunayMesh::Cavity cavity = mesh.find_cavity(p, at.half_edge / 3);
+    if (!cavity.has_room) return false;
+    const std::uint32_t v = mesh.fill_cavity(cavity);
     free_.insert(v);
     expect_changed_are_around(v);
     return true;

@@ -8,11 +8,11 @@
 #include <map>
 #include <numbers>
 
+#include "tests/support/patch_subject.h"
 #include "tests/support/polygons.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/solids.h"
-#include "tests/support/stage_chain.h"
 #include "tests/support/triangulation_checks.h"
 
 namespace remesh {
@@ -21,25 +21,11 @@ namespace {
 constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
 
 /// The first patch of a surface, ready to be refined alone.
-struct Subject {
-  explicit Subject(const PolygonMesh& mesh, const Options& options = {})
-      : chain(mesh),
-        goals(goals_of(options, 1)),
-        sizes(goals.max_edge_length),
-        criteria(goals, sizes),
-        table(chain.surface, chain.triangulated, IdVector<PatchId, std::uint8_t>(chain.meshes.size()), sizes, goals,
-              chain.control),
-        cuts(table.size()) {
-    table.plan_cuts(chain.triangulated, sizes, goals, chain.control);
-    for (std::uint32_t s = 0; s < table.size(); ++s) cuts[SegmentId(s)] = table.size_cuts(SegmentId(s), sizes);
-  }
-
-  PatchChart chart() const { return chain.charts()[PatchId(0)]; }
-  double scale() const { return chart().scale({}); }
+struct Subject : PatchSubject {
+  using PatchSubject::PatchSubject;
 
   PatchRefiner refiner(std::uint64_t quota = kNoLimit) {
-    return PatchRefiner(chain.meshes[PatchId(0)], chart(), PatchId(0), table, criteria, cuts, quota, workplace,
-                        chain.control);
+    return PatchRefiner(patch(), criteria, cuts, quota, scratch, chain.control);
   }
   PatchRefiner::Refined run() {
     PatchRefiner refiner = this->refiner();
@@ -49,14 +35,8 @@ struct Subject {
     return refiner.finish();
   }
 
-  StageChain chain;
-  Workplace workplace;
+  RefinerScratch scratch;
   RefinementProgress progress{chain.control, 1000};
-  Goals goals;
-  SizeField sizes;
-  Criteria criteria;
-  SegmentTable table;
-  IdVector<SegmentId, std::vector<double>> cuts;
 };
 
 struct Measures {
@@ -65,12 +45,13 @@ struct Measures {
 
 Measures measure(const Subject& subject, const PatchMesh& patch) {
   Measures m;
+  const double scale = subject.chart().scale({});
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
     const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
     m.smallest_angle_deg =
         std::min(m.smallest_angle_deg, std::atan2(cross(b - a, c - a), dot(b - a, c - a)) * 180 / std::numbers::pi);
-    m.longest = std::max(m.longest, norm(b - a) * subject.scale());
-    m.area += cross(b - a, c - a) / 6 * subject.scale() * subject.scale();
+    m.longest = std::max(m.longest, norm(b - a) * scale);
+    m.area += cross(b - a, c - a) / 6 * scale * scale;
   }
   return m;
 }
@@ -86,13 +67,14 @@ void expect_sound(const Subject& subject, const PatchRefiner::Refined& refined) 
   expect_locally_delaunay(patch.uv, patch.mesh);
   EXPECT_NEAR(measure(subject, patch).area / measure(subject, subject.chain.meshes[PatchId(0)]).area, 1, 1e-11);
   std::size_t corners = 0;
+  const PatchChart chart = subject.chart();
   for (std::size_t v = 0; v < patch.vertices.size(); ++v) {
     if (patch.vertices[v].is_valid()) {
       ++corners;
       EXPECT_FALSE(refined.cuts[v].segment.is_valid());
     } else if (refined.cuts[v].segment.is_valid()) {
       const Vec3 p = subject.table.position(refined.cuts[v].segment, refined.cuts[v].t);
-      EXPECT_LT(norm(p - subject.chart().to_space(patch.uv[v])), 1e-11 * subject.scale());
+      EXPECT_LT(norm(p - chart.to_space(patch.uv[v])), 1e-11 * chart.scale(patch.uv[v]));
     }
   }
   EXPECT_EQ(corners, subject.chain.meshes[PatchId(0)].vertices.size());
@@ -148,7 +130,8 @@ TEST(patch_refiner, no_edge_and_no_area_is_above_its_bound) {
   for (std::uint32_t h = 0; h < refined.patch.mesh.half_edge_count(); h += 3) {
     const PatchMesh& patch = refined.patch;
     const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
-    EXPECT_LE(cross(b - a, c - a) / 2 * subject.scale() * subject.scale(), 0.01 * (1 + 1e-9));
+    const double scale = subject.chart().scale(a);
+    EXPECT_LE(cross(b - a, c - a) / 2 * scale * scale, 0.01 * (1 + 1e-9));
   }
 }
 
@@ -193,11 +176,11 @@ TEST(patch_refiner, its_own_cuts_are_told_once_and_are_all_there_are) {
   EXPECT_EQ(own, in_result);
 }
 
-TEST(patch_refiner, cuts_of_others_are_taken_over_each_once) {
+TEST(patch_refiner, cuts_of_others_are_applied_each_once) {
   Subject subject(shapes::sheet(4, 1, 1, 1), with_angle(20));
   PatchRefiner refiner = subject.refiner();
   const std::vector<double> some{0.25, 0.5}, all{0.125, 0.25, 0.5, 0.75};
-  for (const auto& cuts : {some, all, all}) refiner.take_over(SegmentId(0), cuts);
+  for (const auto& cuts : {some, all, all}) refiner.apply_cuts(SegmentId(0), cuts);
   EXPECT_TRUE(own_cuts(refiner).empty()) << "what others cut is not told again";
   refiner.run(0, subject.progress);
   const PatchRefiner::Refined refined = refiner.finish();
@@ -210,12 +193,11 @@ TEST(patch_refiner, cuts_of_others_are_taken_over_each_once) {
 }
 
 TEST(patch_refiner, the_cuts_of_two_patches_are_of_one_tree) {
-  // Whatever two patches ask for first, their cuts fit together: taken over by either, both end alike.
+  // Whatever two patches ask for first, their cuts fit together: if either applies the other's cuts, both end alike.
   Subject subject(shapes::box({10, 1, 0.3}), with_angle(30));
   std::vector<std::vector<Cut>> own;
   for (std::uint32_t p = 0; p < 6; ++p) {
-    PatchRefiner refiner(subject.chain.meshes[PatchId(p)], subject.chain.charts()[PatchId(p)], PatchId(p),
-                         subject.table, subject.criteria, subject.cuts, kNoLimit, subject.workplace,
+    PatchRefiner refiner(subject.patch(PatchId(p)), subject.criteria, subject.cuts, kNoLimit, subject.scratch,
                          subject.chain.control);
     refiner.run(kNoLimit, subject.progress);
     own.push_back(own_cuts(refiner));
@@ -254,23 +236,22 @@ TEST(patch_refiner, it_stops_at_its_quota_and_goes_on_from_there) {
   EXPECT_GE(measure(subject, refiner.finish().patch).smallest_angle_deg, 30);
 }
 
-TEST(patch_refiner, patches_take_turns_at_one_workplace) {
+TEST(patch_refiner, patches_take_turns_with_one_scratch_memory) {
   Subject alone(shapes::sheet(100, 1, 1, 1), with_angle(30)), subject(shapes::sheet(100, 1, 1, 1), with_angle(30));
   const PatchRefiner::Refined expected = alone.run();
-  Workplace another;
+  RefinerScratch another;
   std::vector<std::unique_ptr<PatchRefiner>> refiners;
   for (int i = 0; i < 2; ++i) {
-    refiners.push_back(std::make_unique<PatchRefiner>(subject.chain.meshes[PatchId(0)], subject.chart(), PatchId(0),
-                                                      subject.table, subject.criteria, subject.cuts, kNoLimit,
-                                                      subject.workplace, subject.chain.control));
+    refiners.push_back(std::make_unique<PatchRefiner>(subject.patch(), subject.criteria, subject.cuts, kNoLimit,
+                                                      subject.scratch, subject.chain.control));
     refiners[i]->end_turn();
-    EXPECT_EQ(subject.workplace.waiting.size(), 0u) << "what waits stays with its patch";
+    EXPECT_EQ(subject.scratch.waiting.size(), 0u) << "what waits stays with its patch";
   }
-  // Stopped again and again, and now at one workplace, now at another.
+  // They are stopped again and again, and use one scratch memory at one time and another one at another time.
   for (int turn = 0; !refiners[0]->is_done() || !refiners[1]->is_done(); ++turn) {
     ASSERT_LT(turn, 1000);
     PatchRefiner& refiner = *refiners[static_cast<std::size_t>(turn) % 2];
-    refiner.begin_turn(turn % 3 == 0 ? another : subject.workplace);
+    refiner.begin_turn(turn % 3 == 0 ? another : subject.scratch);
     refiner.run(7, subject.progress);
     refiner.end_turn();
   }
@@ -312,18 +293,20 @@ TEST(patch_refiner, edges_inside_are_split_while_they_are_there) {
 }
 
 double largest_area(const Subject& subject, const PatchMesh& patch) {
-  double most = 0;
+  const double scale = subject.chart().scale({});
+  double largest = 0;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); h += 3) {
     const Vec2 a = patch.uv[patch.mesh.from(h)], b = patch.uv[patch.mesh.to(h)], c = patch.uv[patch.mesh.apex(h)];
-    most = std::max(most, cross(b - a, c - a) / 2 * subject.scale() * subject.scale());
+    largest = std::max(largest, cross(b - a, c - a) / 2 * scale * scale);
   }
-  return most;
+  return largest;
 }
 
 double shortest_edge(const Subject& subject, const PatchMesh& patch) {
+  const double scale = subject.chart().scale({});
   double least = HUGE_VAL;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
-    least = std::min(least, norm(patch.uv[patch.mesh.to(h)] - patch.uv[patch.mesh.from(h)]) * subject.scale());
+    least = std::min(least, norm(patch.uv[patch.mesh.to(h)] - patch.uv[patch.mesh.from(h)]) * scale);
   return least;
 }
 
@@ -424,8 +407,7 @@ TEST(patch_refiner, it_can_be_stopped) {
   RunControl control;
   RefinementProgress progress(control, 1);
   control.cancel();
-  EXPECT_THROW(PatchRefiner(subject.chain.meshes[PatchId(0)], subject.chart(), PatchId(0), subject.table,
-                            subject.criteria, subject.cuts, kNoLimit, subject.workplace, control)
+  EXPECT_THROW(PatchRefiner(subject.patch(), subject.criteria, subject.cuts, kNoLimit, subject.scratch, control)
                    .run(kNoLimit, progress),
                Error);
 }

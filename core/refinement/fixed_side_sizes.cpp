@@ -1,4 +1,4 @@
-#include "core/refinement/held_sizes.h"
+#include "core/refinement/fixed_side_sizes.h"
 
 #include <cmath>
 #include <numbers>
@@ -26,11 +26,11 @@ double steepest_slope(double min_angle_deg) {
 
 }  // namespace
 
-HeldSizes::HeldSizes(std::span<const HeldSide> sides, double min_angle_deg, RunControl& control)
+FixedSideSizes::FixedSideSizes(std::span<const FixedSide> sides, double min_angle_deg, RunControl& control)
     : steepest_(steepest_slope(min_angle_deg)) {
   std::vector<BoxTree<Shrinking>::Entry> entries;
   entries.reserve(sides.size());
-  for (const HeldSide& side : sides) {
+  for (const FixedSide& side : sides) {
     FloatBox box;
     box.add(in_space(side.from));
     box.add(in_space(side.to));
@@ -44,7 +44,7 @@ HeldSizes::HeldSizes(std::span<const HeldSide> sides, double min_angle_deg, RunC
   for (std::size_t slot = 0; slot < sides.size(); ++slot) sides_[slot] = sides[tree_.number(slot)];
 }
 
-double HeldSizes::at(Vec2 place) const {
+double FixedSideSizes::at(Vec2 place) const {
   const Vec3 p = in_space(place);
   double least = 0;  // the negative of the largest size so far, because the search looks for the least
   tree_.search(

@@ -12,7 +12,7 @@
 namespace remesh {
 
 /// A fixed side: one that is longer than it may be and is not cut. All values are in the patch's plane.
-struct HeldSide {
+struct FixedSide {
   Vec2 from, to;
   double size;  ///< the longest edge that is asked for there
 };
@@ -22,10 +22,10 @@ struct HeldSide {
 /// put countless flat ones beside the side, or give up. Beyond a third of the side's length, only the size that is
 /// asked for counts.
 /// Holds: The answers do not depend on the order of the sides.
-class HeldSizes {
+class FixedSideSizes {
  public:
   /// Cost: O(n log n), and O(log n) for each question if sides are about as long as they are far apart.
-  HeldSizes(std::span<const HeldSide> sides, double min_angle_deg, RunControl& control);
+  FixedSideSizes(std::span<const FixedSide> sides, double min_angle_deg, RunControl& control);
 
   /// Returns the largest size that any fixed side makes necessary at a place, or 0 if none does.
   double at(Vec2 place) const;
@@ -44,7 +44,7 @@ class HeldSizes {
 
   double steepest_;
   BoxTree<Shrinking> tree_;
-  std::vector<HeldSide> sides_;  ///< ordered as the slots of the tree
+  std::vector<FixedSide> sides_;  ///< ordered as the slots of the tree
 };
 
 }  // namespace remesh

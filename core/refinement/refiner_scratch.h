@@ -5,34 +5,37 @@
 #include <cstdint>
 #include <vector>
 
+#include "core/base/vec.h"
 #include "core/refinement/delaunay_mesh.h"
+#include "core/refinement/min_spacing.h"
 #include "core/refinement/task_queues.h"
 
 namespace remesh {
 
+/// A triangle that waits to be treated. Half-edge a-b is its shortest edge, and c is its apex.
+struct TriangleTask {
+  std::uint32_t half_edge, a, b, c;
+};
+
 /// A refiner works with this memory during its turn. A thread has one for all its patches. Most patches are small, and
 /// each would need as much scratch memory as the patch itself has.
-struct Workplace {
-  /// A task is a triangle that waits to be treated. Half-edge a-b is its shortest edge, and c is its apex.
-  struct Task {
-    std::uint32_t half_edge, a, b, c;
-  };
+struct RefinerScratch {
   /// This is a piece of a segment, with the range of the cuts inside it.
   struct Range {
     std::uint32_t piece;
     std::size_t first, last;
   };
 
-  /// This is a vertex that was removed and may have to be put back.
+  /// This is a free vertex that was removed and may have to be put back.
   struct Taken {
     Vec2 p;
-    double value;
+    MinSpacing spacing;
   };
 
   DelaunayMesh::Scratch mesh;
-  TaskQueues<Task> waiting;  ///< empty between turns; a refiner borrows its memory
+  TaskQueues<TriangleTask> waiting;  ///< empty between turns; a refiner borrows its memory
   // These serve one operation.
-  std::vector<std::uint32_t> encroached, to_cut, pieces;
+  std::vector<std::uint32_t> encroached, pieces;
   std::vector<Range> ranges;
   // These serve thinning out. They hold vertices or triangles.
   std::vector<std::uint32_t> to_thin, ring, other_ring, hole, remade;

@@ -1,0 +1,63 @@
+/// Removes points from a refined patch that it does not need.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "core/base/run_control.h"
+#include "core/base/vec.h"
+#include "core/refinement/min_spacing.h"
+#include "core/refinement/patch_sizes.h"
+#include "core/refinement/refiner_scratch.h"
+#include "core/refinement/working_patch.h"
+
+namespace remesh {
+
+/// Thins out a patch that is done. Points inside that the bounds do not need in the end are removed one by one, or one
+/// point takes the place of two. It goes on around every place where it succeeds. Each step leaves fewer points, so it
+/// ends.
+/// Holds:  Triangles are within the bounds as before. No new triangle is flatter than one with two angles of 28
+///         degrees, or than the flattest that was there before. Triangles that miss a bound stay as they are.
+/// Source: H. Erten, A. Üngör, Quality triangulations with locally optimal Steiner points, 2009 (one point for two);
+///         M. Badoiu, K. Clarkson, Smaller core-sets for balls, 2003 (places for these points).
+class PatchThinner {
+ public:
+  /// All three objects must outlive this one. There must be sizes.
+  PatchThinner(const PatchSizes& sizes, WorkingPatch& patch, RefinerScratch& scratch)
+      : sizes_(sizes), criteria_(sizes.criteria()), patch_(patch), mesh_(patch.mesh), scratch_(scratch) {}
+
+  /// Looks at all points inside from the vertex `first` on, and at those that get other neighbours meanwhile.
+  /// Errors: kCancelled, kTimeout - asked to stop through `control`.
+  void thin_out(std::uint32_t first, RunControl& control);
+
+ private:
+  /// Has the measures of the triangles between a point and a ring.
+  struct Fan {
+    double worst_shape;  ///< minimum of TriangleMeasures::shape; negative if a triangle is turned over
+    double twice_area;   ///< of all of them
+    bool is_any_sharp;
+  };
+
+  bool find_ring(std::uint32_t v, std::vector<std::uint32_t>& ring) const;
+  bool find_hole(std::uint32_t v, std::size_t k);
+  Fan fan_of(Vec2 p, std::span<const std::uint32_t> ring) const;
+  void note_remade();
+  void take(std::uint32_t v);
+  void put_back();
+  bool is_inside(std::uint32_t t, Vec2 p) const;
+  bool are_remade_well(double worst_shape) const;
+  bool leave_out(std::uint32_t v, double worst_shape);
+  std::optional<Vec2> place_within(std::span<const std::uint32_t> ring, MinSpacing spacing, double worst_shape) const;
+  std::uint32_t merge(std::uint32_t v, std::uint32_t w, double worst_shape);
+  std::uint32_t put_in(Vec2 p, MinSpacing spacing, double worst_shape);
+
+  const PatchSizes& sizes_;
+  const Criteria& criteria_;
+  WorkingPatch& patch_;
+  DelaunayMesh& mesh_;
+  RefinerScratch& scratch_;
+};
+
+}  // namespace remesh

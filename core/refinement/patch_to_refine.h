@@ -1,0 +1,18 @@
+/// Names a patch that is to be refined.
+#pragma once
+
+#include "core/geometry/patch_mesh.h"
+#include "core/patches/patch_chart.h"
+#include "core/refinement/segment_table.h"
+
+namespace remesh {
+
+/// A patch that is to be refined, as it was triangulated. The object refers to the mesh and to the table.
+struct PatchToRefine {
+  const PatchMesh& mesh;
+  PatchChart chart;
+  PatchId id;
+  const SegmentTable& segments;
+};
+
+}  // namespace remesh
