@@ -17,7 +17,7 @@ enum class SizeGoal : std::uint8_t {
   kVarying,  ///< the size differs from place to place
 };
 
-/// The goals of one refinement. The object refers to the size field.
+/// These are the goals of one refinement. The object refers to the size field.
 struct Criteria {
   Criteria(const Goals& goals, const SizeField& sizes);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <memory_resource>
 #include <optional>
@@ -26,8 +27,8 @@ UnrefinedReason why_near(MinSpacing spacing);
 /// does so whatever else holds. What rounding forbids is forbidden even if the shortest edge allows it.
 UnrefinedReason stronger(UnrefinedReason a, UnrefinedReason b);
 
-/// The pieces of a patch's boundary, and the segments that meet at its corners. A piece is a side of the patch's mesh
-/// and has the side's number. The two sides of a slit have the same pieces.
+/// This object has the pieces of a patch's boundary, and the segments that meet at its corners. A piece is a side of the
+/// patch's mesh and has the side's number. The two sides of a slit have the same pieces.
 class PatchBoundary {
  public:
   static constexpr std::uint32_t kNone = 0xffffffffu;
@@ -77,7 +78,7 @@ class PatchBoundary {
   /// Divides a whole side at all cuts of its segment. The side keeps the first piece along the segment. The other
   /// pieces become new sides, in their order along the segment.
   /// Input:  The first side of a slit was divided just before the second one.
-  /// Output: The number of the first new side.
+  /// Output: The number of the first new side. If there are no cuts, no side has this number yet.
   std::uint32_t divide(std::uint32_t s, std::span<const double> cuts);
 
   bool is_any_locked(std::span<const std::uint32_t> sides) const {
@@ -86,7 +87,7 @@ class PatchBoundary {
   /// Returns the reason why none of these sides is cut. If none of them is locked, this is `otherwise`.
   UnrefinedReason why_uncut(std::span<const std::uint32_t> sides, UnrefinedReason otherwise) const;
 
-  /// A vertex, its place, which is not free, and its position in the plane.
+  /// This is a vertex whose place is not free.
   struct Vertex {
     std::uint32_t number;
     VertexPlace place;
@@ -102,7 +103,7 @@ class PatchBoundary {
     SegmentId segment;
     std::uint32_t first;  ///< a side; the others follow by Side::next
   };
-  /// A segment at a corner, and the corner at its other end.
+  /// This is a segment at a corner. It also names the corner at the segment's other end.
   struct CornerSegment {
     VertexId other;
     SegmentId segment;

@@ -23,7 +23,7 @@ enum class Encroachment : std::uint8_t {
   kIgnore,
 };
 
-/// The result of the attempt to put a point in.
+/// This is the result of the attempt to put a point in.
 struct Attempt {
   enum class Result : std::uint8_t { kDone, kEncroached, kTooNear };
 
@@ -48,7 +48,8 @@ class PatchEditor {
   /// Judges all triangles. No triangle may wait already.
   void judge_all(RunControl& control);
 
-  /// Puts a point in if it keeps its distances.
+  /// Puts a point in if it keeps the spacing, if it encroaches on nothing that it must not encroach on, and if it has
+  /// room.
   Attempt insert(const PointPlace& place, MinSpacing spacing, Encroachment encroachment);
   /// The search for the point begins at a triangle.
   Attempt insert(Vec2 p, std::uint32_t triangle, MinSpacing spacing, Encroachment encroachment) {
@@ -59,7 +60,7 @@ class PatchEditor {
   /// turn out that rounding leaves no room for the cut (WorkingPatch::impossible).
   bool cut_side(std::uint32_t side);
   /// Cuts the patch's sides along a segment wherever they are not cut yet.
-  /// Input: all cuts of that segment, ascending.
+  /// Input: `cuts` has all cuts of that segment, ascending.
   void apply_cuts(SegmentId segment, std::span<const double> cuts);
 
   /// Returns how many triangles this object has made. The triangles that its cuts make in other patches are counted

@@ -21,10 +21,10 @@
 
 namespace remesh {
 
-/// A patch while it is refined. It cuts its own segments at once, as the table says, and remembers these cuts. Between
-/// rounds it applies the cuts that other patches made. It keeps what the patch is between its turns. The work is done
-/// by classes that live as long as one call: PatchStart begins it, TriangleTreatment mends triangles, PatchEditor makes
-/// the changes, and PatchThinner removes points in the end.
+/// This object is a patch while it is refined. It cuts its own segments at once, as the table says, and remembers these
+/// cuts. Between rounds it applies the cuts that other patches made. It keeps what the patch is between its turns. The
+/// work is done by others that live as long as one call: `start_patch` begins it, TriangleTreatment mends triangles,
+/// PatchEditor makes the changes, and PatchThinner removes points in the end.
 class PatchRefiner {
  public:
   /// `cuts` has the cuts of every segment, ascending. Those of the patch's segments are made at once. Where there are

@@ -17,8 +17,8 @@
 
 namespace remesh {
 
-/// The sizes of one patch. All lengths and places are in the patch's plane. If sides that are longer than allowed stay
-/// as they are, triangles beside them are allowed to be larger than elsewhere.
+/// This object knows the sizes that triangles of one patch may have. All lengths and places are in the patch's plane. If
+/// sides that are longer than allowed stay as they are, triangles beside them are allowed to be larger than elsewhere.
 class PatchSizes {
  public:
   /// Edges may be longer than their size by this factor, because of rounding.
@@ -76,7 +76,7 @@ class PatchSizes {
   PlaneSizes of_lattices() const;
 
  private:
-  /// This is the one place where it is decided how sizes are asked for.
+  /// Tells how sizes are asked for in this patch. It is decided once, in the constructor.
   enum class Kind : std::uint8_t { kNone, kUniform, kVarying, kBesideFixedSides };
 
   static Kind kind_of(SizeGoal goal);

@@ -82,6 +82,7 @@ std::vector<std::array<Vec2, 3>> triangles_of(const Triangulation2d& mesh, const
   return triangles;
 }
 
+/// Makes the start of one patch. It keeps no results.
 class Starter {
  public:
   Starter(const PatchToRefine& patch, const PatchSizes& sizes, DelaunayMesh::Scratch& scratch,
@@ -94,8 +95,10 @@ class Starter {
         memory_(memory),
         control_(control) {}
 
+  /// Begins with the patch as it was triangulated.
   PatchStart as_triangulated() const { return with_first_mesh(original_places(), PatchBoundary(patch_, memory_)); }
 
+  /// Begins with all cuts made and with lattices of points inside, if rounding allows it.
   PatchStart evenly(const SegmentCuts::OfSegments& cuts, std::uint64_t quota) const {
     Outline outline{patch_.mesh.uv, {}, original_places(), PatchBoundary(patch_, memory_)};
     cut(outline, cuts);
@@ -131,7 +134,7 @@ class Starter {
     Places places;  ///< one per point
     PatchBoundary boundary;
   };
-  /// The points inside, and their places.
+  /// These are points inside, with their places.
   struct Fill {
     std::vector<Vec2> points;
     std::vector<VertexPlace> places;

@@ -15,7 +15,7 @@
 
 namespace remesh {
 
-/// The patch from which refinement goes on.
+/// Refinement goes on from this state of a patch.
 struct PatchStart {
   DelaunayMesh mesh;
   std::pmr::vector<VertexPlace> places;  ///< one per vertex

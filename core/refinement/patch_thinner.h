@@ -36,7 +36,7 @@ class PatchThinner {
   /// Has the measures of the triangles between a point and a ring.
   struct Fan {
     double worst_shape;  ///< minimum of TriangleMeasures::shape; negative if a triangle is turned over
-    double twice_area;   ///< of all of them
+    double twice_area;   ///< the sum over all of them
     bool is_any_sharp;
   };
 

@@ -7,7 +7,7 @@
 
 namespace remesh {
 
-/// A patch that is to be refined, as it was triangulated. The object refers to the mesh and to the table.
+/// This names a patch that is to be refined, as it was triangulated. The object refers to the mesh and to the table.
 struct PatchToRefine {
   const PatchMesh& mesh;
   PatchChart chart;

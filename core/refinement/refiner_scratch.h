@@ -12,7 +12,7 @@
 
 namespace remesh {
 
-/// A triangle that waits to be treated. Half-edge a-b is its shortest edge, and c is its apex.
+/// This is a triangle that waits to be treated. Half-edge a-b is its shortest edge, and c is its apex.
 struct TriangleTask {
   std::uint32_t half_edge, a, b, c;
 };

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "core/base/vec.h"
 #include "core/refinement/delaunay_mesh.h"

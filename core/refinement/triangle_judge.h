@@ -18,7 +18,7 @@ namespace remesh {
 class TriangleJudge {
  public:
   struct Shape {
-    std::uint32_t shortest;  ///< half-edge
+    std::uint32_t shortest;  ///< the half-edge of the shortest edge
     TriangleMeasures measures;
     bool is_sharp;      ///< it has an angle below the bound
     bool is_too_large;  ///< it is larger than allowed, or has an edge that is longer
@@ -27,7 +27,8 @@ class TriangleJudge {
   /// Both objects must outlive this one.
   TriangleJudge(const PatchSizes& sizes, const WorkingPatch& patch) : sizes_(sizes), patch_(patch) {}
 
-  /// Input: The states of the triangles beside it are right, or they are `waiting`.
+  /// Returns what the triangle looks like now.
+  /// Input: The triangles beside it that count as good are good.
   Shape shape_of(std::uint32_t t) const {
     const DelaunayMesh& mesh = patch_.mesh;
     const std::uint32_t h = 3 * t;

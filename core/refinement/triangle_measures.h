@@ -7,7 +7,7 @@
 
 namespace remesh {
 
-/// The numbers by which a triangle is judged.
+/// A triangle is judged by these numbers.
 struct TriangleMeasures {
   double squares, shortest_squared, longest_squared;  ///< sum, minimum and maximum of the squares of its edges
   double twice_area;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "core/refinement/min_spacing.h"
 #include "core/refinement/patch_editor.h"
@@ -22,7 +23,7 @@ class TriangleTreatment {
   TriangleTreatment(const PatchSizes& sizes, WorkingPatch& patch, PatchEditor& editor)
       : sizes_(sizes), patch_(patch), editor_(editor), judge_(editor.judge()), places_(sizes, patch) {}
 
-  /// The task may have become void meanwhile.
+  /// Treats the triangle of a task. Nothing is done if the triangle has changed since it was put into the queue.
   void treat(const TriangleTask& task);
 
  private:

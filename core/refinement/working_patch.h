@@ -21,20 +21,20 @@
 
 namespace remesh {
 
-/// A place for a new point, and the cavity that the point would have. The cavity is valid until the next operation of
-/// the mesh.
+/// This is a place for a new point, with the cavity that the point would have. The cavity is valid until the next
+/// operation of the mesh.
 struct PointPlace {
   static constexpr std::uint32_t kNone = 0xffffffffu;
 
-  std::uint32_t hiding_side = kNone;  ///< the side that hides the place; then there is no cavity. kNone: none
+  std::uint32_t hiding_side = kNone;  ///< the side that hides the place, which then has no cavity; or kNone
   DelaunayMesh::Cavity cavity;
 
   bool is_hidden() const { return hiding_side != kNone; }
   bool has_room() const { return cavity.has_room; }
 };
 
-/// Everything that a patch has while it is refined and keeps between its turns. The classes that change the patch work
-/// on it together.
+/// This is everything that a patch has while it is refined and that it keeps between its turns. The classes that refine
+/// the patch work on it together.
 struct WorkingPatch {
   WorkingPatch(PatchStart start, std::pmr::memory_resource* memory)
       : mesh(std::move(start.mesh)),
@@ -74,6 +74,8 @@ struct WorkingPatch {
     return {PointPlace::kNone, mesh.find_cavity(p, at.half_edge / 3)};
   }
 
+  /// Puts a triangle into the queue.
+  /// Input: the square of its shortest edge.
   void wait(const TriangleTask& task, double shortest_squared) {
     // The bits are the exponent and three bits of the mantissa, as the number stores them. Squared lengths within the
     // frame are at most 8.
