@@ -64,7 +64,7 @@ double farthest_place(const Corners3& triangle, const OutputDistance& distance, 
     Corners3 corners;
     int depth;
   };
-  /// What is farther by less than this share is not looked for.
+  /// Places that are farther by less than this factor are not looked for.
   constexpr double kEnough = 1.25;
   std::vector<Piece> pieces{{triangle, depth}};
   while (!pieces.empty()) {

@@ -80,7 +80,7 @@ TEST(plane_tolerance, the_deviation_counts_places_inside_faces_that_fold_over) {
       }
     }
     folded += farthest > 1e-7;
-    // What is farther by less than a quarter is not looked for, and coordinates have rounding.
+    // Places that are farther by less than a quarter are not looked for, and coordinates have rounding.
     EXPECT_LE(farthest, 1.25 * result.report.verified.deviation + 1e-15) << "seed " << seed;
   }
   EXPECT_GT(folded, 20) << "otherwise this shows nothing";
