@@ -70,6 +70,11 @@ class PatchBoundary {
   /// Divides a side at t. The side keeps the piece at the start of its half-edge. The other piece becomes a new side,
   /// which has to be entered into its chain or made the partner of another one.
   void split(std::uint32_t s, double t);
+  /// Returns whether a side is in the chain of its segment. Of the two sides of a slit, all pieces of one are.
+  bool is_in_chain(std::uint32_t s) const {
+    const Side& side = sides_[s];
+    return side.is_forward == sides_[chains_[side.chain].first].is_forward;
+  }
   /// Enters a side into its chain. Its place there does not matter.
   void add_to_chain(std::uint32_t s) { sides_[s].next = std::exchange(chains_[sides_[s].chain].first, s); }
   /// Makes two pairs of the four pieces of a slit whose two sides were split: `second` was the partner of `first`, and

@@ -101,11 +101,13 @@ bool PatchEditor::cut_side_at(std::uint32_t side, double t) {
   PatchBoundary& boundary = patch_.boundary;
   const std::uint32_t partner = boundary.side(side).partner;
   const Vec2 p = sizes_.chart().to_plane(boundary.position(boundary.segment_of(side), t));
+  const bool is_in_chain = boundary.is_in_chain(side);
   const std::uint32_t v = cut_one(side, t, p, DelaunayMesh::kNone);
   if (v == DelaunayMesh::kNone) return false;
-  boundary.add_to_chain(boundary.side_count() - 1);
+  if (is_in_chain) boundary.add_to_chain(boundary.side_count() - 1);
   if (partner == PatchBoundary::kNone) return true;
   if (cut_one(partner, t, p, v) == DelaunayMesh::kNone) return false;
+  if (!is_in_chain) boundary.add_to_chain(boundary.side_count() - 1);
   boundary.pair_pieces(side, partner);
   return true;
 }

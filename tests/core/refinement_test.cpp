@@ -15,6 +15,7 @@
 #include "core/io/obj.h"
 #include "core/remesh.h"
 #include "tests/support/polygons.h"
+#include "tests/support/random.h"
 #include "tests/support/refined_checks.h"
 #include "tests/support/shapes.h"
 #include "tests/support/solids.h"
@@ -472,6 +473,23 @@ TEST(refinement, a_shortest_edge_of_nearly_half_the_longest_leaves_nothing_unref
     expect_promises(box, options, result);
     EXPECT_EQ(listed(result.report), 0u) << size.x << " x " << size.y << " x " << size.z;
     EXPECT_LE(longest_edge(result.mesh), longest * (1 + 1e-9));
+  }
+}
+
+TEST(refinement, a_fin_that_stands_inside_a_facet_is_cut_alike_by_all_its_patches) {
+  // The foot of the fin is a slit of the square: one patch has it on both sides, and the fin's patch has it as well.
+  // No two edges of the input meet under less than 60 degrees, so every angle can be as large as was asked for.
+  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+    Random random(seed);
+    const Vec3 foot{random.uniform(0.5, 3), random.uniform(2, 8), 0}, end{random.uniform(7, 9.5), foot.y, 0};
+    const Vec3 up{0, 0, random.uniform(0.2, 1.5)};
+    const PolygonMesh mesh =
+        shapes::from_lists({{0, 0, 0}, {10, 0, 0}, {10, 10, 0}, {0, 10, 0}, foot, end, end + up, foot + up},
+                           {{0, 1, 5}, {0, 5, 4}, {1, 2, 5}, {2, 3, 4}, {2, 4, 5}, {3, 0, 4}, {4, 5, 6}, {4, 6, 7}});
+    const Options options = with_angle(30);
+    const Result result = refined(mesh, options);
+    expect_promises(mesh, options, result);
+    EXPECT_EQ(listed(result.report), 0u) << "seed " << seed;
   }
 }
 
