@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/vec.h"
 #include "core/refinement/min_spacing.h"
 #include "core/refinement/patch_to_refine.h"
@@ -30,8 +31,6 @@ UnrefinedReason stronger(UnrefinedReason a, UnrefinedReason b);
 /// and has the side's number. The two sides of a slit have the same pieces.
 class PatchBoundary {
  public:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
   struct Side {
     double t0, t1;          ///< the piece [t0, t1] of the segment
     std::uint32_t next;     ///< another piece of the same chain, or kNone
