@@ -249,12 +249,12 @@ class Run {
   /// Marks faces to be copied verbatim in the next attempt.
   /// Errors: kVerificationFailed - all of them have been copied before.
   void keep_verbatim(const std::vector<FaceId>& exhausted) {
-    limits_.as_it_is.resize(input_.face_count(), 0);
+    limits_.keep_verbatim.resize(input_.face_count(), 0);
     bool is_new = false;
     for (const FaceId f : exhausted) {
       const FaceId source = surface().face_source[f];
-      is_new = is_new || limits_.as_it_is[source.value] == 0;
-      limits_.as_it_is[source.value] = 1;
+      is_new = is_new || limits_.keep_verbatim[source.value] == 0;
+      limits_.keep_verbatim[source.value] = 1;
     }
     if (is_new || give_up_joining()) return;
     // If a face cannot be resolved at the mesh's scale, the input is at fault. Otherwise the fault is ours.
@@ -398,7 +398,7 @@ class Run {
 
 /// An arena with this many threads. The calling thread stores it for later runs. TBB (2021.8) never frees some KB of
 /// each arena whose workers did not come in time, so an arena per run would fill the memory of a long-lived process.
-tbb::task_arena& kept_arena(int threads) {
+tbb::task_arena& reused_arena(int threads) {
   thread_local std::map<int, tbb::task_arena> arenas;
   return arenas.try_emplace(threads, threads).first->second;
 }
@@ -407,7 +407,7 @@ tbb::task_arena& kept_arena(int threads) {
 template <class Work>
 auto in_arena(int threads, Work work) {
   if (tbb::this_task_arena::max_concurrency() == threads) return work();
-  return kept_arena(threads).execute(work);
+  return reused_arena(threads).execute(work);
 }
 
 }  // namespace

@@ -70,11 +70,11 @@ std::vector<Id> select_ids(std::size_t n, std::size_t size, RunControl& control,
 
 /// Joins the items of all blocks in the order of the blocks, and passes each item through `convert`. Runs in parallel.
 template <class To, class From, class Convert = std::identity>
-std::vector<To, LeftUnset<To>> concatenate(const std::vector<std::vector<From>>& blocks, RunControl& control,
-                                           const Convert& convert = {}) {
+std::vector<To, DefaultInit<To>> concatenate(const std::vector<std::vector<From>>& blocks, RunControl& control,
+                                             const Convert& convert = {}) {
   std::vector<std::size_t> begin(blocks.size() + 1, 0);
   for (std::size_t b = 0; b < blocks.size(); ++b) begin[b + 1] = begin[b] + blocks[b].size();
-  std::vector<To, LeftUnset<To>> all(begin.back());
+  std::vector<To, DefaultInit<To>> all(begin.back());
   for_blocks(blocks.size(), 16, control, [&](std::size_t b, std::size_t end) {
     for (; b < end; ++b)
       std::transform(blocks[b].begin(), blocks[b].end(), all.begin() + static_cast<std::ptrdiff_t>(begin[b]), convert);

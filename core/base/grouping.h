@@ -17,8 +17,8 @@ namespace remesh {
 /// The numbers 0 .. n-1, grouped by their keys.
 template <class Item>
 struct GroupingOf {
-  std::vector<std::uint32_t> begin;          ///< where each key's items begin; one entry more than there are keys
-  std::vector<Item, LeftUnset<Item>> items;  ///< ascending in each group
+  std::vector<std::uint32_t> begin;            ///< where each key's items begin; one entry more than there are keys
+  std::vector<Item, DefaultInit<Item>> items;  ///< ascending in each group
 
   std::span<const Item> operator[](std::size_t key) const {
     return std::span(items).subspan(begin[key], begin[key + 1] - begin[key]);

@@ -59,7 +59,7 @@ class IdVector {
 
   IdVector() = default;
   explicit IdVector(std::size_t n, const T& value = T()) : items_(n, value) {}
-  /// Makes `n` items as the allocator makes them. With LeftUnset, the caller has to set all of them.
+  /// Makes `n` items as the allocator makes them. With DefaultInit, the caller has to set all of them.
   static IdVector of_size(std::size_t n) {
     IdVector vector;
     vector.items_ = Items(n);
@@ -100,11 +100,11 @@ class IdVector {
 /// Allocates memory without initialising it. Many threads that each fill a part need not wait until one has cleared it
 /// all.
 template <class T>
-struct LeftUnset : std::allocator<T> {
+struct DefaultInit : std::allocator<T> {
   static_assert(std::is_trivially_copyable_v<T>);
   template <class U>
   struct rebind {
-    using other = LeftUnset<U>;
+    using other = DefaultInit<U>;
   };
   void construct(T*) {}
   template <class... Arguments>
@@ -115,6 +115,6 @@ struct LeftUnset : std::allocator<T> {
 
 /// An IdVector that many threads fill.
 template <class I, class T>
-using FilledIdVector = IdVector<I, T, LeftUnset<T>>;
+using FilledIdVector = IdVector<I, T, DefaultInit<T>>;
 
 }  // namespace remesh

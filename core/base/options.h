@@ -33,6 +33,7 @@ struct Barriers {
 
 /// The options of a run. Lengths are in model units, angles in degrees. If an optional is empty, the contract's default
 /// applies.
+/// This class is larger than the bound because it has one member for each option of the contract.
 struct Options {
   static constexpr double kMaxMinAngleDeg = 33;
   static constexpr double kMinRadiusEdgeRatio = 0.918;  ///< 1 / (2 sin 33 degrees), cut after three decimals

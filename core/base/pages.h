@@ -10,9 +10,9 @@
 
 namespace remesh {
 
-/// Asks the system for all pages of a block of memory at once. The whole block should be about to be written. When
-/// pages are taken one by one, each at the first access to it, they take 50 % longer. Does nothing for little memory,
-/// or if the system does not support it.
+/// Asks the system for all pages of a block of memory at once, which is faster than to take each at the first access to
+/// it. The whole block should be about to be written. Does nothing for little memory, or if the system does not support
+/// it. See experiments.md, Memory pages.
 void take_pages(void* memory, std::size_t bytes);
 
 template <class T>

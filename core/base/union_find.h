@@ -68,7 +68,7 @@ class UnionFind {
  private:
   std::atomic_ref<std::uint32_t> at(std::uint32_t i) { return std::atomic_ref(parent_[i]); }
 
-  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> parent_;
+  std::vector<std::uint32_t, DefaultInit<std::uint32_t>> parent_;
 };
 
 }  // namespace remesh

@@ -63,20 +63,20 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> pair_around_edge(const Vec3
   std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;
   if (faces.size() < 2) return pairs;
   sort_stoppable(faces.begin(), faces.end(), control, AngularOrder(a, b, faces[0].apex));
-  // Faces that are open after the first time around are paired with the ends before the first face.
-  std::vector<std::uint32_t> open, left;
+  // Faces without a partner after the first time around are paired with the ends before the first face.
+  std::vector<std::uint32_t> waiting, left;
   for (const FaceAtEdge& f : faces) {
     if (!f.is_forward) {
-      open.push_back(f.tag);
-    } else if (open.empty()) {
+      waiting.push_back(f.tag);
+    } else if (waiting.empty()) {
       left.push_back(f.tag);
     } else {
-      pairs.push_back({open.back(), f.tag});
-      open.pop_back();
+      pairs.push_back({waiting.back(), f.tag});
+      waiting.pop_back();
     }
   }
-  for (std::size_t i = 0; i < left.size() && !open.empty(); ++i, open.pop_back())
-    pairs.push_back({open.back(), left[i]});
+  for (std::size_t i = 0; i < left.size() && !waiting.empty(); ++i, waiting.pop_back())
+    pairs.push_back({waiting.back(), left[i]});
   return pairs;
 }
 

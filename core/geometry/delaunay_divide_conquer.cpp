@@ -7,13 +7,14 @@
 #include <numeric>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/parallel.h"
 #include "core/geometry/predicates.h"
 
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation2d::kNone;
+constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
 
 /// Half-edges 2i and 2i+1 are the two directions of edge i. `next` is the next half-edge counter-clockwise around the
 /// origin.
@@ -54,7 +55,7 @@ class DivideAndConquer {
   }
 
  private:
-  static constexpr double kStripFactor = 2;              // measured: flat between 1 and 4
+  static constexpr double kStripFactor = 2;              // see experiments.md, Divide and conquer
   static constexpr std::size_t kParallelSize = 1 << 15;  // smaller parts are not worth a task
   static constexpr std::uint32_t kCheckInterval = 4096;
 
@@ -98,8 +99,8 @@ class DivideAndConquer {
     Part part;
     part.free_head = 6 * begin;
     part.free_tail = 6 * (begin + size) - 2;
-    for (std::uint32_t h = part.free_head; h <= part.free_tail; h += 2) edges_[h] = {kNone, h + 2, kNone};
-    edges_[part.free_tail].next = kNone;
+    for (std::uint32_t h = part.free_head; h <= part.free_tail; h += 2) edges_[h] = {kNone, h + 2, kNoHalfEdge};
+    edges_[part.free_tail].next = kNoHalfEdge;
 
     const std::uint32_t a = make_edge(part, begin, begin + 1);
     part.first = a;
@@ -241,7 +242,7 @@ class DivideAndConquer {
       edges_[edges_[side].next].previous = edges_[side].previous;
     }
     const std::uint32_t slot = h & ~1u;
-    edges_[slot] = {kNone, part.free_head, kNone};
+    edges_[slot] = {kNone, part.free_head, kNoHalfEdge};
     part.free_head = slot;
   }
 
@@ -258,8 +259,8 @@ class DivideAndConquer {
       edge_at[edges_[h].origin] = h;
     }
     std::uint32_t hull_size = 0;
-    constexpr std::uint32_t kOutside = kNone - 1;
-    std::vector<std::uint32_t> slot(edges_.size(), kNone);  // the place of a half-edge in the result
+    constexpr std::uint32_t kOutside = kNoHalfEdge - 1;
+    std::vector<std::uint32_t> slot(edges_.size(), kNoHalfEdge);  // the place of a half-edge in the result
     std::uint32_t h = hull;
     do {
       slot[h] = kOutside;

@@ -14,10 +14,10 @@ namespace remesh {
 /// The patches of a surface. They are the edge-connected pieces of its regions.
 struct PatchSet {
   FilledIdVector<FaceId, PatchId> of_face;
-  IdVector<PatchId, Plane> planes;               ///< in local units
-  IdVector<PatchId, double> deviation;           ///< distance of the region's farthest corner from the plane
-  std::vector<std::uint32_t> face_begin{0};      ///< the faces of patch p are faces[face_begin[p] .. face_begin[p + 1])
-  std::vector<FaceId, LeftUnset<FaceId>> faces;  ///< ascending within a patch
+  IdVector<PatchId, Plane> planes;           ///< in local units
+  IdVector<PatchId, double> deviation;       ///< distance of the region's farthest corner from the plane
+  std::vector<std::uint32_t> face_begin{0};  ///< the faces of patch p are faces[face_begin[p] .. face_begin[p + 1])
+  std::vector<FaceId, DefaultInit<FaceId>> faces;  ///< ascending within a patch
 
   std::size_t count() const { return planes.size(); }
   std::span<const FaceId> faces_of(PatchId p) const {

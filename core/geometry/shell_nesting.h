@@ -25,6 +25,8 @@ namespace remesh {
 /// Cost:    O(n) if no shell's box lies in another's. Otherwise O(n log n) for a tree, and for each shell in the box of
 ///          another one the number of faces on the way from it to the nearest shell that is not in it. If that shell
 ///          crosses others, the number of faces on the way to the nearest larger one.
+/// This class is larger than the bound because all its steps read and correct one forest of nests: to find the nests in
+/// boxes, to look for the nearest shell, and to correct links need the same tree and the same boxes.
 class ShellNesting {
  public:
   /// The shells in one place. There is one in nearly all cases, and several if shells coincide.

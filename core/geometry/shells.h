@@ -37,8 +37,8 @@ struct Shell {
 };
 
 struct Shells {
-  std::vector<Shell> all;                                        ///< in the order of their first faces
-  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> of_face;  ///< by face
+  std::vector<Shell> all;                                          ///< in the order of their first faces
+  std::vector<std::uint32_t, DefaultInit<std::uint32_t>> of_face;  ///< by face
 };
 
 /// Finds the shells of a surface. Faces are connected over edges with two faces. At an edge with more faces, two of

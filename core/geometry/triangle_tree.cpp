@@ -69,7 +69,7 @@ TriangleTree::TriangleTree(std::span<const Vec3> positions, std::span<const Tria
     node_box_.assign(1, Box3());
     return;
   }
-  std::vector<Item, LeftUnset<Item>> items(size());
+  std::vector<Item, DefaultInit<Item>> items(size());
   for_blocks(size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
       const Box3 box = box_of(faces[f], positions);

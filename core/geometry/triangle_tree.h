@@ -64,7 +64,7 @@ class TriangleTree {
 
  private:
   template <class T>
-  using Unset = std::vector<T, LeftUnset<T>>;
+  using Unset = std::vector<T, DefaultInit<T>>;
 
   SlotTree slots_;
   Unset<FaceId> face_;    ///< by slot

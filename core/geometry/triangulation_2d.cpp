@@ -1,5 +1,7 @@
 #include "core/geometry/triangulation_2d.h"
 
+#include "core/base/ids.h"
+
 namespace remesh {
 
 void Triangulation2d::flip(std::uint32_t h) {
@@ -28,7 +30,7 @@ void Triangulation2d::flip(std::uint32_t h) {
 }
 
 void Triangulation2d::index_points(std::size_t points) {
-  edge_at_.assign(points, kNone);
+  edge_at_.assign(points, kNoHalfEdge);
   for (std::uint32_t h = 0; h < half_edge_count(); ++h) edge_at_[corner_[h]] = h;
 }
 
@@ -36,20 +38,20 @@ void Triangulation2d::compact(const std::vector<std::uint8_t>& keep) {
   edge_at_.clear();
   const std::uint32_t n = triangle_count();
   std::vector<std::uint32_t> new_triangle(n, kNone);
-  std::uint32_t kept = 0;
+  std::uint32_t left = 0;
   for (std::uint32_t t = 0; t < n; ++t)
-    if (keep[t]) new_triangle[t] = kept++;
+    if (keep[t]) new_triangle[t] = left++;
   for (std::uint32_t t = 0; t < n; ++t) {
     if (!keep[t]) continue;
     for (std::uint32_t k = 0; k < 3; ++k) {
       const std::uint32_t old_twin = twin(3 * t + k);
       const std::uint32_t bit = twin_[3 * t + k] & kConstraint;
-      const bool lives = old_twin != kNone && keep[old_twin / 3];
+      const bool lives = old_twin != kNoHalfEdge && keep[old_twin / 3];
       corner_[3 * new_triangle[t] + k] = corner_[3 * t + k];
-      twin_[3 * new_triangle[t] + k] = (lives ? 3 * new_triangle[old_twin / 3] + old_twin % 3 : kNone) | bit;
+      twin_[3 * new_triangle[t] + k] = (lives ? 3 * new_triangle[old_twin / 3] + old_twin % 3 : kNoHalfEdge) | bit;
     }
   }
-  resize(kept);
+  resize(left);
 }
 
 }  // namespace remesh

@@ -9,10 +9,10 @@ namespace remesh {
 
 /// Half-edge h = 3t + k runs from corner k to corner k+1 of triangle t. Corners are counter-clockwise, and are indices
 /// of the points that were triangulated. The twin of a half-edge runs the other way in the neighbouring triangle; it is
-/// kNone on the hull. A constraint is a bit stored with the twin, and is equal on both sides.
+/// kNoHalfEdge on the hull. A constraint is a bit stored with the twin, and is equal on both sides.
 class Triangulation2d {
  public:
-  static constexpr std::uint32_t kNone = 0x7fffffffu;
+  static constexpr std::uint32_t kNoHalfEdge = 0x7fffffffu;
 
   std::uint32_t triangle_count() const { return static_cast<std::uint32_t>(corner_.size() / 3); }
   std::uint32_t half_edge_count() const { return static_cast<std::uint32_t>(corner_.size()); }
@@ -24,14 +24,14 @@ class Triangulation2d {
   std::uint32_t to(std::uint32_t h) const { return corner_[next(h)]; }
   /// The corner of h's triangle that is not on h.
   std::uint32_t apex(std::uint32_t h) const { return corner_[previous(h)]; }
-  std::uint32_t twin(std::uint32_t h) const { return twin_[h] & kNone; }
+  std::uint32_t twin(std::uint32_t h) const { return twin_[h] & kNoHalfEdge; }
   bool is_constrained(std::uint32_t h) const { return (twin_[h] & kConstraint) != 0; }
 
   /// Appends a triangle without neighbours, and returns its first half-edge (from a to b).
   std::uint32_t add_triangle(std::uint32_t a, std::uint32_t b, std::uint32_t c) {
     const std::uint32_t h = half_edge_count();
     corner_.insert(corner_.end(), {a, b, c});
-    twin_.insert(twin_.end(), {kNone, kNone, kNone});
+    twin_.insert(twin_.end(), {kNoHalfEdge, kNoHalfEdge, kNoHalfEdge});
     return h;
   }
   /// Replaces the corners of triangle h/3 so that half-edge h runs from a to b. The caller has to set the twins.
@@ -40,20 +40,20 @@ class Triangulation2d {
     corner_[next(h)] = b;
     corner_[previous(h)] = c;
   }
-  /// Makes two half-edges twins. Either may be kNone. Clears their constraint bits.
+  /// Makes two half-edges twins. Either may be kNoHalfEdge. Clears their constraint bits.
   void join(std::uint32_t g, std::uint32_t h) {
-    if (g != kNone) twin_[g] = h;
-    if (h != kNone) twin_[h] = g;
+    if (g != kNoHalfEdge) twin_[g] = h;
+    if (h != kNoHalfEdge) twin_[h] = g;
   }
   /// Does the same, and sets the constraint bit if `constrained`.
   void join(std::uint32_t g, std::uint32_t h, bool constrained) {
     join(g, h);
-    if (constrained) constrain(g != kNone ? g : h);
+    if (constrained) constrain(g != kNoHalfEdge ? g : h);
   }
   /// Constrains the edge of h, on both sides.
   void constrain(std::uint32_t h) {
     twin_[h] |= kConstraint;
-    if (twin(h) != kNone) twin_[twin(h)] |= kConstraint;
+    if (twin(h) != kNoHalfEdge) twin_[twin(h)] |= kConstraint;
   }
 
   /// Replaces edge (a, b) by (c, d), where c and d are the apexes of h and of its twin. h must have a twin, and the two
@@ -68,10 +68,10 @@ class Triangulation2d {
   void index_triangle(std::uint32_t h) {
     for (const std::uint32_t g : {h, next(h), previous(h)}) edge_at_[corner_[g]] = g;
   }
-  /// A half-edge that leaves point p, or kNone if no triangle has p. Requires index_points().
+  /// A half-edge that leaves point p, or kNoHalfEdge if no triangle has p. Requires index_points().
   std::uint32_t edge_at(std::uint32_t p) const { return edge_at_[p]; }
 
-  /// Removes the triangles whose entry in `keep` is 0; the others stay in order. A twin that is removed becomes kNone.
+  /// Removes the triangles whose entry in `keep` is 0; the others stay in order. A twin that is removed becomes kNoHalfEdge.
   /// Drops the index.
   void compact(const std::vector<std::uint8_t>& keep);
 
@@ -81,7 +81,7 @@ class Triangulation2d {
   }
   void resize(std::size_t triangles) {
     corner_.resize(3 * triangles);
-    twin_.resize(3 * triangles, kNone);
+    twin_.resize(3 * triangles, kNoHalfEdge);
   }
 
  private:

@@ -68,13 +68,13 @@ class Parser {
       if (has_value()) {
         if (!take_coordinate(position[axis])) return false;
       } else if (axis == 2) {
-        chunk_.findings.missing_z.add(chunk_.positions.size());
+        chunk_.extras.missing_z.add(chunk_.positions.size());
       } else {
         return false;
       }
     }
     skip_blanks();
-    if (has_value()) chunk_.findings.extra_values.add(chunk_.positions.size());
+    if (has_value()) chunk_.extras.extra_values.add(chunk_.positions.size());
     chunk_.positions.push_back({position[0], position[1], position[2]});
     return end_record();
   }
@@ -153,8 +153,8 @@ class Parser {
       if (!value.empty()) chunk_.material_libraries.push_back(value);
       return true;
     }
-    chunk_.findings.dropped.count(keyword);
-    return chunk_.findings.dropped.kinds().size() < DroppedRecords::kMaxKinds;
+    chunk_.extras.dropped.count(keyword);
+    return chunk_.extras.dropped.kinds().size() < DroppedRecords::kMaxKinds;
   }
 
   bool take_label(ObjChunk::LabelKind kind, std::string_view name) {

@@ -32,7 +32,7 @@ struct ObjChunk {
   std::uint32_t largest_index = 0;      ///< largest index that is not relative, from 1; 0 if there is none
   std::vector<Label> labels;
   std::vector<std::string_view> material_libraries;
-  ObjFindings findings;
+  ObjExtras extras;
 };
 
 /// Parses whole lines of plain records.

@@ -47,7 +47,7 @@ std::size_t DroppedRecords::find(std::string_view keyword) {
   return kinds_.size() - 1;
 }
 
-std::vector<Diagnostic> ObjFindings::diagnostics() && {
+std::vector<Diagnostic> ObjExtras::diagnostics() && {
   std::vector<Diagnostic> diagnostics;
   dropped.report(diagnostics);
   report_vertices(std::move(extra_values),

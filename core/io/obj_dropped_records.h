@@ -38,7 +38,7 @@ class DroppedRecords {
 };
 
 /// Everything that a text contains besides its surface.
-struct ObjFindings {
+struct ObjExtras {
   DroppedRecords dropped;
   Diagnostic extra_values, missing_z;  ///< values of vertices
 

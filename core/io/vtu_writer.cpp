@@ -69,13 +69,13 @@ void append_comment(std::string& out, std::string_view line) {
   char last = ' ';
   while (!line.empty()) {
     const std::size_t length = utf8_length(line);
-    const bool is_kept = length > 0 && !(line.front() == '-' && last == '-');
-    if (is_kept) {
+    const bool is_allowed = length > 0 && !(line.front() == '-' && last == '-');
+    if (is_allowed) {
       out += line.substr(0, length);
     } else {
       out += '?';
     }
-    last = is_kept ? line.front() : '?';
+    last = is_allowed ? line.front() : '?';
     line.remove_prefix(std::max<std::size_t>(length, 1));
   }
   out += " -->\n";

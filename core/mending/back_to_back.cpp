@@ -113,12 +113,12 @@ class SideChoice {
 
   void choose(const Piece& piece) {
     const std::uint32_t smallest = *std::min_element(piece.pairs.begin(), piece.pairs.end());
-    std::uint8_t kept = side_[smallest];
+    std::uint8_t staying_side = side_[smallest];
     if (piece.votes != 0)
-      kept = piece.votes > 0 ? 0 : 1;
+      staying_side = piece.votes > 0 ? 0 : 1;
     else if (!piece.are_labels_alike && piece.volume != 0)
-      kept = piece.volume > 0 ? 0 : 1;
-    for (const std::uint32_t pair : piece.pairs) pairs_[pair].is_first_kept = side_[pair] == kept;
+      staying_side = piece.volume > 0 ? 0 : 1;
+    for (const std::uint32_t pair : piece.pairs) pairs_[pair].does_first_stay = side_[pair] == staying_side;
   }
 
   static constexpr std::size_t kLooks = 4096;
@@ -134,18 +134,18 @@ class SideChoice {
   std::size_t looks_ = 0;
 };
 
-/// Returns which faces would look the wrong way if only the faces in `is_kept` stayed.
+/// Returns which faces would look the wrong way if only the faces in `stays` stayed.
 std::vector<std::uint8_t> would_be_inside_out(const Surface& surface, const FaceLabels& labels,
-                                              const std::vector<std::uint8_t>& is_kept, RunControl& control) {
-  FaceList kept;
+                                              const std::vector<std::uint8_t>& stays, RunControl& control) {
+  FaceList staying;
   StopCheck check(control);
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
     check();
     const FaceId f(i);
-    if (is_kept[i]) kept.add_face(surface.face(f), surface.face_source[f], surface.label(f));
+    if (stays[i]) staying.add_face(surface.face(f), surface.face_source[f], surface.label(f));
   }
   Surface trial = surface;
-  trial.take_faces(std::move(kept));
+  trial.take_faces(std::move(staying));
   const Adjacency edges(trial.vertex_count(), trial.face_begin, trial.corners, control);
   const InsideOutFaces found = find_inside_out_faces(trial, edges, labels, control);
   std::vector<std::uint8_t> result(surface.face_count(), 0);
@@ -153,7 +153,7 @@ std::vector<std::uint8_t> would_be_inside_out(const Surface& surface, const Face
   std::size_t number = 0;
   for (std::size_t f = 0; f < result.size(); ++f) {
     check();
-    if (is_kept[f]) result[f] = found.is_inside_out[number++];
+    if (stays[f]) result[f] = found.is_inside_out[number++];
   }
   return result;
 }
@@ -164,20 +164,20 @@ void choose_sides(const Surface& surface, const Adjacency& edges, const FaceLabe
                   std::span<const std::uint8_t> is_dropped, std::span<BackToBack> pairs, RunControl& control) {
   const std::vector<Piece> shells = SideChoice(surface, edges, of_faces, is_dropped, pairs, control).run();
   if (shells.empty()) return;
-  std::vector<std::uint8_t> is_kept(surface.face_count());
-  for (std::size_t f = 0; f < is_kept.size(); ++f) is_kept[f] = !is_dropped[f];
+  std::vector<std::uint8_t> stays(surface.face_count());
+  for (std::size_t f = 0; f < stays.size(); ++f) stays[f] = !is_dropped[f];
   for (const BackToBack& pair : pairs) {
-    is_kept[pair.first.value] = pair.is_first_kept;
-    is_kept[pair.second.value] = !pair.is_first_kept;
+    stays[pair.first.value] = pair.does_first_stay;
+    stays[pair.second.value] = !pair.does_first_stay;
   }
-  const std::vector<std::uint8_t> is_wrong = would_be_inside_out(surface, labels, is_kept, control);
+  const std::vector<std::uint8_t> is_wrong = would_be_inside_out(surface, labels, stays, control);
   StopCheck check(control);
   for (const Piece& shell : shells) {
     const BackToBack& any = pairs[shell.pairs[0]];
-    if (!is_wrong[(any.is_first_kept ? any.first : any.second).value]) continue;
+    if (!is_wrong[(any.does_first_stay ? any.first : any.second).value]) continue;
     for (const std::uint32_t pair : shell.pairs) {
       check();
-      pairs[pair].is_first_kept = !pairs[pair].is_first_kept;
+      pairs[pair].does_first_stay = !pairs[pair].does_first_stay;
     }
   }
 }

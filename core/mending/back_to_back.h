@@ -17,7 +17,7 @@ namespace remesh {
 /// Two faces with the same loop of vertices and opposite orientations. The first one has the smaller number.
 struct BackToBack {
   FaceId first, second;
-  bool is_first_kept = true;
+  bool does_first_stay = true;
 };
 
 /// Chooses, for pairs of faces of which one is to go, which one that is. It decides for all connected pairs together,
@@ -30,7 +30,7 @@ struct BackToBack {
 /// Input:   the pairs. If one face of each pair goes, each of their edges has two faces. `is_dropped` has one entry per
 ///          face, and is set for all other faces that go and for the second faces of the pairs. `labels` are those of
 ///          the input, `of_faces` those of the faces.
-/// Output:  is_first_kept. Connected pairs without two consistent sides are left as they were.
+/// Output:  does_first_stay. Connected pairs without two consistent sides are left as they were.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n log n).
 void choose_sides(const Surface& surface, const Adjacency& edges, const FaceLabels& labels, const BodyLabels& of_faces,

@@ -263,7 +263,7 @@ class Duplicates {
     for (std::size_t f = 0; f < fate_.size(); ++f) is_dropped[f] = fate_[f] == kDropped;
     choose_sides(surface_, edges_, labels_, of_faces_, is_dropped, pairs_, control_);
     for (const BackToBack& pair : pairs_)
-      if (!pair.is_first_kept) std::swap(fate_[pair.first.value], fate_[pair.second.value]);
+      if (!pair.does_first_stay) std::swap(fate_[pair.first.value], fate_[pair.second.value]);
   }
 
   const Surface& surface_;
@@ -273,7 +273,7 @@ class Duplicates {
   std::vector<BackToBack> pairs_;
   BodyLabels of_faces_;
   std::vector<double> extents_;  ///< one per set of labels; empty if all labels are equal
-  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< one per face
+  std::vector<std::uint32_t, DefaultInit<std::uint32_t>> first_;  ///< one per face
   std::vector<std::uint8_t> fate_;
   std::vector<FaceId> faces_;
 };
@@ -294,7 +294,7 @@ bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLa
       {},
       "faces repeat another one, most of them seen from behind, and stay: without them the surface would be "
       "open or have edges of three faces"};
-  FaceList kept;
+  FaceList staying;
   StopCheck check(control);
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {
     check();
@@ -302,12 +302,12 @@ bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLa
     const std::uint32_t source = surface.face_source[f].value;
     const bool is_dropped = fate[i] == Duplicates::kDropped && mend == Mend::kYes;
     if (fate[i] != Duplicates::kStays) (is_dropped ? dropped : mend == Mend::kYes ? back : left).add(source);
-    if (!is_dropped) kept.add_face(surface.face(f), surface.face_source[f], surface.label(f));
+    if (!is_dropped) staying.add_face(surface.face(f), surface.face_source[f], surface.label(f));
   }
   const bool is_changed = dropped.count > 0;
   for (Diagnostic* d : {&dropped, &back, &left})
     if (d->count > 0) diagnostics.push_back(std::move(*d));
-  if (is_changed) surface.take_faces(std::move(kept));
+  if (is_changed) surface.take_faces(std::move(staying));
   return is_changed;
 }
 

@@ -7,36 +7,54 @@
 #include <span>
 
 #include "core/base/blocks.h"
-#include "core/base/parallel.h"
 #include "core/base/stoppable.h"
-#include "core/base/union_find.h"
 #include "core/geometry/predicates.h"
+#include "core/mending/degenerate_faces.h"
 #include "core/mending/polygon_cuts.h"
 #include "core/mending/polygon_spikes.h"
 #include "core/mending/polygon_split.h"
-#include "core/mesh/adjacency.h"
 #include "core/mesh/unused_vertices.h"
 
 namespace remesh {
 namespace {
 
-/// Loops with a few nanoseconds per item check for cancellation once in this many items.
-constexpr std::uint32_t kBetweenChecks = 1 << 14;
+/// Counts the faces that are mended, by what is wrong with them.
+struct MendedFaces {
+  Diagnostic repeated{DiagnosticCode::kDuplicateVertex,
+                      0,
+                      {},
+                      "faces had a corner twice in a row, as read or by welding, and have it once; elements are faces"};
+  Diagnostic nonplanar{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons without a plane were triangulated"};
+  Diagnostic crossing{DiagnosticCode::kNonplanarPolygon,
+                      0,
+                      {},
+                      "polygons cross themselves, so that no triangulation of them is right: they were cut into fans, "
+                      "whose triangles overlap"};
+  Diagnostic zero_area{
+      DiagnosticCode::kZeroAreaFace, 0, {}, "faces without area: dropped, but for those whose patch is kept"};
+  Diagnostic spiked{DiagnosticCode::kZeroAreaFace,
+                    0,
+                    {},
+                    "polygons run back over themselves: these spikes have no area and were dropped"};
+
+  /// All of them, in the order in which they are reported.
+  std::array<Diagnostic*, 5> all() { return {&repeated, &nonplanar, &crossing, &zero_area, &spiked}; }
+};
 
 class Mending {
  public:
-  Mending(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
+  Mending(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& keep_verbatim, Mend degenerate,
           RunControl& control, double possible_rounding)
       : surface_(surface),
         plane_tolerance_(plane_tolerance),
         possible_rounding_(possible_rounding),
-        as_it_is_(as_it_is),
+        keep_verbatim_(keep_verbatim),
         degenerate_(degenerate),
         control_(control) {}
 
   bool run(std::vector<Diagnostic>& diagnostics) {
     const std::size_t faces = surface_.face_count();
-    if (as_it_is_.empty() && are_all_sound()) return false;
+    if (keep_verbatim_.empty() && are_all_sound()) return false;
     is_degenerate_.reserve(faces);
     for (std::size_t f = 0; f < faces; ++f) {
       if (f % 4096 == 0) control_.progress(static_cast<double>(f) / static_cast<double>(faces));
@@ -45,10 +63,10 @@ class Mending {
     cuts_.reset();
     surface_.take_faces(std::move(mended_));
     if (degenerate_ == Mend::kYes && std::find(is_degenerate_.begin(), is_degenerate_.end(), 1) != is_degenerate_.end())
-      drop_degenerate();
+      drop_degenerate_faces(surface_, is_degenerate_, keep_verbatim_, control_);
     if (surface_.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "no face of the mesh has an area");
     drop_unused_vertices(surface_, control_);
-    for (Diagnostic* d : {&repeated_, &nonplanar_, &crossing_, &zero_area_, &spiked_})
+    for (Diagnostic* d : counts_.all())
       if (d->count > 0) diagnostics.push_back(std::move(*d));
     return true;
   }
@@ -81,7 +99,7 @@ class Mending {
     is_degenerate_.push_back(is_degenerate);
   }
 
-  bool is_as_it_is(FaceId source) const { return !as_it_is_.empty() && as_it_is_[source.value] != 0; }
+  bool is_verbatim(FaceId source) const { return !keep_verbatim_.empty() && keep_verbatim_[source.value] != 0; }
 
   bool has_repeated_corner() {
     sorted_loop_ = loop_;
@@ -120,16 +138,16 @@ class Mending {
       if (loop_.empty() || loop_.back() != v) loop_.push_back(v);
     while (loop_.size() > 1 && loop_.front() == loop_.back()) loop_.pop_back();
     if (cancels_itself()) {  // dropping the face opens nothing
-      zero_area_.add(source.value);
+      counts_.zero_area.add(source.value);
       return;
     }
     if (are_collinear(loop_)) {
-      zero_area_.add(source.value);
+      counts_.zero_area.add(source.value);
       for (std::size_t i = 1; i + 1 < loop_.size(); ++i)
         emit_triangle({loop_[0], loop_[i], loop_[i + 1]}, source, label, true);
       return;
     }
-    if (loop_.size() < surface_.face(f).size()) repeated_.add(source.value);
+    if (loop_.size() < surface_.face(f).size()) counts_.repeated.add(source.value);
     if (loop_.size() == 3) {
       emit(loop_, source, label, false);
       return;
@@ -146,10 +164,10 @@ class Mending {
       }
     }
     if (split.kind == PolygonKind::kSelfCrossing) {
-      crossing_.add(source.value);
+      counts_.crossing.add(source.value);
     } else if (split.kind == PolygonKind::kNotPlanar) {
-      nonplanar_.add(source.value);
-    } else if (!is_as_it_is(source) && !has_repeated_corner()) {
+      counts_.nonplanar.add(source.value);
+    } else if (!is_verbatim(source) && !has_repeated_corner()) {
       emit(loop_, source, label, false);
       return;
     }
@@ -192,7 +210,7 @@ class Mending {
       check();
       if (take_needle(corners_of(needle), split.spike_tolerance, source, label)) is_one_gone = true;
     }
-    if (is_one_gone) spiked_.add(source.value);
+    if (is_one_gone) counts_.spiked.add(source.value);
     const std::vector<std::uint32_t>& outline = split.spikes.outline;
     for (auto& triangle : split.triangles)
       for (std::uint32_t& corner : triangle)
@@ -223,87 +241,10 @@ class Mending {
     if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) emit(t, source, label, is_degenerate);
   }
 
-  /// Drops zero-area faces. Those that share edges lie on one line. Each such cluster hands its vertices to the faces
-  /// around it.
-  void drop_degenerate() {
-    const Adjacency edges(surface_.vertex_count(), surface_.face_begin, surface_.corners, control_);
-    UnionFind cluster(surface_.face_count());
-    for (std::size_t e = 0; e < edges.edge_count(); ++e) {
-      if (e % kBetweenChecks == 0) control_.check();
-      std::uint32_t first = kNone;
-      for (const std::uint32_t h : edges.half_edges(EdgeId(e))) {
-        const std::uint32_t f = edges.face_of(h).value;
-        if (!is_degenerate_[f]) continue;
-        if (first != kNone) cluster.join(first, f);
-        first = f;
-      }
-    }
-    // The vertices of each cluster along its line. For collinear points, the lexicographic order is the order along the
-    // line.
-    std::vector<std::pair<std::uint32_t, VertexId>> on_line;
-    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
-      if (f % kBetweenChecks == 0) control_.check();
-      if (is_degenerate_[f])
-        for (const VertexId v : surface_.face(FaceId(f))) on_line.push_back({cluster.find(f), v});
-    }
-    const auto before = [&](const auto& a, const auto& b) {
-      if (a.first != b.first) return a.first < b.first;
-      const Vec3 &p = surface_.positions[a.second], &q = surface_.positions[b.second];
-      return p != q ? p < q : a.second < b.second;
-    };
-    sort_all(on_line.begin(), on_line.end(), [&](const auto& a, const auto& b) {
-      control_.check();
-      return before(a, b);
-    });
-    on_line.erase(std::unique(on_line.begin(), on_line.end()), on_line.end());
-
-    // A cluster stays if it would hand a vertex to a face that must not get any.
-    std::vector<std::uint8_t> stays(surface_.face_count(), 0);
-    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
-      if (f % kBetweenChecks == 0) control_.check();
-      if (!is_as_it_is(surface_.face_source[FaceId(f)])) continue;
-      for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h)
-        if (const std::uint32_t line = cluster_beyond(edges, cluster, h); line != kNone) stays[line] = 1;
-    }
-
-    FaceList out;
-    std::size_t inserted = 0;
-    const std::size_t most = 4 * surface_.corners.size() + 1'000'000;
-    for (std::uint32_t f = 0; f < surface_.face_count(); ++f) {
-      if (is_degenerate_[f] && !stays[cluster.find(f)]) continue;
-      for (std::uint32_t h = surface_.face_begin[f]; h < surface_.face_begin[f + 1]; ++h) {
-        if (h % kBetweenChecks == 0) control_.check();
-        out.corners.push_back(surface_.corners[h]);
-        const std::uint32_t line = cluster_beyond(edges, cluster, h);
-        if (line == kNone || stays[line]) continue;
-        const auto from = std::lower_bound(on_line.begin(), on_line.end(), std::pair{line, edges.from(h)}, before);
-        const auto to = std::lower_bound(on_line.begin(), on_line.end(), std::pair{line, edges.to(h)}, before);
-        inserted += static_cast<std::size_t>(std::abs(to - from));
-        if (inserted > most)
-          throw Error(Code::kInvalidMesh, Stage::kWeld, "zero-area faces nest too deeply to be mended")
-              .at_element(surface_.face_source[FaceId(f)].value);
-        if (from < to)
-          for (auto it = from + 1; it < to; ++it) out.corners.push_back(it->second);
-        else
-          for (auto it = from; it-- > to + 1;) out.corners.push_back(it->second);
-      }
-      out.face_begin.push_back(static_cast<std::uint32_t>(out.corners.size()));
-      out.face_source.push_back(surface_.face_source[FaceId(f)]);
-      if (!surface_.face_label.empty()) out.face_label.push_back(surface_.face_label[FaceId(f)]);
-    }
-    surface_.take_faces(std::move(out));
-  }
-
-  std::uint32_t cluster_beyond(const Adjacency& edges, UnionFind& cluster, std::uint32_t half_edge) const {
-    for (const std::uint32_t h : edges.half_edges(edges.edge_of(half_edge)))
-      if (is_degenerate_[edges.face_of(h).value]) return cluster.find(edges.face_of(h).value);
-    return kNone;
-  }
-
   Surface& surface_;
   double plane_tolerance_;
   double possible_rounding_;
-  const std::vector<std::uint8_t>& as_it_is_;
+  const std::vector<std::uint8_t>& keep_verbatim_;
   Mend degenerate_;
   RunControl& control_;
   std::optional<PolygonCuts> cuts_;
@@ -313,23 +254,7 @@ class Mending {
   /// True if needles of the current polygon that are not exactly on a line are dropped.
   bool drops_needles_ = false;
   std::vector<Vec3> points_;
-  Diagnostic repeated_{
-      DiagnosticCode::kDuplicateVertex,
-      0,
-      {},
-      "faces had a corner twice in a row, as read or by welding, and have it once; elements are faces"};
-  Diagnostic nonplanar_{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons without a plane were triangulated"};
-  Diagnostic crossing_{DiagnosticCode::kNonplanarPolygon,
-                       0,
-                       {},
-                       "polygons cross themselves, so that no triangulation of them is right: they were cut into fans, "
-                       "whose triangles overlap"};
-  Diagnostic zero_area_{
-      DiagnosticCode::kZeroAreaFace, 0, {}, "faces without area: dropped, but for those whose patch is kept"};
-  Diagnostic spiked_{DiagnosticCode::kZeroAreaFace,
-                     0,
-                     {},
-                     "polygons run back over themselves: these spikes have no area and were dropped"};
+  MendedFaces counts_;
 };
 
 }  // namespace
@@ -351,9 +276,9 @@ std::vector<FaceId> faces_without_area(const Surface& surface, RunControl& contr
                             [&](std::size_t f) { return is_without_area(surface, FaceId(f)); });
 }
 
-bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& as_it_is, Mend degenerate,
-                std::vector<Diagnostic>& diagnostics, RunControl& control, double possible_rounding) {
-  return Mending(surface, plane_tolerance, as_it_is, degenerate, control, possible_rounding).run(diagnostics);
+bool mend_faces(Surface& surface, double plane_tolerance, const std::vector<std::uint8_t>& keep_verbatim,
+                Mend degenerate, std::vector<Diagnostic>& diagnostics, RunControl& control, double possible_rounding) {
+  return Mending(surface, plane_tolerance, keep_verbatim, degenerate, control, possible_rounding).run(diagnostics);
 }
 
 }  // namespace remesh

@@ -64,7 +64,7 @@ class Ring {
       const std::uint32_t tip = waiting_.back();
       waiting_.pop_back();
       if (!is_there_[tip]) continue;
-      if (is_kept_reversal(tip)) continue;
+      if (is_reversal_that_stays(tip)) continue;
       const auto [from, to] = sides_of(tip);
       if (!turns_back(from, tip, to)) continue;
       if (reversals_ == Reversals::kKeepSlits && is_slit(from, tip, to)) continue;
@@ -88,7 +88,7 @@ class Ring {
     std::uint32_t from, to;
   };
 
-  bool is_kept_reversal(std::uint32_t tip) const {
+  bool is_reversal_that_stays(std::uint32_t tip) const {
     if (reversals_ == Reversals::kCut || points_[before_[tip]] != points_[next_[tip]]) return false;
     return leaves_.empty() || leaves_[tip] == 0;
   }

@@ -175,8 +175,8 @@ class Preparation {
     found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());
     // Faces without a plane are split, and faces without area are dropped. Neither opens the surface.
     const bool is_mended =
-        !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.as_it_is, mend_if(repair.degenerate), found,
-                                           control_, spike_rounding_ / surface().unit);
+        !are_clearly_sound() && mend_faces(surface(), tolerance, limits_.keep_verbatim, mend_if(repair.degenerate),
+                                           found, control_, spike_rounding_ / surface().unit);
     if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
     // Neighbours are made to look the same way, and closed shells the right way if that is asked for.
@@ -188,7 +188,7 @@ class Preparation {
   bool split_at_vertices(double tolerance, Mend mend) {
     std::vector<Diagnostic> told;
     const bool is_changed =
-        split_t_junctions(surface(), adjacency(), tolerance, limits_.as_it_is, mend, told, control_);
+        split_t_junctions(surface(), adjacency(), tolerance, limits_.keep_verbatim, mend, told, control_);
     for (Diagnostic& d : told) add_to(summary_.diagnostics, std::move(d));
     return is_changed;
   }
@@ -239,7 +239,7 @@ class Preparation {
   bool are_clearly_sound() {
     constexpr double kClearAngle = 1e-6, kClearLength = 1e-100;
     const Quality& measured = summary_.statistics.quality;
-    return is_as_measured_ && limits_.as_it_is.empty() && adjacency().are_triangles() &&
+    return is_as_measured_ && limits_.keep_verbatim.empty() && adjacency().are_triangles() &&
            measured.min_angle_deg > kClearAngle &&
            measured.edge_length.min > kClearLength * summary_.statistics.bounding_box.diagonal();
   }

@@ -52,7 +52,7 @@ class Prepared {
 
  private:
   std::unique_ptr<Adjacency> adjacency_;
-  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> order_;
+  std::vector<std::uint32_t, DefaultInit<std::uint32_t>> order_;
   FaceGeometries geometry_;
   std::optional<std::vector<VertexId>> pinched_;
 };
@@ -68,7 +68,7 @@ struct InputSummary {
 
 /// Mendings that must not be done, because an earlier attempt found that they cause failures.
 struct MendingLimits {
-  std::vector<std::uint8_t> as_it_is;  ///< one per input face, or empty; see mend_faces
+  std::vector<std::uint8_t> keep_verbatim;  ///< one per input face, or empty; see mend_faces
   /// If false, no T-junction is split and no seam is closed, whatever the options say.
   bool is_joining_allowed = true;
 };

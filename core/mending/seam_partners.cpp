@@ -23,7 +23,7 @@ constexpr std::size_t kBlock = 256;
 
 /// All pairs of edges that could be partners. Each pair is listed once.
 struct Candidates {
-  std::vector<SeamPair, LeftUnset<SeamPair>> pairs;
+  std::vector<SeamPair, DefaultInit<SeamPair>> pairs;
   bool is_complete = true;
 };
 

@@ -119,9 +119,9 @@ struct Found {
 
 class Search {
  public:
-  Search(const Surface& surface, const Adjacency& edges, double tolerance, const std::vector<std::uint8_t>& as_it_is,
-         RunControl& control)
-      : surface_(surface), edges_(edges), tolerance_(tolerance), as_it_is_(as_it_is), control_(control) {}
+  Search(const Surface& surface, const Adjacency& edges, double tolerance,
+         const std::vector<std::uint8_t>& keep_verbatim, RunControl& control)
+      : surface_(surface), edges_(edges), tolerance_(tolerance), keep_verbatim_(keep_verbatim), control_(control) {}
 
   Found run() {
     Found result;
@@ -178,7 +178,7 @@ class Search {
       if (edges_.half_edges(e).size() > 1 || edges_.from(h) == edges_.to(h)) continue;
       vertices_.insert(vertices_.end(), {edges_.from(h), edges_.to(h)});
       const FaceId f = edges_.face_of(h);
-      const bool takes_vertices = as_it_is_.empty() || as_it_is_[surface_.face_source[f].value] == 0;
+      const bool takes_vertices = keep_verbatim_.empty() || keep_verbatim_[surface_.face_source[f].value] == 0;
       if (takes_vertices && !is_without_area(surface_, f)) open_.push_back(h);
     }
     if (open_.empty()) return;
@@ -251,7 +251,7 @@ class Search {
   const Surface& surface_;
   const Adjacency& edges_;
   double tolerance_;
-  const std::vector<std::uint8_t>& as_it_is_;
+  const std::vector<std::uint8_t>& keep_verbatim_;
   RunControl& control_;
   std::vector<std::uint32_t> open_;  ///< half-edges
   std::vector<VertexId> vertices_;   ///< vertices of the open boundary
@@ -352,9 +352,9 @@ Diagnostic told(const Surface& surface, const std::vector<Junction>& junctions, 
 }  // namespace
 
 bool split_t_junctions(Surface& surface, const Adjacency& edges, double tolerance,
-                       const std::vector<std::uint8_t>& as_it_is, Mend mend, std::vector<Diagnostic>& diagnostics,
+                       const std::vector<std::uint8_t>& keep_verbatim, Mend mend, std::vector<Diagnostic>& diagnostics,
                        RunControl& control) {
-  Found found = Search(surface, edges, tolerance, as_it_is, control).run();
+  Found found = Search(surface, edges, tolerance, keep_verbatim, control).run();
   std::vector<Junction>& junctions = found.junctions;
   if (!found.is_complete) {
     diagnostics.push_back(told(surface, junctions,

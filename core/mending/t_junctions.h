@@ -16,7 +16,7 @@ namespace remesh {
 /// vertices in its loop.
 /// Input:   a welded surface; the tolerance, in local units. A vertex lies on an edge if it is within the tolerance of
 ///          the edge, further than that from both of the edge's ends (otherwise it is a matter of welding), and not a
-///          corner of the edge's face. Faces marked in `as_it_is` (one entry per input face, or empty) get no vertices,
+///          corner of the edge's face. Faces marked in `keep_verbatim` (one entry per input face, or empty) get no vertices,
 ///          and neither do faces so thin (kThinFace) that a vertex might turn them over.
 /// Output:  with Mend::kYes, the mended surface. Counts T-junctions that were split and those that are left, each as
 ///          t_junction; elements are the vertices. If more than 4096 vertices plus 4 per corner of the surface are near
@@ -28,7 +28,7 @@ namespace remesh {
 /// Returns: whether the surface changed.
 /// Cost:    O(b log b) for b open edges that are spread out; O(b sqrt b) if all of them lie along each other.
 bool split_t_junctions(Surface& surface, const Adjacency& edges, double tolerance,
-                       const std::vector<std::uint8_t>& as_it_is, Mend mend, std::vector<Diagnostic>& diagnostics,
+                       const std::vector<std::uint8_t>& keep_verbatim, Mend mend, std::vector<Diagnostic>& diagnostics,
                        RunControl& control);
 
 }  // namespace remesh

@@ -32,7 +32,7 @@ struct Indexed {
 };
 
 /// One entry per input vertex. The entries of vertices that no face uses are not set.
-using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
+using Numbers = std::vector<std::uint32_t, DefaultInit<std::uint32_t>>;
 
 /// Finds, for each vertex that is used, the first one with its coordinates.
 /// Output: false if that takes too long, because someone has chosen coordinates that collide. Sorting always takes a
@@ -53,7 +53,7 @@ bool find_equal_by_hash(const IdVector<VertexId, Vec3>& positions, const std::ve
   // All threads fill one table. An entry is a vertex and the upper half of its hash, which distinguishes it from most
   // others; to compare coordinates would mean to read memory far away. The slot that a place gets depends on the
   // threads. That the first vertex at the place ends up in this slot does not.
-  std::vector<std::uint64_t, LeftUnset<std::uint64_t>> table(std::bit_ceil(2 * positions.size() + 1));
+  std::vector<std::uint64_t, DefaultInit<std::uint64_t>> table(std::bit_ceil(2 * positions.size() + 1));
   for_blocks(table.size(), kItemsPerBlock, control,
              [&](std::size_t begin, std::size_t end) { std::fill_n(&table[begin], end - begin, kFree); });
   const std::size_t mask = table.size() - 1;

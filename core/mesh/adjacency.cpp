@@ -84,10 +84,10 @@ std::uint32_t Adjacency::sort_part(std::size_t first, std::span<std::uint32_t> h
   // This is a counting sort by the smaller vertex and by direction, and then a small sort by the larger vertex in each
   // bucket.
   std::array<std::uint32_t, 2 * kVertices + 1> place{};
-  using Keys = std::vector<std::uint64_t, LeftUnset<std::uint64_t>>;
+  using Keys = std::vector<std::uint64_t, DefaultInit<std::uint64_t>>;
   // A key has the larger vertex in its upper half and the half-edge in its lower half.
   Keys gathered(half_edges.size()), keys(half_edges.size());
-  std::vector<std::uint16_t, LeftUnset<std::uint16_t>> bucket(half_edges.size());
+  std::vector<std::uint16_t, DefaultInit<std::uint16_t>> bucket(half_edges.size());
   static_assert(2 * kVertices <= 1 << 16);
   for (std::size_t i = 0; i < half_edges.size(); ++i) {
     if (i % kBetweenChecks == 0) control.check();

@@ -35,7 +35,7 @@ class Adjacency {
     return std::span(half_edges_).subspan(edge_begin_[e.value], edge_begin_[e.value + 1] - edge_begin_[e.value]);
   }
   /// Moves out all half-edges, in the order of their edges. The adjacency is of no use afterwards.
-  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> take_order() && { return std::move(half_edges_); }
+  std::vector<std::uint32_t, DefaultInit<std::uint32_t>> take_order() && { return std::move(half_edges_); }
   /// The edges without twins, ascending. An edge has twins if it has exactly two half-edges, and these run in opposite
   /// directions. Most meshes have few edges without twins, and these are the ones that callers ask for.
   std::span<const EdgeId> odd_edges() const { return odd_edges_; }
@@ -65,7 +65,7 @@ class Adjacency {
 
   std::span<const std::uint32_t> face_begin_;
   std::span<const VertexId> corners_;
-  using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
+  using Numbers = std::vector<std::uint32_t, DefaultInit<std::uint32_t>>;
   Numbers half_edges_;
   Numbers edge_begin_;
   Numbers twin_;

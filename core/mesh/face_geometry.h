@@ -17,7 +17,7 @@ struct FaceGeometry {
   double height = 0;
 };
 
-using FaceGeometries = IdVector<FaceId, FaceGeometry, LeftUnset<FaceGeometry>>;
+using FaceGeometries = IdVector<FaceId, FaceGeometry, DefaultInit<FaceGeometry>>;
 
 /// The mean of a face's corners.
 inline Vec3 face_centre(const Surface& surface, FaceId f) {

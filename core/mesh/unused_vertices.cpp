@@ -18,19 +18,19 @@ void drop_unused_vertices(Surface& surface, RunControl& control) {
   });
   std::vector<Vec3> positions;
   positions.reserve(surface.vertex_count());
-  std::uint32_t kept = 0;
+  std::uint32_t used = 0;
   for (std::uint32_t v = 0; v < renumbered.size(); ++v) {
     if (v % kBetweenChecks == 0) control.check();
     if (!renumbered[v].is_valid()) continue;
-    renumbered[v] = VertexId(kept);
+    renumbered[v] = VertexId(used);
     positions.push_back(surface.positions[VertexId(v)]);
-    surface.local[VertexId(kept)] = surface.local[VertexId(v)];
-    surface.vertex_source[VertexId(kept)] = surface.vertex_source[VertexId(v)];
-    ++kept;
+    surface.local[VertexId(used)] = surface.local[VertexId(v)];
+    surface.vertex_source[VertexId(used)] = surface.vertex_source[VertexId(v)];
+    ++used;
   }
   surface.positions = std::move(positions);
-  surface.local.resize(kept);
-  surface.vertex_source.resize(kept);
+  surface.local.resize(used);
+  surface.vertex_source.resize(used);
   surface.corners.change([&](std::vector<VertexId>& corners) {
     for_blocks(corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
       for (VertexId& v : std::span(corners).subspan(begin, end - begin)) v = renumbered[v.value];

@@ -15,7 +15,7 @@ struct Assembled {
   IdVector<VertexId, VertexId> vertex;  ///< the surface vertex of each output vertex, ascending
   IdVector<FaceId, Triangle> faces;
   IdVector<FaceId, PatchId> face_patch;
-  std::vector<Vec2, LeftUnset<Vec2>> corner_uv;  ///< three per face
+  std::vector<Vec2, DefaultInit<Vec2>> corner_uv;  ///< three per face
 };
 
 /// Joins the triangles of all patches over the vertices that they share.

@@ -17,6 +17,8 @@
 
 namespace remesh {
 
+/// A report tells what a run found and did.
+/// This class is larger than the bound because it has the members of the contract's report, in their order.
 struct Report {
   Options options;             ///< the options that were used
   double plane_tolerance = 0;  ///< the tolerance that was used, in model units

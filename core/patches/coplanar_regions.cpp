@@ -15,9 +15,9 @@
 #include "core/base/stoppable.h"
 #include "core/base/tolerance.h"
 #include "core/base/union_find.h"
-#include "core/geometry/plane_fit.h"
 #include "core/patches/coplanarity.h"
 #include "core/patches/region_merging.h"
+#include "core/patches/region_planes.h"
 #include "core/patches/region_seeds.h"
 
 namespace remesh {
@@ -27,30 +27,36 @@ namespace {
 /// may take it.
 constexpr std::uint8_t kMaxTrials = 8;
 
-/// For fewer faces than this, growing and merging costs less than fitting a plane to their corners.
-constexpr std::size_t kFewFaces = 32;
-
 constexpr std::size_t kBlock = 4096;
 
-/// Sums over the faces accepted so far, for the plane through them. They are weighted by area, so that the normal
-/// depends on the rim alone.
-struct Fit {
-  Vec3 area_vector, moment;
-  double area = 0;
+/// The edges over which regions may grow at all.
+class Joints {
+ public:
+  /// Finds the joints between free faces.
+  template <class IsFree>
+  void find(const Surface& surface, const Adjacency& adjacency, const Coplanarity& rule, const IsFree& is_free,
+            RunControl& control) {
+    static_assert(kBlock % kBits == 0, "no word belongs to two blocks");
+    bits_.resize((surface.corners.size() + kBits - 1) / kBits);
+    for_blocks(surface.corners.size(), kBlock, control, [&](std::size_t begin, std::size_t end) {
+      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
+        const std::uint32_t twin = adjacency.twin(h);
+        if (twin == kNone || twin < h) continue;
+        const FaceId f = adjacency.face_of(h), g = adjacency.face_of(twin);
+        if (is_free(f) && is_free(g) && rule.may_be_joined(h, f, g)) bits_[h / kBits] |= std::uint64_t{1} << h % kBits;
+      }
+    });
+  }
 
-  void add(const FaceGeometry& g, const Vec3& centre) {
-    area_vector += g.area * g.normal;
-    moment += g.area * centre;
-    area += g.area;
-  }
-  void add(const Fit& other) {
-    area_vector += other.area_vector;
-    moment += other.moment;
-    area += other.area;
-  }
-  Plane plane() const { return {(1 / area) * moment, normalized(area_vector)}; }
+  /// Input:  the smaller half-edge of an edge.
+  bool has(std::uint32_t h) const { return (bits_[h / kBits] >> h % kBits & 1) != 0; }
+
+ private:
+  static constexpr std::size_t kBits = 64;
+  std::vector<std::uint64_t> bits_;  ///< one bit per half-edge, set for the smaller half-edge of a joint
 };
 
+/// Grows the regions. Islands, which are faces that are connected over joints, are independent of each other.
 class Growth {
  public:
   Growth(const Surface& surface, const Adjacency& adjacency, const FaceGeometries& geometry,
@@ -59,6 +65,7 @@ class Growth {
         adjacency_(adjacency),
         geometry_(geometry),
         rule_(surface, adjacency, geometry, rule, control),
+        planes_(surface, geometry, rule_, control),
         regions_(regions),
         control_(control),
         stamp_(surface.face_count()),
@@ -70,33 +77,19 @@ class Growth {
   }
 
   void run() {
-    find_joints();
+    joints_.find(
+        surface_, adjacency_, rule_, [&](FaceId f) { return stamp_[f.value] != kTaken; }, control_);
     grow();
     merge_regions(surface_, adjacency_, rule_, first_region_, seeds_, heights_, regions_, control_);
   }
 
  private:
-  /// The measures of a region's faces relative to its plane.
-  struct Extent {
-    double deviation = 0;  ///< distance of the farthest corner
-    double height = 0;     ///< height of the highest face
-    void add(const Extent& other) {
-      deviation = std::max(deviation, other.deviation);
-      height = std::max(height, other.height);
-    }
-  };
-
   struct NewRegion {
     bool is_thin;  ///< thin regions come after all others
     Seed seed;
     Plane plane;
     Extent extent;
     bool is_before(const NewRegion& b) const { return is_thin != b.is_thin ? b.is_thin : seed.is_before(b.seed); }
-  };
-
-  struct InPlane {
-    Plane plane;
-    Extent extent;
   };
 
   /// The state of one thread while it grows regions.
@@ -107,24 +100,6 @@ class Growth {
     std::vector<NewRegion> regions = {};
   };
 
-  /// Finds the joints, which are the edges over which regions may grow at all.
-  void find_joints() {
-    static_assert(kBlock % kBits == 0, "no word belongs to two blocks");
-    joints_.resize((surface_.corners.size() + kBits - 1) / kBits);
-    for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
-      for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
-        const std::uint32_t twin = adjacency_.twin(h);
-        if (twin == kNone || twin < h) continue;
-        const FaceId f = adjacency_.face_of(h), g = adjacency_.face_of(twin);
-        if (stamp_[f.value] != kTaken && stamp_[g.value] != kTaken && rule_.may_be_joined(h, f, g))
-          joints_[h / kBits] |= std::uint64_t{1} << h % kBits;
-      }
-    });
-  }
-
-  /// Input:  the smaller half-edge of an edge.
-  bool is_joint(std::uint32_t h) const { return (joints_[h / kBits] >> h % kBits & 1) != 0; }
-
   /// Writes the number of its island to each face without a region, in place of the region. An island consists of faces
   /// that are connected over joints.
   /// Output: the number of islands.
@@ -133,7 +108,7 @@ class Growth {
     UnionFind sets(n);
     for_blocks(surface_.corners.size(), kBlock, control_, [&](std::size_t begin, std::size_t end) {
       for (auto h = static_cast<std::uint32_t>(begin); h < end; ++h) {
-        if (!is_joint(h)) continue;
+        if (!joints_.has(h)) continue;
         sets.join(adjacency_.face_of(h).value, adjacency_.face_of(adjacency_.twin(h)).value);
       }
     });
@@ -227,13 +202,13 @@ class Growth {
     std::size_t left = island.size();
     // Thin faces become seeds only of what no other face has taken.
     for (const bool thin : {false, true}) {
-      const auto is_open = [&](FaceId f) { return stamp_[f.value] != kTaken && rule_.is_thin(f) == thin; };
+      const auto is_free = [&](FaceId f) { return stamp_[f.value] != kTaken && rule_.is_thin(f) == thin; };
       walk.seeds.begin(island);
       while (left > 0) {
-        const FaceId seed = walk.seeds.next(is_open);
+        const FaceId seed = walk.seeds.next(is_free);
         if (!seed.is_valid()) break;
-        std::optional<InPlane> region;
-        if (left == island.size()) region = plane_of_all(seed, island);
+        std::optional<FittedPlane> region;
+        if (left == island.size()) region = planes_.of_all(seed, island);
         std::span<const std::uint32_t> found = island;
         if (!region) {
           region = grow_from(seed, walk);
@@ -246,108 +221,32 @@ class Growth {
     }
   }
 
-  /// Finds the plane of an island that fits one, as most do. Growing would find the same region.
-  std::optional<InPlane> plane_of_all(FaceId seed, std::span<const std::uint32_t> island) const {
-    if (rule_.is_single(seed)) return std::nullopt;
-    const Fit fit = fit_of(seed, island);
-    if (!(fit.area > 0)) return std::nullopt;
-    const double band = kBand * rule_.tolerance(seed);
-    Plane plane = fit.plane();
-    std::optional<Extent> extent = extent_if_all_fit(island, plane, band);
-    if (!extent && island.size() >= kFewFaces && move_to_corners(plane, island, band))
-      extent = extent_if_all_fit(island, plane, band);
-    return extent ? std::optional(InPlane{plane, *extent}) : std::nullopt;
-  }
-
-  /// Replaces a plane by the one nearest to all corners, and moves that to the middle of the corners' range, because a
-  /// few of them may be far away on one side.
-  /// Output: whether all corners might lie in a band about the plane.
-  bool move_to_corners(Plane& plane, std::span<const std::uint32_t> faces, double band) const {
-    struct Moments : PointMoments {
-      void add(const PointMoments& other) { merge(other); }
-      using PointMoments::add;
-    };
-    const auto moments = sum_over<Moments>(faces, [&](FaceId f, Moments& sum) {
-      for (const VertexId v : surface_.face(f)) sum.add(surface_.local[v]);
-    });
-    const PlaneFit fit = fit_plane(moments);
-    if (fit.rms > band + kFitRounding) return false;
-    const bool is_turned = dot(fit.normal, plane.normal) < 0;
-    plane = {moments.mean(), is_turned ? -fit.normal : fit.normal};
-    struct Range {
-      double low = HUGE_VAL, high = -HUGE_VAL;
-      void add(const Range& other) {
-        low = std::min(low, other.low);
-        high = std::max(high, other.high);
-      }
-    };
-    const auto range = sum_over<Range>(faces, [&](FaceId f, Range& sum) {
-      for (const VertexId v : surface_.face(f)) {
-        const double distance = plane.distance(surface_.local[v]);
-        sum.add({distance, distance});
-      }
-    });
-    plane.origin += (range.low + range.high) / 2 * plane.normal;
-    return range.high - range.low <= 2 * band;
-  }
-
   template <class Accept>
-  void for_each_open_neighbour(FaceId f, const Walk& walk, Accept accept) {
+  void for_each_free_neighbour(FaceId f, const Walk& walk, Accept accept) {
     for (std::uint32_t h = surface_.face_begin[f.value]; h < surface_.face_begin[f.value + 1]; ++h) {
       const std::uint32_t twin = adjacency_.twin(h);
-      if (twin == kNone || !is_joint(std::min(h, twin))) continue;
+      if (twin == kNone || !joints_.has(std::min(h, twin))) continue;
       const FaceId g = adjacency_.face_of(twin);
       if (stamp_[g.value] != kTaken && stamp_[g.value] != walk.now) accept(g);
     }
   }
 
   /// Finds the plane of the seed's region by growing while fitting. Then finds the region by growing in that plane.
-  InPlane grow_from(FaceId seed, Walk& walk) {
+  FittedPlane grow_from(FaceId seed, Walk& walk) {
     const Plane seed_plane = Plane{face_centre(surface_, seed), geometry_[seed].normal};
     if (rule_.is_single(seed)) {
       walk.found.assign(1, seed.value);
-      return {seed_plane, extent_of(walk.found, seed_plane)};
+      return {seed_plane, planes_.extent_of(walk.found, seed_plane)};
     }
     const double tol = rule_.tolerance(seed);
     Plane plane = grow_fitting(seed, seed_plane, tol, walk);
     const double band = kBand * tol;
-    if (const auto extent = extent_if_all_fit(walk.found, plane, band)) return {plane, *extent};
+    if (const auto extent = planes_.extent_if_all_fit(walk.found, plane, band)) return {plane, *extent};
     for (const std::uint32_t f : walk.found)
       if (trials_[f] < kMaxTrials) ++trials_[f];
     if (!rule_.fits(seed, plane, band)) plane = seed_plane;
     grow_in_plane(seed, plane, band, walk);
-    return {plane, extent_of(walk.found, plane)};
-  }
-
-  /// Output: empty if some face does not fit the plane.
-  std::optional<Extent> extent_if_all_fit(std::span<const std::uint32_t> faces, const Plane& plane, double tol) const {
-    std::atomic<bool> do_fit = true;
-    const auto extent = sum_over<Extent>(faces, [&](FaceId f, Extent& sum) {
-      if (!do_fit) return;
-      if (!rule_.fits(f, plane, tol, sum.deviation)) do_fit = false;
-      sum.height = std::max(sum.height, rule_.height(f));
-    });
-    return do_fit ? std::optional(extent) : std::nullopt;
-  }
-
-  Extent extent_of(std::span<const std::uint32_t> faces, const Plane& plane) const {
-    return sum_over<Extent>(faces, [&](FaceId f, Extent& sum) {
-      sum.add({rule_.distance(f, plane), rule_.height(f)});
-    });
-  }
-
-  /// Sums over blocks of faces, in the order of the faces.
-  template <class Sum, class Add>
-  Sum sum_over(std::span<const std::uint32_t> faces, const Add& add) const {
-    const auto sum_block = [&](std::size_t begin, std::size_t end) {
-      Sum sum;
-      for (std::size_t i = begin; i < end; ++i) add(FaceId(faces[i]), sum);
-      return sum;
-    };
-    if (faces.size() <= kBlock) return sum_block(0, faces.size());
-    Sum all;
-    for (const Sum& sum : map_blocks<Sum>(faces.size(), kBlock, control_, sum_block)) all.add(sum);
-    return all;
+    return {plane, planes_.extent_of(walk.found, plane)};
   }
 
   /// Grows a region while fitting its plane. A whole layer is tested against one plane, and the plane is fitted again
@@ -355,17 +254,17 @@ class Growth {
   Plane grow_fitting(FaceId seed, Plane plane, double tol, Walk& walk) {
     std::vector<std::uint32_t>& found = walk.found;
     begin_growth(seed, walk);
-    Fit fit;
+    PlaneSums fit;
     std::size_t summed = 0, fitted = 1;
     const auto add_found = [&] {
-      fit.add(fit_of(seed, std::span(found).subspan(summed)));
+      fit.add(planes_.sum_of(seed, std::span(found).subspan(summed)));
       summed = found.size();
     };
     for (std::size_t layer_begin = 0; layer_begin < found.size();) {
       const std::size_t layer_end = found.size();
       for (std::size_t i = layer_begin; i < layer_end; ++i) {
         if (i % 4096 == 0) control_.check();
-        for_each_open_neighbour(FaceId(found[i]), walk, [&](FaceId g) {
+        for_each_free_neighbour(FaceId(found[i]), walk, [&](FaceId g) {
           if (trials_[g.value] >= kMaxTrials || !rule_.fits(g, plane, tol)) return;
           stamp_[g.value] = walk.now;
           found.push_back(g.value);
@@ -382,13 +281,6 @@ class Growth {
     return fit.area > 0 ? fit.plane() : plane;
   }
 
-  /// Sums over faces. Thin faces are left out, except the seed.
-  Fit fit_of(FaceId seed, std::span<const std::uint32_t> faces) const {
-    return sum_over<Fit>(faces, [&](FaceId f, Fit& sum) {
-      if (!rule_.is_thin(f) || f == seed) sum.add(geometry_[f], face_centre(surface_, f));
-    });
-  }
-
   void begin_growth(FaceId seed, Walk& walk) {
     ++walk.now;
     walk.found.assign(1, seed.value);
@@ -399,7 +291,7 @@ class Growth {
     begin_growth(seed, walk);
     for (std::size_t i = 0; i < walk.found.size(); ++i) {
       if (i % 4096 == 0) control_.check();
-      for_each_open_neighbour(FaceId(walk.found[i]), walk, [&](FaceId g) {
+      for_each_free_neighbour(FaceId(walk.found[i]), walk, [&](FaceId g) {
         if (!rule_.fits(g, plane, tol)) return;
         stamp_[g.value] = walk.now;
         walk.found.push_back(g.value);
@@ -423,16 +315,16 @@ class Growth {
   const Adjacency& adjacency_;
   const FaceGeometries& geometry_;
   const Coplanarity rule_;
+  const RegionPlanes planes_;
   Regions& regions_;
   RunControl& control_;
   std::uint32_t first_region_ = 0;  // older regions are not changed
   std::atomic<std::size_t> faces_taken_ = 0;
   /// Per face: the last growth on its island that found it, or kTaken if it has a region.
-  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> stamp_;
+  std::vector<std::uint32_t, DefaultInit<std::uint32_t>> stamp_;
   static constexpr std::uint32_t kTaken = 0xffffffffu;
   std::vector<std::uint8_t> trials_;
-  static constexpr std::size_t kBits = 64;
-  std::vector<std::uint64_t> joints_;  ///< one bit per half-edge, set for the smaller half-edge of a joint
+  Joints joints_;
   // The following are about the new regions.
   std::vector<FaceId> seeds_;
   std::vector<double> heights_;  ///< height of each one's highest face

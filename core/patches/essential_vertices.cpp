@@ -30,50 +30,40 @@ ChordPosition about_chord(const Vec3& a, const Vec3& b, const Vec3& p) {
   return {norm(cross(ab, ap)) / std::sqrt(length_squared), along};
 }
 
-class Selection {
+/// The edges between patches, and those of them at each vertex.
+class BoundaryEdges {
  public:
-  Selection(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops,
-            const IdVector<VertexId, std::uint8_t>& forced, std::span<const VertexId> pinched, double tolerance,
-            RunControl& control)
-      : surface_(surface),
-        adjacency_(adjacency),
-        loops_(loops),
-        forced_(forced),
-        pinched_(pinched),
-        tolerance_(tolerance),
-        control_(control),
-        check_(control) {}
-
-  EssentialVertices run() {
-    find_boundary();
-    mark_junctions();
-    // Parts that touch in a vertex must still touch in it afterwards.
-    for (const VertexId v : pinched_) essential_[v] = 1;
-    for (const VertexId v : vertices_) {
-      check_();
-      if (essential_[v])
-        for (const EdgeId e : edges_at(v)) walk(v, e);
+  BoundaryEdges(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops, RunControl& control)
+      : adjacency_(adjacency), degree_(surface.vertex_count(), 0) {
+    StopCheck check(control);
+    const std::size_t vertices = surface.vertex_count();
+    const auto is_boundary = [&](std::size_t e) { return loops.is_boundary[adjacency.half_edges(EdgeId(e))[0]]; };
+    const auto boundary = select_ids<EdgeId>(adjacency.edge_count(), kItemsPerBlock, control, is_boundary);
+    for (const EdgeId e : boundary) {
+      check();
+      ++degree_[low(e).value];
+      ++degree_[high(e).value];
     }
+    vertices_ = select_ids<VertexId>(vertices, kItemsPerBlock, control, [&](std::size_t v) { return degree_[v] > 0; });
+    // Most vertices have none, and nothing is written for them.
+    first_.resize(vertices);
+    std::uint32_t all = 0;
     for (const VertexId v : vertices_) {
-      check_();
-      if (degree_[v.value] == 2 && !is_walked_[edges_at(v)[0].value]) close_ring(v);
+      check();
+      first_[v.value] = all;
+      all += std::exchange(degree_[v.value], 0);
     }
-    keep_doubled_chords();
-    // A vertex inside a patch has a closed fan of that patch's faces. If it is a corner of some other face, too, its
-    // faces are not all connected there, so it is pinched.
-    return {std::move(essential_), pinched_.empty()};
+    incident_.resize(all);
+    for (const EdgeId e : boundary)
+      for (const VertexId v : {low(e), high(e)}) {
+        check();
+        incident_[first_[v.value] + degree_[v.value]++] = e;
+      }
   }
 
- private:
-  const Vec3& at(VertexId v) const { return surface_.local[v]; }
-  VertexId low(EdgeId e) const {
-    const std::uint32_t h = adjacency_.half_edges(e)[0];
-    return std::min(adjacency_.from(h), adjacency_.to(h));
-  }
-  VertexId high(EdgeId e) const {
-    const std::uint32_t h = adjacency_.half_edges(e)[0];
-    return std::max(adjacency_.from(h), adjacency_.to(h));
-  }
+  /// The vertices of the boundary, ascending.
+  const std::vector<VertexId>& vertices() const { return vertices_; }
+
   VertexId other_end(EdgeId e, VertexId v) const { return low(e) == v ? high(e) : low(e); }
 
   /// The boundary edges at a vertex.
@@ -86,44 +76,69 @@ class Selection {
     return edges[0] == e ? edges[1] : edges[0];
   }
 
-  /// Finds the patch-boundary edges, and those at each vertex.
-  void find_boundary() {
-    const std::size_t vertices = surface_.vertex_count();
-    degree_.assign(vertices, 0);
-    const auto is_boundary = [&](std::size_t e) { return loops_.is_boundary[adjacency_.half_edges(EdgeId(e))[0]]; };
-    const auto boundary = select_ids<EdgeId>(adjacency_.edge_count(), kItemsPerBlock, control_, is_boundary);
-    for (const EdgeId e : boundary) {
-      check_();
-      ++degree_[low(e).value];
-      ++degree_[high(e).value];
-    }
-    vertices_ = select_ids<VertexId>(vertices, kItemsPerBlock, control_, [&](std::size_t v) { return degree_[v] > 0; });
-    // Most vertices have none, and nothing is written for them.
-    first_.resize(vertices);
-    std::uint32_t all = 0;
-    for (const VertexId v : vertices_) {
-      check_();
-      first_[v.value] = all;
-      all += std::exchange(degree_[v.value], 0);
-    }
-    incident_.resize(all);
-    for (const EdgeId e : boundary)
-      for (const VertexId v : {low(e), high(e)}) {
-        check_();
-        incident_[first_[v.value] + degree_[v.value]++] = e;
-      }
-    is_walked_.assign(adjacency_.edge_count(), false);
+ private:
+  VertexId low(EdgeId e) const {
+    const std::uint32_t h = adjacency_.half_edges(e)[0];
+    return std::min(adjacency_.from(h), adjacency_.to(h));
   }
+  VertexId high(EdgeId e) const {
+    const std::uint32_t h = adjacency_.half_edges(e)[0];
+    return std::max(adjacency_.from(h), adjacency_.to(h));
+  }
+
+  const Adjacency& adjacency_;
+  std::vector<VertexId> vertices_;
+  std::vector<std::uint32_t> degree_;                             ///< boundary edges at each vertex
+  std::vector<std::uint32_t, DefaultInit<std::uint32_t>> first_;  ///< where each vertex's edges begin in `incident_`
+  std::vector<EdgeId> incident_;
+};
+
+/// Chooses the vertices that stay, run by run: a run is the boundary between two vertices that are known to stay.
+class Selection {
+ public:
+  Selection(const Surface& surface, const Adjacency& adjacency, const BoundaryLoops& loops,
+            const IdVector<VertexId, std::uint8_t>& forced, std::span<const VertexId> pinched, double tolerance,
+            RunControl& control)
+      : surface_(surface),
+        forced_(forced),
+        pinched_(pinched),
+        tolerance_(tolerance),
+        control_(control),
+        check_(control),
+        boundary_(surface, adjacency, loops, control),
+        is_walked_(adjacency.edge_count(), false) {}
+
+  EssentialVertices run() {
+    mark_junctions();
+    // Parts that touch in a vertex must still touch in it afterwards.
+    for (const VertexId v : pinched_) essential_[v] = 1;
+    for (const VertexId v : boundary_.vertices()) {
+      check_();
+      if (essential_[v])
+        for (const EdgeId e : boundary_.edges_at(v)) walk(v, e);
+    }
+    for (const VertexId v : boundary_.vertices()) {
+      check_();
+      if (boundary_.edges_at(v).size() == 2 && !is_walked_[boundary_.edges_at(v)[0].value]) close_ring(v);
+    }
+    keep_doubled_chords();
+    // A vertex inside a patch has a closed fan of that patch's faces. If it is a corner of some other face, too, its
+    // faces are not all connected there, so it is pinched.
+    return {std::move(essential_), pinched_.empty()};
+  }
+
+ private:
+  const Vec3& at(VertexId v) const { return surface_.local[v]; }
 
   void mark_junctions() {
     essential_.assign(surface_.vertex_count(), 0);
-    for_blocks(vertices_.size(), kItemsPerBlock, control_, [&](std::size_t i, std::size_t end) {
+    for_blocks(boundary_.vertices().size(), kItemsPerBlock, control_, [&](std::size_t i, std::size_t end) {
       for (; i < end; ++i) {
-        const VertexId v = vertices_[i];
-        const auto edges = edges_at(v);
+        const VertexId v = boundary_.vertices()[i];
+        const auto edges = boundary_.edges_at(v);
         bool stays = forced_[v] != 0 || edges.size() != 2;
         if (!stays) {
-          const VertexId a = other_end(edges[0], v), b = other_end(edges[1], v);
+          const VertexId a = boundary_.other_end(edges[0], v), b = boundary_.other_end(edges[1], v);
           const ChordPosition position = about_chord(at(a), at(b), at(v));
           stays = position.distance > tolerance_ || position.along <= 0 || position.along >= 1;
         }
@@ -140,10 +155,10 @@ class Selection {
     while (true) {
       check_();
       is_walked_[e.value] = true;
-      v = other_end(e, v);
+      v = boundary_.other_end(e, v);
       run_.push_back(v);
       if (essential_[v]) break;
-      e = other_edge(v, e);
+      e = boundary_.other_edge(v, e);
     }
     simplify(0, run_.size() - 1);
   }
@@ -152,12 +167,12 @@ class Selection {
   /// that.
   void close_ring(VertexId start) {
     run_.assign(1, start);
-    EdgeId e = edges_at(start)[0];
-    for (VertexId v = other_end(e, start); v != start; v = other_end(e, v)) {
+    EdgeId e = boundary_.edges_at(start)[0];
+    for (VertexId v = boundary_.other_end(e, start); v != start; v = boundary_.other_end(e, v)) {
       check_();
       is_walked_[e.value] = true;
       run_.push_back(v);
-      e = other_edge(v, e);
+      e = boundary_.other_edge(v, e);
     }
     is_walked_[e.value] = true;
     const auto smaller = [&](VertexId a, VertexId b) { return at(a) != at(b) ? at(a) < at(b) : a < b; };
@@ -173,8 +188,8 @@ class Selection {
     essential_[run_[farthest]] = 1;
     simplify(0, farthest);
     simplify(farthest, run_.size() - 1);
-    const auto kept = std::count_if(run_.begin(), run_.end() - 1, [&](VertexId v) { return essential_[v] != 0; });
-    if (kept < 3)
+    const auto essential = std::count_if(run_.begin(), run_.end() - 1, [&](VertexId v) { return essential_[v] != 0; });
+    if (essential < 3)
       for (const VertexId v : run_) essential_[v] = 1;
   }
 
@@ -224,16 +239,16 @@ class Selection {
       EdgeId first_edge;  // the first edge of the run, at `from`
     };
     std::vector<Chord> chords;
-    for (const VertexId v : vertices_) {
+    for (const VertexId v : boundary_.vertices()) {
       check_();
       if (!essential_[v]) continue;
-      for (const EdgeId first : edges_at(v)) {
+      for (const EdgeId first : boundary_.edges_at(v)) {
         EdgeId e = first;
-        VertexId w = other_end(e, v);
+        VertexId w = boundary_.other_end(e, v);
         while (!essential_[w]) {
           check_();
-          e = other_edge(w, e);
-          w = other_end(e, w);
+          e = boundary_.other_edge(w, e);
+          w = boundary_.other_end(e, w);
         }
         if (v < w) chords.push_back({v, w, v, first});
       }
@@ -248,28 +263,23 @@ class Selection {
                            (i + 1 < chords.size() && key(chords[i]) == key(chords[i + 1]));
       if (!doubled) continue;
       EdgeId e = chords[i].first_edge;
-      for (VertexId w = other_end(e, chords[i].from); w != chords[i].b; w = other_end(e, w)) {
+      for (VertexId w = boundary_.other_end(e, chords[i].from); w != chords[i].b; w = boundary_.other_end(e, w)) {
         check_();
         essential_[w] = 1;
-        e = other_edge(w, e);
+        e = boundary_.other_edge(w, e);
       }
     }
   }
 
   const Surface& surface_;
-  const Adjacency& adjacency_;
-  const BoundaryLoops& loops_;
   const IdVector<VertexId, std::uint8_t>& forced_;
   std::span<const VertexId> pinched_;
   double tolerance_;
   RunControl& control_;
   StopCheck check_;
+  const BoundaryEdges boundary_;
   IdVector<VertexId, std::uint8_t> essential_;
-  std::vector<VertexId> vertices_;                              ///< vertices of the boundary
-  std::vector<std::uint32_t> degree_;                           ///< boundary edges at each vertex
-  std::vector<std::uint32_t, LeftUnset<std::uint32_t>> first_;  ///< where each vertex's edges begin in `incident_`
-  std::vector<EdgeId> incident_;
-  std::vector<bool> is_walked_;
+  std::vector<bool> is_walked_;  ///< by edge
   std::vector<VertexId> run_;
   std::vector<std::pair<std::size_t, std::size_t>> spans_;
 };

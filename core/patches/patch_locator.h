@@ -50,7 +50,7 @@ class PatchLocator {
 
   const Surface& surface_;
   const PatchChart chart_;
-  std::vector<Part, LeftUnset<Part>> parts_;  ///< one face after another
+  std::vector<Part, DefaultInit<Part>> parts_;  ///< one face after another
   BoxTree<NoTag> tree_;
 };
 

@@ -318,7 +318,7 @@ class Merging {
   const std::span<const double> heights_;
   Regions& regions_;
   RunControl& control_;
-  std::vector<Piece, LeftUnset<Piece>> pieces_;
+  std::vector<Piece, DefaultInit<Piece>> pieces_;
   std::vector<Content> contents_;
   UnionFind joined_;
 };

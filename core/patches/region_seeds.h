@@ -44,12 +44,12 @@ class Seeds {
     next_ = 0;
   }
 
-  /// The next face that is still open; invalid at the end. A face that is not open must never become open again.
-  template <class IsOpen>
-  FaceId next(const IsOpen& is_open) {
-    if (!is_sorted_ && looks_left_ > 0) return first(is_open);
-    if (!is_sorted_) sort(is_open);
-    while (next_ < sorted_.size() && !is_open(sorted_[next_])) ++next_;
+  /// The next face that is still free; invalid at the end. A face that is not free must never become free again.
+  template <class IsFree>
+  FaceId next(const IsFree& is_free) {
+    if (!is_sorted_ && looks_left_ > 0) return first(is_free);
+    if (!is_sorted_) sort(is_free);
+    while (next_ < sorted_.size() && !is_free(sorted_[next_])) ++next_;
     return next_ < sorted_.size() ? sorted_[next_++] : FaceId();
   }
 
@@ -60,30 +60,30 @@ class Seeds {
   static constexpr std::size_t kLooks = 8;
   static constexpr std::size_t kFacesPerBlock = 4096;
 
-  template <class IsOpen>
-  Seed first_of(std::size_t begin, std::size_t end, const IsOpen& is_open) const {
+  template <class IsFree>
+  Seed first_of(std::size_t begin, std::size_t end, const IsFree& is_free) const {
     Seed best;
     for (std::size_t i = begin; i < end; ++i) {
       const FaceId f(faces_[i]);
-      if (!is_open(f) || geometry_[f].area < best.area) continue;
+      if (!is_free(f) || geometry_[f].area < best.area) continue;
       const Seed other = placed(f);
       if (!best.face.is_valid() || other.is_before(best)) best = other;
     }
     return best;
   }
 
-  template <class IsOpen>
-  FaceId first(const IsOpen& is_open) {
+  template <class IsFree>
+  FaceId first(const IsFree& is_free) {
     const bool is_new = first_of_block_.empty();
     first_of_block_.resize((faces_.size() + kFacesPerBlock - 1) / kFacesPerBlock);
     stale_.clear();
     for (std::size_t block = 0; block < first_of_block_.size(); ++block)
-      if (const FaceId f = first_of_block_[block].face; is_new || (f.is_valid() && !is_open(f)))
+      if (const FaceId f = first_of_block_[block].face; is_new || (f.is_valid() && !is_free(f)))
         stale_.push_back(block);
     looks_left_ -= std::min(looks_left_, first_of_block_.size() + kFacesPerBlock * stale_.size());
     for_blocks(stale_.size(), 1, control_, [&](std::size_t i, std::size_t) {
       const std::size_t begin = kFacesPerBlock * stale_[i];
-      first_of_block_[stale_[i]] = first_of(begin, std::min(faces_.size(), begin + kFacesPerBlock), is_open);
+      first_of_block_[stale_[i]] = first_of(begin, std::min(faces_.size(), begin + kFacesPerBlock), is_free);
     });
     Seed best;
     for (const Seed& other : first_of_block_)
@@ -91,19 +91,19 @@ class Seeds {
     return best.face;
   }
 
-  template <class IsOpen>
-  void sort(const IsOpen& is_open) {
+  template <class IsFree>
+  void sort(const IsFree& is_free) {
     is_sorted_ = true;
-    const auto open = select_ids<std::uint32_t>(faces_.size(), kFacesPerBlock, control_,
-                                                [&](std::size_t i) { return is_open(FaceId(faces_[i])); });
-    std::vector<Seed> all(open.size());
-    sorted_.resize(open.size());
+    const auto free = select_ids<std::uint32_t>(faces_.size(), kFacesPerBlock, control_,
+                                                [&](std::size_t i) { return is_free(FaceId(faces_[i])); });
+    std::vector<Seed> all(free.size());
+    sorted_.resize(free.size());
     const auto for_each = [&](const auto& visit) {
       for_blocks(all.size(), kFacesPerBlock, control_, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) visit(i);
       });
     };
-    for_each([&](std::size_t i) { all[i] = placed(FaceId(faces_[open[i]])); });
+    for_each([&](std::size_t i) { all[i] = placed(FaceId(faces_[free[i]])); });
     sort_stoppable(all.begin(), all.end(), control_, [](const Seed& a, const Seed& b) { return a.is_before(b); });
     for_each([&](std::size_t i) { sorted_[i] = all[i].face; });
   }
@@ -113,7 +113,7 @@ class Seeds {
   RunControl& control_;
   std::span<const std::uint32_t> faces_;
   std::size_t looks_left_ = 0;
-  std::vector<Seed> first_of_block_;  ///< invalid if no face of the block is open
+  std::vector<Seed> first_of_block_;  ///< invalid if no face of the block is free
   std::vector<std::size_t> stale_;
   bool is_sorted_ = false;
   std::vector<FaceId> sorted_;

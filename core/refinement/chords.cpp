@@ -40,7 +40,7 @@ struct Use {
   }
 };
 
-using Uses = std::vector<Use, LeftUnset<Use>>;
+using Uses = std::vector<Use, DefaultInit<Use>>;
 
 /// Returns the edges whose two ends are vertices below `vertex_end` and for which `is_wanted` is true. Each occurs once
 /// per patch. They are sorted.
@@ -52,11 +52,11 @@ Uses edge_uses(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& co
       const PatchMesh& patch = meshes[PatchId(p)];
       for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
         const std::uint32_t twin = patch.mesh.twin(h);
-        if (twin != Triangulation2d::kNone && twin < h) continue;
+        if (twin != Triangulation2d::kNoHalfEdge && twin < h) continue;
         const Key key = key_of(patch, h);
         if (!key.second.is_valid() || key.second.value >= vertex_end) continue;
         const bool is_inside =
-            twin != Triangulation2d::kNone && (!patch.mesh.is_constrained(h) || patch.is_reserved(h));
+            twin != Triangulation2d::kNoHalfEdge && (!patch.mesh.is_constrained(h) || patch.is_reserved(h));
         if (is_wanted(key, is_inside)) uses.push_back({key, is_inside, PatchId(p), h});
       }
     }
@@ -141,7 +141,7 @@ bool release_reserved(PatchMesh& patch, const IsWanted& is_wanted, RunControl& c
   std::vector<std::uint32_t> released;
   for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
     const std::uint32_t twin = patch.mesh.twin(h);
-    if (twin == Triangulation2d::kNone || !patch.mesh.is_constrained(h) || !patch.is_reserved(h) || is_wanted(h))
+    if (twin == Triangulation2d::kNoHalfEdge || !patch.mesh.is_constrained(h) || !patch.is_reserved(h) || is_wanted(h))
       continue;
     patch.mesh.join(h, twin);
     patch.reserved.erase(std::minmax(patch.mesh.from(h), patch.mesh.to(h)));

@@ -25,23 +25,15 @@ constexpr double kAlike = 2;
 /// Sides that are farther apart than this multiple of the size are no longer near each other: a row of the largest
 /// triangles has some room between them.
 constexpr double kFarApart = 0.85;
-/// Pieces are shorter by this factor than the bound on angles allows, because rows are not quite regular. Above 1.02,
-/// triangles that do not fit are refined, and a cone gets two and a half times the triangles. From 0.94 up to 1.02,
-/// every hundredth saves some triangles. Besides, the fewer short edges there are behind a corner, the fewer flat
-/// tetrahedra there are.
+/// Pieces are shorter by this factor than the bound on angles allows, because rows are not quite regular. If it were
+/// smaller, there would be more triangles; if it were larger than 1.02, far more. See experiments.md, Sharp corners.
 constexpr double kMargin = 0.98;
 /// Where sizes vary, the triangle in a corner is this multiple of the size long. Shorter ones give more tetrahedra;
-/// longer ones give more flat tetrahedra. This was measured with TetGen on t13 (58 thousand tetrahedra) and on a
-/// coupling (71 thousand), both with corners of 2 to 5 degrees. On average over sixteen orders of the vertices, 3
-/// tetrahedra of t13 and 1 of the coupling are below 3 degrees for lengths from 0.5 to 0.55, and some ten in each part
-/// for the length 1. In its own order of vertices the coupling has none, but that is luck: only a third of the settings
-/// near these have none.
+/// longer ones give more flat tetrahedra. See experiments.md, Sharp corners.
 constexpr double kTip = 0.54;
 /// In wider corners, the triangle in the corner is this multiple of the size long. Two such triangles beside a slight
 /// bend have their four corners nearly on a circle. If they are short, they fit between the walls as a flat tetrahedron
-/// over the bend; if they are long, they meet the vertices of the far wall. On 49 parts that were made to try this,
-/// TetGen has 18 tetrahedra below 3 degrees where it had 33, and 1 % fewer tetrahedra in all. Lengths from 0.6 to 0.75
-/// differ by little. That t13 and the coupling have none in their own order of vertices is luck.
+/// over the bend; if they are long, they meet the vertices of the far wall. See experiments.md, Sharp corners.
 constexpr double kTipOfWide = 0.66;
 constexpr double kWide = 0.12;  ///< distance between the sides at the distance 1 from the corner; some 7 degrees
 /// No piece is shorter than this multiple of the size. Where it would have to be, the bound on angles is given up.

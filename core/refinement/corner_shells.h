@@ -30,8 +30,8 @@ struct Corner {
 /// vary, and if a side ends soon behind it, it is as long as that side, or half as long. Behind it, the pieces are as
 /// long as the bound on angles allows for a single row of triangles. They grow as fast as the sides part. The pieces of
 /// one side end at common distances from the corner, those of the other side end between these distances. All angles
-/// except the corner's own are as large as was asked for. In a corner of two degrees whose sides are 10 and 9.3 sizes
-/// long, this takes 37 triangles at 25 degrees, where it took 107 before. At worst it takes as many as before.
+/// except the corner's own are as large as was asked for. This may take a third of
+/// the triangles that halves of halves take, and never takes more. See experiments.md, Sharp corners.
 ///
 /// Where such pieces would be shorter than the floor, or than a 32nd of the size, both sides are cut at the same
 /// distances, a size apart. The bound on angles is given up there, and these triangles are excused, as is the triangle

@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/vec.h"
 #include "core/geometry/triangulation_2d.h"
 
@@ -19,10 +20,10 @@ namespace remesh {
 /// and the mesh finds the half-edge of a side again. The two half-edges of a slit have a side each.
 /// Holds: After each operation this is the unique constrained Delaunay triangulation of its points. Cocircular points
 ///        are decided as in `in_circle_perturbed`. No triangle is degenerate or turned over.
+/// This class is larger than the bound because all its operations change the same arrays of corners, twins and sides:
+/// each of them must leave these arrays such that the promises under Holds are true for the others.
 class DelaunayMesh {
  public:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
   /// This is one edge of a cavity's rim, seen from inside. It belongs to a triangle that would be removed.
   struct RimEdge {
     std::uint32_t from, to;

@@ -18,8 +18,7 @@ namespace {
 
 /// No point of a lattice is nearer to the boundary's points than this multiple of the size. If it is smaller, there are
 /// flat triangles along the boundary that refinement must mend; if it is larger, there are holes that refinement must
-/// fill. From 0.5 to 0.8 the numbers of faces differ by 2 %. At 0.8 the tetrahedra behind thin walls had the best
-/// dihedral angles.
+/// fill. See experiments.md, Lattices.
 constexpr double kClearance = 0.8;
 /// Sizes that differ by no more than this factor are treated as one size, the smallest of them.
 constexpr double kAlike = 1.05;

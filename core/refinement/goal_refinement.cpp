@@ -129,8 +129,8 @@ bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   retries_ += is_in_vain ? kRetriesInVain : 1;
   // The faces that come on top of a budget mostly grow with it. With each retry a little more of it is reserved.
   const double share = static_cast<double>(goals_.max_faces) / static_cast<double>(faces);
-  constexpr double kKeptBack = 1.0 / 32;
-  budget_ = static_cast<std::uint64_t>(static_cast<double>(budget_) * share * (1 - kKeptBack * retries_));
+  constexpr double kReserved = 1.0 / 32;
+  budget_ = static_cast<std::uint64_t>(static_cast<double>(budget_) * share * (1 - kReserved * retries_));
   return true;
 }
 

@@ -78,8 +78,7 @@ class GoalRefinement {
 
  private:
   /// An attempt without a budget ends when it makes more than kMaxMade times the faces allowed, or kMaxMadeBeyond more
-  /// than these, which would take a few GB of memory. (A slot behind which sizes grow has, at 33 degrees, three times
-  /// as many triangles before it is thinned out.)
+  /// than these, which would take a few GB of memory. See experiments.md, Prediction.
   static constexpr std::uint64_t kMaxMade = 4, kMaxMadeBeyond = std::uint64_t{1} << 23;
   /// An attempt without a budget is not worth while if more than kHopeless times the faces allowed are predicted. Up to
   /// kFewFaces it is tried in any case, for two reasons: where boundaries are locked or edges must not be short,

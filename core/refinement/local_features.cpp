@@ -116,7 +116,7 @@ std::span<const LocalFeature> LocalFeatures::of(const PatchMesh& patch, const Pa
                                                 std::span<const std::uint32_t> sides, RunControl& control) {
   const Mesh& mesh = patch.mesh;
   features_.clear();
-  seen_.assign(mesh.triangle_count(), Mesh::kNone);
+  seen_.assign(mesh.triangle_count(), Mesh::kNoHalfEdge);
   for (std::size_t i = 0; i < sides.size(); ++i) {
     if (i % 256 == 0) control.check();
     const std::uint32_t h = sides[i];

@@ -22,7 +22,7 @@ bool is_on_one_shell(double from_a, double from_b, double distance) {
 
 UnrefinedReason why_locked(Lock lock) {
   switch (lock) {
-    case Lock::kKept: return UnrefinedReason::kBoundaryLocked;
+    case Lock::kFixed: return UnrefinedReason::kBoundaryLocked;
     case Lock::kAsked: return UnrefinedReason::kMinEdgeLength;
     case Lock::kNoRoom:
     case Lock::kNone: break;

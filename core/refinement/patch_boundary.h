@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/vec.h"
 #include "core/refinement/min_spacing.h"
 #include "core/refinement/patch_to_refine.h"
@@ -31,8 +32,6 @@ UnrefinedReason stronger(UnrefinedReason a, UnrefinedReason b);
 /// patch's mesh and has the side's number. The two sides of a slit have the same pieces.
 class PatchBoundary {
  public:
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
   struct Side {
     double t0, t1;          ///< the piece [t0, t1] of the segment
     std::uint32_t next;     ///< another piece of the same chain, or kNone

@@ -102,11 +102,11 @@ bool PatchEditor::cut_side_at(std::uint32_t side, double t) {
   const std::uint32_t partner = boundary.side(side).partner;
   const Vec2 p = sizes_.chart().to_plane(boundary.position(boundary.segment_of(side), t));
   const bool is_in_chain = boundary.is_in_chain(side);
-  const std::uint32_t v = cut_one(side, t, p, DelaunayMesh::kNone);
-  if (v == DelaunayMesh::kNone) return false;
+  const std::uint32_t v = cut_one(side, t, p, kNone);
+  if (v == kNone) return false;
   if (is_in_chain) boundary.add_to_chain(boundary.side_count() - 1);
-  if (partner == PatchBoundary::kNone) return true;
-  if (cut_one(partner, t, p, v) == DelaunayMesh::kNone) return false;
+  if (partner == kNone) return true;
+  if (cut_one(partner, t, p, v) == kNone) return false;
   if (!is_in_chain) boundary.add_to_chain(boundary.side_count() - 1);
   boundary.pair_pieces(side, partner);
   return true;
@@ -118,7 +118,7 @@ std::uint32_t PatchEditor::cut_one(std::uint32_t side, double t, Vec2 p, std::ui
   const SegmentId segment = patch_.boundary.segment_of(side);
   clear_circle(side);
   const std::uint32_t v = patch_.mesh.cut(side, p, vertex);
-  if (v == DelaunayMesh::kNone) {
+  if (v == kNone) {
     patch_.impossible = segment;
     return v;
   }

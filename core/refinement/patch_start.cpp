@@ -56,7 +56,7 @@ std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::ve
   // The constrained half-edges of the sides are found again by their ends.
   sort_stoppable(pieces.begin(), pieces.end(), control,
                  [](const Piece& a, const Piece& b) { return std::tie(a.from, a.to) < std::tie(b.from, b.to); });
-  result.half_edge.assign(side_count, DelaunayMesh::kNone);
+  result.half_edge.assign(side_count, kNone);
   StopCheck check(control);
   for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h) {
     check();
@@ -66,8 +66,7 @@ std::optional<Triangulated> triangulate(const std::vector<Vec2>& points, std::ve
                                         [](const Piece& p, const auto& e) { return std::pair(p.from, p.to) < e; });
     if (piece != pieces.end() && std::pair(piece->from, piece->to) == ends) result.half_edge[piece->side] = h;
   }
-  if (std::find(result.half_edge.begin(), result.half_edge.end(), DelaunayMesh::kNone) != result.half_edge.end())
-    return std::nullopt;
+  if (std::find(result.half_edge.begin(), result.half_edge.end(), kNone) != result.half_edge.end()) return std::nullopt;
   result.mesh = std::move(made.mesh);
   return result;
 }
@@ -190,7 +189,7 @@ class Starter {
       const PatchBoundary::Side side = boundary.side(s);
       const SegmentId segment = boundary.segment_of(s);
       const std::vector<double>& at = cuts[segment];
-      const bool is_second = side.partner != PatchBoundary::kNone && side.partner < s;
+      const bool is_second = side.partner != kNone && side.partner < s;
       if (!is_second) {
         first_cut = static_cast<std::uint32_t>(outline.points.size());
         for (const double t : at) {

@@ -11,10 +11,7 @@
 namespace remesh {
 namespace {
 
-// The following values were chosen among many that give nearly the same number of faces: shares from 0.8 to 0.9, shapes
-// from 0.15 to 0.185 and 4 to 12 places differ by no more than half a per cent. With these values, TetGen's worst
-// dihedral angles came out well on three parts. (Two of some thirty settings did so, and seven of thirty another time.)
-// Next time it may be other values.
+// Values near the following ones give nearly the same number of faces. See experiments.md, Thinning.
 
 /// A point stays if all its edges are longer than this share of what is allowed, because then there is no room for
 /// fewer points.
@@ -173,12 +170,12 @@ std::optional<Vec2> PatchThinner::place_within(std::span<const std::uint32_t> ri
 std::uint32_t PatchThinner::merge(std::uint32_t v, std::uint32_t w, double worst_shape) {
   const MinSpacing spacing = std::min(patch_.places[v].spacing(), patch_.places[w].spacing());
   const std::optional<Vec2> p = place_within(scratch_.hole, spacing, worst_shape);
-  if (!p) return DelaunayMesh::kNone;
+  if (!p) return kNone;
   scratch_.remade.clear();
   take(v);
   take(w);
   const std::uint32_t merged = put_in(*p, spacing, worst_shape);
-  if (merged == DelaunayMesh::kNone)
+  if (merged == kNone)
     put_back();
   else
     scratch_.taken.clear();
@@ -190,18 +187,17 @@ std::uint32_t PatchThinner::merge(std::uint32_t v, std::uint32_t w, double worst
 std::uint32_t PatchThinner::put_in(Vec2 p, MinSpacing spacing, double worst_shape) {
   const auto found = std::find_if(scratch_.remade.begin(), scratch_.remade.end(),
                                   [&](std::uint32_t t) { return mesh_.is_live(t) && is_inside(t, p); });
-  if (found == scratch_.remade.end()) return DelaunayMesh::kNone;
+  if (found == scratch_.remade.end()) return kNone;
   const DelaunayMesh::Cavity cavity = mesh_.find_cavity(p, *found);
   const auto is_good = [&](std::uint32_t t) { return patch_.states[t].is_good(); };
-  if (!cavity.has_room || !std::all_of(cavity.triangles.begin(), cavity.triangles.end(), is_good))
-    return DelaunayMesh::kNone;
+  if (!cavity.has_room || !std::all_of(cavity.triangles.begin(), cavity.triangles.end(), is_good)) return kNone;
   const std::uint32_t v = mesh_.fill_cavity(cavity);
   note_remade();
   patch_.set_place(v, VertexPlace::free(spacing));
   if (are_remade_well(worst_shape)) return v;
   mesh_.remove(v);
   note_remade();
-  return DelaunayMesh::kNone;
+  return kNone;
 }
 
 void PatchThinner::thin_out(std::uint32_t first, RunControl& control) {
@@ -243,7 +239,7 @@ void PatchThinner::thin_out(std::uint32_t first, RunControl& control) {
       if (!patch_.is_free(w) || is_waiting[w] != 0 || !is_short(w) || !find_hole(v, k)) continue;
       const double of_other = fan_of(mesh_.point(w), scratch_.other_ring).worst_shape;
       const std::uint32_t merged = merge(v, w, std::min(worst_shape, of_other));
-      if (merged == DelaunayMesh::kNone) continue;
+      if (merged == kNone) continue;
       for (const std::uint32_t u : scratch_.hole) wait(u);
       wait(merged);
       break;

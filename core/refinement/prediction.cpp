@@ -15,8 +15,8 @@
 namespace remesh {
 namespace {
 
-/// A refined area has this number of faces per equilateral triangle of the size asked for. It was measured on cubes and
-/// plates.
+/// A refined area has this number of faces per equilateral triangle of the size asked for. See experiments.md,
+/// Prediction.
 constexpr double kFacesPerIdeal = 1.45;
 
 /// A piece of a boundary edge that another patch needs costs this number of faces. They fill the area from the edge to
@@ -240,13 +240,13 @@ class LeastFaces {
     // Edges up to this length may stay, whatever sizes ask for.
     double may_stay = is_floor_a_matter(goals_.min_edge_length, kSizesOverFloor) ? goals_.min_edge_length : 0;
     double pieces = 0;
-    bool is_any_locked = false, is_any_kept = false, is_floor_asked = may_stay > 0;
+    bool is_any_locked = false, is_any_fixed = false, is_floor_asked = may_stay > 0;
     for (const std::uint32_t i : segments_.sides_of_patch(p)) {
       control_.check();
       const BoundarySegment& s = segments_[segments_.all_sides()[i].segment];
       pieces += least_pieces(s);
       is_any_locked = is_any_locked || s.is_locked();
-      is_any_kept = is_any_kept || is_kept(s);
+      is_any_fixed = is_any_fixed || is_fixed(s);
       if (s.is_floor_raised && is_floor_a_matter(s.floor, s.is_floor_asked ? kSizesOverFloor : kSizesOverRounding))
         may_stay = std::max(may_stay, s.floor);
       is_floor_asked = is_floor_asked || s.is_floor_asked;
@@ -258,10 +258,10 @@ class LeastFaces {
     if (is_any_locked || may_stay > 0) {
       if (!(filled > kManyFaces))
         filled = 0;
-      else if (is_any_kept)
-        filled = away_from_kept(patch, chart, p, largest);
+      else if (is_any_fixed)
+        filled = away_from_fixed(patch, chart, p, largest);
       // The result that rounding leaves room for is so far from what is asked for that it would serve nobody.
-      if (!is_any_kept && !is_floor_asked)
+      if (!is_any_fixed && !is_floor_asked)
         filled = std::max(filled, area_of(patch, chart) / largest_area_ / kFarFromAsked);
     }
     return std::max({triangles, pieces - 2, filled});
@@ -282,17 +282,17 @@ class LeastFaces {
 
   /// Returns whether a segment stays because somebody wants it to. If only rounding leaves no room to cut it, sizes
   /// that ask for so many faces are refused as well: a result would miss them everywhere.
-  static bool is_kept(const BoundarySegment& s) { return s.lock == Lock::kKept || s.lock == Lock::kAsked; }
+  static bool is_fixed(const BoundarySegment& s) { return s.lock == Lock::kFixed || s.lock == Lock::kAsked; }
 
   /// Returns the number of faces that the area away from fixed sides needs. Beside these sides, triangles are as large
   /// as FixedSideSizes allows.
-  double away_from_kept(const PatchMesh& patch, const PatchChart& chart, PatchId p, double largest) const {
+  double away_from_fixed(const PatchMesh& patch, const PatchChart& chart, PatchId p, double largest) const {
     const Triangulation2d& mesh = patch.mesh;
     const double longest = equilateral_edge(largest);
     std::vector<FixedSide> fixed;
     for (const std::uint32_t i : segments_.sides_of_patch(p)) {
       const SegmentSide& side = segments_.all_sides()[i];
-      if (!is_kept(segments_[side.segment])) continue;
+      if (!is_fixed(segments_[side.segment])) continue;
       const Vec2 a = patch.uv[mesh.from(side.half_edge)], b = patch.uv[mesh.to(side.half_edge)];
       const double edge = longest / chart.scale(0.5 * (a + b));
       if (norm(b - a) > edge) fixed.push_back({a, b, edge});
@@ -401,13 +401,13 @@ Prediction predict(const TriangulatedPatches& triangulated, const Goals& goals, 
   if (needed.empty()) return total;
   // For each edge, only the largest number of pieces is used.
   sort_stoppable(needed.begin(), needed.end(), control);
-  std::size_t kept = 0;
+  std::size_t left = 0;
   for (std::size_t i = 0; i < needed.size(); ++i) {
     const bool is_last =
         i + 1 == needed.size() || needed[i + 1].from != needed[i].from || needed[i + 1].to != needed[i].to;
-    if (is_last) needed[kept++] = needed[i];
+    if (is_last) needed[left++] = needed[i];
   }
-  needed.resize(kept);
+  needed.resize(left);
   const auto faces = map_blocks<double>(meshes.size(), kPatches, control, [&](std::size_t begin, std::size_t end) {
     double sum = 0;
     for (std::size_t p = begin; p < end; ++p) {

@@ -10,7 +10,7 @@ namespace remesh {
 namespace {
 
 /// This is a relative slack for rounding, so that a length of ten sizes makes ten parts whatever its last digits are.
-constexpr double kHair = 1e-12;
+constexpr double kRelativeSlack = 1e-12;
 
 double last_of(std::span<const double> shells) { return shells.empty() ? 0 : shells.back(); }
 
@@ -70,7 +70,7 @@ void SegmentTable::cut_between_parts(SegmentId id, const SizeField& sizes, std::
   while (!pieces.empty()) {
     const auto [t0, t1] = pieces.back();
     pieces.pop_back();
-    if ((t1 - t0) * s.length * (1 - kHair) <= sizes.at(position(id, t0 + (t1 - t0) / 2))) continue;
+    if ((t1 - t0) * s.length * (1 - kRelativeSlack) <= sizes.at(position(id, t0 + (t1 - t0) / 2))) continue;
     const double t = s.parts.cut(t0, t1);
     if (min_edge_length_ > 0 && std::min(t - t0, t1 - t) * s.length < s.floor) continue;
     cuts.push_back(t);
@@ -120,14 +120,14 @@ void SegmentTable::cut_evenly(SegmentId id, double first, double last, const Siz
     double from = first;
     for (std::size_t i = before; i <= cuts.size(); ++i) {
       const double to = i < cuts.size() ? cuts[i] : last;
-      if ((to - from) * s.length < shortest * (1 - kHair)) return true;
+      if ((to - from) * s.length < shortest * (1 - kRelativeSlack)) return true;
       from = to;
     }
     return false;
   };
-  cut_into(std::ceil(all * (1 - kHair)));
+  cut_into(std::ceil(all * (1 - kRelativeSlack)));
   // With one part less, every part is at least as long as the size, so none is too short.
-  if (shortest > 0 && is_any_short()) cut_into(std::floor(all * (1 + kHair)));
+  if (shortest > 0 && is_any_short()) cut_into(std::floor(all * (1 + kRelativeSlack)));
 }
 
 }  // namespace remesh

@@ -50,7 +50,7 @@ struct Use {
   }
 };
 
-using Uses = std::vector<Use, LeftUnset<Use>>;
+using Uses = std::vector<Use, DefaultInit<Use>>;
 
 /// Returns the constrained half-edges that bound a patch. Edges that were only constrained for the chord rule are left
 /// out.
@@ -124,10 +124,10 @@ SegmentTable::SegmentTable(const Surface& surface, const TriangulatedPatches& tr
     segment.from = uses[begin_[s.value]].from;
     segment.to = uses[begin_[s.value]].to;
     segment.length = curve(s).length();
-    if (!goals.split_boundaries) segment.lock = Lock::kKept;
+    if (!goals.split_boundaries) segment.lock = Lock::kFixed;
     for (std::uint32_t i = begin_[s.value]; i < begin_[s.value + 1]; ++i) {
       sides_[i] = {s, uses[i].patch, uses[i].half_edge};
-      if (is_frozen[uses[i].patch] != 0) segment.lock = Lock::kKept;
+      if (is_frozen[uses[i].patch] != 0) segment.lock = Lock::kFixed;
     }
   });
 

@@ -38,7 +38,7 @@ struct EvenParts {
 enum class Lock : std::uint8_t {
   kNone,  ///< it may be cut
   /// It must stay, because boundaries are not to be split or because a patch beside it stays as it was.
-  kKept,
+  kFixed,
   /// A point on it would be no farther from a vertex or from another segment than rounding moves it.
   kNoRoom,
   /// It could be cut, but not without edges shorter than min_edge_length.

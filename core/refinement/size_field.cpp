@@ -18,10 +18,10 @@ constexpr double kFloor = 0x1p-11;
 /// No size is made smaller than this multiple of the plane tolerance because of a gap or a short edge.
 constexpr double kFloorTolerances = 10;
 /// A cell reaches at most this fraction of the gap in its middle. If it were smaller, there would be more samples than
-/// faces in the result; if it were larger, a gap that shrinks towards the end of the cell would be seen too late.
+/// faces in the result; if it were larger, a gap that shrinks towards the end of the cell would be seen too late. See
+/// experiments.md, Cells of the size field.
 constexpr double kReach = 0.5;
-/// This is the same limit for things that only a part of a cell may face. A smaller value makes sizes no better and
-/// doubles the samples.
+/// This is the same limit for things that only a part of a cell may face. See experiments.md, Cells of the size field.
 constexpr double kReachBeside = 1;
 /// Cells larger than this fraction of the box's diagonal are also cut if something near lies only beside their middle
 /// and is joined to their patch, because another place of the cell may face it. If this were done for smaller cells
@@ -54,10 +54,10 @@ class Piece {
   void clip(int axis, double sign, double least) {
     const auto height = [&](const Vec3& p) { return sign * p[axis] - least; };
     if (std::all_of(corners().begin(), corners().end(), [&](const Vec3& p) { return height(p) >= 0; })) return;
-    std::array<Vec3, kMaxCorners> kept;
+    std::array<Vec3, kMaxCorners> clipped;
     std::size_t count = 0;
     const auto keep = [&](const Vec3& p) {
-      if (count < kMaxCorners) kept[count++] = p;
+      if (count < kMaxCorners) clipped[count++] = p;
     };
     for (std::size_t i = 0; i < size_; ++i) {
       const Vec3 &p = corners_[i], &q = corners_[(i + 1) % size_];
@@ -65,7 +65,7 @@ class Piece {
       if (from >= 0) keep(p);
       if ((from >= 0) != (to >= 0)) keep(p + (from / (from - to)) * (q - p));
     }
-    corners_ = kept;
+    corners_ = clipped;
     size_ = count;
   }
 
@@ -387,10 +387,10 @@ void SizeField::drop_dominated(RunControl& control) {
     dropped += is_dominated(i) ? 1 : 0;
   }
   if (!(static_cast<double>(dropped) > kWorthwhile * static_cast<double>(tried))) return;
-  const auto kept = select_ids<std::uint32_t>(n, kBlock, control, [&](std::size_t i) { return !is_dominated(i); });
+  const auto needed = select_ids<std::uint32_t>(n, kBlock, control, [&](std::size_t i) { return !is_dominated(i); });
   std::vector<Sample> samples;
-  samples.reserve(kept.size());
-  for (const std::uint32_t i : kept)
+  samples.reserve(needed.size());
+  for (const std::uint32_t i : needed)
     samples.push_back(is_of_segments_ ? Sample{samples_[i], {}, segments_[i]} : Sample{samples_[i], cells_[i], {}});
   set_samples(samples, control);
 }

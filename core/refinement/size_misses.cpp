@@ -133,7 +133,7 @@ class MissSearch {
       for (std::uint32_t k = 0; k < 3; ++k) {
         // The middle of an edge inside the patch is looked at once for both its triangles, if they are in one block.
         const std::uint32_t h = 3 * t + k, twin = patch.mesh.twin(h);
-        const bool is_shared = twin != Triangulation2d::kNone && twin / 3 >= begin && twin / 3 < end;
+        const bool is_shared = twin != Triangulation2d::kNoHalfEdge && twin / 3 >= begin && twin / 3 < end;
         if (is_shared && twin / 3 < t) continue;
         const Vec3& middle = here.middle[k];
         double limit = is_missed(p, t) == 0 ? too_small_gap(here, middle) : 0, limit_there = 0;

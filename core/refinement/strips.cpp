@@ -38,7 +38,7 @@ constexpr double kMaxRows = 12;
 constexpr double kEven = 1.02;
 
 using Pair = std::array<SegmentId, 2>;
-using Pairs = std::vector<Pair, LeftUnset<Pair>>;
+using Pairs = std::vector<Pair, DefaultInit<Pair>>;
 
 /// Returns whether two half-edges of a patch face each other all along.
 bool do_face(const PatchMesh& patch, std::uint32_t h, std::uint32_t other) {
@@ -61,7 +61,7 @@ std::uint32_t facing(const PatchMesh& patch, std::uint32_t h) {
     for (const std::uint32_t other : {Triangulation2d::next(beyond), Triangulation2d::previous(beyond)})
       if (mesh.is_constrained(other) && do_face(patch, h, other)) return other;
   }
-  return Triangulation2d::kNone;
+  return Triangulation2d::kNoHalfEdge;
 }
 
 /// Returns the pairs of segments that want parts and face each other in a patch. Each pair occurs in both orders. They

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/base/ids.h"
 #include "core/base/vec.h"
 #include "core/refinement/delaunay_mesh.h"
 #include "core/refinement/min_spacing.h"
@@ -24,9 +25,7 @@ namespace remesh {
 /// This is a place for a new point, with the cavity that the point would have. The cavity is valid until the next
 /// operation of the mesh.
 struct PointPlace {
-  static constexpr std::uint32_t kNone = 0xffffffffu;
-
-  std::uint32_t hiding_side = kNone;  ///< the side that hides the place, which then has no cavity; or kNone
+  std::uint32_t hiding_side = kNone;  ///< the side that hides the place; then there is no cavity. kNone: none
   DelaunayMesh::Cavity cavity;
 
   bool is_hidden() const { return hiding_side != kNone; }
@@ -71,7 +70,7 @@ struct WorkingPatch {
   PointPlace look_at(Vec2 p, std::uint32_t triangle) {
     const DelaunayMesh::Location at = mesh.locate(triangle, p);
     if (at.is_hidden) return {mesh.side(at.half_edge), {p, {}, {}, false}};
-    return {PointPlace::kNone, mesh.find_cavity(p, at.half_edge / 3)};
+    return {kNone, mesh.find_cavity(p, at.half_edge / 3)};
   }
 
   /// Puts a triangle into the queue.

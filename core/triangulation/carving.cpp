@@ -9,7 +9,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation2d::kNone;
+constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
 enum Mark : std::uint8_t { kUnknown = 2, kInside = 1, kOutside = 0 };
 
 }  // namespace
@@ -53,7 +53,7 @@ Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunC
       const std::uint32_t t = stack.back();
       stack.pop_back();
       for (std::uint32_t h = 3 * t; h < 3 * t + 3; ++h)
-        if (!mesh.is_constrained(h) && mesh.twin(h) != kNone) set(mesh.twin(h) / 3, static_cast<Mark>(mark[t]));
+        if (!mesh.is_constrained(h) && mesh.twin(h) != kNoHalfEdge) set(mesh.twin(h) / 3, static_cast<Mark>(mark[t]));
     }
   };
   for (std::uint32_t h = 0; h < half_edges && consistent; ++h) {
@@ -61,7 +61,7 @@ Outcome carving(std::span<const Segment> loop_edges, Triangulation2d& mesh, RunC
     if (mesh.is_constrained(h)) {
       const bool forwards = is_loop_edge(mesh.from(h), mesh.to(h));
       set(h / 3, forwards ? kInside : kOutside);
-    } else if (mesh.twin(h) == kNone) {
+    } else if (mesh.twin(h) == kNoHalfEdge) {
       set(h / 3, kOutside);
     }
     flood();

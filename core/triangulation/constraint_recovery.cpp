@@ -11,7 +11,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation2d::kNone;
+constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
 
 /// Inserts segments one by one. The triangles that a segment crosses are removed and leave a cavity. The part to the
 /// left of the segment and the part to its right are each filled by a scan. Flips then make the new triangles Delaunay.
@@ -31,7 +31,7 @@ class Recovery {
 
   Outcome insert(std::uint32_t u, std::uint32_t v) {
     const Start start = leave(u, v);
-    if (start.half_edge == kNone) return Outcome::kCrossingConstraints;
+    if (start.half_edge == kNoHalfEdge) return Outcome::kCrossingConstraints;
     if (start.is_segment) {
       mesh_.constrain(start.half_edge);
       return Outcome::kDone;
@@ -44,7 +44,7 @@ class Recovery {
 
  private:
   struct Start {
-    std::uint32_t half_edge = kNone;
+    std::uint32_t half_edge = kNoHalfEdge;
     /// True if `half_edge` is the segment itself, in either direction. Otherwise `half_edge` is the first one that it
     /// crosses.
     bool is_segment = false;
@@ -71,17 +71,17 @@ class Recovery {
   /// leaves u.
   Start leave(std::uint32_t u, std::uint32_t v) const {
     const std::uint32_t first = mesh_.edge_at(u);
-    if (first == kNone) return {};
-    for (std::uint32_t h = first; h != kNone;) {
+    if (first == kNoHalfEdge) return {};
+    for (std::uint32_t h = first; h != kNoHalfEdge;) {
       const Start found = look(h, u, v);
-      if (found.half_edge != kNone) return found;
+      if (found.half_edge != kNoHalfEdge) return found;
       h = mesh_.twin(Triangulation2d::previous(h));
       if (h == first) return {};
     }
-    for (std::uint32_t g = mesh_.twin(first); g != kNone;) {
+    for (std::uint32_t g = mesh_.twin(first); g != kNoHalfEdge;) {
       const std::uint32_t h = Triangulation2d::next(g);
       const Start found = look(h, u, v);
-      if (found.half_edge != kNone) return found;
+      if (found.half_edge != kNoHalfEdge) return found;
       g = mesh_.twin(h);
     }
     return {};
@@ -128,9 +128,9 @@ class Recovery {
     for (const Chain* chain : {&left_, &right_})
       for (const std::uint32_t inner : chain->inner) {
         const std::uint32_t outer = mesh_.twin(inner);
-        outer_.push_back({outer, mesh_.is_constrained(inner), outer != kNone && in_cavity_[outer / 3] != 0});
+        outer_.push_back({outer, mesh_.is_constrained(inner), outer != kNoHalfEdge && in_cavity_[outer / 3] != 0});
       }
-    slot_.assign(outer_.size(), kNone);
+    slot_.assign(outer_.size(), kNoHalfEdge);
     slot_of_inner_.clear();
     for (std::size_t i = 0; i < left_.inner.size(); ++i) slot_of_inner_.push_back({left_.inner[i], i});
     for (std::size_t i = 0; i < right_.inner.size(); ++i)
@@ -179,7 +179,7 @@ class Recovery {
   std::uint32_t scan(const Chain& chain, std::size_t first_slot, bool is_right) {
     stack_.clear();
     stack_.push_back({chain.vertex[0], {}});
-    std::uint32_t base = kNone;
+    std::uint32_t base = kNoHalfEdge;
     for (std::size_t i = 1; i < chain.vertex.size(); ++i) {
       const std::uint32_t p = chain.vertex[i];
       Side to_p{true, static_cast<std::uint32_t>(first_slot + i - 1)};

@@ -7,7 +7,7 @@ namespace {
 
 bool must_flip(std::span<const Vec2> points, const Triangulation2d& mesh, std::uint32_t h) {
   const std::uint32_t g = mesh.twin(h);
-  if (g == Triangulation2d::kNone || mesh.is_constrained(h)) return false;
+  if (g == Triangulation2d::kNoHalfEdge || mesh.is_constrained(h)) return false;
   return in_circle_perturbed(points[mesh.from(h)], points[mesh.to(h)], points[mesh.apex(h)], points[mesh.apex(g)]) > 0;
 }
 
@@ -33,7 +33,7 @@ void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, RunCont
   std::vector<std::uint32_t> stack;
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
     if (h % 4096 == 0) control.check();
-    if (mesh.twin(h) == Triangulation2d::kNone || h > mesh.twin(h)) continue;
+    if (mesh.twin(h) == Triangulation2d::kNoHalfEdge || h > mesh.twin(h)) continue;
     stack.push_back(h);
     delaunay_flips(points, mesh, stack, control);
   }

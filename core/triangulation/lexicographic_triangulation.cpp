@@ -8,13 +8,13 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation2d::kNone;
+constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
 
 /// The hull of the sweep is a counter-clockwise ring of points. `edge[p]` is the half-edge from p to next[p].
 class Sweep {
  public:
   explicit Sweep(std::span<const Vec2> points)
-      : points_(points), next_(points.size()), previous_(points.size()), edge_(points.size(), kNone) {
+      : points_(points), next_(points.size()), previous_(points.size()), edge_(points.size(), kNoHalfEdge) {
     mesh_.reserve(2 * points.size());
   }
 
@@ -37,7 +37,7 @@ class Sweep {
   void start(std::uint32_t first) {
     const bool left = orient2d(points_[0], points_[1], points_[first]) > 0;
     // This is the half-edge of the triangle before that is shared with the next one.
-    std::uint32_t previous_side = kNone;
+    std::uint32_t previous_side = kNoHalfEdge;
     for (std::uint32_t p = 0; p + 1 < first; ++p) {
       const std::uint32_t a = left ? p : p + 1, b = left ? p + 1 : p;
       const std::uint32_t h = mesh_.add_triangle(a, b, first);
@@ -45,7 +45,7 @@ class Sweep {
       link(a, b);
       const std::uint32_t near = left ? Triangulation2d::previous(h) : Triangulation2d::next(h);
       const std::uint32_t far = left ? Triangulation2d::next(h) : Triangulation2d::previous(h);
-      if (previous_side == kNone)
+      if (previous_side == kNoHalfEdge)
         edge_[left ? first : p] = near;
       else
         mesh_.join(previous_side, near);
@@ -68,33 +68,33 @@ class Sweep {
     // Point p-1 is on the hull, because it comes last of all points so far.
     std::uint32_t upper = p - 1;
     // This is the half-edge of the newest triangle on the upper side. It waits for its neighbour.
-    std::uint32_t open = kNone;
-    std::uint32_t lower_open = kNone;
+    std::uint32_t waiting = kNoHalfEdge;
+    std::uint32_t lower_waiting = kNoHalfEdge;
     while (sees(p, upper, next_[upper])) {
       const std::uint32_t following = next_[upper];
       const std::uint32_t h = add_outside(p, upper);
-      if (open == kNone)
-        lower_open = Triangulation2d::next(h);
+      if (waiting == kNoHalfEdge)
+        lower_waiting = Triangulation2d::next(h);
       else
-        mesh_.join(open, Triangulation2d::next(h));
-      open = Triangulation2d::previous(h);
+        mesh_.join(waiting, Triangulation2d::next(h));
+      waiting = Triangulation2d::previous(h);
       upper = following;
     }
     std::uint32_t lower = p - 1;
     while (sees(p, previous_[lower], lower)) {
       const std::uint32_t preceding = previous_[lower];
       const std::uint32_t h = add_outside(p, preceding);
-      if (lower_open == kNone)
-        open = Triangulation2d::previous(h);
+      if (lower_waiting == kNoHalfEdge)
+        waiting = Triangulation2d::previous(h);
       else
-        mesh_.join(lower_open, Triangulation2d::previous(h));
-      lower_open = Triangulation2d::next(h);
+        mesh_.join(lower_waiting, Triangulation2d::previous(h));
+      lower_waiting = Triangulation2d::next(h);
       lower = preceding;
     }
     link(lower, p);
     link(p, upper);
-    edge_[lower] = lower_open;
-    edge_[p] = open;
+    edge_[lower] = lower_waiting;
+    edge_[p] = waiting;
   }
 
   bool sees(std::uint32_t p, std::uint32_t a, std::uint32_t b) const {

@@ -52,18 +52,18 @@ Offset measure(const Points& points, std::span<const VertexId> chain, RunControl
 
 class BoundaryCheck {
  public:
-  BoundaryCheck(const Model& model, const Seams& seams, Findings& findings, RunControl& control)
-      : model_(model), input_(seams.input), output_(seams.output), findings_(findings), control_(control) {
+  BoundaryCheck(const Model& model, const Seams& seams, FoundFaults& faults, RunControl& control)
+      : model_(model), input_(seams.input), output_(seams.output), faults_(faults), control_(control) {
     result_.deviation.assign(model.patch_count(), 0);
     result_.slivers.assign(model.patch_count(), 0);
   }
 
   Boundary run() {
-    std::vector<Finding> in_input, in_output;
+    std::vector<FoundFault> in_input, in_output;
     std::vector<double> slivers_of_output(model_.patch_count(), 0);
     do_all([&] { walk_input(in_input); }, [&] { walk_output(in_output, slivers_of_output); });
-    findings_.add(in_input);
-    findings_.add(in_output);
+    faults_.add(in_input);
+    faults_.add(in_output);
     for (std::size_t p = 0; p < model_.patch_count(); ++p) result_.slivers[p] += slivers_of_output[p];
     match_chains();
     check_joints();
@@ -72,18 +72,18 @@ class BoundaryCheck {
   }
 
  private:
-  static void blame(const Edge& edge, Fault fault, VertexId at, std::vector<Finding>& found) {
+  static void blame(const Edge& edge, Fault fault, VertexId at, std::vector<FoundFault>& found) {
     for (const Use& use : edge.uses) found.push_back({use.patch(), fault, at.value});
   }
   void blame(const Edge& edge, Fault fault, VertexId at) {
-    for (const Use& use : edge.uses) findings_.add(use.patch(), fault, at.value);
+    for (const Use& use : edge.uses) faults_.add(use.patch(), fault, at.value);
   }
 
-  bool is_kept(VertexId v) const { return model_.is_kept[v.value] != 0; }
+  bool is_in_output(VertexId v) const { return model_.is_in_output[v.value] != 0; }
 
-  void walk_input(std::vector<Finding>& found) {
+  void walk_input(std::vector<FoundFault>& found) {
     input_.for_each_chain(
-        control_, [&](VertexId v) { return !is_kept(v); },
+        control_, [&](VertexId v) { return !is_in_output(v); },
         [&](const Chain& chain, std::span<const VertexId> vertices) {
           input_chains_.push_back(chain);
           if (vertices.size() > 2) measure_dropped(input_.edges()[chain.edge], vertices, found);
@@ -94,7 +94,7 @@ class BoundaryCheck {
     sort_by_ends(input_chains_);
   }
 
-  void walk_output(std::vector<Finding>& found, std::vector<double>& slivers) {
+  void walk_output(std::vector<FoundFault>& found, std::vector<double>& slivers) {
     output_.for_each_chain(
         control_, [&](VertexId v) { return model_.is_new(v); },
         [&](const Chain& chain, std::span<const VertexId> vertices) {
@@ -105,7 +105,7 @@ class BoundaryCheck {
     sort_by_ends(output_chains_);
   }
 
-  void measure_dropped(const Edge& edge, std::span<const VertexId> chain, std::vector<Finding>& found) {
+  void measure_dropped(const Edge& edge, std::span<const VertexId> chain, std::vector<FoundFault>& found) {
     const Offset offset = measure(model_.points, chain, control_);
     double reach = 0;
     for (const VertexId v : chain)
@@ -119,7 +119,7 @@ class BoundaryCheck {
     }
   }
 
-  void measure_new(const Edge& edge, std::span<const VertexId> chain, std::vector<Finding>& found,
+  void measure_new(const Edge& edge, std::span<const VertexId> chain, std::vector<FoundFault>& found,
                    std::vector<double>& slivers) {
     const Offset offset = measure(model_.points, chain, control_);
     const double reach = std::max(largest_coordinate(model_.points[chain.front().value]),
@@ -185,7 +185,7 @@ class BoundaryCheck {
   const Model& model_;
   const BoundaryGraph& input_;
   const BoundaryGraph& output_;
-  Findings& findings_;
+  FoundFaults& faults_;
   RunControl& control_;
 
   std::vector<Chain> input_chains_, output_chains_;
@@ -234,7 +234,7 @@ void BoundaryCheck::check_joints() {
   result_.input_vertices = std::accumulate(used.begin(), used.end(), std::int64_t{0});
   struct OfOutput {
     Joints joints;
-    std::vector<Finding> foreign;
+    std::vector<FoundFault> foreign;
   };
   auto of_output = map_corners<OfOutput>(model_.output, [&](VertexId v, PatchId p, OfOutput& found) {
     if (model_.is_new(v)) return;
@@ -243,13 +243,13 @@ void BoundaryCheck::check_joints() {
     else if (of(v) != number(p))
       found.foreign.push_back({p, Fault::kForeignVertex, v.value});
   });
-  std::vector<Joints> kept;
+  std::vector<Joints> joints_of_output;
   for (OfOutput& found : of_output) {
     control_.check();
-    kept.push_back(std::move(found.joints));
-    findings_.add(found.foreign);
+    joints_of_output.push_back(std::move(found.joints));
+    faults_.add(found.foreign);
   }
-  const auto before = in_order(of_input, control_), after = in_order(kept, control_);
+  const auto before = in_order(of_input, control_), after = in_order(joints_of_output, control_);
 
   std::size_t a = 0;
   for (std::size_t b = 0; b < before.size(); ++b) {
@@ -257,20 +257,20 @@ void BoundaryCheck::check_joints() {
     const VertexId v = vertex_of(before[b]);
     const PatchId p = patch_of(before[b]);
     for (; a < after.size() && after[a] < before[b]; ++a)
-      findings_.add(patch_of(after[a]), Fault::kForeignVertex, vertex_of(after[a]).value);
+      faults_.add(patch_of(after[a]), Fault::kForeignVertex, vertex_of(after[a]).value);
     if (a < after.size() && after[a] == before[b]) {
       ++a;
       continue;
     }
-    if (is_kept(v)) {
-      findings_.add(p, Fault::kLostVertex, v.value);
+    if (is_in_output(v)) {
+      faults_.add(p, Fault::kLostVertex, v.value);
     } else {
       // The vertex was dropped. That is right for the patches along the chain, whose faces there are one fan, but not
       // for a patch that has it inside.
-      if (!input_.is_passage_of(v, p)) findings_.add(p, Fault::kLostVertex, v.value);
+      if (!input_.is_passage_of(v, p)) faults_.add(p, Fault::kLostVertex, v.value);
     }
   }
-  for (; a < after.size(); ++a) findings_.add(patch_of(after[a]), Fault::kForeignVertex, vertex_of(after[a]).value);
+  for (; a < after.size(); ++a) faults_.add(patch_of(after[a]), Fault::kForeignVertex, vertex_of(after[a]).value);
 }
 
 void BoundaryCheck::check_new_vertices() {
@@ -284,20 +284,20 @@ void BoundaryCheck::check_new_vertices() {
       if (!model_.is_new(v)) continue;
       PatchId& only = only_patch[v.value - first];
       if (!only.is_valid()) only = p;
-      if (output_.has(v) ? !output_.is_passage_of(v, p) : only != p) findings_.add(p, Fault::kNewVertex, v.value);
+      if (output_.has(v) ? !output_.is_passage_of(v, p) : only != p) faults_.add(p, Fault::kNewVertex, v.value);
     }
   }
   StopCheck check(control_);
   for (std::size_t i = 0; i < only_patch.size(); ++i) {
     check();
-    if (!only_patch[i].is_valid()) findings_.add(PatchId(), Fault::kNewVertex, static_cast<std::uint32_t>(first + i));
+    if (!only_patch[i].is_valid()) faults_.add(PatchId(), Fault::kNewVertex, static_cast<std::uint32_t>(first + i));
   }
 }
 
 }  // namespace
 
-Boundary check_boundary(const Model& model, const Seams& seams, Findings& findings, RunControl& control) {
-  return BoundaryCheck(model, seams, findings, control).run();
+Boundary check_boundary(const Model& model, const Seams& seams, FoundFaults& faults, RunControl& control) {
+  return BoundaryCheck(model, seams, faults, control).run();
 }
 
 }  // namespace remesh::verification

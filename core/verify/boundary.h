@@ -37,6 +37,6 @@ struct Boundary {
 
 /// Reports kLostVertex, kLostLoop, kBoundary, kChord, kForeignVertex, kNewVertex, kNewOffLine.
 /// Cost:   O(n log n).
-Boundary check_boundary(const Model& model, const Seams& seams, Findings& findings, RunControl& control);
+Boundary check_boundary(const Model& model, const Seams& seams, FoundFaults& faults, RunControl& control);
 
 }  // namespace remesh::verification

@@ -213,10 +213,10 @@ void EdgeTable::add_parts(const std::vector<Part>& parts, RunControl& control) {
 EdgeTable::Part EdgeTable::sort_part(std::size_t first, std::size_t last, std::uint32_t begin,
                                      std::span<std::uint32_t> half_edges) {
   // This is a counting sort by the smaller vertex, followed by a small sort within each bucket.
-  using Keys = std::vector<std::uint64_t, LeftUnset<std::uint64_t>>;
+  using Keys = std::vector<std::uint64_t, DefaultInit<std::uint64_t>>;
   Keys gathered(half_edges.size()), bucketed(half_edges.size());
   // The half-edges are also separated by direction. For a sound surface, the same edges occur forward and backward.
-  std::vector<std::uint16_t, LeftUnset<std::uint16_t>> bucket_of(half_edges.size());
+  std::vector<std::uint16_t, DefaultInit<std::uint16_t>> bucket_of(half_edges.size());
   static_assert(2 * kVerticesOfPart <= 1 << 16);
   std::vector<std::uint32_t> place(2 * (last - first) + 1, 0);
   StopCheck check(control_);

@@ -85,8 +85,8 @@ struct BoundingEdges {
   BoundingEdges(BoundingEdges&&) = default;
   BoundingEdges& operator=(BoundingEdges&&) = default;
 
-  std::vector<Edge, LeftUnset<Edge>> edges;
-  std::vector<Use, LeftUnset<Use>> uses;
+  std::vector<Edge, DefaultInit<Edge>> edges;
+  std::vector<Use, DefaultInit<Use>> uses;
 };
 
 /// All edges of some faces, sorted by their smaller vertex. Most edges are never asked for again, and there are many
@@ -173,7 +173,7 @@ class EdgeTable {
   Faces faces_;
   const RunControl& control_;
   std::vector<std::uint32_t> face_of_;  ///< the face of each half-edge; empty if all faces are triangles
-  using Numbers = std::vector<std::uint32_t, LeftUnset<std::uint32_t>>;
+  using Numbers = std::vector<std::uint32_t, DefaultInit<std::uint32_t>>;
   Numbers bucket_;      ///< uses of vertex v's edges: [bucket_[v], bucket_[v + 1])
   Numbers half_edges_;  ///< sorted by patch and half-edge along each edge; empty if the order was given
   std::span<const std::uint32_t> order_;  ///< `half_edges_`, or the given order

@@ -93,7 +93,7 @@ double farthest_of_folded(const Model& model, std::size_t patch, std::span<const
   for (const std::uint32_t f : folded)
     for (const VertexId v : model.input.face(f)) {
       check();
-      if (model.is_kept[v.value] == 0) gone.push_back(v);
+      if (model.is_in_output[v.value] == 0) gone.push_back(v);
     }
   sort_stoppable(gone.begin(), gone.end(), control);
   gone.erase(std::unique(gone.begin(), gone.end()), gone.end());

@@ -61,13 +61,13 @@ class Triangle3 {
 class GoalCheck {
  public:
   GoalCheck(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges, const BoundaryGraph& seams,
-            const VaryingSizes* sizes, Findings& findings, RunControl& control)
+            const VaryingSizes* sizes, FoundFaults& faults, RunControl& control)
       : claim_(refinement),
         model_(model),
         edges_(edges),
         seams_(seams),
         sizes_(sizes),
-        findings_(findings),
+        faults_(faults),
         control_(control),
         min_angle_(refinement.goals.min_angle_deg * std::numbers::pi / 180),
         // It is multiplied by one factor after the other, because the square of the scale may overflow or underflow.
@@ -76,7 +76,7 @@ class GoalCheck {
         min_length_(refinement.goals.min_edge_length * model.scale) {}
 
   void run() {
-    if (model_.output.count() > claim_.goals.max_faces) findings_.add(PatchId(), Fault::kTooManyFaces);
+    if (model_.output.count() > claim_.goals.max_faces) faults_.add(PatchId(), Fault::kTooManyFaces);
     if (!claim_.goals.split_boundaries) check_locked_boundary();
     const bool is_any_across = std::find(claim_.reasons.begin(), claim_.reasons.end(),
                                          UnrefinedReason::kAcrossInputAngle) != claim_.reasons.end();
@@ -87,13 +87,13 @@ class GoalCheck {
   }
 
  private:
-  using Found = std::vector<Finding>;
+  using Found = std::vector<FoundFault>;
 
   void check_locked_boundary() {
     for (const Edge& edge : seams_.edges())
       for (const VertexId v : {edge.low, edge.high})
         if (model_.is_new(v))
-          for (const Use& use : edge.uses) findings_.add(use.patch(), Fault::kLockedBoundary, v.value);
+          for (const Use& use : edge.uses) faults_.add(use.patch(), Fault::kLockedBoundary, v.value);
   }
 
   void check_faces() {
@@ -121,7 +121,7 @@ class GoalCheck {
           }
           return found;
         });
-    for (const Found& found : blocks) findings_.add(found);
+    for (const Found& found : blocks) faults_.add(found);
   }
 
   bool is_too_large_here(std::uint32_t f) const { return sizes_ != nullptr && sizes_->is_missed_clearly(f); }
@@ -222,7 +222,7 @@ class GoalCheck {
           });
           return found;
         });
-    for (const Found& found : blocks) findings_.add(found);
+    for (const Found& found : blocks) faults_.add(found);
   }
 
   bool is_in_input_angle(const Edge& edge) const {
@@ -238,7 +238,7 @@ class GoalCheck {
   const EdgeTable& edges_;
   const BoundaryGraph& seams_;
   const VaryingSizes* sizes_;  ///< null: no bound varies from place to place
-  Findings& findings_;
+  FoundFaults& faults_;
   RunControl& control_;
   // These are in the model's scale; the angle is in radians.
   const double min_angle_, max_area_, max_length_, min_length_;
@@ -249,8 +249,8 @@ class GoalCheck {
 }  // namespace
 
 void check_goals(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges,
-                 const BoundaryGraph& seams, const VaryingSizes* sizes, Findings& findings, RunControl& control) {
-  GoalCheck(refinement, model, edges, seams, sizes, findings, control).run();
+                 const BoundaryGraph& seams, const VaryingSizes* sizes, FoundFaults& faults, RunControl& control) {
+  GoalCheck(refinement, model, edges, seams, sizes, faults, control).run();
 }
 
 Standing standing_of(const Goals& goals, const Vec3& a, const Vec3& b, const Vec3& c) {

@@ -21,7 +21,7 @@ namespace remesh::verification {
 ///         from place to place, null if the goals have none.
 /// Cost:   O(n log n).
 void check_goals(const RefinementClaim& refinement, const Model& model, const EdgeTable& edges,
-                 const BoundaryGraph& seams, const VaryingSizes* sizes, Findings& findings, RunControl& control);
+                 const BoundaryGraph& seams, const VaryingSizes* sizes, FoundFaults& faults, RunControl& control);
 
 /// The relation of a number to a bound that it should not cross. Within 1e-9 of the bound it is kOnTheEdge.
 enum class Standing { kMeets, kOnTheEdge, kMisses };

@@ -198,7 +198,7 @@ double largest_height_of_dropped(const Model& model, std::size_t patch, const Bo
   return HeightMeasure(std::move(facets), frame.grid, control)
       .run(collect_probes(
           model, frame, model.input, model.input_by_patch[patch],
-          [&](VertexId v) { return !model.is_kept[v.value] && !input_seams.has(v); }, control));
+          [&](VertexId v) { return !model.is_in_output[v.value] && !input_seams.has(v); }, control));
 }
 
 double largest_height_of_new(const Model& model, std::size_t patch, const BoundaryGraph& output_seams,

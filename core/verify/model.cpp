@@ -83,26 +83,26 @@ bool is_well_formed(const RefinementClaim& refinement, std::size_t face_count, s
 }
 
 /// Numbers the output's faces by the model's vertices, and marks the vertices that they use.
-void renumber_output(const Claim& claim, const std::vector<VertexId>& match, Model& model, Findings& findings,
+void renumber_output(const Claim& claim, const std::vector<VertexId>& match, Model& model, FoundFaults& faults,
                      RunControl& control) {
   const std::size_t face_count = claim.faces.size();
-  model.is_kept.assign(model.points.size(), 0);
+  model.is_in_output.assign(model.points.size(), 0);
   model.output_face_begin = triangle_begins(face_count, control);
   model.output_corners.resize(3 * face_count);
   const auto blocks =
-      map_blocks<std::vector<Finding>>(face_count, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
-        std::vector<Finding> moved;
+      map_blocks<std::vector<FoundFault>>(face_count, kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
+        std::vector<FoundFault> moved;
         for (std::size_t f = begin; f < end; ++f)
           for (std::size_t i = 0; i < 3; ++i) {
             const VertexId v = claim.faces[f][i], matched = match[v.value];
             if (matched.value >= model.new_vertex_end)
               moved.push_back({claim.face_patch[f], Fault::kMovedVertex, v.value});
-            std::atomic_ref(model.is_kept[matched.value]).store(1, std::memory_order_relaxed);
+            std::atomic_ref(model.is_in_output[matched.value]).store(1, std::memory_order_relaxed);
             model.output_corners[3 * f + i] = matched;
           }
         return moved;
       });
-  for (const auto& moved : blocks) findings.add(moved);
+  for (const auto& moved : blocks) faults.add(moved);
 }
 
 Grouping by_patch(const Faces& faces, std::size_t patch_count, RunControl& control) {
@@ -144,7 +144,7 @@ bool is_well_formed(const Claim& claim, RunControl& control) {
   return is_good;
 }
 
-Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
+Model make_model(const Claim& claim, FoundFaults& faults, RunControl& control) {
   Model model;
   const std::span<const Vec3> surface = claim.surface.positions.items();
   const double scale = scale_of(surface, control);
@@ -174,11 +174,11 @@ Model make_model(const Claim& claim, Findings& findings, RunControl& control) {
   for (std::size_t v = 0; v < match.size(); ++v) {
     check();
     if (match[v].is_valid()) continue;
-    findings.add(PatchId(), Fault::kMovedVertex, static_cast<std::uint32_t>(v));
+    faults.add(PatchId(), Fault::kMovedVertex, static_cast<std::uint32_t>(v));
     append(v);
   }
 
-  renumber_output(claim, match, model, findings, control);
+  renumber_output(claim, match, model, faults, control);
   model.input = {claim.surface.face_begin, claim.surface.corners, claim.surface_patch};
   model.output = {model.output_face_begin, model.output_corners, claim.face_patch};
   model.corner_uv = claim.corner_uv;

@@ -45,8 +45,8 @@ struct Model {
 
   Points points;
   std::size_t surface_vertex_count = 0;
-  std::size_t new_vertex_end = 0;     ///< new vertices are numbered from surface_vertex_count to here
-  std::vector<std::uint8_t> is_kept;  ///< the output uses this vertex
+  std::size_t new_vertex_end = 0;          ///< new vertices are numbered from surface_vertex_count to here
+  std::vector<std::uint8_t> is_in_output;  ///< the output uses this vertex
   Faces input;
   Faces output;
   Grouping input_by_patch;
@@ -80,6 +80,6 @@ bool is_well_formed(const Claim& claim, RunControl& control);
 
 /// Builds the model.
 /// Input:  a well-formed claim. Reports kMovedVertex.
-Model make_model(const Claim& claim, Findings& findings, RunControl& control);
+Model make_model(const Claim& claim, FoundFaults& faults, RunControl& control);
 
 }  // namespace remesh::verification

@@ -35,25 +35,25 @@ void cut_spikes(std::vector<Vec3>& loop, double tolerance, StopCheck& check) {
     if (std::min(to_a, to_b) <= tolerance) return true;
     return dot(a, b) > 0 && norm(cross(a, b)) <= tolerance * std::max(to_a, to_b);
   };
-  std::size_t kept = 0;  // number of corners that stay so far, at the front of the loop
+  std::size_t staying = 0;  // number of corners that stay so far, at the front of the loop
   for (std::size_t i = 0; i < loop.size(); ++i) {
     check();
-    while (kept > 1 && is_tip(loop[kept - 2], loop[kept - 1], loop[i])) --kept;
-    loop[kept++] = loop[i];
+    while (staying > 1 && is_tip(loop[staying - 2], loop[staying - 1], loop[i])) --staying;
+    loop[staying++] = loop[i];
   }
   // The loop is closed, so spikes across its beginning are cut from both sides.
   std::size_t first = 0;
-  for (bool is_cut = true; is_cut && kept - first > 2;) {
+  for (bool is_cut = true; is_cut && staying - first > 2;) {
     check();
     is_cut = true;
-    if (is_tip(loop[kept - 2], loop[kept - 1], loop[first]))
-      --kept;
-    else if (is_tip(loop[kept - 1], loop[first], loop[first + 1]))
+    if (is_tip(loop[staying - 2], loop[staying - 1], loop[first]))
+      --staying;
+    else if (is_tip(loop[staying - 1], loop[first], loop[first + 1]))
       ++first;
     else
       is_cut = false;
   }
-  loop.resize(kept);
+  loop.resize(staying);
   loop.erase(loop.begin(), loop.begin() + static_cast<std::ptrdiff_t>(first));
 }
 

@@ -58,7 +58,7 @@ struct Reading {
   FaceId facing_away;                 ///< the first input face that points away and is higher than the tolerance
   std::vector<std::uint32_t> folded;  ///< all input faces that point away
   bool are_all_positive = true;       ///< all output triangles are positively oriented
-  std::vector<Finding> findings;
+  std::vector<FoundFault> faults;
 
   void add(const Reading& other) {
     heights.add(other.heights);
@@ -67,7 +67,7 @@ struct Reading {
     facing_away = std::min(facing_away, other.facing_away);  // an invalid face has the largest number
     folded.insert(folded.end(), other.folded.begin(), other.folded.end());
     are_all_positive = are_all_positive && other.are_all_positive;
-    findings.insert(findings.end(), other.findings.begin(), other.findings.end());
+    faults.insert(faults.end(), other.faults.begin(), other.faults.end());
   }
 };
 
@@ -89,7 +89,7 @@ double longest_extent(std::span<const VertexId> face, const Points& points) {
 class PatchCheck {
  public:
   PatchCheck(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
-             std::size_t patch, std::vector<std::uint8_t>& is_positive, std::vector<Finding>& findings,
+             std::size_t patch, std::vector<std::uint8_t>& is_positive, std::vector<FoundFault>& faults,
              RunControl& control)
       : model_(model),
         input_edges_(input_edges),
@@ -97,21 +97,19 @@ class PatchCheck {
         boundary_(boundary),
         patch_(patch),
         frame_(model.frames[patch]),
-        input_faces_(model.input_by_patch[patch]),
-        output_faces_(model.output_by_patch[patch]),
         is_positive_(is_positive),
-        findings_(findings),
+        faults_(faults),
         control_(control) {}
 
   void run(ShapeSums& sums) {
-    if (input_faces_.empty() && output_faces_.empty()) return;
-    if (input_faces_.empty() || output_faces_.empty()) return report(Fault::kNoFaces);
+    if (input_faces().empty() && output_faces().empty()) return;
+    if (input_faces().empty() || output_faces().empty()) return report(Fault::kNoFaces);
     has_frame_ = is_frame(frame_);
     if (!has_frame_) report(Fault::kFrame);
     control_.check();
-    input_ = read(input_faces_, [&](std::uint32_t f, Reading& reading) { read_input(f, reading); });
-    output_ = read(output_faces_, [&](std::uint32_t f, Reading& reading) { read_output(f, reading); });
-    findings_.insert(findings_.end(), output_.findings.begin(), output_.findings.end());
+    input_ = read(input_faces(), [&](std::uint32_t f, Reading& reading) { read_input(f, reading); });
+    output_ = read(output_faces(), [&](std::uint32_t f, Reading& reading) { read_output(f, reading); });
+    faults_.insert(faults_.end(), output_.faults.begin(), output_.faults.end());
     reach_ = std::max(input_.reach, output_.reach);
     compare_areas();
     const double deviation = check_deviation();
@@ -120,7 +118,10 @@ class PatchCheck {
   }
 
  private:
-  void report(Fault fault, std::uint32_t element = 0) { findings_.push_back({PatchId(patch_), fault, element}); }
+  std::span<const std::uint32_t> input_faces() const { return model_.input_by_patch[patch_]; }
+  std::span<const std::uint32_t> output_faces() const { return model_.output_by_patch[patch_]; }
+
+  void report(Fault fault, std::uint32_t element = 0) { faults_.push_back({PatchId(patch_), fault, element}); }
 
   /// Reads the faces of one side. A large patch is read in blocks.
   template <class ReadFace>
@@ -184,7 +185,7 @@ class PatchCheck {
   }
 
   void read_output(std::uint32_t f, Reading& reading) const {
-    const auto report = [&](Fault fault) { reading.findings.push_back({PatchId(patch_), fault, f}); };
+    const auto report = [&](Fault fault) { reading.faults.push_back({PatchId(patch_), fault, f}); };
     const auto face = model_.output.face(f);
     const Vec3 twice_area = add_face(face, reading);
     // A new vertex was rounded when it was made. That rounding depends on its coordinates, not on its distance from
@@ -212,7 +213,7 @@ class PatchCheck {
     const Vec2* uv = &model_.corner_uv[3 * f];
     for (int i = 0; i < 3; ++i) {
       if (is_on_grid(uv[i], frame_.grid) && is_projection(uv[i], face[i])) continue;
-      reading.findings.push_back({PatchId(patch_), Fault::kPlaneCoordinates, f});
+      reading.faults.push_back({PatchId(patch_), Fault::kPlaneCoordinates, f});
       reading.are_all_positive = false;
       return true;
     }
@@ -259,9 +260,10 @@ class PatchCheck {
   }
 
   bool is_unchanged() const {
-    if (input_faces_.size() != output_faces_.size()) return false;
+    if (input_faces().size() != output_faces().size()) return false;
     StopCheck check(control_);
-    return std::all_of(output_faces_.begin(), output_faces_.end(), [&](std::uint32_t f) {
+    const auto faces = output_faces();
+    return std::all_of(faces.begin(), faces.end(), [&](std::uint32_t f) {
       check();
       return is_input_triangle(model_.output.face(f));
     });
@@ -303,7 +305,7 @@ class PatchCheck {
   double bound_of_new_heights() {
     double bound = 0;
     StopCheck check(control_);
-    for (const std::uint32_t f : output_faces_) {
+    for (const std::uint32_t f : output_faces()) {
       check();
       for (const VertexId v : model_.output.face(f))
         if (model_.is_new(v) && !seams_.output.has(v)) {
@@ -332,9 +334,8 @@ class PatchCheck {
   const Boundary& boundary_;
   const std::size_t patch_;
   const Frame& frame_;
-  const std::span<const std::uint32_t> input_faces_, output_faces_;
   std::vector<std::uint8_t>& is_positive_;
-  std::vector<Finding>& findings_;
+  std::vector<FoundFault>& faults_;
   RunControl& control_;
 
   bool has_frame_ = false;
@@ -346,22 +347,22 @@ class PatchCheck {
 }  // namespace
 
 ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
-                       std::vector<std::uint8_t>& is_positive, Findings& findings, RunControl& control) {
+                       std::vector<std::uint8_t>& is_positive, FoundFaults& faults, RunControl& control) {
   struct Block {
     ShapeSums sums;
-    std::vector<Finding> findings;
+    std::vector<FoundFault> faults;
   };
   is_positive.assign(model.output.count(), 0);
   const auto blocks =
       map_blocks<Block>(model.patch_count(), kPatchesPerBlock, control, [&](std::size_t begin, std::size_t end) {
         Block block;
         for (std::size_t p = begin; p < end; ++p)
-          PatchCheck(model, input_edges, seams, boundary, p, is_positive, block.findings, control).run(block.sums);
+          PatchCheck(model, input_edges, seams, boundary, p, is_positive, block.faults, control).run(block.sums);
         return block;
       });
   ShapeSums total;
   for (const Block& block : blocks) {
-    findings.add(block.findings);
+    faults.add(block.faults);
     total.deviation = std::max(total.deviation, block.sums.deviation);
     total.volume_change += block.sums.volume_change;
     total.volume_bound += block.sums.volume_bound;

@@ -39,6 +39,6 @@ struct ShapeSums {
 /// Output: `is_positive` - one per output face: its plane coordinates are on the grid and turn counter-clockwise.
 /// Cost:   O(n); O(n log n) if distances must be measured.
 ShapeSums check_shapes(const Model& model, const EdgeTable& input_edges, const Seams& seams, const Boundary& boundary,
-                       std::vector<std::uint8_t>& is_positive, Findings& findings, RunControl& control);
+                       std::vector<std::uint8_t>& is_positive, FoundFaults& faults, RunControl& control);
 
 }  // namespace remesh::verification

@@ -33,7 +33,7 @@ class PolygonCheck {
     moved_ = 2 * model.tolerance + model.scale * claim.weld_tolerance;
   }
 
-  void run(std::uint64_t max_pairs, Findings& findings) {
+  void run(std::uint64_t max_pairs, FoundFaults& faults) {
     // Only the order of the file decides which polygons are not tested.
     std::vector<Doubt> affordable;
     StopCheck check(control_);
@@ -52,7 +52,7 @@ class PolygonCheck {
     for (std::size_t i = 0; i < affordable.size(); ++i) {
       check();
       const PolygonFaces& faces = affordable[i].faces;
-      if (are_wrong[i] != 0) findings.add(claim_.surface_patch[faces.begin], Fault::kPolygon, faces.source.value);
+      if (are_wrong[i] != 0) faults.add(claim_.surface_patch[faces.begin], Fault::kPolygon, faces.source.value);
     }
   }
 
@@ -118,8 +118,8 @@ class PolygonCheck {
     }
     const double twice_area = norm(outline.twice_area);
     const double allowed = 2 * moved_ * outline.length + 0x1p-45 * magnitude;
-    const bool is_area_kept = std::fabs(norm(twice_sum) - twice_area) <= allowed;
-    if (is_area_kept && twice_covered <= twice_area + allowed) return {};
+    const bool is_area_equal = std::fabs(norm(twice_sum) - twice_area) <= allowed;
+    if (is_area_equal && twice_covered <= twice_area + allowed) return {};
     const double reach = moved_ + 0x1p-45 * outline.length;
     // Mending cuts off every spike up to half the width that it may cut. An outline with a wider spike is not clearly
     // simple within the reach, so it is not judged, whether or not mending has cut the spike off.
@@ -129,7 +129,7 @@ class PolygonCheck {
     const Vec3 normal = normalized(measure_outline(loop, check).twice_area);
     if (normal == Vec3{}) return {};
     // The triangles of a bent polygon may face many directions, but their sum is its area vector.
-    if (is_area_kept && !is_flat(loop, normal, reach, check)) return {};
+    if (is_area_equal && !is_flat(loop, normal, reach, check)) return {};
     const Vec3 origin = loop[0];
     for (Vec3& p : loop) {
       check();
@@ -147,11 +147,11 @@ class PolygonCheck {
 
 }  // namespace
 
-void check_polygons(const Claim& claim, const Model& model, Findings& findings, RunControl& control,
+void check_polygons(const Claim& claim, const Model& model, FoundFaults& faults, RunControl& control,
                     std::uint64_t max_pairs) {
   // A mesh of triangles has no polygons to check.
   if (claim.input == nullptr || claim.input->corners.size() == 3 * claim.input->face_count()) return;
-  PolygonCheck(claim, model, control).run(max_pairs, findings);
+  PolygonCheck(claim, model, control).run(max_pairs, faults);
 }
 
 }  // namespace remesh::verification

@@ -26,11 +26,11 @@ inline constexpr std::uint64_t kMaxEdgePairs = std::uint64_t{1} << 24;
 /// that axis of space along which the fewest do. A mesh has a budget of such pairs. The polygons in doubt are served
 /// from it in the order of the file. A polygon that needs more than is left is not tested.
 /// Input:   `claim` - a claim without an input passes without a test. Reports kPolygon.
-/// Holds:   the findings depend neither on the number of threads nor on timing.
+/// Holds:   the faults depend neither on the number of threads nor on timing.
 /// Errors:  kCancelled, kTimeout - stopped through `control`.
 /// Cost:    O(corners of polygons), in parallel; for polygons in doubt, O(n log n) and at most `max_pairs`
 ///          comparisons.
-void check_polygons(const Claim& claim, const Model& model, Findings& findings, RunControl& control,
+void check_polygons(const Claim& claim, const Model& model, FoundFaults& faults, RunControl& control,
                     std::uint64_t max_pairs = kMaxEdgePairs);
 
 }  // namespace remesh::verification

@@ -31,9 +31,9 @@ constexpr std::uint32_t kAgainstQuality = bit(Fault::kMalformed) | bit(Fault::kL
                                           bit(Fault::kShortEdge) | bit(Fault::kTooManyFaces);
 static_assert((kAgainstSurface | kAgainstConforming | kAgainstDelaunay | kAgainstQuality) == (1u << kFaultCount) - 1);
 
-std::string words(const Finding& finding) {
-  const std::string id = std::to_string(finding.element);
-  switch (finding.fault) {
+std::string words(const FoundFault& found) {
+  const std::string id = std::to_string(found.element);
+  switch (found.fault) {
     case Fault::kMalformed: return "the claim is malformed";
     case Fault::kMovedVertex: return "output vertex " + id + " is no vertex of the input, nor a new one by itself";
     case Fault::kForeignVertex: return "vertex " + id + " is used, and is not the patch's in the input";
@@ -69,14 +69,14 @@ std::string words(const Finding& finding) {
 
 }  // namespace
 
-void Findings::add(PatchId patch, Fault fault, std::uint32_t element) {
+void FoundFaults::add(PatchId patch, Fault fault, std::uint32_t element) {
   std::uint32_t& seen = patch.is_valid() ? of_patch_[patch.value] : of_whole_;
   if (seen & bit(fault)) return;
   seen |= bit(fault);
-  findings_.push_back({patch, fault, element});
+  faults_.push_back({patch, fault, element});
 }
 
-void Findings::write_to(Verdict& verdict) const {
+void FoundFaults::write_to(Verdict& verdict) const {
   std::uint32_t faults = of_whole_;
   for (std::size_t p = 0; p < of_patch_.size(); ++p) {
     faults |= of_patch_[p];
@@ -87,13 +87,13 @@ void Findings::write_to(Verdict& verdict) const {
   verdict.delaunay = (faults & kAgainstDelaunay) == 0;
   if (is_refined_) verdict.quality = (faults & kAgainstQuality) == 0;
 
-  // Findings about the whole come first: their patch is invalid, which is the largest number, and adding 1 makes it
+  // Faults of the whole come first: their patch is invalid, which is the largest number, and adding 1 makes it
   // 0.
-  std::vector<Finding> first(std::min(kMaxFailures, findings_.size()));
-  const auto key = [](const Finding& f) { return std::tuple(f.patch.value + 1, f.fault); };
-  std::partial_sort_copy(findings_.begin(), findings_.end(), first.begin(), first.end(),
-                         [&](const Finding& a, const Finding& b) { return key(a) < key(b); });
-  for (const Finding& f : first) {
+  std::vector<FoundFault> first(std::min(kMaxFailures, faults_.size()));
+  const auto key = [](const FoundFault& f) { return std::tuple(f.patch.value + 1, f.fault); };
+  std::partial_sort_copy(faults_.begin(), faults_.end(), first.begin(), first.end(),
+                         [&](const FoundFault& a, const FoundFault& b) { return key(a) < key(b); });
+  for (const FoundFault& f : first) {
     verdict.failures.push_back((f.patch.is_valid() ? "patch " + std::to_string(f.patch.value) + ": " : "") + words(f));
   }
 }

@@ -44,22 +44,22 @@ enum class Fault : std::uint8_t {
 inline constexpr int kFaultCount = static_cast<int>(Fault::kPolygon) + 1;
 
 /// One fault at one place. The patch is invalid if the fault belongs to the whole mesh.
-struct Finding {
+struct FoundFault {
   PatchId patch;
   Fault fault;
   std::uint32_t element;  ///< a vertex, a face, or the first vertex of a boundary edge, depending on the fault
 };
 
-/// Collects findings. It keeps the first finding of each fault and patch. Only one thread may use it; several threads
+/// Collects faults. It stores the first place of each fault in each patch. Only one thread may use it; several threads
 /// collect lists and pass them on.
-class Findings {
+class FoundFaults {
  public:
   /// Input: `is_refined` - true for a refined result, which alone has a verdict on quality.
-  Findings(std::size_t patch_count, bool is_refined) : is_refined_(is_refined), of_patch_(patch_count, 0) {}
+  FoundFaults(std::size_t patch_count, bool is_refined) : is_refined_(is_refined), of_patch_(patch_count, 0) {}
 
   void add(PatchId patch, Fault fault, std::uint32_t element = 0);
-  void add(const std::vector<Finding>& findings) {
-    for (const Finding& f : findings) add(f.patch, f.fault, f.element);
+  void add(const std::vector<FoundFault>& faults) {
+    for (const FoundFault& f : faults) add(f.patch, f.fault, f.element);
   }
   /// Writes the flags, the failed patches and the first failures in words.
   void write_to(Verdict& verdict) const;
@@ -68,7 +68,7 @@ class Findings {
   bool is_refined_;
   std::vector<std::uint32_t> of_patch_;  ///< one bit for each fault
   std::uint32_t of_whole_ = 0;
-  std::vector<Finding> findings_;
+  std::vector<FoundFault> faults_;
 };
 
 }  // namespace remesh::verification

@@ -37,16 +37,16 @@ class DelaunayCheck {
   DelaunayCheck(const Model& model, const EdgeTable& edges, const std::vector<std::uint8_t>& is_positive)
       : model_(model), edges_(edges), is_positive_(is_positive) {}
 
-  void run(Findings& findings, RunControl& control) const {
-    const auto blocks = map_blocks<std::vector<Finding>>(edges_.vertex_count(), kItemsPerBlock, control,
-                                                         [&](std::size_t begin, std::size_t end) {
-                                                           std::vector<Finding> found;
-                                                           edges_.for_each_edge(begin, end, [&](const Edge& edge) {
-                                                             if (edge.is_interior()) check(edge, found);
-                                                           });
-                                                           return found;
-                                                         });
-    for (const auto& found : blocks) findings.add(found);
+  void run(FoundFaults& faults, RunControl& control) const {
+    const auto blocks = map_blocks<std::vector<FoundFault>>(edges_.vertex_count(), kItemsPerBlock, control,
+                                                            [&](std::size_t begin, std::size_t end) {
+                                                              std::vector<FoundFault> found;
+                                                              edges_.for_each_edge(begin, end, [&](const Edge& edge) {
+                                                                if (edge.is_interior()) check(edge, found);
+                                                              });
+                                                              return found;
+                                                            });
+    for (const auto& found : blocks) faults.add(found);
   }
 
  private:
@@ -60,7 +60,7 @@ class DelaunayCheck {
           apex(3 * face + (half_edge + 2) % 3) {}
   };
 
-  void check(const Edge& edge, std::vector<Finding>& found) const {
+  void check(const Edge& edge, std::vector<FoundFault>& found) const {
     const Side left(edge.uses[0].half_edge), right(edge.uses[1].half_edge);
     // Triangles without sound coordinates have been reported, or are the input's own and are exempt.
     if (!is_positive_[left.face] || !is_positive_[right.face]) return;
@@ -95,24 +95,24 @@ std::int64_t count_set(std::size_t n, RunControl& control, const IsSet& is_set) 
 }
 
 void check_whole(const Model& model, const EdgeCounts& input, std::int64_t input_vertices, const EdgeCounts& output,
-                 const ShapeSums& shapes, Findings& findings, RunControl& control) {
+                 const ShapeSums& shapes, FoundFaults& faults, RunControl& control) {
   const auto euler = [](std::int64_t vertices, const Faces& faces, const EdgeCounts& counts) {
     return vertices - static_cast<std::int64_t>(counts.edges) + static_cast<std::int64_t>(faces.count());
   };
   const std::int64_t output_vertices =
-      count_set(model.is_kept.size(), control, [&](std::size_t v) { return model.is_kept[v] != 0; });
+      count_set(model.is_in_output.size(), control, [&](std::size_t v) { return model.is_in_output[v] != 0; });
   if (euler(input_vertices, model.input, input) != euler(output_vertices, model.output, output))
-    findings.add(PatchId(), Fault::kEuler);
-  if (input.is_closed && !output.is_closed) findings.add(PatchId(), Fault::kOpened);
+    faults.add(PatchId(), Fault::kEuler);
+  if (input.is_closed && !output.is_closed) faults.add(PatchId(), Fault::kOpened);
   if (input.is_closed && input.is_consistent && !(std::fabs(shapes.volume_change) <= shapes.volume_bound))
-    findings.add(PatchId(), Fault::kVolume);
+    faults.add(PatchId(), Fault::kVolume);
 }
 
 /// The largest number of intersecting pairs that are searched for.
 constexpr std::size_t kMaxPairs = 100'000;
 
 /// Writes the pairs of output faces that intersect to the verdict.
-void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is_positive, Findings& findings,
+void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is_positive, FoundFaults& faults,
                          Verdict& verdict, RunControl& control) {
   // A face with a vertex that is not finite intersects nothing, and such a result has failed already.
   if (!std::all_of(claim.positions.begin(), claim.positions.end(), [](const Vec3& p) { return is_finite(p); })) return;
@@ -135,8 +135,8 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
       check();
       const auto [p, q] = std::minmax(claim.face_patch[f.value], claim.face_patch[g.value]);
       if (std::binary_search(known.patches.begin(), known.patches.end(), std::pair(p, q))) continue;
-      findings.add(p, Fault::kNewIntersection, f.value);
-      findings.add(q, Fault::kNewIntersection, g.value);
+      faults.add(p, Fault::kNewIntersection, f.value);
+      faults.add(q, Fault::kNewIntersection, g.value);
     }
   verdict.are_all_intersections_known = known.is_complete && found.is_complete;
   verdict.intersections = std::move(found.pairs);
@@ -146,19 +146,19 @@ void check_intersections(const Claim& claim, const std::vector<std::uint8_t>& is
 
 Verdict verify(const Claim& claim, RunControl& control) {
   Verdict verdict;
-  Findings findings(claim.frames.size(), claim.refinement != nullptr);
+  FoundFaults faults(claim.frames.size(), claim.refinement != nullptr);
   if (!is_well_formed(claim, control)) {
-    findings.add(PatchId(), Fault::kMalformed);
-    findings.write_to(verdict);
+    faults.add(PatchId(), Fault::kMalformed);
+    faults.write_to(verdict);
     return verdict;
   }
 
   // Output vertices get the surface's vertex numbers by exact coordinates.
-  const Model model = make_model(claim, findings, control);
+  const Model model = make_model(claim, faults, control);
   control.progress(0.2);
 
   // This checks the faces that were made of the input's polygons.
-  check_polygons(claim, model, findings, control);
+  check_polygons(claim, model, faults, control);
 
   // This finds the faces that use each edge, before and after.
   std::optional<EdgeTable> edges_before, edges_after;
@@ -176,27 +176,27 @@ Verdict verify(const Claim& claim, RunControl& control) {
   control.progress(0.6);
 
   // This checks that loops are preserved and edges conform.
-  const Boundary boundary = check_boundary(model, seams, findings, control);
+  const Boundary boundary = check_boundary(model, seams, faults, control);
   control.progress(0.8);
 
   // This checks that each patch is the same piece of surface and that its triangles are sound.
   std::vector<std::uint8_t> is_positive;
-  const ShapeSums shapes = check_shapes(model, input_edges, seams, boundary, is_positive, findings, control);
+  const ShapeSums shapes = check_shapes(model, input_edges, seams, boundary, is_positive, faults, control);
   verdict.deviation = shapes.deviation / model.scale;
   // The minimum keeps the bound finite for a model near the largest double, as its volume is.
   verdict.volume_bound = std::min(std::ldexp(shapes.volume_bound, -3 * std::ilogb(model.scale)), DBL_MAX);
   control.progress(0.9);
 
-  DelaunayCheck(model, output_edges, is_positive).run(findings, control);
-  check_intersections(claim, is_positive, findings, verdict, control);
+  DelaunayCheck(model, output_edges, is_positive).run(faults, control);
+  check_intersections(claim, is_positive, faults, verdict, control);
   if (claim.refinement != nullptr) {
     const Goals& goals = claim.refinement->goals;
     std::optional<VaryingSizes> sizes;
     if (goals.proximity > 0 || goals.gradation > 0) sizes.emplace(claim, model, seams.input, seams.output, control);
-    check_goals(*claim.refinement, model, output_edges, seams.output, sizes ? &*sizes : nullptr, findings, control);
+    check_goals(*claim.refinement, model, output_edges, seams.output, sizes ? &*sizes : nullptr, faults, control);
   }
-  check_whole(model, input_edges.counts(), boundary.input_vertices, output_edges.counts(), shapes, findings, control);
-  findings.write_to(verdict);
+  check_whole(model, input_edges.counts(), boundary.input_vertices, output_edges.counts(), shapes, faults, control);
+  faults.write_to(verdict);
   control.progress(1);
   return verdict;
 }

@@ -50,7 +50,7 @@ std::optional<Error> error_of_run(const PolygonMesh& mesh, const Options& option
 
 /// Expects either a verified result, or an error that blames the range of the coordinates and names a vertex or a face.
 /// The error that the mesh is empty is allowed as well, because a mesh has no area if rounding has left it no width.
-void expect_held_or_refused(const PolygonMesh& mesh, const Options& options, const std::string& what) {
+void expect_remeshed_or_refused(const PolygonMesh& mesh, const Options& options, const std::string& what) {
   const auto error = error_of_run(mesh, options);
   if (!error || error->code == Code::kEmptyMesh) return;
   EXPECT_EQ(error->code, Code::kCoordinateRange) << what << ": " << error->what();
@@ -95,7 +95,7 @@ TEST(coordinate_range, one_vertex_far_off_leaves_an_answer_or_is_named) {
       for (const Options& options : {usual(), unrefined()}) {
         PolygonMesh mesh = shapes::box({1, 2, 3}, 2);
         mesh.positions[VertexId(7)] = distance * way;
-        expect_held_or_refused(mesh, options, "a vertex at " + std::to_string(std::log10(distance)));
+        expect_remeshed_or_refused(mesh, options, "a vertex at " + std::to_string(std::log10(distance)));
       }
 }
 
@@ -105,7 +105,8 @@ TEST(coordinate_range, parts_of_very_different_sizes_leave_an_answer_or_are_name
       const PolygonMesh large = shapes::box({1, 1, 1});
       for (const Vec3& place : {Vec3{0, 0, 0}, Vec3{0.5, 0.5, 0.5}, Vec3{2, 3, 4}}) {
         const PolygonMesh small = shapes::moved(shapes::scaled(shapes::box({1, 1, 1}), size), place);
-        expect_held_or_refused(shapes::joined(large, small), options, "a box of " + std::to_string(std::log10(size)));
+        expect_remeshed_or_refused(shapes::joined(large, small), options,
+                                   "a box of " + std::to_string(std::log10(size)));
       }
     }
 }
@@ -118,13 +119,13 @@ TEST(coordinate_range, needles_and_sheets_of_any_width_leave_an_answer_or_are_na
         const std::string what = "a width of " + std::to_string(std::log10(width));
         const Vec3 axis{random.unit(), random.unit(), random.unit()};
         const PolygonMesh needle = shapes::from_lists({{0, 0, 0}, {1, 0, 0}, {0.25, width, 0}}, {{0, 1, 2}});
-        expect_held_or_refused(shapes::rotated(needle, axis, angle), options, what + ", a needle");
+        expect_remeshed_or_refused(shapes::rotated(needle, axis, angle), options, what + ", a needle");
         const PolygonMesh strip = shapes::sheet(1, width, 3, 2);
-        expect_held_or_refused(shapes::rotated(strip, axis, angle), options, what + ", a strip");
+        expect_remeshed_or_refused(shapes::rotated(strip, axis, angle), options, what + ", a strip");
         const PolygonMesh plate = shapes::box({1, 1, width}, 2);
-        expect_held_or_refused(shapes::rotated(plate, axis, angle), options, what + ", a plate");
+        expect_remeshed_or_refused(shapes::rotated(plate, axis, angle), options, what + ", a plate");
         const PolygonMesh rod = shapes::box({1, width, width}, 2);
-        expect_held_or_refused(shapes::rotated(rod, axis, angle), options, what + ", a rod");
+        expect_remeshed_or_refused(shapes::rotated(rod, axis, angle), options, what + ", a rod");
       }
 }
 
@@ -137,7 +138,7 @@ TEST(coordinate_range, random_scales_of_single_numbers_leave_an_answer_or_are_na
       Vec3& p = mesh.positions[VertexId(static_cast<std::size_t>(random.below(static_cast<int>(mesh.vertex_count()))))];
       p[random.below(3)] *= std::pow(10.0, random.uniform(-300, 300));
     }
-    expect_held_or_refused(mesh, random.chance(0.5) ? usual() : unrefined(), "number " + std::to_string(i));
+    expect_remeshed_or_refused(mesh, random.chance(0.5) ? usual() : unrefined(), "number " + std::to_string(i));
   }
 }
 

@@ -37,14 +37,14 @@ TEST(plane_tolerance, noise_within_a_given_tolerance_merges_and_beyond_it_does_n
   Options wide = unrefined(), narrow = unrefined();
   wide.plane_tolerance = 1e-3;
   narrow.plane_tolerance = 1e-6;
-  const Result merged = remeshed(mesh, wide), kept = remeshed(mesh, narrow);
+  const Result merged = remeshed(mesh, wide), separate = remeshed(mesh, narrow);
   EXPECT_EQ(merged.report.patches.size(), 1u);
   EXPECT_EQ(merged.mesh.faces.size(), 2u);
   EXPECT_LE(merged.report.verified.deviation, 1e-3);
   EXPECT_FALSE(merged.report.plane_tolerance_is_automatic);
   EXPECT_EQ(merged.report.plane_tolerance, 1e-3);
-  EXPECT_GT(kept.report.patches.size(), 60u);
-  EXPECT_TRUE(kept.report.verified.all_true());
+  EXPECT_GT(separate.report.patches.size(), 60u);
+  EXPECT_TRUE(separate.report.verified.all_true());
 }
 
 /// Returns the distance between a point and the faces of a mesh of triangles.

@@ -304,7 +304,7 @@ TEST(random_polygons, the_triangles_are_those_of_the_oracle_where_no_tie_is_brok
       for (std::uint32_t h = 0; h < ours.mesh.half_edge_count(); ++h) {
         const std::uint32_t g = ours.mesh.twin(h);
         const Segment edge = undirected(ours.mesh.from(h), ours.mesh.to(h));
-        if (g == Triangulation2d::kNone) {
+        if (g == Triangulation2d::kNoHalfEdge) {
           EXPECT_TRUE(oracle.count(edge));
           continue;
         }

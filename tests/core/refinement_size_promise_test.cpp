@@ -31,7 +31,7 @@ constexpr double kSlack = 1.1;
 /// The square of the sine of 51 degrees.
 constexpr double kSteep = 0.604;
 /// A value that is nearer than this to a limit may be on either side of it without being a fault.
-constexpr double kHair = 1e-6;
+constexpr double kRelativeSlack = 1e-6;
 
 using Corners = std::array<Vec3, 3>;
 
@@ -125,12 +125,12 @@ class Facets {
           d = norm(at - place);
         }
       }
-      if (d >= std::min(limit, least) || d <= touching * (1 + kHair)) continue;
+      if (d >= std::min(limit, least) || d <= touching * (1 + kRelativeSlack)) continue;
       const Vec3 way = (1 / d) * (there - place);
       const double up = dot(way, normals_[p.value]), into = dot(way, normals_[q]);
-      if (up * up < kSteep + kHair) continue;
-      if (body_[q] != kOpen && body_[q] == body_[p.value] && up * into > -kHair) continue;
-      if (is_way_over_surface(place, p, there, q, 3 * d * (1 + kHair))) continue;
+      if (up * up < kSteep + kRelativeSlack) continue;
+      if (body_[q] != kOpen && body_[q] == body_[p.value] && up * into > -kRelativeSlack) continue;
+      if (is_way_over_surface(place, p, there, q, 3 * d * (1 + kRelativeSlack))) continue;
       least = d;
     }
     return least;
@@ -187,7 +187,7 @@ std::vector<std::uint32_t> faces_beyond_gaps(const Result& result, const Options
         const double size = face.length[k] / kSlack - slope * norm(face.middle[k] - place);
         limit = std::max(limit, size * options.proximity - tolerance);
       }
-      return facets.gap(place, result.face_patch[FaceId(f)], limit * (1 - kHair), tolerance) < HUGE_VAL;
+      return facets.gap(place, result.face_patch[FaceId(f)], limit * (1 - kRelativeSlack), tolerance) < HUGE_VAL;
     };
     if (is_missed_at(face.centroid) || std::any_of(face.middle.begin(), face.middle.end(), is_missed_at))
       found.push_back(f);
@@ -405,7 +405,7 @@ TEST(size_promise, edges_beside_short_ones_grow_as_asked_or_are_listed) {
           for (const auto& [a, b] : edges) {
             const double way = norm(face.middle[k] - nearest_on_line(face.middle[k], a, b));
             const double size = norm(b - a) + (gradation - 1) * way;
-            is_beyond = is_beyond || face.length[k] > kSlack * size * (1 + kHair);
+            is_beyond = is_beyond || face.length[k] > kSlack * size * (1 + kRelativeSlack);
           }
         if (is_beyond) beyond.push_back(f);
       }

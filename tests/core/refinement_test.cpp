@@ -25,7 +25,7 @@
 namespace remesh {
 namespace {
 
-constexpr double kHair = 1 + 1e-9;
+constexpr double kRelativeSlack = 1 + 1e-9;
 
 std::string bytes(const Result& result) {
   RunControl control;
@@ -46,7 +46,7 @@ TEST_P(refined_cube, has_even_edges_sizes_and_sides) {
   expect_promises(cube, options, result);
   EXPECT_TRUE(result.report.output.closed);
   EXPECT_NEAR(*result.report.output.volume / (side * side * side), 1, 1e-12);
-  EXPECT_LE(longest_edge(result.mesh), size * kHair);
+  EXPECT_LE(longest_edge(result.mesh), size * kRelativeSlack);
   EXPECT_GE(smallest_angle_deg(result.mesh), 25);
   EXPECT_LE(result.mesh.faces.size(), 2600u);
   EXPECT_EQ(listed(result.report), 0u);
@@ -345,7 +345,7 @@ TEST(refinement, sizes_alone_are_met_without_a_bound_on_angles) {
   const PolygonMesh mesh = shapes::l_bracket();
   const Result result = refined(mesh, options);
   expect_promises(mesh, options, result);
-  EXPECT_LE(longest_edge(result.mesh), 0.21 * kHair);
+  EXPECT_LE(longest_edge(result.mesh), 0.21 * kRelativeSlack);
   EXPECT_EQ(listed(result.report), 0u);
 }
 
@@ -399,7 +399,7 @@ TEST(refinement, it_makes_nothing_shorter_than_the_shortest_edge) {
     options.min_edge_length = length;
     const Result result = refined(mesh, options);
     expect_promises(mesh, options, result);
-    EXPECT_GE(shortest_edge(result.mesh), std::min(own, length) / kHair);
+    EXPECT_GE(shortest_edge(result.mesh), std::min(own, length) / kRelativeSlack);
   }
 }
 
@@ -410,7 +410,7 @@ TEST(refinement, the_shortest_edge_goes_before_the_longest) {
   const PolygonMesh mesh = shapes::box({1, 1, 1});
   const Result result = refined(mesh, options);
   expect_promises(mesh, options, result);
-  EXPECT_GE(shortest_edge(result.mesh), 0.15 / kHair);
+  EXPECT_GE(shortest_edge(result.mesh), 0.15 / kRelativeSlack);
   EXPECT_GT(listed(result.report, UnrefinedReason::kMinEdgeLength), 0u);
 }
 
@@ -427,11 +427,11 @@ TEST(refinement, what_only_the_shortest_edge_forbids_is_listed_as_that) {
         listed(free.report, UnrefinedReason::kInputAngle) + listed(free.report, UnrefinedReason::kAcrossInputAngle);
     ASSERT_EQ(listed(free.report), at_corners) << listed_in_words(free.report);
     options.min_edge_length = 0.07;
-    const Result held = refined(mesh, options);
-    expect_promises(mesh, options, held);
-    EXPECT_GT(listed(held.report, UnrefinedReason::kMinEdgeLength), 0u) << listed_in_words(held.report);
-    EXPECT_EQ(listed(held.report, UnrefinedReason::kSizeFloor), 0u) << listed_in_words(held.report);
-    EXPECT_EQ(listed(held.report, UnrefinedReason::kBoundaryLocked), 0u) << listed_in_words(held.report);
+    const Result limited = refined(mesh, options);
+    expect_promises(mesh, options, limited);
+    EXPECT_GT(listed(limited.report, UnrefinedReason::kMinEdgeLength), 0u) << listed_in_words(limited.report);
+    EXPECT_EQ(listed(limited.report, UnrefinedReason::kSizeFloor), 0u) << listed_in_words(limited.report);
+    EXPECT_EQ(listed(limited.report, UnrefinedReason::kBoundaryLocked), 0u) << listed_in_words(limited.report);
   }
 }
 
@@ -440,9 +440,9 @@ TEST(refinement, what_the_shortest_edge_does_not_forbid_is_not_listed_as_that) {
   Options options = with_length(0.2);
   options.min_edge_length = 0.1;
   const PolygonMesh mesh = shapes::box({1, 1, 0.05});
-  const Result held = refined(mesh, options);
-  EXPECT_GT(listed(held.report, UnrefinedReason::kMinEdgeLength), 0u);
-  EXPECT_EQ(listed(held.report, UnrefinedReason::kBoundaryLocked), 0u) << listed_in_words(held.report);
+  const Result limited = refined(mesh, options);
+  EXPECT_GT(listed(limited.report, UnrefinedReason::kMinEdgeLength), 0u);
+  EXPECT_EQ(listed(limited.report, UnrefinedReason::kBoundaryLocked), 0u) << listed_in_words(limited.report);
   options.split_boundaries = false;
   const Result locked = refined(mesh, options);
   EXPECT_GT(listed(locked.report, UnrefinedReason::kBoundaryLocked), 0u);
@@ -557,15 +557,15 @@ TEST(refinement, boundary_vertices_that_are_to_stay_do) {
   const Result result = refined(mesh, options);
   expect_promises(mesh, options, result);
   const std::set<Vec3> output(result.mesh.positions.begin(), result.mesh.positions.end());
-  std::size_t kept = 0;
+  std::size_t count = 0;
   for (const Vec3& p : mesh.positions) {
     int faces = 0;
     for (int axis = 0; axis < 3; ++axis) faces += p[axis] == 0 || p[axis] == 1;
     if (faces < 2) continue;
-    ++kept;
+    ++count;
     EXPECT_TRUE(output.count(p));
   }
-  EXPECT_EQ(kept, 8u + 12 * 2) << "its corners, and two vertices inside each edge";
+  EXPECT_EQ(count, 8u + 12 * 2) << "its corners, and two vertices inside each edge";
 }
 
 TEST(refinement, labels_are_boundaries_that_are_cut_alike_on_both_sides) {

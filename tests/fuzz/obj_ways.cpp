@@ -12,10 +12,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string_view content(reinterpret_cast<const char*>(data), size);
   constexpr ReadLimits kLimits{100'000, 100'000};
   RunControl control;
-  const std::optional<ReadResult> plain = read_plain_obj(content, kLimits, control);
+  const std::optional<ReadResult> plain = read_obj_fast_path(content, kLimits, control);
   if (!plain) return 0;
   try {
-    fuzz::require(test::is_same_reading(*plain, read_any_obj(content, kLimits, control)), "the readings differ");
+    fuzz::require(test::is_same_reading(*plain, read_obj_full_grammar(content, kLimits, control)),
+                  "the readings differ");
   } catch (const Error&) {
     fuzz::found("only the fast way reads this");
   }

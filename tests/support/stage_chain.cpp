@@ -53,7 +53,7 @@ VertexId StageChain::at(const Vec3& position) const {
   throw std::invalid_argument("no vertex there");
 }
 
-std::vector<Vec3> StageChain::kept() const {
+std::vector<Vec3> StageChain::essential_places() const {
   std::vector<Vec3> points;
   for (std::uint32_t v = 0; v < surface.vertex_count(); ++v)
     if (essential[VertexId(v)]) points.push_back(surface.positions[VertexId(v)]);

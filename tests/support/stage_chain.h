@@ -36,7 +36,7 @@ class StageChain {
   VertexId at(const Vec3& position) const;
   bool is_essential(const Vec3& position) const { return essential[at(position)]; }
   /// Returns the sorted positions of the essential vertices.
-  std::vector<Vec3> kept() const;
+  std::vector<Vec3> essential_places() const;
   /// Returns the patch of a face of the input. If the face was split, it is the patch of its first piece.
   PatchId patch_of(std::size_t input_face) const;
   std::uint32_t loop_count(PatchId p) const { return loops.patch_begin[p.value + 1] - loops.patch_begin[p.value]; }

@@ -9,7 +9,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation2d::kNone;
+constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
 
 bool is_strictly_between(Vec2 a, Vec2 b, Vec2 p) {
   return orient2d(a, b, p) == 0 && std::min(a, b) < p && p < std::max(a, b);
@@ -48,7 +48,7 @@ void expect_valid(std::span<const Vec2> points, const Triangulation2d& mesh) {
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
     ASSERT_GT(orient2d(points[mesh.from(h)], points[mesh.to(h)], points[mesh.apex(h)]), 0);
     const std::uint32_t g = mesh.twin(h);
-    if (g == kNone) continue;
+    if (g == kNoHalfEdge) continue;
     ASSERT_EQ(mesh.twin(g), h);
     ASSERT_EQ(mesh.from(g), mesh.to(h));
     ASSERT_EQ(mesh.to(g), mesh.from(h));
@@ -59,7 +59,7 @@ void expect_valid(std::span<const Vec2> points, const Triangulation2d& mesh) {
 void expect_locally_delaunay(std::span<const Vec2> points, const Triangulation2d& mesh) {
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
     const std::uint32_t g = mesh.twin(h);
-    if (g == kNone || mesh.is_constrained(h)) continue;
+    if (g == kNoHalfEdge || mesh.is_constrained(h)) continue;
     ASSERT_LT(in_circle_perturbed(points[mesh.from(h)], points[mesh.to(h)], points[mesh.apex(h)], points[mesh.apex(g)]),
               0)
         << mesh.from(h) << '-' << mesh.to(h);

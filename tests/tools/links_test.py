@@ -3,8 +3,9 @@
 usage: links_test.py [ROOT]
 
 Two kinds of references are followed. The first kind is the relative links of all Markdown files: each must name a file or
-a folder, and an anchor behind `#` must be the anchor of a heading of that file. The second kind is the rules of
-core/rules.md: a source or another Markdown file that says `rules.md, NAME` must name one of the headings there.
+a folder, and an anchor behind `#` must be the anchor of a heading of that file. The second kind is citations: a source or
+another Markdown file that says `rules.md, NAME` must name one of the rules of core/rules.md, without its number, and one
+that says `experiments.md, NAME` must name one of the headings of core/experiments.md.
 Links to other servers are not followed.
 
 Exit code: 0 - all are there; 1 - the broken ones are listed.
@@ -18,7 +19,8 @@ import urllib.parse
 
 SKIPPED_FOLDERS = {"build", "node_modules", "__pycache__"}
 SOURCE_ENDINGS = (".h", ".cpp", ".ts", ".mjs", ".py", ".sh", ".txt", ".yaml")
-RULES = "core/rules.md"
+# The cited documents, what may be cited in them, and how a heading is told from others.
+CITED = {"core/rules.md": ("rule", re.compile(r"\d+\.\s+(.*)")), "core/experiments.md": ("experiment", re.compile(r"(.*)"))}
 
 INLINE_LINK = re.compile(r"!?\[(?:[^\[\]]|\[[^\]]*\]\([^)]*\))*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
 INNER_LINK = re.compile(r"\[[^\[\]]*\]\(\s*<?([^)\s>]+)>?[^)]*\)")
@@ -27,8 +29,8 @@ HTML_LINK = re.compile(r"<(?:a|img)\b[^>]*\b(?:href|src)=\"([^\"]+)\"")
 HEADING = re.compile(r"^#{1,6}\s+(.*?)\s*#*\s*$")
 FENCE = re.compile(r"^\s*(```|~~~)")
 CODE_SPAN = re.compile(r"(`+)(.+?)\1")
-# A rule's name begins with a capital letter and ends before the end of the sentence or the list.
-CITATION = re.compile(r"rules\.md, (?!NAME\b)([A-Z][a-z-]+(?: [a-z-]+)*)")
+# A name begins with a capital letter and ends before the end of the sentence or the list.
+CITATION = re.compile(r"\b(rules|experiments)\.md, (?!NAME\b)([A-Z][a-z-]+(?: [a-z-]+)*)")
 
 
 def files(root, endings):
@@ -106,20 +108,29 @@ def link_faults(root):
                 yield f"{path}:{number}: {there} has no heading for #{anchor}"
 
 
+def names_to_cite(root):
+    """For each cited document that there is: its path, what may be cited in it, and the names of these."""
+    for document, (kind, form) in CITED.items():
+        if os.path.exists(os.path.join(root, document)):
+            found = [form.match(heading) for heading in headings(read(root, document))]
+            yield os.path.basename(document), (document, kind, {match.group(1) for match in found if match})
+
+
 def citation_faults(root):
-    if not os.path.exists(os.path.join(root, RULES)):
-        return
-    numbered = [re.match(r"\d+\.\s+(.*)", heading) for heading in headings(read(root, RULES))]
-    names = {match.group(1) for match in numbered if match}
+    cited = dict(names_to_cite(root))
     for path in files(root, SOURCE_ENDINGS + (".md",)):
-        if path in (RULES, "tests/tools/links_test.py"):
+        if path == "tests/tools/links_test.py":
             continue
         text = read(root, path)
         # A citation may go on in the next line of a comment.
         joined = re.sub(r"\n\s*(?://+|#)\s*", " ", text)
         for match in CITATION.finditer(joined):
-            if match.group(1) not in names:
-                yield f"{path}: {RULES} has no rule \"{match.group(1)}\""
+            name = f"{match.group(1)}.md"
+            if name not in cited:
+                continue
+            document, kind, names = cited[name]
+            if path != document and match.group(2) not in names:
+                yield f"{path}: {document} has no {kind} \"{match.group(2)}\""
 
 
 def find_faults(root):
@@ -133,11 +144,14 @@ def check_itself():
                 "[no](no.md) [no](b/c.md#no) `[code](no.md)`\n```\n[code](no.md)\n```\n[![no](no.svg)](a.md)\n[r]: no.txt\n",
         "b/c.md": "## x y\n[up](../a.md#one-two-three) [out](../../a.md)\n<img src=\"no.png\">\n",
         "core/rules.md": "## 1. Owned things\n",
-        "core/x.h": "/// Source: rules.md, Owned\n/// things; rules.md, No such rule.\n",
+        "core/experiments.md": "## Tried things\n### Fast ones\n",
+        "core/x.h": "/// Source: rules.md, Owned\n/// things; rules.md, No such rule.\n"
+                    "// See experiments.md, Fast\n// ones. See experiments.md, Slow ones.\n",
     }
     expected = ["a.md:4: there is no no.md", "a.md:4: b/c.md has no heading for #no", "a.md:8: there is no no.svg",
                 "a.md:9: there is no no.txt", "b/c.md:2: ../../a.md leaves the repository",
-                "b/c.md:3: there is no b/no.png", "core/x.h: core/rules.md has no rule \"No such rule\""]
+                "b/c.md:3: there is no b/no.png", "core/x.h: core/rules.md has no rule \"No such rule\"",
+                "core/x.h: core/experiments.md has no experiment \"Slow ones\""]
     with tempfile.TemporaryDirectory() as root:
         for path, text in documents.items():
             os.makedirs(os.path.dirname(os.path.join(root, path)), exist_ok=True)

@@ -21,7 +21,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation2d::kNone;
+constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
 
 /// Returns the triangles in the order of the triangulation.
 std::vector<Corners> triangles(const Triangulation2d& mesh) {
@@ -53,7 +53,7 @@ void expect_delaunay(const std::vector<Vec2>& points, const Triangulation2d& mes
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
     ASSERT_GT(orient2d(points[mesh.from(h)], points[mesh.to(h)], points[mesh.apex(h)]), 0);
     const std::uint32_t g = mesh.twin(h);
-    if (g == kNone) {
+    if (g == kNoHalfEdge) {
       ++hull_edges;
       continue;
     }

@@ -72,7 +72,7 @@ TEST(patch_intersections, touching_from_one_patch_to_another_counts) {
   EXPECT_EQ(patched.find().pairs, expected.pairs);
 }
 
-TEST(patch_intersections, sheets_that_lie_in_one_another_are_held_against_each_other_as_a_whole) {
+TEST(patch_intersections, sheets_that_lie_in_one_another_are_compared_as_a_whole) {
   // Each face is near all other sheets: too many parts to keep.
   Random random(17);
   PolygonMesh mesh;

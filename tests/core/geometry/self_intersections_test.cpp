@@ -77,7 +77,7 @@ TEST(self_intersections, all_pairs_of_a_soup_are_those_of_the_oracle) {
   }
 }
 
-TEST(self_intersections, faces_of_one_piece_are_not_held_against_each_other) {
+TEST(self_intersections, faces_of_one_piece_are_not_compared) {
   const TriangleMesh mesh = crumbs(1, 10, 5000);
   const Pairs all = find(mesh).pairs;
   ASSERT_GT(all.size(), 100);

@@ -8,7 +8,7 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNone = Triangulation2d::kNone;
+constexpr std::uint32_t kNoHalfEdge = Triangulation2d::kNoHalfEdge;
 
 /// The square 0 1 2 3, counter-clockwise, with the diagonal 0-2. Half-edge 2 runs from 2 to 0, half-edge 3 from 0 to 2.
 Triangulation2d square() {
@@ -29,7 +29,7 @@ std::set<std::set<std::uint32_t>> triangles(const Triangulation2d& mesh) {
 void expect_twins_agree(const Triangulation2d& mesh) {
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
     const std::uint32_t g = mesh.twin(h);
-    if (g == kNone) continue;
+    if (g == kNoHalfEdge) continue;
     EXPECT_EQ(mesh.twin(g), h);
     EXPECT_EQ(mesh.from(g), mesh.to(h));
     EXPECT_EQ(mesh.to(g), mesh.from(h));
@@ -65,7 +65,7 @@ TEST(triangulation_2d, after_a_flip_its_half_edge_is_the_new_diagonal) {
 TEST(triangulation_2d, the_index_of_points_survives_flips) {
   Triangulation2d mesh = square();
   mesh.index_points(5);
-  EXPECT_EQ(mesh.edge_at(4), kNone);
+  EXPECT_EQ(mesh.edge_at(4), kNoHalfEdge);
   for (int i = 0; i < 3; ++i) {
     mesh.flip(2);
     for (std::uint32_t p = 0; p < 4; ++p) EXPECT_EQ(mesh.from(mesh.edge_at(p)), p);
@@ -78,7 +78,7 @@ TEST(triangulation_2d, compacting_keeps_order_and_constraints_and_opens_what_is_
   mesh.compact({0, 1});
   ASSERT_EQ(mesh.triangle_count(), 1u);
   EXPECT_EQ(triangles(mesh), (std::set<std::set<std::uint32_t>>{{0, 2, 3}}));
-  EXPECT_EQ(mesh.twin(0), kNone);
+  EXPECT_EQ(mesh.twin(0), kNoHalfEdge);
   EXPECT_TRUE(mesh.is_constrained(0));
   EXPECT_FALSE(mesh.is_constrained(1));
 }

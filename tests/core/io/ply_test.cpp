@@ -227,7 +227,7 @@ TEST(ply_reader, binary_data_that_ends_early_or_goes_on_is_an_error_at_its_byte)
   expect_error_at_byte(read_ply, file + std::string(13, 'x'), Code::kInvalidMesh, file.size());
 }
 
-TEST(ply_reader, counts_are_held_against_the_limits_before_anything_is_reserved) {
+TEST(ply_reader, counts_are_compared_with_the_limits_before_anything_is_reserved) {
   EXPECT_EQ(read(text_ply(), {5, 2}).mesh.face_count(), 2u);
   EXPECT_EQ(test::error_of(read_ply, text_ply(), {4, 2}).code, Code::kMeshTooLarge);
   EXPECT_EQ(test::error_of(read_ply, text_ply(), {5, 1}).code, Code::kMeshTooLarge);

@@ -22,11 +22,11 @@ struct SplitResult {
 };
 
 SplitResult split(const PolygonMesh& mesh, double tolerance, Mend mend = Mend::kYes,
-                  const std::vector<std::uint8_t>& as_it_is = {}) {
+                  const std::vector<std::uint8_t>& keep_verbatim = {}) {
   RunControl control;
   SplitResult result{shapes::surface(mesh), {}, false};
   const Adjacency edges(result.surface.vertex_count(), result.surface.face_begin, result.surface.corners, control);
-  result.is_changed = split_t_junctions(result.surface, edges, tolerance / result.surface.unit, as_it_is, mend,
+  result.is_changed = split_t_junctions(result.surface, edges, tolerance / result.surface.unit, keep_verbatim, mend,
                                         result.diagnostics, control);
   return result;
 }

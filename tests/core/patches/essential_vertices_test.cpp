@@ -41,9 +41,9 @@ void expect_holds(const StageChain& chain) {
     ASSERT_NE(first, loop.end());
     std::rotate(loop.begin(), first, loop.end());
     loop.push_back(loop.front());
-    std::size_t kept = 0;
+    std::size_t count = 0;
     for (std::size_t i = 0; i + 1 < loop.size();) {
-      ++kept;
+      ++count;
       std::size_t j = i + 1;
       while (!chain.essential[loop[j]]) ++j;
       const Vec3 a = chain.surface.local[loop[i]], b = chain.surface.local[loop[j]];
@@ -59,19 +59,19 @@ void expect_holds(const StageChain& chain) {
       i = j;
     }
     const auto distinct = std::set<VertexId>(loop.begin(), loop.end()).size();
-    EXPECT_GE(kept, std::min<std::size_t>(3, distinct));
+    EXPECT_GE(count, std::min<std::size_t>(3, distinct));
   }
 }
 
 TEST(essential_vertices, a_finely_cut_square_keeps_its_corners) {
   const StageChain chain(shapes::sheet(2, 1, 6, 4));
-  EXPECT_EQ(chain.kept(), flat_points({{0, 0}, {2, 0}, {2, 1}, {0, 1}}));
+  EXPECT_EQ(chain.essential_places(), flat_points({{0, 0}, {2, 0}, {2, 1}, {0, 1}}));
   expect_holds(chain);
 }
 
 TEST(essential_vertices, a_finely_cut_ring_keeps_eight) {
   const StageChain chain(shapes::ring(4));
-  EXPECT_EQ(chain.kept().size(), 8u);
+  EXPECT_EQ(chain.essential_places().size(), 8u);
   expect_holds(chain);
 }
 
@@ -87,14 +87,14 @@ TEST(essential_vertices, a_collinear_vertex_is_kept_where_patches_meet) {
 
 TEST(essential_vertices, a_vertex_inside_a_patch_goes) {
   const StageChain chain(shapes::noisy_sheet(4, 1));
-  EXPECT_EQ(chain.kept(), flat_points({{0, 0}, {4, 0}, {4, 4}, {0, 4}}));
+  EXPECT_EQ(chain.essential_places(), flat_points({{0, 0}, {4, 0}, {4, 4}, {0, 4}}));
 }
 
 TEST(essential_vertices, the_ends_of_a_fin_inside_a_patch_stay) {
   const StageChain chain(
       shapes::from_lists({{0, 0, 0}, {3, 0, 0}, {3, 2, 0}, {0, 2, 0}, {1, 1, 0}, {2, 1, 0}, {1, 1, 1}, {2, 1, 1}},
                          {{0, 1, 5, 4}, {1, 2, 5}, {2, 3, 4, 5}, {3, 0, 4}, {4, 5, 7, 6}}));
-  EXPECT_EQ(chain.kept().size(), 8u);
+  EXPECT_EQ(chain.essential_places().size(), 8u);
 }
 
 TEST(essential_vertices, what_touches_a_patch_inside_in_one_vertex_is_a_point_of_it) {
@@ -121,12 +121,12 @@ TEST(essential_vertices, a_round_boundary_without_a_corner_keeps_three_or_more) 
   for (const double tolerance : {1e-9, 1e-3, 0.05, 0.2}) {
     const StageChain chain(shapes::plate_with_round_hole(64), tolerance);
     expect_holds(chain);
-    EXPECT_GE(chain.kept().size(), 4u + 3u) << tolerance;
+    EXPECT_GE(chain.essential_places().size(), 4u + 3u) << tolerance;
     if (tolerance < 1e-6) {
-      EXPECT_EQ(chain.kept().size(), 4u + 64u);
+      EXPECT_EQ(chain.essential_places().size(), 4u + 64u);
     }
     if (tolerance == 0.05) {
-      EXPECT_LT(chain.kept().size(), 4u + 32u);
+      EXPECT_LT(chain.essential_places().size(), 4u + 32u);
     }
   }
 }
@@ -139,7 +139,7 @@ TEST(essential_vertices, a_closed_boundary_within_the_tolerance_of_a_line_stays_
           {{-1, -1, 0}, {2, -1, 0}, {2, 1, 0}, {-1, 1, 0}, {0, 0, 0}, {0.5, 1e-4, 0}, {1, 0, 0}, {0.5, -1e-4, 0}},
           {{0, 1, 7}, {1, 6, 7}, {1, 2, 6}, {2, 5, 6}, {2, 3, 5}, {3, 4, 5}, {3, 0, 4}, {0, 7, 4}}),
       1e-3);
-  EXPECT_EQ(chain.kept().size(), 8u);
+  EXPECT_EQ(chain.essential_places().size(), 8u);
 }
 
 TEST(essential_vertices, a_crack_thinner_than_the_tolerance_does_not_close) {
@@ -180,20 +180,20 @@ TEST(essential_vertices, small_steps_that_add_up_are_seen) {
   std::reverse(points.begin(), points.end());
   const StageChain chain(shapes::polygon(points), 1e-3);
   expect_holds(chain);
-  EXPECT_GT(chain.kept().size(), 10u);
-  EXPECT_LT(chain.kept().size(), 60u);
+  EXPECT_GT(chain.essential_places().size(), 10u);
+  EXPECT_LT(chain.essential_places().size(), 60u);
 }
 
 TEST(essential_vertices, forced_vertices_stay) {
   const StageChain chain(shapes::sheet(2, 1, 4, 1), 1e-6, {{1, 0, 0}});
   EXPECT_TRUE(chain.is_essential({1, 0, 0}));
-  EXPECT_EQ(chain.kept().size(), 5u);
+  EXPECT_EQ(chain.essential_places().size(), 5u);
 }
 
 TEST(essential_vertices, neighbours_agree_on_what_stays) {
   // One answer a vertex, whatever the patch: edges of a box cut unevenly.
   const StageChain chain(shapes::box({1, 2, 3}, 5));
-  EXPECT_EQ(chain.kept().size(), 8u);
+  EXPECT_EQ(chain.essential_places().size(), 8u);
   expect_holds(chain);
 }
 
@@ -212,7 +212,7 @@ TEST(essential_vertices, random_patches_with_noise_keep_what_is_promised) {
     }
     const StageChain chain(shapes::polygon(fine), 1e-6);
     expect_holds(chain);
-    EXPECT_LE(chain.kept().size(), loop.size()) << seed;
+    EXPECT_LE(chain.essential_places().size(), loop.size()) << seed;
   }
 }
 

@@ -27,7 +27,7 @@ std::map<Edge, int> inside_edges(const PatchMeshes& meshes) {
   for (const PatchMesh& patch : meshes)
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h) {
       const std::uint32_t g = patch.mesh.twin(h);
-      const bool is_border = g == Triangulation2d::kNone;
+      const bool is_border = g == Triangulation2d::kNoHalfEdge;
       const Edge edge = std::minmax(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]);
       if (!is_border && g > h && edge.second.is_valid()) ++edges[edge];
     }
@@ -38,7 +38,7 @@ std::set<Edge> border_edges(const PatchMeshes& meshes) {
   std::set<Edge> edges;
   for (const PatchMesh& patch : meshes)
     for (std::uint32_t h = 0; h < patch.mesh.half_edge_count(); ++h)
-      if (patch.mesh.twin(h) == Triangulation2d::kNone)
+      if (patch.mesh.twin(h) == Triangulation2d::kNoHalfEdge)
         edges.insert(std::minmax(patch.vertices[patch.mesh.from(h)], patch.vertices[patch.mesh.to(h)]));
   return edges;
 }

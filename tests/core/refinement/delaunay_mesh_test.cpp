@@ -17,8 +17,6 @@
 namespace remesh {
 namespace {
 
-constexpr std::uint32_t kNone = DelaunayMesh::kNone;
-
 /// A mesh, and what its owner has to remember: which sides belong together, and which vertices are free.
 class Subject {
  public:
@@ -311,7 +309,7 @@ TEST(delaunay_mesh, a_constraint_that_is_no_side_gives_way) {
   ASSERT_EQ(made.outcome, Outcome::kDone);
   std::vector<std::uint32_t> rim;
   for (std::uint32_t h = 0; h < made.mesh.half_edge_count(); ++h)
-    if (made.mesh.twin(h) == Triangulation2d::kNone) rim.push_back(h);
+    if (made.mesh.twin(h) == Triangulation2d::kNoHalfEdge) rim.push_back(h);
   DelaunayMesh::Scratch scratch;
   const DelaunayMesh mesh(made.mesh, points, rim, scratch);
   std::set<Segment> inner;

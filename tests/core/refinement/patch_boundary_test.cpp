@@ -53,7 +53,7 @@ TEST(patch_boundary, a_patch_has_one_side_of_each_segment_around_it) {
   EXPECT_EQ(boundary.side_count(), 4u);
   EXPECT_EQ(boundary.chain_count(), 4u);
   for (std::uint32_t s = 0; s < 4; ++s) {
-    EXPECT_EQ(boundary.side(s).partner, PatchBoundary::kNone);
+    EXPECT_EQ(boundary.side(s).partner, kNone);
     EXPECT_EQ(ends_of_pieces(boundary, boundary.segment_of(s)), (std::vector<double>{0, 1}));
     EXPECT_EQ(boundary.cost_of_cut(boundary.segment_of(s)), 1u);
   }
@@ -90,7 +90,7 @@ TEST(patch_boundary, the_two_sides_of_a_slit_have_the_same_pieces) {
     for (std::uint32_t s = 0; s < whole.side_count(); ++s) {
       const std::uint32_t partner = whole.side(s).partner;
       divided.divide(s, std::vector<double>{0.25, 0.5});
-      if (partner == PatchBoundary::kNone || partner < s) continue;
+      if (partner == kNone || partner < s) continue;
       ++slits;
       EXPECT_EQ(partner, s + 1);
       EXPECT_NE(whole.side(s).is_forward, whole.side(partner).is_forward);
@@ -103,7 +103,7 @@ TEST(patch_boundary, the_two_sides_of_a_slit_have_the_same_pieces) {
     for (const PatchBoundary* boundary : {&split, &divided})
       for (std::uint32_t s = 0; s < boundary->side_count(); ++s) {
         const PatchBoundary::Side& side = boundary->side(s);
-        if (side.partner == PatchBoundary::kNone) continue;
+        if (side.partner == kNone) continue;
         const PatchBoundary::Side& other = boundary->side(side.partner);
         EXPECT_EQ(other.partner, s);
         EXPECT_EQ(other.t0, side.t0);

@@ -27,7 +27,7 @@ void shuffle(const std::vector<Vec2>& points, Triangulation2d& mesh, std::uint64
   for (std::uint32_t i = 0; i < 4 * mesh.half_edge_count(); ++i) {
     const auto h = static_cast<std::uint32_t>(random.below(static_cast<int>(mesh.half_edge_count())));
     const std::uint32_t g = mesh.twin(h);
-    if (g == Triangulation2d::kNone || mesh.is_constrained(h)) continue;
+    if (g == Triangulation2d::kNoHalfEdge || mesh.is_constrained(h)) continue;
     const Vec2 a = points[mesh.from(h)], b = points[mesh.to(h)], c = points[mesh.apex(h)], d = points[mesh.apex(g)];
     if (orient2d(d, b, c) > 0 && orient2d(c, a, d) > 0) mesh.flip(h);
   }
@@ -101,7 +101,7 @@ TEST(delaunay_flips, begun_from_what_has_changed_it_restores_the_whole) {
   const auto expected = triangles_of(mesh);
   for (std::uint32_t h = 0; h < mesh.half_edge_count(); ++h) {
     const std::uint32_t g = mesh.twin(h);
-    if (g == Triangulation2d::kNone) continue;
+    if (g == Triangulation2d::kNoHalfEdge) continue;
     const Vec2 a = points[mesh.from(h)], b = points[mesh.to(h)], c = points[mesh.apex(h)], d = points[mesh.apex(g)];
     if (orient2d(d, b, c) <= 0 || orient2d(c, a, d) <= 0) continue;
     mesh.flip(h);

@@ -145,11 +145,11 @@ std::vector<std::uint32_t> wrong_squares(int count, std::uint64_t max_pairs) {
   const Claim claim{e.surface,         e.surface_patch, e.frames, e.positions, e.faces, e.face_patch, e.corner_uv,
                     e.plane_tolerance, false,           nullptr,  nullptr,     {},      &input};
   RunControl control;
-  verification::Findings findings(e.frames.size(), false);
-  const verification::Model model = verification::make_model(claim, findings, control);
-  verification::check_polygons(claim, model, findings, control, max_pairs);
+  verification::FoundFaults faults(e.frames.size(), false);
+  const verification::Model model = verification::make_model(claim, faults, control);
+  verification::check_polygons(claim, model, faults, control, max_pairs);
   Verdict verdict;
-  findings.write_to(verdict);
+  faults.write_to(verdict);
   std::vector<std::uint32_t> wrong;
   for (const PatchId p : verdict.failed_patches) wrong.push_back(p.value);
   std::sort(wrong.begin(), wrong.end());

@@ -72,7 +72,7 @@ class ObjReader final : private std::streambuf {
       const std::string_view files = trim(records_.arguments());
       if (!files.empty()) mesh_.labels.material_libraries.emplace_back(files);
     } else {
-      findings_.dropped.count(keyword);
+      extras_.dropped.count(keyword);
     }
   }
 
@@ -85,12 +85,12 @@ class ObjReader final : private std::streambuf {
       if (!token.empty()) {
         position[axis] = coordinate(token);
       } else if (axis == 2) {
-        findings_.missing_z.add(id);
+        extras_.missing_z.add(id);
       } else {
         throw vertex_error(Code::kInvalidMesh, "a vertex with fewer than two coordinates");
       }
     }
-    if (!next_value(arguments).empty()) findings_.extra_values.add(id);
+    if (!next_value(arguments).empty()) extras_.extra_values.add(id);
     mesh_.positions.push_back(position);
   }
 
@@ -196,7 +196,7 @@ class ObjReader final : private std::streambuf {
     mesh_.labels.group = group_.take();
     mesh_.labels.material = material_.take();
     result.mesh = std::move(mesh_);
-    result.diagnostics = std::move(findings_).diagnostics();
+    result.diagnostics = std::move(extras_).diagnostics();
     return result;
   }
 
@@ -252,7 +252,7 @@ class ObjReader final : private std::streambuf {
   RunControl& control_;
   PolygonMesh mesh_;
   LabelCollector object_, group_, material_;
-  ObjFindings findings_;
+  ObjExtras extras_;
   /// Each index is larger than all before it, so the first one that is out of range is on the first such line.
   std::vector<ReferenceAhead> references_ahead_;
   std::string delivery_;
@@ -261,7 +261,7 @@ class ObjReader final : private std::streambuf {
 
 }  // namespace
 
-ReadResult read_any_obj(std::string_view text, const ReadLimits& limits, RunControl& control) {
+ReadResult read_obj_full_grammar(std::string_view text, const ReadLimits& limits, RunControl& control) {
   control.enter(Stage::kRead);
   return ObjReader(text, limits, control).read();
 }

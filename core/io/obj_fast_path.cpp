@@ -76,7 +76,7 @@ class Gatherer {
     --chunks_left_;
     if (!resolve(chunk)) return false;
     add_labels(chunk);
-    note(chunk.findings);
+    note(chunk.extras);
     const auto corners_before = static_cast<std::uint32_t>(mesh_.corners.size());
     mesh_.face_begin.resize(mesh_.face_begin.size() + chunk.face_end.size());
     std::transform(chunk.face_end.begin(), chunk.face_end.end(), mesh_.face_begin.end() - chunk.face_end.size(),
@@ -85,7 +85,7 @@ class Gatherer {
     mesh_.positions.items().insert(mesh_.positions.end(), chunk.positions.begin(), chunk.positions.end());
     largest_index_ = std::max(largest_index_, chunk.largest_index);
     return mesh_.vertex_count() <= limits_.max_vertices && mesh_.face_count() <= limits_.max_faces &&
-           findings_.dropped.kinds().size() < DroppedRecords::kMaxKinds;
+           extras_.dropped.kinds().size() < DroppedRecords::kMaxKinds;
   }
 
   /// Output: nothing if a face has a vertex that the text does not have, or if there is no face.
@@ -94,7 +94,7 @@ class Gatherer {
     mesh_.labels.object = labels_[static_cast<std::size_t>(ObjChunk::LabelKind::kObject)].take();
     mesh_.labels.group = labels_[static_cast<std::size_t>(ObjChunk::LabelKind::kGroup)].take();
     mesh_.labels.material = labels_[static_cast<std::size_t>(ObjChunk::LabelKind::kMaterial)].take();
-    return ReadResult{std::move(mesh_), std::move(findings_).diagnostics()};
+    return ReadResult{std::move(mesh_), std::move(extras_).diagnostics()};
   }
 
  private:
@@ -152,10 +152,10 @@ class Gatherer {
     faces_labelled_ += count;
   }
 
-  void note(const ObjFindings& found) {
-    for (const auto& [keyword, count] : found.dropped.kinds()) findings_.dropped.count(keyword, count);
-    note(found.extra_values, findings_.extra_values);
-    note(found.missing_z, findings_.missing_z);
+  void note(const ObjExtras& found) {
+    for (const auto& [keyword, count] : found.dropped.kinds()) extras_.dropped.count(keyword, count);
+    note(found.extra_values, extras_.extra_values);
+    note(found.missing_z, extras_.missing_z);
   }
 
   void note(const Diagnostic& found, Diagnostic& all) const {
@@ -172,12 +172,12 @@ class Gatherer {
   std::array<LabelCollector, 3> labels_;
   std::size_t faces_labelled_ = 0;
   std::uint32_t largest_index_ = 0;
-  ObjFindings findings_;
+  ObjExtras extras_;
 };
 
 }  // namespace
 
-std::optional<ReadResult> read_plain_obj(std::string_view text, const ReadLimits& limits, RunControl& control) {
+std::optional<ReadResult> read_obj_fast_path(std::string_view text, const ReadLimits& limits, RunControl& control) {
   if (wide_encoding(text)) return std::nullopt;
   if (text.starts_with(kUtf8Mark)) text.remove_prefix(kUtf8Mark.size());
   const Chunks chunks(without_padding(text));

@@ -26,14 +26,14 @@ constexpr const char* kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
 std::optional<ReadResult> read_plain(std::string_view text, int threads = 1, const ReadLimits& limits = {}) {
   RunControl control;
-  return tbb::task_arena(threads).execute([&] { return read_plain_obj(text, limits, control); });
+  return tbb::task_arena(threads).execute([&] { return read_obj_fast_path(text, limits, control); });
 }
 
 /// Returns what the reader of any OBJ gives, or nothing if it ends with an error.
 std::optional<ReadResult> read_any(std::string_view text, const ReadLimits& limits = {}) {
   RunControl control;
   try {
-    return read_any_obj(text, limits, control);
+    return read_obj_full_grammar(text, limits, control);
   } catch (const Error&) {
     return std::nullopt;
   }
@@ -54,7 +54,7 @@ std::string repeated(std::string_view text, int times) {
   return all;
 }
 
-TEST(obj_plain, every_plain_record_is_read_fast) {
+TEST(obj_fast_path, every_plain_record_is_read_fast) {
   const std::string vertices = repeated("v 0.1 -2e-3 +3\n", 8);
   for (const char* lines : {"f 1 2 3",
                             "f 1/1 2/2/ 3//3 4/4/4",
@@ -93,7 +93,7 @@ TEST(obj_plain, every_plain_record_is_read_fast) {
   }
 }
 
-TEST(obj_plain, what_is_odd_or_wrong_is_left_to_the_other_reader) {
+TEST(obj_fast_path, what_is_odd_or_wrong_is_left_to_the_other_reader) {
   const std::string good = repeated(kTriangle, 3) + "f 1 2 3\n";
   for (const std::string lines : {"f 1 2 \\\n3",
                                   "v 1 2 3 \\\n",
@@ -148,7 +148,7 @@ TEST(obj_plain, what_is_odd_or_wrong_is_left_to_the_other_reader) {
   EXPECT_FALSE(read_plain(keywords));
 }
 
-TEST(obj_plain, limits_are_those_of_the_other_reader) {
+TEST(obj_fast_path, limits_are_those_of_the_other_reader) {
   const std::string text = repeated(kTriangle, 2) + "f 1 2 3\nf 3 2 1\n";
   EXPECT_TRUE(expect_same_reading(text, 1, {.max_vertices = 6, .max_faces = 2}));
   EXPECT_FALSE(read_plain(text, 1, {.max_vertices = 5, .max_faces = 2}));
@@ -202,7 +202,7 @@ std::string random_line(Random& random, bool is_wild) {
   return line + std::array{"\n", "\r\n", "\r"}[is_wild ? pick(3) : 0];
 }
 
-TEST(obj_plain, made_up_texts_are_read_alike) {
+TEST(obj_fast_path, made_up_texts_are_read_alike) {
   Random random(1);
   int plain = 0;
   constexpr int kTexts = 4000;
@@ -218,7 +218,7 @@ TEST(obj_plain, made_up_texts_are_read_alike) {
 }
 
 /// Several chunks long: labels, relative indices and samples of vertices go across their borders.
-TEST(obj_plain, long_texts_are_read_alike_by_any_number_of_threads) {
+TEST(obj_fast_path, long_texts_are_read_alike_by_any_number_of_threads) {
   Random random(2);
   std::string text = kTriangle;
   while (text.size() < 2'000'000) text += random_line(random, false);
@@ -230,17 +230,17 @@ TEST(obj_plain, long_texts_are_read_alike_by_any_number_of_threads) {
   EXPECT_FALSE(read_plain(spread + "f 1 2 -120001\n", 2));
 }
 
-TEST(obj_plain, a_stop_is_obeyed) {
+TEST(obj_fast_path, a_stop_is_obeyed) {
   const std::string text = repeated(kTriangle, 50'000) + "f 1 2 3\n";
   for (const int threads : {1, 2}) {
     RunControl control;
     control.cancel();
     tbb::task_arena arena(threads);
-    EXPECT_THROW(arena.execute([&] { return read_plain_obj(text, {}, control); }), Error);
+    EXPECT_THROW(arena.execute([&] { return read_obj_fast_path(text, {}, control); }), Error);
   }
 }
 
-TEST(obj_plain, real_meshes_are_read_alike) {
+TEST(obj_fast_path, real_meshes_are_read_alike) {
   namespace fs = std::filesystem;
   const fs::path folder = test::shared_meshes_folder();
   if (!test::has_shared_mesh()) return;
