@@ -20,8 +20,8 @@ struct DroppedValues {
 
   void report(std::vector<Diagnostic>& diagnostics) {
     report(of_vertices,
-           "values of vertices after x y z (normals, colours, texture coordinates) dropped: ", diagnostics);
-    report(of_faces, "values of faces after their corners (colours) dropped: ", diagnostics);
+           "values after x y z (normals, colours, texture coordinates) were dropped; number of vertices that had them: ", diagnostics);
+    report(of_faces, "values after the corners of faces (colours) were dropped; number of faces that had them: ", diagnostics);
   }
 
  private:

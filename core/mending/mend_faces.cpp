@@ -317,19 +317,19 @@ class Mending {
       DiagnosticCode::kDuplicateVertex,
       0,
       {},
-      "faces had a corner twice in a row, as read or by welding, and have it once; elements are faces"};
-  Diagnostic nonplanar_{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons without a plane were triangulated"};
+      "faces had a corner twice in a row, in the input or after welding, and now have it once; `elements` lists these faces by number"};
+  Diagnostic nonplanar_{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons whose corners do not lie in one plane were triangulated"};
   Diagnostic crossing_{DiagnosticCode::kNonplanarPolygon,
                        0,
                        {},
-                       "polygons cross themselves, so that no triangulation of them is right: they were cut into fans, "
-                       "whose triangles overlap"};
+                       "polygons cross themselves, so no triangulation of them is valid; they were cut into fans of triangles "
+                       "that overlap"};
   Diagnostic zero_area_{
-      DiagnosticCode::kZeroAreaFace, 0, {}, "faces without area: dropped, but for those whose patch is kept"};
+      DiagnosticCode::kZeroAreaFace, 0, {}, "faces have no area; they were dropped, except those in patches with the status `kept`"};
   Diagnostic spiked_{DiagnosticCode::kZeroAreaFace,
                      0,
                      {},
-                     "polygons run back over themselves: these spikes have no area and were dropped"};
+                     "polygons have spikes, where the outline runs back over itself; the spikes have no area and were dropped"};
 };
 
 }  // namespace

@@ -124,11 +124,10 @@ class Preparation {
          1,
          {},
          "the coordinates " + are + " rounded to steps of " + text(rounding.possible_step()) +
-             ", and this explains a plane_tolerance of " + text(explained) + "; " + text(automatic) +
-             " was used, because the automatic one is at most 1e-4 of the bounding box's "
-             "diagonal; faces bend by what the rounding explains, so planes may be in pieces; "
-             "plane_tolerance=" +
-             text(explained) + " joins them, and flattens details as small as that"});
+             ", which would justify a plane_tolerance of " + text(explained) + "; " + text(automatic) +
+             " was used, because the automatic value is at most 1e-4 of the bounding box's diagonal; faces bend by no "
+             "more than this rounding explains, so one plane may have become several patches; plane_tolerance=" +
+             text(explained) + " would make it one patch, but also flatten details of that size"});
   }
 
   void mend() {

@@ -397,20 +397,23 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
 }
 
 void Seams::tell(std::vector<Diagnostic>& diagnostics) const {
+  constexpr const char* kFaces = "; `elements` lists one face of each edge by number";
   const auto tell_of = [&](Diagnostic found, std::string message) {
     if (found.count == 0) return;
     found.code = DiagnosticCode::kSeam;
     found.message = std::move(message);
     diagnostics.push_back(std::move(found));
   };
-  tell_of(found_, "open edges had a partner beside them within the rounding of the coordinates, up to " +
-                      few_digits(width_) + " apart, and were " +
-                      (is_mended_ ? "joined with it; elements are faces" : "left open; elements are faces"));
-  tell_of(left_, are_too_many_ ? "open edges lie beside each other, so many that no seam was looked for; elements are "
-                                 "faces"
-                               : "open edges lie beside others within the rounding of the coordinates, and were left "
-                                 "open: it is not clear which of these they belong to, or joining them would spoil the "
-                                 "surface; elements are faces");
+  tell_of(found_, "open edges had a partner beside them, at most " + few_digits(width_) +
+                      " apart, which the rounding of the coordinates explains, and were " +
+                      (is_mended_ ? "joined with it" : "left open") + kFaces);
+  tell_of(left_, std::string(are_too_many_
+                                     ? "open edges lie beside each other and were left open: they are too many to "
+                                       "look for pairs"
+                                     : "open edges run beside other open edges, as near as the rounding of the "
+                                       "coordinates explains, and were left open: it is not clear which two belong "
+                                       "together, or joining them would damage the surface") +
+                         kFaces);
 }
 
 }  // namespace remesh

@@ -433,11 +433,11 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
   if (input.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "the mesh has no face");
   const std::size_t n = input.vertex_count();
   Diagnostic unused{DiagnosticCode::kUnusedVertex, 0, {}, "vertices that no face uses were dropped"};
-  Diagnostic duplicate{DiagnosticCode::kDuplicateVertex, 0, {}, "vertices with equal coordinates were made one"};
+  Diagnostic duplicate{DiagnosticCode::kDuplicateVertex, 0, {}, "vertices with equal coordinates were merged"};
   Diagnostic wide{DiagnosticCode::kDuplicateVertex,
                   0,
                   {},
-                  "vertices that were welded lie within the weld tolerance of one that was not made one with them"};
+                  "merged vertices lie within `weld_tolerance` of another vertex that was not merged with them"};
 
   std::vector<std::uint8_t> is_used(n, 0);
   for_blocks(input.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -463,7 +463,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
     }
   }
   if (tolerance > 0) {
-    duplicate.message = "vertices within the weld tolerance of another one were made one with it";
+    duplicate.message = "vertices within `weld_tolerance` of another vertex were merged with it";
     StopCheck check(control);
     const auto is_repeated = [&](const Indexed& v) {
       check();
