@@ -17,7 +17,7 @@ struct Sniffed {
   explicit Sniffed(std::string_view whole);
 
   std::string_view content;     ///< all bytes
-  std::string_view text;        ///< the same without a byte order mark
+  std::string_view text;        ///< `content` without its byte order mark
   std::string_view first_word;  ///< the first token of the text that is in no comment line
 };
 

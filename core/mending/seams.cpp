@@ -115,9 +115,9 @@ class Closing {
   }
 
   VertexId image(VertexId v) const { return image_[v]; }
-  /// One face for each edge that closes.
+  /// One face for each open edge that is joined with another one.
   const std::vector<FaceId>& closed() const { return closed_; }
-  /// Returns whether the edge of an open half-edge closes.
+  /// Returns whether the open edge with this half-edge is joined with another one, so that it is no longer open.
   bool is_closed(std::uint32_t half_edge) const {
     return std::binary_search(closed_half_edges_.begin(), closed_half_edges_.end(), half_edge);
   }
@@ -162,7 +162,8 @@ class Closing {
     return {{{a.from, p.fit.runs_alike ? b.from : b.to}, {a.to, p.fit.runs_alike ? b.to : b.from}}};
   }
 
-  /// Drops the pairs with an end whose cluster would be larger than the tolerance.
+  /// Drops pairs of edges that must not be joined. Joining two edges puts each end of one into the same cluster as an
+  /// end of the other. A pair is dropped if one of these clusters would become larger than the tolerance.
   void choose_pairs() {
     Clusters clusters = make_clusters();
     StopCheck check(control_);

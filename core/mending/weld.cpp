@@ -341,8 +341,8 @@ Error out_of_range(const Surface& surface, std::size_t v, const std::string& mes
   throw out_of_range(
       surface, farthest,
       "the mesh is " + number_text(length) + " long and only " + number_text(width) +
-          " wide. What is narrower than 2^-100 (7.9e-31) of its length is a line to every computation, and "
-          "no result can be proven for it. Correct the vertex that lies far off, or leave its faces out");
+          " wide. A mesh narrower than 2^-100 (7.9e-31) of its length cannot be told from a line, and no "
+          "result can be proven for it. Correct the vertex that lies far off, or leave its faces out");
 }
 
 /// Throws if the box's second longest side is too short relative to its longest side.

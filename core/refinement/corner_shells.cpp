@@ -174,8 +174,11 @@ class Way {
     }
   }
 
-  /// Appends the common distances first. They are the ends of pieces each of which is the same fraction of the longest
-  /// piece that is allowed at its place. Then it appends as many distances for the sides that are cut in between.
+  /// Appends two lists of distances from the corner, equally long. Both begin with the length of the triangle in the
+  /// corner. The first list is for the sides that are not `is_between`. It continues with the ends of the pieces behind
+  /// that triangle. Each of these pieces is the same fraction of the longest piece that is allowed at its place. The
+  /// second list is for the sides that are `is_between`. Where a single row of triangles meets the bound on angles, it
+  /// has the middles of the same pieces; elsewhere it has their ends.
   void add_distances(std::vector<double>& distances) const {
     distances.push_back(stops_[0].distance);
     std::vector<double> between{stops_[0].distance};

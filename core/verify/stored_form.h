@@ -30,7 +30,7 @@ struct StoredClaim {
   /// Intersections of the verified mesh, by patch; null if there are none.
   const InputIntersections* intersections = nullptr;
   const RefinementClaim* refinement = nullptr;  ///< the claim for the stored mesh; null if nothing was refined
-  /// The faces that were listed for the verified mesh, ascending, and the reasons. They are set together with
+  /// The faces of the verified mesh that miss the goals, ascending, and the reason of each. They are set together with
   /// `refinement`.
   std::span<const FaceId> unrefined_before = {};
   std::span<const UnrefinedReason> reasons_before = {};
@@ -51,9 +51,9 @@ enum class StoredFault {
   kMoved,             ///< a vertex is further from its place than permitted
   kMerged,            ///< two vertices are at the same place
   kTurnedOver,        ///< a triangle has lost its area, or points against its patch's normal
-  kUnlisted,          ///< a face misses the goals and is not listed
-  kListedInVain,      ///< a face is listed although it meets the goals
-  kWrongReason,       ///< a face is listed for a reason that does not apply to it
+  kUnlisted,          ///< a face misses the goals, but is not in the claim's list of such faces
+  kListedInVain,      ///< a face is in that list although it meets the goals
+  kWrongReason,       ///< a face is in that list with a reason that does not apply to it
   kNewIntersections,  ///< faces intersect although their patches do not intersect in the verified mesh
 };
 
