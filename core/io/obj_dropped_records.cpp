@@ -50,8 +50,9 @@ std::size_t DroppedRecords::find(std::string_view keyword) {
 std::vector<Diagnostic> ObjFindings::diagnostics() && {
   std::vector<Diagnostic> diagnostics;
   dropped.report(diagnostics);
-  report_vertices(std::move(extra_values),
-                  "values after x y z (weights, colours) were dropped; number of vertices that had them: ", diagnostics);
+  report_vertices(
+      std::move(extra_values),
+      "values after x y z (weights, colours) were dropped; number of vertices that had them: ", diagnostics);
   report_vertices(std::move(missing_z), "missing z read as 0; number of vertices without z: ", diagnostics);
   return diagnostics;
 }

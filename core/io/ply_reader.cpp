@@ -318,7 +318,8 @@ class PlyReader {
   void skip_element(const PlyElement& element) {
     if (element.count == 0) return;
     if (element.name == "tristrips") {
-      throw read_error(Place::line(element.line), Code::kInvalidMesh, "triangle strips cannot be read; the mesh needs an element \"face\"");
+      throw read_error(Place::line(element.line), Code::kInvalidMesh,
+                       "triangle strips cannot be read; the mesh needs an element \"face\"");
     }
     note_dropped(element, nullptr);
     if (records_.skip_element(element)) return;

@@ -286,8 +286,10 @@ bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLa
   const std::vector<std::uint8_t>& fate = duplicates.find();
   if (fate.empty()) return false;
   Diagnostic dropped{DiagnosticCode::kDuplicateFace, 0, {}, "faces that repeat another face were dropped"};
-  Diagnostic left{
-      DiagnosticCode::kDuplicateFace, 0, {}, "faces repeat another face and were left, because `repair` does not include `duplicates`"};
+  Diagnostic left{DiagnosticCode::kDuplicateFace,
+                  0,
+                  {},
+                  "faces repeat another face and were left, because `repair` does not include `duplicates`"};
   Diagnostic back{
       DiagnosticCode::kDuplicateFace,
       0,

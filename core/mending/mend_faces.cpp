@@ -313,23 +313,28 @@ class Mending {
   /// True if needles of the current polygon that are not exactly on a line are dropped.
   bool drops_needles_ = false;
   std::vector<Vec3> points_;
-  Diagnostic repeated_{
-      DiagnosticCode::kDuplicateVertex,
-      0,
-      {},
-      "faces had a corner twice in a row, in the input or after welding, and now have it once; `elements` lists these faces by number"};
-  Diagnostic nonplanar_{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons whose corners do not lie in one plane were triangulated"};
-  Diagnostic crossing_{DiagnosticCode::kNonplanarPolygon,
+  Diagnostic repeated_{DiagnosticCode::kDuplicateVertex,
                        0,
                        {},
-                       "polygons cross themselves, so no triangulation of them is valid; they were cut into fans of triangles "
-                       "that overlap"};
-  Diagnostic zero_area_{
-      DiagnosticCode::kZeroAreaFace, 0, {}, "faces have no area; they were dropped, except those in patches with the status `kept`"};
-  Diagnostic spiked_{DiagnosticCode::kZeroAreaFace,
-                     0,
-                     {},
-                     "polygons have spikes, where the outline runs back over itself; the spikes have no area and were dropped"};
+                       "faces had a corner twice in a row, in the input or after welding, and now have it once; "
+                       "`elements` lists these faces by number"};
+  Diagnostic nonplanar_{
+      DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons whose corners do not lie in one plane were triangulated"};
+  Diagnostic crossing_{
+      DiagnosticCode::kNonplanarPolygon,
+      0,
+      {},
+      "polygons cross themselves, so no triangulation of them is valid; they were cut into fans of triangles "
+      "that overlap"};
+  Diagnostic zero_area_{DiagnosticCode::kZeroAreaFace,
+                        0,
+                        {},
+                        "faces have no area; they were dropped, except those in patches with the status `kept`"};
+  Diagnostic spiked_{
+      DiagnosticCode::kZeroAreaFace,
+      0,
+      {},
+      "polygons have spikes, where the outline runs back over itself; the spikes have no area and were dropped"};
 };
 
 }  // namespace

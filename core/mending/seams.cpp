@@ -408,13 +408,13 @@ void Seams::tell(std::vector<Diagnostic>& diagnostics) const {
   tell_of(found_, "open edges had a partner beside them, at most " + few_digits(width_) +
                       " apart, which the rounding of the coordinates explains, and were " +
                       (is_mended_ ? "joined with it" : "left open") + kFaces);
-  tell_of(left_, std::string(are_too_many_
-                                     ? "open edges lie beside each other and were left open: they are too many to "
-                                       "look for pairs"
-                                     : "open edges run beside other open edges, as near as the rounding of the "
-                                       "coordinates explains, and were left open: it is not clear which two belong "
-                                       "together, or joining them would damage the surface") +
-                         kFaces);
+  tell_of(left_,
+          std::string(are_too_many_ ? "open edges lie beside each other and were left open: they are too many to "
+                                      "look for pairs"
+                                    : "open edges run beside other open edges, as near as the rounding of the "
+                                      "coordinates explains, and were left open: it is not clear which two belong "
+                                      "together, or joining them would damage the surface") +
+              kFaces);
 }
 
 }  // namespace remesh

@@ -360,7 +360,8 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
   std::vector<Junction>& junctions = found.junctions;
   if (!found.is_complete) {
     diagnostics.push_back(told(surface, junctions,
-                               "vertices lie on an open edge of a face that does not use them, so many that no edge was split; there are more than were counted; `elements` lists the vertices by number"));
+                               "vertices lie on an open edge of a face that does not use them, so many that no edge "
+                               "was split; there are more than were counted; `elements` lists the vertices by number"));
     return false;
   }
   if (junctions.empty()) return false;
@@ -371,7 +372,8 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
   if (junctions.empty()) return false;
   if (mend == Mend::kNo) {
     diagnostics.push_back(
-        told(surface, junctions, "vertices lie on an open edge of a face that does not use them; `elements` lists the vertices by number"));
+        told(surface, junctions,
+             "vertices lie on an open edge of a face that does not use them; `elements` lists the vertices by number"));
     return false;
   }
   Split split(surface, junctions, control);
@@ -398,11 +400,12 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
   }
   if (!left.empty())
     diagnostics.push_back(told(surface, left,
-                               "vertices lie on an open edge of a face that does not use them; the edge was not split there, because that would twist the surface; `elements` lists the vertices by number"));
+                               "vertices lie on an open edge of a face that does not use them; the edge was not split "
+                               "there, because that would twist the surface; `elements` lists the vertices by number"));
   if (junctions.empty()) return false;
-  diagnostics.push_back(
-      told(surface, junctions,
-           "vertices lie on an open edge of a face that does not use them; the edge was split there; `elements` lists the vertices by number"));
+  diagnostics.push_back(told(surface, junctions,
+                             "vertices lie on an open edge of a face that does not use them; the edge was split there; "
+                             "`elements` lists the vertices by number"));
   surface.take_faces(std::move(split.faces));
   return true;
 }

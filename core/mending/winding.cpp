@@ -170,23 +170,26 @@ bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vec
   const std::vector<std::uint32_t> inconsistent = inconsistent_edges(edges, control);
   if (inconsistent.empty()) return false;
   if (mend == Mend::kNo) {
-    Diagnostic found{DiagnosticCode::kInconsistentWinding,
-                     0,
-                     {},
-                     "edges have two faces with opposite orientations; `elements` lists the first face of each edge by number"};
+    Diagnostic found{
+        DiagnosticCode::kInconsistentWinding,
+        0,
+        {},
+        "edges have two faces with opposite orientations; `elements` lists the first face of each edge by number"};
     for (const std::uint32_t h : inconsistent) found.add(surface.face_source[edges.face_of(h)].value);
     diagnostics.push_back(std::move(found));
     return false;
   }
   Unifying unifying(surface, edges, control);
   unifying.run(inconsistent);
-  Diagnostic turned{
-      DiagnosticCode::kInconsistentWinding, 0, {}, "faces were turned over to have the same orientation as their neighbours"};
-  Diagnostic left{
-      DiagnosticCode::kInconsistentWinding,
-      0,
-      {},
-      "pieces of the surface are one-sided, like a Moebius strip, and were left as they were; `elements` lists the first face of each piece by number"};
+  Diagnostic turned{DiagnosticCode::kInconsistentWinding,
+                    0,
+                    {},
+                    "faces were turned over to have the same orientation as their neighbours"};
+  Diagnostic left{DiagnosticCode::kInconsistentWinding,
+                  0,
+                  {},
+                  "pieces of the surface are one-sided, like a Moebius strip, and were left as they were; `elements` "
+                  "lists the first face of each piece by number"};
   const auto turned_faces = select_ids<FaceId>(surface.face_count(), kItemsPerBlock, control,
                                                [&](std::size_t f) { return unifying.is_turned[f] != 0; });
   surface.for_each_source(turned_faces, [&](FaceId source) { turned.add(source.value); });
@@ -207,7 +210,8 @@ bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels&
       std::string(
           "closed shells have the wrong orientation: bodies that enclose a negative volume, or cavities that enclose a "
           "positive volume in a body of the same object, group and material") +
-      (mend == Mend::kYes ? "; they were turned over" : "") + "; `elements` lists the first face of each shell by number";
+      (mend == Mend::kYes ? "; they were turned over" : "") +
+      "; `elements` lists the first face of each shell by number";
   for (const FaceId f : found.first) inside_out.add(surface.face_source[f].value);
   diagnostics.push_back(std::move(inside_out));
   if (mend == Mend::kNo) return false;

@@ -20,7 +20,8 @@ void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector
   }
   if (2 * alone.size() <= surface.face_count() || surface.face_count() < kMinFacets) return;
   surface.for_each_source(alone, [&](FaceId source) { warning.add(source.value); });
-  warning.message = "most facets are a patch of their own, which is typical of a curved surface; refinement makes many faces there";
+  warning.message =
+      "most facets are a patch of their own, which is typical of a curved surface; refinement makes many faces there";
   diagnostics.push_back(std::move(warning));
 }
 

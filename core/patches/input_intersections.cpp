@@ -119,11 +119,14 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
   Diagnostic crossing{DiagnosticCode::kSelfIntersection,
                       0,
                       {},
-                      "pairs of faces cross or touch where they share no vertex or edge; `elements` lists the two faces of each pair by number" + at_least};
-  Diagnostic overlap{DiagnosticCode::kOverlappingFaces,
-                     0,
-                     {},
-                     "pairs of faces overlap in one plane; `elements` lists the two faces of each pair by number" + at_least};
+                      "pairs of faces cross or touch where they share no vertex or edge; `elements` lists the two "
+                      "faces of each pair by number" +
+                          at_least};
+  Diagnostic overlap{
+      DiagnosticCode::kOverlappingFaces,
+      0,
+      {},
+      "pairs of faces overlap in one plane; `elements` lists the two faces of each pair by number" + at_least};
   FoundIntersections result;
   result.is_complete = is_complete;
   for (std::size_t i = 0; i < pairs.size();) {

@@ -35,20 +35,24 @@ std::string words(const Finding& finding) {
   const std::string id = std::to_string(finding.element);
   switch (finding.fault) {
     case Fault::kMalformed: return "the arrays that describe the result do not fit together";
-    case Fault::kMovedVertex: return "output vertex " + id + " is neither an input vertex nor new, or shares its place with another one";
+    case Fault::kMovedVertex:
+      return "output vertex " + id + " is neither an input vertex nor new, or shares its place with another one";
     case Fault::kForeignVertex: return "vertex " + id + " is used by the patch, but does not belong to it in the input";
     case Fault::kLostVertex: return "vertex " + id + " is gone, although it joins the patch to others";
     case Fault::kNoFaces: return "no faces are left";
     case Fault::kLostLoop: return "a boundary loop through vertex " + id + " is gone";
-    case Fault::kBoundary: return "the faces at a boundary edge of vertex " + id + " are not those that the input has there";
-    case Fault::kChord: return "boundary vertices next to vertex " + id + " are too far from the edge that replaces them";
+    case Fault::kBoundary:
+      return "the faces at a boundary edge of vertex " + id + " are not those that the input has there";
+    case Fault::kChord:
+      return "boundary vertices next to vertex " + id + " are too far from the edge that replaces them";
     case Fault::kDeviation: return "input and output are further apart than the tolerance";
     case Fault::kFacingAway: return "input face " + id + " faces away from the patch's normal";
     case Fault::kArea: return "the area has changed";
     case Fault::kZeroArea: return "output face " + id + " has no area";
     case Fault::kInverted: return "output face " + id + " is turned over";
     case Fault::kFrame: return "the plane coordinate system is not right-handed, orthonormal and on a grid";
-    case Fault::kPlaneCoordinates: return "the plane coordinates of output face " + id + " are not the projections of its corners";
+    case Fault::kPlaneCoordinates:
+      return "the plane coordinates of output face " + id + " are not the projections of its corners";
     case Fault::kNotDelaunay: return "an edge of output face " + id + " is not locally Delaunay";
     case Fault::kEuler: return "the Euler number has changed";
     case Fault::kOpened: return "the surface is closed in the input, but open in the output";
@@ -58,10 +62,12 @@ std::string words(const Finding& finding) {
     case Fault::kLockedBoundary: return "new vertex " + id + " is on a boundary that must not be split";
     case Fault::kUnlisted: return "output face " + id + " misses the goals, but is not listed in `unrefined`";
     case Fault::kListedInVain: return "output face " + id + " meets the goals, but is listed in `unrefined`";
-    case Fault::kCertificate: return "output face " + id + " is listed in `unrefined` for a reason that does not apply to it";
+    case Fault::kCertificate:
+      return "output face " + id + " is listed in `unrefined` for a reason that does not apply to it";
     case Fault::kShortEdge: return "an edge that refinement made at vertex " + id + " is shorter than allowed";
     case Fault::kTooManyFaces: return "there are more faces than allowed";
-    case Fault::kNewIntersection: return "output face " + id + " intersects another face, but their patches do not intersect in the input";
+    case Fault::kNewIntersection:
+      return "output face " + id + " intersects another face, but their patches do not intersect in the input";
     case Fault::kPolygon: return "the triangles made of input polygon " + id + " do not cover it exactly once";
   }
   return {};
