@@ -92,7 +92,7 @@ struct Crossing {
   bool is_beyond = false;  ///< the crossing is on the way from p along x, not against it
 };
 
-/// The way in which the line through p along x crosses a triangle. The point p is treated as if it were moved by an
+/// Computes how the line through p along x crosses a triangle. The point p is treated as if it were moved by an
 /// infinitesimal, so that a line through an edge crosses exactly one of the faces there.
 Crossing crossing(const Corners3& triangle, const Vec3& p) {
   int turns = 0;

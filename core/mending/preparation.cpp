@@ -178,7 +178,7 @@ class Preparation {
                                            control_, spike_rounding_ / surface().unit);
     if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
-    // Neighbours are made to look the same way, and closed shells the right way if that is asked for.
+    // Neighbours get the same orientation. Closed shells get the right orientation if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
     if (!is_solid())
       if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));

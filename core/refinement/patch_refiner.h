@@ -22,9 +22,9 @@
 namespace remesh {
 
 /// A patch while it is refined. It cuts its own segments at once, as the table says, and remembers these cuts. Between
-/// rounds it applies the cuts that other patches made. It keeps what the patch is between its turns. The work is done
-/// by classes that live as long as one call: PatchStart begins it, TriangleTreatment mends triangles, PatchEditor makes
-/// the changes, and PatchThinner removes points in the end.
+/// rounds it applies the cuts that other patches made. Between its turns it stores the patch, and no scratch memory.
+/// The work is done by classes that live as long as one call: PatchStart begins it, TriangleTreatment mends triangles,
+/// PatchEditor makes the changes, and PatchThinner removes points in the end.
 class PatchRefiner {
  public:
   /// `cuts` has the cuts of every segment, ascending. Those of the patch's segments are made at once. Where there are

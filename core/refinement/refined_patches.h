@@ -24,11 +24,11 @@ using PatchRefiners = IdVector<PatchId, std::unique_ptr<PatchRefiner>>;
 /// Output: the number of these vertices.
 std::size_t place_inner_vertices(const Surface& surface, const PatchChart& chart, PatchMesh& patch, std::size_t first,
                                  std::vector<Vec3>& new_positions);
-/// Counts these vertices.
+/// Counts the vertices inside a patch that have no id yet.
 std::size_t count_unplaced(const PatchMesh& patch);
 
-/// The patches that were at work in a refinement. They are kept beside those from which refinement began until it is
-/// known that they stay.
+/// The patches that a refinement has changed. They are stored beside the patches with which the refinement began, until
+/// it is certain that they replace them.
 class RefinedPatches {
  public:
   RefinedPatches() = default;

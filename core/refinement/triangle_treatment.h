@@ -22,7 +22,7 @@ class TriangleTreatment {
   TriangleTreatment(const PatchSizes& sizes, WorkingPatch& patch, PatchEditor& editor)
       : sizes_(sizes), patch_(patch), editor_(editor), judge_(editor.judge()), places_(sizes, patch) {}
 
-  /// The task may have become void meanwhile.
+  /// Treats a triangle. Does nothing if the triangle does not exist any more.
   void treat(const TriangleTask& task);
 
  private:
