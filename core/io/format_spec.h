@@ -42,7 +42,7 @@ struct FormatSpec {
   std::string_view ending;  ///< of a file's name, without the point
   std::string_view media_type;
   Storage storage;  ///< the numbers in which it is written
-  /// Looks at a content; null if the format is never told by it.
+  /// Looks at a content; null if the format is never recognised by its content.
   Mark (*mark)(const Sniffed& content) = nullptr;
   /// Null if it is not read, or only above this library, as JSON is.
   ReadResult (*read)(std::string_view content, const ReadLimits& limits, RunControl& control) = nullptr;

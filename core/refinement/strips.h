@@ -12,11 +12,11 @@
 
 namespace remesh {
 
-/// Returns the smallest angle, in degrees, that triangles in a row along a strip aim at. A lower bound on angles is no
-/// reason for flatter triangles there: they would save few faces and make worse tetrahedra. (TetGen's worst dihedral
-/// angle on plates and prisms is 2.2 degrees at 25 and 4.2 at 32.) Behind thin walls, where sizes vary, steeper
-/// triangles are better still. (The worst angles of a plate with holes, a tray and a coupling are 3.9, 4.7 and 1.7
-/// degrees at 30, and 5.8, 6.0 and 3.4 at 36. Beyond that they are no better.)
+/// Returns the smallest angle, in degrees, that triangles in a row along a strip aim at. Even if the bound on angles is
+/// lower, triangles are not made flatter there: that would save few faces and make worse tetrahedra. (TetGen's worst
+/// dihedral angle on plates and prisms is 2.2 degrees at 25 and 4.2 at 32.) Behind thin walls, where sizes vary,
+/// steeper triangles are better still. (The worst angles of a plate with holes, a tray and a coupling are 3.9, 4.7 and
+/// 1.7 degrees at 30, and 5.8, 6.0 and 3.4 at 36. Beyond that they are no better.)
 inline double least_strip_angle_deg(const SizeField& sizes) { return sizes.is_uniform() ? 30 : 36; }
 
 /// Along a strip, the bound on angles decides how long the pieces of the sides may be. If the sides were halved again
