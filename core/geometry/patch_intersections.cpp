@@ -37,8 +37,7 @@ constexpr std::size_t kMaxPartsPerFace = 4;
 constexpr std::size_t kManyParts = 1 << 16;
 
 /// If there are more tests per face than this whether it is near a patch, looking at patches gains nothing either. For
-/// example, if the facets of a cone stand on a fan of
-/// needles, all boxes meet all others in one point.
+/// example, if the facets of a cone stand on a fan of needles, all boxes meet all others in one point.
 constexpr std::size_t kMaxLooksPerFace = 256;
 
 /// The rounding error of heights, relative to the largest coordinate. Heights are sums of three products.
