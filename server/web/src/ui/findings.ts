@@ -23,7 +23,7 @@ export interface Finding {
 /** Obstacles for a volume mesher that an option can remove, with an explanation of each. */
 const kObstacles: Record<string, string> = {
   inside_out:
-    "A closed shell has the wrong orientation: a body faces inwards, or a cavity outwards. The repair \"inside out\" turns it over.",
+    "A closed shell has the wrong orientation: a body faces inwards, or a cavity outwards. Tick inside out among the repairs to turn it over.",
 };
 /** Diagnostics whose elements are vertices, unless the message says that they are faces. */
 const kOfVertices = ["duplicate_vertex", "t_junction", "non_manifold_vertex", "unused_vertex"];
