@@ -168,7 +168,8 @@ class Preparation {
         (is_split || mend_seams == Mend::kNo) && seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined_again);
     seams.tell(found);
-    // Faces over seams may repeat each other only now.
+    // Faces on both sides of a seam may repeat each other now, because they have the same vertices only since the seam
+    // was closed.
     if ((is_joined || is_joined_again) && repair.duplicates && drop_new_duplicates(repeated, is_repeated ? 1 : 0))
       if_changed(true);
     found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());

@@ -369,7 +369,7 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
   }
   Closing closing(surface, edges, open, rules_, places_, control);
   const bool is_any = !partners.pairs.empty() && closing.run(std::move(partners.pairs));
-  // An edge still counts as one that others lie beside if these others have closed without it.
+  // If the edges beside an edge were joined without it, it still counts as an edge that has others beside it.
   std::vector<Ends> left_ends;
   for (std::size_t i = 0; i < open.size(); ++i) {
     check();

@@ -285,7 +285,7 @@ struct Split {
 };
 
 /// Finds two kinds of vertices: those that would join faces so that a two-sided piece becomes one-sided, and those that
-/// would make faces turn over because of an edge that is too short to tell which way they look.
+/// would make faces turn over because of an edge that is too short to show their orientation.
 /// Output: a junction for each new edge that does this; empty in nearly all cases.
 std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Split& split,
                                               const std::vector<Junction>& junctions, double tolerance,

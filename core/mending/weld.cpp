@@ -403,7 +403,8 @@ Welded number_welded(const std::vector<std::uint8_t>& is_used, const Numbers& st
   for (std::uint32_t i = 0; i < is_used.size(); ++i) {
     check();
     if (!is_used[i]) continue;
-    // With a tolerance, if two vertices have equal coordinates, the first one knows which vertex both become.
+    // With a tolerance, if two vertices have equal coordinates, the entry of the first one says which vertex both
+    // become.
     const std::uint32_t one = stands_for[stands_for[i]];
     if (one != i) duplicate.add(i);
     if (welded.of_input[one] == VertexId::kInvalid) {

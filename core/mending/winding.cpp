@@ -16,7 +16,7 @@
 namespace remesh {
 namespace {
 
-/// The first half-edge of each edge whose two faces have opposite orientations.
+/// Returns the first half-edge of each edge whose two faces have opposite orientations.
 std::vector<std::uint32_t> inconsistent_edges(const Adjacency& edges, RunControl& control) {
   std::vector<std::uint32_t> first;
   StopCheck check(control);
@@ -97,7 +97,7 @@ class Unifying {
     return is_possible;
   }
 
-  /// The other half-edge of an edge with two faces, whichever way they look.
+  /// Returns the other half-edge of an edge with two faces, whatever their orientations are.
   std::uint32_t other_of_two(std::uint32_t h) const {
     if (const std::uint32_t twin = edges_.twin(h); twin != Adjacency::kNone) return twin;
     const auto around = edges_.half_edges(edges_.edge_of(h));

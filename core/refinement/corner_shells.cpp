@@ -33,13 +33,13 @@ constexpr double kMargin = 0.98;
 /// Where sizes vary, the triangle in a corner is this multiple of the size long. Shorter ones give more tetrahedra;
 /// longer ones give more flat tetrahedra. This was measured with TetGen on t13 (58 thousand tetrahedra) and on a
 /// coupling (71 thousand), both with corners of 2 to 5 degrees. On average over sixteen orders of the vertices, 3
-/// tetrahedra of t13 and 1 of the coupling are below 3 degrees for lengths from 0.5 to 0.55, and some ten in each part
+/// tetrahedra of t13 and 1 of the coupling are below 3 degrees for lengths from 0.5 to 0.55, and some ten in each model
 /// for the length 1. In its own order of vertices the coupling has none, but that is luck: only a third of the settings
 /// near these have none.
 constexpr double kTip = 0.54;
 /// In wider corners, the triangle in the corner is this multiple of the size long. Two such triangles beside a slight
 /// bend have their four corners nearly on a circle. If they are short, they fit between the walls as a flat tetrahedron
-/// over the bend; if they are long, they meet the vertices of the far wall. On 49 parts that were made to try this,
+/// over the bend; if they are long, they meet the vertices of the far wall. On 49 models that were made to try this,
 /// TetGen has 18 tetrahedra below 3 degrees where it had 33, and 1 % fewer tetrahedra in all. Lengths from 0.6 to 0.75
 /// differ by little. That t13 and the coupling have none in their own order of vertices is luck.
 constexpr double kTipOfWide = 0.66;
@@ -48,8 +48,8 @@ constexpr double kWide = 0.12;  ///< distance between the sides at the distance 
 constexpr double kMinPiece = 0x1p-5;
 /// The rest of a side behind its last shell is no shorter than this multiple of the last piece.
 constexpr double kMinRest = 0.5;
-/// Two sides are cut together for at most this many pieces; behind that, each is cut on its own. No real part needs
-/// more. But a strip of a billion sizes would fill the memory before the limit on faces is reached.
+/// Two sides are cut together for at most this many pieces; behind that, each is cut on its own. No real model
+/// needs more. But a strip of a billion sizes would fill the memory before the limit on faces is reached.
 constexpr std::size_t kMaxStops = std::size_t{1} << 20;
 
 /// Returns how far apart the sides of a corner are at the distance 1 from it.

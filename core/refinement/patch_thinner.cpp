@@ -13,8 +13,8 @@ namespace {
 
 // The following values were chosen among many that give nearly the same number of faces: shares from 0.8 to 0.9, shapes
 // from 0.15 to 0.185 and 4 to 12 places differ by no more than half a per cent. With these values, TetGen's worst
-// dihedral angles came out well on three parts. (Two of some thirty settings did so, and seven of thirty another time.)
-// Next time it may be other values.
+// dihedral angles came out well on three models. (Two of some thirty settings did so, and seven of thirty another
+// time.) Next time it may be other values.
 
 /// A point stays if all its edges are longer than this share of what is allowed, because then there is no room for
 /// fewer points.

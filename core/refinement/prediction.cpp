@@ -25,7 +25,7 @@ constexpr double kFacesPerPiece = 2.5;
 /// No patch's share is larger than this. So the share is always a number that can be computed with, however sharp the
 /// patch's angles or small its sizes are.
 constexpr double kMaxOfPatch = 0x1p62;
-/// If a patch needs fewer pieces of an edge than this, the patches beside the edge are not told.
+/// If a patch needs fewer pieces of an edge than this, the patches beside the edge do not take them into account.
 constexpr double kFewPieces = 3;
 
 /// Tells how many pieces a patch needs of an edge between two vertices.
