@@ -370,7 +370,7 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
           if (least >= best) return least;
         }
         if (is_hidden_by_hub(e, p, patch, least)) return HUGE_VAL;
-        // Whether a single triangle is hidden is tested last, below, because cheaper tests exclude most triangles.
+        // The last test, below, is whether a single triangle is hidden, because cheaper tests exclude most triangles.
         if (!other.is_valid() || tree_.is_slot(e)) return least;
         least = std::max(least, std::pow(slabs_[other].distance(p), 2));
         return least < best && is_hidden(other, slabs_[other], least) ? HUGE_VAL : least;
