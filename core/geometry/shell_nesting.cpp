@@ -307,7 +307,8 @@ ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
   using Outermost = std::pair<double, Vec3>;
   std::array<Outermost, kDirections.size()> vertices;
   vertices.fill({-HUGE_VAL, {}});
-  // The first is that of an edge. The others are those of faces, by the axis along or against which their normals point most.
+  // The first is that of an edge. The others are those of faces, by the axis along or against which their normals point
+  // most.
   std::array<Middle, 7> middles;
   std::size_t looks = 0;
   for (const std::uint32_t f : (*faces_)[shell]) {
