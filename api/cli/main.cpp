@@ -118,7 +118,7 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   for (const api::OptionSpec& spec : api::option_table()) {
     flags[spec.name] = app.add_option("--" + with_hyphens(spec.name), values[spec.name], option_help(spec))
                            ->type_name("VALUE")
-                           ->group("Remeshing (as the service's options)");
+                           ->group("Remeshing (the options of the service)");
   }
   app.allow_extras();
   app.parse(argc, argv);
