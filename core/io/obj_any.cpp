@@ -224,7 +224,7 @@ class ObjReader final : private std::streambuf {
   }
 
   static std::string out_of_range_message(int index, std::uint64_t vertices) {
-    return "a face refers to vertex " + std::to_string(index) + ", but there are only " + std::to_string(vertices);
+    return "a face refers to vertex " + std::to_string(index) + ", but the mesh has only " + std::to_string(vertices);
   }
 
   Place here() const { return Place::line(records_.line()); }

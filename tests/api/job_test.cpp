@@ -82,7 +82,7 @@ TEST(RemeshJob, what_is_no_mesh_is_told_as_what_it_was_read_unless_that_was_said
   EXPECT_THAT(refusal_of(std::string_view("a\0b", 3)),
               EndsWith("; it was read as stl, because its content looks like it"));
   EXPECT_EQ(refusal_of("some\ntext\n", Format::kObj), "the text has no face");
-  EXPECT_EQ(refusal_of("v 0 0 0\nf 1 2 9\n"), "a face refers to vertex 2, but there are only 1") << "it is OBJ";
+  EXPECT_EQ(refusal_of("v 0 0 0\nf 1 2 9\n"), "a face refers to vertex 2, but the mesh has only 1") << "it is OBJ";
 }
 
 TEST(RemeshJob, a_mesh_whose_line_ends_were_lost_on_the_way_is_told_so) {
