@@ -50,12 +50,13 @@ RequestOptions bounded(RequestOptions options, const Limits& limits) {
 std::string remark(Format format, bool is_named, std::string_view mesh) {
   std::string text;
   if (!is_named) {
-    text = format == Format::kObj ? "; it was read as obj, since it looks like nothing else"
-                                  : "; it was read as " + std::string(format_name(format)) + ", by its content";
+    text = format == Format::kObj
+               ? "; it was read as obj, because its content looks like no other format"
+               : "; it was read as " + std::string(format_name(format)) + ", because its content looks like it";
   }
   const bool is_one_line = !mesh.empty() && mesh.find_first_of(std::string_view("\n\r\0", 3)) == std::string_view::npos;
   if (is_one_line && format != Format::kJson)
-    text += "; it is one line: if its line ends were lost on the way, curl keeps them with --data-binary";
+    text += "; it has only one line: if its line ends were lost on the way, use curl --data-binary, which keeps them";
   return text;
 }
 

@@ -45,7 +45,7 @@ void read_part_header(std::string_view line, FormPart& part) {
   const std::string name = ascii_lower(raw_name);
   const std::string_view value = trim(raw_value);
   if (name.empty() || raw_name.size() == line.size() || name.find_first_of(" \t") != std::string::npos) {
-    fail("a part has a header that is none: " + in_quotes(line));
+    fail("a part has a malformed header: " + in_quotes(line));
   }
   if (name == "content-disposition") {
     if (!part.name.empty()) fail("a part has two Content-Disposition headers");

@@ -81,13 +81,13 @@ std::optional<Format> format_of_content_type(std::string_view content_type) {
 Format choose_input_format(std::optional<Format> named, std::string_view content) {
   if (const auto foreign = named ? std::nullopt : foreign_format(content)) {
     throw Error(Code::kUnsupportedMediaType, Stage::kRead,
-                "this looks like " + std::string(*foreign) + "; what is read: " + names_of_formats(can_read) +
-                    ", also packed by gzip");
+                "this looks like " + std::string(*foreign) + "; the formats that can be read are " +
+                    names_of_formats(can_read) + ", also compressed by gzip");
   }
   const Format format = named ? *named : sniff_format(content);
   if (can_read(format)) return format;
   throw Error(Code::kUnsupportedMediaType, Stage::kRead,
-              "the format " + std::string(format_name(format)) + " is written, not read");
+              "the format " + std::string(format_name(format)) + " can be written, but not read");
 }
 
 Format choose_output_format(std::optional<Format> option, std::string_view accept, Format input) {
@@ -115,8 +115,8 @@ Format choose_output_format(std::optional<Format> option, std::string_view accep
   }
   if (best) return *best;
   throw Error(Code::kNotAcceptable, Stage::kRead,
-              "nothing that Accept asks for (" + shortened(accept, 200) +
-                  ") can be written; what can be: " + names_of_formats([](Format) { return true; }));
+              "none of the formats that Accept asks for (" + shortened(accept, 200) +
+                  ") can be written; these can be: " + names_of_formats([](Format) { return true; }));
 }
 
 }  // namespace remesh::api

@@ -31,7 +31,7 @@ bool is_compressed(const Request& request) {
   if (coding.empty() || coding == "identity") return false;
   if (coding != "gzip" && coding != "x-gzip") {
     throw Error(Code::kUnsupportedMediaType, Stage::kRead,
-                "the content coding " + in_quotes(coding) + " is not known here; gzip is");
+                "the content coding " + in_quotes(coding) + " is not supported; gzip is");
   }
   return true;
 }

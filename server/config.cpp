@@ -120,22 +120,24 @@ const std::vector<Setting>& settings() {
          c.ops_bind = text == "none" ? std::nullopt : std::optional(parse_address(text));
        },
        [](const Config& c) { return c.ops_bind ? c.ops_bind->text() : "none"; }},
-      {"--allow-anonymous", "listen beyond loopback although anyone may then use this server",
+      {"--allow-anonymous",
+       "listen on addresses beyond loopback without an API key, so that anyone may use this server",
        [](Config& c, const auto& text) { c.allow_anonymous = parse_bool(text); },
        [](const Config& c) { return c.allow_anonymous ? "true" : "false"; }, true},
       {"--api-key-file",
        "file with one key per line, of which a client must show one (none: no key is asked for); read again on SIGHUP",
        [](Config& c, const auto& text) { c.api_key_file = text == "none" ? "" : text; },
        [](const Config& c) { return c.api_key_file.empty() ? "none" : c.api_key_file; }},
-      {"--cors-origin", "origins whose pages may use this server, separated by commas; * (none: no page)",
+      {"--cors-origin",
+       "origins whose pages may use this server from a browser, separated by commas; *: all (none: no page)",
        [](Config& c, const auto& text) { c.cors = text == "none" ? Cors() : Cors(text); },
        [](const Config& c) { return c.cors.text(); }},
       {"--workers", "threads for one request (default: the cores that this process may use)",
        [](Config& c, const auto& text) { c.workers = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.workers); }},
       {"--max-running",
-       "requests that compute at once; while all of them take long, small ones may pass, up to as many more (default: "
-       "the number of workers)",
+       "requests that compute at the same time; while all of them take long, up to as many small requests may run "
+       "besides (default: the number of workers)",
        [](Config& c, const auto& text) { c.max_running = static_cast<int>(between(1, 1024, parse_count(text))); },
        [](const Config& c) { return std::to_string(c.max_running); }},
       {"--queue-size", "requests that may wait for a worker (default: 4 per worker, at least 16)",
@@ -167,13 +169,14 @@ const std::vector<Setting>& settings() {
        [](Config& c, const auto& text) { c.jobs.store = checked_store(text); },
        [](const Config& c) { return jobs::without_password(c.jobs.store); }},
       {"--state-dir",
-       "folder of the SQLite file; auto is the first that can be written of $STATE_DIRECTORY, $XDG_STATE_HOME/remeshd, "
-       "~/.local/state/remeshd and /var/lib/remeshd",
+       "folder of the SQLite file; auto: the first of these that can be written: $STATE_DIRECTORY, "
+       "$XDG_STATE_HOME/remeshd, "
+       "~/.local/state/remeshd, /var/lib/remeshd",
        [](Config& c, const auto& text) { c.jobs.state_dir = text; }, [](const Config& c) { return c.jobs.state_dir; }},
       {"--blob-dir", "folder, shared by all daemons, for the inputs and results of jobs (none: they go into the store)",
        [](Config& c, const auto& text) { c.jobs.blob_dir = text == "none" ? "" : text; },
        [](const Config& c) { return c.jobs.blob_dir.empty() ? "none" : c.jobs.blob_dir; }},
-      {"--role", "what this daemon does: serve (answer, and take no jobs from the store), work (only that), or both",
+      {"--role", "what this daemon does: serve (answer requests, but run no jobs), work (only run jobs), or both",
        [](Config& c, const auto& text) { c.jobs.role = parse_choice(kRoles, text); },
        [](const Config& c) { return role_name(c.jobs.role); }},
       {"--max-queued-jobs", "jobs that may wait, in the whole store",
@@ -195,7 +198,7 @@ const std::vector<Setting>& settings() {
        },
        [](const Config& c) { return std::to_string(c.jobs.rules.max_attempts); }},
       duration(
-          "--result-ttl", "time that the results of jobs can be fetched",
+          "--result-ttl", "how long the results of jobs are kept",
           [](Config & c) -> auto& { return c.jobs.rules.result_ttl; }),
       {"--max-connections", "largest number of open connections",
        [](Config& c, const auto& text) { c.max_connections = between(1, 100'000, parse_count(text)); },
@@ -203,8 +206,7 @@ const std::vector<Setting>& settings() {
       {"--max-connections-per-address", "largest number of open connections from one IPv4 address or IPv6 /64 network",
        [](Config& c, const auto& text) { c.max_connections_per_address = between(1, 100'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.max_connections_per_address); }},
-      {"--idle-timeout",
-       "time that an open connection may wait for its next request (none: one request per connection)",
+      {"--idle-timeout", "how long a connection may stay open without a request (none: one request per connection)",
        [](Config& c, const auto& text) {
          c.idle_timeout = text == "none" ? std::chrono::milliseconds(0) : positive_duration(text);
        },
@@ -216,13 +218,13 @@ const std::vector<Setting>& settings() {
        [](Config& c, const auto& text) { c.gate.head.max_fields = between(8, 100'000, parse_count(text)); },
        [](const Config& c) { return std::to_string(c.gate.head.max_fields); }},
       duration(
-          "--head-timeout", "time for a request's head; also the grace period of its body",
+          "--head-timeout", "time in which a request's head must arrive; also the grace period of its body",
           [](Config & c) -> auto& { return c.gate.head_timeout; }),
       bytes(
           "--min-body-rate", "bytes per second that a client must send or take after the grace period",
           [](Config & c) -> auto& { return c.gate.min_body_rate; }),
       duration(
-          "--write-timeout", "grace period of an answer, before --min-body-rate applies",
+          "--write-timeout", "grace period of an answer; after it, --min-body-rate applies",
           [](Config & c) -> auto& { return c.gate.write_timeout; }),
       duration(
           "--drain-time", "time that running requests get after SIGTERM",
@@ -289,7 +291,7 @@ Invocation read_command_line(int argc, const char* const* argv, std::ostream& ou
 
   CLI::App app("remeshd: re-triangulates surface meshes, over HTTP", "remeshd");
   app.set_version_flag("--version", std::string("remeshd ") + remesh::version());
-  app.footer("Each setting can also be given by its environment variable; the flag goes first.");
+  app.footer("Each setting can also be given by its environment variable; a flag takes precedence.");
   std::vector<std::string> values(settings().size());
   std::vector<CLI::Option*> options;
   for (std::size_t i = 0; i < settings().size(); ++i) {

@@ -45,7 +45,8 @@ void reload_keys(Service& service) {
     service.reload_keys();
     log::write(log::Level::kInfo, "keys read again");
   } catch (const std::exception& error) {
-    log::write(log::Level::kError, "the old keys stay", {{"error", std::string(error.what())}});
+    log::write(log::Level::kError, "API keys cannot be read again, so the old ones stay in use",
+               {{"error", std::string(error.what())}});
   }
 }
 

@@ -90,13 +90,14 @@ void check_outputs(const std::vector<File>& files, const BatchJob& job) {
     throw Error(Code::kInvalidOption, Stage::kRead, "--output " + why).for_option("output");
   };
   if (is_same_folder(job.folder, job.output_folder)) {
-    refuse(job.output_folder + " is the folder that --batch reads; the meshes would be written over");
+    refuse(job.output_folder + " is the folder that --batch reads, so its meshes would be overwritten");
   }
   std::error_code missing;
   std::set<fs::path> inputs;
   for (const File& file : files) inputs.insert(fs::weakly_canonical(fs::path(job.folder) / file.name, missing));
   for (const File& file : files) {
-    if (inputs.contains(fs::weakly_canonical(file.output, missing))) refuse("has " + file.output + ", a mesh to read");
+    if (inputs.contains(fs::weakly_canonical(file.output, missing)))
+      refuse("contains " + file.output + ", which --batch reads and would overwrite");
   }
 }
 

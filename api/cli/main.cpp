@@ -80,9 +80,9 @@ bool has_unknown_ending(const std::string& path) {
 /// Errors: UsageError - a required path is missing, or two outputs have the same path.
 void check_paths(const Arguments& arguments) {
   if (!arguments.batch.empty()) {
-    if (!arguments.input.empty()) throw UsageError("--batch takes the place of the input " + arguments.input);
-    if (!arguments.server.empty()) throw UsageError("--batch works here, not at the --server");
-    if (arguments.report.empty()) throw UsageError("--batch needs --report, where its table goes");
+    if (!arguments.input.empty()) throw UsageError("--batch cannot be combined with the input " + arguments.input);
+    if (!arguments.server.empty()) throw UsageError("--batch cannot be combined with --server");
+    if (arguments.report.empty()) throw UsageError("--batch needs --report, the file for its table");
     if (arguments.output == "-") throw UsageError("with --batch the output is a folder");
     return;
   }
@@ -102,12 +102,14 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   app.add_option("-o,--output", arguments.output,
                  "the mesh to write; - for standard output; compressed if it ends in .gz");
   app.add_option("--report", arguments.report, "also write the report, as JSON");
-  app.add_option("--batch", arguments.batch,
-                 "remesh every mesh in this folder instead; --report is then a table (CSV), a line a file, and -o a "
-                 "folder that may be left out");
+  app.add_option(
+      "--batch", arguments.batch,
+      "remesh every mesh in this folder instead of one input; --report is then a table (CSV) with one line per "
+      "file, and -o is a folder and may be left out");
   app.add_option("--server", arguments.server,
-                 "let this remeshd do it, as a job: http://host:8080; its key is in REMESH_API_KEY");
-  app.add_option("--workers", arguments.workers, "threads that compute; the result does not depend on it")
+                 "let the remeshd at this address do the work, as a job: http://host:8080; the API key is taken from "
+                 "REMESH_API_KEY");
+  app.add_option("--workers", arguments.workers, "threads that compute; the result does not depend on their number")
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
 
@@ -116,20 +118,20 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
   for (const api::OptionSpec& spec : api::option_table()) {
     flags[spec.name] = app.add_option("--" + with_hyphens(spec.name), values[spec.name], option_help(spec))
                            ->type_name("VALUE")
-                           ->group("Remeshing (as the service's options)");
+                           ->group("Remeshing (the options of the service)");
   }
   app.allow_extras();
   app.parse(argc, argv);
   if (const auto extras = app.remaining(); !extras.empty()) throw UsageError(unknown_argument(extras.front()));
   check_paths(arguments);
   if (!arguments.server.empty() && app.count("--workers") > 0) {
-    throw UsageError("--workers counts here, not at the --server");
+    throw UsageError("--workers cannot be combined with --server");
   }
   for (const api::OptionSpec& spec : api::option_table()) {
     if (flags[spec.name]->count() > 0) arguments.options.emplace_back(spec.name, values[spec.name]);
   }
   if (arguments.batch.empty() && flags["format"]->count() == 0 && has_unknown_ending(arguments.output)) {
-    throw UsageError("the ending of " + arguments.output + " is no format's; --format says which it is");
+    throw UsageError("the ending of " + arguments.output + " does not tell the format; give it with --format");
   }
 }
 
@@ -268,8 +270,9 @@ int main(int argc, char** argv) {
   // tenth of the time of a large mesh. A process that does one thing and ends need not return memory.
   mallopt(M_MMAP_THRESHOLD, std::numeric_limits<int>::max());
   mallopt(M_TRIM_THRESHOLD, std::numeric_limits<int>::max());
-  CLI::App app{"Re-triangulates a surface mesh: the same surface, planar faces in patches, each one Delaunay.",
-               "remesh"};
+  CLI::App app{
+      "Re-triangulates a surface mesh. The shape stays the same, and each flat patch becomes a Delaunay triangulation.",
+      "remesh"};
   Arguments arguments;
   try {
     parse(app, argc, argv, arguments);

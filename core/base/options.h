@@ -56,7 +56,7 @@ struct Options {
   double weld_tolerance = 0;              ///< 0: only equal coordinates are one vertex
   Repair repair;
   Barriers barriers;
-  /// If the output format cannot hold the result otherwise, write it relative to an origin near the part.
+  /// If the output format cannot hold the result otherwise, write it relative to an origin near the mesh.
   bool local_origin = false;
   ReferenceAxis reference_axis = ReferenceAxis::kDominantEdge;
   Vec3 reference_direction;  ///< used with ReferenceAxis::kGiven; any length but 0

@@ -454,7 +454,8 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
 /// that it is no coincidence. All numbers are multiples of `unit`.
 bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals decimals) {
   const auto place_of = [&](double x) { return std::max(unit, shortest(x, decimals).quantum); };
-  // The number of bits at the end of a number that come from the float and not from the printing, in quarters of bits.
+  // Counts the binary digits between the last digit of a float near x and the printed digit at `place`. So many bits
+  // of x can show that it was a float. The result is in quarters of a bit.
   const auto seen = [](double x, double place) {
     const double ratio = last_place(x, kFloatBits) / place;
     return std::ilogb(ratio * ratio * ratio * ratio);
@@ -502,8 +503,9 @@ std::optional<Significant> find_significant_digits(const Coordinates& coordinate
   return std::nullopt;
 }
 
-/// The claim that the decimals of the coordinates make, if they have a common lattice. Sets `unit` to the place of the
-/// last digit.
+/// Finds the steps to which the coordinates were rounded as decimal numbers, with the evidence for that. Returns
+/// nothing if there is no short decimal step of which all coordinates are multiples. Sets `unit` to the value of one
+/// unit in the last digit.
 std::optional<Claim> claim_of_decimals(const Coordinates& coordinates, Decimals decimals, double& unit) {
   if (const auto lattice = common_lattice(coordinates, decimals, 0)) {
     unit = lattice->step();

@@ -29,8 +29,8 @@ inline constexpr double kToleranceUnquestioned = 1e-6;
 inline constexpr double kThinFace = 2;
 
 /// Neighbours that turn against each other by no more than this never count as bent beyond the digits that they are
-/// printed with, because many parts were computed with fewer digits. It is 1 minus the cosine of the angle between
-/// their normals, and stands for 1.4 milliradians. If it were smaller, planar sides of real parts would fall apart; if
+/// printed with, because many models were computed with fewer digits. It is 1 minus the cosine of the angle between
+/// their normals, and stands for 1.4 milliradians. If it were smaller, planar sides of real models would fall apart; if
 /// it were larger, more facets of fine cylinders would merge in pairs.
 inline constexpr double kUnquestionedBend = 1e-6;
 

@@ -135,7 +135,7 @@ class Judging {
           RunControl& control)
       : shells_(shells), nesting_(nesting), open_(open), labels_(shells, labels, control), control_(control) {}
 
-  /// Output: for each shell, whether it looks the wrong way.
+  /// Output: for each shell, whether it has the wrong orientation.
   std::vector<std::uint8_t> run() {
     is_wrong_.assign(shells_.all.size(), 0);
     const auto& nests = nesting_.nests();
@@ -182,7 +182,7 @@ class Judging {
   }
 
   /// Puts shells in one place into their order from outside in. Shells of the body around them come first, and among
-  /// these the ones that look the right way.
+  /// these the ones with the right orientation.
   std::vector<std::uint32_t> from_outside(std::vector<std::uint32_t> shells, std::uint32_t outer) const {
     if (shells.size() == 1) return shells;
     using Key = std::tuple<bool, bool, std::uint32_t>;

@@ -46,7 +46,7 @@ struct SearchedTriangles {
   std::span<const Vec3> positions;
   std::span<const Triangle> faces;
   double margin = 0;  ///< the search widens boxes by this
-  /// kByBoxes: some triangles only stand for their boxes, and what they stand for may be anywhere in the box.
+  /// kByBoxes: some triangles only stand for their boxes. The faces that they represent may be anywhere in the box.
   enum { kByTriangles, kByBoxes } by = kByTriangles;
   /// Called with the slots whose boxes meet too many others. If it returns true, fewer nodes are of interest to some of
   /// these slots from then on.

@@ -36,8 +36,8 @@ constexpr std::size_t kFewPatches = 16;
 constexpr std::size_t kMaxPartsPerFace = 4;
 constexpr std::size_t kManyParts = 1 << 16;
 
-/// The same goes for the tests whether a face is near a patch. For example, if the facets of a cone stand on a fan of
-/// needles, all boxes meet all others in one point.
+/// If there are more tests per face than this whether it is near a patch, looking at patches gains nothing either. For
+/// example, if the facets of a cone stand on a fan of needles, all boxes meet all others in one point.
 constexpr std::size_t kMaxLooksPerFace = 256;
 
 /// The rounding error of heights, relative to the largest coordinate. Heights are sums of three products.

@@ -20,7 +20,9 @@ struct PatchMesh {
   std::vector<VertexId> vertices;  ///< in lexicographic order of their plane coordinates; refinement appends to them
   std::vector<Vec2> uv;            ///< one per vertex
   Triangulation2d mesh;            ///< over `vertices`; boundary edges are constrained
-  /// Edges that are constrained only for the chord rule. They are in no loop.
+  /// Edges inside the patch that are constrained only so that no flip can replace them. A flip would make an edge that
+  /// exists elsewhere on the surface already, and the chord rule forbids that (core/README.md, Glossary, chord). They
+  /// are in no boundary loop.
   std::set<std::pair<std::uint32_t, std::uint32_t>> reserved;
   std::uint32_t loops = 0;
   PatchReason reason = PatchReason::kNone;

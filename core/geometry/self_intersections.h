@@ -19,7 +19,7 @@ struct SelfIntersections {
   bool is_complete = true;                       ///< false if there are more than `max_pairs`
 };
 
-/// The piece of a face that is tested against all other faces.
+/// The entry of `pieces` for a face that is tested against all other faces.
 inline constexpr std::uint32_t kNoPiece = 0xffffffffu;
 
 /// Finds the pairs of faces that meet anywhere but in shared vertices and edges. Touching counts, too (`do_intersect`).

@@ -92,7 +92,7 @@ struct Crossing {
   bool is_beyond = false;  ///< the crossing is on the way from p along x, not against it
 };
 
-/// The way in which the line through p along x crosses a triangle. The point p is treated as if it were moved by an
+/// Computes how the line through p along x crosses a triangle. The point p is treated as if it were moved by an
 /// infinitesimal, so that a line through an edge crosses exactly one of the faces there.
 Crossing crossing(const Corners3& triangle, const Vec3& p) {
   int turns = 0;
@@ -138,7 +138,7 @@ bool passes_through(const Corners3& s, const Corners3& t) {
 /// up to rounding, of its longest edge and of its largest face in each direction.
 struct ShellNesting::Samples {
   std::array<Vec3, kDirections.size()> vertices;
-  /// Never empty. The first one is on a face that looks to -x, so that a line from there meets the shells that stand
+  /// Never empty. The first one is on a face that faces -x, so that a line from there meets the shells that stand
   /// beside.
   std::vector<Vec3> middles;
 };
@@ -307,7 +307,8 @@ ShellNesting::Samples ShellNesting::samples_of(std::uint32_t shell) const {
   using Outermost = std::pair<double, Vec3>;
   std::array<Outermost, kDirections.size()> vertices;
   vertices.fill({-HUGE_VAL, {}});
-  // The first is that of an edge. The others are those of faces, by the axis along which they look most, or against it.
+  // The first is that of an edge. The others are those of faces, by the axis along or against which their normals point
+  // most.
   std::array<Middle, 7> middles;
   std::size_t looks = 0;
   for (const std::uint32_t f : (*faces_)[shell]) {

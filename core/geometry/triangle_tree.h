@@ -52,7 +52,7 @@ class TriangleTree {
     visit_meeting(
         box, first, [](std::size_t) { return false; }, visit);
   }
-  /// Does the same, but skips nodes for which is_of_no_interest(node) holds.
+  /// Visits slots in the same way, but skips nodes for which is_of_no_interest(node) holds.
   template <class IsOfNoInterest, class Visit>
   void visit_meeting(const Box3& box, std::size_t first, const IsOfNoInterest& is_of_no_interest,
                      const Visit& visit) const;

@@ -45,7 +45,7 @@ class Triangulation2d {
     if (g != kNoHalfEdge) twin_[g] = h;
     if (h != kNoHalfEdge) twin_[h] = g;
   }
-  /// Does the same, and sets the constraint bit if `constrained`.
+  /// Makes two half-edges twins, and sets their constraint bits if `constrained` is true.
   void join(std::uint32_t g, std::uint32_t h, bool constrained) {
     join(g, h);
     if (constrained) constrain(g != kNoHalfEdge ? g : h);

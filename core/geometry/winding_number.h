@@ -11,7 +11,7 @@
 
 namespace remesh {
 
-/// The winding number of triangles around points. It is 1 inside a closed surface that looks outwards, and 0 outside of
+/// The winding number of triangles around points. It is 1 inside a closed surface that faces outwards, and 0 outside of
 /// it. Around an open surface it is the part of all directions that the triangles cover.
 /// Input:   the arguments must outlive this object; coordinates within [-2^250, 2^250].
 /// Holds:   results are right up to some hundredths, because triangles far away count as one small face.

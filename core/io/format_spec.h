@@ -17,7 +17,7 @@ struct Sniffed {
   explicit Sniffed(std::string_view whole);
 
   std::string_view content;     ///< all bytes
-  std::string_view text;        ///< the same without a byte order mark
+  std::string_view text;        ///< `content` without its byte order mark
   std::string_view first_word;  ///< the first token of the text that is in no comment line
 };
 
@@ -42,7 +42,7 @@ struct FormatSpec {
   std::string_view ending;  ///< of a file's name, without the point
   std::string_view media_type;
   Storage storage;  ///< the numbers in which it is written
-  /// Looks at a content; null if the format is never told by it.
+  /// Looks at a content; null if the format is never recognised by its content.
   Mark (*mark)(const Sniffed& content) = nullptr;
   /// Null if it is not read, or only above this library, as JSON is.
   ReadResult (*read)(std::string_view content, const ReadLimits& limits, RunControl& control) = nullptr;

@@ -65,7 +65,7 @@ bool is_gzip_file_name(std::string_view file_name) {
 
 Format sniff_format(std::string_view content) {
   const Sniffed sniffed(content);
-  // If marks are equally strong, the first row wins.
+  // If the content looks equally like several formats, the one that comes first in kFormats is chosen.
   Format best = Format::kObj;
   Mark strongest = Mark::kNone;
   for (const Format format : kFormats) {

@@ -102,7 +102,8 @@ void inflate_members(std::string_view content, RunControl& control, const Take& 
     if (status == Z_STREAM_END) {
       // Padding with zeros, as tapes have it, is not a member.
       if (content.find_first_not_of('\0', in_offset) == std::string_view::npos) return;
-      if (!is_gzip(content.substr(in_offset))) throw damaged(in_offset, "something else follows the compressed data");
+      if (!is_gzip(content.substr(in_offset)))
+        throw damaged(in_offset, "data that is not gzip follows the compressed data");
       if (inflateReset(&stream) != Z_OK) throw std::bad_alloc();
     } else if (status == Z_MEM_ERROR) {
       throw std::bad_alloc();

@@ -38,7 +38,8 @@ void MeshBuilder::add_vertex(const Vec3& position, Place place) {
 
 void MeshBuilder::begin_face(std::uint64_t corners, Place place) {
   if (corners < 3) {
-    throw read_error(place, Code::kInvalidMesh, "a face with " + std::to_string(corners) + " corners; it takes 3")
+    throw read_error(place, Code::kInvalidMesh,
+                     "a face with " + std::to_string(corners) + " corners; at least 3 are needed")
         .at_element(mesh_.face_count());
   }
   if (corners > PolygonMesh::kMaxCorners - mesh_.corners.size())

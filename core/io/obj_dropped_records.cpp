@@ -50,9 +50,10 @@ std::size_t DroppedRecords::find(std::string_view keyword) {
 std::vector<Diagnostic> ObjExtras::diagnostics() && {
   std::vector<Diagnostic> diagnostics;
   dropped.report(diagnostics);
-  report_vertices(std::move(extra_values),
-                  "values of v records after x y z (weights, colours) dropped, at vertices: ", diagnostics);
-  report_vertices(std::move(missing_z), "missing z read as 0, at vertices: ", diagnostics);
+  report_vertices(
+      std::move(extra_values),
+      "values after x y z (weights, colours) were dropped; number of vertices that had them: ", diagnostics);
+  report_vertices(std::move(missing_z), "missing z read as 0; number of vertices without z: ", diagnostics);
   return diagnostics;
 }
 

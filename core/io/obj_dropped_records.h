@@ -1,4 +1,4 @@
-/// Counts what the readers of OBJ do not use.
+/// Counts the data in an OBJ text that its readers do not use.
 #pragma once
 
 #include <cstddef>

@@ -152,7 +152,7 @@ class ObjReader final : private std::streambuf {
     const std::uint64_t vertices = mesh_.vertex_count();
     if (index == 0) throw face_error(Code::kIndexOutOfRange, "a face with the index 0; the first vertex is 1");
     if (index < 0 && static_cast<std::uint64_t>(-std::int64_t{index}) > vertices) {
-      throw face_error(Code::kIndexOutOfRange, out_of_range_message(index, vertices) + " before it");
+      throw face_error(Code::kIndexOutOfRange, out_of_range_message(index, vertices) + " vertices before it");
     }
     if (index > 0 && static_cast<std::uint64_t>(index) > vertices &&
         (references_ahead_.empty() || index > references_ahead_.back().index)) {
@@ -224,7 +224,7 @@ class ObjReader final : private std::streambuf {
   }
 
   static std::string out_of_range_message(int index, std::uint64_t vertices) {
-    return "a face refers to vertex " + std::to_string(index) + ", of " + std::to_string(vertices);
+    return "a face refers to vertex " + std::to_string(index) + ", but the mesh has only " + std::to_string(vertices);
   }
 
   Place here() const { return Place::line(records_.line()); }
@@ -237,7 +237,7 @@ class ObjReader final : private std::streambuf {
   }
   Error too_large(const std::string& what, std::uint64_t limit) const { return too_large_error(here(), what, limit); }
   Error malformed_corner() const {
-    return face_error(Code::kInvalidMesh, "a face corner that is none of i, i/j, i//k, i/j/k");
+    return face_error(Code::kInvalidMesh, "a face corner that has none of the forms i, i/j, i//k, i/j/k");
   }
 
   struct ReferenceAhead {

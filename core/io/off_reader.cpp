@@ -19,9 +19,12 @@ struct DroppedValues {
   Diagnostic of_faces{DiagnosticCode::kAttributeDropped, 0, {}, ""};
 
   void report(std::vector<Diagnostic>& diagnostics) {
-    report(of_vertices,
-           "values of vertices after x y z (normals, colours, texture coordinates) dropped: ", diagnostics);
-    report(of_faces, "values of faces after their corners (colours) dropped: ", diagnostics);
+    report(
+        of_vertices,
+        "values after x y z (normals, colours, texture coordinates) were dropped; number of vertices that had them: ",
+        diagnostics);
+    report(of_faces,
+           "values after the corners of faces (colours) were dropped; number of faces that had them: ", diagnostics);
   }
 
  private:

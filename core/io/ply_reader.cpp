@@ -221,7 +221,7 @@ class PlyReader {
       const auto property = element.find(kAxes[axis]);
       if (!property || element.properties[*property].count_type) {
         throw read_error(Place::line(element.line), Code::kInvalidMesh,
-                         "the vertices have no number \"" + std::string(kAxes[axis]) + "\"");
+                         "the vertices have no numeric property \"" + std::string(kAxes[axis]) + "\"");
       }
       axis_of[*property] = axis;
     }
@@ -311,14 +311,15 @@ class PlyReader {
     if (!property.count_type) return records_.skip(property.type, 1);
     const Place place = records_.place();
     const std::int64_t count = records_.take_integer(*property.count_type);
-    if (count < 0) throw read_error(place, Code::kInvalidMesh, "a list of a negative length");
+    if (count < 0) throw read_error(place, Code::kInvalidMesh, "a list with a negative length");
     records_.skip(property.type, static_cast<std::uint64_t>(count));
   }
 
   void skip_element(const PlyElement& element) {
     if (element.count == 0) return;
     if (element.name == "tristrips") {
-      throw read_error(Place::line(element.line), Code::kInvalidMesh, "triangle strips are not read; faces are");
+      throw read_error(Place::line(element.line), Code::kInvalidMesh,
+                       "triangle strips cannot be read; the mesh needs an element \"face\"");
     }
     note_dropped(element, nullptr);
     if (records_.skip_element(element)) return;

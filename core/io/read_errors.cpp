@@ -7,7 +7,7 @@ namespace remesh {
 namespace {
 
 Diagnostic trailing_bytes(std::size_t count, const std::string& where) {
-  return {DiagnosticCode::kTrailingBytes, count, {}, "bytes" + where + ", left out: " + std::to_string(count)};
+  return {DiagnosticCode::kTrailingBytes, count, {}, "bytes" + where + ", were ignored: " + std::to_string(count)};
 }
 
 std::string behind_the_records(std::size_t end_of_records) {
@@ -29,8 +29,9 @@ void note_trailing_bytes(std::string_view content, std::size_t end_of_records, s
   if (rest.empty()) return;
   const std::string where = behind_the_records(end_of_records);
   if (rest.size() >= record_size && rest.find_first_not_of('\0') != std::string_view::npos) {
-    throw read_error(Place::byte(end_of_records), Code::kInvalidMesh,
-                     std::to_string(rest.size()) + " bytes" + where + ": more records than the file counts?");
+    throw read_error(
+        Place::byte(end_of_records), Code::kInvalidMesh,
+        std::to_string(rest.size()) + " bytes" + where + "; does the file have more records than it announces?");
   }
   diagnostics.push_back(trailing_bytes(rest.size(), where));
 }

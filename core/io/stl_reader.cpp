@@ -101,7 +101,8 @@ ReadResult read_binary(std::string_view content, const ReadLimits& limits, RunCo
   note_trailing_bytes(content, kBeginOfRecords + kRecord * static_cast<std::size_t>(count), kRecord,
                       result.diagnostics);
   if (attributes.count > 0) {
-    attributes.message = "attribute bytes (colours) dropped, of triangles: " + std::to_string(attributes.count);
+    attributes.message = "attribute bytes (colours) were dropped; number of triangles that had them: " +
+                         std::to_string(attributes.count);
     result.diagnostics.push_back(std::move(attributes));
   }
   result.mesh = joined(std::move(positions), limits, control);

@@ -55,9 +55,10 @@ void append_facet(std::string& out, const TriangleMesh& mesh, FaceId f) {
   out += " endloop\nendfacet\n";
 }
 
-/// Makes the header of 80 bytes from the first comment, which is a list. The last part of the list comes first,
-/// because readers need it most, such as the origin. A part is written as a whole or not at all, because half a
-/// number is a wrong number. The header must not begin with "solid", because readers would take the file for text.
+/// Makes the header, which has room for 80 bytes, from the first comment. That comment is a list of entries with commas
+/// between them, such as "patches=6, origin=1 2 3". The header takes the last entries first, because readers need them
+/// most: the origin, for example. An entry is written as a whole or not at all, because half a number is a wrong
+/// number. The header must not begin with "solid", because readers would take the file for text.
 std::string header_of(const std::vector<std::string>& comments) {
   constexpr std::string_view kSeparator = ", ";
   std::string header = "binary STL";
@@ -79,7 +80,7 @@ std::string write_stl(const TriangleMesh& mesh, const std::vector<std::string>& 
   control.enter(Stage::kWrite);
   constexpr std::uint32_t kMaxCount = std::numeric_limits<std::uint32_t>::max();
   if (mesh.faces.size() > kMaxCount) {
-    throw Error(Code::kOutputTooLarge, Stage::kWrite, "more triangles than STL counts").with_limit(kMaxCount);
+    throw Error(Code::kOutputTooLarge, Stage::kWrite, "more triangles than binary STL can count").with_limit(kMaxCount);
   }
   std::string out = header_of(comments);
   out.resize(kHeader, ' ');

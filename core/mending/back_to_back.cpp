@@ -15,7 +15,7 @@ struct Piece {
   bool is_possible = true;  ///< the pairs have two consistent sides
   bool is_closed = true;    ///< the pairs border on no other faces
   bool are_labels_alike = true;
-  /// The number of edges over which side 0 looks as the neighbours do, minus that for the other side.
+  /// The number of edges over which side 0 has the orientation of the neighbours, minus that for the other side.
   int votes = 0;
   double volume = 0;  ///< volume of side 0
 };
@@ -134,7 +134,7 @@ class SideChoice {
   std::size_t looks_ = 0;
 };
 
-/// Returns which faces would look the wrong way if only the faces in `stays` stayed.
+/// Returns which faces would have the wrong orientation if only the faces in `stays` stayed.
 std::vector<std::uint8_t> would_be_inside_out(const Surface& surface, const FaceLabels& labels,
                                               const std::vector<std::uint8_t>& stays, RunControl& control) {
   FaceList staying;

@@ -20,13 +20,14 @@ struct BackToBack {
   bool does_first_stay = true;
 };
 
-/// Chooses, for pairs of faces of which one is to go, which one that is. It decides for all connected pairs together,
-/// so that the faces that stay look the same way over each edge, and the same way as the faces that they border on. If
-/// connected pairs border on nothing else, they form two shells, and one of these goes:
-/// - If the two have different labels, they are walls of two bodies, and the one that looks outwards stays: it is right
+/// One face of each pair is to be dropped. This chooses which one. It decides for all connected pairs together, so that
+/// the faces that stay have the same orientation as each other and as the faces that they border on. If connected pairs
+/// border on nothing else, they form two shells, and one of these is dropped:
+/// - If the two have different labels, they are walls of two bodies, and the one that faces outwards stays: it is right
 ///   as a body of its own inside another one.
 /// - Otherwise the one with the smallest face stays.
-/// - If the shell chosen so looks the wrong way (geometry/inside_out.h), it goes after all, and the other one stays.
+/// - If the shell that would stay by these rules has the wrong orientation (geometry/inside_out.h), the other one
+///   stays.
 /// Input:   the pairs. If one face of each pair goes, each of their edges has two faces. `is_dropped` has one entry per
 ///          face, and is set for all other faces that go and for the second faces of the pairs. `labels` are those of
 ///          the input, `of_faces` those of the faces.

@@ -257,9 +257,9 @@ std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, cons
   constexpr int kMaxTries = 4;
   const std::vector<double>& widths = cracks.widths;
   if (widths.empty()) return "";
-  std::string text = "; " + std::to_string(cracks.edges) + " run beside another one, " +
+  std::string text = "; " + std::to_string(cracks.edges) + " of these edges run beside another open edge, " +
                      (widths.size() > 1 ? few_digits(widths.front()) + " to " : "") + few_digits(widths.back()) +
-                     " apart, which is more than rounding explains, and were not joined";
+                     " apart, which is more than the rounding of the coordinates explains, and were not joined";
   const Trial trial(input, options, rules, control);
   const EdgeKinds now = trial.run(options.weld_tolerance);
   auto end = widths.end();
@@ -269,11 +269,11 @@ std::string describe_cracks(const Cracks& cracks, const PolygonMesh& input, cons
       const EdgeKinds then = trial.run(tolerance);
       if (then.is_better_than(now))
         return text + ": weld_tolerance=" + few_digits(tolerance) + " would leave " + std::to_string(then.open) +
-               " of the " + std::to_string(now.welded_open) + " edges with one face";
+               " of the " + std::to_string(now.welded_open) + " edges that have only one face";
     }
     end = std::upper_bound(widths.begin(), end - 1, *(end - 1) / 2);
   }
-  return text + ": no weld_tolerance closes them and nothing else";
+  return text + ": no `weld_tolerance` was found that closes edges without damage elsewhere";
 }
 
 }  // namespace remesh

@@ -285,15 +285,17 @@ bool drop_duplicate_faces(Surface& surface, const Adjacency& edges, const FaceLa
   Duplicates duplicates(surface, edges, labels, control);
   const std::vector<std::uint8_t>& fate = duplicates.find();
   if (fate.empty()) return false;
-  Diagnostic dropped{DiagnosticCode::kDuplicateFace, 0, {}, "faces that repeat another one were dropped"};
-  Diagnostic left{
-      DiagnosticCode::kDuplicateFace, 0, {}, "faces repeat another one, and stay as they were not to be mended"};
+  Diagnostic dropped{DiagnosticCode::kDuplicateFace, 0, {}, "faces that repeat another face were dropped"};
+  Diagnostic left{DiagnosticCode::kDuplicateFace,
+                  0,
+                  {},
+                  "faces repeat another face and were left, because `repair` does not include `duplicates`"};
   Diagnostic back{
       DiagnosticCode::kDuplicateFace,
       0,
       {},
-      "faces repeat another one, most of them seen from behind, and stay: without them the surface would be "
-      "open or have edges of three faces"};
+      "faces repeat another face, most of them with the opposite orientation, and were left: without them the surface "
+      "would be open or have edges with three faces"};
   FaceList staying;
   StopCheck check(control);
   for (std::uint32_t i = 0; i < surface.face_count(); ++i) {

@@ -8,13 +8,18 @@ namespace remesh {
 
 void find_defects(const Surface& welded, const Adjacency& edges, std::span<const VertexId> pinched,
                   std::vector<Diagnostic>& diagnostics, RunControl& control) {
-  Diagnostic non_manifold{
-      DiagnosticCode::kNonManifoldEdge, 0, {}, "edges have three or more faces; elements are faces"};
+  Diagnostic non_manifold{DiagnosticCode::kNonManifoldEdge,
+                          0,
+                          {},
+                          "edges have three or more faces; `elements` lists the first face of each edge by number"};
   Diagnostic joined{DiagnosticCode::kNonManifoldVertex,
                     0,
                     {},
-                    "vertices join faces that have no edge there in common; elements are vertices"};
-  Diagnostic open{DiagnosticCode::kOpenBoundary, 0, {}, "edges have one face only; elements are faces"};
+                    "vertices join groups of faces that share no edge there; `elements` lists the vertices by number"};
+  Diagnostic open{DiagnosticCode::kOpenBoundary,
+                  0,
+                  {},
+                  "edges have only one face; `elements` lists the face of each edge by number"};
   StopCheck check(control);
   for (const EdgeId e : edges.odd_edges()) {
     check();

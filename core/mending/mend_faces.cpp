@@ -23,19 +23,25 @@ struct MendedFaces {
   Diagnostic repeated{DiagnosticCode::kDuplicateVertex,
                       0,
                       {},
-                      "faces had a corner twice in a row, as read or by welding, and have it once; elements are faces"};
-  Diagnostic nonplanar{DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons without a plane were triangulated"};
-  Diagnostic crossing{DiagnosticCode::kNonplanarPolygon,
-                      0,
-                      {},
-                      "polygons cross themselves, so that no triangulation of them is right: they were cut into fans, "
-                      "whose triangles overlap"};
-  Diagnostic zero_area{
-      DiagnosticCode::kZeroAreaFace, 0, {}, "faces without area: dropped, but for those whose patch is kept"};
-  Diagnostic spiked{DiagnosticCode::kZeroAreaFace,
-                    0,
-                    {},
-                    "polygons run back over themselves: these spikes have no area and were dropped"};
+                      "faces had a corner twice in a row, in the input or after welding, and now have it once; "
+                      "`elements` lists these faces by number"};
+  Diagnostic nonplanar{
+      DiagnosticCode::kNonplanarPolygon, 0, {}, "polygons whose corners do not lie in one plane were triangulated"};
+  Diagnostic crossing{
+      DiagnosticCode::kNonplanarPolygon,
+      0,
+      {},
+      "polygons cross themselves, so no triangulation of them is valid; they were cut into fans of triangles "
+      "that overlap"};
+  Diagnostic zero_area{DiagnosticCode::kZeroAreaFace,
+                       0,
+                       {},
+                       "faces have no area; they were dropped, except those in patches with the status `kept`"};
+  Diagnostic spiked{
+      DiagnosticCode::kZeroAreaFace,
+      0,
+      {},
+      "polygons have spikes, where the outline runs back over itself; the spikes have no area and were dropped"};
 
   /// All of them, in the order in which they are reported.
   std::array<Diagnostic*, 5> all() { return {&repeated, &nonplanar, &crossing, &zero_area, &spiked}; }

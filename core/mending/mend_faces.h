@@ -14,7 +14,7 @@ namespace remesh {
 
 /// Mends the faces of a welded surface.
 /// Input:   `plane_tolerance` is in local units. `keep_verbatim` has one entry per input face, or is empty. A face with 1
-///          there must not become a polygon and must not be handed a vertex; later stages ask for this if a polygon
+///          there must not become a polygon and must not get another vertex; later stages ask for this if a polygon
 ///          turned out to have no triangulation of its own. `possible_rounding` is, in local units, how far a rounding
 ///          that is not proven may have moved the corners. A polygon that crosses itself is searched again for spikes
 ///          within this distance before it is cut into a fan.

@@ -49,12 +49,12 @@ struct PlaneSpikes {
   bool has_left_plane = false;  ///< a spike, whether it is a reversal or not, leaves the plane
 };
 
-/// Does the same as cut_spikes with Reversals::kKeep, but also cuts off exact reversals that leave the polygon's plane.
-/// A slit lies in its face. A reversal that sticks out of the face is a spike, even if it lies inside the outline as
-/// seen from above: a triangulation through its tip would be a tent. The plane is that of the outline without any
-/// reversal, through the mean of its corners. A corner is out of the plane's reach if it is further away than both
-/// `plane_tolerance` and all corners of that outline. A reversal is cut off from its first corner on that is out of
-/// reach.
+/// Cuts off spikes as cut_spikes does with Reversals::kKeep, and also cuts off exact reversals that leave the polygon's
+/// plane. A slit lies in its face. A reversal that sticks out of the face is a spike, even if it lies inside the
+/// outline as seen from above: a triangulation through its tip would be a tent. The plane is that of the outline
+/// without any reversal, through the mean of its corners. A corner is out of the plane's reach if it is further away
+/// than both `plane_tolerance` and all corners of that outline. A reversal is cut off from its first corner on that is
+/// out of reach.
 /// Output:  the spikes. If none leaves the plane, they are those of kKeep.
 /// Errors:  kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:    O(n).

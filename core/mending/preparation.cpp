@@ -124,11 +124,10 @@ class Preparation {
          1,
          {},
          "the coordinates " + are + " rounded to steps of " + text(rounding.possible_step()) +
-             ", and this explains a plane_tolerance of " + text(explained) + "; " + text(automatic) +
-             " was used, because the automatic one is at most 1e-4 of the bounding box's "
-             "diagonal; faces bend by what the rounding explains, so planes may be in pieces; "
-             "plane_tolerance=" +
-             text(explained) + " joins them, and flattens details as small as that"});
+             ", which would justify a plane_tolerance of " + text(explained) + "; " + text(automatic) +
+             " was used, because the automatic value is at most 1e-4 of the bounding box's diagonal; faces bend by no "
+             "more than this rounding explains, so one plane may have become several patches; plane_tolerance=" +
+             text(explained) + " would make it one patch, but also flatten details of that size"});
   }
 
   void mend() {
@@ -169,7 +168,8 @@ class Preparation {
         (is_split || mend_seams == Mend::kNo) && seams.close(surface(), adjacency(), mend_seams, control_);
     if_changed(is_joined_again);
     seams.tell(found);
-    // Faces over seams may repeat each other only now.
+    // Faces on both sides of a seam may repeat each other now, because they have the same vertices only since the seam
+    // was closed.
     if ((is_joined || is_joined_again) && repair.duplicates && drop_new_duplicates(repeated, is_repeated ? 1 : 0))
       if_changed(true);
     found.insert(found.begin() + static_cast<std::ptrdiff_t>(place), repeated.begin(), repeated.end());
@@ -179,7 +179,7 @@ class Preparation {
                                            found, control_, spike_rounding_ / surface().unit);
     if_changed(is_mended);
     if (is_mended) prepared_.without_area = faces_without_area(surface(), control_);
-    // Neighbours are made to look the same way, and closed shells the right way if that is asked for.
+    // Neighbours get the same orientation. Closed shells get the right orientation if that is asked for.
     if_changed(unify_winding(surface(), adjacency(), mend_if(repair.winding), found, control_));
     if (!is_solid())
       if_changed(turn_inside_out(surface(), adjacency(), input_.labels, mend_if(repair.inside_out), found, control_));

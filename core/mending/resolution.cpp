@@ -71,10 +71,10 @@ Error unresolved(const Surface& surface, FaceId f) {
   const std::uint32_t number = surface.face_source[f].value;
   return Error(Code::kCoordinateRange, Stage::kVerify,
                "face " + std::to_string(number) +
-                   " is too thin or too small for its place to be proven: its sides are " + number_text(m.shortest) +
-                   " to " + number_text(m.longest) + " long, it is " + number_text(m.height) +
-                   " high, and the mesh reaches " + number_text(2 * surface.unit) +
-                   " far, of which doubles keep 16 digits. Correct vertices that lie far off, or leave the face out")
+                   " is too thin or too small for a result to be proven: its sides are " + number_text(m.shortest) +
+                   " to " + number_text(m.longest) + " long and its height is " + number_text(m.height) +
+                   ", but the mesh is " + number_text(2 * surface.unit) +
+                   " wide, and doubles have only 16 digits. Correct vertices that lie far off, or leave the face out")
       .at_element(number);
 }
 

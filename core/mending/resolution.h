@@ -13,7 +13,7 @@ namespace remesh {
 /// that can be proven.
 bool is_unresolved(const Surface& surface, FaceId f);
 
-/// The error for such a face. It gives the face's number in the input, its measures, and advice.
+/// Makes the error for an unresolved face. It gives the face's number in the input, its measures, and advice.
 Error unresolved(const Surface& surface, FaceId f);
 
 }  // namespace remesh

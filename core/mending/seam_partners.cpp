@@ -116,8 +116,8 @@ class Choice {
 
   /// Input:  groups of pairs. A group has all pairs of edges that are connected by such pairs.
   void run(std::vector<std::span<const SeamPair>> groups) {
-    // Clear choices connect pieces, and this may make other groups clear. The groups of one round do not know of each
-    // other, so their order does not matter.
+    // Clear choices connect pieces, and this may make other groups clear. The choices in one round do not depend on
+    // each other, so the order of the groups does not matter.
     constexpr int kMaxRounds = 4;
     bool is_news = true;
     for (int round = 0; round < kMaxRounds && is_news; ++round) {
@@ -228,7 +228,8 @@ class Choice {
       return true;
     }
     if (has_to_be_clear || best_->unpaired > 0) return false;
-    // This happens, for example, if a surface is there twice. With exact coordinates, all these edges would be one.
+    // This happens, for example, if a surface occurs twice in the same place. With exact coordinates, all these edges
+    // would be one.
     std::vector<std::size_t> all;
     for (const Rival& rival : rivals_)
       if (!best_->is_clearly_better_than(rival.rank)) all.insert(all.end(), rival.way.begin(), rival.way.end());

@@ -115,9 +115,9 @@ class Closing {
   }
 
   VertexId image(VertexId v) const { return image_[v]; }
-  /// One face for each edge that closes.
+  /// One face for each open edge that is joined with another one.
   const std::vector<FaceId>& closed() const { return closed_; }
-  /// Returns whether the edge of an open half-edge closes.
+  /// Returns whether the open edge with this half-edge is joined with another one, so that it is no longer open.
   bool is_closed(std::uint32_t half_edge) const {
     return std::binary_search(closed_half_edges_.begin(), closed_half_edges_.end(), half_edge);
   }
@@ -162,7 +162,8 @@ class Closing {
     return {{{a.from, p.fit.runs_alike ? b.from : b.to}, {a.to, p.fit.runs_alike ? b.to : b.from}}};
   }
 
-  /// Drops the pairs with an end whose cluster would be larger than the tolerance.
+  /// Drops pairs of edges that must not be joined. Joining two edges puts each end of one into the same cluster as an
+  /// end of the other. A pair is dropped if one of these clusters would become larger than the tolerance.
   void choose_pairs() {
     Clusters clusters = make_clusters();
     StopCheck check(control_);
@@ -368,7 +369,7 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
   }
   Closing closing(surface, edges, open, rules_, places_, control);
   const bool is_any = !partners.pairs.empty() && closing.run(std::move(partners.pairs));
-  // An edge still counts as one that others lie beside if these others have closed without it.
+  // If the edges beside an edge were joined without it, it still counts as an edge that has others beside it.
   std::vector<Ends> left_ends;
   for (std::size_t i = 0; i < open.size(); ++i) {
     check();
@@ -397,20 +398,23 @@ bool Seams::close(Surface& surface, const Adjacency& edges, Mend mend, RunContro
 }
 
 void Seams::tell(std::vector<Diagnostic>& diagnostics) const {
+  constexpr const char* kFaces = "; `elements` lists one face of each edge by number";
   const auto tell_of = [&](Diagnostic found, std::string message) {
     if (found.count == 0) return;
     found.code = DiagnosticCode::kSeam;
     found.message = std::move(message);
     diagnostics.push_back(std::move(found));
   };
-  tell_of(found_, "open edges had a partner beside them within the rounding of the coordinates, up to " +
-                      few_digits(width_) + " apart, and were " +
-                      (is_mended_ ? "joined with it; elements are faces" : "left open; elements are faces"));
-  tell_of(left_, are_too_many_ ? "open edges lie beside each other, so many that no seam was looked for; elements are "
-                                 "faces"
-                               : "open edges lie beside others within the rounding of the coordinates, and were left "
-                                 "open: it is not clear which of these they belong to, or joining them would spoil the "
-                                 "surface; elements are faces");
+  tell_of(found_, "open edges had a partner beside them, at most " + few_digits(width_) +
+                      " apart, which the rounding of the coordinates explains, and were " +
+                      (is_mended_ ? "joined with it" : "left open") + kFaces);
+  tell_of(left_,
+          std::string(are_too_many_ ? "open edges lie beside each other and were left open: they are too many to "
+                                      "look for pairs"
+                                    : "open edges run beside other open edges, as near as the rounding of the "
+                                      "coordinates explains, and were left open: it is not clear which two belong "
+                                      "together, or joining them would damage the surface") +
+              kFaces);
 }
 
 }  // namespace remesh

@@ -25,7 +25,8 @@ class JoinedPlaces {
   std::vector<std::pair<VertexId, Box3>> boxes_;  ///< by `vertex_source`, ascending
 };
 
-/// Joins the two sides of seams. For example, the last angle around a cylinder may have given -6e-15 instead of 0.
+/// Joins the two sides of seams. For example, a cylinder may have a seam because its last angle was computed as -6e-15
+/// instead of 0.
 /// `find_seam_partners` decides which open edges are partners: their ends lie within the tolerance of each other. Two
 /// sheets that lie on each other within a few tolerances are no seam, because joining them would make a pocket without
 /// a volume.

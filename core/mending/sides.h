@@ -28,7 +28,7 @@ class Sides {
     return side;
   }
 
-  /// Joins the pieces of two faces. `is_opposite` says whether the two faces look opposite ways.
+  /// Joins the pieces of two faces. `is_opposite` says whether the two faces have opposite orientations.
   void join(Side a, Side b, std::uint8_t is_opposite) {
     if (a.piece == b.piece) return;
     if (size_[a.piece] < size_[b.piece]) std::swap(a, b);
@@ -39,7 +39,7 @@ class Sides {
 
  private:
   std::vector<std::uint32_t> parent_, size_;
-  std::vector<std::uint8_t> is_turned_;  ///< whether a face looks opposite to its parent
+  std::vector<std::uint8_t> is_turned_;  ///< whether the orientation of a face is opposite to that of its parent
 };
 
 }  // namespace remesh

@@ -283,7 +283,7 @@ struct Split {
 };
 
 /// Finds two kinds of vertices: those that would join faces so that a two-sided piece becomes one-sided, and those that
-/// would make faces turn over because of an edge that is too short to tell which way they look.
+/// would make faces turn over because of an edge that is too short to show their orientation.
 /// Output: a junction for each new edge that does this; empty in nearly all cases.
 std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Split& split,
                                               const std::vector<Junction>& junctions, double tolerance,
@@ -334,8 +334,7 @@ std::vector<std::uint32_t> twisting_junctions(const Surface& surface, const Spli
     std::uint32_t worst = kNone;
     for (const std::uint32_t h : around)
       for (const std::uint32_t j : of_edge(h))
-        if (j != kNone && (worst == kNone || junctions[worst].distance < junctions[j].distance))
-          worst = j;
+        if (j != kNone && (worst == kNone || junctions[worst].distance < junctions[j].distance)) worst = j;
     twisting.push_back(worst);
   }
   sort_stoppable(twisting.begin(), twisting.end(), control);
@@ -358,8 +357,8 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
   std::vector<Junction>& junctions = found.junctions;
   if (!found.is_complete) {
     diagnostics.push_back(told(surface, junctions,
-                               "vertices lie on an open edge of a face without them, so many that none was split; "
-                               "elements are vertices; there are more"));
+                               "vertices lie on an open edge of a face that does not use them, so many that no edge "
+                               "was split; there are more than were counted; `elements` lists the vertices by number"));
     return false;
   }
   if (junctions.empty()) return false;
@@ -370,7 +369,8 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
   if (junctions.empty()) return false;
   if (mend == Mend::kNo) {
     diagnostics.push_back(
-        told(surface, junctions, "vertices lie on an open edge of a face without them; elements are vertices"));
+        told(surface, junctions,
+             "vertices lie on an open edge of a face that does not use them; `elements` lists the vertices by number"));
     return false;
   }
   Split split(surface, junctions, control);
@@ -397,12 +397,12 @@ bool split_t_junctions(Surface& surface, const Adjacency& edges, double toleranc
   }
   if (!left.empty())
     diagnostics.push_back(told(surface, left,
-                               "vertices lie on an open edge of a face without them and were left there: the surface "
-                               "would be twisted; elements are vertices"));
+                               "vertices lie on an open edge of a face that does not use them; the edge was not split "
+                               "there, because that would twist the surface; `elements` lists the vertices by number"));
   if (junctions.empty()) return false;
-  diagnostics.push_back(
-      told(surface, junctions,
-           "vertices lie on an open edge of a face without them: it was split there; elements are vertices"));
+  diagnostics.push_back(told(surface, junctions,
+                             "vertices lie on an open edge of a face that does not use them; the edge was split there; "
+                             "`elements` lists the vertices by number"));
   surface.take_faces(std::move(split.faces));
   return true;
 }

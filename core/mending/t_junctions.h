@@ -16,8 +16,8 @@ namespace remesh {
 /// vertices in its loop.
 /// Input:   a welded surface; the tolerance, in local units. A vertex lies on an edge if it is within the tolerance of
 ///          the edge, further than that from both of the edge's ends (otherwise it is a matter of welding), and not a
-///          corner of the edge's face. Faces marked in `keep_verbatim` (one entry per input face, or empty) get no vertices,
-///          and neither do faces so thin (kThinFace) that a vertex might turn them over.
+///          corner of the edge's face. Faces marked in `keep_verbatim` (one entry per input face, or empty) get no
+///          vertices, and neither do faces that are so thin (kThinFace) that a vertex might turn them over.
 /// Output:  with Mend::kYes, the mended surface. Counts T-junctions that were split and those that are left, each as
 ///          t_junction; elements are the vertices. If more than 4096 vertices plus 4 per corner of the surface are near
 ///          open edges, none is split, and this is reported. It happens if hundreds of edges lie along each other with

@@ -340,8 +340,8 @@ Error out_of_range(const Surface& surface, std::size_t v, const std::string& mes
   throw out_of_range(
       surface, farthest,
       "the mesh is " + number_text(length) + " long and only " + number_text(width) +
-          " wide. What is narrower than 2^-100 (7.9e-31) of its length is a line to every computation, and "
-          "no result can be proven for it. Correct the vertex that lies far off, or leave its faces out");
+          " wide. A mesh narrower than 2^-100 (7.9e-31) of its length cannot be told from a line, and no "
+          "result can be proven for it. Correct the vertex that lies far off, or leave its faces out");
 }
 
 /// Throws if the box's second longest side is too short relative to its longest side.
@@ -402,7 +402,8 @@ Welded number_welded(const std::vector<std::uint8_t>& is_used, const Numbers& st
   for (std::uint32_t i = 0; i < is_used.size(); ++i) {
     check();
     if (!is_used[i]) continue;
-    // With a tolerance, if two vertices have equal coordinates, the first one knows which vertex both become.
+    // With a tolerance, if two vertices have equal coordinates, the entry of the first one says which vertex both
+    // become.
     const std::uint32_t one = stands_for[stands_for[i]];
     if (one != i) duplicate.add(i);
     if (welded.of_input[one] == VertexId::kInvalid) {
@@ -432,11 +433,11 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
   if (input.face_count() == 0) throw Error(Code::kEmptyMesh, Stage::kWeld, "the mesh has no face");
   const std::size_t n = input.vertex_count();
   Diagnostic unused{DiagnosticCode::kUnusedVertex, 0, {}, "vertices that no face uses were dropped"};
-  Diagnostic duplicate{DiagnosticCode::kDuplicateVertex, 0, {}, "vertices with equal coordinates were made one"};
+  Diagnostic duplicate{DiagnosticCode::kDuplicateVertex, 0, {}, "vertices with equal coordinates were merged"};
   Diagnostic wide{DiagnosticCode::kDuplicateVertex,
                   0,
                   {},
-                  "vertices that were welded lie within the weld tolerance of one that was not made one with them"};
+                  "merged vertices lie within `weld_tolerance` of another vertex that was not merged with them"};
 
   std::vector<std::uint8_t> is_used(n, 0);
   for_blocks(input.corners.size(), kItemsPerBlock, control, [&](std::size_t begin, std::size_t end) {
@@ -462,7 +463,7 @@ Surface weld(const PolygonMesh& input, const Barriers& barriers, std::vector<Dia
     }
   }
   if (tolerance > 0) {
-    duplicate.message = "vertices within the weld tolerance of another one were made one with it";
+    duplicate.message = "vertices within `weld_tolerance` of another vertex were merged with it";
     StopCheck check(control);
     const auto is_repeated = [&](const Indexed& v) {
       check();

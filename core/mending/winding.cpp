@@ -16,7 +16,7 @@
 namespace remesh {
 namespace {
 
-/// The first half-edges of edges that have two faces which look opposite ways.
+/// Returns the first half-edge of each edge whose two faces have opposite orientations.
 std::vector<std::uint32_t> inconsistent_edges(const Adjacency& edges, RunControl& control) {
   std::vector<std::uint32_t> first;
   StopCheck check(control);
@@ -97,7 +97,7 @@ class Unifying {
     return is_possible;
   }
 
-  /// The other half-edge of an edge with two faces, whichever way they look.
+  /// Returns the other half-edge of an edge with two faces, whatever their orientations are.
   std::uint32_t other_of_two(std::uint32_t h) const {
     if (const std::uint32_t twin = edges_.twin(h); twin != kNone) return twin;
     const auto around = edges_.half_edges(edges_.edge_of(h));
@@ -170,23 +170,26 @@ bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vec
   const std::vector<std::uint32_t> inconsistent = inconsistent_edges(edges, control);
   if (inconsistent.empty()) return false;
   if (mend == Mend::kNo) {
-    Diagnostic found{DiagnosticCode::kInconsistentWinding,
-                     0,
-                     {},
-                     "edges have two faces that look opposite ways; elements are faces"};
+    Diagnostic found{
+        DiagnosticCode::kInconsistentWinding,
+        0,
+        {},
+        "edges have two faces with opposite orientations; `elements` lists the first face of each edge by number"};
     for (const std::uint32_t h : inconsistent) found.add(surface.face_source[edges.face_of(h)].value);
     diagnostics.push_back(std::move(found));
     return false;
   }
   Unifying unifying(surface, edges, control);
   unifying.run(inconsistent);
-  Diagnostic turned{
-      DiagnosticCode::kInconsistentWinding, 0, {}, "faces were turned over to look as their neighbours do"};
-  Diagnostic left{
-      DiagnosticCode::kInconsistentWinding,
-      0,
-      {},
-      "pieces of the surface have one side only and stay as they were; elements are the first face of each"};
+  Diagnostic turned{DiagnosticCode::kInconsistentWinding,
+                    0,
+                    {},
+                    "faces were turned over to have the same orientation as their neighbours"};
+  Diagnostic left{DiagnosticCode::kInconsistentWinding,
+                  0,
+                  {},
+                  "pieces of the surface are one-sided, like a Moebius strip, and were left as they were; `elements` "
+                  "lists the first face of each piece by number"};
   const auto turned_faces = select_ids<FaceId>(surface.face_count(), kItemsPerBlock, control,
                                                [&](std::size_t f) { return unifying.is_turned[f] != 0; });
   surface.for_each_source(turned_faces, [&](FaceId source) { turned.add(source.value); });
@@ -205,9 +208,10 @@ bool turn_inside_out(Surface& surface, const Adjacency& edges, const FaceLabels&
   Diagnostic inside_out{DiagnosticCode::kInsideOut, 0, {}, ""};
   inside_out.message =
       std::string(
-          "closed shells of the surface look the wrong way: bodies that enclose a negative volume, or cavities "
-          "that enclose a positive one in a body of the same object, group and material") +
-      (mend == Mend::kYes ? "; they were turned over" : "") + "; elements are the first face of each";
+          "closed shells have the wrong orientation: bodies that enclose a negative volume, or cavities that enclose a "
+          "positive volume in a body of the same object, group and material") +
+      (mend == Mend::kYes ? "; they were turned over" : "") +
+      "; `elements` lists the first face of each shell by number";
   for (const FaceId f : found.first) inside_out.add(surface.face_source[f].value);
   diagnostics.push_back(std::move(inside_out));
   if (mend == Mend::kNo) return false;

@@ -1,4 +1,5 @@
-/// Makes faces look the right way: the same way over each edge, and outwards or inwards as closed shells should.
+/// Gives faces the right orientation: the same as their neighbours', and outwards or inwards as closed shells should
+/// have it.
 #pragma once
 
 #include <cstdint>
@@ -13,29 +14,29 @@
 
 namespace remesh {
 
-/// Turns faces over so that neighbours look the same way. It works piece by piece, where pieces are connected over
-/// edges with two faces. In each piece, the faces of smaller total area turn. A piece that cannot be wound consistently
-/// (a Moebius strip) stays as it is.
+/// Turns faces over so that neighbours have the same orientation. It works piece by piece, where pieces are connected
+/// over edges with two faces. In each piece, the faces of smaller total area turn. A piece that cannot be wound
+/// consistently (a Moebius strip) stays as it is.
 /// Output:  counts inconsistent_winding. With Mend::kYes, counts the faces that turned, and the pieces that stay (one
-///          face of each); otherwise the edges whose two faces look opposite ways (the first face of each).
+///          face of each); otherwise the edges whose two faces have opposite orientations (the first face of each).
 /// Returns: whether the surface changed.
 /// Cost:    O(n).
 bool unify_winding(Surface& surface, const Adjacency& edges, Mend mend, std::vector<Diagnostic>& diagnostics,
                    RunControl& control);
 
-/// The faces of the closed shells that look the wrong way.
+/// The faces of the closed shells that have the wrong orientation.
 struct InsideOutFaces {
   std::vector<std::uint8_t> is_inside_out;  ///< by face; empty if none is
   std::vector<FaceId> first;                ///< one face of each such shell
 };
 
-/// Finds the closed shells that look the wrong way (geometry/inside_out.h). Polygons are judged by the triangles that
-/// cover them.
+/// Finds the closed shells that have the wrong orientation (geometry/inside_out.h). Polygons are judged by the
+/// triangles that cover them.
 /// Input:   `labels` are those of the input from which the surface came.
 InsideOutFaces find_inside_out_faces(const Surface& surface, const Adjacency& edges, const FaceLabels& labels,
                                      RunControl& control);
 
-/// Finds the closed shells that look the wrong way, and turns them over.
+/// Finds the closed shells that have the wrong orientation, and turns them over.
 /// Input:   `labels` are those of the input from which the surface came.
 /// Output:  counts the shells as inside_out; elements are the first face of each.
 /// Returns: whether the surface changed.

@@ -158,13 +158,13 @@ std::string reason_text(const FloatForm& form, double allowed_move) {
       return "rounding to them moves a vertex by " + short_text(verdict.largest_move) + ", where at most " +
              short_text(allowed_move) + " is allowed (the larger of plane_tolerance and 1e-6 of the diagonal)";
     case StoredFault::kMerged:
-      return "rounding to them makes one place of " + count_of(verdict.count, "pair", "pairs") + " of vertices";
+      return "rounding to them puts " + count_of(verdict.count, "pair", "pairs") + " of vertices at the same place";
     case StoredFault::kTurnedOver:
-      return "rounding to them takes the area of " + count_of(verdict.count, "triangle", "triangles") +
-             " or turns them over";
+      return "rounding to them turns over " + count_of(verdict.count, "triangle", "triangles") +
+             " or leaves them without area";
     case StoredFault::kNewIntersections:
       return "rounding to them makes " + count_of(verdict.count, "pair", "pairs") +
-             " of faces intersect that were apart";
+             " of faces intersect that did not intersect before";
     case StoredFault::kBeyondRange:
     case StoredFault::kMalformed:
     case StoredFault::kNotStorable:
@@ -185,18 +185,18 @@ std::string names_of_formats(Storage storage) {
 [[noreturn]] void refuse(const Result& result, const FloatForm& form, bool would_do_about_origin) {
   double largest = 0;
   for (const Vec3& p : result.mesh.positions) largest = std::max(largest, largest_coordinate(p - form.origin));
-  std::string message = names_of_formats(Storage::kFloat) + " has floats only, ";
+  std::string message = names_of_formats(Storage::kFloat) + " stores coordinates as floats, ";
   if (form.verdict.fault == StoredFault::kBeyondRange)
-    message += "and a coordinate, " + short_text(largest) + ", is beyond the largest one";
+    message += "and the coordinate " + short_text(largest) + " is beyond the largest float";
   else
     message += "which are " + short_text(step_of_floats(largest)) + " apart at these coordinates (up to " +
                short_text(largest) + (form.origin != Vec3{} ? " from a local origin): " : "): ") +
                reason_text(form, result.basis.allowed_move);
-  message += "; the result can be had as it is in " + names_of_formats(Storage::kDouble);
+  message += "; formats that need no rounding are " + names_of_formats(Storage::kDouble);
   if (would_do_about_origin)
-    message += ", or with local_origin=true relative to an origin near the part";
+    message += "; with local_origin=true the result can be written relative to an origin near the mesh";
   else if (result.basis.is_refined && form.verdict.fault == StoredFault::kTurnedOver)
-    message += "; longer edges, by min_edge_length, may do, too";
+    message += "; longer edges may help, too: set min_edge_length";
   throw Error(Code::kNotAcceptable, Stage::kWrite, message).for_option("format");
 }
 
@@ -204,11 +204,11 @@ std::string names_of_formats(Storage storage) {
 std::string_view own_mistake(const StoredVerdict& verdict) {
   if (!verdict.fault) return {};
   switch (*verdict.fault) {
-    case StoredFault::kMalformed: return "its arrays do not fit together";
+    case StoredFault::kMalformed: return "the arrays that describe it do not fit together";
     case StoredFault::kNotStorable: return "a coordinate was not rounded";
-    case StoredFault::kUnlisted: return "a face misses the goals and is not listed";
-    case StoredFault::kListedInVain: return "a face is listed that meets the goals";
-    case StoredFault::kWrongReason: return "a face is listed for a reason that it has not";
+    case StoredFault::kUnlisted: return "a face misses the goals, but is not listed in `unrefined`";
+    case StoredFault::kListedInVain: return "a face meets the goals, but is listed in `unrefined`";
+    case StoredFault::kWrongReason: return "a face is listed in `unrefined` for a reason that does not apply to it";
     case StoredFault::kBeyondRange:
     case StoredFault::kMoved:
     case StoredFault::kMerged:

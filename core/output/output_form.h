@@ -23,7 +23,7 @@ void measure_output(Result& result, RunControl& control);
 /// the report: rounding, origin, deviation, volume bound and intersections. If points have changed, the result has to
 /// be measured again.
 /// Input:   a result in doubles, as remesh_surface makes it. `local_origin` says whether the points may be relative to
-///          an origin near the part if they fail the check otherwise.
+///          an origin near the mesh if they fail the check otherwise.
 /// Output:  whether any point has changed. If so, the mesh's positions are numbers of the storage, relative to the
 ///          report's output_origin if there is one.
 /// Holds:   if the storage holds every point exactly, nothing changes. The result is the same for any number of

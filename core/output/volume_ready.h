@@ -25,7 +25,7 @@ inline constexpr double kSmallDihedralDeg = 0.1;
 ///          - duplicate_face counts faces over the same vertices as an earlier one.
 ///          - self_intersection and overlapping_faces count the given pairs, without duplicates.
 ///          - small_dihedral counts edges at which two faces nearly lie on each other.
-///          - inside_out counts closed shells that look the wrong way, by their first faces.
+///          - inside_out counts closed shells that have the wrong orientation, by their first faces.
 /// Holds:   the result is the same for any number of threads.
 /// Cost:    O(n log n).
 std::vector<VolumeObstacle> find_volume_obstacles(std::span<const Vec3> positions, std::span<const VertexId> corners,

@@ -20,7 +20,8 @@ void warn_of_curves(const Surface& surface, const PatchSet& patches, std::vector
   }
   if (2 * alone.size() <= surface.face_count() || surface.face_count() < kMinFacets) return;
   surface.for_each_source(alone, [&](FaceId source) { warning.add(source.value); });
-  warning.message = "most facets are patches of their own, as of a curved surface: refinement makes many faces there";
+  warning.message =
+      "most facets are a patch of their own, which is typical of a curved surface; refinement makes many faces there";
   diagnostics.push_back(std::move(warning));
 }
 
@@ -31,7 +32,7 @@ void warn_of_many_intersections(std::vector<Diagnostic>& diagnostics) {
   auto found = std::find_if(diagnostics.begin(), diagnostics.end(), is_of_them);
   if (found == diagnostics.end())
     found = diagnostics.insert(diagnostics.end(), {DiagnosticCode::kSelfIntersection, 0, {}, "faces may intersect"});
-  found->message += "; too many to test that the result has no others";
+  found->message += "; these are too many to test whether the result has others that the input does not have";
 }
 
 }  // namespace remesh

@@ -13,7 +13,8 @@
 namespace remesh {
 
 /// Loops of half-edges with the patch on their left: seen along the patch's normal, outlines run counter-clockwise and
-/// holes clockwise. A loop may touch itself in a vertex. A slit is walked on both sides.
+/// holes clockwise. A loop may touch itself in a vertex. A slit, which is a boundary edge with the same patch on both
+/// sides, is in a loop twice.
 struct BoundaryLoops {
   std::vector<std::uint32_t> half_edges;      ///< one loop after another
   std::vector<std::uint32_t> loop_begin{0};   ///< loop l has the half-edges [loop_begin[l], loop_begin[l + 1])

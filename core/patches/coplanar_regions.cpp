@@ -133,7 +133,8 @@ class Growth {
     return roots.size();
   }
 
-  /// Groups the faces without a region by islands. All other faces come last.
+  /// Groups the faces without a region by their islands (see number_islands). The last group has all faces that have a
+  /// region.
   Grouping find_islands() {
     const std::size_t count = number_islands();
     const auto key = [&](std::uint32_t f) { return stamp_[f] == kTaken ? count : regions_.of_face[FaceId(f)].value; };

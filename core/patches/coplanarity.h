@@ -54,14 +54,13 @@ class Coplanarity {
     return farthest;
   }
 
-  /// Returns whether a face looks along a plane's normal. It may turn against the normal as far as the tolerance
-  /// explains.
+  /// Returns whether the normal of a face agrees with a plane's normal, up to the angle that the tolerance explains.
   bool has_normal(FaceId f, const Vec3& normal, double tol) const {
     if (is_thin(f)) return true;
     const double cosine = dot(geometry_[f].normal, normal);
     return cosine > 0 && 1 - cosine * cosine <= squared_sine(f, tol);
   }
-  /// A lower bound on how far the unit normal may move before a face does not look along it any more.
+  /// A lower bound on how far the unit normal may move before has_normal becomes false for a face.
   double normal_to_spare(FaceId f, const Vec3& normal, double tol) const {
     if (is_thin(f)) return HUGE_VAL;
     constexpr double kRounding = 1e-15;  // rounding error of a squared sine
@@ -74,7 +73,8 @@ class Coplanarity {
     double deviation = 0;
     return fits(f, plane, tol, deviation);
   }
-  /// Does the same. If the face lies in the plane, raises `deviation` to the distance of its farthest corner.
+  /// Returns whether a face lies in a plane, as above. If it does, raises `deviation` to at least the distance of the
+  /// face's farthest corner.
   bool fits(FaceId f, const Plane& plane, double tol, double& deviation) const {
     // The normal is tested first, because that is one test, while a large polygon with many neighbours has many
     // corners.
@@ -106,7 +106,7 @@ class Coplanarity {
     return 1 - cosine <= std::max(kUnquestionedBend, 1.5 * rule_.normal_tolerance * rule_.normal_tolerance);
   }
 
-  /// Returns whether two neighbours look nearly the same way, as most do. Then they are not apart, and there is no
+  /// Returns whether two neighbours have nearly the same normal, as most have. Then they are not apart, and there is no
   /// bend.
   bool are_flat(FaceId f, FaceId g) const {
     const double cosine = dot(geometry_[f].normal, geometry_[g].normal);

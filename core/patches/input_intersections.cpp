@@ -115,15 +115,18 @@ FoundIntersections find_intersections(const Surface& surface, const Triangulated
   const bool is_complete = found.is_complete && are_all_on_diagonals;
   std::stable_sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.is_before(b); });
 
-  const std::string at_least = is_complete ? "" : "; there are more";
+  const std::string at_least = is_complete ? "" : "; there are more pairs than were counted";
   Diagnostic crossing{DiagnosticCode::kSelfIntersection,
                       0,
                       {},
-                      "pairs of faces cross or touch where they share nothing; elements are faces" + at_least};
-  Diagnostic overlap{DiagnosticCode::kOverlappingFaces,
-                     0,
-                     {},
-                     "pairs of faces lie on each other in one plane; elements are faces" + at_least};
+                      "pairs of faces cross or touch where they share no vertex or edge; `elements` lists the two "
+                      "faces of each pair by number" +
+                          at_least};
+  Diagnostic overlap{
+      DiagnosticCode::kOverlappingFaces,
+      0,
+      {},
+      "pairs of faces overlap in one plane; `elements` lists the two faces of each pair by number" + at_least};
   FoundIntersections result;
   result.is_complete = is_complete;
   for (std::size_t i = 0; i < pairs.size();) {

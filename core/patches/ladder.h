@@ -11,7 +11,7 @@
 
 namespace remesh {
 
-/// A patch that failed, and the reason.
+/// A patch whose triangulation or verification failed, and the reason.
 struct FailedPatch {
   PatchId patch;
   PatchReason reason;
@@ -25,9 +25,10 @@ class Ladder {
   /// must outlive the ladder.
   explicit Ladder(const Surface& surface, const std::vector<FaceId>& without_area = {});
 
-  /// Takes every failed patch one rung up. Its faces lose their region and may only join each other again, under the
-  /// next tolerance. The vertices of its boundary become essential.
-  /// Returns: the faces of failed patches that are on the last rung already. For these the surface must change.
+  /// Takes every failed patch one rung up. Its faces lose their region. In new regions they may join each other, within
+  /// a tighter tolerance, but no other faces. The vertices of the patch's boundary become essential.
+  /// Returns: the faces of failed patches that are on the last rung already. Regions cannot help these faces any more,
+  ///          so the caller has to change the surface.
   std::vector<FaceId> step(const PatchSet& patches, const BoundaryLoops& loops, const Adjacency& adjacency,
                            const std::vector<FailedPatch>& failed, Regions& regions);
 

@@ -33,7 +33,7 @@ struct Partition {
   }
 };
 
-/// Splits a surface into patches, as in sections 2 to 4 of the 2018 report.
+/// Splits a surface into patches, as in sections 2 to 4 of J. Vermaak, The Surface Remeshing Module in ChiTech, 2018.
 /// Input:   `plane_tolerance` is in model units. `regions` are those of an earlier partition, or empty. Faces that the
 ///          ladder has taken out of their region get a new one.
 /// Output:  the partition, and the `regions` of all faces.

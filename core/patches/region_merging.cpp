@@ -223,8 +223,8 @@ class Merging {
     return false;
   }
 
-  /// Adds the position of a face relative to a plane. Output: whether the face looks along the plane's normal, and all
-  /// faces so far can be within one band.
+  /// Adds the position of a face relative to a plane. Output: whether the face's normal agrees with the plane's, and
+  /// all faces so far can be within one band.
   bool add(FaceId f, const Plane& plane, double band, Lie& lie) const {
     if (!rule_.has_normal(f, plane.normal, band)) return false;
     lie.normal_to_spare = std::min(lie.normal_to_spare, rule_.normal_to_spare(f, plane.normal, band));

@@ -154,7 +154,7 @@ bool release_reserved(PatchMesh& patch, const IsWanted& is_wanted, RunControl& c
 
 /// Calls `treat` for each chord in turn. A chord is skipped if flips for an earlier chord have changed its half-edge;
 /// the next pass looks at it again. `treat` returns whether it succeeded; if not, it has changed nothing. The result
-/// tells whether any call succeeded.
+/// says whether any call succeeded.
 template <class Treat>
 bool for_chords(PatchMeshes& meshes, const std::vector<Chord>& chords, RunControl& control, const Treat& treat) {
   std::vector<Key> keys;

@@ -1,6 +1,7 @@
-/// Enforces the chord rule: an edge inside one patch must not also be an edge of another patch or a boundary edge,
-/// because the surface would meet itself there. Of equal edges, the one in the patch of lowest id stays. None of them
-/// stays if one of the equal edges is a boundary edge.
+/// Enforces the chord rule: an edge inside a patch must not join the same two vertices as an edge of another patch or
+/// as a boundary edge, because too many faces would then meet at that edge. If edges inside several patches join the
+/// same two vertices, the one in the patch of lowest id stays. None of them stays if a boundary edge joins these
+/// vertices.
 /// Source: rules.md, Chords.
 #pragma once
 
@@ -27,7 +28,7 @@ struct Chord {
 /// Cost:   O(n log n) in the number of the patches' edges.
 std::vector<Chord> find_chords(const PatchMeshes& meshes, std::size_t vertex_end, RunControl& control);
 
-/// Flips chords away where the quadrilateral around them is strictly convex and no patch uses the new edge. The new
+/// Flips each chord whose quadrilateral is strictly convex, unless some patch uses the new edge already. The new
 /// edge is constrained, so that later flips do not undo it.
 /// Output: True if no chord is left.
 bool flip_chords(PatchMeshes& meshes, std::size_t vertex_end, RunControl& control);

@@ -40,8 +40,8 @@ constexpr double kWide = 0.12;  ///< distance between the sides at the distance 
 constexpr double kMinPiece = 0x1p-5;
 /// The rest of a side behind its last shell is no shorter than this multiple of the last piece.
 constexpr double kMinRest = 0.5;
-/// Two sides are cut together for at most this many pieces; behind that, each is cut on its own. No real part needs
-/// more. But a strip of a billion sizes would fill the memory before the limit on faces is reached.
+/// Two sides are cut together for at most this many pieces; behind that, each is cut on its own. No real model
+/// needs more. But a strip of a billion sizes would fill the memory before the limit on faces is reached.
 constexpr std::size_t kMaxStops = std::size_t{1} << 20;
 
 /// Returns how far apart the sides of a corner are at the distance 1 from it.
@@ -165,8 +165,11 @@ class Way {
     }
   }
 
-  /// Appends the common distances first. They are the ends of pieces each of which is the same fraction of the longest
-  /// piece that is allowed at its place. Then it appends as many distances for the sides that are cut in between.
+  /// Appends two lists of distances from the corner, equally long. Both begin with the length of the triangle in the
+  /// corner. The first list is for the sides that are not `is_between`. It continues with the ends of the pieces behind
+  /// that triangle. Each of these pieces is the same fraction of the longest piece that is allowed at its place. The
+  /// second list is for the sides that are `is_between`. Where a single row of triangles meets the bound on angles, it
+  /// has the middles of the same pieces; elsewhere it has their ends.
   void add_distances(std::vector<double>& distances) const {
     distances.push_back(stops_[0].distance);
     std::vector<double> between{stops_[0].distance};

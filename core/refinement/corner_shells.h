@@ -22,20 +22,20 @@ struct Corner {
 };
 
 /// Near a sharp corner of a facet, the two sides are much nearer to each other than a size is long. If each side were
-/// cut on its own, refinement would fill the area between them with points until all angles are large enough. Or its
-/// triangles would be excused, where both sides happen to be cut at the same distances from the corner. So the sides
-/// are cut together.
+/// cut on its own, refinement would fill the area between them with points until all angles are large enough. Or the
+/// triangles there would be allowed to have small angles, if both sides happened to be cut at the same distances from
+/// the corner. So the sides are cut together.
 ///
 /// The triangle in the corner is one size long. There are three exceptions: it is about half a size long where sizes
 /// vary, and if a side ends soon behind it, it is as long as that side, or half as long. Behind it, the pieces are as
-/// long as the bound on angles allows for a single row of triangles. They grow as fast as the sides part. The pieces of
-/// one side end at common distances from the corner, those of the other side end between these distances. All angles
-/// except the corner's own are as large as was asked for. This may take a third of
-/// the triangles that halves of halves take, and never takes more. See experiments.md, Sharp corners.
+/// long as the bound on angles allows for a single row of triangles. They grow as fast as the sides move apart. The
+/// pieces of one side end at common distances from the corner, those of the other side end between these distances. All
+/// angles except the corner's own are as large as was asked for. This may take a third of the triangles that halves of
+/// halves take, and never takes more. See experiments.md, Sharp corners.
 ///
 /// Where such pieces would be shorter than the floor, or than a 32nd of the size, both sides are cut at the same
-/// distances, a size apart. The bound on angles is given up there, and these triangles are excused, as is the triangle
-/// in the corner itself (rules.md, Input angles).
+/// distances, a size apart. The bound on angles is given up there: these triangles may miss it, as may the triangle in
+/// the corner itself (rules.md, Input angles).
 class CornerShells {
  public:
   CornerShells() = default;

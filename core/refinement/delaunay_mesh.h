@@ -69,9 +69,9 @@ class DelaunayMesh {
     __builtin_prefetch(&twin_[half_edge]);
     for (const std::uint32_t v : corners) __builtin_prefetch(&points_[v]);
   }
-  /// The half-edge must not be constrained.
+  /// Returns the twin of a half-edge, which must not be constrained.
   std::uint32_t twin(std::uint32_t h) const { return twin_[h]; }
-  /// The half-edge must be constrained.
+  /// Returns the side of a half-edge, which must be constrained.
   std::uint32_t side(std::uint32_t h) const { return twin_[h] & ~kConstraint; }
   std::uint32_t half_edge_of_side(std::uint32_t side) const { return half_edge_of_side_[side]; }
   std::uint32_t side_count() const { return static_cast<std::uint32_t>(half_edge_of_side_.size()); }

@@ -7,8 +7,8 @@
 namespace remesh {
 
 // While all of the patches are still to begin, the budget is shared out by what is predicted, so that lattices fit.
-// Later, half of it is shared out by the work that waits and half evenly: one bad triangle may take a thousand others,
-// and a patch that is stopped only by its share comes back in a round of its own.
+// Later, half of it is shared out by the work that waits and half evenly: one bad triangle may lead to a thousand
+// others, and a patch that is stopped only by its share continues in another round.
 void FaceBudget::share_out(std::uint64_t faces, std::span<const double> work, bool are_all_new, RunControl& control) {
   shares_.assign(work.size(), kNoFaceLimit);
   if (!is_limited()) return;

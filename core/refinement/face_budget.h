@@ -34,9 +34,9 @@ class FaceBudget {
   void share_out(std::uint64_t faces, std::span<const double> work, bool are_all_new, RunControl& control);
   /// Returns the share of the i-th patch, or kNoFaceLimit.
   std::uint64_t share(std::size_t i) const { return shares_[i]; }
-  /// Returns whether what was left when it was last shared out is not worth another round.
+  /// Returns whether too little for another round was left when the budget was last shared out.
   bool is_spent() const { return is_limited() && left_ < kWorthwhile; }
-  /// Returns whether so much is left with this number of triangles that a round over all patches is worth while.
+  /// Returns whether this number of triangles leaves enough of the budget for a round over all patches.
   bool has_room_for_more(std::uint64_t faces) const { return faces <= max_faces_ - max_faces_ / kRoomForMore; }
 
   /// The following functions count the triangles that are made. Any thread may call them. During turns the count only

@@ -32,7 +32,8 @@ constexpr double kRounding = 0x1p-48;
 /// This is a relative slack for rounding when it is decided whether a patch is hidden.
 constexpr double kHidden = 1 + 1e-6;
 
-/// Vertices where more patches than this meet are left out wherever each patch at a vertex is looked at for each other.
+/// Some searches compare all patches at a vertex with each other. They leave out vertices where more patches than this
+/// meet.
 constexpr std::size_t kMaxPatchesAtCorner = 16;
 /// At most about this many corners of a patch are looked at for the smallest gap. They are evenly spread.
 constexpr std::size_t kMaxCornersOfPatch = 64;
@@ -369,7 +370,7 @@ double GapSearch::Index::squared_gap(const Vec3& p, PatchId patch, double below,
           if (least >= best) return least;
         }
         if (is_hidden_by_hub(e, p, patch, least)) return HUGE_VAL;
-        // A single triangle is asked last, below, whether it is hidden, because most are passed over for less.
+        // The last test, below, is whether a single triangle is hidden, because cheaper tests exclude most triangles.
         if (!other.is_valid() || tree_.is_slot(e)) return least;
         least = std::max(least, std::pow(slabs_[other].distance(p), 2));
         return least < best && is_hidden(other, slabs_[other], least) ? HUGE_VAL : least;

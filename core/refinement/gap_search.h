@@ -17,8 +17,9 @@ namespace remesh {
 
 /// Answers, for places on the surface, how far away the nearest other patch is - across a thin wall, a slot, a shell.
 ///
-/// Only what a place faces counts: the way there leaves the patch's plane at more than 51 degrees. So on a round hole,
-/// the facets next to a facet's neighbours are no gap, and the opposite facets are one.
+/// Only patches that the place faces count. It faces them if the straight way to them leaves the plane of its own patch
+/// at more than 51 degrees. So in a round hole there is no gap between a facet and the neighbours of its neighbours,
+/// but there is one between opposite facets.
 ///
 /// A patch that is joined to the place's patch counts only if the way through the air is much shorter than the way over
 /// the surface. It has to be shorter than a third of the shortest way that crosses a vertex or edge which the two
@@ -33,14 +34,14 @@ namespace remesh {
 /// from outside meets it in between. So there is no gap between the two treads of a shallow step, though the riser is
 /// low.
 ///
-/// What is within the plane tolerance touches, so there is no gap there. There is never a gap between places on the
-/// same patch.
+/// Where two patches are within the plane tolerance of each other, they touch, so there is no gap. There is never a gap
+/// between two places on the same patch.
 /// Source: rules.md, Gaps.
 class GapSearch {
  public:
   /// Builds a tree of boxes over the patches' triangles. `surface`, `adjacency` and `patches` must outlive this object.
-  /// Input: The plane tolerance is in model units. `triangulated` has the patches before they are refined; it may be null.
-  ///        The input faces of a patch are used if it has no mesh; they are the same places but may be very many.
+  /// Input: The plane tolerance is in model units. `triangulated` has the patches before they are refined; it may be
+  ///        null. The input faces of a patch are used if it has no mesh; they are the same places but may be very many.
   GapSearch(const Surface& surface, const Adjacency& adjacency, const PatchSet& patches, double plane_tolerance,
             RunControl& control, const TriangulatedPatches* triangulated = nullptr);
   ~GapSearch();
@@ -52,11 +53,12 @@ class GapSearch {
   ///        circle, n^(1/2) triangles.
   double at(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr) const;
 
-  /// Does the same, but leaves out the patches that cross or touch this one anywhere.
+  /// Returns the gap at a place as above, but leaves out all patches that cross or touch this patch anywhere.
   /// Input: `crossing` lists these patches, ascending.
   double at(const Vec3& place, PatchId patch, double limit, std::span<const PatchId> crossing) const;
 
-  /// Does the same, but also counts what the place does not face. Another place near this one may face it.
+  /// Returns the distance to the nearest patch as `at` does, but also counts patches that the place does not face.
+  /// Another place near this one may face them.
   double nearest(const Vec3& place, PatchId patch, double limit, const Triangle* on = nullptr) const;
 
   /// Returns how near other patches are that share no vertex with this one and that some place of these pieces of the
@@ -71,7 +73,8 @@ class GapSearch {
   /// it is exact; pairs of triangles that touch or cross are left out. Between patches that share one, gaps are only
   /// looked for at the corners where three to sixteen patches meet, at no more than some 64 of each patch. (A wedge has
   /// no smallest gap, but it has ends.)
-  /// Input: The constructor was given triangulated patches, or patches have few faces. Otherwise this may take as long as n^1.5.
+  /// Input: The constructor was given triangulated patches, or patches have few faces. Otherwise this may take as long
+  ///        as n^1.5.
   /// Holds: The result is the same for any number of threads.
   std::optional<double> smallest(RunControl& control) const;
 

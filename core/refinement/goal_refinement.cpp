@@ -127,7 +127,7 @@ bool GoalRefinement::is_over_budget(std::uint64_t faces) {
   const bool is_in_vain = last_faces_ != 0 && faces >= last_faces_;
   last_faces_ = faces;
   retries_ += is_in_vain ? kRetriesInVain : 1;
-  // The faces that come on top of a budget mostly grow with it. With each retry a little more of it is reserved.
+  // The faces that exceed a budget mostly grow with it. So each retry reserves a little more of it.
   const double share = static_cast<double>(goals_.max_faces) / static_cast<double>(faces);
   constexpr double kReserved = 1.0 / 32;
   budget_ = static_cast<std::uint64_t>(static_cast<double>(budget_) * share * (1 - kReserved * retries_));

@@ -14,7 +14,7 @@ struct Goals {
   double max_edge_length;      ///< infinity: none
   double max_area;             ///< infinity: none
   double min_edge_length = 0;  ///< refinement makes no shorter edge
-  double proximity = 0;        ///< edges are at most the gap over this; 0: no such limit
+  double proximity = 0;        ///< edges are at most as long as the gap divided by this; 0: no such limit
   double gradation = 0;        ///< largest ratio of the lengths of neighbouring edges, > 1; 0: no limit
   std::uint64_t max_faces;     ///< limit on the faces of the whole result
   bool split_boundaries = true;

@@ -3,10 +3,11 @@
 
 namespace remesh {
 
-/// No point is put nearer to a vertex than this. Every vertex has one, which is its floor.
+/// The smallest distance from a vertex at which a new point may be put. Every vertex has such a distance. It is called
+/// the vertex's floor.
 struct MinSpacing {
   double length;          ///< model units
-  bool is_asked = false;  ///< the floor is as high as it is only because of min_edge_length
+  bool is_asked = false;  ///< the floor would be lower without the option min_edge_length
 
   /// Returns the floor where features ask for `of_features` (model units) and nothing may be shorter than
   /// min_edge_length. A min_edge_length of 0 has no effect.

@@ -22,10 +22,11 @@ namespace remesh {
 
 /// Returns the reason why triangles miss a goal beside a side with that lock.
 UnrefinedReason why_locked(Lock lock);
-/// Returns the reason why triangles miss a goal if a point would be nearer to another one than that.
+/// Returns the reason why triangles miss a goal if a new point would violate that spacing.
 UnrefinedReason why_near(MinSpacing spacing);
-/// Returns the stronger of two reasons, which is the one that would hold without the other. A boundary that must stay
-/// does so whatever else holds. What rounding forbids is forbidden even if the shortest edge allows it.
+/// Returns the stronger of two reasons why a goal is missed. The strongest is kBoundaryLocked, because the boundary
+/// must stay whatever else holds. The next is kSizeFloor, because features and rounding forbid a point even if
+/// min_edge_length allows it.
 UnrefinedReason stronger(UnrefinedReason a, UnrefinedReason b);
 
 /// This object has the pieces of a patch's boundary, and the segments that meet at its corners. A piece is a side of the

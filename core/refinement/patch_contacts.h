@@ -31,8 +31,9 @@ class PatchContacts {
   /// Returns the vertex of p at which the most patches meet. It is invalid if p is joined to no other patch.
   VertexId busiest_vertex(PatchId p) const;
 
-  /// Returns the two patches with the longest borders among those that are joined to p at a vertex of at most
-  /// `most_patches` patches. An entry is invalid if there is no such patch.
+  /// Finds the neighbours of p: the patches that share a vertex with p, but only vertices count at which at most
+  /// `most_patches` patches meet. Returns the two neighbours with the longest borders. If there are fewer than two, the
+  /// rest of the entries are invalid.
   std::array<PatchId, 2> largest_neighbours(PatchId p, std::size_t most_patches) const;
   /// Returns the vertices of p's border where between `least_patches` and `most_patches` patches meet, in the order of
   /// p's faces.

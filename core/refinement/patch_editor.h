@@ -35,7 +35,8 @@ struct Attempt {
 };
 
 /// Makes changes after which everything in the patch fits together again: the mesh is Delaunay, every vertex has its
-/// place, and triangles that are new are judged. Bad ones wait, unless they have an excuse.
+/// place, and new triangles are judged. A triangle that misses a goal is put into the queue, unless it has an excuse: a
+/// reason why it may have a small angle (TriangleJudge::excuse).
 /// Source: L. P. Chew, Guaranteed-quality mesh generation for curved surfaces, 1993 (deletion around a cut).
 class PatchEditor {
  public:
@@ -63,8 +64,8 @@ class PatchEditor {
   /// Input: `cuts` has all cuts of that segment, ascending.
   void apply_cuts(SegmentId segment, std::span<const double> cuts);
 
-  /// Returns how many triangles this object has made. The triangles that its cuts make in other patches are counted
-  /// too, and those of `apply_cuts` are not.
+  /// Returns how many triangles this object has made. This includes the triangles that its cuts make in other patches,
+  /// and leaves out those that `apply_cuts` makes.
   std::uint64_t made() const { return made_; }
 
  private:

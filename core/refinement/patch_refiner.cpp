@@ -166,7 +166,7 @@ UnrefinedReason PatchRefiner::reason_of(std::uint32_t t) const {
   if (state.is_waiting()) return UnrefinedReason::kBudget;
   // A triangle that counts as good may be larger than asked for, because of a side that stays.
   if (state.is_good()) return sizes_.has_fixed_sides() ? sizes_.why_fixed() : UnrefinedReason::kSizeFloor;
-  // Input angles excuse small angles, but not sizes.
+  // A triangle at a sharp corner of the input may have a small angle, but must not be too large.
   const UnrefinedReason why = state.reason();
   const bool is_excused = why == UnrefinedReason::kInputAngle || why == UnrefinedReason::kAcrossInputAngle;
   if (!is_excused || !sizes_.has_fixed_sides()) return why;

@@ -21,9 +21,9 @@
 
 namespace remesh {
 
-/// This object is a patch while it is refined. It cuts its own segments at once, as the table says, and remembers these
-/// cuts. Between rounds it applies the cuts that other patches made. It keeps what the patch is between its turns. The
-/// work is done by others that live as long as one call: `start_patch` begins it, TriangleTreatment mends triangles,
+/// A patch while it is refined. It cuts its own segments at once, as the table says, and remembers these cuts. Between
+/// rounds it applies the cuts that other patches made. Between its turns it stores the patch, and no scratch memory.
+/// The work is done by classes that live as long as one call: PatchStart begins it, TriangleTreatment mends triangles,
 /// PatchEditor makes the changes, and PatchThinner removes points in the end.
 class PatchRefiner {
  public:

@@ -42,8 +42,8 @@ void PatchSizes::find_fixed_sides(const PatchToRefine& patch, RunControl& contro
   if (!fixed.empty()) fixed_ = std::make_unique<const FixedSideSizes>(fixed, criteria_.min_angle_deg, control);
 }
 
-/// Returns the longest edge that is allowed at a place. The bound on areas counts only beside fixed sides, because
-/// elsewhere areas themselves are compared with it.
+/// Returns the longest edge that is allowed at a place. The bound on areas limits this edge only beside fixed sides.
+/// Elsewhere, the areas of triangles are compared with the bound directly.
 double PatchSizes::at(Vec2 p) const {
   const double size = criteria_.sizes.at(chart_.to_space(p)), scale = chart_.scale(p);
   return fixed_ != nullptr ? std::max(std::min(size, criteria_.area_edge) / scale, fixed_->at(p)) : size / scale;
@@ -70,7 +70,7 @@ bool PatchSizes::allows_when_thinned(double length, Vec2 p) const {
 }
 
 PlaneSizes PatchSizes::of_lattices() const {
-  // Lattices do not know the shortest edge that is allowed. Their edges may be half as long as the size.
+  // Lattices do not take the shortest edge that is allowed into account. Their edges may be half as long as the size.
   switch (kind_) {
     case Kind::kBesideFixedSides:
       return {[this](Vec2 p) { return at(p); },

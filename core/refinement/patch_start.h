@@ -15,7 +15,8 @@
 
 namespace remesh {
 
-/// Refinement goes on from this state of a patch.
+/// A patch at the moment when its refinement begins: it may have points already that divide its boundary and fill its
+/// inside evenly.
 struct PatchStart {
   DelaunayMesh mesh;
   std::pmr::vector<VertexPlace> places;  ///< one per vertex

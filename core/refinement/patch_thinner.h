@@ -1,4 +1,4 @@
-/// Removes points from a refined patch that it does not need.
+/// Removes points that a refined patch does not need.
 #pragma once
 
 #include <cstdint>

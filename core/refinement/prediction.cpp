@@ -25,7 +25,7 @@ constexpr double kFacesPerPiece = 2.5;
 /// No patch's share is larger than this. So the share is always a number that can be computed with, however sharp the
 /// patch's angles or small its sizes are.
 constexpr double kMaxOfPatch = 0x1p62;
-/// If a patch needs fewer pieces of an edge than this, the patches beside the edge are not told.
+/// If a patch needs fewer pieces of an edge than this, the patches beside the edge do not take them into account.
 constexpr double kFewPieces = 3;
 
 /// Tells how many pieces a patch needs of an edge between two vertices.
@@ -276,8 +276,8 @@ class LeastFaces {
     return s.floor <= longest_ || pieces > static_cast<double>(kMaxFaces) ? pieces : 1;
   }
 
-  /// Returns whether triangles may stay larger than sizes ask for, because points must not come nearer to each other
-  /// than the floor.
+  /// Points must not come nearer to each other than `floor`. Returns whether triangles may therefore stay larger than
+  /// the sizes ask for: the edge that was asked for is shorter than `sizes_over_floor` times the floor.
   bool is_floor_a_matter(double floor, double sizes_over_floor) const { return !(floor * sizes_over_floor <= edge_); }
 
   /// Returns whether a segment stays because somebody wants it to. If only rounding leaves no room to cut it, sizes

@@ -24,7 +24,7 @@ using PatchRefiners = IdVector<PatchId, std::unique_ptr<PatchRefiner>>;
 /// Output: the number of these vertices.
 std::size_t place_inner_vertices(const Surface& surface, const PatchChart& chart, PatchMesh& patch, std::size_t first,
                                  std::vector<Vec3>& new_positions);
-/// Counts these vertices.
+/// Counts the vertices inside a patch that have no id yet.
 std::size_t count_unplaced(const PatchMesh& patch);
 
 /// Makes the patches as their refiners have them now. New vertices on segments come first, segment after segment, and

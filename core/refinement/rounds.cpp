@@ -330,7 +330,7 @@ class Rounds {
     int times_taken_up = 0;
   };
 
-  /// This is what is known between two rounds.
+  /// The state between two rounds.
   struct Barrier {
     std::vector<PatchId> dirty;         ///< the patches that have something to do, ascending
     std::vector<SegmentId> impossible;  ///< segments that had to be cut where rounding left no room, ascending

@@ -32,7 +32,7 @@ struct Refinement {
   PatchesAside before;  ///< the patches that have changed, as they were before
 };
 
-/// Everything that a refinement goes by. It refers to these objects.
+/// The input of a refinement. It refers to these objects.
 struct RefinementInput {
   const Surface& surface;
   /// There is one entry per patch. Frozen patches get no points, neither inside nor on their boundaries.
@@ -60,10 +60,11 @@ struct RefinementInput {
 std::optional<Refinement> refine(const RefinementInput& input, SegmentTable segments, TriangulatedPatches& triangulated,
                                  RunControl& control);
 
-/// Applies the chord rule where neither flips nor refinement have helped: every chord of the patches as they are now
-/// gets a point.
-/// Input:  `refinement` is what refinement has said of the patches. It may say nothing yet; then `is_frozen` may be
-///         empty, and `why` has no effect. `why` is the reason why refinement itself has not split these chords.
+/// Applies the chord rule (chords.h) where neither flips nor refinement have helped: every chord that the patches still
+/// have gets a point.
+/// Input:  `refinement` is the result of the refinement of these patches. If nothing was refined yet, it is empty; then
+///         `is_frozen` may be empty, and `why` has no effect. `why` is the reason why refinement itself has not split
+///         these chords.
 /// Output: The patches and `refinement`, with the new vertices. A new triangle that misses a goal has the reason
 ///         `boundary_locked` if its patch is frozen, and the reason `why` otherwise.
 void split_chords(const Surface& surface, TriangulatedPatches& triangulated, Refinement& refinement,

@@ -1,4 +1,4 @@
-/// The cuts of all segments during a refinement, and the news of them that patches still have to hear.
+/// Stores the cuts of all segments during a refinement, and messages about cuts that patches still have to apply.
 #pragma once
 
 #include <cstddef>

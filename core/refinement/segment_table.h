@@ -45,8 +45,8 @@ enum class Lock : std::uint8_t {
   kAsked,
 };
 
-/// A segment joins two vertices that stay, along a BoundaryCurve. Places on it are parameters from 0 (at `from`) to 1 (at
-/// `to`), in proportion to the length of the way.
+/// A segment joins two vertices that stay, along a BoundaryCurve. Places on it are parameters from 0 (at `from`) to 1
+/// (at `to`), in proportion to the length of the way.
 struct BoundarySegment {
   VertexId from, to;  ///< ordered by position, the smaller one first
   double length = 0;  ///< the length of its curve
@@ -56,7 +56,7 @@ struct BoundarySegment {
   std::array<double, 2> shell_base{0, 0};
   EvenParts parts;              ///< used where there are no shells
   double floor = 0;             ///< no piece becomes shorter than this
-  bool is_floor_asked = false;  ///< the floor is as high as it is only because of min_edge_length
+  bool is_floor_asked = false;  ///< the floor would be lower without the option min_edge_length
   /// The floor is higher than features and sizes ask for, because of min_edge_length or of rounding.
   bool is_floor_raised = false;
   Lock lock = Lock::kNone;

@@ -1,4 +1,4 @@
-/// Moves new vertices apart that came to lie in one place.
+/// Moves new vertices apart that have equal coordinates.
 #pragma once
 
 #include <vector>
@@ -10,9 +10,10 @@
 
 namespace remesh {
 
-/// Sheets that lie in one another are refined alike, so a new vertex of one may get exactly the coordinates of a vertex
-/// of another. All but the first of such vertices are moved within their plane, by a few of the steps in which
-/// coordinates there are rounded. The edges around them are made Delaunay again.
+/// Two sheets of the surface may lie in the same place. They are then refined in the same way, so a new vertex of one
+/// sheet may get exactly the coordinates of a vertex of the other. Of the vertices with equal coordinates, the first
+/// stays. The others are moved within the plane of their patch, by a few rounding steps of doubles of that size. The
+/// edges around a moved vertex are made Delaunay again.
 /// Input:  Refined patches. Only new vertices inside patches may be moved.
 /// Output: Whether any vertex was moved.
 /// Cost:   O(n log n) in the number of vertices.

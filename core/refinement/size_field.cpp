@@ -103,7 +103,7 @@ class SizeField::Sampler {
 
  private:
   /// A cell is the part of a patch in a box along the patch's own axes. Along the third axis the box has no end. With
-  /// these axes, cells do not depend on how the part lies. Boxes are cut rather than triangles, because triangles may
+  /// these axes, cells do not depend on how the model lies. Boxes are cut rather than triangles, because triangles may
   /// be needles, with many of them side by side within one gap.
   struct Cell {
     PatchId patch;

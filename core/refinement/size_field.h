@@ -19,7 +19,7 @@ namespace remesh {
 
 /// The size at a place is the minimum, over all samples, of the sample's size plus the slope times the distance from
 /// the sample. It may be a little less than that. A sample is a segment, or a box along the axes of its patch. Samples
-/// lie in space, so sizes also grade from patch to patch, and they turn with the part.
+/// lie in space, so sizes also grade from patch to patch, and they turn with the model.
 /// Holds: at(x) <= goals.max_edge_length. |at(x) - at(y)| <= slope |x - y|, where slope = gradation - 1. (If two edges
 ///        of lengths h and gradation h meet, their sizes are read at places one h apart.) The field is computed from
 ///        the input and never from the growing mesh. It scales with the input by powers of two, exactly. It is the same
@@ -67,9 +67,9 @@ class SizeField {
   bool is_uniform() const { return samples_.size() == 0; }
   double largest() const { return largest_; }
   std::size_t sample_count() const { return samples_.size(); }
-  /// No size is below this because of a gap or a short edge. It is in model units.
+  /// Returns the floor: gaps and short edges do not make sizes smaller than this. It is in model units.
   double floor() const { return floor_; }
-  /// Returns whether the floor is as high as it is only because of min_edge_length.
+  /// Returns whether the floor would be lower without the option min_edge_length.
   bool is_floor_asked() const { return is_floor_asked_; }
 
   /// Returns the size at a place in model units. It may be called from any thread.

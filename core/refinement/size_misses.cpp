@@ -167,7 +167,7 @@ class MissSearch {
       const double length = triangle.length[k] / kRelativeSlack;
       return length <= std::min(floor, largest_) || allows(bounds_.sizes, length, triangle.middle[k]);
     };
-    // Input angles excuse small angles, but not sizes.
+    // A triangle at a sharp corner of the input may have a small angle, but must not be too large.
     const bool is_excuse = reason == UnrefinedReason::kInputAngle || reason == UnrefinedReason::kAcrossInputAngle;
     if (!is_excuse && !(is_as_aimed_at(0) && is_as_aimed_at(1) && is_as_aimed_at(2))) return;
     if (floor < size)

@@ -48,7 +48,7 @@ struct VaryingBounds {
 /// Output: `refinement.misses_sizes`, and for each of these triangles the reason in `refinement.reason`. If the
 ///         triangle is longer than the sizes that were aimed at, the reason is the one that refinement had. Otherwise
 ///         these sizes were too large there. That is because of the floor (`size_floor`, or `min_edge_length` where
-///         that is the floor), or because only so many places are looked at (`effort`).
+///         that is the floor), or because gaps are looked for at a limited number of places (`effort`).
 /// Holds:  The result is the same for any number of threads.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 /// Cost:   Two or three searches for gaps for each triangle, in parallel. None of them goes farther than the triangle's

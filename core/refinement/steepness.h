@@ -1,4 +1,5 @@
-/// Tells which ways leave a patch steeply, and how long they are at least. Gaps are recognised by this.
+/// Tells which straight ways leave a patch steeply, and how long such ways are at least. GapSearch recognises gaps by
+/// this.
 #pragma once
 
 #include <algorithm>
@@ -29,7 +30,7 @@ struct Slab {
 };
 
 /// A layer is the space between two parallel planes that lie about something flat which is askew to the axes. A curved
-/// surface is thin across: a box about a part of width s is s deep, a layer only about s^2. Steepness depends on the
+/// surface is thin across: a box about a piece of width s is s deep, a layer only about s^2. Steepness depends on the
 /// way across, so with layers it is decided for many triangles at once.
 /// Input: Places with coordinates in [-1, 1], which are added with `add`.
 /// Holds: The numbers are in single precision and rounded outwards, so everything that was added is inside.

@@ -12,9 +12,9 @@
 
 namespace remesh {
 
-/// Returns the smallest angle, in degrees, that triangles in a row along a strip aim at. A lower bound on angles is no
-/// reason for flatter triangles there: they would save few faces and make worse tetrahedra. Behind thin walls, where
-/// sizes vary, steeper triangles are better still. See experiments.md, Strips.
+/// Returns the smallest angle, in degrees, that triangles in a row along a strip aim at. Even if the bound on angles is
+/// lower, triangles are not made flatter there: that would save few faces and make worse tetrahedra. Behind thin walls,
+/// where sizes vary, steeper triangles are better still. See experiments.md, Strips.
 inline double least_strip_angle_deg(const SizeField& sizes) { return sizes.is_uniform() ? 30 : 36; }
 
 /// Along a strip, the bound on angles decides how long the pieces of the sides may be. If the sides were halved again

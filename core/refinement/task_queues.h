@@ -11,9 +11,9 @@
 namespace remesh {
 
 /// The queues are numbered by urgency. The next task is from the highest queue that has any; within a queue, the first
-/// in is the first out. Tasks that follow each other are stored together in blocks, because a queue of single tasks
-/// would lead all over the memory. Each task is announced some time before it comes, so that its data can be fetched
-/// meanwhile.
+/// in is the first out. Tasks that follow each other are stored together in blocks, because following a list of single
+/// tasks would jump all over the memory. Each task is announced some time before it comes, so that its data can be
+/// fetched meanwhile.
 template <class Task>
 class TaskQueues {
  public:

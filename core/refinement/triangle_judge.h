@@ -12,7 +12,8 @@
 
 namespace remesh {
 
-/// Finds out which goals a triangle misses, and whether it has an excuse. It changes nothing.
+/// Finds out which goals a triangle misses, and whether it has an excuse: a reason why it may have a small angle. It
+/// changes nothing.
 /// Source: G. Miller, S. Pav, N. Walkington, When and why Ruppert's algorithm works, 2003 (the exemption at input
 ///         angles).
 class TriangleJudge {

@@ -16,9 +16,10 @@ enum class UnrefinedReason : std::uint8_t {
   kInputAngle,
   /// Its shortest edge joins two segments that meet under 60 degrees, at the same distance from their corner.
   kAcrossInputAngle,
-  /// A point that would mend it, or a size that it misses, is below the floor or below rounding.
+  /// A new point would be nearer to another one than features or rounding allow (the floor of its spacing). Or it
+  /// misses a size that is below the floor of all sizes.
   kSizeFloor,
-  /// The same, where the floor is the one of the option min_edge_length.
+  /// As kSizeFloor, but the floor comes from the option min_edge_length.
   kMinEdgeLength,
   /// The result would have more faces than allowed.
   kBudget,

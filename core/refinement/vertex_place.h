@@ -10,8 +10,8 @@
 namespace remesh {
 
 /// A vertex is one that the patch began with, or it lies on a segment at a parameter, or it is free inside the patch.
-/// There may be millions, so the parameter and the spacing share their memory, and only the one that there is can be
-/// asked for.
+/// There may be millions of vertices, so the parameter and the spacing share their memory. A vertex on a segment has a
+/// parameter, and any other vertex has a spacing.
 class VertexPlace {
  public:
   /// Makes the place of a vertex that the patch began with. It stays.

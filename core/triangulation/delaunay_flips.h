@@ -1,4 +1,4 @@
-/// Makes a triangulation (constrained) Delaunay by flipping edges.
+/// Makes a triangulation Delaunay, or constrained Delaunay if it has constrained edges, by flipping edges.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ namespace remesh {
 ///         rules.md, Exact flips.
 void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, RunControl& control);
 
-/// Does the same, but begins with the half-edges in `stack` alone. The stack is empty afterwards.
+/// Flips edges in the same way, but begins with the half-edges in `stack` alone. The stack is empty afterwards.
 void delaunay_flips(std::span<const Vec2> points, Triangulation2d& mesh, std::vector<std::uint32_t>& stack,
                     RunControl& control);
 

@@ -213,7 +213,9 @@ bool FacingFacets::is_any_nearer(PatchId q, const Vec3& to, double squared, std:
   return is_found;
 }
 
-/// Input: `there` - the nearest point of a triangle of q.
+/// Returns whether the straight way from `from`, a point of patch p, to `there`, a point of patch q, certainly crosses
+/// a gap between the two patches.
+/// Input: `there` - the point nearest to `from` on one of q's triangles.
 bool FacingFacets::is_clear_gap(const Vec3& from, PatchId p, const Vec3& there, PatchId q, std::size_t& looks) const {
   const Vec3 way = there - from;
   const double squared = norm_squared(way), d = std::sqrt(squared);

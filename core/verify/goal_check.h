@@ -1,5 +1,5 @@
-/// Checks refinement's goals: the faces that miss them must be exactly the listed ones, and each must be listed for a
-/// reason that applies.
+/// Checks refinement's goals. The faces that miss them must be exactly those in the claim's list, and the reason that
+/// the list gives for each must apply.
 #pragma once
 
 #include "core/base/run_control.h"

@@ -1,5 +1,5 @@
-/// Measures how far vertices inside a patch, of the input or the output, are from the faces of the other side above
-/// or below them.
+/// Measures how far vertices inside a patch are from the other surface: vertices of the input from the output's faces
+/// above or below them, and vertices of the output from the input's faces.
 #pragma once
 
 #include <cstddef>

@@ -30,7 +30,7 @@ struct StoredClaim {
   /// Intersections of the verified mesh, by patch; null if there are none.
   const InputIntersections* intersections = nullptr;
   const RefinementClaim* refinement = nullptr;  ///< the claim for the stored mesh; null if nothing was refined
-  /// The faces that were listed for the verified mesh, ascending, and the reasons. They are set together with
+  /// The faces of the verified mesh that miss the goals, ascending, and the reason of each. They are set together with
   /// `refinement`.
   std::span<const FaceId> unrefined_before = {};
   std::span<const UnrefinedReason> reasons_before = {};
@@ -51,9 +51,9 @@ enum class StoredFault {
   kMoved,             ///< a vertex is further from its place than permitted
   kMerged,            ///< two vertices are at the same place
   kTurnedOver,        ///< a triangle has lost its area, or points against its patch's normal
-  kUnlisted,          ///< a face misses the goals and is not listed
-  kListedInVain,      ///< a face is listed although it meets the goals
-  kWrongReason,       ///< a face is listed for a reason that does not apply to it
+  kUnlisted,          ///< a face misses the goals, but is not in the claim's list of such faces
+  kListedInVain,      ///< a face is in that list although it meets the goals
+  kWrongReason,       ///< a face is in that list with a reason that does not apply to it
   kNewIntersections,  ///< faces intersect although their patches do not intersect in the verified mesh
 };
 
@@ -61,7 +61,7 @@ struct StoredVerdict {
   std::optional<StoredFault> fault;  ///< the fault of the first test that failed; later tests are not made then
   std::uint64_t count = 0;           ///< number of elements with that fault
   double largest_move = 0;           ///< largest distance by which a vertex moved, measured on what a reader gets
-  std::vector<double> patch_moves;   ///< the same for the vertices of each patch
+  std::vector<double> patch_moves;   ///< the largest move among the vertices of each patch
   double volume_bound = 0;           ///< bound on the change of volume, if the mesh is closed
   bool has_intersections = false;  ///< false: no vertex has moved, so the intersections are those of the verified mesh
   std::vector<std::pair<FaceId, FaceId>> intersections;  ///< see Verdict::intersections
@@ -74,10 +74,10 @@ struct StoredVerdict {
 ///          - No vertex moved by more than permitted, measured on what a reader gets: origin + stored, in doubles.
 ///          - No two vertices are at the same place.
 ///          - Every triangle has an area and points along its patch's normal, except those that did not before.
-///          - The faces that miss the goals (see goals_after_rounding) are listed. Besides them only those faces are
-///            listed that were listed before because they are larger than gaps or short edges ask for. A face that is
-///            listed for kOutputRounding met the goals before and was not listed. Every other reason is the one that
-///            the face had before.
+///          - The faces that miss the goals (see goals_after_rounding) are in `refinement->unrefined`. The other faces
+///            in that list are in `unrefined_before` too, because they are larger than gaps or short edges ask for. A
+///            face with the reason kOutputRounding is not in `unrefined_before`. Every other reason is the one that the
+///            face has there.
 ///          - Faces intersect (geometry/patch_intersections.h) only where their patches do in the verified mesh.
 /// Holds:   the verdict does not depend on the number of threads. If no vertex moved, only the first two tests are
 ///          made.

@@ -1,4 +1,4 @@
-/// The bounds on edge lengths that vary from place to place. The checker computes them by itself.
+/// The checker's own computation of the bounds on edge lengths that vary from place to place.
 #pragma once
 
 #include <array>

@@ -34,35 +34,41 @@ static_assert((kAgainstSurface | kAgainstConforming | kAgainstDelaunay | kAgains
 std::string words(const FoundFault& found) {
   const std::string id = std::to_string(found.element);
   switch (found.fault) {
-    case Fault::kMalformed: return "the claim is malformed";
-    case Fault::kMovedVertex: return "output vertex " + id + " is no vertex of the input, nor a new one by itself";
-    case Fault::kForeignVertex: return "vertex " + id + " is used, and is not the patch's in the input";
-    case Fault::kLostVertex: return "vertex " + id + ", where others meet the patch, is gone";
+    case Fault::kMalformed: return "the arrays that describe the result do not fit together";
+    case Fault::kMovedVertex:
+      return "output vertex " + id + " is neither an input vertex nor new, or shares its place with another one";
+    case Fault::kForeignVertex: return "vertex " + id + " is used by the patch, but does not belong to it in the input";
+    case Fault::kLostVertex: return "vertex " + id + " is gone, although it joins the patch to others";
     case Fault::kNoFaces: return "no faces are left";
     case Fault::kLostLoop: return "a boundary loop through vertex " + id + " is gone";
-    case Fault::kBoundary: return "a boundary edge at vertex " + id + " has not the faces that the input has there";
-    case Fault::kChord: return "boundary vertices next to vertex " + id + " are off the edge that replaces them";
+    case Fault::kBoundary:
+      return "the faces at a boundary edge of vertex " + id + " are not those that the input has there";
+    case Fault::kChord:
+      return "boundary vertices next to vertex " + id + " are too far from the edge that replaces them";
     case Fault::kDeviation: return "input and output are further apart than the tolerance";
     case Fault::kFacingAway: return "input face " + id + " faces away from the patch's normal";
-    case Fault::kArea: return "the area is not kept";
+    case Fault::kArea: return "the area has changed";
     case Fault::kZeroArea: return "output face " + id + " has no area";
     case Fault::kInverted: return "output face " + id + " is turned over";
-    case Fault::kFrame: return "the frame is not right-handed, orthonormal and on a grid";
-    case Fault::kPlaneCoordinates: return "the plane coordinates of output face " + id + " are not its projection";
+    case Fault::kFrame: return "the plane coordinate system is not right-handed, orthonormal and on a grid";
+    case Fault::kPlaneCoordinates:
+      return "the plane coordinates of output face " + id + " are not the projections of its corners";
     case Fault::kNotDelaunay: return "an edge of output face " + id + " is not locally Delaunay";
-    case Fault::kEuler: return "the Euler number changed";
-    case Fault::kOpened: return "the surface was closed and is open";
-    case Fault::kVolume: return "the volume changed by more than the deviations explain";
+    case Fault::kEuler: return "the Euler number has changed";
+    case Fault::kOpened: return "the surface is closed in the input, but open in the output";
+    case Fault::kVolume: return "the volume has changed by more than the distances between input and output explain";
     case Fault::kNewVertex: return "new vertex " + id + " is neither on one edge nor inside one patch";
     case Fault::kNewOffLine: return "new vertices next to vertex " + id + " are off their edge, or out of order";
-    case Fault::kLockedBoundary: return "new vertex " + id + " is on a boundary that was not to be split";
-    case Fault::kUnlisted: return "output face " + id + " misses the goals and is not listed";
-    case Fault::kListedInVain: return "output face " + id + " is listed and meets the goals";
-    case Fault::kCertificate: return "output face " + id + " is listed for a reason that it has not";
-    case Fault::kShortEdge: return "an edge at vertex " + id + ", made by refinement, is too short";
+    case Fault::kLockedBoundary: return "new vertex " + id + " is on a boundary that must not be split";
+    case Fault::kUnlisted: return "output face " + id + " misses the goals, but is not listed in `unrefined`";
+    case Fault::kListedInVain: return "output face " + id + " meets the goals, but is listed in `unrefined`";
+    case Fault::kCertificate:
+      return "output face " + id + " is listed in `unrefined` for a reason that does not apply to it";
+    case Fault::kShortEdge: return "an edge that refinement made at vertex " + id + " is shorter than allowed";
     case Fault::kTooManyFaces: return "there are more faces than allowed";
-    case Fault::kNewIntersection: return "output face " + id + " intersects another one, and the input does not there";
-    case Fault::kPolygon: return "input polygon " + id + " was not cut into triangles that cover it once";
+    case Fault::kNewIntersection:
+      return "output face " + id + " intersects another face, but their patches do not intersect in the input";
+    case Fault::kPolygon: return "the triangles made of input polygon " + id + " do not cover it exactly once";
   }
   return {};
 }

@@ -92,13 +92,14 @@ struct Claim {
 ///   replace it exists elsewhere in the output (the chord rule).
 ///
 /// `quality` (only with refinement):
-/// - The faces that do not meet the goals, measured on the output's doubles, are exactly the listed ones.
-/// - A face that is listed for an input angle is at one. For kInputAngle, the smallest angle is at a surface vertex
-///   between two boundary edges of the patch, and the other two angles meet the bound. For kAcrossInputAngle, the
-///   ends of the shortest edge lie on two boundary chains (of the patch, between vertices that stay) that meet in a
-///   vertex; the ends are equally far from that vertex to 1e-9, and nearer to each other than to it, which means an
-///   angle under 60 degrees. For kBoundaryLocked, boundaries are not to be split, or the patch or one beside it is
-///   frozen.
+/// - The faces that do not meet the goals, measured on the output's doubles, are exactly those in
+///   `refinement->unrefined`.
+/// - A face that is in that list because of an input angle is at such an angle. For kInputAngle, the smallest angle is
+///   at a surface vertex between two boundary edges of the patch, and the other two angles meet the bound. For
+///   kAcrossInputAngle, the ends of the shortest edge lie on two boundary chains (of the patch, between vertices that
+///   stay) that meet in a vertex; the ends are equally far from that vertex to 1e-9, and nearer to each other than to
+///   it, which means an angle under 60 degrees. For kBoundaryLocked, boundaries are not to be split, or the patch or
+///   one beside it is frozen.
 /// - The sizes that gaps and short edges ask for are measured anew (verify/varying_sizes.h).
 /// - Edges that refinement made are at least min_edge_length long.
 ///

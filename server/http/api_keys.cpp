@@ -13,7 +13,7 @@ namespace {
 
 void check_key(const std::string& key, const std::string& place) {
   const bool is_visible = std::all_of(key.begin(), key.end(), [](char c) { return c > ' ' && c < 0x7f; });
-  if (!is_visible) throw std::invalid_argument(place + " has a key with a blank or a sign beyond ASCII");
+  if (!is_visible) throw std::invalid_argument(place + " has a key with a blank or a character that is not ASCII");
   if (key.size() < ApiKeys::kShortest) {
     throw std::invalid_argument(place + " has a key of less than " + std::to_string(ApiKeys::kShortest) +
                                 " characters");

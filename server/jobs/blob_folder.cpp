@@ -53,7 +53,7 @@ void sync_folder(const std::string& path) {
 BlobFolder::BlobFolder(std::string path) : path_(std::move(path)) {
   std::error_code failure;
   std::filesystem::create_directories(path_, failure);
-  if (!std::filesystem::is_directory(path_, failure)) throw StoreError(path_ + ": no folder can be made there");
+  if (!std::filesystem::is_directory(path_, failure)) throw StoreError(path_ + ": this folder cannot be created");
   if (::access(path_.c_str(), W_OK | X_OK) != 0) fail(path_);
 }
 

@@ -59,7 +59,7 @@ std::string pack_request(const api::Request& request) {
 
 api::Request unpack_request(std::string_view text) {
   const auto json = nlohmann::json::parse(text, nullptr, /*allow_exceptions=*/false);
-  if (!json.is_object()) throw std::runtime_error("a kept request is damaged");
+  if (!json.is_object()) throw std::runtime_error("a stored request is damaged");
   api::Request request;
   request.content_type = json.value("content_type", "");
   request.content_encoding = json.value("content_encoding", "");

@@ -26,11 +26,9 @@ constexpr std::chrono::milliseconds kLook{300};
 /// notice that the client is gone.
 constexpr std::chrono::seconds kSilence{15};
 
-HttpError not_found() { return HttpError(404, "not_found", "there is no job of this id"); }
+HttpError not_found() { return HttpError(404, "not_found", "there is no job with this id"); }
 
-HttpError expired() {
-  return HttpError(410, "result_expired", "the result was kept for its time or until it was deleted, and is gone");
-}
+HttpError expired() { return HttpError(410, "result_expired", "the result has expired or was deleted"); }
 
 /// Calls a function that asks the store.
 /// Errors: HttpError 503 instead of StoreError.
@@ -65,7 +63,7 @@ std::optional<Idempotency> idempotency(const Request& request, const api::Reques
   if (!is_sent) return std::nullopt;
   const bool is_plain = std::all_of(key.begin(), key.end(), [](char c) { return c >= ' ' && c < 0x7f; });
   if (key.empty() || key.size() > 255 || !is_plain) {
-    throw HttpError(400, "malformed_request", "an Idempotency-Key has 1 to 255 visible ASCII characters");
+    throw HttpError(400, "malformed_request", "an Idempotency-Key must have 1 to 255 visible ASCII characters");
   }
   return Idempotency{std::string(key), request_digest(kept)};
 }
@@ -171,7 +169,8 @@ bool JobRoutes::wants_job(const RequestHead& head) {
 
 JobService& JobRoutes::jobs() const {
   if (context_.jobs == nullptr) {
-    throw HttpError(501, "not_implemented", "this server keeps no jobs: it was given no --state-dir and no --store");
+    throw HttpError(501, "not_implemented",
+                    "this server has no store for jobs; its operator can set --state-dir or --store");
   }
   return *context_.jobs;
 }
@@ -179,7 +178,7 @@ JobService& JobRoutes::jobs() const {
 Admission JobRoutes::admit(const RequestHead&) const {
   if (context_.draining) throw HttpError(503, "draining", "this server is about to stop");
   if (!jobs().is_well()) throw store_unavailable();
-  if (jobs().is_full()) throw HttpError(503, "overloaded", "as many jobs wait as may: try again later");
+  if (jobs().is_full()) throw HttpError(503, "overloaded", "the queue of jobs is full: try again later");
   // The request only passes the body on to the store, which copies it, so each byte counts twice. Whoever claims the
   // job reserves the memory for the work.
   return {context_.limits.api.max_body, context_.memory.open_share(/*per_byte=*/2)};
@@ -228,7 +227,7 @@ Response JobRoutes::list(const Call& call) const {
   JobStore& store = jobs().store();
   const std::string& owner = call.request.owner;
   if (owner.empty()) {
-    throw HttpError(403, "forbidden", "jobs are listed for an API key only, and this server asks for none");
+    throw HttpError(403, "forbidden", "jobs are listed only by API key, and this server uses no API keys");
   }
   return compressed(json_response(jobs_json(ask([&] { return store.list(owner, kMaxListed); }))), call.request);
 }

@@ -27,7 +27,7 @@ constexpr std::chrono::seconds kStopPatience{3};
 HttpError given_up(const std::string& code, int attempts) {
   return HttpError(
       500, code,
-      "the job was ended for want of memory or threads; attempt " + std::to_string(attempts) + " was the last");
+      "the job ended because memory or threads were lacking; attempt " + std::to_string(attempts) + " was the last");
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ std::unique_ptr<JobStore> open_store(const JobSettings& settings, Metrics& metri
   if (settings.store == "sqlite") {
     const std::string folder = find_state_dir(settings.state_dir);
     if (folder.empty()) {
-      log::write(log::Level::kWarning, "no folder for jobs can be written, there will be none",
+      log::write(log::Level::kWarning, "no folder for jobs can be written, so there will be no jobs",
                  {{"set", std::string("--state-dir or --store")}});
       return nullptr;
     }
@@ -94,7 +94,7 @@ void JobService::look_after() {
       metrics_.count_job("failed", "timeout", done.timed_out);
       metrics_.count_job("expired", "", done.expired);
       if (done.retried + done.crashed > 0) {
-        log::write(log::Level::kWarning, "workers died of their jobs, or with them",
+        log::write(log::Level::kWarning, "workers crashed or stopped while they had jobs",
                    {{"retried", std::int64_t{done.retried}}, {"failed", std::int64_t{done.crashed}}});
       }
       if (done.retried > 0) runner_.wake();
@@ -107,7 +107,7 @@ void JobService::look_after() {
       log::write(log::Level::kError, "the job store fails", {{"error", std::string(error.what())}});
     return;
   }
-  if (!std::exchange(was_well_, true)) log::write(log::Level::kInfo, "the job store is well again");
+  if (!std::exchange(was_well_, true)) log::write(log::Level::kInfo, "the job store answers again");
 }
 
 }  // namespace remesh::server::jobs

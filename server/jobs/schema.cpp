@@ -67,8 +67,8 @@ void bring_schema_up_to_date(Database& database, const DatabaseDriver& driver) {
   const std::optional<std::int64_t> found = version_of(database);
   const auto newest = static_cast<std::int64_t>(kVersions.size());
   if (found.value_or(0) > newest) {
-    throw StoreError("the store has version " + std::to_string(*found) + ", this remeshd knows " +
-                     std::to_string(newest) + ": it was used by a newer one");
+    throw StoreError("the store has version " + std::to_string(*found) + ", but this remeshd knows only version " +
+                     std::to_string(newest) + ": a newer remeshd has used it");
   }
   if (found == newest) return transaction.commit();
   for (std::int64_t version = found.value_or(0); version < newest; ++version) {

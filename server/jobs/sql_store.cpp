@@ -266,7 +266,7 @@ std::optional<Submission> SqlStore::find_repeated(Database& database, const NewJ
   if (!inserted.empty()) return std::nullopt;
   const Rows known = database.run("SELECT digest, job FROM remeshd_idempotency WHERE owner = $1 AND key = $2",
                                   {std::string_view(job.owner), std::string_view(key)});
-  if (known.empty()) throw StoreError("a key of idempotency ran out just now");
+  if (known.empty()) throw StoreError("an Idempotency-Key expired just now");
   const auto kind = known[0][0] == digest ? Submission::Kind::kRepeated : Submission::Kind::kKeyReused;
   return Submission{kind, known[0][1].value()};
 }
@@ -477,7 +477,7 @@ Upkeep SqlStore::upkeep() {
 
 void SqlStore::end_abandoned(Database& database, Upkeep& done) {
   static const std::string problem =
-      problem_text(500, "worker_crashed", "every worker that tried this job died of it, or with it");
+      problem_text(500, "worker_crashed", "every worker that tried this job crashed or was stopped");
   const std::string sql =
       "UPDATE remeshd_job SET state = CASE WHEN attempts >= $1 THEN 'failed' ELSE 'queued' END, "
       "commits = commits + CASE WHEN attempts >= $1 THEN 1 ELSE 0 END, "
@@ -498,7 +498,7 @@ void SqlStore::end_abandoned(Database& database, Upkeep& done) {
 }
 
 void SqlStore::end_waiting(Database& database, Upkeep& done) {
-  static const std::string problem = problem_text(504, "timeout", "no worker came free for this job in time");
+  static const std::string problem = problem_text(504, "timeout", "no worker became free for this job in time");
   const std::string sql =
       "UPDATE remeshd_job SET state = 'failed', commits = commits + 1, token = token + 1, version = version + 1, "
       "finished_ms = remeshd_now(), expires_ms = remeshd_now() + $1, problem_status = 504, "

@@ -87,7 +87,7 @@ class Snapshot {
   void process() {
     rusage usage{};
     ::getrusage(RUSAGE_SELF, &usage);
-    counter("process_cpu_seconds_total", "Time of processors, user and system.",
+    counter("process_cpu_seconds_total", "CPU time, user and system.",
             seconds_of(usage.ru_utime) + seconds_of(usage.ru_stime));
     gauge("process_resident_memory_bytes", "Memory in use.", static_cast<double>(api::resident_memory()));
     gauge("process_open_fds", "Open file descriptors.", static_cast<double>(open_descriptors()));
@@ -131,7 +131,7 @@ struct Metrics::Families {
                                   .Help("Time of each stage of the pipeline.")
                                   .Register(registry);
   Family<Counter>& patches =
-      prometheus::BuildCounter().Name("remeshd_patches_total").Help("Patches of results.").Register(registry);
+      prometheus::BuildCounter().Name("remeshd_patches_total").Help("Patches in all results.").Register(registry);
   Family<Counter>& jobs = prometheus::BuildCounter()
                               .Name("remeshd_jobs_total")
                               .Help("Jobs that have ended, the failed ones by the code of their problem.")
@@ -150,12 +150,12 @@ struct Metrics::Families {
                                          .Register(registry);
   Histogram& input_faces = prometheus::BuildHistogram()
                                .Name("remeshd_input_faces")
-                               .Help("Faces of meshes that came in.")
+                               .Help("Faces of input meshes.")
                                .Register(registry)
                                .Add({}, kFaces);
   Histogram& output_faces = prometheus::BuildHistogram()
                                 .Name("remeshd_output_faces")
-                                .Help("Faces of meshes that went out.")
+                                .Help("Faces of results.")
                                 .Register(registry)
                                 .Add({}, kFaces);
   Known<Counter> known_requests, known_patches;
@@ -243,9 +243,9 @@ std::string Metrics::text(const Gauges& gauges) const {
   if (gauges.has_jobs) {
     now.gauge("remeshd_jobs_queued", "Jobs that wait for a worker, in the whole store.",
               static_cast<double>(gauges.jobs_queued));
-    now.gauge("remeshd_jobs_running", "Jobs that workers have, in the whole store.",
+    now.gauge("remeshd_jobs_running", "Jobs that are running, in the whole store.",
               static_cast<double>(gauges.jobs_running));
-    now.gauge("remeshd_job_oldest_queued_seconds", "How long the oldest of those that wait has waited.",
+    now.gauge("remeshd_job_oldest_queued_seconds", "How long the oldest waiting job has waited.",
               gauges.job_oldest_queued_s);
   }
   now.gauge("process_start_time_seconds", "Start of the process since the epoch.", families_->start_seconds);

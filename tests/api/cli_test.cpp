@@ -243,11 +243,11 @@ TEST_F(cli, misuse_is_told_in_one_line_and_exits_with_2) {
       {{"square.obj", "other.obj", "-o", "o.obj"}, "unexpected argument other.obj"},
       {{"square.obj", "-o", "-", "--report", "-"}, "standard output"},
       {{"square.obj", "-o", "o.json", "--report", "o.json"}, "cannot both go to o.json"},
-      {{"square.obj", "--batch", ".", "--report", "o.csv"}, "--batch takes the place of the input square.obj"},
+      {{"square.obj", "--batch", ".", "--report", "o.csv"}, "--batch cannot be combined with the input square.obj"},
       {{"--batch", "."}, "--batch needs --report"},
       {{"square.obj", "-o", "o.obj", "--server", "ftp://host"}, "ftp://host is no http or https URL"},
-      {{"square.obj", "-o", "o.obj", "--server", "http://host", "--workers", "1"}, "--workers counts here"},
-      {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz is no format's"}};
+      {{"square.obj", "-o", "o.obj", "--server", "http://host", "--workers", "1"}, "--workers cannot be combined"},
+      {{"square.obj", "-o", "o.xyz"}, "the ending of o.xyz does not tell the format"}};
   for (const auto& [arguments, message] : cases) {
     const Outcome outcome = run(arguments);
     EXPECT_EQ(outcome.status, 2) << message;

@@ -168,7 +168,7 @@ onPage(
   async ({ open, drop, page, waitForText, text }) => {
     await open(bracket, /^4,800 faces$/);
     await drop(folder.write("broken.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 9\n"));
-    await waitForText("#unreadable", /A face names a point that is not there/);
+    await waitForText("#unreadable", /A face refers to a point that does not exist/);
     await page.click("#run");
     await waitForText("#problem", /Index out of range.*9/i);
     assert.match(await text("#problem"), /line 4/);

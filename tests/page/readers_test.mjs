@@ -109,12 +109,12 @@ test("text STL of the wild is read as the daemon reads it", async () => {
 test("what is no mesh is told in words", async () => {
   const read = (text) => page.readMesh(new TextEncoder().encode(text));
   for (const [text, words] of [
-    ["f 1 2 3\n", /not there/],
+    ["f 1 2 3\n", /does not exist/],
     ["v 0 0 0\nv 1 0 0\nv 0 1 0\nf 0 1 2\n", /number from 1/],
     ["v 0 0 0\n", /no face/],
     ["v 0 0 x\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", /not a finite number/],
-    ["hello", /no mesh/],
-    ["", /no mesh/],
+    ["hello", /not a mesh/],
+    ["", /not a mesh/],
     ['{"vertices": [', /not valid JSON/],
     ['{"a": 1}', /no vertices/],
     ["OFF\n3 1 0\n0 0 0\n", /ends too early/],

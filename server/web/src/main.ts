@@ -152,7 +152,7 @@ class Page {
       const why = error instanceof UnreadableMesh ? error.message : `It cannot be drawn: ${String(error)}`;
       this.summarise(file, []);
       byId("before-count").textContent = "";
-      byId("unreadable").textContent = `${why} So it is not drawn here. Remesh it to hear what the service says.`;
+      byId("unreadable").textContent = `${why} So it is not drawn here. Remesh it to see what the service says.`;
       byId("unreadable").hidden = false;
       this.say(why);
     }

@@ -14,7 +14,7 @@ export async function readMesh(file: Uint8Array): Promise<Surface> {
   } catch (error) {
     if (error instanceof UnreadableMesh) throw error;
     if (error instanceof SyntaxError) throw new UnreadableMesh("It is not valid JSON.");
-    throw new UnreadableMesh("It is not what it seems to be.");
+    throw new UnreadableMesh("Its content does not match its format.");
   }
 }
 
@@ -39,5 +39,5 @@ function reader(bytes: Uint8Array): (bytes: Uint8Array) => Surface {
   if (/^(\s*(#|;|!|\/\/).*\n)*\s*solid\b/i.test(head) && /\bfacet\b|\bendsolid\b/i.test(head)) return readTextStl;
   if (isBinaryStl(bytes)) return readBinaryStl;
   if (/^\s*(v|vn|vt|f|o|g|mtllib|usemtl|s|#)\s/m.test(head)) return readObj;
-  throw new UnreadableMesh("It is no mesh of a format that is known here.");
+  throw new UnreadableMesh("It is not a mesh in a format that this page can read.");
 }

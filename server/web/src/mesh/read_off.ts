@@ -9,7 +9,7 @@ export function readOff(bytes: Uint8Array): Surface {
   const begin = scanner.at;
   const first = scanner.line().replace(/\s*#.*/, "");
   const magic = kMagic.exec(first);
-  if (magic?.[4] !== undefined) throw new UnreadableMesh("Points of four coordinates are not drawn here.");
+  if (magic?.[4] !== undefined) throw new UnreadableMesh("Points with four coordinates cannot be drawn.");
   if (magic?.[6] !== undefined) return readBinary(bytes, scanner.at, magic);
   // The counts may stand on the first line.
   if (magic === null) {

@@ -59,7 +59,7 @@ export class SurfaceBuilder {
     this.points.push(z);
   }
   addCorner(point: number): void {
-    if (!Number.isInteger(point) || point < 0) throw new UnreadableMesh("A face names a point that is not there.");
+    if (!Number.isInteger(point) || point < 0) throw new UnreadableMesh("A face refers to a point that does not exist.");
     this.corners.push(point);
   }
   endFace(): void {
@@ -78,7 +78,7 @@ export function checkSurface(surface: Surface): void {
   if (faceCount(surface) === 0) throw new UnreadableMesh("There is no face in it.");
   const count = surface.points.length / 3;
   for (const corner of surface.corners) {
-    if (corner >= count) throw new UnreadableMesh("A face names a point that is not there.");
+    if (corner >= count) throw new UnreadableMesh("A face refers to a point that does not exist.");
   }
   for (const coordinate of surface.points) {
     if (!Number.isFinite(coordinate)) throw new UnreadableMesh("A coordinate is not a finite number.");

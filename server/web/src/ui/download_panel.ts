@@ -24,7 +24,7 @@ const kAbout: Record<string, string> = {
 export class DownloadPanel {
   private readonly buttons = h("div", { class: "formats", role: "group", "aria-label": "Formats" });
   private readonly note = h("p", { class: "muted", role: "status" });
-  private readonly line = h("code", { id: "curl", tabindex: "0", role: "region", "aria-label": "The same by curl" });
+  private readonly line = h("code", { id: "curl", tabindex: "0", role: "region", "aria-label": "The curl command" });
   private readonly copy = h("button", { type: "button", class: "quiet", click: () => void this.copyLine() }, "Copy");
   private readonly format = h("select", { "aria-label": "Format of the curl line", change: () => this.showLine() });
   private result: Result | null = null;
@@ -53,7 +53,7 @@ export class DownloadPanel {
         h(
           "section",
           { "aria-labelledby": "curl-title" },
-          h("h3", { id: "curl-title" }, "The same from a shell"),
+          h("h3", { id: "curl-title" }, "The same request from a shell"),
           h("div", { class: "curl-row" }, h("label", { class: "inline" }, "as ", this.format), this.copy),
           this.line,
         ),
@@ -80,7 +80,7 @@ export class DownloadPanel {
   setResult(result: Result | null): void {
     this.result = result;
     this.note.textContent = result
-      ? "Formats other than JSON are made anew by the service: the same input and options give the same bytes."
+      ? "To save another format than JSON, the service remeshes again. The same input and options give the same bytes."
       : "Remesh a mesh first.";
     for (const button of this.buttons.querySelectorAll("button")) button.disabled = result === null;
   }

@@ -20,14 +20,14 @@ export interface Finding {
   targets: Target[];
 }
 
-/** What is in a volume mesher's way and can be mended by an option. */
+/** Obstacles for a volume mesher that an option can remove, with an explanation of each. */
 const kObstacles: Record<string, string> = {
   inside_out:
-    "A closed shell looks the wrong way: a body inwards, or a cavity outwards. Inside out among the repairs turns it over.",
+    "A closed shell has the wrong orientation: a body faces inwards, or a cavity outwards. Tick inside out among the repairs to turn it over.",
 };
-/** Diagnostics whose elements are vertices, not faces; but for those whose message says otherwise. */
+/** Diagnostics whose elements are vertices, unless the message says that they are faces. */
 const kOfVertices = ["duplicate_vertex", "t_junction", "non_manifold_vertex", "unused_vertex"];
-/** Those that only tell. */
+/** Diagnostics that are no reason for concern. */
 const kHarmless = ["attribute_dropped", "trailing_bytes", "unused_vertex", "duplicate_vertex", "curved_surface"];
 
 const kUnrefined: Record<string, string> = {
@@ -35,11 +35,11 @@ const kUnrefined: Record<string, string> = {
   across_input_angle:
     "Its shortest edge joins two edges of the input that meet in a sharp corner; splitting would only repeat it nearer to the corner.",
   size_floor:
-    "A point that would mend it would lie too near to another one, or a gap there asks for less than the smallest size.",
-  min_edge_length: "A point that would mend it would make an edge shorter than allowed.",
+    "A new point would lie too near to another one, or a gap there asks for edges below the smallest size.",
+  min_edge_length: "A new point would make an edge shorter than allowed.",
   budget: "The result would have had more faces than allowed.",
-  boundary_locked: "A boundary would have had to be split that must stay as it is.",
-  effort: "The work that is in proportion to the result was done before the bound was met.",
+  boundary_locked: "It needs a new point on a boundary that must not be split.",
+  effort: "Refinement ended before it met the bound, because its work is limited in proportion to the result.",
   output_rounding: "It met the bounds until the output format rounded its corners.",
 };
 
@@ -64,7 +64,7 @@ export function findingsOf(report: Report): Finding[] {
     if (patches.length > 0) {
       found.push({
         title: `Patches ${status}`,
-        text: `Striped in the views. Why: ${reasons}.`,
+        text: `These patches are striped in the views. Reasons: ${reasons}.`,
         count: patches.length,
         isWorse: true,
         side: report.output ? "after" : "before",
@@ -75,7 +75,7 @@ export function findingsOf(report: Report): Finding[] {
   for (const { code, count, places: points } of report.volume_ready.reasons) {
     found.push({
       title: `In a volume mesher's way: ${label(code).toLowerCase()}`,
-      text: kObstacles[code] ?? "A volume mesher would stumble here.",
+      text: kObstacles[code] ?? "A volume mesher may fail here.",
       count,
       isWorse: true,
       side: report.output ? "after" : "before",
@@ -83,11 +83,11 @@ export function findingsOf(report: Report): Finding[] {
     });
   }
   for (const { code, count, elements, message } of report.diagnostics) {
-    const areVertices = kOfVertices.includes(code) && !message.endsWith("elements are faces");
+    const areVertices = kOfVertices.includes(code) && !/`elements` lists (the|these) faces/.test(message);
     const targets = elements.map(
       (element): Target => (areVertices ? { kind: "vertex", vertex: element } : { kind: "face", face: element }),
     );
-    const text = `${sentence(message).replace(/; elements are [^;]*$/, "")}.`;
+    const text = `${sentence(message).replace(/; `elements` lists [^;]*/, "")}.`;
     found.push({ title: label(code), text, count, isWorse: !kHarmless.includes(code), side: "before", targets });
   }
   return found;
@@ -119,7 +119,7 @@ export class FindingsPanel {
   show(findings: Finding[]): void {
     if (findings.length === 0) {
       this.panel.replaceChildren(
-        h("p", { class: "nothing" }, "Nothing to point at: every bound holds, nothing was mended or dropped."),
+        h("p", { class: "nothing" }, "Nothing to report: every bound holds, and nothing was repaired or dropped."),
       );
       return;
     }

@@ -71,7 +71,7 @@ export class OptionsForm {
       const rival = this.fields.find((other) => other.spec.name === spec.excludes && other.value() !== null);
       setEnabled(!rival);
       const wrong = fault();
-      note.textContent = wrong ?? (rival ? `Not together with ${label(rival.spec.name).toLowerCase()}.` : help(spec));
+      note.textContent = wrong ?? (rival ? `Excluded by ${label(rival.spec.name).toLowerCase()}.` : help(spec));
       note.classList.toggle("wrong", wrong !== null);
       row.querySelector("input")?.setAttribute("aria-invalid", String(wrong !== null));
     }
