@@ -260,6 +260,32 @@ def check_codes(contract):
         expect_equal(codes, schemas[schema]["properties"][member]["enum"], f"api/README.md, {heading}")
 
 
+def sources(folder):
+    return "\n".join(p.read_text(encoding="utf-8") for p in sorted((ROOT / folder).rglob("*"))
+                     if p.suffix in (".h", ".cpp") and "node_modules" not in p.parts)
+
+
+def check_errors(contract):
+    """Each code of an error is thrown in the folder that declares it, and the contract names those that there are."""
+    for folder, header, enum in (("core", "core/base/error.h", "Code"), ("api", "api/request_code.h", "RequestCode")):
+        body = re.search(rf"enum class {enum} \{{(.*?)\}};", (ROOT / header).read_text(encoding="utf-8"), re.DOTALL).group(1)
+        used = set(re.findall(rf"(?<!case )\b{enum}::(k\w+)", re.sub(r"//.*", "", sources(folder))))
+        for code in re.findall(r"^\s*(k\w+)", body, re.MULTILINE):
+            if code not in used:
+                failures.append(f"{header}: nothing in {folder}/ throws {code}")
+
+    text = contract["components"]["responses"]["Problem"]["description"]
+    described = [code for code in code_spans(text) if re.fullmatch(r"[a-z_]+", code)]
+    # The contract calls the rest of these statuses the usual.
+    usual = re.findall(r"\d+", text.rpartition(". ")[2])
+    literals = set(re.findall(r"\"([a-z_]+)\"", "\n".join(sources(folder) for folder in ("core", "api", "server"))))
+    for code in sorted(set(described) - literals):
+        failures.append(f"api/openapi.yaml, Problem: nothing throws {code}")
+    for status, code in sorted(set(re.findall(r"HttpError\((\d+), \"(\w+)\"", sources("server")))):
+        if code not in described and status not in usual:
+            failures.append(f"api/openapi.yaml, Problem: {status} {code} is missing")
+
+
 def main():
     program, twin = sys.argv[1:]
     with Daemon(program) as daemon:
@@ -271,6 +297,7 @@ def main():
     check_settings(settings, described)
     check_mentions(settings, {**described, **flags_of_help(output_of(twin, "--help"))})
     check_codes(contract)
+    check_errors(contract)
     for failure in failures:
         print("FAILED:", failure)
     return 1 if failures else 0
