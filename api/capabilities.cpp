@@ -33,8 +33,10 @@ void write_option(JsonWriter& json, const OptionSpec& spec) {
   json.key("default");
   write_option_value(json, option_value(spec, with_defaults(RequestOptions{})));
   if (!spec.unset.empty()) json.member("unset", spec.unset);
-  if (spec.minimum) json.member(spec.above_minimum ? "exclusive_minimum" : "minimum", *spec.minimum);
-  if (spec.maximum) json.member("maximum", *spec.maximum);
+  if (const NumberRange* range = number_range(spec.name)) {
+    json.member(range->above_minimum ? "exclusive_minimum" : "minimum", range->minimum);
+    if (range->maximum) json.member("maximum", *range->maximum);
+  }
   if (const std::vector<std::string_view> words = option_words(spec); !words.empty()) {
     json.key("values");
     json.begin_array();
@@ -63,13 +65,13 @@ void write_formats(JsonWriter& json, std::string_view name, bool (*is_known)(For
 void write_limits(JsonWriter& json, const Limits& limits) {
   json.begin_object();
   json.member("max_body", limits.max_body);
-  json.member("max_decompressed", limits.max_decompressed);
-  json.member("max_ratio", limits.max_ratio);
-  json.member("max_vertices", limits.max_vertices);
-  json.member("max_faces", limits.max_faces);
+  json.member("max_decompressed", limits.decompression.max_bytes);
+  json.member("max_ratio", limits.decompression.max_ratio);
+  json.member("max_vertices", limits.input.max_vertices);
+  json.member("max_faces", limits.input.max_faces);
   json.member("max_output_faces", limits.max_output_faces);
   json.member("workers", static_cast<std::uint64_t>(limits.workers));
-  json.member("request_timeout_s", limits.request_timeout_s);
+  json.member("request_timeout_s", std::chrono::duration<double>(limits.request_timeout).count());
   json.member("max_distance_from_middle", CoordinateRange::kFarthest);
   json.member("min_extent", CoordinateRange::kSmallest);
   json.member("min_width_of_length", CoordinateRange::kNarrowest);

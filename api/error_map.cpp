@@ -1,5 +1,6 @@
-// The only table that maps the core's codes to HTTP, and the writer of problem+json.
+// The only table that maps the codes of errors to HTTP, and the writer of problem+json.
 #include "api/json_writer.h"
+#include "api/request_code.h"
 #include "api/service.h"
 
 namespace remesh::api {
@@ -7,13 +8,8 @@ namespace {
 
 int status_of(Code code) {
   switch (code) {
-    case Code::kMalformedRequest:
-    case Code::kMalformedJson:
-    case Code::kMalformedMultipart:
-    case Code::kInvalidOption:
-    case Code::kUnknownOption: return 400;
+    case Code::kInvalidOption: return 400;
     case Code::kNotAcceptable: return 406;
-    case Code::kBodyTooLarge:
     case Code::kMeshTooLarge:
     case Code::kDecompressedTooLarge: return 413;
     case Code::kUnsupportedMediaType: return 415;
@@ -26,10 +22,37 @@ int status_of(Code code) {
     case Code::kCancelled: return 499;
     case Code::kVerificationFailed:
     case Code::kInternal: return 500;
-    case Code::kNotImplemented: return 501;
     case Code::kTimeout: return 504;
   }
   return 500;
+}
+
+int status_of(RequestCode code) {
+  switch (code) {
+    case RequestCode::kMalformedRequest:
+    case RequestCode::kMalformedJson:
+    case RequestCode::kMalformedMultipart:
+    case RequestCode::kUnknownOption: return 400;
+    case RequestCode::kBodyTooLarge: return 413;
+  }
+  return 500;
+}
+
+std::string_view name_of(RequestCode code) {
+  switch (code) {
+    case RequestCode::kMalformedRequest: return "malformed_request";
+    case RequestCode::kMalformedJson: return "malformed_json";
+    case RequestCode::kMalformedMultipart: return "malformed_multipart";
+    case RequestCode::kBodyTooLarge: return "body_too_large";
+    case RequestCode::kUnknownOption: return "unknown_option";
+  }
+  return "internal";
+}
+
+/// The code of an error that only a request has; nothing for an error of the core.
+std::optional<RequestCode> request_code(const Error& error) {
+  if (static_cast<int>(error.code) < kCoreCodeCount) return std::nullopt;
+  return static_cast<RequestCode>(error.code);
 }
 
 /// Makes a title from a code: "index_out_of_range" becomes "Index out of range".
@@ -44,17 +67,23 @@ std::string title_of(std::string_view code) {
 
 }  // namespace
 
+std::string_view error_name(const Error& error) {
+  const std::optional<RequestCode> code = request_code(error);
+  return code ? name_of(*code) : code_name(error.code);
+}
+
 Problem to_problem(const Error& error) {
+  const std::optional<RequestCode> code = request_code(error);
   Problem problem;
-  problem.status = status_of(error.code);
-  problem.code = code_name(error.code);
+  problem.status = code ? status_of(*code) : status_of(error.code);
+  problem.code = error_name(error);
   problem.detail = error.what();
   problem.line = error.line;
   problem.byte = error.byte;
   problem.element = error.element;
   problem.limit = error.limit;
   // The name that was sent may be empty, which is also the name of an unknown option.
-  if (!error.option.empty() || error.code == Code::kUnknownOption) problem.option = error.option;
+  if (!error.option.empty() || error.code == RequestCode::kUnknownOption) problem.option = error.option;
   if (error.code == Code::kInternal)
     problem.detail = "something went wrong here; the log says more under this request id";
   return problem;

@@ -80,16 +80,15 @@ Input read_input(Job& job, const Limits& limits, RunControl& control) {
   Input input;
   std::string decompressed;
   if (is_gzip(job.mesh)) {
-    decompressed = gunzip(job.mesh, decompression_limits(limits), control);
+    decompressed = gunzip(job.mesh, limits.decompression, control);
     job.mesh = decompressed;
   }
   input.format = choose_input_format(job.input_format, job.mesh);
-  const ReadLimits read_limits{limits.max_vertices, limits.max_faces};
   if (input.format == Format::kJson) {
-    input.read = read_json(job.mesh, read_limits, control, job.options);
+    input.read = read_json(job.mesh, limits.input, control, job.options);
     job.options.check();
   } else {
-    input.read = read_with_remarks(input.format, job, read_limits, control);
+    input.read = read_with_remarks(input.format, job, limits.input, control);
   }
   job.mesh = {};
   if (job.release_mesh) job.release_mesh();

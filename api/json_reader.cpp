@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "api/json_arrays.h"
+#include "api/request_code.h"
 #include "api/text.h"
 #include "core/base/error.h"
 
@@ -136,6 +137,7 @@ class Handler final : public nlohmann::json_sax<Json> {
 
   std::uint64_t line() const;
   [[noreturn]] void fail(Code code, const std::string& message) const;
+  [[noreturn]] void fail_json(const std::string& message) const { fail(as_code(RequestCode::kMalformedJson), message); }
   [[noreturn]] void fail_shape(const std::string& message) const { fail(Code::kInvalidMesh, message); }
   [[noreturn]] void fail_at(Code code, std::uint64_t element, const std::string& message) const;
   /// Throws the error for a value of a wrong kind at the current place of the document.
@@ -231,7 +233,7 @@ bool Handler::key(std::string& name) {
     return true;
   }
   if (seen_[static_cast<std::size_t>(key_)]) {
-    fail(Code::kMalformedJson, "the key " + in_quotes(name) + " stands twice, or both in \"mesh\" and outside of it");
+    fail_json("the key " + in_quotes(name) + " stands twice, or both in \"mesh\" and outside of it");
   }
   seen_[static_cast<std::size_t>(key_)] = true;
   return true;
@@ -274,7 +276,7 @@ bool Handler::number(const Number& number) {
 bool Handler::start(bool is_object) {
   tick();
   if (stack_.size() + skipped_depth_ >= kMaxDepth) {
-    fail(Code::kMalformedJson, "nested deeper than " + number_text(std::uint64_t{kMaxDepth}) + " levels");
+    fail_json("nested deeper than " + number_text(std::uint64_t{kMaxDepth}) + " levels");
   }
   if (skipped_depth_ > 0) {
     ++skipped_depth_;
@@ -433,7 +435,7 @@ bool Handler::parse_error(std::size_t, const std::string& token, const Json::exc
   const std::string_view what = error.what();
   const std::size_t prefix = what.find("] ");
   const std::string words = shortened(prefix == std::string_view::npos ? what : what.substr(prefix + 2), kLongest);
-  fail(Code::kMalformedJson, words + " (byte " + number_text(static_cast<std::uint64_t>(at_ - text_.data())) + ")");
+  fail_json(words + " (byte " + number_text(static_cast<std::uint64_t>(at_ - text_.data())) + ")");
 }
 
 void Handler::check_indices() const {

@@ -1,5 +1,6 @@
 #include "api/multipart.h"
 
+#include "api/request_code.h"
 #include "api/text.h"
 #include "core/base/error.h"
 
@@ -12,7 +13,7 @@ constexpr std::size_t kMaxBoundary = 70;  // RFC 2046, 5.1.1
 constexpr std::string_view kLineEnd = "\r\n";
 
 [[noreturn]] void fail(const std::string& message) {
-  throw Error(Code::kMalformedMultipart, Stage::kRead, "multipart/form-data: " + message);
+  throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead, "multipart/form-data: " + message);
 }
 
 /// Reads a quoted string from `rest`, which begins after the opening quote.

@@ -9,6 +9,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "api/request_code.h"
 #include "api/text.h"
 #include "core/base/error.h"
 #include "core/refinement/goals.h"
@@ -42,8 +43,6 @@ const std::array<OptionSpec, 20> kTable{{
      .field = &Options::min_angle_deg,
      .help = "no angle below this, except where the input's own sharp corners forbid it; 0: no bound",
      .unset = "auto",
-     .minimum = 0,
-     .maximum = Options::kMaxMinAngleDeg,
      .excludes = "max_radius_edge_ratio",
      .example = "30"},
     {.name = "max_radius_edge_ratio",
@@ -51,7 +50,6 @@ const std::array<OptionSpec, 20> kTable{{
      .field = &Options::max_radius_edge_ratio,
      .help = "in place of min_angle_deg: the largest ratio of circumradius to shortest edge, 1/(2 sin angle)",
      .unset = "none",
-     .minimum = Options::kMinRadiusEdgeRatio,
      .excludes = "min_angle_deg",
      .example = "1.2"},
     {.name = "max_edge_length",
@@ -59,8 +57,6 @@ const std::array<OptionSpec, 20> kTable{{
      .field = &Options::max_edge_length,
      .help = "no edge longer than this, in model units",
      .unset = "none",
-     .minimum = 0,
-     .above_minimum = true,
      .excludes = "max_edge_fraction",
      .example = "0.5"},
     {.name = "max_edge_fraction",
@@ -68,8 +64,6 @@ const std::array<OptionSpec, 20> kTable{{
      .field = &Options::max_edge_fraction,
      .help = "no edge longer than this fraction of the bounding box's diagonal",
      .unset = "none",
-     .minimum = 0,
-     .above_minimum = true,
      .excludes = "max_edge_length",
      .example = "0.02"},
     {.name = "max_area",
@@ -77,23 +71,18 @@ const std::array<OptionSpec, 20> kTable{{
      .field = &Options::max_area,
      .help = "no triangle larger than this, in model units squared",
      .unset = "none",
-     .minimum = 0,
-     .above_minimum = true,
      .example = "0.25"},
     {.name = "min_edge_length",
      .type = OptionType::kNumber,
      .field = &Options::min_edge_length,
      .help = "refinement makes no edge shorter than this, in model units",
      .unset = "none",
-     .minimum = 0,
-     .above_minimum = true,
      .example = "0.001"},
     {.name = "proximity",
      .type = OptionType::kNumber,
      .field = &Options::proximity,
      .help = "number of edges that fit across the gap to the nearest facet that is not a neighbour; the report lists "
              "triangles that miss this; 0: off",
-     .minimum = 0,
      .example = "1"},
     {.name = "gradation",
      .type = OptionType::kNumber,
@@ -101,8 +90,6 @@ const std::array<OptionSpec, 20> kTable{{
      .help =
          "largest factor by which neighbouring edges may differ in size; auto: 1.5 with proximity, otherwise no limit",
      .unset = "auto",
-     .minimum = 1,
-     .above_minimum = true,
      .example = "1.3"},
     {.name = "max_output_faces",
      .type = OptionType::kInteger,
@@ -110,7 +97,6 @@ const std::array<OptionSpec, 20> kTable{{
      .help = "the largest number of faces that the result may have. A request that certainly needs more is refused; "
              "otherwise refinement stops at this number. The default, and the largest value, is the server's limit",
      .unset = "none",
-     .minimum = 1,
      .example = "100000"},
     {.name = "split_boundaries",
      .type = OptionType::kBoolean,
@@ -128,22 +114,17 @@ const std::array<OptionSpec, 20> kTable{{
      .help = "how far a patch's vertices may lie from its plane, in model units; auto: what the rounding of the "
              "coordinates explains, from 1e-9 to 1e-4 of the bounding box's diagonal",
      .unset = "auto",
-     .minimum = 0,
-     .above_minimum = true,
      .example = "1e-5"},
     {.name = "normal_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::normal_tolerance,
      .help = "unit normals in one patch may always differ by this much in each component",
-     .minimum = 0,
-     .maximum = Options::kMaxNormalTolerance,
      .example = "1e-5"},
     {.name = "weld_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::weld_tolerance,
      .help = "vertices at most this far apart are merged, in model units, and open edges are split at vertices this "
              "near; 0: only vertices with equal coordinates are merged",
-     .minimum = 0,
      .example = "1e-6"},
     {.name = "repair",
      .type = OptionType::kWords,
@@ -183,17 +164,6 @@ const std::array<OptionSpec, 20> kTable{{
       .for_option(std::string(spec.name));
 }
 
-// Describes the range of a numeric option: "a number from 0 to 33", "a number above 0".
-std::string describe_range(const OptionSpec& spec) {
-  std::string text = spec.type == OptionType::kInteger ? "a whole number" : "a number";
-  if (spec.minimum && spec.maximum && !spec.above_minimum) {
-    return text + " from " + number_text(*spec.minimum) + " to " + number_text(*spec.maximum);
-  }
-  if (spec.minimum) text += (spec.above_minimum ? " above " : " of at least ") + number_text(*spec.minimum);
-  if (spec.maximum) text += " and at most " + number_text(*spec.maximum);
-  return text;
-}
-
 std::string describe_words(const OptionSpec& spec) {
   std::string text;
   for (const std::string_view word : option_words(spec)) text.append(text.empty() ? "" : ", ").append(word);
@@ -204,8 +174,8 @@ std::string describe_words(const OptionSpec& spec) {
   std::string expected;
   switch (spec.type) {
     case OptionType::kBoolean: expected = "true or false"; break;
-    case OptionType::kNumber:
-    case OptionType::kInteger: expected = describe_range(spec); break;
+    case OptionType::kNumber: expected = "a number " + number_range(spec.name)->text(); break;
+    case OptionType::kInteger: expected = "a whole number " + number_range(spec.name)->text(); break;
     case OptionType::kWords:
       expected = "none, or some of " + describe_words(spec) +
                  ", each once, separated by commas: all without a sign, or all as +word or -word";
@@ -238,8 +208,7 @@ bool parse_boolean(const OptionSpec& spec, std::string_view text) {
 }
 
 void check_range(const OptionSpec& spec, double value, std::string_view text) {
-  const bool too_small = spec.minimum && (spec.above_minimum ? !(value > *spec.minimum) : !(value >= *spec.minimum));
-  if (too_small || (spec.maximum && value > *spec.maximum)) fail_value(spec, text);
+  if (!number_range(spec.name)->contains(value)) fail_value(spec, text);
 }
 
 double parse_number(const OptionSpec& spec, std::string_view text) {
@@ -485,7 +454,7 @@ void OptionReader::add(std::string_view name, std::string_view text, ValueKind k
   const OptionSpec* spec = find_option(name);
   if (spec == nullptr) {
     const std::string_view nearest = nearest_option(name).name;
-    throw Error(Code::kUnknownOption, Stage::kRead,
+    throw Error(as_code(RequestCode::kUnknownOption), Stage::kRead,
                 "there is no option " + in_quotes(name) + "; the nearest is \"" + std::string(nearest) + "\"")
         .for_option(shortened(name));
   }

@@ -1,5 +1,6 @@
 /// The options of the API. Each is declared once, in `option_table`. Reading it from a query string, from JSON and
-/// from the command line, /v1/capabilities and the report's `options` all follow from its row there.
+/// from the command line, /v1/capabilities and the report's `options` all follow from its row there. Only the range of
+/// a number stands elsewhere, in the core's `number_options`.
 #pragma once
 
 #include <cstdint>
@@ -45,10 +46,7 @@ struct OptionSpec {
   OptionType type;
   OptionField field;
   std::string_view help;
-  std::string_view unset = {};         ///< the word for "no value" if the option may have none: `none`, `auto`
-  std::optional<double> minimum = {};  ///< smallest value, for numbers
-  bool above_minimum = false;          ///< the minimum itself is excluded
-  std::optional<double> maximum = {};
+  std::string_view unset = {};     ///< the word for "no value" if the option may have none: `none`, `auto`
   std::string_view excludes = {};  ///< an option that may not be given together with this one
   std::string_view example = {};   ///< a value that is valid and not the default
 };

@@ -7,6 +7,7 @@
 #include "api/json_reader.h"
 #include "api/multipart.h"
 #include "api/negotiation.h"
+#include "api/request_code.h"
 #include "api/result_archive.h"
 #include "api/text.h"
 #include "core/io/gzip.h"
@@ -42,10 +43,10 @@ bool is_compressed(const Request& request) {
 std::string_view decoded_body(const Request& request, const Limits& limits, RunControl& control, std::string& decoded) {
   if (!is_compressed(request)) return request.body;
   try {
-    decoded = gunzip(request.body, decompression_limits(limits), control);
+    decoded = gunzip(request.body, limits.decompression, control);
   } catch (const Error& error) {
     if (error.code != Code::kInvalidMesh) throw;
-    Error malformed(Code::kMalformedRequest, Stage::kRead, error.what());
+    Error malformed(as_code(RequestCode::kMalformedRequest), Stage::kRead, error.what());
     malformed.byte = error.byte;
     throw malformed;
   }
@@ -60,11 +61,12 @@ void read_form(std::string_view body, const Request& request, RunControl& contro
   for (const FormPart& part : parse_multipart(body, request.content_type)) {
     bool& seen = part.name == "mesh" ? has_mesh : has_options;
     if (part.name != "mesh" && part.name != "options") {
-      throw Error(Code::kMalformedMultipart, Stage::kRead,
+      throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead,
                   "the form has a part " + in_quotes(part.name) + "; it takes \"mesh\" and \"options\"");
     }
     if (std::exchange(seen, true)) {
-      throw Error(Code::kMalformedMultipart, Stage::kRead, "the form has two parts " + in_quotes(part.name));
+      throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead,
+                  "the form has two parts " + in_quotes(part.name));
     }
     if (part.name == "options") {
       read_json_options(part.content, control, parsed.job.options);
@@ -74,13 +76,14 @@ void read_form(std::string_view body, const Request& request, RunControl& contro
       parsed.file_name = part.file_name;
     }
   }
-  if (!has_mesh) throw Error(Code::kMalformedMultipart, Stage::kRead, "the form has no part \"mesh\"");
+  if (!has_mesh) throw Error(as_code(RequestCode::kMalformedMultipart), Stage::kRead, "the form has no part \"mesh\"");
 }
 
 /// Fills `parsed` in place, because its `job` refers to its other members.
 void parse_request(const Request& request, const Limits& limits, RunControl& control, ParsedRequest& parsed) {
   if (request.body.size() > limits.max_body) {
-    throw Error(Code::kBodyTooLarge, Stage::kRead, "the body is longer than " + number_text(limits.max_body) + " bytes")
+    throw Error(as_code(RequestCode::kBodyTooLarge), Stage::kRead,
+                "the body is longer than " + number_text(limits.max_body) + " bytes")
         .with_limit(limits.max_body);
   }
   const std::string_view body = decoded_body(request, limits, control, parsed.decoded);
@@ -147,7 +150,7 @@ WorkDone work_done(const Report& report, const StageTimes& times) {
 /// once.
 Limits limits_of_mesh(const ParsedRequest& parsed, const Request& request, Limits limits) {
   if (!parsed.decoded.empty())
-    limits.max_decompressed = most_decompressed(request.body.size(), decompression_limits(limits));
+    limits.decompression.max_bytes = most_decompressed(request.body.size(), limits.decompression);
   return limits;
 }
 
@@ -261,7 +264,7 @@ Response write_kept(std::string_view mesh, const std::function<std::string()>& r
   bool is_origin_named = false;
   for (const auto& [name, value] : wanted.query) {
     if (name != "format" && name != "local_origin") {
-      throw Error(Code::kUnknownOption, Stage::kWrite,
+      throw Error(as_code(RequestCode::kUnknownOption), Stage::kWrite,
                   "a result takes the options \"format\" and \"local_origin\" only, not " + in_quotes(name))
           .for_option(shortened(name));
     }

@@ -2,6 +2,7 @@
 /// sockets and no log. The daemon and the command line both call them.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -19,25 +20,19 @@ namespace remesh::api {
 
 using Fields = std::vector<std::pair<std::string, std::string>>;
 
-/// The limits that a server sets. /v1/capabilities reports them.
+/// The limits of a request, with their defaults. The daemon's settings change them, and /v1/capabilities reports them.
 struct Limits {
-  std::uint64_t max_body = 256ull << 20;           ///< bytes
-  std::uint64_t max_decompressed = 1024ull << 20;  ///< bytes of a body, or of a mesh in it, after decompression
-  std::uint64_t max_ratio = 100;  ///< largest ratio of decompressed to compressed bytes, beyond the first MiB
-  std::uint64_t max_vertices = 10'000'000;
-  std::uint64_t max_faces = 20'000'000;
+  std::uint64_t max_body = 256ull << 20;   ///< bytes
+  DecompressionLimits decompression = {};  ///< those of a compressed body, and of a compressed mesh in a body
+  ReadLimits input = {};
   std::uint64_t max_output_faces = 50'000'000;
   int workers = 1;  ///< threads that one request may use
-  double request_timeout_s = 300;
+  /// The longest time that a request may compute. It also waits no longer than this for a worker.
+  std::chrono::milliseconds request_timeout{300'000};
   /// The limit for a request that names no `max_output_faces`, if it is below `max_output_faces`.
   std::uint64_t usual_output_faces = std::numeric_limits<std::uint64_t>::max();
   std::size_t serial_corners = 0;  ///< see RunSettings
 };
-
-/// The part of the limits that applies to a compressed body, or to a compressed mesh in it.
-inline DecompressionLimits decompression_limits(const Limits& limits) {
-  return {limits.max_decompressed, limits.max_ratio};
-}
 
 /// One request, independent of HTTP. `query` has the pairs in their order, percent-decoded.
 struct Request {

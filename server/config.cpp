@@ -133,8 +133,8 @@ const std::vector<Setting>& settings() {
        [](Config& c, const auto& text) { c.cors = text == "none" ? Cors() : Cors(text); },
        [](const Config& c) { return c.cors.text(); }},
       {"--workers", "threads for one request (default: the cores that this process may use)",
-       [](Config& c, const auto& text) { c.workers = static_cast<int>(between(1, 1024, parse_count(text))); },
-       [](const Config& c) { return std::to_string(c.workers); }},
+       [](Config& c, const auto& text) { c.limits.workers = static_cast<int>(between(1, 1024, parse_count(text))); },
+       [](const Config& c) { return std::to_string(c.limits.workers); }},
       {"--max-running",
        "requests that compute at the same time; while all of them take long, up to as many small requests may run "
        "besides (default: the number of workers)",
@@ -145,23 +145,24 @@ const std::vector<Setting>& settings() {
        [](const Config& c) { return std::to_string(c.queue_size); }},
       duration(
           "--request-timeout", "longest computing time of a request",
-          [](Config & c) -> auto& { return c.request_timeout; }),
+          [](Config & c) -> auto& { return c.limits.request_timeout; }),
       bytes(
-          "--max-body", "largest size of a request's body", [](Config & c) -> auto& { return c.max_body; }),
+          "--max-body", "largest size of a request's body", [](Config & c) -> auto& { return c.limits.max_body; }),
       bytes(
           "--max-decompressed", "largest size of a gzip body, or of a gzip mesh in a body, after decompression",
-          [](Config & c) -> auto& { return c.max_decompressed; }),
+          [](Config & c) -> auto& { return c.limits.decompression.max_bytes; }),
       {"--max-ratio", "largest ratio of decompressed to compressed size, beyond the first MiB",
-       [](Config& c, const auto& text) { c.max_ratio = between(1, 1'000'000, parse_count(text)); },
-       [](const Config& c) { return std::to_string(c.max_ratio); }},
+       [](Config& c, const auto& text) { c.limits.decompression.max_ratio = between(1, 1'000'000, parse_count(text)); },
+       [](const Config& c) { return std::to_string(c.limits.decompression.max_ratio); }},
       count(
           "--max-vertices", "largest number of vertices of an input mesh",
-          [](Config & c) -> auto& { return c.max_vertices; }),
+          [](Config & c) -> auto& { return c.limits.input.max_vertices; }),
       count(
-          "--max-faces", "largest number of faces of an input mesh", [](Config & c) -> auto& { return c.max_faces; }),
+          "--max-faces", "largest number of faces of an input mesh",
+          [](Config & c) -> auto& { return c.limits.input.max_faces; }),
       count(
           "--max-output-faces", "largest number of faces of a result",
-          [](Config & c) -> auto& { return c.max_output_faces; }),
+          [](Config & c) -> auto& { return c.limits.max_output_faces; }),
       bytes(
           "--memory-budget", "memory that all requests together may use (default: 70 % of what this process may use)",
           [](Config & c) -> auto& { return c.memory_budget; }),
@@ -201,31 +202,37 @@ const std::vector<Setting>& settings() {
           "--result-ttl", "how long the results of jobs are kept",
           [](Config & c) -> auto& { return c.jobs.rules.result_ttl; }),
       {"--max-connections", "largest number of open connections",
-       [](Config& c, const auto& text) { c.max_connections = between(1, 100'000, parse_count(text)); },
-       [](const Config& c) { return std::to_string(c.max_connections); }},
+       [](Config& c, const auto& text) { c.connections.max_connections = between(1, 100'000, parse_count(text)); },
+       [](const Config& c) { return std::to_string(c.connections.max_connections); }},
       {"--max-connections-per-address", "largest number of open connections from one IPv4 address or IPv6 /64 network",
-       [](Config& c, const auto& text) { c.max_connections_per_address = between(1, 100'000, parse_count(text)); },
-       [](const Config& c) { return std::to_string(c.max_connections_per_address); }},
+       [](Config& c, const auto& text) {
+         c.connections.max_connections_per_address = between(1, 100'000, parse_count(text));
+       },
+       [](const Config& c) { return std::to_string(c.connections.max_connections_per_address); }},
       {"--idle-timeout", "how long a connection may stay open without a request (none: one request per connection)",
        [](Config& c, const auto& text) {
-         c.idle_timeout = text == "none" ? std::chrono::milliseconds(0) : positive_duration(text);
+         c.connections.idle_timeout = text == "none" ? std::chrono::milliseconds(0) : positive_duration(text);
        },
-       [](const Config& c) { return c.idle_timeout.count() == 0 ? "none" : format_duration(c.idle_timeout); }},
+       [](const Config& c) {
+         return c.connections.idle_timeout.count() == 0 ? "none" : format_duration(c.connections.idle_timeout);
+       }},
       {"--max-head", "largest size of a request's head",
-       [](Config& c, const auto& text) { c.gate.head.max_bytes = between(1024, 16 << 20, parse_bytes(text)); },
-       [](const Config& c) { return format_bytes(c.gate.head.max_bytes); }},
+       [](Config& c, const auto& text) {
+         c.connections.gate.head.max_bytes = between(1024, 16 << 20, parse_bytes(text));
+       },
+       [](const Config& c) { return format_bytes(c.connections.gate.head.max_bytes); }},
       {"--max-fields", "largest number of header fields of a request",
-       [](Config& c, const auto& text) { c.gate.head.max_fields = between(8, 100'000, parse_count(text)); },
-       [](const Config& c) { return std::to_string(c.gate.head.max_fields); }},
+       [](Config& c, const auto& text) { c.connections.gate.head.max_fields = between(8, 100'000, parse_count(text)); },
+       [](const Config& c) { return std::to_string(c.connections.gate.head.max_fields); }},
       duration(
           "--head-timeout", "time in which a request's head must arrive; also the grace period of its body",
-          [](Config & c) -> auto& { return c.gate.head_timeout; }),
+          [](Config & c) -> auto& { return c.connections.gate.head_timeout; }),
       bytes(
           "--min-body-rate", "bytes per second that a client must send or take after the grace period",
-          [](Config & c) -> auto& { return c.gate.min_body_rate; }),
+          [](Config & c) -> auto& { return c.connections.gate.min_body_rate; }),
       duration(
           "--write-timeout", "grace period of an answer; after it, --min-body-rate applies",
-          [](Config & c) -> auto& { return c.gate.write_timeout; }),
+          [](Config & c) -> auto& { return c.connections.gate.write_timeout; }),
       duration(
           "--drain-time", "time that running requests get after SIGTERM",
           [](Config & c) -> auto& { return c.drain_time; }),
@@ -248,8 +255,8 @@ std::uint64_t default_memory_budget() {
 /// Sets the defaults that depend on other settings, and checks settings against each other.
 /// Errors: std::invalid_argument.
 void complete(Config& config, Command command) {
-  if (config.max_running == 0) config.max_running = config.workers;
-  if (config.queue_size == 0) config.queue_size = static_cast<std::size_t>(std::max(16, 4 * config.workers));
+  if (config.max_running == 0) config.max_running = config.limits.workers;
+  if (config.queue_size == 0) config.queue_size = static_cast<std::size_t>(std::max(16, 4 * config.limits.workers));
   if (command == Command::kHealth) return;
   const bool has_keys = !ApiKeys(config.api_key_file, config.api_key).is_open();
   if (!has_keys && !config.bind.is_loopback() && !config.allow_anonymous) {
@@ -260,31 +267,12 @@ void complete(Config& config, Command command) {
   if (command == Command::kCheckConfig) jobs::check_folders(config.jobs);  // the start of the daemon creates them
 }
 
-/// Meshes up to this many corners are computed on one thread. Below it, a second thread makes a request no faster and
-/// takes time from others. Measured on boxes: 2,000 faces take 1.14 ms on one thread and 1.26 ms on two, 3,900 take
-/// 2.13 and 2.08, 8,100 take 3.7 and 3.3.
-constexpr std::size_t kSerialCorners = 3 * 4096;
-
 }  // namespace
-
-api::Limits Config::api_limits() const {
-  api::Limits limits;
-  limits.max_body = max_body;
-  limits.max_decompressed = max_decompressed;
-  limits.max_ratio = max_ratio;
-  limits.max_vertices = max_vertices;
-  limits.max_faces = max_faces;
-  limits.max_output_faces = max_output_faces;
-  limits.workers = workers;
-  limits.serial_corners = kSerialCorners;
-  limits.request_timeout_s = std::chrono::duration<double>(request_timeout).count();
-  return limits;
-}
 
 Invocation read_command_line(int argc, const char* const* argv, std::ostream& out, std::ostream& err) {
   Invocation invocation;
   Config& config = invocation.config;
-  config.workers = api::usable_cores();
+  config.limits.workers = api::usable_cores();
   config.memory_budget = default_memory_budget();
   config.jobs.store = "sqlite";
   if (const char* key = std::getenv("REMESHD_API_KEY")) config.api_key = key;

@@ -165,13 +165,13 @@ std::string name_request(const RequestHead& head) {
 class HttpServer::Listener : public httplib::Server {
  public:
   Listener(const std::vector<Route>& routes, const HttpSettings& settings)
-      : settings_(settings), addresses_(settings.max_connections_per_address), idle_(most_idle(settings)) {
+      : settings_(settings), addresses_(settings.connections.max_connections_per_address), idle_(most_idle(settings)) {
     set_default_headers({{"X-Content-Type-Options", "nosniff"}});
     set_payload_max_length(0);  // bodies do not pass through the library
     register_routes(routes);
     register_ways_out();
     new_task_queue = [this] {
-      return new ConnectionThreads(settings_.max_connections + kRefusers + most_idle(settings_),
+      return new ConnectionThreads(settings_.connections.max_connections + kRefusers + most_idle(settings_),
                                    [this] { idle_.end_all(); });
     };
     // With the library's own socket options, two daemons could share a port unnoticed.
@@ -230,7 +230,7 @@ class HttpServer::Listener : public httplib::Server {
   std::size_t open_connections() const { return open_ + idle_.count(); }
 
  private:
-  static std::size_t most_idle(const HttpSettings& settings) { return settings.max_connections / 4 + 1; }
+  static std::size_t most_idle(const HttpSettings& settings) { return settings.connections.max_connections / 4 + 1; }
 
   void accept_connections() {
     listener_thread_ = std::this_thread::get_id();
@@ -272,14 +272,14 @@ class HttpServer::Listener : public httplib::Server {
   /// Output: true if the connection stays open.
   bool admit(Connection& connection) {
     const Counted open(open_);
-    if (std::this_thread::get_id() == listener_thread_ || open_ > settings_.max_connections) {
+    if (std::this_thread::get_id() == listener_thread_ || open_ > settings_.connections.max_connections) {
       refuse(connection, HttpError(503, "overloaded", "too many connections"));
       return false;
     }
     const std::optional<AddressCounts::Place> place = addresses_.enter(connection.peer_address());
     if (!place) {
       refuse(connection, HttpError(429, "rate_limited", "too many connections from this address")
-                             .with_limit(settings_.max_connections_per_address));
+                             .with_limit(settings_.connections.max_connections_per_address));
       return false;
     }
     return serve(connection);
@@ -295,7 +295,7 @@ class HttpServer::Listener : public httplib::Server {
     if (is_there()) return true;
     if (!end) end.emplace();
     const IdleConnections::Stay stay(idle_, *end);
-    const Clock::time_point until = Clock::now() + settings_.idle_timeout;
+    const Clock::time_point until = Clock::now() + settings_.connections.idle_timeout;
     return connection.wait_for_input(*end, until) && (is_there() || connection.wait_for_input(*end, until));
   }
 
@@ -324,15 +324,15 @@ class HttpServer::Listener : public httplib::Server {
     }
     account_for(exchange, Outcome::kAnswered, settings_.metrics);
     // Lingering occupies a thread, and many refused clients must not take the threads of others.
-    const bool is_crowded =
-        std::this_thread::get_id() == listener_thread_ || open_ > settings_.max_connections / 2 + kRefusers / 2;
+    const bool is_crowded = std::this_thread::get_id() == listener_thread_ ||
+                            open_ > settings_.connections.max_connections / 2 + kRefusers / 2;
     connection.finish(is_crowded ? std::chrono::milliseconds(0) : kRefusalLinger);
   }
 
   /// Serves one request.
   /// Output: true if the connection stays open.
   bool serve(Connection& connection) {
-    connection.set_write_pace({settings_.gate.write_timeout, settings_.gate.min_body_rate});
+    connection.set_write_pace({settings_.connections.gate.write_timeout, settings_.connections.gate.min_body_rate});
     Exchange exchange(connection);
     try {
       if (!take_head(exchange)) return false;
@@ -356,7 +356,7 @@ class HttpServer::Listener : public httplib::Server {
   bool take_head(Exchange& exchange) const {
     RequestHead& head = exchange.request;
     try {
-      const std::optional<Framing> framing = read_head(exchange.connection, settings_.gate, head);
+      const std::optional<Framing> framing = read_head(exchange.connection, settings_.connections.gate, head);
       if (!framing) return false;
       exchange.framing = *framing;
       check_routable(head);
@@ -389,8 +389,8 @@ class HttpServer::Listener : public httplib::Server {
   /// sides know where this exchange ends. If a body was not read, or an answer has no length, the exchange ends with
   /// the connection.
   bool may_keep(const Exchange& exchange) const {
-    return exchange.is_read && exchange.status < 400 && !exchange.is_streamed && settings_.idle_timeout.count() > 0 &&
-           !idle_.is_over() && wants_to_be_kept(exchange.request);
+    return exchange.is_read && exchange.status < 400 && !exchange.is_streamed &&
+           settings_.connections.idle_timeout.count() > 0 && !idle_.is_over() && wants_to_be_kept(exchange.request);
   }
 
   /// Admits a request that a route has accepted, and reads its body if there is one.
@@ -410,7 +410,7 @@ class HttpServer::Listener : public httplib::Server {
     const Clock::time_point start = Clock::now();
     Request& request = exchange.request;
     exchange.active.emplace(active_);
-    request.body = read_body(exchange.connection, settings_.gate, request, exchange.framing, max_body,
+    request.body = read_body(exchange.connection, settings_.connections.gate, request, exchange.framing, max_body,
                              [&](std::uint64_t held, std::uint64_t expected) {
                                if (request.memory) request.memory->hold_body(held, expected);
                              });
@@ -543,7 +543,8 @@ class HttpServer::Listener : public httplib::Server {
       exchange.is_kept = may_keep(exchange);
       out.headers.erase("Keep-Alive");  // the library has written its own times
       out.set_header("Connection", exchange.is_kept ? "keep-alive" : "close");
-      if (const auto seconds = settings_.idle_timeout / std::chrono::seconds(1); exchange.is_kept && seconds > 0)
+      if (const auto seconds = settings_.connections.idle_timeout / std::chrono::seconds(1);
+          exchange.is_kept && seconds > 0)
         out.set_header("Keep-Alive", "timeout=" + std::to_string(seconds));
       out.headers.erase("Accept-Ranges");  // range requests are not supported
       if (out.status == 204 || out.status == 304) out.headers.erase("Content-Length");

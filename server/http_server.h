@@ -9,15 +9,14 @@
 /// that the gate refuses goes the same way and fails before routing, so that all answers leave on the same path.
 #pragma once
 
-#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "server/http/api_keys.h"
+#include "server/http/connection_limits.h"
 #include "server/http/cors.h"
-#include "server/http/gate.h"
 #include "server/http/route.h"
 #include "server/http/units.h"
 #include "server/observe/metrics.h"
@@ -25,13 +24,7 @@
 namespace remesh::server {
 
 struct HttpSettings {
-  GateLimits gate;
-  std::size_t max_connections = 512;
-  std::size_t max_connections_per_address = 64;
-  /// How long an idle connection stays open for its next request; 0 means that it is closed at once. Idle connections
-  /// do not count among the connections above. There may be about a quarter as many; beyond that, the one that has
-  /// waited longest is closed.
-  std::chrono::milliseconds idle_timeout{3'000};
+  ConnectionLimits connections;
   const ApiKeys* keys = nullptr;  ///< the keys that clients must show; null if none are required
   Cors cors;
   Metrics* metrics = nullptr;  ///< the metrics that count requests; null if they are not counted

@@ -66,7 +66,7 @@ int wait_for_signal(const sigset_t& signals, std::optional<std::chrono::millisec
 
 /// Adds the settings in force that matter when something goes wrong.
 void add_settings(const Config& config, const Service& service, std::vector<log::Field>& fields) {
-  fields.push_back({"workers", std::int64_t{config.workers}});
+  fields.push_back({"workers", std::int64_t{config.limits.workers}});
   fields.push_back({"max_running", std::int64_t{config.max_running}});
   fields.push_back({"queue_size", static_cast<std::int64_t>(config.queue_size)});
   fields.push_back({"memory_budget", format_bytes(config.memory_budget)});

@@ -77,20 +77,19 @@ std::vector<Route> Service::ops_routes() {
 Service::Service(const Config& config, Operations operations)
     : config_(config),
       operations_(std::move(operations)),
-      work_limits_{config.api_limits(), config.request_timeout, config.memory_budget},
+      work_limits_{config.limits, config.memory_budget},
       keys_(config.api_key_file, config.api_key),
       memory_(config.memory_budget),
       memory_watch_(memory_, registry_),
       jobs_(make_jobs()),
       job_routes_({jobs_.get(), work_limits_, memory_, registry_, pool_, draining_}),
-      pool_(config.max_running, config.queue_size, config.workers),
+      pool_(config.max_running, config.queue_size, config.limits.workers),
       http_(routes(), http_settings()) {
   if (!config.ops_bind) return;
   // This port has neither keys nor metrics. Whoever can reach it may look, and looking is no work that counts.
   HttpSettings settings;
-  settings.gate = config.gate;
-  settings.max_connections = settings.max_connections_per_address = kOpsConnections;
-  settings.idle_timeout = config.idle_timeout;
+  settings.connections = config.connections;
+  settings.connections.max_connections = settings.connections.max_connections_per_address = kOpsConnections;
   ops_ = std::make_unique<HttpServer>(ops_routes(), settings);
 }
 
@@ -110,10 +109,7 @@ std::unique_ptr<jobs::JobService> Service::make_jobs() {
 
 HttpSettings Service::http_settings() {
   HttpSettings settings;
-  settings.gate = config_.gate;
-  settings.max_connections = config_.max_connections;
-  settings.max_connections_per_address = config_.max_connections_per_address;
-  settings.idle_timeout = config_.idle_timeout;
+  settings.connections = config_.connections;
   settings.keys = &keys_;
   settings.cors = config_.cors;
   settings.metrics = &metrics_;
@@ -155,7 +151,7 @@ Admission Service::admit_work(const RequestHead& head) {
   const Framing body = framing(head);
   // The length of a chunked body is unknown here. The queue checks its room again once the body has arrived.
   if (pool_.is_full(size_of_job(body.length))) throw overloaded();
-  return {config_.max_body, memory_.open_share()};
+  return {config_.limits.max_body, memory_.open_share()};
 }
 
 Response Service::work(const Operation& operation, const Call& call) {
@@ -175,7 +171,7 @@ Response Service::show_metrics() const {
   gauges.connections = http_.open_connections();
   gauges.running = pool_.running();
   gauges.queued = pool_.queued();
-  gauges.workers = config_.workers;
+  gauges.workers = config_.limits.workers;
   gauges.busy = pool_.busy_threads();
   gauges.memory_reserved = memory_.reserved();
   gauges.is_ready = !draining_ && (!jobs_ || jobs_->is_well());

@@ -4,6 +4,7 @@
 
 #include "api/cli/files.h"
 #include "api/cli/remote.h"
+#include "api/request_code.h"
 
 namespace remesh::cli {
 
@@ -32,7 +33,7 @@ std::string place_of(const Error& error, const std::string& input) { return plac
 
 std::string describe(const Error& error, const std::string& input) {
   const bool is_located = exit_code(error) == kFailed && error.stage == Stage::kRead;
-  return (is_located ? place_of(error, input) + ": " : "") + std::string(code_name(error.code)) + ": " + error.what();
+  return (is_located ? place_of(error, input) + ": " : "") + std::string(api::error_name(error)) + ": " + error.what();
 }
 
 Failure failure_of(const std::exception_ptr& thrown, const std::string& input) {
@@ -42,7 +43,7 @@ Failure failure_of(const std::exception_ptr& thrown, const std::string& input) {
   try {
     std::rethrow_exception(thrown);
   } catch (const Error& error) {
-    return {exit_code(error), std::string(code_name(error.code)), error.what(), describe(error, input)};
+    return {exit_code(error), std::string(api::error_name(error)), error.what(), describe(error, input)};
   } catch (const RemoteError& error) {
     const bool is_misuse = error.status == 400 || error.status == 406;
     return {is_misuse ? kMisused : kFailed, error.code, error.what(), describe(error, input)};

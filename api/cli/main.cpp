@@ -139,10 +139,10 @@ void parse(CLI::App& app, int argc, char** argv, Arguments& arguments) {
 /// server, because needles of 1e7 to 1 would otherwise be refined until memory is full.
 api::Limits limits_for(int workers) {
   api::Limits limits;
-  limits.max_decompressed = std::numeric_limits<std::uint64_t>::max();
-  limits.max_ratio = 1000;  // slightly less than gzip can reach, so that no file of zeros passes
-  limits.max_vertices = VertexId::kInvalid;
-  limits.max_faces = FaceId::kInvalid;
+  limits.decompression.max_bytes = std::numeric_limits<std::uint64_t>::max();
+  limits.decompression.max_ratio = 1000;  // slightly less than gzip can reach, so that no file of zeros passes
+  limits.input.max_vertices = VertexId::kInvalid;
+  limits.input.max_faces = FaceId::kInvalid;
   limits.usual_output_faces = limits.max_output_faces;
   limits.max_output_faces = std::numeric_limits<std::uint64_t>::max();
   limits.workers = workers;

@@ -14,15 +14,9 @@ std::string_view code_name(Code code) {
     case Code::kMeshTooLarge: return "mesh_too_large";
     case Code::kDecompressedTooLarge: return "decompressed_too_large";
     case Code::kOutputTooLarge: return "output_too_large";
-    case Code::kMalformedJson: return "malformed_json";
-    case Code::kMalformedMultipart: return "malformed_multipart";
-    case Code::kMalformedRequest: return "malformed_request";
-    case Code::kBodyTooLarge: return "body_too_large";
     case Code::kInvalidOption: return "invalid_option";
-    case Code::kUnknownOption: return "unknown_option";
     case Code::kUnsupportedMediaType: return "unsupported_media_type";
     case Code::kNotAcceptable: return "not_acceptable";
-    case Code::kNotImplemented: return "not_implemented";
     case Code::kCancelled: return "cancelled";
     case Code::kTimeout: return "timeout";
     case Code::kVerificationFailed: return "verification_failed";

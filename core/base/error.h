@@ -9,7 +9,10 @@
 
 namespace remesh {
 
-/// The kinds of errors. Each code has a stable name in the contract (`code_name`).
+/// The kinds of errors that the core throws. Each code has a stable name in the contract (`code_name`). A library above
+/// the core continues these numbers with codes of its own (api/request_code.h), since all errors are of the one type
+/// Error. Two names, `unsupported_media_type` and `not_acceptable`, are those of HTTP, because the contract has them and
+/// the core throws these errors itself, about formats that are not read or cannot hold a result.
 enum class Code {
   kInvalidMesh,
   kIndexOutOfRange,
@@ -19,20 +22,15 @@ enum class Code {
   kMeshTooLarge,
   kDecompressedTooLarge,
   kOutputTooLarge,
-  kMalformedJson,
-  kMalformedMultipart,
-  kMalformedRequest,
-  kBodyTooLarge,
   kInvalidOption,
-  kUnknownOption,
   kUnsupportedMediaType,
   kNotAcceptable,
-  kNotImplemented,
   kCancelled,
   kTimeout,
   kVerificationFailed,
   kInternal,
 };
+inline constexpr int kCoreCodeCount = static_cast<int>(Code::kInternal) + 1;
 
 /// The stages of the pipeline, in the order in which they run. Their names appear in progress, timings and errors.
 enum class Stage {
@@ -52,7 +50,7 @@ enum class Stage {
 };
 inline constexpr int kStageCount = static_cast<int>(Stage::kWrite) + 1;
 
-/// The stable name of a code, as in the contract: `invalid_mesh`.
+/// The stable name of a code of the core, as in the contract: `invalid_mesh`.
 std::string_view code_name(Code code);
 /// The stable name of a stage: `read`, `weld`, ...
 std::string_view stage_name(Stage stage);

@@ -1,45 +1,91 @@
 #include "core/base/options.h"
 
+#include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <string>
+#include <type_traits>
 
 #include "core/base/error.h"
 
 namespace remesh {
 namespace {
 
-[[noreturn]] void invalid(const char* option, const std::string& what) {
-  throw Error(Code::kInvalidOption, Stage::kQueued, std::string("option ") + option + " " + what).for_option(option);
+constexpr NumberRange kAboveZero{.minimum = 0, .above_minimum = true};
+constexpr NumberRange kNotNegative{.minimum = 0};
+
+constexpr std::array<NumberOption, 12> kNumberOptions{{
+    {"min_angle_deg", &Options::min_angle_deg, {.minimum = 0, .maximum = Options::kMaxMinAngleDeg}},
+    // The minimum is 1 / (2 sin 33 degrees), cut after three decimals.
+    {"max_radius_edge_ratio", &Options::max_radius_edge_ratio, {.minimum = 0.918}},
+    {"max_edge_length", &Options::max_edge_length, kAboveZero},
+    {"max_edge_fraction", &Options::max_edge_fraction, kAboveZero},
+    {"max_area", &Options::max_area, kAboveZero},
+    {"min_edge_length", &Options::min_edge_length, kAboveZero},
+    {"proximity", &Options::proximity, kNotNegative},
+    {"gradation", &Options::gradation, {.minimum = 1, .above_minimum = true}},
+    {"max_output_faces", &Options::max_output_faces, {.minimum = 1}},
+    {"plane_tolerance", &Options::plane_tolerance, kAboveZero},
+    {"normal_tolerance", &Options::normal_tolerance, {.minimum = 0, .maximum = 0.5}},
+    {"weld_tolerance", &Options::weld_tolerance, kNotNegative},
+}};
+
+std::string shortest_text(double value) {
+  std::array<char, 32> text{};
+  const std::to_chars_result end = std::to_chars(text.data(), text.data() + text.size(), value);
+  return {text.data(), end.ptr};
+}
+
+/// Returns the value of an option; nothing if it is not set.
+std::optional<double> value_of(const NumberOption& option, const Options& options) {
+  return std::visit(
+      [&](auto member) -> std::optional<double> {
+        if constexpr (std::is_same_v<decltype(member), double Options::*>)
+          return options.*member;
+        else
+          return options.*member ? std::optional(static_cast<double>(*(options.*member))) : std::nullopt;
+      },
+      option.member);
+}
+
+[[noreturn]] void invalid(std::string_view option, const std::string& what) {
+  const std::string name(option);
+  throw Error(Code::kInvalidOption, Stage::kQueued, "option " + name + " " + what).for_option(name);
 }
 
 }  // namespace
 
+bool NumberRange::contains(double value) const {
+  const bool is_large_enough = above_minimum ? value > minimum : value >= minimum;
+  return std::isfinite(value) && is_large_enough && !(maximum && value > *maximum);
+}
+
+std::string NumberRange::text() const {
+  if (maximum && !above_minimum) return "from " + shortest_text(minimum) + " to " + shortest_text(*maximum);
+  return (above_minimum ? "above " : "of at least ") + shortest_text(minimum) +
+         (maximum ? " and at most " + shortest_text(*maximum) : "");
+}
+
+std::span<const NumberOption> number_options() { return kNumberOptions; }
+
+const NumberRange* number_range(std::string_view name) {
+  const auto* option =
+      std::find_if(kNumberOptions.begin(), kNumberOptions.end(), [&](const NumberOption& o) { return o.name == name; });
+  return option == kNumberOptions.end() ? nullptr : &option->range;
+}
+
 void check_options(const Options& options) {
-  const auto positive = [](const std::optional<double>& value, const char* option) {
-    if (value && !(*value > 0 && std::isfinite(*value))) invalid(option, "must be a number above 0");
-  };
-  if (options.min_angle_deg && !(*options.min_angle_deg >= 0 && *options.min_angle_deg <= Options::kMaxMinAngleDeg))
-    invalid("min_angle_deg", "must be from 0 to 33");
+  for (const NumberOption& option : number_options()) {
+    const std::optional<double> value = value_of(option, options);
+    if (value && !option.range.contains(*value)) invalid(option.name, "must be a number " + option.range.text());
+  }
   if (options.min_angle_deg && options.max_radius_edge_ratio)
     invalid("max_radius_edge_ratio", "excludes min_angle_deg: give one of them");
   if (options.max_edge_length && options.max_edge_fraction)
     invalid("max_edge_fraction", "excludes max_edge_length: give one of them");
-  if (options.max_radius_edge_ratio && !(*options.max_radius_edge_ratio >= Options::kMinRadiusEdgeRatio))
-    invalid("max_radius_edge_ratio", "must be a number of at least 0.918 (33 degrees)");
-  positive(options.max_edge_length, "max_edge_length");
-  positive(options.max_edge_fraction, "max_edge_fraction");
-  positive(options.max_area, "max_area");
-  positive(options.min_edge_length, "min_edge_length");
   if (options.min_edge_length && options.max_edge_length && *options.min_edge_length > *options.max_edge_length)
     invalid("min_edge_length", "must not be above max_edge_length");
-  positive(options.plane_tolerance, "plane_tolerance");
-  if (!(options.proximity >= 0 && std::isfinite(options.proximity))) invalid("proximity", "must not be negative");
-  if (options.gradation && !(*options.gradation > 1 && std::isfinite(*options.gradation)))
-    invalid("gradation", "must be a number above 1");
-  if (!(options.normal_tolerance >= 0 && options.normal_tolerance <= Options::kMaxNormalTolerance))
-    invalid("normal_tolerance", "must be from 0 to 0.5");
-  if (!(options.weld_tolerance >= 0 && std::isfinite(options.weld_tolerance)))
-    invalid("weld_tolerance", "must not be negative");
   if (options.reference_axis == ReferenceAxis::kGiven &&
       (!is_finite(options.reference_direction) || options.reference_direction == Vec3{}))
     invalid("reference_axis", "must be a direction of finite numbers, not all 0");

@@ -3,7 +3,10 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
+#include <string>
 #include <string_view>
+#include <variant>
 
 #include "core/base/vec.h"
 
@@ -32,27 +35,25 @@ struct Barriers {
 };
 
 /// The options of a run. Lengths are in model units, angles in degrees. If an optional is empty, the contract's default
-/// applies.
+/// applies. The ranges of the numbers stand in `number_options`.
 /// This class is larger than the bound because it has one member for each option of the contract.
 struct Options {
   static constexpr double kMaxMinAngleDeg = 33;
-  static constexpr double kMinRadiusEdgeRatio = 0.918;  ///< 1 / (2 sin 33 degrees), cut after three decimals
-  static constexpr double kMaxNormalTolerance = 0.5;
 
   bool refine = true;
-  std::optional<double> min_angle_deg;          ///< 0 to kMaxMinAngleDeg
+  std::optional<double> min_angle_deg;
   std::optional<double> max_radius_edge_ratio;  ///< instead of min_angle_deg
-  std::optional<double> max_edge_length;        ///< > 0
+  std::optional<double> max_edge_length;
   std::optional<double> max_edge_fraction;  ///< instead of max_edge_length; a fraction of the bounding box's diagonal
-  std::optional<double> max_area;           ///< > 0
-  std::optional<double> min_edge_length;    ///< > 0
-  double proximity = 0;                     ///< 0: off
-  std::optional<double> gradation;          ///< > 1
+  std::optional<double> max_area;
+  std::optional<double> min_edge_length;
+  double proximity = 0;  ///< 0: off
+  std::optional<double> gradation;
   std::optional<std::uint64_t> max_output_faces;
   bool split_boundaries = true;
   bool keep_boundary_vertices = false;
-  std::optional<double> plane_tolerance;  ///< > 0; empty: computed from the input's rounding noise
-  double normal_tolerance = 1e-6;         ///< per component of the unit normal, 0 to kMaxNormalTolerance
+  std::optional<double> plane_tolerance;  ///< empty: computed from the input's rounding noise
+  double normal_tolerance = 1e-6;         ///< per component of the unit normal
   double weld_tolerance = 0;              ///< 0: only equal coordinates are one vertex
   Repair repair;
   Barriers barriers;
@@ -61,6 +62,31 @@ struct Options {
   ReferenceAxis reference_axis = ReferenceAxis::kDominantEdge;
   Vec3 reference_direction;  ///< used with ReferenceAxis::kGiven; any length but 0
 };
+
+/// The values that an option may have if it is a number.
+struct NumberRange {
+  double minimum = 0;
+  bool above_minimum = false;          ///< the minimum itself is excluded
+  std::optional<double> maximum = {};  ///< it is included
+
+  /// False for infinity and NaN, too.
+  bool contains(double value) const;
+  /// The range in words that follow "a number": `from 0 to 33`, `above 0`, `of at least 1`.
+  std::string text() const;
+};
+
+/// An option that is a number.
+struct NumberOption {
+  std::string_view name;
+  std::variant<double Options::*, std::optional<double> Options::*, std::optional<std::uint64_t> Options::*> member;
+  NumberRange range;
+};
+
+/// All options that are numbers. Their ranges are declared here and nowhere else: `check_options`, the readers of the
+/// API, /v1/capabilities and the page take them from here, and tests hold the documents against them.
+std::span<const NumberOption> number_options();
+/// Output: null if no option of that name is a number.
+const NumberRange* number_range(std::string_view name);
 
 /// Errors: Code::kInvalidOption - a value is out of its range, or two options exclude each other (`option` is set).
 void check_options(const Options& options);

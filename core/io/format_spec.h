@@ -36,7 +36,8 @@ struct WriterInput {
   const std::vector<std::string>& comments;
 };
 
-/// One format. The page and the documents have names of their own for it.
+/// One format. The page and the documents have names of their own for it. The media type stands here although only the
+/// API and the daemon use it, because then one row is all that the code has to know of a format.
 struct FormatSpec {
   std::string_view name;    ///< the stable name: `obj`
   std::string_view ending;  ///< of a file's name, without the point

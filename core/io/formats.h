@@ -48,13 +48,13 @@ Format sniff_format(std::string_view content);
 /// Input: the whole content, as for sniff_format.
 std::optional<std::string_view> foreign_format(std::string_view content);
 
-/// Limits on what a reader may build. A larger mesh ends the read with Code::kMeshTooLarge.
+/// Limits on what a reader may build, with the service's defaults. A larger mesh ends the read with Code::kMeshTooLarge.
 struct ReadLimits {
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;
 };
 
-/// Limits on decompressed data. More data ends the read with Code::kDecompressedTooLarge.
+/// Limits on decompressed data, with the service's defaults. More data ends the read with Code::kDecompressedTooLarge.
 struct DecompressionLimits {
   std::uint64_t max_bytes = std::uint64_t{1} << 30;
   std::uint64_t max_ratio = 100;  ///< decompressed to compressed bytes; the first MiB is exempt

@@ -17,6 +17,7 @@
 #include <utility>
 
 #include "api/service.h"
+#include "server/jobs/job_settings.h"
 #include "server/jobs/job_store.h"
 #include "server/observe/metrics.h"
 #include "server/work/memory_budget.h"
@@ -32,9 +33,11 @@ struct RunnerSettings {
   std::string worker;  ///< the name of this process in the store and in the log
   api::Limits limits;
   std::size_t max_held = 1;  ///< jobs that this process works on at once
-  int max_attempts = 3;      ///< attempts after which a job fails that repeatedly finds no memory or threads
-  std::chrono::milliseconds lease{60'000};           ///< renewed when a quarter of it has passed
-  std::chrono::milliseconds job_timeout{3'600'000};  ///< the longest time that the computation of one job may take
+  /// Attempts after which a job fails that repeatedly finds no memory or threads.
+  int max_attempts = StoreRules().max_attempts;
+  std::chrono::milliseconds lease = StoreRules().lease;  ///< renewed when a quarter of it has passed
+  /// The longest time that the computation of one job may take.
+  std::chrono::milliseconds job_timeout = JobSettings().job_timeout;
 };
 
 class JobRunner {

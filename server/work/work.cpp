@@ -125,7 +125,7 @@ api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, Work
   const auto half_closed =
       request.minor_version >= 1 ? Connection::HalfClosed::kIsAsked : Connection::HalfClosed::kIsGone;
   for (;;) {
-    const Clock::time_point until = job.started().value_or(running.start) + limits.request_timeout;
+    const Clock::time_point until = job.started().value_or(running.start) + limits.api.request_timeout;
     const Connection::Wake wake = connection.wait(&running.changed, until, half_closed);
     running.changed.clear();
     if (job.is_done()) {
@@ -142,7 +142,7 @@ api::Response wait_for(Job& job, RunningRequest& running, WorkerPool& pool, Work
     if (!running.control.is_stopped()) {
       // The task may have started just now, and then it has its full time before it.
       const std::optional<Clock::time_point> started = job.started();
-      if (!started || Clock::now() < *started + limits.request_timeout) continue;
+      if (!started || Clock::now() < *started + limits.api.request_timeout) continue;
       running.control.expire();
     }
     return wait_for_stop(job, running);

@@ -1,7 +1,6 @@
 /// Hands the work of a connection's thread to the pool, and waits for the result.
 #pragma once
 
-#include <chrono>
 #include <functional>
 
 #include "api/service.h"
@@ -16,8 +15,6 @@ using Operation = std::function<api::Response(const api::Request&, const api::Li
 
 struct WorkLimits {
   api::Limits api;
-  /// The longest time that a request may compute. It also waits no longer than this in the queue.
-  std::chrono::milliseconds request_timeout{300'000};
   /// Memory for all requests together; reported to a request that is too large for it.
   std::uint64_t memory_budget = 0;
 };

@@ -69,7 +69,7 @@ TEST(allocation_failure, the_daemon_answers_wherever_memory_runs_out) {
   allocation::spare_this_thread();
   Config config;
   config.bind.port = 0;
-  config.workers = 2;
+  config.limits.workers = 2;
   config.max_running = 2;
   config.queue_size = 16;
   Service service(config, Operations{});

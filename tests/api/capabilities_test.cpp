@@ -2,10 +2,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <map>
 #include <nlohmann/json.hpp>
 
 #include "api/options.h"
+#include "api/request_code.h"
 #include "api/service.h"
 
 namespace remesh::api {
@@ -86,7 +88,7 @@ TEST(capabilities, what_is_told_of_an_option_is_what_it_takes) {
 }
 
 TEST(capabilities, every_limit_is_told_under_its_own_name) {
-  const Limits limits{1, 2, 3, 4, 5, 6, 7, 8.5};
+  const Limits limits{1, {2, 3}, {4, 5}, 6, 7, std::chrono::milliseconds(8500)};
   const Response response = capabilities(limits);
   EXPECT_EQ(response.status, 200);
   EXPECT_EQ(response.content_type, "application/json");
@@ -153,6 +155,17 @@ TEST(openapi, every_reference_has_its_target) {
   EXPECT_GT(references.size(), 50u);
   for (const std::string& reference : references)
     EXPECT_TRUE(document.contains(json::json_pointer(reference))) << reference;
+}
+
+TEST(openapi, it_names_every_code_and_every_status) {
+  const json document = json::parse(openapi().body);
+  const std::string text = document["components"]["responses"]["Problem"]["description"];
+  for (int c = 0; c < kCodeCount; ++c) {
+    const Problem problem = to_problem(Error(static_cast<Code>(c), Stage::kRead, "x"));
+    if (problem.status == 406 || problem.status == 415) continue;  // the text calls these the usual
+    EXPECT_THAT(text, HasSubstr("`" + problem.code + "`"));
+    EXPECT_THAT(text, HasSubstr(std::to_string(problem.status))) << problem.code;
+  }
 }
 
 TEST(openapi, its_problems_are_as_they_are_sent) {

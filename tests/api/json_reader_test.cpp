@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "api/request_code.h"
 #include "core/base/error.h"
 
 namespace remesh::api {
@@ -136,31 +137,31 @@ TEST(json_reader, keys_that_are_not_understood_are_skipped_and_counted) {
 
 TEST(json_reader, what_is_not_json_is_located) {
   const Error error = error_of("{\"vertices\":\n[[0,0,0],\n[1,0,,0]]}");
-  EXPECT_EQ(error.code, Code::kMalformedJson);
+  EXPECT_EQ(error.code, RequestCode::kMalformedJson);
   EXPECT_EQ(error.line, 3u);
   for (const std::string_view text : {"", " ", "{", "nul", "{\"vertices\":[[0,0,0]", "{'vertices':[]}",
                                       "{\"a\":\"\xff\"}", "{} x", "\"\\ud800\"", "{\"a\":1,}"}) {
-    EXPECT_EQ(error_of(text).code, Code::kMalformedJson) << text;
+    EXPECT_EQ(error_of(text).code, RequestCode::kMalformedJson) << text;
   }
 }
 
 TEST(json_reader, every_truncation_is_an_error) {
   for (std::size_t length = 0; length < kSquare.size(); ++length) {
-    EXPECT_EQ(error_of(kSquare.substr(0, length)).code, Code::kMalformedJson) << length;
+    EXPECT_EQ(error_of(kSquare.substr(0, length)).code, RequestCode::kMalformedJson) << length;
   }
 }
 
 TEST(json_reader, deep_nesting_is_refused_at_any_place) {
   const std::string deep(1 << 20, '[');
-  EXPECT_EQ(error_of("{\"x\":" + deep).code, Code::kMalformedJson);
-  EXPECT_EQ(error_of("{\"mesh\":{\"x\":" + deep).code, Code::kMalformedJson);
+  EXPECT_EQ(error_of("{\"x\":" + deep).code, RequestCode::kMalformedJson);
+  EXPECT_EQ(error_of("{\"mesh\":{\"x\":" + deep).code, RequestCode::kMalformedJson);
   EXPECT_EQ(error_of(deep).code, Code::kInvalidMesh);
 }
 
 TEST(json_reader, a_doubled_key_is_refused) {
-  EXPECT_EQ(error_of(mesh(kVertices, kFaces, ",\"faces\":[]")).code, Code::kMalformedJson);
-  EXPECT_EQ(error_of(R"({"mesh":{},"mesh":{}})").code, Code::kMalformedJson);
-  EXPECT_EQ(error_of(R"({"mesh":{"vertices":[]},"vertices":[]})").code, Code::kMalformedJson);
+  EXPECT_EQ(error_of(mesh(kVertices, kFaces, ",\"faces\":[]")).code, RequestCode::kMalformedJson);
+  EXPECT_EQ(error_of(R"({"mesh":{},"mesh":{}})").code, RequestCode::kMalformedJson);
+  EXPECT_EQ(error_of(R"({"mesh":{"vertices":[]},"vertices":[]})").code, RequestCode::kMalformedJson);
   EXPECT_EQ(error_of(R"({"options":{"refine":false,"refine":false}})").code, Code::kInvalidOption);
 }
 
@@ -248,11 +249,11 @@ TEST(json_reader, limits_hold_exactly) {
 
 TEST(json_reader, options_inside_are_checked_as_any_others) {
   const auto code = [](const std::string& options) { return error_of("{\"options\":" + options + "}").code; };
-  EXPECT_EQ(code(R"({"plane_tol":1})"), Code::kUnknownOption);
+  EXPECT_EQ(code(R"({"plane_tol":1})"), RequestCode::kUnknownOption);
   EXPECT_EQ(code(R"({"plane_tolerance":"1"})"), Code::kInvalidOption);
   EXPECT_EQ(code(R"({"plane_tolerance":1e999})"), Code::kInvalidOption);
   EXPECT_EQ(code(R"({"plane_tolerance":{}})"), Code::kInvalidOption);
-  EXPECT_EQ(code(R"({"nonsense":{}})"), Code::kUnknownOption);
+  EXPECT_EQ(code(R"({"nonsense":{}})"), RequestCode::kUnknownOption);
   EXPECT_EQ(code(R"({"repair":[["winding"]]})"), Code::kInvalidOption);
   EXPECT_EQ(code(R"({"repair":[true]})"), Code::kInvalidOption);
   for (const char* no_object : {"3", "null", "[]", "\"refine\""}) EXPECT_EQ(code(no_object), Code::kInvalidOption);
@@ -265,7 +266,7 @@ TEST(json_reader, options_beside_the_arrays_count_whether_the_mesh_is_bare_or_no
     EXPECT_FALSE(got.options.core.refine) << text;
     EXPECT_TRUE(got.result.diagnostics.empty()) << text;
   }
-  EXPECT_EQ(error_of("{\"mesh\":" + with_options + R"(,"options":{}})").code, Code::kMalformedJson);
+  EXPECT_EQ(error_of("{\"mesh\":" + with_options + R"(,"options":{}})").code, RequestCode::kMalformedJson);
 }
 
 TEST(json_reader, an_options_document_alone_is_read) {

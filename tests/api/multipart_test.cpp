@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "api/request_code.h"
 #include "core/base/error.h"
 
 namespace remesh::api {
@@ -19,7 +20,7 @@ void expect_malformed(std::string_view body, std::string_view type = kType) {
     parse_multipart(body, type);
     ADD_FAILURE() << "no error for " << body;
   } catch (const Error& error) {
-    EXPECT_EQ(error.code, Code::kMalformedMultipart);
+    EXPECT_EQ(error.code, RequestCode::kMalformedMultipart);
   }
 }
 

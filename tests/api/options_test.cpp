@@ -5,7 +5,9 @@
 
 #include <map>
 #include <set>
+#include <variant>
 
+#include "api/request_code.h"
 #include "core/base/error.h"
 #include "tests/support/errors.h"
 
@@ -128,6 +130,21 @@ TEST(options, whole_numbers_are_integers_however_they_are_written) {
   EXPECT_EQ(read("max_output_faces", "9007199254740992.0").core.max_output_faces, std::uint64_t{1} << 53);
 }
 
+TEST(options, a_number_has_a_range_in_the_core_for_the_same_member_and_nothing_else_has) {
+  std::size_t numbers = 0;
+  for (const OptionSpec& spec : option_table()) {
+    SCOPED_TRACE(spec.name);
+    const bool is_number = spec.type == OptionType::kNumber || spec.type == OptionType::kInteger;
+    ASSERT_EQ(number_range(spec.name) != nullptr, is_number);
+    for (const NumberOption& number : number_options()) {
+      if (number.name != spec.name) continue;
+      ++numbers;
+      std::visit([&](auto member) { EXPECT_TRUE(spec.field == OptionField(member)); }, number.member);
+    }
+  }
+  EXPECT_EQ(numbers, number_options().size());
+}
+
 TEST(options, ranges_hold_at_their_ends) {
   EXPECT_EQ(read("min_angle_deg", "0").core.min_angle_deg, 0.0);
   EXPECT_EQ(read("min_angle_deg", "33").core.min_angle_deg, 33.0);
@@ -232,7 +249,7 @@ TEST(options, an_unknown_option_names_the_nearest) {
       {"min_angle", "min_angle_deg"}, {"max_edge_lenght", "max_edge_length"}, {"Refine", "refine"}};
   for (const auto& [wrong, right] : nearest) {
     const Error error = error_of([&, w = wrong] { read(w, "1"); });
-    EXPECT_EQ(error.code, Code::kUnknownOption);
+    EXPECT_EQ(error.code, RequestCode::kUnknownOption);
     EXPECT_EQ(error.option, wrong);
     EXPECT_THAT(error.what(), HasSubstr("\"" + std::string(right) + "\""));
   }
@@ -240,7 +257,7 @@ TEST(options, an_unknown_option_names_the_nearest) {
 
 TEST(options, an_unknown_option_of_any_length_is_refused_with_a_short_message) {
   const Error error = error_of([] { read(std::string(1 << 20, 'x'), "1"); });
-  EXPECT_EQ(error.code, Code::kUnknownOption);
+  EXPECT_EQ(error.code, RequestCode::kUnknownOption);
   EXPECT_LT(std::string_view(error.what()).size(), 300u);
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 #include <tuple>
 
+#include "api/request_code.h"
 #include "api/service.h"
 
 namespace remesh::api {
@@ -157,7 +158,7 @@ TEST(result_archive, a_request_is_checked_before_its_mesh_is_read) {
     try {
       check_remesh(asked, {});
     } catch (const Error& error) {
-      return std::string(code_name(error.code));
+      return std::string(error_name(error));
     }
     return std::string();
   };

@@ -11,6 +11,7 @@
 
 #include "api/negotiation.h"
 #include "api/options.h"
+#include "api/request_code.h"
 #include "core/base/vec.h"
 #include "core/io/gzip.h"
 
@@ -347,21 +348,21 @@ TEST(run_remesh, a_form_takes_a_mesh_and_options) {
   EXPECT_EQ(remesh(request_of(form, type)).content_type, "application/json");
   EXPECT_EQ(code_of(request_of(form, type, {{"format", "obj"}})), Code::kInvalidOption);
   EXPECT_EQ(code_of(request_of("--B\r\nContent-Disposition: form-data; name=\"refine\"\r\n\r\ntrue\r\n--B--", type)),
-            Code::kMalformedMultipart);
+            RequestCode::kMalformedMultipart);
   EXPECT_EQ(code_of(request_of("--B\r\nContent-Disposition: form-data; name=\"options\"\r\n\r\n{}\r\n--B--", type)),
-            Code::kMalformedMultipart);
+            RequestCode::kMalformedMultipart);
 }
 
 TEST(run_remesh, bad_input_has_its_code) {
   EXPECT_EQ(code_of(request_of("")), Code::kEmptyMesh);
-  EXPECT_EQ(code_of(request_of("", "application/json")), Code::kMalformedJson);
+  EXPECT_EQ(code_of(request_of("", "application/json")), RequestCode::kMalformedJson);
   EXPECT_EQ(code_of(request_of("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 4\n")), Code::kIndexOutOfRange);
   EXPECT_EQ(code_of(request_of("v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")), Code::kNonfiniteCoordinate);
   EXPECT_EQ(code_of(request_of(kRing, "model/stl")), Code::kInvalidMesh);
   EXPECT_EQ(code_of(request_of("ply\nformat ascii 1.0\n")), Code::kInvalidMesh);
   EXPECT_EQ(code_of(request_of(kRing, "application/x-gmsh")), Code::kUnsupportedMediaType);
   EXPECT_EQ(code_of(request_of(kRing, "", {}, "model/step")), Code::kNotAcceptable);
-  EXPECT_EQ(code_of(request_of(kRing, "", {{"max_edge", "1"}})), Code::kUnknownOption);
+  EXPECT_EQ(code_of(request_of(kRing, "", {{"max_edge", "1"}})), RequestCode::kUnknownOption);
   EXPECT_EQ(code_of(request_of(kRing, "", {{"weld_tolerance", "-1"}})), Code::kInvalidOption);
 }
 
@@ -431,16 +432,16 @@ TEST(run_remesh, what_cannot_be_decompressed_has_its_code) {
     request.content_encoding = coding;
     return request;
   };
-  EXPECT_EQ(code_of(with_coding(kRing, "gzip")), Code::kMalformedRequest);
-  EXPECT_EQ(code_of(with_coding(std::string_view(compressed).substr(0, 30), "gzip")), Code::kMalformedRequest);
+  EXPECT_EQ(code_of(with_coding(kRing, "gzip")), RequestCode::kMalformedRequest);
+  EXPECT_EQ(code_of(with_coding(std::string_view(compressed).substr(0, 30), "gzip")), RequestCode::kMalformedRequest);
   EXPECT_EQ(code_of(request_of(std::string_view(compressed).substr(0, 30))), Code::kInvalidMesh);
   EXPECT_EQ(code_of(with_coding(kRing, "br")), Code::kUnsupportedMediaType);
 
   Limits limits;
-  limits.max_decompressed = kRing.size() - 1;
+  limits.decompression.max_bytes = kRing.size() - 1;
   EXPECT_EQ(code_of(request_of(compressed), limits), Code::kDecompressedTooLarge);
   EXPECT_EQ(code_of(with_coding(compressed, "gzip"), limits), Code::kDecompressedTooLarge);
-  limits.max_decompressed = kRing.size();
+  limits.decompression.max_bytes = kRing.size();
   EXPECT_EQ(remesh(request_of(compressed), limits).status, 200);
 }
 
@@ -450,7 +451,7 @@ TEST(run_remesh, a_bomb_within_a_bomb_has_the_ratio_once) {
   const std::string twice = gzip(once, control);
   ASSERT_LT(twice.size(), 1000u);
   Limits limits;
-  limits.max_ratio = 2000;  // what each of the two keeps to
+  limits.decompression.max_ratio = 2000;  // what each of the two keeps to
   Request request = request_of(twice, "model/obj");
   request.content_encoding = "gzip";
   EXPECT_EQ(code_of(request, limits), Code::kDecompressedTooLarge);
@@ -461,9 +462,9 @@ TEST(run_remesh, a_bomb_within_a_bomb_has_the_ratio_once) {
 TEST(run_remesh, limits_hold) {
   Limits limits;
   limits.max_body = 10;
-  EXPECT_EQ(code_of(request_of(kRing), limits), Code::kBodyTooLarge);
+  EXPECT_EQ(code_of(request_of(kRing), limits), RequestCode::kBodyTooLarge);
   limits = {};
-  limits.max_faces = 7;
+  limits.input.max_faces = 7;
   EXPECT_EQ(code_of(request_of(kRing), limits), Code::kMeshTooLarge);
   EXPECT_EQ(code_of(request_of(kCube, "", {{"max_output_faces", "50000001"}})), Code::kInvalidOption);
   limits = {};

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "api/multipart.h"
+#include "api/request_code.h"
 #include "tests/fuzz/fuzz.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -21,7 +22,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       fuzz::require(end <= body.data() + body.size(), "a part reaches beyond the body");
     }
   } catch (const Error& error) {
-    fuzz::require(error.code == Code::kMalformedMultipart, error.what());
+    fuzz::require(error.code == api::RequestCode::kMalformedMultipart, error.what());
   }
   return 0;
 }

@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "api/job.h"
+#include "api/request_code.h"
 #include "tests/mutate/case_source.h"
 #include "tests/mutate/child_pool.h"
 #include "tests/mutate/corpus.h"
@@ -103,7 +104,7 @@ class Group {
     stop.subject = words();
     switch (end.ending) {
       case Ending::kDone: stop.ending = "done"; break;
-      case Ending::kRefused: stop.ending = code_name(end.error->code); break;
+      case Ending::kRefused: stop.ending = api::error_name(*end.error); break;
       case Ending::kOutOfMemory: stop.ending = "out_of_memory"; break;
       case Ending::kStrange: stop.ending = end.strange; break;
       case Ending::kNever: stop.ending = "never"; break;

@@ -6,6 +6,7 @@
 
 #include "api/job.h"
 #include "api/json_reader.h"
+#include "api/request_code.h"
 #include "api/text.h"
 #include "core/io/mesh_files.h"
 
@@ -79,7 +80,7 @@ class Trier {
     if (end.ending == Ending::kStrange) find("strange exception", end.strange);
     if (end.ending == Ending::kRefused &&
         (end.error->code == Code::kInternal || end.error->code == Code::kVerificationFailed))
-      find(std::string(code_name(end.error->code)), end.error->what());
+      find(std::string(api::error_name(*end.error)), end.error->what());
     if (!end.was_stopped) return;
     const std::string where = " in the stage " + std::string(stage_name(end.stage));
     // A busy machine makes a run wait. The second condition also finds a run that waits for itself.
@@ -101,7 +102,7 @@ class Trier {
       case Ending::kRefused: break;
     }
     if (end.error->code == Code::kCancelled) return is_to_be_stopped ? "stopped" : "slow";
-    return "refused: " + std::string(code_name(end.error->code));
+    return "refused: " + std::string(api::error_name(*end.error));
   }
 
   void judge_answer(const api::RemeshAnswer& answer) {
@@ -136,7 +137,7 @@ CaseResult try_case(const Case& c, const TryLimits& limits) {
   try {
     job_of(c);
   } catch (const Error& error) {
-    return {"refused: " + std::string(code_name(error.code)), 0, {}, 0};
+    return {"refused: " + std::string(api::error_name(error)), 0, {}, 0};
   }
   return Trier(c, limits).run();
 }

@@ -16,12 +16,13 @@ using api::OptionType;
 
 /// Draws a number: an end of the option's range, a value within it, one in proportion to the mesh, or an absurd one.
 double draw_number(const OptionSpec& spec, Random& random, double diagonal) {
-  const double low = spec.minimum.value_or(0);
-  if (!spec.above_minimum && random.chance(0.1)) return low;
-  if (spec.maximum) {
-    if (random.chance(0.1)) return *spec.maximum;
-    if (random.chance(0.3)) return low + (*spec.maximum - low) * std::pow(10.0, random.uniform(-8, 0));
-    return random.uniform(low, *spec.maximum);
+  const NumberRange& range = *number_range(spec.name);
+  const double low = range.minimum;
+  if (!range.above_minimum && random.chance(0.1)) return low;
+  if (range.maximum) {
+    if (random.chance(0.1)) return *range.maximum;
+    if (random.chance(0.3)) return low + (*range.maximum - low) * std::pow(10.0, random.uniform(-8, 0));
+    return random.uniform(low, *range.maximum);
   }
   if (random.chance(0.02)) return low + std::pow(10.0, random.uniform(-300, 300));
   const bool is_length = spec.name.find("length") != std::string_view::npos ||
@@ -68,7 +69,7 @@ std::string draw_value(const OptionSpec& spec, Random& random, double diagonal) 
     case OptionType::kNumber: return api::number_text(draw_number(spec, random, diagonal));
     case OptionType::kInteger:
       return api::number_text(
-          static_cast<std::uint64_t>(spec.minimum.value_or(0) + std::pow(10.0, random.uniform(0, 5))));
+          static_cast<std::uint64_t>(number_range(spec.name)->minimum + std::pow(10.0, random.uniform(0, 5))));
     case OptionType::kWords: return draw_words(spec, random);
     case OptionType::kAxis: return draw_axis(random);
     case OptionType::kFormat: {

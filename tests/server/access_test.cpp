@@ -209,9 +209,9 @@ TEST_F(access, a_page_of_an_allowed_origin_may_ask_and_see_errors) {
 }
 
 TEST_F(access, one_address_cannot_shut_out_another) {
-  config_.max_connections = 6;
-  config_.max_connections_per_address = 3;
-  config_.gate.head_timeout = std::chrono::minutes(5);
+  config_.connections.max_connections = 6;
+  config_.connections.max_connections_per_address = 3;
+  config_.connections.gate.head_timeout = std::chrono::minutes(5);
   start();
   std::vector<std::unique_ptr<RawClient>> hogs;
   for (int i = 0; i < 3; ++i) hogs.push_back(hold_connection());

@@ -48,8 +48,8 @@ TEST(config, the_defaults_are_those_of_the_contract) {
         "min-body-rate=1KiB\n", "write-timeout=60s\n", "request-timeout=300s\n", "drain-time=25s\n"}) {
     EXPECT_NE(text.find(line), std::string::npos) << line << text;
   }
-  EXPECT_EQ(invocation.config.workers, api::usable_cores());
-  EXPECT_EQ(invocation.config.max_running, invocation.config.workers);
+  EXPECT_EQ(invocation.config.limits.workers, api::usable_cores());
+  EXPECT_EQ(invocation.config.max_running, invocation.config.limits.workers);
 }
 
 TEST(config, the_queue_follows_the_workers) {
@@ -60,9 +60,9 @@ TEST(config, the_queue_follows_the_workers) {
 
 TEST(config, a_flag_goes_before_the_environment_and_that_before_the_default) {
   const ScopedVariable variable("REMESHD_MAX_BODY", "7MiB");
-  EXPECT_EQ(read({}).invocation.config.max_body, 7ull << 20);
-  EXPECT_EQ(read({"--max-body", "9MiB"}).invocation.config.max_body, 9ull << 20);
-  EXPECT_EQ(read({"--max-body=9MiB"}).invocation.config.api_limits().max_body, 9ull << 20);
+  EXPECT_EQ(read({}).invocation.config.limits.max_body, 7ull << 20);
+  EXPECT_EQ(read({"--max-body", "9MiB"}).invocation.config.limits.max_body, 9ull << 20);
+  EXPECT_EQ(read({"--max-body=9MiB"}).invocation.config.limits.max_body, 9ull << 20);
 }
 
 TEST(config, a_bad_value_is_fatal_and_named) {

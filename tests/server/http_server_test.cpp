@@ -358,7 +358,7 @@ TEST_F(kept_connection, before_http_1_1_it_is_kept_where_the_client_asks) {
 
 TEST_F(kept_connection, it_waits_so_long_and_no_longer) {
   HttpSettings settings;
-  settings.idle_timeout = std::chrono::milliseconds(100);
+  settings.connections.idle_timeout = std::chrono::milliseconds(100);
   const auto server = start(settings);
   RawClient client(server->port());
   client.send(get_text("/"));
@@ -369,7 +369,7 @@ TEST_F(kept_connection, it_waits_so_long_and_no_longer) {
   // A client that gives up does so after a minute, so it was the server that closed the connection.
   test::expect_sooner_than(test::Seconds(40), Clock::now() - began);
 
-  settings.idle_timeout = std::chrono::milliseconds(0);
+  settings.connections.idle_timeout = std::chrono::milliseconds(0);
   const auto other = start(settings);
   RawClient once(other->port());
   once.send(get_text("/"));
@@ -379,8 +379,8 @@ TEST_F(kept_connection, it_waits_so_long_and_no_longer) {
 
 TEST_F(kept_connection, those_that_wait_take_no_place_of_others) {
   HttpSettings settings;
-  settings.max_connections = settings.max_connections_per_address = 4;  // and two that wait
-  settings.idle_timeout = std::chrono::seconds(60);
+  settings.connections.max_connections = settings.connections.max_connections_per_address = 4;  // and two that wait
+  settings.connections.idle_timeout = std::chrono::seconds(60);
   const auto server = start(settings);
   std::vector<std::unique_ptr<RawClient>> clients;
   for (int i = 0; i < 20; ++i) {
@@ -399,7 +399,7 @@ TEST_F(kept_connection, those_that_wait_take_no_place_of_others) {
 
 TEST_F(kept_connection, a_drain_ends_those_that_wait_and_those_that_come) {
   HttpSettings settings;
-  settings.idle_timeout = std::chrono::seconds(40);  // less than a test's patience
+  settings.connections.idle_timeout = std::chrono::seconds(40);  // less than a test's patience
   const auto server = start(settings);
   RawClient waiting(server->port());
   waiting.send(get_text("/"));
@@ -407,7 +407,7 @@ TEST_F(kept_connection, a_drain_ends_those_that_wait_and_those_that_come) {
   const auto began = Clock::now();
   server->begin_drain();
   EXPECT_TRUE(is_closed(waiting));
-  test::expect_sooner_than(settings.idle_timeout, Clock::now() - began);
+  test::expect_sooner_than(settings.connections.idle_timeout, Clock::now() - began);
   RawClient client(server->port());
   client.send(get_text("/"));
   EXPECT_EQ(client.answer().header("Connection"), "close");

@@ -80,7 +80,7 @@ double value_of(const std::string& metrics, const std::string& series) {
 using observation = StubService;
 
 TEST_F(observation, metrics_count_what_was_asked_and_answered) {
-  config_.max_body = 100;
+  config_.limits.max_body = 100;
   start();
   for (int i = 0; i < 3; ++i) post(port_, "/v1/remesh", "good");
   post(port_, "/v1/remesh", std::string(200, 'x'));

@@ -82,7 +82,7 @@ TEST_F(service, bad_requests_are_told_why_and_the_next_one_is_served) {
 }
 
 TEST_F(service, a_request_that_does_not_come_to_its_end_is_told_so) {
-  config_.gate.head_timeout = milliseconds(300);
+  config_.connections.gate.head_timeout = milliseconds(300);
   start();
   for (const char* begun :
        {"POST /v1/remesh HT", "POST /v1/remesh HTTP/1.1\r\nHost: x\r\nContent-Length: 9\r\n\r\nx"}) {
@@ -259,7 +259,7 @@ TEST_F(service, a_waiting_request_can_be_cancelled_and_frees_its_place) {
 }
 
 TEST_F(service, work_past_its_time_is_stopped_with_504) {
-  config_.request_timeout = milliseconds(500);
+  config_.limits.request_timeout = milliseconds(500);
   start();
   const Answer answer = post(port_, "/v1/remesh", "block");
   EXPECT_EQ(answer.status, 504);
@@ -269,7 +269,7 @@ TEST_F(service, work_past_its_time_is_stopped_with_504) {
 }
 
 TEST_F(service, work_that_does_not_hear_the_stop_is_answered_for) {
-  config_.request_timeout = milliseconds(500);
+  config_.limits.request_timeout = milliseconds(500);
   start();
   EXPECT_EQ(post(port_, "/v1/remesh", "deaf").status, 504);
   stub_.released = true;
@@ -277,7 +277,7 @@ TEST_F(service, work_that_does_not_hear_the_stop_is_answered_for) {
 }
 
 TEST_F(service, waiting_too_long_for_a_worker_is_overload_not_timeout) {
-  config_.request_timeout = milliseconds(500);
+  config_.limits.request_timeout = milliseconds(500);
   start();
   // The first request may use its time. Then, being deaf, it occupies the only thread.
   const auto running = start_blocking("", "deaf");
@@ -286,8 +286,8 @@ TEST_F(service, waiting_too_long_for_a_worker_is_overload_not_timeout) {
 }
 
 TEST_F(service, slow_clients_hold_nobody_up) {
-  config_.gate.head_timeout = std::chrono::minutes(5);
-  config_.max_connections_per_address = config_.max_connections;
+  config_.connections.gate.head_timeout = std::chrono::minutes(5);
+  config_.connections.max_connections_per_address = config_.connections.max_connections;
   start();
   std::vector<std::unique_ptr<RawClient>> slow;
   for (int i = 0; i < 200; ++i) {
@@ -304,8 +304,8 @@ TEST_F(service, slow_clients_hold_nobody_up) {
 }
 
 TEST_F(service, connections_beyond_the_limit_are_refused_with_an_answer) {
-  config_.max_connections = 3;
-  config_.gate.head_timeout = std::chrono::minutes(5);
+  config_.connections.max_connections = 3;
+  config_.connections.gate.head_timeout = std::chrono::minutes(5);
   start();
   std::vector<std::unique_ptr<RawClient>> idle;
   for (int i = 0; i < 3; ++i) idle.push_back(hold_connection());
@@ -318,7 +318,7 @@ TEST_F(service, connections_beyond_the_limit_are_refused_with_an_answer) {
 
 TEST_F(service, the_operations_port_answers_for_health_only) {
   config_.ops_bind = Address{"127.0.0.1", 0};
-  config_.max_connections = 1;
+  config_.connections.max_connections = 1;
   start();
   const RawClient only(port_);
   EXPECT_EQ(get(service_->ops_port(), "/livez").status, 200);

@@ -61,10 +61,10 @@ class StubService : public ::testing::Test {
  protected:
   StubService() {
     config_.bind.port = 0;
-    config_.workers = 1;
+    config_.limits.workers = 1;
     config_.max_running = 1;
     config_.queue_size = 1;
-    config_.max_body = 1000;
+    config_.limits.max_body = 1000;
   }
   ~StubService() override { stub_.released = true; }
 

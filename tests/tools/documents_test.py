@@ -1,7 +1,8 @@
-"""Compares the tables of the documents with what the daemon says of itself: documents_test.py REMESHD
+"""Compares the documents with what the two programs say of themselves: documents_test.py REMESHD REMESH
 
 Options, formats, endpoints, settings, and the codes in a report stand in tables that people read, in the contract, and in the
 code. An entry that stands in one place and not in the others is reported, so that nobody forgets one when something is added.
+Defaults and ranges must be equal, no table may have an entry twice, and a flag or variable that a document mentions must exist.
 
 Exit code: 0 - they agree; 1 - the differences are listed.
 """
@@ -18,15 +19,34 @@ import urllib.request
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 # These defaults depend on the machine.
 MACHINE = {"--workers", "--max-running", "--queue-size", "--memory-budget"}
+# These flags of the daemon are no settings, since they end it.
+ENDING = {"--help", "--version", "--print-config", "--check-config"}
+# These are flags of other programs: curl, tsc, docker.
+FOREIGN = {"--data-binary", "--noEmit", "--rm", "--scale"}
+# These variables are read by `docker/` or by tests, or are options of CMake.
+OTHER_VARIABLES = {"REMESHD_API_KEY", "REMESHD_CORPUS", "REMESHD_DOMAIN", "REMESHD_REQUIRE_CORPUS", "REMESHD_TESTS",
+                   "REMESHD_UPSTREAM", "REMESHD_WEB", "REMESHD_WERROR"}
 failures = []
 
 
 def expect_equal(found, expected, what):
-    """Compares two collections of names."""
+    """Compares two collections of names, of which the first may have none twice."""
+    found = list(found)
+    for name in sorted({name for name in found if found.count(name) > 1}, key=str):
+        failures.append(f"{what}: {name} stands there twice")
     for name in sorted(set(expected) - set(found), key=str):
         failures.append(f"{what}: {name} is missing")
     for name in sorted(set(found) - set(expected), key=str):
         failures.append(f"{what}: there is no {name}")
+
+
+def documents():
+    """The Markdown files of the repository."""
+    found = []
+    for folder, folders, names in os.walk(ROOT):
+        folders[:] = [name for name in folders if name not in ("build", "node_modules") and not name.startswith(".")]
+        found += [str((pathlib.Path(folder) / name).relative_to(ROOT)) for name in names if name.endswith(".md")]
+    return sorted(found)
 
 
 def section(path, heading):
@@ -78,10 +98,19 @@ class Daemon:
             return json.load(answer)
 
 
-def settings_of(program):
+def output_of(*command):
     environment = {name: value for name, value in os.environ.items() if not name.startswith("REMESHD_")}
-    printed = subprocess.run([program, "--print-config"], check=True, capture_output=True, text=True, env=environment).stdout
-    return {f"--{name}": value for name, value in (line.split("=", 1) for line in printed.splitlines())}
+    return subprocess.run(command, check=True, capture_output=True, text=True, env=environment).stdout
+
+
+def settings_of(program):
+    lines = output_of(program, "--print-config").splitlines()
+    return {f"--{name}": value for name, value in (line.split("=", 1) for line in lines)}
+
+
+def flags_of_help(text):
+    """Each flag that a help describes, with what stands behind it on its line."""
+    return dict(re.findall(r"^ +(?:-\w,)?(--[a-z][a-z0-9-]*)(.*)$", text, re.MULTILINE))
 
 
 def number(text):
@@ -97,14 +126,30 @@ def check_options(capabilities, contract):
     expect_equal(contract["components"]["schemas"]["Options"]["properties"], options, "api/openapi.yaml, schema Options")
     expect_equal([name for row in rows for name in code_spans(row[0])], options, "api/README.md, table of options")
     for row in rows:
-        option = options.get(code_spans(row[0])[0])
-        if option is None or option["default"] is None:
-            continue
-        default = option["default"]
-        text = str(default).lower() if isinstance(default, bool) else str(default)
+        described = [options[name] for name in code_spans(row[0]) if name in options]
+        # One default stands for all options of a row: they exclude each other.
+        defaults = [option["default"] for option in described if option["default"] is not None]
         words = re.split(r"[\s()]+", row[1].replace("`", ""))
-        if text not in words and all(number(word) != number(text) or number(word) is None for word in words):
-            failures.append(f"api/README.md, option {option['name']}: its default is {text}, not {row[1]}")
+        for default in defaults:
+            text = str(default).lower() if isinstance(default, bool) else str(default)
+            if text not in words and all(number(word) != number(text) or number(word) is None for word in words):
+                failures.append(f"api/README.md, {row[0]}: the default is {text}, not {row[1]}")
+        if not defaults and (number(words[0]) is not None or words[0] in ("true", "false")):
+            failures.append(f"api/README.md, {row[0]}: there is no default, but {row[1]}")
+        for option in described:
+            text = words_of_range(option)
+            if text and not re.search(rf"(?<![\d.]){re.escape(text)}(?![\d.]*\d)", row[2]):
+                failures.append(f"api/README.md, option {option['name']}: its range is {text}, which {row[2]!r} does not say")
+
+
+def words_of_range(option):
+    """The range of an option in the words of the documents, or "" where it goes without saying."""
+    low, above, high = (option.get(bound) for bound in ("minimum", "exclusive_minimum", "maximum"))
+    if high is not None:
+        return f"{low:g} to {high:g}"
+    if above:
+        return f"above {above:g}"
+    return f"at least {low:g}" if low and option["type"] == "number" else ""
 
 
 def check_formats(capabilities, contract):
@@ -163,17 +208,49 @@ def seconds(text):
     return int(match.group(1)) * {"s": 1, "h": 3600}[match.group(2)] if match else text
 
 
-def check_settings(settings):
-    table = {}
+def variable_of(flag):
+    return "REMESHD_" + flag[2:].upper().replace("-", "_")
+
+
+def check_settings(settings, described):
+    rows = []
     for row in tables(section("server/README.md", "## Configuration"))[0]:
         flags = [name for name in code_spans(row[0]) if name.startswith("--")]
         defaults = row[1].replace("`", "").split(", ")
-        for i, flag in enumerate(flags):
-            table[flag] = defaults[i] if len(defaults) == len(flags) else row[1]
-    expect_equal(table, settings, "server/README.md, table of settings")
+        rows += [(flag, defaults[i] if len(defaults) == len(flags) else row[1]) for i, flag in enumerate(flags)]
+    expect_equal([flag for flag, _ in rows], settings, "server/README.md, table of settings")
+    expect_equal(described, set(settings) | ENDING, "remeshd --help")
+    table = dict(rows)
+    for flag in sorted(set(described) & set(settings)):
+        default = re.search(r"=(\S+)", described[flag].split("(Env:")[0])
+        if flag not in MACHINE and default and default.group(1) != settings[flag]:
+            failures.append(f"remeshd --help, {flag}: its default is {settings[flag]}, not {default.group(1)}")
+        if f"(Env:{variable_of(flag)})" not in described[flag]:
+            failures.append(f"remeshd --help, {flag}: its variable is not {variable_of(flag)}")
+    about = "\n".join(section("server/README.md", "## Configuration"))
+    for flag in sorted(ENDING - {"--version"}):
+        if f"{flag}`" not in about:
+            failures.append(f"server/README.md, Configuration: {flag} is missing")
     for flag in sorted(set(table) & set(settings) - MACHINE):
         if seconds(table[flag]) != seconds(settings[flag]):
             failures.append(f"server/README.md, {flag}: its default is {settings[flag]}, not {table[flag]}")
+
+
+def check_mentions(settings, described):
+    """What a document calls a flag or a variable exists: in one of the two programs, or in the scripts."""
+    # CHANGELOG.md tells of what was.
+    names = [name for name in documents() if name != "CHANGELOG.md"]
+    scripts = [ROOT / "dev", *(ROOT / "tests/tools").glob("*.py"), *(ROOT / "tests/bench").glob("*.py"),
+               *(ROOT / "tests/mutate").glob("*.cpp")]
+    in_scripts = set(re.findall(r"--[a-z][a-z0-9-]*", "\n".join(p.read_text(encoding="utf-8") for p in scripts)))
+    flags = set(described) | in_scripts | FOREIGN
+    variables = {variable_of(flag) for flag in settings} | OTHER_VARIABLES
+    for name in names:
+        text = (ROOT / name).read_text(encoding="utf-8")
+        for flag in sorted(set(re.findall(r"(?<![\w-])--[a-z][\w-]*", text)) - flags):
+            failures.append(f"{name}: there is no {flag}")
+        for variable in sorted(set(re.findall(r"\bREMESHD_[A-Z_]*[A-Z]\b", text)) - variables):
+            failures.append(f"{name}: there is no {variable}")
 
 
 def check_codes(contract):
@@ -183,15 +260,44 @@ def check_codes(contract):
         expect_equal(codes, schemas[schema]["properties"][member]["enum"], f"api/README.md, {heading}")
 
 
+def sources(folder):
+    return "\n".join(p.read_text(encoding="utf-8") for p in sorted((ROOT / folder).rglob("*"))
+                     if p.suffix in (".h", ".cpp") and "node_modules" not in p.parts)
+
+
+def check_errors(contract):
+    """Each code of an error is thrown in the folder that declares it, and the contract names those that there are."""
+    for folder, header, enum in (("core", "core/base/error.h", "Code"), ("api", "api/request_code.h", "RequestCode")):
+        body = re.search(rf"enum class {enum} \{{(.*?)\}};", (ROOT / header).read_text(encoding="utf-8"), re.DOTALL).group(1)
+        used = set(re.findall(rf"(?<!case )\b{enum}::(k\w+)", re.sub(r"//.*", "", sources(folder))))
+        for code in re.findall(r"^\s*(k\w+)", body, re.MULTILINE):
+            if code not in used:
+                failures.append(f"{header}: nothing in {folder}/ throws {code}")
+
+    text = contract["components"]["responses"]["Problem"]["description"]
+    described = [code for code in code_spans(text) if re.fullmatch(r"[a-z_]+", code)]
+    # The contract calls the rest of these statuses the usual.
+    usual = re.findall(r"\d+", text.rpartition(". ")[2])
+    literals = set(re.findall(r"\"([a-z_]+)\"", "\n".join(sources(folder) for folder in ("core", "api", "server"))))
+    for code in sorted(set(described) - literals):
+        failures.append(f"api/openapi.yaml, Problem: nothing throws {code}")
+    for status, code in sorted(set(re.findall(r"HttpError\((\d+), \"(\w+)\"", sources("server")))):
+        if code not in described and status not in usual:
+            failures.append(f"api/openapi.yaml, Problem: {status} {code} is missing")
+
+
 def main():
-    program = sys.argv[1]
+    program, twin = sys.argv[1:]
     with Daemon(program) as daemon:
         capabilities, contract = daemon.get("/v1/capabilities"), daemon.get("/openapi.json")
     check_options(capabilities, contract)
     check_formats(capabilities, contract)
     check_endpoints(contract)
-    check_settings(settings_of(program))
+    settings, described = settings_of(program), flags_of_help(output_of(program, "--help"))
+    check_settings(settings, described)
+    check_mentions(settings, {**described, **flags_of_help(output_of(twin, "--help"))})
     check_codes(contract)
+    check_errors(contract)
     for failure in failures:
         print("FAILED:", failure)
     return 1 if failures else 0

@@ -3,8 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
 #include <vector>
 
 #include "core/remesh.h"
@@ -59,6 +64,59 @@ TEST(check_options, each_option_at_fault_is_named) {
               b.name);
   }
   EXPECT_NO_THROW(check_options(Options{}));
+}
+
+void set(Options& options, const NumberOption& option, double value) {
+  std::visit(
+      [&](auto member) {
+        if constexpr (std::is_same_v<decltype(member), std::optional<std::uint64_t> Options::*>) {
+          options.*member = static_cast<std::uint64_t>(value);
+        } else {
+          options.*member = value;
+        }
+      },
+      option.member);
+}
+
+TEST(check_options, each_number_is_taken_at_the_ends_of_its_range_and_refused_beyond_them) {
+  for (const NumberOption& option : number_options()) {
+    SCOPED_TRACE(option.name);
+    const NumberRange& range = option.range;
+    const auto check = [&](double value) {
+      Options options;
+      set(options, option, value);
+      check_options(options);
+    };
+    const auto expect_refused = [&](double value) {
+      const Error error = error_of([&] { check(value); });
+      EXPECT_EQ(error.code, Code::kInvalidOption);
+      EXPECT_EQ(error.option, option.name);
+      EXPECT_NE(std::string_view(error.what()).find(range.text()), std::string_view::npos) << error.what();
+    };
+    if (range.above_minimum) {
+      EXPECT_NO_THROW(check(std::nextafter(range.minimum, HUGE_VAL)));
+      expect_refused(range.minimum);
+    } else {
+      EXPECT_NO_THROW(check(range.minimum));
+    }
+    if (range.maximum) {
+      EXPECT_NO_THROW(check(*range.maximum));
+      expect_refused(std::nextafter(*range.maximum, HUGE_VAL));
+    }
+    if (std::holds_alternative<std::optional<std::uint64_t> Options::*>(option.member)) {
+      expect_refused(0);
+      continue;
+    }
+    for (const double value : {std::nextafter(range.minimum, -HUGE_VAL), -1.0, HUGE_VAL, -HUGE_VAL, double(NAN)})
+      expect_refused(value);
+  }
+}
+
+TEST(number_range, its_text_follows_the_words_a_number) {
+  EXPECT_EQ((NumberRange{.minimum = 0, .maximum = 33}).text(), "from 0 to 33");
+  EXPECT_EQ((NumberRange{.minimum = 0.918}).text(), "of at least 0.918");
+  EXPECT_EQ((NumberRange{.minimum = 1, .above_minimum = true}).text(), "above 1");
+  EXPECT_EQ((NumberRange{.minimum = 0, .above_minimum = true, .maximum = 0.5}).text(), "above 0 and at most 0.5");
 }
 
 TEST(check_options, a_shortest_edge_above_the_longest_is_refused_also_where_that_is_a_part_of_the_diagonal) {
