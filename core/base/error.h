@@ -11,8 +11,8 @@ namespace remesh {
 
 /// The kinds of errors that the core throws. Each code has a stable name in the contract (`code_name`). A library above
 /// the core continues these numbers with codes of its own (api/request_code.h), since all errors are of the one type
-/// Error. Two names, `unsupported_media_type` and `not_acceptable`, are those of HTTP, because the contract has them and
-/// the core throws these errors itself, about formats that are not read or cannot hold a result.
+/// Error. Two codes have the names that HTTP gives them, because the core throws them itself and the contract calls
+/// them so: kUnsupportedMediaType for a format that is not read, kNotAcceptable for one that cannot hold a result.
 enum class Code {
   kInvalidMesh,
   kIndexOutOfRange,

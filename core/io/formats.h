@@ -48,7 +48,8 @@ Format sniff_format(std::string_view content);
 /// Input: the whole content, as for sniff_format.
 std::optional<std::string_view> foreign_format(std::string_view content);
 
-/// Limits on what a reader may build, with the service's defaults. A larger mesh ends the read with Code::kMeshTooLarge.
+/// Limits on what a reader may build, with the defaults of the service. A larger mesh ends the read with
+/// Code::kMeshTooLarge.
 struct ReadLimits {
   std::uint64_t max_vertices = 10'000'000;
   std::uint64_t max_faces = 20'000'000;

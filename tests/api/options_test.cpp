@@ -139,7 +139,12 @@ TEST(options, a_number_has_a_range_in_the_core_for_the_same_member_and_nothing_e
     for (const NumberOption& number : number_options()) {
       if (number.name != spec.name) continue;
       ++numbers;
-      std::visit([&](auto member) { EXPECT_TRUE(spec.field == OptionField(member)); }, number.member);
+      std::visit(
+          [&](auto member) {
+            const auto* field = std::get_if<decltype(member)>(&spec.field);
+            EXPECT_TRUE(field != nullptr && *field == member);
+          },
+          number.member);
     }
   }
   EXPECT_EQ(numbers, number_options().size());
