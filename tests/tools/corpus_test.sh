@@ -33,7 +33,7 @@ expect_skips "$core_tests" 'shared_meshes.*' '*refined_shared_meshes*' 'collecti
   self_intersections.counts_of_real_meshes_are_those_computed_by_other_means \
   coordinate_range.files_of_absurd_coordinates_are_refused_at_once \
   coordinate_range.absurd_sizes_of_narrow_parts_are_refused_at_once \
-  obj_plain.real_meshes_are_read_alike
+  obj_fast_path.real_meshes_are_read_alike
 expect_skips "$api_tests" 'shared_meshes.*'
 
 # expect_failure PROGRAM [ARGUMENT]...: it fails soon, and names the folder.
