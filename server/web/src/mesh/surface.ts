@@ -59,7 +59,8 @@ export class SurfaceBuilder {
     this.points.push(z);
   }
   addCorner(point: number): void {
-    if (!Number.isInteger(point) || point < 0) throw new UnreadableMesh("A face refers to a point that does not exist.");
+    if (!Number.isInteger(point) || point < 0)
+      throw new UnreadableMesh("A face refers to a point that does not exist.");
     this.corners.push(point);
   }
   endFace(): void {

@@ -34,8 +34,7 @@ const kUnrefined: Record<string, string> = {
   input_angle: "The face fills a corner of the input that is sharper than the bound.",
   across_input_angle:
     "Its shortest edge joins two edges of the input that meet in a sharp corner; splitting would only repeat it nearer to the corner.",
-  size_floor:
-    "A new point would lie too near to another one, or a gap there asks for edges below the smallest size.",
+  size_floor: "A new point would lie too near to another one, or a gap there asks for edges below the smallest size.",
   min_edge_length: "A new point would make an edge shorter than allowed.",
   budget: "The result would have had more faces than allowed.",
   boundary_locked: "It needs a new point on a boundary that must not be split.",
