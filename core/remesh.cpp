@@ -363,9 +363,7 @@ class Run {
 
   OutputBasis output_basis(const IdVector<VertexId, Vec3>& positions) {
     OutputBasis basis;
-    const PatchCharts& charts = candidate_.triangulated.charts;
-    basis.normals.reserve(charts.size());
-    for (std::size_t p = 0; p < charts.size(); ++p) basis.normals.push_back(charts[PatchId(p)].normal({}));
+    basis.normals = candidate_.triangulated.charts.normals(control_);
     // The input's bounding box may have corners of faces that were dropped.
     Box3 box;
     for (const Vec3& p : positions) box.add(p);

@@ -85,35 +85,50 @@ bool PatchCharts::is_triangle(PatchId p) const {
 IdVector<PatchId, Frame> PatchCharts::planes(RunControl& control) const {
   IdVector<PatchId, Frame> frames(size());
   for_blocks(size(), kItemsPerBlock, control, [&](std::size_t p, std::size_t end) {
-    for (; p < end; ++p) frames[PatchId(p)] = (*this)[PatchId(p)].plane();
+    for (; p < end; ++p) {
+      const std::uint32_t at = stored_at_[PatchId(p)];
+      frames[PatchId(p)] = at != kNone ? stored_[at].plane() : frame_of_triangle(PatchId(p));
+    }
   });
   return frames;
+}
+
+IdVector<PatchId, Vec3> PatchCharts::normals(RunControl& control) const {
+  IdVector<PatchId, Vec3> normals(size());
+  for_blocks(size(), kItemsPerBlock, control, [&](std::size_t i, std::size_t end) {
+    for (; i < end; ++i) {
+      const PatchId p(i);
+      // A projection has the normal of the patch's plane.
+      const bool is_projection = stored_at_[p] == kNone && triangle_kind_[p] != TriangleKind::kLaidOut;
+      normals[p] = is_projection ? patches_->planes[p].normal : (*this)[p].normal({});
+    }
+  });
+  return normals;
 }
 
 PatchChart PatchCharts::with_offset(PatchId p, const Frame& frame) const {
   return PatchChart(frame, plane_offset(*surface_, patches_->planes[p], frame.origin));
 }
 
-PatchChart PatchCharts::projection(PatchId p, std::span<const Vec3> points, std::span<const Edge3> edges,
-                                   double grid) const {
+Frame PatchCharts::projection(PatchId p, std::span<const Vec3> points, std::span<const Edge3> edges,
+                              double grid) const {
   // The origin is a vertex, in model units, because differences of the input's own coordinates are nearly exact.
   const Vec3 origin = *std::min_element(points.begin(), points.end());
-  return with_offset(p,
-                     make_frame(patches_->planes[p].normal, origin, points, edges, rule_.axis, rule_.direction, grid));
+  return make_frame(patches_->planes[p].normal, origin, points, edges, rule_.axis, rule_.direction, grid);
 }
 
 PatchChart PatchCharts::project(PatchId p, std::span<const Vec3> points, std::span<const Edge3> edges, double grid) {
-  const PatchChart chart = projection(p, points, edges, grid);
+  const Frame frame = projection(p, points, edges, grid);
   if (stored_at_[p] == kNone)
     triangle_kind_[p] = grid == kFineGrid ? TriangleKind::kFineGrid : TriangleKind::kCoarseGrid;
   else
-    stored_[stored_at_[p]] = chart;
-  return chart;
+    stored_[stored_at_[p]] = with_offset(p, frame);
+  return PatchChart(frame);
 }
 
 PatchChart PatchCharts::lay_out(PatchId p) {
   triangle_kind_[p] = TriangleKind::kLaidOut;
-  return layout(p);
+  return PatchChart(layout(p));
 }
 
 std::array<VertexId, 3> PatchCharts::corners_from_longest(PatchId p) const {
@@ -127,7 +142,7 @@ std::array<VertexId, 3> PatchCharts::corners_from_longest(PatchId p) const {
   return corner;
 }
 
-PatchChart PatchCharts::layout(PatchId p) const {
+Frame PatchCharts::layout(PatchId p) const {
   const std::array<VertexId, 3> corner = corners_from_longest(p);
   const Sides sides = sides_of(*surface_, corner);
   const Vec3 ab = sides.side[0], ac = -sides.side[2];
@@ -144,10 +159,10 @@ PatchChart PatchCharts::layout(PatchId p) const {
   int exponent = 0;
   std::frexp(norm(ab), &exponent);
   frame.scale = std::ldexp(sides.unit, exponent);
-  return with_offset(p, frame);
+  return frame;
 }
 
-PatchChart PatchCharts::chart_of_triangle(PatchId p) const {
+Frame PatchCharts::frame_of_triangle(PatchId p) const {
   if (triangle_kind_[p] == TriangleKind::kLaidOut) return layout(p);
   const auto loop = surface_->face(patches_->faces_of(p)[0]);
   std::array<Vec3, 3> points;

@@ -89,14 +89,18 @@ class PatchCharts {
 
   std::size_t size() const { return stored_at_.size(); }
   PatchChart operator[](PatchId p) const {
-    return stored_at_[p] != kNone ? stored_[stored_at_[p]] : chart_of_triangle(p);
+    return stored_at_[p] != kNone ? stored_[stored_at_[p]] : with_offset(p, frame_of_triangle(p));
   }
 
   /// Returns the frames of all charts, which are what the verifier gets as the pipeline's claim.
   IdVector<PatchId, Frame> planes(RunControl& control) const;
+  /// Returns the unit normals of all charts.
+  IdVector<PatchId, Vec3> normals(RunControl& control) const;
 
   /// The following functions make the chart of a patch and keep it. Different threads may do so for different patches.
-  /// The chart is a projection along the patch's normal.
+  /// What they return serves only to lay vertices into the plane.
+  ///
+  /// Makes a projection along the patch's normal.
   /// Input: the corners of the patch and the edges between them; the step of its plane coordinates (see Frame::grid).
   PatchChart project(PatchId p, std::span<const Vec3> points, std::span<const Edge3> edges, double grid);
   /// Lays a triangle into the plane along its longest side.
@@ -110,9 +114,9 @@ class PatchCharts {
   enum class TriangleKind : std::uint8_t { kCoarseGrid, kFineGrid, kLaidOut };
 
   bool is_triangle(PatchId p) const;
-  PatchChart projection(PatchId p, std::span<const Vec3> points, std::span<const Edge3> edges, double grid) const;
-  PatchChart layout(PatchId p) const;
-  PatchChart chart_of_triangle(PatchId p) const;
+  Frame projection(PatchId p, std::span<const Vec3> points, std::span<const Edge3> edges, double grid) const;
+  Frame layout(PatchId p) const;
+  Frame frame_of_triangle(PatchId p) const;
   PatchChart with_offset(PatchId p, const Frame& frame) const;
 
   const Surface* surface_ = nullptr;
