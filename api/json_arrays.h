@@ -20,8 +20,11 @@ struct NotPlain {};
 ///          kCancelled, kTimeout - through `control`.
 std::size_t read_plain_vertices(std::string_view text, std::size_t begin, const ReadLimits& limits, RunControl& control,
                                 PolygonMesh& mesh);
-/// Reads an array of faces in the same way. Each face is an array of three or more whole numbers of up to eight
-/// digits.
+/// Reads an array of faces into `mesh`. Each face is an array of three or more whole numbers of up to eight digits.
+/// Input:   `text` and `begin`, as for read_plain_vertices.
+/// Output:  the position of the closing bracket.
+/// Errors:  NotPlain - it is not such an array, or has more faces than `limits` permit or more corners than a mesh can
+///          have; kCancelled, kTimeout - through `control`.
 std::size_t read_plain_faces(std::string_view text, std::size_t begin, const ReadLimits& limits, RunControl& control,
                              PolygonMesh& mesh);
 

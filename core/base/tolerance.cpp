@@ -449,9 +449,11 @@ std::optional<Significant> significant_digits(const Coordinates& coordinates, co
   return result;
 }
 
-/// Returns whether the decimals are printed floats, with so many digits that the floats' own rounding shows. Each
-/// number must then be the decimal nearest to a float, with as many places as it has, and so many of them must agree
-/// that it is no coincidence. All numbers are multiples of `unit`.
+/// Returns whether the coordinates are floats that were printed as decimal numbers, with so many digits that their
+/// rounding to floats shows. There are two conditions. First, each coordinate must be what one gets by printing the
+/// float that is nearest to it, with as many decimal places as the coordinate has. Second, there must be so many
+/// coordinates that they cannot all be that near to a float by chance.
+/// Input: all coordinates are multiples of `unit`.
 bool are_printed_floats(const Coordinates& coordinates, double unit, Decimals decimals) {
   const auto place_of = [&](double x) { return std::max(unit, shortest(x, decimals).quantum); };
   // Counts the binary digits between the last digit of a float near x and the printed digit at `place`. So many bits

@@ -11,7 +11,8 @@ struct Vec2 {
   double x = 0;
   double y = 0;
 
-  /// Compares lexicographically, x first. This is the order of the sweep and of all ties in a patch.
+  /// Compares lexicographically, x first. The sweep that triangulates a patch (lexicographic_triangulation.h) visits
+  /// the points in this order. The same order decides between points of a patch wherever nothing else does.
   friend constexpr auto operator<=>(const Vec2&, const Vec2&) = default;
   friend constexpr Vec2 operator+(Vec2 a, Vec2 b) { return {a.x + b.x, a.y + b.y}; }
   friend constexpr Vec2 operator-(Vec2 a, Vec2 b) { return {a.x - b.x, a.y - b.y}; }

@@ -33,7 +33,9 @@ Vec3 orthogonal_part(const Vec3& direction, const Vec3& normal) {
   const Vec3 unit = normalized(direction);
   const Vec3 part = unit - dot(unit, normal) * normal;
   if (norm(part) < 1e-3) return {};
-  // This is done twice: the error of the first result is rounding divided by its own length.
+  // The part may be short, and then its rounding errors are large relative to its length. So `first` may be slightly
+  // off the plane that is orthogonal to `normal`. Its component along `normal` is therefore subtracted again. This time
+  // the vector has length one, so the errors stay as small as its rounding.
   const Vec3 first = normalized(part);
   return normalized(first - dot(first, normal) * normal);
 }

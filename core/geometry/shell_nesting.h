@@ -18,15 +18,17 @@
 namespace remesh {
 
 /// The closed shells that enclose a volume, from outside in.
+/// This class is larger than the bound because all its steps read and correct one forest of nests. Three steps need the
+/// same tree and the same boxes: to find the nests in boxes, to look for the nearest shell, and to correct links. (The
+/// bound is on the size of classes, see tests/tools/class_sizes.py.)
 /// Input:   three corners per face; coordinates within [-2^250, 2^250]. The arguments must outlive this object.
 /// Holds:   the result is right if shells do not cross each other, whether they touch or not. Which of two shells is
 ///          nearer to a third one is decided up to rounding. The result is the same for any number of threads and any
 ///          order of the faces.
-/// Cost:    O(n) if no shell's box lies in another's. Otherwise O(n log n) for a tree, and for each shell in the box of
-///          another one the number of faces on the way from it to the nearest shell that is not in it. If that shell
-///          crosses others, the number of faces on the way to the nearest larger one.
-/// This class is larger than the bound because all its steps read and correct one forest of nests: to find the nests in
-/// boxes, to look for the nearest shell, and to correct links need the same tree and the same boxes.
+/// Cost:    O(n) for n faces if no shell's box lies in the box of another shell. Otherwise a tree of the faces takes
+///          O(n log n). Each shell whose box lies in another one's box then takes time in proportion to the number of
+///          faces on the way from it to the nearest shell that does not lie in it. If that nearest shell crosses a
+///          third one, the faces on the way to the nearest larger shell may be added.
 class ShellNesting {
  public:
   /// The shells in one place. There is one in nearly all cases, and several if shells coincide.
@@ -46,10 +48,12 @@ class ShellNesting {
   bool is_place_in_doubt(std::uint32_t shell) const;
 
  private:
-  /// A shell from which it follows where another shell lies. It is the nearest such shell, seen from the other one.
+  /// This tells where a shell lies, by its position relative to a second shell. The second shell is the nearest one
+  /// from which the place of the first shell follows.
   struct Link {
-    std::uint32_t nest = kNone;
-    bool is_within = false;  ///< true: it contains the other shell; false: both lie in the same nest
+    std::uint32_t nest = kNone;  ///< the nest of the second shell; kNone if there is no such shell
+    /// True if the first shell lies in the second one. False if both lie in the same third shell, or in none.
+    bool is_within = false;
   };
   struct Samples;
   /// The shells whose faces count when a link is looked for: all from which it may follow, or only those that may

@@ -20,7 +20,9 @@ constexpr std::size_t kMaxAround = 8;
 
 constexpr std::size_t kBlock = 4096;
 
-/// Collects distances that differ by more than their own rounding, up to the number that separates noise from shape.
+/// Collects the amounts by which faces bend, as distances. Amounts that differ by less than about one part in a
+/// thousand may count as one. No more than kBendsOfNoise different amounts are collected, because so many are enough to
+/// prove that the bends are noise and not part of the shape.
 class DifferentBends {
  public:
   void add(double distance, double floor, double tolerance) {

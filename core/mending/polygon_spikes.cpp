@@ -36,8 +36,8 @@ bool may_have_spikes(std::span<const Vec3> points, double tolerance, const RunCo
 /// The corners of a polygon as a ring from which corners can be removed.
 class Ring {
  public:
-  /// `leaves` is empty or has one flag per corner: 1 makes the tip of an exact reversal go, even if such tips stay
-  /// otherwise.
+  /// `leaves` is empty or has one flag per corner. With Reversals::kKeep, the tip of an exact reversal is cut off if
+  /// its flag is 1. The tips of all other exact reversals stay.
   Ring(std::span<const Vec3> points, double tolerance, Reversals reversals, std::span<const std::uint8_t> leaves = {})
       : points_(points),
         tolerance_(tolerance),

@@ -32,7 +32,9 @@ class Ladder {
   std::vector<FaceId> step(const PatchSet& patches, const BoundaryLoops& loops, const Adjacency& adjacency,
                            const std::vector<FailedPatch>& failed, Regions& regions);
 
-  /// The zone of each face; empty if all faces are in one zone.
+  /// Returns the zone of each face. Faces may share a region only if they are in the same zone. At first the zone of a
+  /// face is its label. Each patch that fails then gets a new zone for its faces. The result is empty if all faces are
+  /// in one zone.
   const IdVector<FaceId, std::uint32_t>& zone() const { return zone_.empty() ? surface_.face_label : zone_; }
   const IdVector<FaceId, std::uint8_t>& rung() const { return rung_; }
   PatchReason reason(FaceId f) const { return reason_.empty() ? PatchReason::kNone : reason_[f]; }

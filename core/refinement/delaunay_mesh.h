@@ -106,10 +106,12 @@ class DelaunayMesh {
   static bool is_constrained(const RimEdge& e) { return (e.outside & kConstraint) != 0; }
   static std::uint32_t side(const RimEdge& e) { return e.outside & ~kConstraint; }
 
-  /// Cuts the edge of a side at p, which lies on the edge up to rounding. The side keeps the half from its half-edge's
-  /// start to p. The other half gets a new side, `side_count() - 1`. If p is a vertex already, because the other side
-  /// of a slit was cut, `vertex` names it; otherwise it is kNone. Returns the vertex. Returns kNone, with nothing
-  /// changed, if rounding leaves no room for p.
+  /// Cuts a constrained edge at p. `side` is a side of that edge, and p lies on the edge up to rounding. The half-edge
+  /// of the side is divided: the part from its start to p keeps the number `side`, and the part from p to its end gets
+  /// a new number, `side_count() - 1`.
+  /// A slit has a side on each of its two half-edges, and each side is cut by a call of its own. In the second of these
+  /// calls, `vertex` is the vertex that the first one made at p. In all other calls it is kNone.
+  /// Returns: the vertex at p; kNone, with nothing changed, if rounding leaves no room for p.
   std::uint32_t cut(std::uint32_t side, Vec2 p, std::uint32_t vertex = kNone);
 
   /// Removes a vertex that has no constrained edge. The next new vertex gets its number.

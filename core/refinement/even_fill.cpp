@@ -207,7 +207,8 @@ class Lattice {
     if (is_even_) fit_columns(std::ceil(width_ / edge_ * kRelativeSlack));
   }
 
-  /// Fits a lattice of one size to the vertices along the box's lower and upper side.
+  /// Fits the lattice to the vertices along the lower and the upper side of the box, so that the points of the lattice
+  /// are in step with them. If the lattice has cells of several sizes, nothing changes.
   void match(std::span<const Vec2> vertices) {
     if (!is_even_) return;
     const SideRow lower(vertices, low_, width_, edge_), upper(vertices, low_ + Vec2{0, height_}, width_, edge_);
@@ -232,8 +233,9 @@ class Lattice {
     Cells all(memory), cover(memory);
     all.triangles.resize(triangles_.size());
     std::iota(all.triangles.begin(), all.triangles.end(), 0u);
-    // The origin of the lattice is the lower left corner of the box. Rows lean to the right, so the cells begin to the
-    // left of it.
+    // The origin of the lattice is at the lower left corner of the box, or half a column to the left of it. Each row of
+    // the lattice begins further to the right than the row below it. So there must also be cells to the left of the
+    // origin: they cover the upper left part of the box.
     const double extent = 2 * std::max(width_, height_);
     const int levels_above = std::max(0, std::ilogb(extent / std::min(along_.x, up_.y)) + 1);
     const double share = std::ldexp(1.0, levels_above);

@@ -212,9 +212,10 @@ class PatchPrediction {
 /// the pieces themselves it never matters.
 constexpr double kSizesOverFloor = 64;
 constexpr double kSizesOverRounding = 8;
-/// Where a floor matters, triangles that cannot be split because of it have up to this many times the area of an
-/// equilateral triangle with edges of the floor's length. A point in the middle of a larger triangle is farther from
-/// its corners, and from the pieces that cannot be cut.
+/// Points must not come nearer to each other than the floor. So a triangle may be too small to be split by a point
+/// inside. Such a triangle has at most this many times the area of an equilateral triangle whose edges are as long as
+/// the floor. In a larger triangle, a point in the middle is further than the floor from the corners, and far enough
+/// from pieces of segments that cannot be cut.
 constexpr double kLeftBesideFloor = 16;
 /// A patch where a floor matters, or with segments that stay, counts as filled only if it would have more faces than
 /// this. Fewer faces are made as well as it goes, and do no harm.

@@ -273,7 +273,8 @@ void SizeField::Sampler::sample_segments(std::span<const std::array<VertexId, 2>
     FloatBox box;
     box.add(a);
     box.add(b);
-    // Rounding must not make a segment longer than the size that it asks for itself.
+    // The segment asks for edges of its own length around it. The sample is a little longer than that. Otherwise
+    // rounding could make the size at the segment smaller than its length, and the segment itself would be too long.
     samples_.push_back({entry(box, length * (1 + 2 * kNoise)), {}, {a, b}});
   }
 }

@@ -147,8 +147,10 @@ std::optional<bool> is_odd_across(const SegmentTable& table, const Pair& sides, 
   const Vec3 here = table.position(sides[0], 0.5);
   const Vec3 there = nearest_on_segment(here, table.position(sides[1], 0), table.position(sides[1], 1));
   const double width = norm(there - here);
-  // The strip is as wide as long, such as the rim of a wall. There it is best if points lie opposite each other, and if
-  // the lattices on the two sides of the wall do so, too.
+  // A strip of this width is like a row of squares: it is about as wide as one edge along its side is long. The rim of
+  // a wall is such a strip. It is refined best if the points on its two sides lie opposite each other, and if the
+  // lattices on the two faces of the wall, beyond these sides, lie opposite each other as well. So the strip is treated
+  // as if it had an even number of rows.
   const double size_of_side = sizes.at(here);
   if (width > kRow * size_of_side && width <= kRim * size_of_side) return false;
   // Rows are as high as the slanting edges allow.

@@ -30,7 +30,8 @@ UnrefinedFaces find_unrefined(std::span<const Vec3> positions, std::span<const T
                               std::span<const UnrefinedReason> reason, std::span<const std::uint8_t> misses_sizes,
                               const Goals& goals, RunControl& control);
 
-/// Groups the same triangles by reason, with their places.
+/// Groups by reason the triangles that find_unrefined found. For each reason, counts the triangles and lists the
+/// centroids of the first ones.
 /// Errors: kCancelled, kTimeout - asked to stop through `control`.
 std::vector<Unrefined> summarise_unrefined(const UnrefinedFaces& unrefined, std::span<const Vec3> positions,
                                            std::span<const Triangle> faces, RunControl& control);

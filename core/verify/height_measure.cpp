@@ -138,7 +138,9 @@ class HeightMeasure {
     for (int i = 0; i < 3; ++i) {
       const Vec2 from = facet[(i + 1) % 3].at, side = facet[(i + 2) % 3].at - from;
       weight[i] = cross(side, probe.at - from);
-      // This tests if the probe is outside by more than the grid's rounding.
+      // A negative weight means that the probe is on the outer side of this edge of the triangle. The probe may be
+      // there because coordinates are rounded to the grid. Only a probe that is further out than that is outside the
+      // triangle.
       if (weight[i] < -2 * (grid_ + 0x1p-50) * norm(side)) return HUGE_VAL;
       weight[i] = std::max(weight[i], 0.0);
       sum += weight[i];

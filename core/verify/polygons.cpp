@@ -97,8 +97,10 @@ class PolygonCheck {
     return outline && simple(*std::move(outline)).is_simple(control_);
   }
 
-  /// Compares the faces that were made of a polygon with its outline.
-  /// Output: the outline, if the faces do not cover what it encloses. This is wrong if the outline is simple.
+  /// Compares the faces that were made of a polygon with the polygon's outline.
+  /// Output: the outline, if the faces do not cover exactly what it encloses; nothing if they do, or if the polygon is
+  ///         too bent to judge. Faces that do not cover it are a fault if the outline is simple. If it touches or
+  ///         crosses itself, they may be right.
   std::optional<Outline> outline_in_doubt(const PolygonFaces& faces, StopCheck& check) const {
     std::vector<Vec3> loop, face;
     for (const VertexId v : claim_.input->face(faces.source)) {
