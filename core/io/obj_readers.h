@@ -10,8 +10,9 @@
 namespace remesh {
 
 /// Reads text that consists of plain records only, in chunks of whole lines, on the caller's TBB arena.
-/// Output:  the same as read_obj_full_grammar, for any number of threads. It is nothing if anything in the text is unusual
-///          (such as a continued line) or wrong; read_obj_full_grammar can then read it or report the error with its line.
+/// Output:  the same as read_obj_full_grammar, for any number of threads. It is nothing if anything in the text is
+///          unusual (such as a continued line) or wrong; read_obj_full_grammar can then read it or report the error
+///          with its line.
 /// Errors:  kCancelled, kTimeout - through `control`.
 /// Cost:    O(text); each byte is read once.
 std::optional<ReadResult> read_obj_fast_path(std::string_view text, const ReadLimits& limits, RunControl& control);

@@ -13,20 +13,20 @@
 namespace remesh {
 
 /// Mends the faces of a welded surface.
-/// Input:   `plane_tolerance` is in local units. `keep_verbatim` has one entry per input face, or is empty. A face with 1
-///          there must not become a polygon and must not get another vertex; later stages ask for this if a polygon
+/// Input:   `plane_tolerance` is in local units. `keep_verbatim` has one entry per input face, or is empty. A face with
+///          1 there must not become a polygon and must not get another vertex; later stages ask for this if a polygon
 ///          turned out to have no triangulation of its own. `possible_rounding` is, in local units, how far a rounding
 ///          that is not proven may have moved the corners. A polygon that crosses itself is searched again for spikes
 ///          within this distance before it is cut into a fan.
 /// Output:  a surface that satisfies all that Surface promises. A polygon is replaced by triangles if it is not planar
-///          within the tolerance, crosses itself in its plane, touches itself, or is marked in `keep_verbatim`. No cut is an
-///          edge of another face (see PolygonCuts), which may take new vertices. A corner that repeats the one before
-///          it is dropped. Counts nonplanar_polygon and zero_area_face. Other faces that lost a repeated corner are
-///          counted as duplicate_vertex.
+///          within the tolerance, crosses itself in its plane, touches itself, or is marked in `keep_verbatim`. No cut
+///          is an edge of another face (see PolygonCuts), which may take new vertices. A corner that repeats the one
+///          before it is dropped. Counts nonplanar_polygon and zero_area_face. Other faces that lost a repeated corner
+///          are counted as duplicate_vertex.
 /// Holds:   a closed surface stays closed. When a zero-area face is dropped, the vertices on its longest edges are
 ///          handed to the faces beyond these edges, so that each edge still meets its counterpart. A zero-area face is
-///          not dropped if one of the faces that would get its vertices is marked in `keep_verbatim`, or if `degenerate` is
-///          Mend::kNo and it has three corners left.
+///          not dropped if one of the faces that would get its vertices is marked in `keep_verbatim`, or if
+///          `degenerate` is Mend::kNo and it has three corners left.
 /// Returns: whether anything had to be mended. If not, faces, corners and vertices are unchanged.
 /// Errors:  kEmptyMesh - no face has an area; kInvalidMesh - zero-area faces nest so deeply that mending them would
 ///          multiply the mesh.

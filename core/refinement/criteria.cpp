@@ -11,9 +11,9 @@ namespace {
 /// space in the end, on rounded coordinates.
 constexpr double kAngleMargin = 0.01;
 /// An off-centre lies at kOffCentre times the height at which the new triangle just meets the bound, and lower places
-/// are tried too. This takes fewer faces than the best single height, kOnlyOffCentre. Where sizes vary, only that single
-/// height is used: more angles near the bound would be worse for the tetrahedra behind thin walls. See experiments.md,
-/// Off-centres.
+/// are tried too. This takes fewer faces than the best single height, kOnlyOffCentre. Where sizes vary, only that
+/// single height is used: more angles near the bound would be worse for the tetrahedra behind thin walls. See
+/// experiments.md, Off-centres.
 constexpr double kOffCentre = 0.97;
 constexpr double kOnlyOffCentre = 0.85;
 

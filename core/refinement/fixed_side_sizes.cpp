@@ -9,8 +9,8 @@ namespace remesh {
 namespace {
 
 constexpr double kMinDegrees = 20;
-/// The slope of shrinking sizes is this multiple of the slope of the best graded triangles. If it were smaller, too much
-/// would stay coarse; if it were larger, there would be flat triangles. See experiments.md, Fixed sides.
+/// The slope of shrinking sizes is this multiple of the slope of the best graded triangles. If it were smaller, too
+/// much would stay coarse; if it were larger, there would be flat triangles. See experiments.md, Fixed sides.
 constexpr double kSteeper = 1.5;
 
 Vec3 in_space(Vec2 p) { return {p.x, p.y, 0}; }

@@ -63,8 +63,8 @@ class GoalRefinement {
   /// first attempt has no budget as long as it does not make far more triangles than allowed: many of them are removed
   /// when patches are thinned out, so they are no reason to leave anything undone. The next attempt may exceed its
   /// budget by cuts that patches have to make because their neighbours made them, by points in chords, or by cuts for
-  /// sizes alone. Then the attempt after it gets a smaller budget. If that does not help, or not soon enough, nothing is
-  /// refined.
+  /// sizes alone. Then the attempt after it gets a smaller budget. If that does not help, or not soon enough, nothing
+  /// is refined.
   bool is_over_budget(std::uint64_t faces);
 
   /// Freezes patches whose refinement failed the check: they stay as they were before it. Returns whether any of them
@@ -87,9 +87,9 @@ class GoalRefinement {
   static constexpr double kHopeless = 2, kFewFaces = 0x1p17;
   static constexpr int kMaxRetries = 6;
   static constexpr int kRetriesInVain = 3;  ///< a retry that made no fewer faces counts as so many
-  /// One kReserve-th of the faces allowed is reserved for what comes when the budget is spent: cuts that neighbours made,
-  /// and points in chords. Without it, the result might exceed the limit, and another attempt would take as long as the
-  /// first.
+  /// One kReserve-th of the faces allowed is reserved for what comes when the budget is spent: cuts that neighbours
+  /// made, and points in chords. Without it, the result might exceed the limit, and another attempt would take as long
+  /// as the first.
   static constexpr std::uint64_t kReserve = 1024;
   bool is_budget_too_small() const { return retries_ > kMaxRetries; }
   /// Returns the size field. It is the same for all attempts at the same patches.

@@ -29,8 +29,8 @@ UnrefinedReason why_near(MinSpacing spacing);
 /// min_edge_length allows it.
 UnrefinedReason stronger(UnrefinedReason a, UnrefinedReason b);
 
-/// This object has the pieces of a patch's boundary, and the segments that meet at its corners. A piece is a side of the
-/// patch's mesh and has the side's number. The two sides of a slit have the same pieces.
+/// This object has the pieces of a patch's boundary, and the segments that meet at its corners. A piece is a side of
+/// the patch's mesh and has the side's number. The two sides of a slit have the same pieces.
 class PatchBoundary {
  public:
   struct Side {

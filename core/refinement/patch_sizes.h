@@ -17,8 +17,9 @@
 
 namespace remesh {
 
-/// This object knows the sizes that triangles of one patch may have. All lengths and places are in the patch's plane. If
-/// sides that are longer than allowed stay as they are, triangles beside them are allowed to be larger than elsewhere.
+/// This object knows the sizes that triangles of one patch may have. All lengths and places are in the patch's plane.
+/// If sides that are longer than allowed stay as they are, triangles beside them are allowed to be larger than
+/// elsewhere.
 class PatchSizes {
  public:
   /// Edges may be longer than their size by this factor, because of rounding.

@@ -50,9 +50,10 @@ enum class Lock : std::uint8_t {
 struct BoundarySegment {
   VertexId from, to;  ///< ordered by position, the smaller one first
   double length = 0;  ///< the length of its curve
-  /// There is one entry per end (SegmentEnd::place). Pieces at an end are cut on the shells with the radii base * 2^k, so that segments
-  /// which meet at a small angle are cut alike. The base is 0 if no other segment is near there. Otherwise it is a
-  /// third of the shortest of these segments or, where sizes vary, the first distance of their CornerShells.
+  /// There is one entry per end (SegmentEnd::place). Pieces at an end are cut on the shells with the radii base * 2^k,
+  /// so that segments which meet at a small angle are cut alike. The base is 0 if no other segment is near there.
+  /// Otherwise it is a third of the shortest of these segments or, where sizes vary, the first distance of their
+  /// CornerShells.
   std::array<double, 2> shell_base{0, 0};
   EvenParts parts;              ///< used where there are no shells
   double floor = 0;             ///< no piece becomes shorter than this
