@@ -15,7 +15,7 @@ import subprocess
 import sys
 import tempfile
 
-BOUND = 0.05
+BOUND = 0.03
 
 
 def count(program, case):
