@@ -27,19 +27,15 @@ struct ProjectionRule {
 };
 
 /// A map between a patch in space and a plane. It is a small value. Places in the plane have coordinates within [-1, 1]
-/// that are multiples of `grid()`; lengths in space are in model units.
+/// that are multiples of `grid()`; lengths in space are in model units. All charts are those of planes so far, and the
+/// verifier has a proof for planes alone.
 class PatchChart {
  public:
-  /// The kind of the surface that the chart belongs to. The verifier chooses its proof by it.
-  enum class Kind : std::uint8_t { kPlane };
-
   PatchChart() = default;
   /// Makes the chart of a plane.
   /// Input: `offset` is the way from the frame's plane, whose origin is a vertex, to the plane that fits the patch
   ///        best. It is null if the two planes are the same up to rounding.
   explicit PatchChart(const Frame& frame, const Vec3& offset = {}) : frame_(frame), offset_(offset) {}
-
-  Kind kind() const { return Kind::kPlane; }
 
   /// Returns the place of a point in the plane, rounded to the grid.
   Vec2 to_plane(const Vec3& position) const { return remesh::to_plane(frame_, position); }
@@ -98,7 +94,7 @@ class PatchCharts {
   IdVector<PatchId, Vec3> normals(RunControl& control) const;
 
   /// The following functions make the chart of a patch and keep it. Different threads may do so for different patches.
-  /// What they return serves only to lay vertices into the plane.
+  /// Their results serve only to lay vertices into the plane.
   ///
   /// Makes a projection along the patch's normal.
   /// Input: the corners of the patch and the edges between them; the step of its plane coordinates (see Frame::grid).

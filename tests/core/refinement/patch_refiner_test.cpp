@@ -193,7 +193,7 @@ TEST(patch_refiner, cuts_of_others_are_applied_each_once) {
 }
 
 TEST(patch_refiner, the_cuts_of_two_patches_are_of_one_tree) {
-  // Whatever two patches ask for first, their cuts fit together: if either applies the other's cuts, both end alike.
+  // The cuts of two patches fit together: if either applies the cuts of the other, both end alike.
   Subject subject(shapes::box({10, 1, 0.3}), with_angle(30));
   std::vector<std::vector<Cut>> own;
   for (std::uint32_t p = 0; p < 6; ++p) {
