@@ -30,7 +30,7 @@ constexpr std::array<Word<Repair>, 6> kRepairWords{{{"duplicates", &Repair::dupl
 constexpr std::array<Word<Barriers>, 3> kBarrierWords{
     {{"object", &Barriers::object}, {"group", &Barriers::group}, {"material", &Barriers::material}}};
 
-const std::array<OptionSpec, 20> kTable{{
+const std::array<OptionSpec, 21> kTable{{
     {.name = "refine",
      .type = OptionType::kBoolean,
      .field = &Options::refine,
@@ -115,6 +115,12 @@ const std::array<OptionSpec, 20> kTable{{
              "coordinates explains, from 1e-9 to 1e-4 of the bounding box's diagonal",
      .unset = "auto",
      .example = "1e-5"},
+    {.name = "feature_angle_deg",
+     .type = OptionType::kNumber,
+     .field = &Options::feature_angle_deg,
+     .help = "edges where facets turn by more than this, in degrees, are features; facets that meet at a smaller angle "
+             "may be pieces of one curved surface; 0: each facet is its own surface",
+     .example = "40"},
     {.name = "normal_tolerance",
      .type = OptionType::kNumber,
      .field = &Options::normal_tolerance,

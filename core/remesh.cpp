@@ -34,6 +34,7 @@
 #include "core/patches/ladder.h"
 #include "core/patches/partition.h"
 #include "core/patches/patch_meshing.h"
+#include "core/patches/surface_recognition.h"
 #include "core/refinement/chords.h"
 #include "core/refinement/gap_search.h"
 #include "core/refinement/goal_refinement.h"
@@ -149,10 +150,30 @@ class Run {
     ladder_.emplace(surface(), prepared_.without_area);
     if (options_.keep_boundary_vertices) ladder_->forced().assign(surface().vertex_count(), 1);
     are_input_intersections_known_ = false;
+    are_surfaces_known_ = false;
   }
 
   void find_patches() {
+    const PatchSet before = std::move(partition_.patches);
     partition_ = make_partition(prepared_, report_.plane_tolerance, options_, *ladder_, regions_, watch_, control_);
+    watch_.enter(Stage::kSurfaces);
+    if (are_surfaces_known_)
+      report_.surfaces.follow(before, partition_.patches);
+    else
+      recognise();
+  }
+
+  /// Finds what the facets were made from. The patches are those of the input, before the ladder has split any.
+  void recognise() {
+    std::optional<EssentialVertices> unforced;
+    if (options_.keep_boundary_vertices)
+      unforced = essential_vertices(surface(), adjacency(), partition_.loops,
+                                    IdVector<VertexId, std::uint8_t>(surface().vertex_count(), 0),
+                                    prepared_.pinched(control_), report_.plane_tolerance / surface().unit, control_);
+    report_.surfaces = recognise_surfaces({surface(), adjacency(), partition_.patches, partition_.loops,
+                                           unforced ? *unforced : partition_.essential, partition_.summaries.patches},
+                                          {options_.feature_angle_deg, report_.rounding_step}, control_);
+    are_surfaces_known_ = true;
   }
 
   void triangulate() {
@@ -389,6 +410,7 @@ class Run {
   std::optional<GoalRefinement> refiner_;   ///< belongs to the prepared surface
   FoundIntersections input_intersections_;  ///< belongs to the prepared surface
   bool are_input_intersections_known_ = false;
+  bool are_surfaces_known_ = false;
   Regions regions_;
   Partition partition_;
   Candidate candidate_;

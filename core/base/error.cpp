@@ -34,6 +34,7 @@ std::string_view stage_name(Stage stage) {
     case Stage::kPatches: return "patches";
     case Stage::kLoops: return "loops";
     case Stage::kEssentialVertices: return "essential_vertices";
+    case Stage::kSurfaces: return "surfaces";
     case Stage::kTriangulation: return "triangulation";
     case Stage::kRefinement: return "refinement";
     case Stage::kAssembly: return "assembly";

@@ -41,6 +41,7 @@ enum class Stage {
   kPatches,
   kLoops,
   kEssentialVertices,
+  kSurfaces,
   kTriangulation,
   kRefinement,
   kAssembly,

@@ -15,7 +15,7 @@ namespace {
 constexpr NumberRange kAboveZero{.minimum = 0, .above_minimum = true};
 constexpr NumberRange kNotNegative{.minimum = 0};
 
-constexpr std::array<NumberOption, 12> kNumberOptions{{
+constexpr std::array<NumberOption, 13> kNumberOptions{{
     {"min_angle_deg", &Options::min_angle_deg, {.minimum = 0, .maximum = Options::kMaxMinAngleDeg}},
     // The minimum is 1 / (2 sin 33 degrees), cut after three decimals.
     {"max_radius_edge_ratio", &Options::max_radius_edge_ratio, {.minimum = 0.918}},
@@ -27,6 +27,7 @@ constexpr std::array<NumberOption, 12> kNumberOptions{{
     {"gradation", &Options::gradation, {.minimum = 1, .above_minimum = true}},
     {"max_output_faces", &Options::max_output_faces, {.minimum = 1}},
     {"plane_tolerance", &Options::plane_tolerance, kAboveZero},
+    {"feature_angle_deg", &Options::feature_angle_deg, {.minimum = 0, .maximum = 180}},
     {"normal_tolerance", &Options::normal_tolerance, {.minimum = 0, .maximum = 0.5}},
     {"weld_tolerance", &Options::weld_tolerance, kNotNegative},
 }};

@@ -12,6 +12,7 @@
 #include "core/mesh/statistics.h"
 #include "core/output/volume_obstacle.h"
 #include "core/patches/patch_summary.h"
+#include "core/patches/recognised_surfaces.h"
 #include "core/refinement/unrefined_reason.h"
 #include "core/verify/verdict.h"
 
@@ -34,6 +35,7 @@ struct Report {
   /// The point to which the written coordinates are relative; empty if they are the model's own.
   std::optional<Vec3> output_origin;
   std::vector<PatchSummary> patches;
+  RecognisedSurfaces surfaces;  ///< those of the input; `of_patch` has one entry per item of `patches`
   std::vector<Diagnostic> diagnostics;
   std::vector<VolumeObstacle> volume_obstacles;  ///< those of the result; for an analysis, those of the input as mended
   std::uint64_t predicted_faces = 0;

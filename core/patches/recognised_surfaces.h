@@ -1,0 +1,65 @@
+/// What the facets of a mesh were made from: the surfaces that were recognised, and which patch belongs to which.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "core/base/ids.h"
+#include "core/base/vec.h"
+#include "core/geometry/analytic_surface.h"
+#include "core/geometry/patch_set.h"
+
+namespace remesh {
+
+struct SurfaceTag {
+  static constexpr char kPrefix = 's';
+};
+using SurfaceId = Id<SurfaceTag>;
+
+/// The reason why the facets of a free region belong to no surface.
+enum class FreeReason : std::uint8_t {
+  kNone,
+  kNoKindFits,  ///< no kind comes within the tolerance of all vertices
+  kFewFacets,   ///< a kind fits, but so few facets prove nothing
+  kUnevenFacets  ///< a kind fits all vertices, but the facets are cut so unevenly that they are probably meant to be flat
+};
+
+/// The stable name of a reason.
+std::string_view reason_name(FreeReason reason);
+
+/// A surface from which some facets were made, or a free region, for which no kind of surface was found. All lengths
+/// are in model units.
+struct RecognisedSurface {
+  AnalyticSurface shape;
+  /// Revolution: the outline that turns around the axis, as a line through (distance from the axis, height above
+  /// `shape.origin` along the axis). It is empty for all other kinds.
+  std::vector<Vec2> profile;
+  std::uint64_t patches = 0;
+  std::uint64_t faces = 0;  ///< faces of the input
+  double area = 0;          ///< area of the facets
+  double input_chord_height =
+      0;                      ///< largest distance of the input's facets from the surface; 0 for planes and free ones
+  double input_turn_deg = 0;  ///< largest angle by which the surface turns along an edge of a facet
+  double sweep_deg = 0;       ///< how much of a full turn around the axis the facets cover; 360 if all of it
+  double tolerance = 0;       ///< all essential vertices lie within this distance of the surface
+  double deviation = 0;       ///< the largest distance of an essential vertex from the surface
+  bool is_hollow = false;     ///< the facets face the axis or the centre: a hole rather than a shaft
+  Box3 extent;                ///< the bounding box of the facets
+  // The following are for free regions only.
+  FreeReason reason = FreeReason::kNone;
+  SurfaceKind nearest_kind = SurfaceKind::kFree;  ///< the kind that fits best, or kFree if none could be fitted
+  double nearest_deviation = 0;  ///< the largest distance of a vertex from the best surface of that kind
+};
+
+/// The surfaces of a mesh. They are ordered by kind, then from large to small, so that the order depends on geometry
+/// alone.
+struct RecognisedSurfaces {
+  IdVector<SurfaceId, RecognisedSurface> surfaces;
+  IdVector<PatchId, SurfaceId> of_patch;  ///< every patch belongs to one
+
+  /// Gives the same surfaces to other patches of the same faces. Each belongs to the surface of its first face.
+  void follow(const PatchSet& before, const PatchSet& now);
+};
+
+}  // namespace remesh
